@@ -1,0 +1,1 @@
+//! arcline-instruction-set.
