@@ -1,1 +1,3 @@
 //! arcline-motion.
+
+pub mod machine;

@@ -1,0 +1,257 @@
+//! The machine: which axes and coordinate systems there are, and what they can do.
+//!
+//! It is what `arcline-config` makes of a configuration and what the controller is built from. It holds
+//! nothing that changes while the machine runs: positions and states are the controller's.
+//!
+//! Units: positions in the axis's own units (u), speeds u/s, rates u/s², jerks u/s³, times in
+//! nanoseconds or seconds as named. Places (`u16`) count from 0 in configuration order.
+
+/// Largest number of axes of one machine.
+pub const MAX_AXES: usize = 256;
+
+/// Largest number of coordinate systems of one machine.
+pub const MAX_SYSTEMS: usize = 64;
+
+/// Largest number of transforms of one machine.
+pub const MAX_TRANSFORMS: usize = 64;
+
+/// Largest number of primary axes of one coordinate system.
+pub const MAX_PRIMARY_AXES: usize = 3;
+
+/// Deepest queue of pending moves behind the active one.
+pub const MAX_QUEUE_DEPTH: usize = 1000;
+
+/// Everything there is to control.
+///
+/// Whoever makes one keeps these promises, on which the controller relies: names are unique without
+/// regard to case among group, axes, systems and transforms; every place (`CoordinateSystem::axes`,
+/// `Transform::source`) exists; numbers are finite and within what their fields say.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Machine {
+    /// Coarse update period: the length of one tick, 250,000 to 32,000,000 ns.
+    pub period_ns: u64,
+    /// Name of the motion group.
+    pub group: String,
+    /// The axes, at most [`MAX_AXES`].
+    pub axes: Vec<Axis>,
+    /// The coordinate systems, at most [`MAX_SYSTEMS`].
+    pub systems: Vec<CoordinateSystem>,
+    /// The transforms that MCT may turn on, at most [`MAX_TRANSFORMS`].
+    pub transforms: Vec<Transform>,
+}
+
+impl Machine {
+    /// Coarse update period in seconds.
+    pub fn period(&self) -> f64 {
+        // Exact: the period is far below 2^53 ns.
+        self.period_ns as f64 / 1e9
+    }
+
+    /// Place of the axis of that name, case ignored.
+    pub fn axis(&self, name: &str) -> Option<u16> {
+        place(self.axes.iter().map(|axis| axis.name.as_str()), name)
+    }
+
+    /// Place of the coordinate system of that name, case ignored.
+    pub fn system(&self, name: &str) -> Option<u16> {
+        place(self.systems.iter().map(|system| system.name.as_str()), name)
+    }
+
+    /// Place of the transform of that name, case ignored.
+    pub fn transform(&self, name: &str) -> Option<u16> {
+        place(self.transforms.iter().map(|transform| transform.name.as_str()), name)
+    }
+
+    /// Whether the motion group has that name, case ignored.
+    pub fn is_group(&self, name: &str) -> bool {
+        self.group.eq_ignore_ascii_case(name)
+    }
+}
+
+/// One axis (axis-and-data-types.md §9.1 to §9.3).
+#[derive(Clone, PartialEq, Debug)]
+pub struct Axis {
+    /// Name, the axis's tag.
+    pub name: String,
+    /// What stands behind it.
+    pub kind: AxisKind,
+    /// Label of its position units, such as `mm`.
+    pub units: String,
+    /// 100 % of speed, above 0, u/s.
+    pub max_speed: f64,
+    /// 100 % of acceleration, above 0, u/s².
+    pub max_acceleration: f64,
+    /// 100 % of deceleration, u/s². 0 is possible: instructions that need it err with 54.
+    pub max_deceleration: f64,
+    /// 100 % of acceleration jerk, above 0, u/s³.
+    pub max_acceleration_jerk: f64,
+    /// 100 % of deceleration jerk, u/s³. 0 is possible: S-curves then err with 76.
+    pub max_deceleration_jerk: f64,
+    /// Soft travel limits; `None`: unchecked. Never together with `unwind`.
+    pub travel: Option<Travel>,
+    /// Length of one turn of a rotary axis, above 0; `None`: a linear axis.
+    pub unwind: Option<f64>,
+    /// State at start-up.
+    pub start: Start,
+}
+
+impl Axis {
+    /// Whether its position rolls over.
+    pub fn is_rotary(&self) -> bool {
+        self.unwind.is_some()
+    }
+
+    /// Whether it has no drive.
+    pub fn is_virtual(&self) -> bool {
+        matches!(self.kind, AxisKind::Virtual)
+    }
+}
+
+/// What stands behind an axis.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum AxisKind {
+    /// A simulated servo drive; the axis is an AXIS_CIP_DRIVE.
+    Servo(Drive),
+    /// Nothing: actual is command; the axis is an AXIS_VIRTUAL.
+    Virtual,
+}
+
+/// A simulated servo drive.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Drive {
+    /// Bandwidth of the position loop, above 0, Hz.
+    pub position_bandwidth_hz: f64,
+    /// Share of the command velocity that is fed forward: 0 lags by velocity / bandwidth, 1 does not. 0 to 1.
+    pub velocity_feedforward: f64,
+    /// Position error above which the drive faults, u; 0 switches the check off (axis-and-data-types.md §9.3).
+    pub position_error_tolerance: f64,
+}
+
+impl Default for Drive {
+    fn default() -> Self {
+        Self { position_bandwidth_hz: 40.0, velocity_feedforward: 1.0, position_error_tolerance: 5.0 }
+    }
+}
+
+/// Soft travel limits on the actual position, u, `min < max`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Travel {
+    /// Soft Travel Limit Negative.
+    pub min: f64,
+    /// Soft Travel Limit Positive.
+    pub max: f64,
+}
+
+/// How an axis stands at start-up.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Start {
+    /// Actual and command position, u; of a rotary axis within one turn.
+    pub position: f64,
+    /// Whether the drive is enabled. Means nothing for a virtual axis, which is always on.
+    pub servo_on: bool,
+    /// Whether the axis counts as homed.
+    pub homed: bool,
+}
+
+impl Default for Start {
+    fn default() -> Self {
+        Self { position: 0.0, servo_on: true, homed: true }
+    }
+}
+
+/// One Cartesian coordinate system (axis-and-data-types.md §9.6). The maxima are of the vector.
+#[derive(Clone, PartialEq, Debug)]
+pub struct CoordinateSystem {
+    /// Name, the coordinate system's tag.
+    pub name: String,
+    /// Places of its primary axes in [`Machine::axes`], in order: 1 to 3, each once.
+    pub axes: Vec<u16>,
+    /// 100 % of speed, above 0, u/s.
+    pub max_speed: f64,
+    /// 100 % of acceleration, above 0, u/s².
+    pub max_acceleration: f64,
+    /// 100 % of deceleration, u/s². 0 is possible: moves then err with 54, -1.
+    pub max_deceleration: f64,
+    /// 100 % of acceleration jerk, above 0, u/s³.
+    pub max_acceleration_jerk: f64,
+    /// 100 % of deceleration jerk, u/s³. 0 is possible: S-curves then err with 76, -1.
+    pub max_deceleration_jerk: f64,
+    /// Actual Position Tolerance, u, 0 or more; 0 makes termination type 0 err with 51.
+    pub actual_tolerance: f64,
+    /// Command Position Tolerance, u, 0 or more.
+    pub command_tolerance: f64,
+    /// Pending moves behind the active one, 1 to [`MAX_QUEUE_DEPTH`].
+    pub queue_depth: usize,
+    /// How termination types 2, 3 and 6 shape a corner.
+    pub corner: Corner,
+    /// Whether the axes' own limits lower the path speed.
+    pub axis_limits: AxisLimits,
+}
+
+/// How termination types 2, 3 and 6 shape a corner.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Corner {
+    /// The two moves are superposed, as Logix does it.
+    #[default]
+    Logix,
+    /// Rounded within the tolerance at the highest speed that the limits allow.
+    Precise,
+}
+
+/// What becomes of an axis's own limits in a coordinated move.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum AxisLimits {
+    /// Nothing, as in Logix: only the vector's limits count.
+    #[default]
+    Ignore,
+    /// The path speed is lowered so that no axis exceeds its speed, acceleration or jerk.
+    Enforce,
+}
+
+/// A link between two coordinate systems for MCT.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Transform {
+    /// Name of the link.
+    pub name: String,
+    /// Place of the source system in [`Machine::systems`].
+    pub source: u16,
+    /// Place of the target system in [`Machine::systems`], another one.
+    pub target: u16,
+}
+
+/// The jerk maximum that stands for "100 % of time" at full speed and full rate: `rate² / speed`
+/// (axis-and-data-types.md §9.2), u/s³; what an absent jerk maximum is.
+pub fn default_jerk(speed: f64, rate: f64) -> f64 {
+    if speed > 0.0 { rate * rate / speed } else { 0.0 }
+}
+
+fn place<'a>(mut names: impl Iterator<Item = &'a str>, name: &str) -> Option<u16> {
+    names.position(|other| other.eq_ignore_ascii_case(name)).and_then(|place| u16::try_from(place).ok())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_ignore_case() {
+        let machine = Machine {
+            period_ns: 1_000_000,
+            group: "Motion".into(),
+            axes: vec![],
+            systems: vec![],
+            transforms: vec![Transform { name: "T1".into(), source: 0, target: 1 }],
+        };
+        assert_eq!(machine.transform("t1"), Some(0));
+        assert_eq!(machine.transform("t2"), None);
+        assert!(machine.is_group("MOTION"));
+        assert_eq!(machine.period(), 0.001);
+    }
+
+    #[test]
+    fn absent_jerk_is_full_time() {
+        // The value seen in exported projects (axis-and-data-types.md §9.2).
+        assert!((default_jerk(92.083336, 894.4814) - 8688.8).abs() < 0.1);
+        assert_eq!(default_jerk(0.0, 1.0), 0.0);
+    }
+}
