@@ -1,1 +1,22 @@
-//! arcline-tag.
+//! Data types, values, structure templates, tag types and tag paths.
+//!
+//! What a tag *is*, and where a part of it stands in its bytes. No tag is stored here, nothing is read from
+//! or written to a network, and no motion is known: `arcline-proto` carries these types, and
+//! `arcline-controller` keeps the memory that they describe. All data is little-endian; offsets and sizes
+//! are bytes.
+#![forbid(unsafe_code)]
+
+mod elementary;
+mod path;
+mod tag_type;
+mod template;
+mod value;
+
+pub use elementary::Elementary;
+pub use path::{PathError, PathSegment, TagPath};
+pub use tag_type::{Location, TagType};
+pub use template::{
+    DataType, Member, STRING_CAPACITY, STRING_HANDLE, STRING_INSTANCE, STRING_SIZE, Template, TemplateBuilder,
+    string_template, string_text, write_string,
+};
+pub use value::Value;

@@ -1,0 +1,477 @@
+//! Structure templates: members, offsets, handles, and the definition that a client uploads
+//! (spec/ethernet-ip.md §11).
+//!
+//! Not here: tag instances and who may write them. Offsets and sizes are bytes.
+
+use std::sync::{Arc, LazyLock};
+
+use crate::Elementary;
+
+/// An elementary type or a structure.
+#[derive(Clone, PartialEq, Debug)]
+pub enum DataType {
+    /// One of the elementary CIP types.
+    Elementary(Elementary),
+    /// A structure, described by its template.
+    Structure(Arc<Template>),
+}
+
+impl DataType {
+    /// Size of one element in bytes.
+    pub fn size(&self) -> usize {
+        match self {
+            Self::Elementary(kind) => kind.size(),
+            Self::Structure(template) => template.size as usize,
+        }
+    }
+
+    /// The name, such as `DINT`, `STRING` or `COORDINATE_SYSTEM`.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Elementary(kind) => kind.name(),
+            Self::Structure(template) if template.instance == STRING_INSTANCE => "STRING",
+            Self::Structure(template) => &template.name,
+        }
+    }
+
+    /// The 16-bit type of a tag or member that is no array: the code, or 0x8000 and the template instance.
+    pub fn type_word(&self) -> u16 {
+        match self {
+            Self::Elementary(kind) => u16::from(kind.code()),
+            Self::Structure(template) => 0x8000 | (template.instance & 0x0FFF),
+        }
+    }
+
+    /// Natural alignment in a user structure: the size of an elementary type; 4 for structures, 8 if they
+    /// hold an 8-byte type.
+    fn alignment(&self) -> u32 {
+        match self {
+            Self::Elementary(kind) => kind.size() as u32,
+            Self::Structure(template) => template.alignment(),
+        }
+    }
+}
+
+impl From<Elementary> for DataType {
+    fn from(kind: Elementary) -> Self {
+        Self::Elementary(kind)
+    }
+}
+
+impl From<Arc<Template>> for DataType {
+    fn from(template: Arc<Template>) -> Self {
+        Self::Structure(template)
+    }
+}
+
+/// A structure type as clients see it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Template {
+    /// Type name, without the `;n` of user types.
+    pub name: String,
+    /// Template instance id, 1 to 0xFFF. 0x100 to 0xEFF are user types, the others predefined.
+    pub instance: u16,
+    /// Structure handle, the word behind `A0 02` in tag services.
+    pub handle: u16,
+    /// Size on the wire in bytes.
+    pub size: u32,
+    /// Members in template order; status words come before the BOOLs that overlay them.
+    pub members: Vec<Member>,
+}
+
+/// A member of a structure.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Member {
+    /// Name, matched without case.
+    pub name: String,
+    /// Type of one element.
+    pub data_type: DataType,
+    /// Byte offset from the start of the structure; for a BOOL the byte that holds its bit.
+    pub offset: u32,
+    /// Number of elements, 0: not an array.
+    pub dimension: u16,
+    /// Bit 0 to 7 within the byte at `offset`: BOOLs only.
+    pub bit: Option<u8>,
+    /// Not shown by clients: hosts of BOOLs, reserved space.
+    pub hidden: bool,
+}
+
+impl Member {
+    /// Number of elements, 1 if it is not an array.
+    pub fn elements(&self) -> usize {
+        usize::from(self.dimension).max(1)
+    }
+
+    /// Size in bytes of all elements.
+    pub fn size(&self) -> usize {
+        self.elements() * self.data_type.size()
+    }
+
+    /// The type word of the member in a template definition.
+    pub fn type_word(&self) -> u16 {
+        let array = if self.dimension == 0 { 0 } else { 0x2000 };
+        self.data_type.type_word() | array
+    }
+}
+
+impl Template {
+    /// The member of that name, case ignored.
+    pub fn member(&self, name: &str) -> Option<&Member> {
+        self.members.iter().find(|member| member.name.eq_ignore_ascii_case(name))
+    }
+
+    /// Whether clients treat it as a user type, with `;n` behind its name.
+    pub fn is_user_type(&self) -> bool {
+        (0x100..=0xEFF).contains(&self.instance)
+    }
+
+    /// Attribute 4: the definition's size N in 32-bit words, large enough for every client's idea of how many
+    /// bytes of it to read (4N − 16 at most).
+    pub fn definition_words(&self) -> u32 {
+        (self.definition_bytes().len() as u32 + 23).div_ceil(4)
+    }
+
+    /// What service 0x4C of class 0x6C reads: the members, the names, and zeros up to 4N − 16 bytes.
+    pub fn definition(&self) -> Vec<u8> {
+        let mut bytes = self.definition_bytes();
+        bytes.resize((4 * self.definition_words() - 16) as usize, 0);
+        bytes
+    }
+
+    /// Member table and names, not padded.
+    fn definition_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(self.members.len() * 24);
+        for member in &self.members {
+            let info = member.bit.map_or(member.dimension, u16::from);
+            bytes.extend(info.to_le_bytes());
+            bytes.extend(member.type_word().to_le_bytes());
+            bytes.extend(member.offset.to_le_bytes());
+        }
+        bytes.extend(self.name.as_bytes());
+        if self.is_user_type() {
+            bytes.extend(b";n");
+            for member in &self.members {
+                // Two characters a member; the low two bits of the second are read as access rights, 0 = hidden.
+                bytes.extend(if member.hidden { b"E@" } else { b"EA" });
+            }
+        }
+        bytes.push(0);
+        for member in &self.members {
+            bytes.extend(member.name.as_bytes());
+            bytes.push(0);
+        }
+        bytes
+    }
+
+    fn alignment(&self) -> u32 {
+        self.members.iter().map(|member| member.data_type.alignment()).fold(4, u32::max)
+    }
+
+    /// CRC-16 (reflected 0xA001, from 0) over the member types and offsets as text.
+    fn computed_handle(&self) -> u16 {
+        let mut crc = 0u16;
+        let mut feed = |text: &str| {
+            for byte in text.bytes() {
+                crc ^= u16::from(byte);
+                for _ in 0..8 {
+                    crc = if crc & 1 == 0 { crc >> 1 } else { (crc >> 1) ^ 0xA001 };
+                }
+            }
+        };
+        for member in &self.members {
+            feed(member.data_type.name());
+            if let DataType::Structure(template) = &member.data_type {
+                feed(&format!("#{:04X}", template.handle));
+            }
+            feed(&format!("[{}]@{}.{};", member.dimension, member.offset, member.bit.unwrap_or(0)));
+        }
+        // 0 reads as "no handle" and 0x0FCE makes clients take the structure for a STRING.
+        if crc == 0 || crc == STRING_HANDLE { crc ^ 0x8000 } else { crc }
+    }
+}
+
+/// Builds a [`Template`] member by member: at natural alignment, or at given offsets for predefined types.
+#[derive(Debug)]
+pub struct TemplateBuilder {
+    template: Template,
+    /// First byte behind the members so far.
+    end: u32,
+    /// The host byte that still has room for BOOLs: offset and bits used.
+    host: Option<(u32, u8)>,
+    handle: Option<u16>,
+    size: Option<u32>,
+}
+
+impl TemplateBuilder {
+    /// Starts a structure type; `instance` is its template instance id.
+    pub fn new(name: impl Into<String>, instance: u16) -> Self {
+        let template = Template { name: name.into(), instance, handle: 0, size: 0, members: Vec::new() };
+        Self { template, end: 0, host: None, handle: None, size: None }
+    }
+
+    /// Adds a scalar at its natural alignment. A BOOL is packed: eight share a hidden SINT.
+    pub fn member(self, name: impl Into<String>, data_type: impl Into<DataType>) -> Self {
+        match data_type.into() {
+            DataType::Elementary(Elementary::Bool) => self.packed_bool(name.into()),
+            data_type => self.natural(name.into(), data_type, 0),
+        }
+    }
+
+    /// Adds a one-dimensional array at its natural alignment, at least 4.
+    pub fn array(self, name: impl Into<String>, data_type: impl Into<DataType>, dimension: u16) -> Self {
+        self.natural(name.into(), data_type.into(), dimension)
+    }
+
+    /// Adds a member at an explicit offset; `dimension` 0 is a scalar.
+    pub fn member_at(
+        self,
+        name: impl Into<String>,
+        data_type: impl Into<DataType>,
+        dimension: u16,
+        offset: u32,
+    ) -> Self {
+        let member = Member {
+            name: name.into(),
+            data_type: data_type.into(),
+            offset,
+            dimension,
+            bit: None,
+            hidden: false,
+        };
+        self.push(member)
+    }
+
+    /// Adds a BOOL that overlays a word at `word_offset`: `bit` counts from bit 0 of that word and is turned
+    /// into byte and bit 0 to 7.
+    pub fn bit_at(self, name: impl Into<String>, word_offset: u32, bit: u8) -> Self {
+        let member = Member {
+            name: name.into(),
+            data_type: Elementary::Bool.into(),
+            offset: word_offset + u32::from(bit / 8),
+            dimension: 0,
+            bit: Some(bit % 8),
+            hidden: false,
+        };
+        self.push(member)
+    }
+
+    /// Fixes the size in bytes instead of rounding it up to the alignment.
+    pub fn size(mut self, size: u32) -> Self {
+        self.size = Some(size);
+        self
+    }
+
+    /// Fixes the handle instead of computing it.
+    pub fn handle(mut self, handle: u16) -> Self {
+        self.handle = Some(handle);
+        self
+    }
+
+    /// The finished template.
+    pub fn build(self) -> Arc<Template> {
+        let mut template = self.template;
+        template.size = self.size.unwrap_or_else(|| self.end.next_multiple_of(template.alignment()));
+        template.handle = self.handle.unwrap_or_else(|| template.computed_handle());
+        Arc::new(template)
+    }
+
+    fn natural(self, name: String, data_type: DataType, dimension: u16) -> Self {
+        let alignment = data_type.alignment().max(if dimension == 0 { 1 } else { 4 });
+        let offset = self.end.next_multiple_of(alignment);
+        let member = Member { name, data_type, offset, dimension, bit: None, hidden: false };
+        Self { host: None, ..self }.push(member)
+    }
+
+    fn packed_bool(mut self, name: String) -> Self {
+        let (offset, bit) = match self.host {
+            Some((offset, used)) if used < 8 => (offset, used),
+            _ => {
+                let offset = self.end;
+                let host = format!("ZZZZZZZZZZ{}{}", self.template.name, self.template.members.len());
+                self = self.push(Member {
+                    name: host,
+                    data_type: Elementary::Sint.into(),
+                    offset,
+                    dimension: 0,
+                    bit: None,
+                    hidden: true,
+                });
+                (offset, 0)
+            }
+        };
+        self.host = Some((offset, bit + 1));
+        self.push(Member {
+            name,
+            data_type: Elementary::Bool.into(),
+            offset,
+            dimension: 0,
+            bit: Some(bit),
+            hidden: false,
+        })
+    }
+
+    fn push(mut self, mut member: Member) -> Self {
+        member.hidden |= member.name.starts_with("__");
+        self.end = self.end.max(member.offset + member.size() as u32);
+        self.template.members.push(member);
+        self
+    }
+}
+
+/// Template instance of STRING.
+pub const STRING_INSTANCE: u16 = 0xFCE;
+/// Structure handle of STRING; clients decode a structure with this handle as a string.
+pub const STRING_HANDLE: u16 = 0x0FCE;
+/// Characters in a STRING.
+pub const STRING_CAPACITY: usize = 82;
+/// Bytes of a STRING: length DINT, 82 characters, 2 bytes of padding.
+pub const STRING_SIZE: usize = 88;
+
+/// The STRING type: template `ASCIISTRING82` with LEN DINT and DATA SINT\[82\], 88 bytes.
+pub fn string_template() -> Arc<Template> {
+    static STRING: LazyLock<Arc<Template>> = LazyLock::new(|| {
+        TemplateBuilder::new("ASCIISTRING82", STRING_INSTANCE)
+            .member("LEN", Elementary::Dint)
+            .array("DATA", Elementary::Sint, STRING_CAPACITY as u16)
+            .handle(STRING_HANDLE)
+            .build()
+    });
+    STRING.clone()
+}
+
+/// The text in the bytes of a STRING; a length beyond the data is cut, bytes that are not UTF-8 are replaced.
+pub fn string_text(bytes: &[u8]) -> String {
+    let length = bytes.first_chunk().map_or(0, |length| i32::from_le_bytes(*length));
+    let data = bytes.get(4..).unwrap_or_default();
+    let length = usize::try_from(length).unwrap_or(0).min(STRING_CAPACITY).min(data.len());
+    String::from_utf8_lossy(&data[..length]).into_owned()
+}
+
+/// Writes text into the bytes of a STRING; `None`, and nothing written, when the text or the room is too
+/// long or too short.
+pub fn write_string(bytes: &mut [u8], text: &str) -> Option<()> {
+    let length = i32::try_from(text.len()).ok()?;
+    let bytes = bytes.get_mut(..STRING_SIZE)?;
+    if text.len() > STRING_CAPACITY {
+        return None;
+    }
+    bytes.fill(0);
+    bytes[..4].copy_from_slice(&length.to_le_bytes());
+    bytes[4..4 + text.len()].copy_from_slice(text.as_bytes());
+    Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn pair() -> Arc<Template> {
+        TemplateBuilder::new("Vec2", 0x1A1).member("X", Elementary::Real).member("Y", Elementary::Real).build()
+    }
+
+    #[test]
+    fn a_user_type_reads_as_the_wire_reference_shows() {
+        let bytes = pair().definition();
+        // spec/ethernet-ip.md §11: two REALs, "Vec2;nEAEA", the member names.
+        let expected = [
+            0x00, 0x00, 0xCA, 0x00, 0, 0, 0, 0, // X REAL @0
+            0x00, 0x00, 0xCA, 0x00, 4, 0, 0, 0, // Y REAL @4
+        ];
+        assert_eq!(bytes[..16], expected);
+        assert_eq!(&bytes[16..31], b"Vec2;nEAEA\0X\0Y\0");
+        assert!(bytes[31..].iter().all(|&b| b == 0));
+    }
+
+    #[test]
+    fn every_client_finds_the_definition_within_what_it_reads() {
+        for template in [pair(), string_template()] {
+            let words = template.definition_words() as usize;
+            let data = template.definition_bytes().len();
+            assert!(4 * words - 23 >= data, "gologix reads 4N - 23");
+            assert_eq!(template.definition().len(), 4 * words - 16, "the longest read is answered");
+        }
+    }
+
+    #[test]
+    fn the_string_is_what_clients_look_for() {
+        let string = string_template();
+        assert_eq!((string.size, string.handle, string.instance), (88, 0x0FCE, 0xFCE));
+        let data = string.member("data").expect("DATA");
+        assert_eq!((data.offset, data.dimension, data.type_word()), (4, 82, 0x20C2));
+        assert!(string.definition_bytes().ends_with(b"ASCIISTRING82\0LEN\0DATA\0"));
+    }
+
+    #[test]
+    fn members_stand_at_natural_alignment_and_booleans_share_a_host() {
+        let mut builder = TemplateBuilder::new("Mixed", 0x100).member("S", Elementary::Sint);
+        for k in 0..9 {
+            builder = builder.member(format!("B{k}"), Elementary::Bool);
+        }
+        let template = builder
+            .member("I", Elementary::Int)
+            .member("D", Elementary::Dint)
+            .member("L", Elementary::Lreal)
+            .member("N", pair())
+            .array("A", Elementary::Sint, 3)
+            .member("Last", Elementary::Bool)
+            .build();
+        #[rustfmt::skip]
+        let cases = [
+            ("S", 0, None), ("ZZZZZZZZZZMixed1", 1, None), ("B0", 1, Some(0)), ("B7", 1, Some(7)),
+            ("ZZZZZZZZZZMixed10", 2, None), ("B8", 2, Some(0)), ("I", 4, None), ("D", 8, None),
+            ("L", 16, None), ("N", 24, None), ("A", 32, None), ("Last", 35, Some(0)),
+        ];
+        for (name, offset, bit) in cases {
+            let member = template.member(name).unwrap_or_else(|| panic!("member {name}"));
+            assert_eq!((member.offset, member.bit), (offset, bit), "{name}");
+            assert_eq!(member.hidden, name.starts_with("ZZZZ"), "{name}");
+        }
+        assert_eq!(template.size, 40, "rounded up to 8");
+    }
+
+    #[test]
+    fn the_handle_follows_the_layout() {
+        let swapped =
+            TemplateBuilder::new("Vec2", 0x1A1).member("X", Elementary::Real).member("Y", Elementary::Dint).build();
+        assert_ne!(pair().handle, swapped.handle);
+        assert_eq!(pair().handle, pair().handle);
+    }
+
+    #[test]
+    fn strings_are_cut_and_refused() {
+        let mut bytes = [0xFF; STRING_SIZE];
+        assert_eq!(string_text(&bytes), "", "a negative length is empty");
+        bytes[..4].copy_from_slice(&1000i32.to_le_bytes());
+        assert!(string_text(&bytes).chars().count() <= STRING_CAPACITY);
+        assert_eq!(string_text(&bytes[..3]), "");
+        assert_eq!(write_string(&mut bytes, "CS1"), Some(()));
+        assert_eq!(string_text(&bytes), "CS1");
+        assert_eq!(write_string(&mut bytes, &"x".repeat(83)), None);
+        assert_eq!(write_string(&mut [0; 87], "x"), None);
+        assert_eq!(string_text(&bytes), "CS1");
+    }
+
+    proptest! {
+        #[test]
+        fn members_never_overlap(sizes in proptest::collection::vec((0usize..15, 0u16..4), 1..30)) {
+            let mut builder = TemplateBuilder::new("T", 0x200);
+            for (k, (kind, dimension)) in sizes.into_iter().enumerate() {
+                let kind = Elementary::ALL[kind];
+                builder = match dimension {
+                    0 => builder.member(format!("M{k}"), kind),
+                    n => builder.array(format!("M{k}"), kind, n),
+                };
+            }
+            let template = builder.build();
+            let mut end = 0;
+            for member in template.members.iter().filter(|member| member.bit.is_none()) {
+                prop_assert!(member.offset as usize >= end, "{:?}", member);
+                prop_assert_eq!(member.offset as usize % member.data_type.size(), 0);
+                end = member.offset as usize + member.size();
+            }
+            prop_assert!(template.size as usize >= end);
+        }
+    }
+}
