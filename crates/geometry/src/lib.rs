@@ -1,1 +1,24 @@
-//! arcline-geometry.
+//! Paths in Cartesian space, parameterised by arc length: straight lines, circular arcs, full circles.
+//!
+//! A path says *where*; it knows neither time nor speed (`arcline-profile` does), no axes and no
+//! units of its own: lengths are the position units of the coordinate system, angles are radians.
+//! A path is evaluated in closed form from its arc length `s`, never from stored samples, so a move
+//! is the same at every tick rate (spec/motion-core.md §1).
+//!
+//! Everything here is safe in the tick: no allocation, no unbounded loop, no panic.
+#![forbid(unsafe_code)]
+
+mod arc;
+mod line;
+mod path;
+
+pub use arc::{Arc, ArcError, CirclePoint, Dimension, Direction};
+pub use line::Line;
+pub use path::{Path, PathPoint};
+
+/// A point or a difference of points; unused dimensions are 0.
+pub type Point = nalgebra::Vector3<f64>;
+
+/// Two points nearer than this (position units) are the same point
+/// (spec/coordinated-instructions.md §13.4).
+pub const SAME_POINT: f64 = 1e-6;
