@@ -1,1 +1,26 @@
-//! arcline-profile.
+//! Speed over time along one dimension: trapezoids and S-curves with four independent limits,
+//! from any state.
+//!
+//! A [`Profile`] is planned once from a state and limits and then sampled; it knows neither paths
+//! nor ticks. Position, velocity, acceleration and jerk are in position units and seconds (in
+//! master driven mode: master units in place of seconds).
+//!
+//! The limits belong to the sign of speeding up, not to the direction of travel
+//! (spec/motion-core.md §3.1): `acceleration` and its jerk hold while `|v|` grows, `deceleration`
+//! and its jerk while it shrinks, and the smaller acceleration where the motion passes through rest.
+//!
+//! Everything here is safe in the tick: no allocation, no unbounded loop, no panic, and a result for
+//! every input (what is not finite counts as 0, magnitudes are kept within 1e-50 to 1e50).
+#![forbid(unsafe_code)]
+
+mod builder;
+mod limits;
+mod peak;
+mod position;
+mod profile;
+mod ramp;
+mod root;
+mod trapezoid;
+
+pub use limits::{Jerk, Limits, jerk_from_percent_of_time, percent_of_time_from_jerk};
+pub use profile::{Phase, Profile, State};

@@ -1,0 +1,209 @@
+//! Where planned segments go: into a profile, or into a displacement only.
+
+use crate::profile::{Profile, Segment, State};
+
+/// A stop of five segments and a return of seven make twelve; 3.4 needs eleven (motion-core §3.4).
+pub(crate) const MAX_SEGMENTS: usize = 16;
+
+/// Takes constant-jerk segments one after the other.
+pub(crate) trait Sink {
+    fn velocity(&self) -> f64;
+    fn acceleration(&self) -> f64;
+    /// Goes on for `time` with `jerk`. Times that are not above 0 are left out.
+    fn push(&mut self, time: f64, jerk: f64);
+    /// Replaces the computed velocity and acceleration by their exact values.
+    fn set(&mut self, velocity: f64, acceleration: f64);
+}
+
+/// Displacement, velocity and acceleration; what a trial needs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Trial {
+    pub(crate) x: f64,
+    pub(crate) v: f64,
+    pub(crate) a: f64,
+}
+
+impl Sink for Trial {
+    fn velocity(&self) -> f64 {
+        self.v
+    }
+
+    fn acceleration(&self) -> f64 {
+        self.a
+    }
+
+    #[inline]
+    fn push(&mut self, time: f64, jerk: f64) {
+        if time > 0.0 {
+            let half = 0.5 * jerk * time;
+            self.x += time * (self.v + time * (0.5 * self.a + half / 3.0));
+            self.v += time * (self.a + half);
+            self.a += time * jerk;
+        }
+    }
+
+    #[inline]
+    fn set(&mut self, velocity: f64, acceleration: f64) {
+        self.v = velocity;
+        self.a = acceleration;
+    }
+}
+
+/// Collects the segments of a profile. Works in a mirrored frame (`sign` -1) where displacement
+/// starts at 0, so that mirrored plans are mirror images bit for bit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Builder {
+    pub(crate) now: Trial,
+    pub(crate) time: f64,
+    pub(crate) len: usize,
+    times: [f64; MAX_SEGMENTS],
+    segments: [Segment; MAX_SEGMENTS],
+    start: State,
+    sign: f64,
+}
+
+impl Builder {
+    pub(crate) fn new(start: &State, sign: f64) -> Builder {
+        Builder {
+            now: Trial {
+                x: 0.0,
+                v: sign * start.velocity,
+                a: sign * start.acceleration,
+            },
+            time: 0.0,
+            len: 0,
+            times: [f64::INFINITY; MAX_SEGMENTS],
+            segments: [Segment::default(); MAX_SEGMENTS],
+            start: *start,
+            sign,
+        }
+    }
+
+    /// The present state in the caller's frame.
+    pub(crate) fn state(&self) -> State {
+        State {
+            position: self.start.position + self.sign * self.now.x,
+            velocity: self.sign * self.now.v,
+            acceleration: self.sign * self.now.a,
+        }
+    }
+
+    /// Duration of a segment that has been pushed.
+    pub(crate) fn length_of(&self, index: usize) -> f64 {
+        let end = if index + 1 < self.len {
+            self.times[index + 1]
+        } else {
+            self.time
+        };
+        end - self.times[index]
+    }
+
+    /// The state at the start of a segment, in the builder's frame, and its jerk.
+    pub(crate) fn segment(&self, index: usize) -> (Trial, f64) {
+        let Segment { state, jerk } = self.segments[index];
+        (
+            Trial {
+                x: state.position,
+                v: state.velocity,
+                a: state.acceleration,
+            },
+            jerk,
+        )
+    }
+
+    /// Goes back to the start of a segment and forgets it and all later ones.
+    pub(crate) fn rewind(&mut self, index: usize, now: Trial) {
+        self.time = self.times[index];
+        self.now = now;
+        self.len = index;
+    }
+
+    /// Ends the profile where it first passes displacement `x` (in the builder's frame, forwards),
+    /// which is the position `target`. `None` if it never does.
+    pub(crate) fn cut_at(mut self, x: f64, target: f64) -> Option<Profile> {
+        for index in 0..self.len {
+            let next = if index + 1 < self.len {
+                self.segment(index + 1).0
+            } else {
+                self.now
+            };
+            let segment = self.segments[index];
+            if segment.state.position <= x && x <= next.x && next.x > segment.state.position {
+                let at_start = x == segment.state.position;
+                let time = if at_start {
+                    0.0
+                } else {
+                    segment.time_to(x, self.length_of(index))
+                };
+                let now = self.segment(index).0;
+                self.rewind(index, now);
+                self.push(time, segment.jerk);
+                let end = State {
+                    position: target,
+                    ..self.state()
+                };
+                return Some(self.finish(end, true));
+            }
+        }
+        None
+    }
+
+    pub(crate) fn finish(mut self, mut end: State, arrives: bool) -> Profile {
+        // No negative zeros.
+        end.velocity += 0.0;
+        end.acceleration += 0.0;
+        for time in &mut self.times[self.len..] {
+            *time = f64::INFINITY;
+        }
+        // From displacements in the mirrored frame to the caller's positions.
+        for segment in &mut self.segments[..self.len] {
+            let Segment { state, jerk } = segment;
+            state.position = self.start.position + self.sign * state.position;
+            state.velocity *= self.sign;
+            state.acceleration *= self.sign;
+            *jerk *= self.sign;
+        }
+        self.segments[self.len..].fill(Segment::default());
+        Profile {
+            times: self.times,
+            segments: self.segments,
+            len: self.len,
+            start: self.start,
+            duration: self.time,
+            end,
+            arrives,
+        }
+    }
+}
+
+impl Sink for Builder {
+    fn velocity(&self) -> f64 {
+        self.now.v
+    }
+
+    fn acceleration(&self) -> f64 {
+        self.now.a
+    }
+
+    #[inline]
+    fn push(&mut self, time: f64, jerk: f64) {
+        if time > 0.0 && self.len < MAX_SEGMENTS {
+            self.times[self.len] = self.time;
+            let Trial { x, v, a } = self.now;
+            let state = State {
+                position: x,
+                velocity: v,
+                acceleration: a,
+            };
+            self.segments[self.len] = Segment { state, jerk };
+            self.len += 1;
+            self.time += time;
+            self.now.push(time, jerk);
+        }
+    }
+
+    #[inline]
+    fn set(&mut self, velocity: f64, acceleration: f64) {
+        self.now.set(velocity, acceleration);
+    }
+}

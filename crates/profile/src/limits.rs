@@ -1,0 +1,113 @@
+//! Limits of a profile, as given and as the planner takes them; jerk in per cent of time.
+
+/// Limits of speed, acceleration and jerk, all above 0. A speed of 0 is a pause.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Position units per second.
+    pub speed: f64,
+    /// While speeding up, position units per second squared.
+    pub acceleration: f64,
+    /// While slowing down, position units per second squared.
+    pub deceleration: f64,
+    /// `None` for a trapezoidal profile.
+    pub jerk: Option<Jerk>,
+}
+
+/// Limits of jerk, position units per second cubed, above 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jerk {
+    /// While speeding up, for raising and for lowering the acceleration.
+    pub acceleration: f64,
+    /// While slowing down, both ways.
+    pub deceleration: f64,
+}
+
+/// Jerk (position units per second cubed) for a share of the ramp time in per cent, `0 < percent <=
+/// 100`: `a^2/v (200/p - 1)` with the programmed speed and acceleration (or deceleration)
+/// (spec/motion-core.md §4).
+#[must_use]
+pub fn jerk_from_percent_of_time(speed: f64, acceleration: f64, percent: f64) -> f64 {
+    acceleration * acceleration / speed * (200.0 / percent - 1.0)
+}
+
+/// The share of the ramp time with jerk in per cent, inverse of [`jerk_from_percent_of_time`].
+#[must_use]
+pub fn percent_of_time_from_jerk(speed: f64, acceleration: f64, jerk: f64) -> f64 {
+    200.0 / (1.0 + jerk * speed / (acceleration * acceleration))
+}
+
+/// Limits that the S-curve's arithmetic takes: positive, finite, of a size whose products stay finite.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SCurve {
+    pub(crate) speed: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) deceleration: f64,
+    pub(crate) jerk: f64,
+    pub(crate) jerk_down: f64,
+}
+
+/// Limits of a trapezoid, sane as those of [`SCurve`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Trapezoid {
+    pub(crate) speed: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) deceleration: f64,
+}
+
+pub(crate) enum Shape {
+    Trapezoid(Trapezoid),
+    SCurve(SCurve),
+}
+
+impl Limits {
+    pub(crate) fn shape(&self) -> Shape {
+        let speed = sane(self.speed).max(0.0);
+        let acceleration = sane_limit(self.acceleration);
+        let deceleration = sane_limit(self.deceleration);
+        let trapezoid = Shape::Trapezoid(Trapezoid {
+            speed,
+            acceleration,
+            deceleration,
+        });
+        let Some(jerk) = self.jerk else {
+            return trapezoid;
+        };
+        let most = (acceleration / SHORTEST_RISE).min(LARGEST_JERK);
+        let most_down = (deceleration / SHORTEST_RISE).min(LARGEST_JERK);
+        if jerk.acceleration > most && jerk.deceleration > most_down {
+            return trapezoid;
+        }
+        Shape::SCurve(SCurve {
+            speed,
+            acceleration,
+            deceleration,
+            jerk: sane_limit(jerk.acceleration).min(most).max(SMALLEST),
+            jerk_down: sane_limit(jerk.deceleration).min(most_down).max(SMALLEST),
+        })
+    }
+}
+
+/// A finite number of bounded size; what is not a number is 0.
+pub(crate) fn sane(value: f64) -> f64 {
+    if value.is_nan() || value.abs() < SMALLEST {
+        0.0
+    } else {
+        value.clamp(-LARGEST, LARGEST)
+    }
+}
+
+fn sane_limit(value: f64) -> f64 {
+    if value.is_nan() {
+        SMALLEST
+    } else {
+        value.clamp(SMALLEST, LARGEST)
+    }
+}
+
+/// Magnitudes whose products of up to six factors stay finite.
+const LARGEST: f64 = 1e50;
+const SMALLEST: f64 = 1e-50;
+/// An acceleration reached within this time (s) is a trapezoid's (motion-core §4).
+const SHORTEST_RISE: f64 = 1e-9;
+/// Jerk above this is a trapezoid's (motion-core §4).
+const LARGEST_JERK: f64 = 1e15;

@@ -1,0 +1,201 @@
+//! S-curve to a position: one monotone family of candidates, one root (motion-core §3.4).
+//!
+//! Works in a frame mirrored so that the needed direction is positive. `x0` is where the stop from
+//! here (or the ramp to the end speed) ends. The up-run speeds up towards the limit; the profile
+//! follows it, then ramps down. Where it is left while it speeds up, the peak speed is solved for in
+//! closed terms (`peak`); where it is left earlier (still slowing down, or turning round), the
+//! switch time is the root of a monotone function (`root`).
+
+use crate::builder::{Builder, Sink, Trial};
+use crate::limits::SCurve;
+use crate::peak::{self, Peak};
+use crate::profile::{Profile, State};
+use crate::ramp::{approach, ramp, rise_by};
+use crate::root;
+
+pub(crate) fn to_position(from: &State, target: f64, end_speed: f64, limits: &SCurve) -> Profile {
+    if limits.speed == 0.0 {
+        return stop(from, target, limits);
+    }
+    let end_speed = end_speed.clamp(-limits.speed, limits.speed);
+    let x = target - from.position;
+    let x0 = ramp_displacement(from, end_speed, limits);
+    let near = nearness(from, target, x, x0);
+    if (x - x0).abs() <= near {
+        let mut builder = Builder::new(from, 1.0);
+        ramp(&mut builder, end_speed, limits);
+        return builder.finish(arrived(target, end_speed), true);
+    }
+    let sign = if end_speed == 0.0 {
+        (x - x0).signum()
+    } else {
+        end_speed.signum()
+    };
+    let (x, x0, end_speed) = (sign * x, sign * x0, sign * end_speed);
+    if x < x0 {
+        // Too short for the end speed: the straight ramp as far as the target.
+        let mut builder = Builder::new(from, sign);
+        ramp(&mut builder, end_speed, limits);
+        return match builder.cut_at(x, target) {
+            Some(profile) => profile,
+            None => to_position(from, target, 0.0, limits),
+        };
+    }
+    forward(from, sign, x, target, end_speed, limits)
+}
+
+pub(crate) fn to_position_two_stage(from: &State, target: f64, limits: &SCurve) -> Profile {
+    if limits.speed == 0.0 {
+        return stop(from, target, limits);
+    }
+    let x = target - from.position;
+    let x0 = ramp_displacement(from, 0.0, limits);
+    let direction = if from.velocity != 0.0 {
+        from.velocity.signum()
+    } else {
+        from.acceleration.signum()
+    };
+    let at_rest = from.velocity == 0.0 && from.acceleration == 0.0;
+    if at_rest || (x - x0) * direction >= 0.0 || (x - x0).abs() <= nearness(from, target, x, x0) {
+        return to_position(from, target, 0.0, limits);
+    }
+    let sign = -direction;
+    let mut builder = Builder::new(from, sign);
+    ramp(&mut builder, 0.0, limits);
+    let left = sign * x - builder.now.x;
+    if let Some(peak) = peak::peak(0.0, 0.0, left, 0.0, limits) {
+        run(&mut builder, &peak, 0.0, limits);
+    }
+    builder.finish(arrived(target, 0.0), true)
+}
+
+/// The fastest profile over `x`, at least as far as the ramp to `end_speed >= 0` leads.
+fn forward(
+    from: &State,
+    sign: f64,
+    x: f64,
+    target: f64,
+    end_speed: f64,
+    limits: &SCurve,
+) -> Profile {
+    let mut builder = Builder::new(from, sign);
+    let end = arrived(target, sign * end_speed);
+    let from_above = !approach(&mut builder, limits.speed, limits);
+    let Trial { x: run_up, v, a } = builder.now;
+    let found = if from_above {
+        // The up-run came down to the limit from above; nothing is left of it.
+        let down = limits.speed - end_speed;
+        let cruise =
+            x - run_up - peak::ramp(end_speed, down, limits.deceleration, limits.jerk_down).0;
+        (cruise >= 0.0).then_some(Peak {
+            up: 0.0,
+            top: limits.speed,
+            cruise: cruise / limits.speed,
+            down,
+        })
+    } else {
+        peak::peak(v, a, x - run_up, end_speed, limits)
+    };
+    match found {
+        Some(peak) => run(&mut builder, &peak, end_speed, limits),
+        None => {
+            leave_early(&mut builder, x, end_speed, limits);
+            ramp(&mut builder, end_speed, limits);
+        }
+    }
+    builder.finish(end, true)
+}
+
+/// Rewinds the builder to the instant from which the ramp to `end_speed` ends at `x`.
+fn leave_early(builder: &mut Builder, x: f64, end_speed: f64, limits: &SCurve) {
+    let misses_by = |mut trial: Trial| {
+        ramp(&mut trial, end_speed, limits);
+        trial.x - x
+    };
+    let segments = builder.len;
+    let mut before = f64::NEG_INFINITY;
+    for index in 0..segments {
+        let next = if index + 1 < segments {
+            builder.segment(index + 1).0
+        } else {
+            builder.now
+        };
+        let after = misses_by(next);
+        if after < 0.0 && index + 1 < segments {
+            before = after;
+            continue;
+        }
+        let (state, jerk) = builder.segment(index);
+        let length = builder.length_of(index);
+        let time = if after <= 0.0 {
+            length
+        } else {
+            if before == f64::NEG_INFINITY {
+                before = misses_by(state);
+            }
+            let tolerance = 1e-15 * x.abs().max(before.abs()).max(state.x.abs());
+            root::solve(length, before.min(0.0), after, tolerance, |u| {
+                let mut trial = state;
+                trial.push(u, jerk);
+                misses_by(trial)
+            })
+        };
+        builder.rewind(index, state);
+        builder.push(time, jerk);
+        return;
+    }
+}
+
+/// Up, along, down.
+fn run(builder: &mut Builder, peak: &Peak, end_speed: f64, limits: &SCurve) {
+    let acceleration = builder.acceleration();
+    rise_by(builder, acceleration, peak.up, 1.0, limits);
+    builder.set(peak.top, 0.0);
+    builder.push(peak.cruise, 0.0);
+    let (most, j) = (limits.deceleration, limits.jerk_down);
+    let largest = (peak.down * j).sqrt();
+    if largest <= most {
+        builder.push(largest / j, -j);
+        builder.push(largest / j, j);
+    } else {
+        builder.push(most / j, -j);
+        builder.set(builder.velocity(), -most);
+        builder.push(peak.down / most - most / j, 0.0);
+        builder.push(most / j, j);
+    }
+    builder.set(end_speed, 0.0);
+}
+
+fn stop(from: &State, target: f64, limits: &SCurve) -> Profile {
+    let mut builder = Builder::new(from, 1.0);
+    ramp(&mut builder, 0.0, limits);
+    let end = State {
+        velocity: 0.0,
+        acceleration: 0.0,
+        ..builder.state()
+    };
+    builder.finish(end, end.position == target)
+}
+
+fn ramp_displacement(from: &State, velocity: f64, limits: &SCurve) -> f64 {
+    let mut trial = Trial {
+        x: 0.0,
+        v: from.velocity,
+        a: from.acceleration,
+    };
+    ramp(&mut trial, velocity, limits);
+    trial.x
+}
+
+/// Differences of displacement below this are rounding.
+pub(crate) fn nearness(from: &State, target: f64, x: f64, x0: f64) -> f64 {
+    2e-15 * x.abs().max(x0.abs()) + 2e-16 * from.position.abs().max(target.abs())
+}
+
+fn arrived(target: f64, velocity: f64) -> State {
+    State {
+        position: target,
+        velocity,
+        acceleration: 0.0,
+    }
+}

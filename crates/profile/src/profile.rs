@@ -1,0 +1,298 @@
+//! The finished profile: a fixed number of segments, each with its start time, start state and jerk.
+//!
+//! Seconds and position units. Sampling evaluates the segment from its start and never integrates,
+//! so rounding does not grow with time.
+
+use crate::builder::{Builder, MAX_SEGMENTS};
+use crate::limits::{Limits, Shape, sane};
+use crate::{position, ramp, trapezoid};
+
+/// Position (units), velocity (units/s) and acceleration (units/s^2) at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Position units.
+    pub position: f64,
+    /// Position units per second.
+    pub velocity: f64,
+    /// Position units per second squared.
+    pub acceleration: f64,
+}
+
+/// What a motion does at an instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// The magnitude of the velocity grows.
+    Accelerating,
+    /// Constant velocity, or at rest.
+    Steady,
+    /// The magnitude of the velocity shrinks.
+    Decelerating,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Segment {
+    pub(crate) state: State,
+    pub(crate) jerk: f64,
+}
+
+/// Position over time: planned once, sampled often. `Copy`, without heap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Profile {
+    /// Start times; those behind the last segment are infinite.
+    pub(crate) times: [f64; MAX_SEGMENTS],
+    pub(crate) segments: [Segment; MAX_SEGMENTS],
+    pub(crate) len: usize,
+    pub(crate) start: State,
+    pub(crate) duration: f64,
+    pub(crate) end: State,
+    pub(crate) arrives: bool,
+}
+
+impl Profile {
+    /// At rest at `position`, with a duration of 0.
+    #[must_use]
+    pub fn rest(position: f64) -> Profile {
+        let state = State {
+            position,
+            velocity: 0.0,
+            acceleration: 0.0,
+        };
+        Builder::new(&state, 1.0).finish(state, true)
+    }
+
+    /// From `from` to `target`, passing it with `end_speed` (motion-core §2, §3.4).
+    ///
+    /// `end_speed` is along the direction of positive positions (negative for the other), at most the
+    /// speed limit. Where it can be met, [`Profile::end`] is exactly `(target, end_speed, 0)`. Where
+    /// the way is too short for it, the profile ends at `target` with the velocity and acceleration
+    /// that the straight ramp towards `end_speed` has there; where the target lies behind, the
+    /// profile ends at rest. With speed limit 0 the motion stops and does not arrive
+    /// ([`Profile::arrives`]).
+    ///
+    /// Real-time safe: at most 64 evaluations of at most nine segments.
+    #[must_use]
+    pub fn to_position(from: State, target: f64, end_speed: f64, limits: &Limits) -> Profile {
+        let (from, target, end_speed) = (sane_state(&from), sane_position(target), sane(end_speed));
+        match limits.shape() {
+            Shape::SCurve(limits) => position::to_position(&from, target, end_speed, &limits),
+            Shape::Trapezoid(limits) => trapezoid::to_position(&from, target, end_speed, &limits),
+        }
+    }
+
+    /// As [`Profile::to_position`] to rest, but where the target is overshot, in two stages: first the
+    /// stop, then a move back from rest (motion-core §5.2: after a change of dynamics).
+    #[must_use]
+    pub fn to_position_two_stage(from: State, target: f64, limits: &Limits) -> Profile {
+        let (from, target) = (sane_state(&from), sane_position(target));
+        match limits.shape() {
+            Shape::SCurve(limits) => position::to_position_two_stage(&from, target, &limits),
+            // Braking to rest, then a move from rest, is what a trapezoid does anyway.
+            Shape::Trapezoid(limits) => trapezoid::to_position(&from, target, 0.0, &limits),
+        }
+    }
+
+    /// From `from` to a velocity (signed), which is kept after the duration (motion-core §3.3).
+    /// `limits.speed` is not read.
+    #[must_use]
+    pub fn to_velocity(from: State, velocity: f64, limits: &Limits) -> Profile {
+        let (from, velocity) = (sane_state(&from), sane(velocity));
+        let mut builder = Builder::new(&from, 1.0);
+        match limits.shape() {
+            Shape::SCurve(limits) => ramp::ramp(&mut builder, velocity, &limits),
+            Shape::Trapezoid(limits) => trapezoid::ramp(&mut builder, velocity, &limits),
+        }
+        let end = State {
+            velocity,
+            acceleration: 0.0,
+            ..builder.state()
+        };
+        builder.finish(end, true)
+    }
+
+    /// To rest, wherever that is: [`Profile::to_velocity`] 0.
+    #[must_use]
+    pub fn stop(from: State, limits: &Limits) -> Profile {
+        Profile::to_velocity(from, 0.0, limits)
+    }
+
+    /// Seconds until the end state.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// The state at time 0.
+    #[must_use]
+    pub fn start(&self) -> State {
+        self.start
+    }
+
+    /// The exact end state.
+    #[must_use]
+    pub fn end(&self) -> State {
+        self.end
+    }
+
+    /// Whether the profile ends at the target it was planned for: false only for a speed limit of 0.
+    #[must_use]
+    pub fn arrives(&self) -> bool {
+        self.arrives
+    }
+
+    /// The state `t` seconds after the start. Before 0 the start state; from the duration on the end
+    /// state, whose velocity goes on. Real-time safe: one pass over at most 16 start times.
+    #[must_use]
+    pub fn at(&self, t: f64) -> State {
+        if t >= self.duration {
+            let mut end = self.end;
+            if end.velocity != 0.0 {
+                end.position += end.velocity * (t - self.duration);
+            }
+            return end;
+        }
+        if t < 0.0 || self.len == 0 {
+            return self.start;
+        }
+        let index = self.segment_at(t);
+        self.segments[index].at(t - self.times[index])
+    }
+
+    /// What the motion does at `t`, decided by segment and not by sampling: at the joint of two
+    /// segments the later one counts.
+    #[must_use]
+    pub fn phase(&self, t: f64) -> Phase {
+        if t >= self.duration || t < 0.0 || self.len == 0 {
+            return Phase::Steady;
+        }
+        let index = self.segment_at(t);
+        // No segment has a change of sign of v or a inside.
+        let middle = self.segments[index].at(0.5 * self.length_of(index));
+        let product = middle.velocity * middle.acceleration;
+        if product > 0.0 {
+            Phase::Accelerating
+        } else if product < 0.0 {
+            Phase::Decelerating
+        } else {
+            Phase::Steady
+        }
+    }
+
+    /// The first time at which the position is `s`; `None` if it never is. Positions behind the end
+    /// are reached if the end has a velocity. Real-time safe, bounded.
+    #[must_use]
+    pub fn time_at_position(&self, s: f64) -> Option<f64> {
+        if s == self.start.position {
+            return Some(0.0);
+        }
+        for index in 0..self.len {
+            let from = self.segments[index].state.position;
+            let last = index + 1 == self.len;
+            let to = if last {
+                self.end.position
+            } else {
+                self.segments[index + 1].state.position
+            };
+            if s == to && last {
+                return Some(self.duration);
+            }
+            if (from <= s && s <= to) || (to <= s && s <= from) {
+                return Some(
+                    self.times[index] + self.segments[index].time_to(s, self.length_of(index)),
+                );
+            }
+        }
+        if s == self.end.position {
+            return Some(self.duration);
+        }
+        let more = (s - self.end.position) / self.end.velocity;
+        (more >= 0.0 && more.is_finite()).then_some(self.duration + more)
+    }
+
+    /// Start times of the segments, for plots and tests: at most 16, ascending.
+    #[must_use]
+    pub fn segment_times(&self) -> &[f64] {
+        &self.times[..self.len]
+    }
+
+    fn segment_at(&self, t: f64) -> usize {
+        let mut index = 0;
+        while index + 1 < self.len && t >= self.times[index + 1] {
+            index += 1;
+        }
+        index
+    }
+
+    fn length_of(&self, index: usize) -> f64 {
+        let end = if index + 1 < self.len {
+            self.times[index + 1]
+        } else {
+            self.duration
+        };
+        end - self.times[index]
+    }
+}
+
+impl Segment {
+    pub(crate) fn at(&self, u: f64) -> State {
+        let State {
+            position,
+            velocity,
+            acceleration,
+        } = self.state;
+        State {
+            position: position + u * (velocity + u * (0.5 * acceleration + u * (self.jerk / 6.0))),
+            velocity: velocity + u * (acceleration + u * (0.5 * self.jerk)),
+            acceleration: acceleration + u * self.jerk,
+        }
+    }
+
+    /// The time within `length` at which the position, monotone here, is `s`.
+    pub(crate) fn time_to(&self, s: f64, length: f64) -> f64 {
+        let (mut low, mut high) = (0.0, length);
+        let rising = self.at(length).position >= self.state.position;
+        let mut u = 0.5 * length;
+        for _ in 0..64 {
+            let state = self.at(u);
+            let error = state.position - s;
+            if error == 0.0 {
+                return u;
+            }
+            if (error < 0.0) == rising {
+                low = u
+            } else {
+                high = u
+            }
+            if high - low <= 4e-16 * high {
+                break;
+            }
+            let newton = u - error / state.velocity;
+            let next = if newton > low && newton < high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            if (next - u).abs() <= 2e-16 * u {
+                return next;
+            }
+            u = next;
+        }
+        u
+    }
+}
+
+fn sane_state(state: &State) -> State {
+    State {
+        position: sane_position(state.position),
+        velocity: sane(state.velocity),
+        acceleration: sane(state.acceleration),
+    }
+}
+
+/// Positions keep their bits unless they are not finite or beyond all use.
+fn sane_position(position: f64) -> f64 {
+    if position.is_nan() {
+        0.0
+    } else {
+        position.clamp(-1e50, 1e50)
+    }
+}

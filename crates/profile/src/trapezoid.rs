@@ -1,0 +1,144 @@
+//! Trapezoidal profiles in closed form from any velocity (motion-core §2). The acceleration of the
+//! start state is not read: a trapezoid's steps.
+//!
+//! `v0, vf` entry and exit speed, `vp` peak, `V, A, D` limits, as in the paper.
+
+use crate::builder::{Builder, Sink};
+use crate::limits::Trapezoid;
+use crate::position::nearness;
+use crate::profile::{Profile, State};
+
+pub(crate) fn to_position(
+    from: &State,
+    target: f64,
+    end_speed: f64,
+    limits: &Trapezoid,
+) -> Profile {
+    let (accel, decel) = (limits.acceleration, limits.deceleration);
+    if limits.speed == 0.0 {
+        let mut builder = Builder::new(from, 1.0);
+        ramp(&mut builder, 0.0, limits);
+        let end = State {
+            velocity: 0.0,
+            acceleration: 0.0,
+            ..builder.state()
+        };
+        return builder.finish(end, end.position == target);
+    }
+    let end_speed = end_speed.clamp(-limits.speed, limits.speed);
+    let x = target - from.position;
+    let x0 = from.velocity * from.velocity.abs() / (2.0 * decel);
+    let end = State {
+        position: target,
+        velocity: end_speed,
+        acceleration: 0.0,
+    };
+    if end_speed == 0.0 && (x - x0).abs() <= nearness(from, target, x, x0) {
+        let mut builder = Builder::new(from, 1.0);
+        ramp(&mut builder, 0.0, limits);
+        return builder.finish(end, true);
+    }
+    let sign = if end_speed == 0.0 {
+        (x - x0).signum()
+    } else {
+        end_speed.signum()
+    };
+    let (x, vf) = (sign * x, sign * end_speed);
+    let mut builder = Builder::new(from, sign);
+    turn(&mut builder, decel);
+    let v0 = builder.velocity();
+    let left = x - builder.now.x;
+    // Squares as products: no digits lost between like speeds.
+    let excess = (v0 - vf) * (v0 + vf);
+    let least = if excess > 0.0 {
+        excess / (2.0 * decel)
+    } else {
+        -excess / (2.0 * accel)
+    };
+    if left < least && vf > 0.0 && least - left > nearness(from, target, left, least) {
+        let mut builder = Builder::new(from, sign);
+        ramp(&mut builder, vf, limits);
+        return match builder.cut_at(x, target) {
+            Some(profile) => profile,
+            None => to_position(from, target, 0.0, limits),
+        };
+    }
+    let v = limits.speed;
+    if v0 > v {
+        let far = ((v0 - v) * (v0 + v) + (v - vf) * (v + vf)) / (2.0 * decel);
+        hold(&mut builder, (v0 - v) / decel, -decel, v);
+        hold(&mut builder, (left - far) / v, 0.0, v);
+        hold(&mut builder, (v - vf) / decel, -decel, vf);
+        return builder.finish(end, true);
+    }
+    let far = (v - v0) * (v + v0) / (2.0 * accel) + (v - vf) * (v + vf) / (2.0 * decel);
+    if far <= left {
+        hold(&mut builder, (v - v0) / accel, accel, v);
+        hold(&mut builder, (left - far) / v, 0.0, v);
+        hold(&mut builder, (v - vf) / decel, -decel, vf);
+        return builder.finish(end, true);
+    }
+    // Differences of squares of the peak with entry and exit speed.
+    let above_entry = accel * (2.0 * decel * left - excess).max(0.0) / (accel + decel);
+    let above_exit = decel * (2.0 * accel * left + excess).max(0.0) / (accel + decel);
+    let vp = (above_entry + v0 * v0).sqrt();
+    if above_entry > 0.0 {
+        hold(&mut builder, above_entry / (vp + v0) / accel, accel, vp);
+    }
+    if above_exit > 0.0 {
+        hold(&mut builder, above_exit / (vp + vf) / decel, -decel, vf);
+    }
+    builder.finish(end, true)
+}
+
+/// To velocity `vt`.
+pub(crate) fn ramp(builder: &mut Builder, vt: f64, limits: &Trapezoid) {
+    let sign = if vt != 0.0 {
+        vt.signum()
+    } else {
+        -builder.velocity().signum()
+    };
+    let v = sign * builder.velocity();
+    let vt = sign * vt;
+    if v < 0.0 {
+        hold(
+            builder,
+            -v / limits.deceleration,
+            sign * limits.deceleration,
+            0.0,
+        );
+    }
+    let v = v.max(0.0);
+    if v < vt {
+        hold(
+            builder,
+            (vt - v) / limits.acceleration,
+            sign * limits.acceleration,
+            sign * vt,
+        );
+    } else {
+        hold(
+            builder,
+            (v - vt) / limits.deceleration,
+            -sign * limits.deceleration,
+            sign * vt,
+        );
+    }
+    builder.set(sign * vt, 0.0);
+}
+
+/// Brakes a motion in the negative direction to rest.
+fn turn(builder: &mut Builder, decel: f64) {
+    let v = builder.velocity();
+    if v < 0.0 {
+        hold(builder, -v / decel, decel, 0.0);
+    }
+}
+
+/// Goes on for `time` with constant acceleration, ending with velocity `end`.
+fn hold(builder: &mut Builder, time: f64, acceleration: f64, end: f64) {
+    let v = builder.velocity();
+    builder.set(v, acceleration);
+    builder.push(time, 0.0);
+    builder.set(end, 0.0);
+}
