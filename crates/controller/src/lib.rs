@@ -1,1 +1,13 @@
-//! arcline-controller.
+//! The controller: one tick after another over a machine, and the memory of its tags.
+//!
+//! Not here: threads, real clocks, sockets, files, logs. A caller drives [`Controller::tick`] from a real-time
+//! thread, or its three parts on a virtual clock.
+
+#![forbid(unsafe_code)]
+
+mod controller;
+mod snapshot;
+
+pub use arcline_motion::{CONTROL_SLOTS, Event, Ticket, UNNAMED, machine};
+pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, Port};
+pub use snapshot::Snapshot;

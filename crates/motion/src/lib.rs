@@ -1,3 +1,26 @@
-//! arcline-motion.
+//! What a Logix-like controller does with motion instructions: axes, coordinate systems, the life of every
+//! instruction and every status bit, tick by tick.
+//!
+//! [`Motion::begin`] brings everything to the next tick, [`Motion::execute`] runs an instruction at that tick,
+//! [`Motion::finish`] closes it. Not here: threads, clocks, rings, tag memory, names (a call holds indices),
+//! logs. Nothing allocates after [`Motion::new`]; the work of a tick is bounded by the machine's description.
+//!
+//! Source: spec/coordinated-instructions.md and spec/axis-and-data-types.md; sections are named where used.
 
+#![forbid(unsafe_code)]
+
+mod axis;
+mod control;
+mod dynamics;
+mod instructions;
 pub mod machine;
+mod motion;
+mod snapshot;
+mod status;
+mod stop;
+mod system;
+mod verify;
+
+pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};
+pub use motion::Motion;
+pub use snapshot::{AxisSnapshot, SystemSnapshot};

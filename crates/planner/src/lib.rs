@@ -1,1 +1,19 @@
-//! arcline-planner.
+//! Path × profile: where a coordinate system is at any instant.
+//!
+//! A [`Move`] is a geometric path with the limits of its speed along it. A [`Planner`] holds the active
+//! move, the pending ones behind it, and evaluates the active one in closed form: nothing is integrated from
+//! tick to tick, so the trajectory is the same at every update period (spec/motion-core.md §1, §12).
+//!
+//! Not here: instructions, status bits, axes, drives, and anything that knows what a tick does. Units:
+//! position units, seconds. Nothing here allocates after [`Planner::new`].
+
+#![forbid(unsafe_code)]
+
+mod clock;
+mod planner;
+
+pub use clock::{Clock, Instant};
+pub use planner::{Move, Planner, QueueFull, Running, Sample};
+
+pub use arcline_geometry as geometry;
+pub use arcline_profile as profile;

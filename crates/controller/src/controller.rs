@@ -1,0 +1,139 @@
+//! The tick: commands in, motion, drives, events and a snapshot out.
+
+use arcline_instruction_set::{Call, ControlSlot, MotionControl};
+use arcline_motion::machine::Machine;
+use arcline_motion::{Event, Motion, Ticket};
+
+use crate::snapshot::Snapshot;
+
+/// What reaches the controller from outside.
+#[derive(Clone, Copy, Debug)]
+pub enum Command {
+    /// Execute an instruction: a false-to-true transition of its rung condition.
+    Call(Ticket, Call),
+    /// The rung condition of the instruction with this motion control tag is false.
+    RungFalse(ControlSlot),
+    /// Stop all motion of every coordinate system in a controlled way: what a shutdown of the process needs.
+    StopAll,
+}
+
+/// What joins the controller to the rest: rings in the real-time thread, plain collections in a test.
+/// Every method is called from the tick and must neither block nor allocate.
+pub trait Port {
+    /// The next command, if one waits.
+    fn next_command(&mut self) -> Option<Command>;
+    /// What the motion control tag shows right after an instruction was executed.
+    fn answer(&mut self, ticket: Ticket, control: MotionControl);
+    /// A change of an instruction's status.
+    fn event(&mut self, event: &Event);
+    /// A place for the state at the end of this tick; `None` when nobody wants it.
+    fn snapshot(&mut self) -> Option<&mut Snapshot>;
+    /// The snapshot is filled.
+    fn publish(&mut self);
+}
+
+/// A machine under control. `tick` is the only time there is, so a run can be repeated exactly.
+#[derive(Debug)]
+pub struct Controller {
+    motion: Motion,
+    next_tick: u64,
+}
+
+/// Commands that one tick takes; the rest wait for the next one.
+pub const MAX_COMMANDS_PER_TICK: usize = 64;
+
+impl Controller {
+    /// The machine as configured, at rest, before tick 0. The only allocation.
+    pub fn new(machine: &Machine) -> Self {
+        Controller {
+            motion: Motion::new(machine),
+            next_tick: 0,
+        }
+    }
+
+    /// One coarse update: what a real-time thread does, in the order in which things happen.
+    ///
+    /// Real-time: no allocation, lock, I/O, log or clock; bounded by the machine and [`MAX_COMMANDS_PER_TICK`].
+    pub fn tick(&mut self, port: &mut impl Port) {
+        self.begin_tick();
+        for _ in 0..MAX_COMMANDS_PER_TICK {
+            match port.next_command() {
+                Some(Command::Call(ticket, call)) => {
+                    let control = self.execute(ticket, &call);
+                    port.answer(ticket, control);
+                }
+                Some(Command::RungFalse(control)) => self.rung_false(control),
+                Some(Command::StopAll) => self.stop_all(),
+                None => break,
+            }
+        }
+        self.end_tick(|event| port.event(event));
+        if let Some(snapshot) = port.snapshot() {
+            self.snapshot(snapshot);
+            port.publish();
+        }
+    }
+
+    /// Brings the machine to the next tick; the first call is tick 0. Real-time.
+    pub fn begin_tick(&mut self) {
+        self.motion.begin(self.next_tick);
+        self.next_tick += 1;
+    }
+
+    /// Executes an instruction at the present tick and returns what its motion control tag shows. Real-time.
+    pub fn execute(&mut self, ticket: Ticket, call: &Call) -> MotionControl {
+        self.motion.execute(ticket, call)
+    }
+
+    /// A false rung condition. Real-time.
+    pub fn rung_false(&mut self, control: ControlSlot) {
+        self.motion.rung_false(control);
+    }
+
+    /// Stops everything that moves, every axis by itself. Real-time.
+    pub fn stop_all(&mut self) {
+        self.motion.stop_all();
+    }
+
+    /// Closes the tick and reports what changed, in order. Real-time as far as `report` is.
+    pub fn end_tick(&mut self, report: impl FnMut(&Event)) {
+        self.motion.finish(report);
+    }
+
+    /// Whether the instruction would find room in its coordinate system's queue.
+    pub fn has_room(&self, call: &Call) -> bool {
+        self.motion.has_room(call)
+    }
+
+    /// Whether nothing moves and nothing is under way that would end.
+    pub fn at_rest(&self) -> bool {
+        self.motion.at_rest()
+    }
+
+    /// The present tick.
+    pub fn tick_number(&self) -> u64 {
+        self.motion.tick()
+    }
+
+    /// What a motion control tag shows at the present tick.
+    pub fn control(&self, slot: ControlSlot) -> MotionControl {
+        self.motion.control(slot)
+    }
+
+    /// Command position, velocity and acceleration, and actual position, of every axis in configuration order.
+    pub fn trace(&self) -> impl Iterator<Item = [f64; 4]> {
+        self.motion.trace()
+    }
+
+    /// Fills a snapshot with the state at the present tick. Real-time: the snapshot was made for this machine.
+    pub fn snapshot(&self, snapshot: &mut Snapshot) {
+        snapshot.tick = self.motion.tick();
+        snapshot.lost_events = self.motion.lost_events();
+        for (shown, axis) in snapshot.axes.iter_mut().zip(self.motion.axes()) {
+            *shown = axis;
+        }
+        for (shown, system) in snapshot.systems.iter_mut().zip(self.motion.systems()) {
+            *shown = system;
+        }
+    }
+}

@@ -1,0 +1,29 @@
+//! The state of the whole machine at one tick, as the rest of the program sees it.
+
+use arcline_motion::machine::Machine;
+use arcline_motion::{AxisSnapshot, SystemSnapshot};
+
+/// Every axis and coordinate system at the end of one tick.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Snapshot {
+    /// The tick.
+    pub tick: u64,
+    /// Axes in configuration order.
+    pub axes: Vec<AxisSnapshot>,
+    /// Coordinate systems in configuration order.
+    pub systems: Vec<SystemSnapshot>,
+    /// Events that found no room in the controller, ever.
+    pub lost_events: u64,
+}
+
+impl Snapshot {
+    /// An empty snapshot with a place for everything of a machine.
+    pub fn new(machine: &Machine) -> Self {
+        Snapshot {
+            tick: 0,
+            axes: vec![AxisSnapshot::default(); machine.axes.len()],
+            systems: vec![SystemSnapshot::default(); machine.systems.len()],
+            lost_events: 0,
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! Motion control tags: which execution a tag shows, and the life of its bits
+//! (spec/coordinated-instructions.md §2).
+//!
+//! A tag shows its newest execution. An older one whose tag was used again runs on and reports its changes
+//! under its ticket only.
+
+use arcline_instruction_set::{ControlSlot, Flag, Mnemonic, MotionControl, MotionError};
+
+/// One execution of one instruction, for ever.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct Ticket(pub u64);
+
+/// Places for motion control tags, the unnamed one included.
+pub const CONTROL_SLOTS: usize = 8192;
+
+/// The place of an instruction without a motion control tag. Executions that share it do not collide.
+pub const UNNAMED: ControlSlot = ControlSlot(CONTROL_SLOTS as u32 - 1);
+
+/// A change of an execution's status within one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// When.
+    pub tick: u64,
+    /// Whose.
+    pub ticket: Ticket,
+    /// The tag it was executed with.
+    pub control: ControlSlot,
+    /// Whether that tag still shows this execution.
+    pub owner: bool,
+    /// The instruction.
+    pub mnemonic: Mnemonic,
+    /// FLAGS bits that were set.
+    pub set: u32,
+    /// FLAGS bits that were cleared.
+    pub clear: u32,
+    /// ERR after the change.
+    pub err: i16,
+    /// EXERR after the change.
+    pub exerr: i8,
+}
+
+/// The bits that an execution writes to, wherever they are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Execution {
+    pub(crate) ticket: Ticket,
+    pub(crate) control: ControlSlot,
+    pub(crate) mnemonic: Mnemonic,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Control {
+    ticket: Ticket,
+    mnemonic: Mnemonic,
+    word: MotionControl,
+    /// FLAGS when the present execution began or was last reported.
+    reported: u32,
+    /// Of those, the ones that count as set again when they still are: EN alone survives an edge.
+    kept: u32,
+    changed: bool,
+}
+
+/// Every motion control tag.
+#[derive(Debug)]
+pub(crate) struct Controls {
+    table: Vec<Control>,
+    changed: Vec<u32>,
+    events: Vec<Event>,
+    lost: u64,
+}
+
+/// Events that one tick can hold.
+const EVENTS: usize = 2 * CONTROL_SLOTS;
+
+impl Controls {
+    pub(crate) fn new() -> Self {
+        let unused = Control {
+            ticket: Ticket(0),
+            mnemonic: Mnemonic::Mcs,
+            word: MotionControl::default(),
+            reported: 0,
+            kept: u32::MAX,
+            changed: false,
+        };
+        Controls {
+            table: vec![unused; CONTROL_SLOTS],
+            changed: Vec::with_capacity(EVENTS),
+            events: Vec::with_capacity(EVENTS),
+            lost: 0,
+        }
+    }
+
+    /// A false-to-true edge: the tag shows the new execution, with EN alone set.
+    ///
+    /// # Errors
+    /// `ExecutionCollision` (3) when the tag's last execution has set neither DN nor ER yet; the tag shows the
+    /// new execution all the same.
+    pub(crate) fn begin(&mut self, execution: Execution, tick: u64) -> Result<(), MotionError> {
+        self.report(execution.control, tick);
+        let Some(control) = self.table.get_mut(execution.control.0 as usize) else {
+            return Err(MotionError::ExecutionCollision);
+        };
+        let busy = control.word.has(Flag::En) && !control.word.has(Flag::Dn) && !control.word.has(Flag::Er);
+        *control = Control {
+            ticket: execution.ticket,
+            mnemonic: execution.mnemonic,
+            word: MotionControl::default(),
+            reported: control.word.flags,
+            kept: Flag::En.mask(),
+            changed: control.changed,
+        };
+        self.write(execution, Flag::En.mask(), 0, tick);
+        if busy && execution.control != UNNAMED {
+            return Err(MotionError::ExecutionCollision);
+        }
+        Ok(())
+    }
+
+    /// Sets and clears FLAGS bits of an execution.
+    pub(crate) fn write(&mut self, execution: Execution, set: u32, clear: u32, tick: u64) {
+        self.change(execution, set, clear, None, tick);
+    }
+
+    /// Ends an execution with an error. IP and AC clear; DN stays as it is.
+    pub(crate) fn fail(&mut self, execution: Execution, error: MotionError, tick: u64) {
+        let over = Flag::Ip.mask() | Flag::Ac.mask() | Flag::Accel.mask() | Flag::Decel.mask();
+        self.change(execution, Flag::Er.mask(), over, Some(error), tick);
+    }
+
+    /// A false rung: EN clears once DN or ER is set.
+    pub(crate) fn rung_false(&mut self, slot: ControlSlot, tick: u64) {
+        let Some(control) = self.table.get(slot.0 as usize) else {
+            return;
+        };
+        if control.word.has(Flag::Dn) || control.word.has(Flag::Er) {
+            let shown = Execution {
+                ticket: control.ticket,
+                control: slot,
+                mnemonic: control.mnemonic,
+            };
+            self.write(shown, 0, Flag::En.mask(), tick);
+        }
+    }
+
+    /// What the tag shows.
+    pub(crate) fn word(&self, slot: ControlSlot) -> MotionControl {
+        self.table.get(slot.0 as usize).map_or_else(MotionControl::default, |control| control.word)
+    }
+
+    /// Reports every change since the last call, in the order in which they began.
+    pub(crate) fn drain(&mut self, tick: u64, mut report: impl FnMut(&Event)) {
+        for place in 0..self.changed.len() {
+            let slot = ControlSlot(self.changed[place]);
+            self.report(slot, tick);
+        }
+        self.changed.clear();
+        self.events.iter().for_each(&mut report);
+        self.events.clear();
+    }
+
+    /// Events that found no room, ever.
+    pub(crate) fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    fn change(&mut self, execution: Execution, set: u32, clear: u32, error: Option<MotionError>, tick: u64) {
+        let Some(control) = self.table.get_mut(execution.control.0 as usize) else {
+            return;
+        };
+        if control.ticket != execution.ticket {
+            let (err, exerr) = error.map_or((0, 0), |error| (error.err(), error.exerr()));
+            self.push(Event {
+                tick,
+                ticket: execution.ticket,
+                control: execution.control,
+                owner: false,
+                mnemonic: execution.mnemonic,
+                set,
+                clear,
+                err,
+                exerr,
+            });
+            return;
+        }
+        control.word.flags = (control.word.flags & !clear) | set;
+        if let Some(error) = error {
+            control.word.err = error.err();
+            control.word.exerr = error.exerr();
+        }
+        if !control.changed {
+            control.changed = true;
+            self.changed.push(execution.control.0);
+        }
+    }
+
+    fn report(&mut self, slot: ControlSlot, tick: u64) {
+        let Some(control) = self.table.get_mut(slot.0 as usize) else {
+            return;
+        };
+        if !control.changed {
+            return;
+        }
+        let now = control.word.flags;
+        let event = Event {
+            tick,
+            ticket: control.ticket,
+            control: slot,
+            owner: true,
+            mnemonic: control.mnemonic,
+            set: now & !(control.reported & control.kept),
+            clear: control.reported & !now,
+            err: control.word.err,
+            exerr: control.word.exerr,
+        };
+        control.reported = now;
+        control.kept = u32::MAX;
+        control.changed = false;
+        if event.set | event.clear != 0 {
+            self.push(event);
+        }
+    }
+
+    fn push(&mut self, event: Event) {
+        if self.events.len() < EVENTS {
+            self.events.push(event);
+        } else {
+            self.lost += 1;
+        }
+    }
+}

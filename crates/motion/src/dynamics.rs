@@ -1,0 +1,117 @@
+//! From programmed speeds, rates and jerks to the limits of a profile
+//! (spec/coordinated-instructions.md §4.5, §5.3).
+
+use arcline_profile::{Jerk, Limits, jerk_from_percent_of_time};
+
+use crate::machine::CoordinateSystem;
+
+/// Speed Units, Accel Units, Decel Units, Jerk Units: % of Maximum.
+pub(crate) const PERCENT_OF_MAXIMUM: i32 = 1;
+/// Jerk Units: % of Time.
+pub(crate) const PERCENT_OF_TIME: i32 = 2;
+
+/// A jerk as programmed: one in percent of time follows the speed and the rate when these change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum JerkRate {
+    /// Units/s³.
+    Units(f64),
+    /// Percent of the ramp time that is jerk-limited.
+    PercentOfTime(f64),
+}
+
+/// The shape of the speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Shape {
+    /// Profile 0; jerks are stored without effect.
+    Trapezoidal(Jerks),
+    /// Profile 1.
+    SCurve(Jerks),
+}
+
+/// Accel Jerk and Decel Jerk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Jerks {
+    pub(crate) acceleration: JerkRate,
+    pub(crate) deceleration: JerkRate,
+}
+
+/// The dynamics of one move: units/s, units/s².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Dynamics {
+    pub(crate) speed: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) deceleration: f64,
+    pub(crate) shape: Shape,
+    /// The speed that a jerk in percent of time is computed with while the move's own is 0.
+    pub(crate) last_speed: f64,
+}
+
+impl Dynamics {
+    pub(crate) fn limits(&self) -> Limits {
+        let jerk = match self.shape {
+            Shape::Trapezoidal(_) => None,
+            Shape::SCurve(jerks) => Some(Jerk {
+                acceleration: self.jerk(jerks.acceleration, self.acceleration),
+                deceleration: self.jerk(jerks.deceleration, self.deceleration),
+            }),
+        };
+        Limits {
+            speed: self.speed,
+            acceleration: self.acceleration,
+            deceleration: self.deceleration,
+            jerk,
+        }
+    }
+
+    /// Takes a new speed; the last one that was not 0 is kept for jerks in percent of time.
+    pub(crate) fn set_speed(&mut self, speed: f64) {
+        self.speed = speed;
+        if speed > 0.0 {
+            self.last_speed = speed;
+        }
+    }
+
+    pub(crate) fn is_s_curve(&self) -> bool {
+        matches!(self.shape, Shape::SCurve(_))
+    }
+
+    pub(crate) fn jerks_mut(&mut self) -> &mut Jerks {
+        match &mut self.shape {
+            Shape::Trapezoidal(jerks) | Shape::SCurve(jerks) => jerks,
+        }
+    }
+
+    fn jerk(&self, jerk: JerkRate, rate: f64) -> f64 {
+        resolve(jerk, self.last_speed, rate)
+    }
+}
+
+/// A programmed jerk in units/s³ for a ramp between rest and `speed` at `rate`.
+pub(crate) fn resolve(jerk: JerkRate, speed: f64, rate: f64) -> f64 {
+    match jerk {
+        JerkRate::Units(jerk) => jerk,
+        JerkRate::PercentOfTime(percent) => jerk_from_percent_of_time(speed, rate, percent),
+    }
+}
+
+/// A programmed speed or rate in units: `units` is the word of its Units operand.
+pub(crate) fn in_units(value: f64, units: i32, maximum: f64) -> f64 {
+    if units == PERCENT_OF_MAXIMUM {
+        value / 100.0 * maximum
+    } else {
+        value
+    }
+}
+
+/// A programmed jerk: `units` is the word of Jerk Units.
+pub(crate) fn jerk_in_units(value: f64, units: i32, maximum: f64) -> JerkRate {
+    match units {
+        PERCENT_OF_TIME => JerkRate::PercentOfTime(value),
+        _ => JerkRate::Units(in_units(value, units, maximum)),
+    }
+}
+
+/// The speed that stands in for a programmed speed of 0 in a jerk in percent of time.
+pub(crate) fn reference_speed(speed: f64, system: &CoordinateSystem) -> f64 {
+    if speed > 0.0 { speed } else { system.max_speed }
+}

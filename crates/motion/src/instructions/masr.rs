@@ -1,0 +1,27 @@
+//! MASR, Motion Axis Shutdown Reset (spec/axis-and-data-types.md §2).
+
+use arcline_instruction_set::{Call, MotionError};
+
+use crate::axis::AxisState;
+use crate::control::Execution;
+use crate::motion::Motion;
+
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
+    let axis = motion.target_axis(call)?;
+    motion.verify_operands(call)?;
+    reset(motion, axis);
+    motion.done_next_update(execution, axis, None);
+    Ok(())
+}
+
+/// Leaves shutdown for Ready: a servo stays off, a virtual axis is ready at once.
+pub(super) fn reset(motion: &mut Motion, axis: u16) {
+    let axis = &mut motion.axes[usize::from(axis)];
+    if axis.state == AxisState::Shutdown {
+        axis.state = if axis.is_virtual {
+            AxisState::Running
+        } else {
+            AxisState::Stopped
+        };
+    }
+}

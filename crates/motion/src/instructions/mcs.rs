@@ -1,0 +1,157 @@
+//! MCS, Motion Coordinated Stop (spec/coordinated-instructions.md §15, the MCS seed).
+
+use arcline_instruction_set::{AxisIndex, Call, DecelerationOf, Flag, Mnemonic, MotionError};
+use arcline_planner::profile::{Jerk, Limits};
+
+use super::{moves, place};
+use crate::control::Execution;
+use crate::dynamics::{in_units, jerk_in_units, resolve};
+use crate::motion::Motion;
+use crate::stop::{ALL, AxisSet, COORDINATED_MOVE, Stop};
+use crate::system::Activity;
+use crate::verify;
+
+/// Places of MCS's operands.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layout {
+    stop_type: usize,
+    change_decel: usize,
+    decel_rate: usize,
+    decel_units: usize,
+    change_decel_jerk: usize,
+    decel_jerk: usize,
+    jerk_units: usize,
+}
+
+impl Layout {
+    pub(super) fn new() -> Self {
+        let place = |name| place(Mnemonic::Mcs, name);
+        Layout {
+            stop_type: place("Stop Type"),
+            change_decel: place("Change Decel"),
+            decel_rate: place("Decel Rate"),
+            decel_units: place("Decel Units"),
+            change_decel_jerk: place("Change Decel Jerk"),
+            decel_jerk: place("Decel Jerk"),
+            jerk_units: place("Jerk Units"),
+        }
+    }
+}
+
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
+    let layout = motion.layouts.mcs;
+    let index = motion.target_system(call)?;
+    motion.verify_operands(call)?;
+    verify::axes_ready(&motion.systems[index], &motion.axes)?;
+    verify::stoppable(&motion.systems[index], &motion.axes, is_s_curve(motion, index))?;
+    let stop_type = call.word(layout.stop_type);
+    let limits = limits(motion, index, call)?;
+    if stop_type == ALL {
+        verify_sharing(motion, index)?;
+    }
+
+    // A weaker stop while a stop of all is running takes over its bits only.
+    let running = motion.systems[index].stop.map(|stop| stop.braking);
+    motion.end_stop(index);
+    let mut braking = running.unwrap_or_default();
+    match stop_type {
+        ALL => braking.extend(stop_all(motion, index)),
+        COORDINATED_MOVE => stop_move(motion, index, &limits),
+        _ => {}
+    }
+    motion.systems[index].stop = Some(Stop { execution, braking });
+    let initiated = Flag::Dn.mask() | Flag::Ip.mask();
+    motion.controls.write(execution, initiated, 0, motion.clock.tick);
+    Ok(())
+}
+
+/// Deceleration and jerk of a stop along the path.
+fn limits(motion: &Motion, index: usize, call: &Call) -> Result<Limits, MotionError> {
+    let layout = &motion.layouts.mcs;
+    let system = &motion.systems[index];
+    let description = &system.description;
+    let deceleration = if call.word(layout.change_decel) == 1 {
+        in_units(call.number(layout.decel_rate), call.word(layout.decel_units), description.max_deceleration)
+    } else {
+        description.max_deceleration
+    };
+    moves::positive(deceleration, layout.decel_rate)?;
+    let sample = system.planner.sample(&motion.clock);
+    let speed = sample.map_or(0.0, |sample| sample.along.velocity.abs());
+    let jerk = if call.word(layout.change_decel_jerk) == 1 {
+        let programmed = jerk_in_units(
+            call.number(layout.decel_jerk),
+            call.word(layout.jerk_units),
+            description.max_deceleration_jerk,
+        );
+        let reference = if speed > 0.0 { speed } else { description.max_speed };
+        resolve(programmed, reference, deceleration)
+    } else {
+        description.max_deceleration_jerk
+    };
+    if is_s_curve(motion, index) {
+        moves::positive(jerk, layout.decel_jerk)?;
+    }
+    let active = system.planner.active().map(|running| running.motion.data.dynamics.limits());
+    Ok(Limits {
+        speed: active.map_or(description.max_speed, |limits| limits.speed),
+        // What is left of an acceleration is taken back at the move's own jerk or, where larger, the stop's.
+        acceleration: active.map_or(deceleration, |limits| limits.acceleration),
+        deceleration,
+        jerk: is_s_curve(motion, index).then(|| Jerk {
+            acceleration: active
+                .and_then(|limits| limits.jerk)
+                .map_or(jerk, |own| own.acceleration.max(jerk)),
+            deceleration: jerk,
+        }),
+    })
+}
+
+fn is_s_curve(motion: &Motion, index: usize) -> bool {
+    let active = motion.systems[index].planner.active();
+    active.is_some_and(|running| running.motion.data.dynamics.is_s_curve())
+}
+
+/// Stops the coordinated move on its path and empties the queue.
+fn stop_move(motion: &mut Motion, index: usize, limits: &Limits) {
+    motion.cancel_pending(index);
+    motion.end_active(index);
+    let system = &mut motion.systems[index];
+    if system.is_busy() {
+        system.activity = Activity::Stopping;
+        system.planner.stop(limits, &motion.clock);
+        system.stale = true;
+    }
+}
+
+/// Stops every axis of the system by itself, and the whole coordinated moves of systems that share one.
+fn stop_all(motion: &mut Motion, index: usize) -> AxisSet {
+    let mut braking = AxisSet::default();
+    for other in 0..motion.systems.len() {
+        let shares = other == index || motion.systems[index].shared_axis(&motion.systems[other]).is_some();
+        if shares {
+            braking.extend(motion.abort_system(other, |_| false));
+        }
+    }
+    braking
+}
+
+/// A stop of all also brakes axes of other systems: these must be able to.
+fn verify_sharing(motion: &Motion, index: usize) -> Result<(), MotionError> {
+    let own = &motion.systems[index];
+    for other in &motion.systems {
+        if !other.is_busy() || own.shared_axis(other).is_none() {
+            continue;
+        }
+        for axis in &other.description.axes {
+            let cannot = motion
+                .axes
+                .get(usize::from(*axis))
+                .is_some_and(|axis| axis.dynamics.deceleration <= 0.0);
+            if cannot {
+                return Err(MotionError::ZeroMaxDecel(DecelerationOf::Axis(AxisIndex(0))));
+            }
+        }
+    }
+    Ok(())
+}

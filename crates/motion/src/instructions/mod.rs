@@ -1,0 +1,85 @@
+//! What each instruction does, one file an instruction; here, how they are found and what they share.
+
+mod mafr;
+mod masd;
+mod masr;
+mod mccd;
+mod mccm;
+mod mclm;
+mod mcs;
+mod mcsd;
+mod mcsr;
+mod moves;
+mod msf;
+mod mso;
+
+use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
+
+use crate::control::Execution;
+use crate::motion::Motion;
+use moves::MoveLayout;
+
+/// Places of the operands on the faceplates, looked up in the catalogue once.
+#[derive(Debug)]
+pub(crate) struct Layouts {
+    mclm: MoveLayout,
+    mccm: MoveLayout,
+    circle: mccm::CircleLayout,
+    mccd: mccd::Layout,
+    mcs: mcs::Layout,
+}
+
+impl Layouts {
+    pub(crate) fn new() -> Self {
+        Layouts {
+            mclm: MoveLayout::of(Mnemonic::Mclm),
+            mccm: MoveLayout::of(Mnemonic::Mccm),
+            circle: mccm::CircleLayout::new(),
+            mccd: mccd::Layout::new(),
+            mcs: mcs::Layout::new(),
+        }
+    }
+}
+
+/// Verifies an instruction and does it. Real-time.
+///
+/// # Errors
+/// The first reason, in the order of spec/coordinated-instructions.md §11.1. Nothing has moved or changed then.
+pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
+    match call.mnemonic {
+        Mnemonic::Mclm => mclm::execute(motion, execution, call),
+        Mnemonic::Mccm => mccm::execute(motion, execution, call),
+        Mnemonic::Mccd => mccd::execute(motion, execution, call),
+        Mnemonic::Mcs => mcs::execute(motion, execution, call),
+        Mnemonic::Mcsd => mcsd::execute(motion, execution, call),
+        Mnemonic::Mcsr => mcsr::execute(motion, execution, call),
+        Mnemonic::Mso => mso::execute(motion, execution, call),
+        Mnemonic::Msf => msf::execute(motion, execution, call),
+        Mnemonic::Masd => masd::execute(motion, execution, call),
+        Mnemonic::Masr => masr::execute(motion, execution, call),
+        Mnemonic::Mafr => mafr::execute(motion, execution, call),
+        _ => {
+            motion.verify_operands(call)?;
+            Err(MotionError::FeatureNotSupported)
+        }
+    }
+}
+
+/// Whether the instruction takes a place in its coordinate system's queue.
+pub(crate) fn is_queued(mnemonic: Mnemonic) -> bool {
+    matches!(mnemonic, Mnemonic::Mclm | Mnemonic::Mccm | Mnemonic::Mcpm)
+}
+
+/// The error of an instruction whose target does not exist: its first operand.
+pub(crate) fn no_target() -> MotionError {
+    MotionError::ParameterOutOfRange(OperandIndex(0))
+}
+
+/// Place of a named operand on an instruction's faceplate.
+fn place(mnemonic: Mnemonic, name: &str) -> usize {
+    let operands = mnemonic.instruction().operands;
+    operands
+        .iter()
+        .position(|operand| operand.name == name)
+        .unwrap_or_else(|| panic!("the catalogue lists no operand {name} of {mnemonic}"))
+}

@@ -1,0 +1,25 @@
+//! MSF, Motion Servo Off (spec/axis-and-data-types.md §2). A moving axis coasts; coordinated motion it takes
+//! part in is over, and the other axes of that motion brake by themselves.
+
+use arcline_instruction_set::{AxisIndex, Call, MotionError};
+
+use crate::axis::AxisState;
+use crate::control::Execution;
+use crate::motion::Motion;
+
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
+    let axis = motion.target_axis(call)?;
+    motion.verify_operands(call)?;
+    let state = motion.axes[usize::from(axis)];
+    if state.is_virtual {
+        return Err(MotionError::WrongAxisType(AxisIndex(0)));
+    }
+    if matches!(state.state, AxisState::Running | AxisState::Starting) {
+        motion.leave(axis);
+        motion.axes[usize::from(axis)].disable(AxisState::Stopping);
+        motion.done_next_update(execution, axis, Some(AxisState::Stopped));
+    } else {
+        motion.done_next_update(execution, axis, None);
+    }
+    Ok(())
+}

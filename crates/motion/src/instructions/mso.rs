@@ -1,0 +1,33 @@
+//! MSO, Motion Servo On (spec/axis-and-data-types.md §2).
+
+use arcline_instruction_set::{AxisIndex, Call, MotionError};
+
+use crate::axis::AxisState;
+use crate::control::Execution;
+use crate::motion::Motion;
+
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
+    let axis = motion.target_axis(call)?;
+    motion.verify_operands(call)?;
+    let state = &mut motion.axes[usize::from(axis)];
+    if state.is_virtual {
+        return Err(MotionError::WrongAxisType(AxisIndex(0)));
+    }
+    match state.state {
+        AxisState::Shutdown => return Err(MotionError::ShutdownState(AxisIndex(0))),
+        AxisState::Running if state.in_motion() => return Err(MotionError::AxisInMotion),
+        AxisState::Running => {
+            motion.done(execution);
+            return Ok(());
+        }
+        AxisState::Starting => {}
+        AxisState::Stopped | AxisState::Stopping => {
+            if state.drive.actual().velocity != 0.0 {
+                return Err(MotionError::AxisInMotion);
+            }
+            state.enable();
+        }
+    }
+    motion.done_next_update(execution, axis, Some(AxisState::Running));
+    Ok(())
+}

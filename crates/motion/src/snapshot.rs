@@ -1,0 +1,45 @@
+//! What the outside sees of an axis and of a coordinate system at one tick.
+
+/// One axis: the words of its tag (spec/axis-and-data-types.md §8.4) and its motion variables.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AxisSnapshot {
+    /// AxisFault.
+    pub fault: u32,
+    /// AxisStatus.
+    pub status: u32,
+    /// MotionStatus.
+    pub motion_status: u32,
+    /// CIPAxisState.
+    pub cip_state: i16,
+    /// CIPAxisStatus.
+    pub cip_status: u32,
+    /// CommandPosition, CommandVelocity, CommandAcceleration.
+    pub command: [f64; 3],
+    /// ActualPosition, ActualVelocity, ActualAcceleration.
+    pub actual: [f64; 3],
+    /// PositionError.
+    pub position_error: f64,
+    /// StartCommandPosition, StartActualPosition.
+    pub started_at: [f64; 2],
+}
+
+/// One coordinate system: the words of its tag (spec/axis-and-data-types.md §8.3).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SystemSnapshot {
+    /// CoordinateSystemStatus.
+    pub status: u32,
+    /// CoordinateMotionStatus.
+    pub motion_status: u32,
+    /// AxesShutdownStatus.
+    pub axes_shutdown: u32,
+    /// AxesServoOnStatus.
+    pub axes_servo_on: u32,
+    /// ActualPosition of each axis.
+    pub actual: [f64; 3],
+    /// Speed along the path, units/s.
+    pub path_speed: f64,
+    /// Distance gone along the active path, units.
+    pub path_position: f64,
+    /// Length of the active path, units; 0 when nothing is active.
+    pub path_length: f64,
+}

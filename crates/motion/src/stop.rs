@@ -1,0 +1,43 @@
+//! A stop of a coordinate system that is under way (MCS).
+
+use crate::control::Execution;
+use crate::machine::MAX_AXES;
+
+/// Stop Type of MCS: everything on the axes of the coordinate system.
+pub(crate) const ALL: i32 = 0;
+/// Stop Type of MCS: the coordinated moves of the coordinate system.
+pub(crate) const COORDINATED_MOVE: i32 = 2;
+
+/// What a running stop waits for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stop {
+    pub(crate) execution: Execution,
+    /// Axes that brake by themselves (Stop Type All).
+    pub(crate) braking: AxisSet,
+}
+
+/// A set of axes of the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct AxisSet([u64; MAX_AXES / 64]);
+
+impl AxisSet {
+    pub(crate) fn insert(&mut self, axis: u16) {
+        if let Some(word) = self.0.get_mut(usize::from(axis / 64)) {
+            *word |= 1 << (axis % 64);
+        }
+    }
+
+    pub(crate) fn extend(&mut self, other: AxisSet) {
+        for (word, more) in self.0.iter_mut().zip(other.0) {
+            *word |= more;
+        }
+    }
+
+    pub(crate) fn contains(&self, axis: u16) -> bool {
+        self.0.get(usize::from(axis / 64)).is_some_and(|word| word & (1 << (axis % 64)) != 0)
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.iter().all(|word| *word == 0)
+    }
+}

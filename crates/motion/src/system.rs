@@ -1,0 +1,92 @@
+//! One coordinate system: its planner, its stop, and what its status bits remember.
+
+use arcline_planner::Planner;
+use arcline_planner::geometry::Point;
+use arcline_planner::profile::Phase;
+
+use crate::control::Execution;
+use crate::dynamics::Dynamics;
+use crate::machine::CoordinateSystem;
+use crate::stop::Stop;
+
+/// When a move is complete (spec/coordinated-instructions.md §7.1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Termination {
+    /// Type 0: the command is at the target and the axes are within the Actual Tolerance.
+    ActualTolerance,
+    /// Type 1: the command is at the target.
+    NoSettle,
+}
+
+/// What motion keeps with a move in the planner.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Planned {
+    pub(crate) execution: Execution,
+    pub(crate) dynamics: Dynamics,
+    pub(crate) termination: Termination,
+}
+
+/// Whose motion the planner's active move is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Activity {
+    /// Nothing is interpolated.
+    Idle,
+    /// The instruction that is active.
+    Moving,
+    /// A stop along the path; the instruction has ended.
+    Stopping,
+}
+
+/// A coordinate system at the present tick.
+#[derive(Debug)]
+pub(crate) struct System {
+    pub(crate) description: CoordinateSystem,
+    pub(crate) planner: Planner<Planned>,
+    pub(crate) activity: Activity,
+    pub(crate) stop: Option<Stop>,
+    pub(crate) shutdown: bool,
+    /// ACCEL and DECEL of the active instruction, as last written.
+    pub(crate) shown_phase: Phase,
+    pub(crate) in_actual_tolerance: bool,
+    pub(crate) in_command_tolerance: bool,
+    /// Speed along the path, units/s; distance gone and length of the active path, units.
+    pub(crate) along: [f64; 3],
+    /// Something happened since the commands of this tick were computed.
+    pub(crate) stale: bool,
+}
+
+impl System {
+    pub(crate) fn new(description: &CoordinateSystem) -> Self {
+        System {
+            planner: Planner::new(description.queue_depth),
+            description: description.clone(),
+            activity: Activity::Idle,
+            stop: None,
+            shutdown: false,
+            shown_phase: Phase::Steady,
+            in_actual_tolerance: false,
+            in_command_tolerance: false,
+            along: [0.0; 3],
+            stale: false,
+        }
+    }
+
+    /// Whether a coordinated move of this system is active, pending, or being stopped on its path.
+    pub(crate) fn is_busy(&self) -> bool {
+        self.activity != Activity::Idle
+    }
+
+    pub(crate) fn has(&self, axis: u16) -> bool {
+        self.description.axes.contains(&axis)
+    }
+
+    /// Whether this system and another one have an axis in common; its place here.
+    pub(crate) fn shared_axis(&self, other: &System) -> Option<usize> {
+        self.description.axes.iter().position(|axis| other.has(*axis))
+    }
+}
+
+/// Component of a point that belongs to the axis at a place of the coordinate system.
+pub(crate) fn component(point: &Point, place: usize) -> f64 {
+    point.get(place).copied().unwrap_or(0.0)
+}

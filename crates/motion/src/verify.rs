@@ -1,0 +1,67 @@
+//! The order in which an instruction is verified: the first hit wins
+//! (spec/coordinated-instructions.md §11.1, axis-and-data-types.md §1.7).
+//!
+//! Step 1 (control tag) is in `control`, step 5 (operands) in the catalogue, step 10 (geometry) and the
+//! conflicts of step 11 with the instructions. Steps 2 and 3 cannot fail: the controller is always in Run and a
+//! machine has exactly one group.
+
+use arcline_instruction_set::{AxisIndex, DecelerationOf, MotionError};
+
+use crate::axis::{Axis, AxisState, Source};
+use crate::system::System;
+
+/// Whether a Units word belongs to a master axis.
+pub(crate) fn is_master_driven(units: f64) -> bool {
+    units >= 4.0
+}
+
+/// Step 8: no axis in shutdown, every axis with its servo on. Lowest index first.
+pub(crate) fn axes_ready(system: &System, axes: &[Axis]) -> Result<(), MotionError> {
+    if let Some(place) = first(system, axes, |axis| axis.state == AxisState::Shutdown) {
+        return Err(MotionError::ShutdownState(place));
+    }
+    match first(system, axes, |axis| axis.state != AxisState::Running) {
+        Some(place) => Err(MotionError::ServoOffState(place)),
+        None => Ok(()),
+    }
+}
+
+/// Step 9: every started motion must be stoppable, by the system and by each axis.
+pub(crate) fn stoppable(system: &System, axes: &[Axis], s_curve: bool) -> Result<(), MotionError> {
+    if system.description.max_deceleration <= 0.0 {
+        return Err(MotionError::ZeroMaxDecel(DecelerationOf::CoordinateSystem));
+    }
+    if let Some(place) = first(system, axes, |axis| axis.dynamics.deceleration <= 0.0) {
+        return Err(MotionError::ZeroMaxDecel(DecelerationOf::Axis(place)));
+    }
+    if !s_curve {
+        return Ok(());
+    }
+    if system.description.max_deceleration_jerk <= 0.0 {
+        return Err(MotionError::ZeroMaxDecelJerk(DecelerationOf::CoordinateSystem));
+    }
+    match first(system, axes, |axis| axis.dynamics.deceleration_jerk <= 0.0) {
+        Some(place) => Err(MotionError::ZeroMaxDecelJerk(DecelerationOf::Axis(place))),
+        None => Ok(()),
+    }
+}
+
+/// Step 11: no stop of this system or of one of its axes is under way.
+pub(crate) fn not_stopping(system: &System, axes: &[Axis]) -> Result<(), MotionError> {
+    if let Some(place) = first(system, axes, |axis| matches!(axis.source, Source::Braking { .. })) {
+        return Err(MotionError::NotAllowedWhileStopping(place));
+    }
+    if system.stop.is_some() {
+        return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
+    }
+    Ok(())
+}
+
+fn first(system: &System, axes: &[Axis], at_fault: impl Fn(&Axis) -> bool) -> Option<AxisIndex> {
+    let place = system
+        .description
+        .axes
+        .iter()
+        .position(|axis| axes.get(usize::from(*axis)).is_some_and(&at_fault))?;
+    Some(AxisIndex(place as u8))
+}
