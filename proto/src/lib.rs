@@ -7,9 +7,13 @@
 #![forbid(unsafe_code)]
 
 pub mod cip;
+pub mod connection;
 pub mod cpf;
+pub mod discovery;
 pub mod encap;
 pub mod epath;
+pub mod identity;
 pub mod logix;
+pub mod session;
 pub mod status;
 pub mod wire;
