@@ -1,1 +1,36 @@
-//! arcline-instruction-set.
+//! The instructions of Arcline as data: operands, words, ranges, motion errors, predefined types.
+//!
+//! One catalogue says what every instruction takes; Structured Text, CIP services, instruction tags, the
+//! command line and the reference pages are made from it. Nothing is executed here and nothing is encoded
+//! for a network. Numbers stand in the units of their operands.
+#![forbid(unsafe_code)]
+
+mod bind;
+mod call;
+pub mod catalog;
+mod control;
+pub mod docs;
+mod error;
+mod instruction;
+mod instruction_tag;
+mod mnemonic;
+pub mod predefined;
+mod verify;
+mod words;
+
+pub use bind::{BindError, Directory, Given, bind};
+pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray};
+pub use control::{Flag, MotionControl};
+pub use error::{
+    AxisIndex, Culprit, Detail, ERRORS, ErrorText, Extended, MotionError, OperandIndex, describe,
+};
+pub use instruction::{
+    ArrayRule, Axes, Condition, FIRST_SERVICE, Instruction, Kind, Object, Operand, Range, Timing,
+    by_service, services,
+};
+pub use instruction_tag::{
+    instruction_tag_defaults, instruction_tag_given, instruction_tag_target,
+    instruction_tag_template, set_instruction_tag_target,
+};
+pub use mnemonic::{Mnemonic, UnknownMnemonic};
+pub use words::{Word, Words, list as enumerations, normalized};

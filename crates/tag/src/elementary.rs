@@ -114,7 +114,9 @@ impl Elementary {
 
     /// The type of a name, case ignored.
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name().eq_ignore_ascii_case(name))
+        Self::ALL
+            .into_iter()
+            .find(|kind| kind.name().eq_ignore_ascii_case(name))
     }
 
     /// Whether single bits of it can be addressed (`Dint.5`): every integer and bit string, not BOOL, REAL, LREAL.
@@ -142,7 +144,10 @@ mod tests {
     fn codes_and_names_are_unique_and_read_back() {
         for kind in Elementary::ALL {
             assert_eq!(Elementary::from_code(kind.code()), Some(kind));
-            assert_eq!(Elementary::from_name(&kind.name().to_lowercase()), Some(kind));
+            assert_eq!(
+                Elementary::from_name(&kind.name().to_lowercase()),
+                Some(kind)
+            );
         }
         for code in [0x00, 0xA0, 0xC0, 0xCC, 0xD0, 0xD5, 0xDA, 0xFF] {
             assert_eq!(Elementary::from_code(code), None, "code {code:#04x}");

@@ -48,7 +48,10 @@ pub enum PathError {
     #[error("the tag path is empty")]
     Empty,
     /// Longer than [`TagPath::MAX_LENGTH`].
-    #[error("the tag path has {length} characters, at most {} are read", TagPath::MAX_LENGTH)]
+    #[error(
+        "the tag path has {length} characters, at most {} are read",
+        TagPath::MAX_LENGTH
+    )]
     TooLong {
         /// Length in bytes.
         length: usize,
@@ -140,7 +143,9 @@ impl FromStr for TagPath {
                     let position = scanner.at;
                     let bit = scanner.number()?;
                     let bit = u8::try_from(bit).ok().filter(|bit| *bit < 64);
-                    segments.push(PathSegment::Bit(bit.ok_or(PathError::NumberTooLarge { position })?));
+                    segments.push(PathSegment::Bit(
+                        bit.ok_or(PathError::NumberTooLarge { position })?,
+                    ));
                 }
                 '.' => segments.push(PathSegment::Symbol(scanner.name()?)),
                 '[' => loop {
@@ -155,7 +160,10 @@ impl FromStr for TagPath {
                     }
                 },
                 found => {
-                    return Err(PathError::Unexpected { found, position: scanner.at - found.len_utf8() });
+                    return Err(PathError::Unexpected {
+                        found,
+                        position: scanner.at - found.len_utf8(),
+                    });
                 }
             }
             if segments.len() > Self::MAX_SEGMENTS {
@@ -206,7 +214,10 @@ impl Scanner<'_> {
 
     fn unexpected(&self) -> PathError {
         match self.peek() {
-            Some(found) => PathError::Unexpected { found, position: self.at },
+            Some(found) => PathError::Unexpected {
+                found,
+                position: self.at,
+            },
             None => PathError::Incomplete,
         }
     }
@@ -214,10 +225,16 @@ impl Scanner<'_> {
     /// A letter or underscore, then letters, digits, underscores and colons.
     fn name(&mut self) -> Result<String, PathError> {
         let start = self.at;
-        if !self.peek().is_some_and(|c| c.is_ascii_alphabetic() || c == '_') {
+        if !self
+            .peek()
+            .is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
+        {
             return Err(self.unexpected());
         }
-        while self.peek().is_some_and(|c| c.is_ascii_alphanumeric() || c == '_' || c == ':') {
+        while self
+            .peek()
+            .is_some_and(|c| c.is_ascii_alphanumeric() || c == '_' || c == ':')
+        {
             self.at += 1;
         }
         Ok(self.text[start..self.at].to_owned())
@@ -233,7 +250,9 @@ impl Scanner<'_> {
         if start == self.at {
             return Err(self.unexpected());
         }
-        let number = self.text[start..self.at].parse().map_err(|_| PathError::NumberTooLarge { position: start })?;
+        let number = self.text[start..self.at]
+            .parse()
+            .map_err(|_| PathError::NumberTooLarge { position: start })?;
         self.blanks();
         Ok(number)
     }
@@ -299,7 +318,10 @@ mod tests {
         assert_eq!(deep.parse::<TagPath>(), Err(PathError::TooManySegments));
         let many = format!("A[{}1]", "1,".repeat(100));
         assert_eq!(many.parse::<TagPath>(), Err(PathError::TooManySegments));
-        assert_eq!("A".repeat(256).parse::<TagPath>(), Err(PathError::TooLong { length: 256 }));
+        assert_eq!(
+            "A".repeat(256).parse::<TagPath>(),
+            Err(PathError::TooLong { length: 256 })
+        );
     }
 
     proptest! {

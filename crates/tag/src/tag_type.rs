@@ -34,12 +34,18 @@ impl Location {
 impl TagType {
     /// A tag that is no array.
     pub fn scalar(data_type: impl Into<DataType>) -> Self {
-        Self { data_type: data_type.into(), dimensions: [0; 3] }
+        Self {
+            data_type: data_type.into(),
+            dimensions: [0; 3],
+        }
     }
 
     /// A one-dimensional array.
     pub fn array(data_type: impl Into<DataType>, elements: u32) -> Self {
-        Self { data_type: data_type.into(), dimensions: [elements, 0, 0] }
+        Self {
+            data_type: data_type.into(),
+            dimensions: [elements, 0, 0],
+        }
     }
 
     /// A BOOL array as Logix keeps it: 32 to a DWORD. Clients address its DWORDs and pick the bit themselves.
@@ -54,12 +60,17 @@ impl TagType {
 
     /// Number of elements, 1 if it is not an array.
     pub fn elements(&self) -> u32 {
-        self.dimensions.iter().take_while(|size| **size > 0).fold(1, |all, size| all.saturating_mul(*size))
+        self.dimensions
+            .iter()
+            .take_while(|size| **size > 0)
+            .fold(1, |all, size| all.saturating_mul(*size))
     }
 
     /// Size in bytes of all elements.
     pub fn size(&self) -> usize {
-        self.data_type.size().saturating_mul(self.elements() as usize)
+        self.data_type
+            .size()
+            .saturating_mul(self.elements() as usize)
     }
 
     /// The symbol type word (spec/ethernet-ip.md §10): bit 15 structure, bits 14–13 number of dimensions, then the
@@ -114,8 +125,13 @@ impl TagType {
                     dimensions = [u32::from(member.dimension), 0, 0];
                 }
                 PathSegment::Bit(bit) => {
-                    let none = || PathError::NoSuchBit { bit: *bit, of: place.data_type.name().to_owned() };
-                    let DataType::Elementary(kind) = place.data_type else { return Err(none()) };
+                    let none = || PathError::NoSuchBit {
+                        bit: *bit,
+                        of: place.data_type.name().to_owned(),
+                    };
+                    let DataType::Elementary(kind) = place.data_type else {
+                        return Err(none());
+                    };
                     let fits = kind.has_bits() && usize::from(*bit) < 8 * kind.size();
                     if !fits || place.bit.is_some() || dimensions[0] > 0 {
                         return Err(none());
@@ -138,16 +154,23 @@ fn flat_index<'a>(
 ) -> Result<(u32, &'a [PathSegment]), PathError> {
     let expected = dimensions.iter().take_while(|size| **size > 0).count();
     if expected == 0 {
-        return Err(PathError::NotAnArray { of: of.name().to_owned() });
+        return Err(PathError::NotAnArray {
+            of: of.name().to_owned(),
+        });
     }
-    let given = rest.iter().take_while(|segment| matches!(segment, PathSegment::Element(_))).count();
+    let given = rest
+        .iter()
+        .take_while(|segment| matches!(segment, PathSegment::Element(_)))
+        .count();
     if given != expected {
         return Err(PathError::WrongDimensions { given, expected });
     }
     let (indices, behind) = rest.split_at(given);
     let mut flat = 0;
     for (segment, size) in indices.iter().zip(dimensions) {
-        let PathSegment::Element(index) = *segment else { continue };
+        let PathSegment::Element(index) = *segment else {
+            continue;
+        };
         if index >= size {
             return Err(PathError::IndexOutOfRange { index, size });
         }
@@ -157,7 +180,10 @@ fn flat_index<'a>(
 }
 
 fn not_a_structure(member: &str, place: &Location) -> PathError {
-    PathError::NotAStructure { member: member.to_owned(), of: place.data_type.name().to_owned() }
+    PathError::NotAStructure {
+        member: member.to_owned(),
+        of: place.data_type.name().to_owned(),
+    }
 }
 
 #[cfg(test)]
@@ -201,9 +227,16 @@ mod tests {
         ];
         for (text, offset, name, elements, bit) in cases {
             let path: TagPath = text.parse().unwrap_or_else(|e| panic!("{text}: {e}"));
-            let place = machine.locate(path.rest()).unwrap_or_else(|e| panic!("{text}: {e}"));
+            let place = machine
+                .locate(path.rest())
+                .unwrap_or_else(|e| panic!("{text}: {e}"));
             assert_eq!(
-                (place.offset, place.data_type.name(), place.elements, place.bit),
+                (
+                    place.offset,
+                    place.data_type.name(),
+                    place.elements,
+                    place.bit
+                ),
                 (offset, name, elements, bit),
                 "{text}"
             );
@@ -236,12 +269,22 @@ mod tests {
 
     #[test]
     fn several_dimensions_count_the_last_fastest() {
-        let grid = TagType { data_type: Elementary::Int.into(), dimensions: [2, 3, 4] };
+        let grid = TagType {
+            data_type: Elementary::Int.into(),
+            dimensions: [2, 3, 4],
+        };
         let place = grid
-            .locate(&[PathSegment::Element(1), PathSegment::Element(2), PathSegment::Element(3)])
+            .locate(&[
+                PathSegment::Element(1),
+                PathSegment::Element(2),
+                PathSegment::Element(3),
+            ])
             .expect("inside");
         assert_eq!((place.offset, place.elements), (2 * 23, 1));
-        assert_eq!((grid.elements(), grid.size(), grid.symbol_type()), (24, 48, 0x60C3));
+        assert_eq!(
+            (grid.elements(), grid.size(), grid.symbol_type()),
+            (24, 48, 0x60C3)
+        );
     }
 
     #[test]
@@ -255,8 +298,10 @@ mod tests {
 
     fn segment() -> impl Strategy<Value = PathSegment> {
         prop_oneof![
-            prop::sample::select(vec!["Id", "Cells", "Name", "On", "Count", "P", "LEN", "DATA", "?"])
-                .prop_map(|name| PathSegment::Symbol(name.to_owned())),
+            prop::sample::select(vec![
+                "Id", "Cells", "Name", "On", "Count", "P", "LEN", "DATA", "?"
+            ])
+            .prop_map(|name| PathSegment::Symbol(name.to_owned())),
             (0u32..100).prop_map(PathSegment::Element),
             any::<u32>().prop_map(PathSegment::Element),
             (0u8..64).prop_map(PathSegment::Bit),

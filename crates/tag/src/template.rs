@@ -117,7 +117,9 @@ impl Member {
 impl Template {
     /// The member of that name, case ignored.
     pub fn member(&self, name: &str) -> Option<&Member> {
-        self.members.iter().find(|member| member.name.eq_ignore_ascii_case(name))
+        self.members
+            .iter()
+            .find(|member| member.name.eq_ignore_ascii_case(name))
     }
 
     /// Whether clients treat it as a user type, with `;n` behind its name.
@@ -164,7 +166,10 @@ impl Template {
     }
 
     fn alignment(&self) -> u32 {
-        self.members.iter().map(|member| member.data_type.alignment()).fold(4, u32::max)
+        self.members
+            .iter()
+            .map(|member| member.data_type.alignment())
+            .fold(4, u32::max)
     }
 
     /// CRC-16 (reflected 0xA001, from 0) over the member types and offsets as text.
@@ -174,7 +179,11 @@ impl Template {
             for byte in text.bytes() {
                 crc ^= u16::from(byte);
                 for _ in 0..8 {
-                    crc = if crc & 1 == 0 { crc >> 1 } else { (crc >> 1) ^ 0xA001 };
+                    crc = if crc & 1 == 0 {
+                        crc >> 1
+                    } else {
+                        (crc >> 1) ^ 0xA001
+                    };
                 }
             }
         };
@@ -183,10 +192,19 @@ impl Template {
             if let DataType::Structure(template) = &member.data_type {
                 feed(&format!("#{:04X}", template.handle));
             }
-            feed(&format!("[{}]@{}.{};", member.dimension, member.offset, member.bit.unwrap_or(0)));
+            feed(&format!(
+                "[{}]@{}.{};",
+                member.dimension,
+                member.offset,
+                member.bit.unwrap_or(0)
+            ));
         }
         // 0 reads as "no handle" and 0x0FCE makes clients take the structure for a STRING.
-        if crc == 0 || crc == STRING_HANDLE { crc ^ 0x8000 } else { crc }
+        if crc == 0 || crc == STRING_HANDLE {
+            crc ^ 0x8000
+        } else {
+            crc
+        }
     }
 }
 
@@ -205,8 +223,20 @@ pub struct TemplateBuilder {
 impl TemplateBuilder {
     /// Starts a structure type; `instance` is its template instance id.
     pub fn new(name: impl Into<String>, instance: u16) -> Self {
-        let template = Template { name: name.into(), instance, handle: 0, size: 0, members: Vec::new() };
-        Self { template, end: 0, host: None, handle: None, size: None }
+        let template = Template {
+            name: name.into(),
+            instance,
+            handle: 0,
+            size: 0,
+            members: Vec::new(),
+        };
+        Self {
+            template,
+            end: 0,
+            host: None,
+            handle: None,
+            size: None,
+        }
     }
 
     /// Adds a scalar at its natural alignment. A BOOL is packed: eight share a hidden SINT.
@@ -218,7 +248,12 @@ impl TemplateBuilder {
     }
 
     /// Adds a one-dimensional array at its natural alignment, at least 4.
-    pub fn array(self, name: impl Into<String>, data_type: impl Into<DataType>, dimension: u16) -> Self {
+    pub fn array(
+        self,
+        name: impl Into<String>,
+        data_type: impl Into<DataType>,
+        dimension: u16,
+    ) -> Self {
         self.natural(name.into(), data_type.into(), dimension)
     }
 
@@ -270,15 +305,26 @@ impl TemplateBuilder {
     /// The finished template.
     pub fn build(self) -> Arc<Template> {
         let mut template = self.template;
-        template.size = self.size.unwrap_or_else(|| self.end.next_multiple_of(template.alignment()));
+        template.size = self
+            .size
+            .unwrap_or_else(|| self.end.next_multiple_of(template.alignment()));
         template.handle = self.handle.unwrap_or_else(|| template.computed_handle());
         Arc::new(template)
     }
 
     fn natural(self, name: String, data_type: DataType, dimension: u16) -> Self {
-        let alignment = data_type.alignment().max(if dimension == 0 { 1 } else { 4 });
+        let alignment = data_type
+            .alignment()
+            .max(if dimension == 0 { 1 } else { 4 });
         let offset = self.end.next_multiple_of(alignment);
-        let member = Member { name, data_type, offset, dimension, bit: None, hidden: false };
+        let member = Member {
+            name,
+            data_type,
+            offset,
+            dimension,
+            bit: None,
+            hidden: false,
+        };
         Self { host: None, ..self }.push(member)
     }
 
@@ -287,7 +333,11 @@ impl TemplateBuilder {
             Some((offset, used)) if used < 8 => (offset, used),
             _ => {
                 let offset = self.end;
-                let host = format!("ZZZZZZZZZZ{}{}", self.template.name, self.template.members.len());
+                let host = format!(
+                    "ZZZZZZZZZZ{}{}",
+                    self.template.name,
+                    self.template.members.len()
+                );
                 self = self.push(Member {
                     name: host,
                     data_type: Elementary::Sint.into(),
@@ -341,9 +391,14 @@ pub fn string_template() -> Arc<Template> {
 
 /// The text in the bytes of a STRING; a length beyond the data is cut, bytes that are not UTF-8 are replaced.
 pub fn string_text(bytes: &[u8]) -> String {
-    let length = bytes.first_chunk().map_or(0, |length| i32::from_le_bytes(*length));
+    let length = bytes
+        .first_chunk()
+        .map_or(0, |length| i32::from_le_bytes(*length));
     let data = bytes.get(4..).unwrap_or_default();
-    let length = usize::try_from(length).unwrap_or(0).min(STRING_CAPACITY).min(data.len());
+    let length = usize::try_from(length)
+        .unwrap_or(0)
+        .min(STRING_CAPACITY)
+        .min(data.len());
     String::from_utf8_lossy(&data[..length]).into_owned()
 }
 
@@ -368,7 +423,10 @@ mod tests {
     use super::*;
 
     fn pair() -> Arc<Template> {
-        TemplateBuilder::new("Vec2", 0x1A1).member("X", Elementary::Real).member("Y", Elementary::Real).build()
+        TemplateBuilder::new("Vec2", 0x1A1)
+            .member("X", Elementary::Real)
+            .member("Y", Elementary::Real)
+            .build()
     }
 
     #[test]
@@ -390,17 +448,31 @@ mod tests {
             let words = template.definition_words() as usize;
             let data = template.definition_bytes().len();
             assert!(4 * words - 23 >= data, "gologix reads 4N - 23");
-            assert_eq!(template.definition().len(), 4 * words - 16, "the longest read is answered");
+            assert_eq!(
+                template.definition().len(),
+                4 * words - 16,
+                "the longest read is answered"
+            );
         }
     }
 
     #[test]
     fn the_string_is_what_clients_look_for() {
         let string = string_template();
-        assert_eq!((string.size, string.handle, string.instance), (88, 0x0FCE, 0xFCE));
+        assert_eq!(
+            (string.size, string.handle, string.instance),
+            (88, 0x0FCE, 0xFCE)
+        );
         let data = string.member("data").expect("DATA");
-        assert_eq!((data.offset, data.dimension, data.type_word()), (4, 82, 0x20C2));
-        assert!(string.definition_bytes().ends_with(b"ASCIISTRING82\0LEN\0DATA\0"));
+        assert_eq!(
+            (data.offset, data.dimension, data.type_word()),
+            (4, 82, 0x20C2)
+        );
+        assert!(
+            string
+                .definition_bytes()
+                .ends_with(b"ASCIISTRING82\0LEN\0DATA\0")
+        );
     }
 
     #[test]
@@ -424,7 +496,9 @@ mod tests {
             ("L", 16, None), ("N", 24, None), ("A", 32, None), ("Last", 35, Some(0)),
         ];
         for (name, offset, bit) in cases {
-            let member = template.member(name).unwrap_or_else(|| panic!("member {name}"));
+            let member = template
+                .member(name)
+                .unwrap_or_else(|| panic!("member {name}"));
             assert_eq!((member.offset, member.bit), (offset, bit), "{name}");
             assert_eq!(member.hidden, name.starts_with("ZZZZ"), "{name}");
         }
@@ -433,8 +507,10 @@ mod tests {
 
     #[test]
     fn the_handle_follows_the_layout() {
-        let swapped =
-            TemplateBuilder::new("Vec2", 0x1A1).member("X", Elementary::Real).member("Y", Elementary::Dint).build();
+        let swapped = TemplateBuilder::new("Vec2", 0x1A1)
+            .member("X", Elementary::Real)
+            .member("Y", Elementary::Dint)
+            .build();
         assert_ne!(pair().handle, swapped.handle);
         assert_eq!(pair().handle, pair().handle);
     }

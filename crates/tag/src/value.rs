@@ -210,7 +210,11 @@ impl std::fmt::Display for Value {
 fn low_bits(number: f64) -> i64 {
     let rounded = number.round_ties_even();
     // A float of 2^117 or more is a multiple of 2^64; below that an i128 holds it exactly.
-    if rounded.abs() < TWO_TO_117 { rounded as i128 as i64 } else { 0 }
+    if rounded.abs() < TWO_TO_117 {
+        rounded as i128 as i64
+    } else {
+        0
+    }
 }
 
 const TWO_TO_63: f64 = 9_223_372_036_854_775_808.0;

@@ -1,0 +1,280 @@
+//! What an instruction's faceplate is made of.
+
+use std::ops::RangeInclusive;
+
+use crate::{Flag, Mnemonic, Words, catalog};
+
+/// A kind of motion object.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Object {
+    /// The motion group.
+    MotionGroup,
+    /// An axis.
+    Axis,
+    /// A coordinate system.
+    CoordinateSystem,
+}
+
+impl Object {
+    /// Its CIP class (spec/contract.md §4).
+    pub const fn class_code(self) -> u16 {
+        match self {
+            Self::MotionGroup => 0x0300,
+            Self::Axis => 0x0301,
+            Self::CoordinateSystem => 0x0302,
+        }
+    }
+
+    /// The object of a CIP class.
+    pub const fn from_class_code(class: u16) -> Option<Self> {
+        match class {
+            0x0300 => Some(Self::MotionGroup),
+            0x0301 => Some(Self::Axis),
+            0x0302 => Some(Self::CoordinateSystem),
+            _ => None,
+        }
+    }
+
+    /// In words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::MotionGroup => "motion group",
+            Self::Axis => "axis",
+            Self::CoordinateSystem => "coordinate system",
+        }
+    }
+
+    /// The member of an instruction tag that names the target.
+    pub const fn member(self) -> &'static str {
+        match self {
+            Self::MotionGroup => "MotionGroup",
+            Self::Axis => "Axis",
+            Self::CoordinateSystem => "CoordinateSystem",
+        }
+    }
+}
+
+impl std::fmt::Display for Object {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// When DN comes (spec/axis-and-data-types.md §1.1).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Timing {
+    /// In the same scan.
+    Immediate,
+    /// When the request is finished, after some coarse update periods.
+    Message,
+    /// As soon as the motion is accepted; IP while it runs.
+    Process,
+    /// When the request is armed or done; IP until its event.
+    MessageProcess,
+}
+
+/// An instruction of the catalogue.
+#[derive(Debug)]
+pub struct Instruction {
+    /// Its name.
+    pub mnemonic: Mnemonic,
+    /// Its full name.
+    pub title: &'static str,
+    /// What it does, in a sentence.
+    pub summary: &'static str,
+    /// What it acts on.
+    pub object: Object,
+    /// When DN comes.
+    pub timing: Timing,
+    /// The status bits it uses.
+    pub bits: &'static [Flag],
+    /// How many axes its coordinate system must have, else 13 with operand 0.
+    pub axes: Axes,
+    /// In faceplate order: the place is also the EXERR of error 13.
+    pub operands: &'static [Operand],
+}
+
+impl Instruction {
+    /// Faceplate position of the motion control: 1, or 2 behind a second object.
+    pub fn control_operand(&self) -> usize {
+        self.operands
+            .iter()
+            .position(|operand| matches!(operand.kind, Kind::MotionControl))
+            .unwrap_or(1)
+    }
+
+    /// Faceplate positions of the operands that are given behind target and motion control, in order.
+    pub fn given_operands(&self) -> impl Iterator<Item = usize> + '_ {
+        let given = |kind: &Kind| !matches!(kind, Kind::Target(_) | Kind::MotionControl);
+        self.operands
+            .iter()
+            .enumerate()
+            .filter(move |(_, operand)| given(&operand.kind))
+            .map(|(k, _)| k)
+    }
+
+    /// Faceplate position of an operand by its name or member name, case and blanks ignored.
+    pub fn operand(&self, name: &str) -> Option<usize> {
+        let name = crate::normalized(name).replace('/', "");
+        self.operands
+            .iter()
+            .position(|operand| crate::normalized(operand.name).replace('/', "") == name)
+    }
+
+    /// CIP class and service that execute it (spec/contract.md §4).
+    pub fn service(&self) -> (u16, u8) {
+        let place = services(self.object)
+            .iter()
+            .position(|mnemonic| *mnemonic == self.mnemonic);
+        (
+            self.object.class_code(),
+            FIRST_SERVICE + place.map_or(0, |place| place as u8),
+        )
+    }
+}
+
+/// Legal numbers of axes, 1 to `usize::MAX` if it does not matter.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Axes {
+    /// At least.
+    pub least: usize,
+    /// At most.
+    pub most: usize,
+}
+
+impl Axes {
+    /// Any number, none included.
+    pub const ANY: Axes = Axes {
+        least: 0,
+        most: usize::MAX,
+    };
+
+    /// As a range.
+    pub const fn range(self) -> RangeInclusive<usize> {
+        self.least..=self.most
+    }
+}
+
+/// One operand of a faceplate.
+#[derive(Debug)]
+pub struct Operand {
+    /// As the faceplate prints it, such as `Accel Rate`.
+    pub name: &'static str,
+    /// Type and legal values.
+    pub kind: Kind,
+    /// When the range is looked at.
+    pub condition: Condition,
+    /// First value in an instruction tag (spec/contract.md §3): a full-speed S-curve. Not the value of an
+    /// operand that is left out, which is always [`Operand::OMITTED`].
+    pub initial: f32,
+    /// Unit and meaning.
+    pub note: &'static str,
+}
+
+impl Operand {
+    /// The value of a trailing operand that is left out: 0, None, Disabled, Programmed.
+    pub const OMITTED: f64 = 0.0;
+
+    /// Member of an instruction tag and name in Structured Text: no blanks, no slashes.
+    pub fn member(&self) -> String {
+        self.name
+            .chars()
+            .filter(|c| !c.is_whitespace() && *c != '/')
+            .collect()
+    }
+}
+
+/// Type and range of an operand.
+#[derive(Debug)]
+pub enum Kind {
+    /// The object that the instruction acts on; always operand 0.
+    Target(Object),
+    /// The MOTION_INSTRUCTION tag.
+    MotionControl,
+    /// Names another object: master axis, target system.
+    Reference(Object),
+    /// An enumeration.
+    Word(&'static Words),
+    /// A magnitude, any numeric type.
+    Number(Range),
+    /// A count.
+    Integer(Range),
+    /// A REAL array that is read.
+    Array(ArrayRule),
+    /// A REAL array that is read, or 0: not used.
+    ArrayOrNone,
+    /// Names a REAL array tag that is written, or 0: not used. Holds the elements of its instruction-tag member.
+    WrittenArray(u16),
+    /// Names a tag of this type.
+    Structure(&'static str),
+}
+
+/// Legal magnitudes. NaN and infinities never are.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Range {
+    /// Every finite number.
+    Any,
+    /// 0 or more.
+    NotNegative,
+    /// More than 0.
+    Positive,
+    /// From the first to the second, both included.
+    Between(f64, f64),
+    /// More than 0, and at most 100 when the units operand says "% of time" (2 or 6).
+    Jerk {
+        /// Faceplate position of Jerk Units.
+        units: u8,
+    },
+}
+
+/// Legal lengths of an array operand.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ArrayRule {
+    /// One element for each axis of the coordinate system.
+    PerAxis,
+    /// As `PerAxis`, but one element is enough when another operand has a value (Circle Type Radius).
+    PerAxisUnless {
+        /// Faceplate position of the other operand.
+        operand: u8,
+        /// Its value.
+        value: i32,
+    },
+    /// At least so many.
+    AtLeast(u8),
+}
+
+/// When a range is looked at. Enumerations always are.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Condition {
+    /// Always.
+    Always,
+    /// Only when the operand at this position is Yes; otherwise it may hold anything, NaN included.
+    Changed(u8),
+    /// Only when an operand has a value; otherwise any finite number is legal.
+    When {
+        /// Faceplate position of the other operand.
+        operand: u8,
+        /// Its value.
+        value: i32,
+    },
+}
+
+/// Service code of the first instruction of each class.
+pub const FIRST_SERVICE: u8 = 0x32;
+
+/// The instructions of an object in the order of their service codes: 0x32 plus the place.
+pub fn services(object: Object) -> &'static [Mnemonic] {
+    match object {
+        Object::MotionGroup => catalog::MOTION_GROUP,
+        Object::Axis => catalog::AXIS,
+        Object::CoordinateSystem => catalog::COORDINATE_SYSTEM,
+    }
+}
+
+/// The instruction that a CIP service executes.
+pub fn by_service(class: u16, service: u8) -> Option<Mnemonic> {
+    let place = usize::from(service.checked_sub(FIRST_SERVICE)?);
+    services(Object::from_class_code(class)?)
+        .get(place)
+        .copied()
+}

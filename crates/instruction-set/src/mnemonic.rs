@@ -1,0 +1,98 @@
+//! Names of the instructions.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::{Instruction, catalog};
+
+macro_rules! mnemonics {
+    ($($name:ident $constant:ident $text:literal $title:literal;)*) => {
+        /// An instruction by its mnemonic.
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+        pub enum Mnemonic {
+            $(#[doc = $title] $name,)*
+        }
+
+        impl Mnemonic {
+            /// Every instruction, group and axis instructions first.
+            pub const ALL: &'static [Mnemonic] = &[$(Self::$name),*];
+
+            /// In capitals, such as `MCLM`.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$name => $text),* }
+            }
+
+            /// The full name.
+            pub const fn title(self) -> &'static str {
+                match self { $(Self::$name => $title),* }
+            }
+
+            /// The instruction's faceplate.
+            pub fn instruction(self) -> &'static Instruction {
+                match self { $(Self::$name => &catalog::$constant),* }
+            }
+        }
+    };
+}
+
+mnemonics! {
+    Mgs MGS "MGS" "Motion Group Stop";
+    Mgsd MGSD "MGSD" "Motion Group Shutdown";
+    Mgsr MGSR "MGSR" "Motion Group Shutdown Reset";
+    Mgsp MGSP "MGSP" "Motion Group Strobe Position";
+    Mso MSO "MSO" "Motion Servo On";
+    Msf MSF "MSF" "Motion Servo Off";
+    Masd MASD "MASD" "Motion Axis Shutdown";
+    Masr MASR "MASR" "Motion Axis Shutdown Reset";
+    Mafr MAFR "MAFR" "Motion Axis Fault Reset";
+    Mas MAS "MAS" "Motion Axis Stop";
+    Mah MAH "MAH" "Motion Axis Home";
+    Maj MAJ "MAJ" "Motion Axis Jog";
+    Mam MAM "MAM" "Motion Axis Move";
+    Mag MAG "MAG" "Motion Axis Gear";
+    Mcd MCD "MCD" "Motion Change Dynamics";
+    Mrp MRP "MRP" "Motion Redefine Position";
+    Mdac MDAC "MDAC" "Master Driven Axis Control";
+    Mapc MAPC "MAPC" "Motion Axis Position Cam";
+    Matc MATC "MATC" "Motion Axis Time Cam";
+    Mclm MCLM "MCLM" "Motion Coordinated Linear Move";
+    Mccm MCCM "MCCM" "Motion Coordinated Circular Move";
+    Mccd MCCD "MCCD" "Motion Coordinated Change Dynamics";
+    Mcs MCS "MCS" "Motion Coordinated Stop";
+    Mcsd MCSD "MCSD" "Motion Coordinated Shutdown";
+    Mcsr MCSR "MCSR" "Motion Coordinated Shutdown Reset";
+    Mdcc MDCC "MDCC" "Master Driven Coordinated Control";
+    Mct MCT "MCT" "Motion Coordinated Transform";
+    Mctp MCTP "MCTP" "Motion Calculate Transform Position";
+    Mcpm MCPM "MCPM" "Motion Coordinated Path Move";
+    Mcto MCTO "MCTO" "Motion Coordinated Transform with Orientation";
+    Mctpo MCTPO "MCTPO" "Motion Calculate Transform Position with Orientation";
+}
+
+impl fmt::Display for Mnemonic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A name that is no instruction.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("{name:?} is not a motion instruction")]
+pub struct UnknownMnemonic {
+    /// What was read.
+    pub name: String,
+}
+
+impl FromStr for Mnemonic {
+    type Err = UnknownMnemonic;
+
+    /// Any case.
+    fn from_str(text: &str) -> Result<Self, UnknownMnemonic> {
+        let found = Self::ALL
+            .iter()
+            .find(|mnemonic| mnemonic.name().eq_ignore_ascii_case(text));
+        found.copied().ok_or_else(|| UnknownMnemonic {
+            name: text.to_owned(),
+        })
+    }
+}

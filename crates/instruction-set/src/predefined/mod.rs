@@ -1,0 +1,237 @@
+//! The predefined types: what a motion tag looks like to a client
+//! (spec/axis-and-data-types.md §8, Appendix A).
+//!
+//! The layouts are data, one line a member: offset, type, name, then `bit:name` for the BOOLs that overlay it.
+//! Template instances are fixed, so handles and ids are the same in every run. User types, such as those of
+//! instruction tags, have instances 0x100 to 0xEFF; these have others.
+
+use std::sync::{Arc, LazyLock};
+
+use arcline_tag::{Elementary, Template, TemplateBuilder, string_template};
+
+mod constants;
+pub use constants::*;
+
+macro_rules! predefined {
+    ($($(#[$doc:meta])* $function:ident $name:literal $instance:literal $size:literal;)*) => {
+        $($(#[$doc])* pub fn $function() -> Arc<Template> {
+            static TEMPLATE: LazyLock<Arc<Template>> = LazyLock::new(|| {
+                parse($name, $instance, $size, include_str!(concat!("../layouts/", stringify!($function), ".txt")))
+            });
+            TEMPLATE.clone()
+        })*
+
+        /// Every predefined type, STRING included.
+        pub fn all() -> Vec<Arc<Template>> {
+            vec![string_template(), $($function()),*]
+        }
+    };
+}
+
+predefined! {
+    /// MOTION_INSTRUCTION: status of one execution, 16 bytes; as bytes see [`crate::MotionControl`].
+    motion_instruction "MOTION_INSTRUCTION" 0xF01 16;
+    /// COORDINATE_SYSTEM, 104 bytes.
+    coordinate_system "COORDINATE_SYSTEM" 0xF02 104;
+    /// AXIS_CIP_DRIVE, 1040 bytes: a servo axis.
+    axis_cip_drive "AXIS_CIP_DRIVE" 0xF03 1040;
+    /// AXIS_VIRTUAL, 132 bytes: an axis without drive.
+    axis_virtual "AXIS_VIRTUAL" 0xF04 132;
+    /// MOTION_GROUP, 88 bytes.
+    motion_group "MOTION_GROUP" 0xF05 88;
+    /// REAL_TIME, 240 bytes, a type of our own: the health of the real-time thread.
+    ///
+    /// Lateness is how long after its time a tick began, Compute how long it took; both in µs. Bucket 0 of a
+    /// histogram counts values below 0.25 µs, bucket k ≥ 1 those from 2^(k−1) to below 2^k quarter-µs, and the
+    /// last bucket, 23, also everything above (from 1.05 s). See [`histogram_bucket`].
+    real_time "REAL_TIME" 0xF06 240;
+}
+
+/// Buckets of the histograms of REAL_TIME.
+pub const HISTOGRAM_BUCKETS: usize = 24;
+
+/// The bucket of REAL_TIME's histograms that counts a time. Real-time.
+pub const fn histogram_bucket(nanoseconds: u64) -> usize {
+    let quarters = nanoseconds / 250;
+    let bucket = (u64::BITS - quarters.leading_zeros()) as usize;
+    if bucket < HISTOGRAM_BUCKETS {
+        bucket
+    } else {
+        HISTOGRAM_BUCKETS - 1
+    }
+}
+
+fn parse(name: &str, instance: u16, size: u32, layout: &str) -> Arc<Template> {
+    let builder = TemplateBuilder::new(name, instance).size(size);
+    layout
+        .lines()
+        .try_fold(builder, |builder, line| member(builder, line))
+        .expect("the layouts are part of the program")
+        .build()
+}
+
+fn member(builder: TemplateBuilder, line: &str) -> Option<TemplateBuilder> {
+    let mut words = line.split(' ');
+    let offset: u32 = words.next()?.parse().ok()?;
+    let (kind, dimension) = match words.next()? {
+        array if array.ends_with(']') => {
+            let (kind, dimension) = array.trim_end_matches(']').split_once('[')?;
+            (kind, dimension.parse().ok()?)
+        }
+        scalar => (scalar, 0),
+    };
+    let mut builder = builder.member_at(
+        words.next()?,
+        Elementary::from_name(kind)?,
+        dimension,
+        offset,
+    );
+    for bit in words {
+        let (bit, name) = bit.split_once(':')?;
+        builder = builder.bit_at(name, offset, bit.parse().ok()?);
+    }
+    Some(builder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Flag;
+
+    #[test]
+    fn templates_are_those_of_a_controller() {
+        #[rustfmt::skip]
+        let cases = [
+            // type,                members, size, member,              offset, bit
+            (motion_instruction(),  19,  16,   "EN",                     3,   Some(7)),
+            (motion_instruction(),  19,  16,   "ACCEL",                  0,   Some(1)),
+            (motion_instruction(),  19,  16,   "EXERR",                  12,  None),
+            (coordinate_system(),   39,  104,  "ActualPosition",         52,  None),
+            (coordinate_system(),   39,  104,  "MovePendingStatus",      17,  Some(0)),
+            (coordinate_system(),   39,  104,  "CoordinateSystemLockStatus", 17, Some(7)),
+            (coordinate_system(),   39,  104,  "TurnsCounters",          92,  None),
+            (motion_group(),        33,  88,   "GroupStatus",            40,  None),
+            (motion_group(),        33,  88,   "GroupSynced",            40,  Some(1)),
+            (axis_cip_drive(),      833, 1040, "CommandPosition",        204, None),
+            (axis_cip_drive(),      833, 1040, "ExcessivePositionErrorFLFault", 886, Some(6)),
+            (axis_cip_drive(),      833, 1040, "CIPShutdownStatus",      846, Some(2)),
+            (axis_virtual(),        75,  132,  "CommandAcceleration",    128, None),
+            (real_time(),           16,  240,  "Pinned",                 236, Some(2)),
+        ];
+        for (template, members, size, name, offset, bit) in cases {
+            assert_eq!(
+                (template.members.len(), template.size),
+                (members, size),
+                "{}",
+                template.name
+            );
+            let member = template
+                .member(name)
+                .or_else(|| template.member(&name.replace("FL", "")));
+            let member = member.unwrap_or_else(|| panic!("{} {name}", template.name));
+            assert_eq!(
+                (member.offset, member.bit),
+                (offset, bit),
+                "{} {name}",
+                template.name
+            );
+        }
+    }
+
+    #[test]
+    fn words_fill_the_types_without_gap_or_overlap() {
+        for template in all()
+            .into_iter()
+            .filter(|template| template.name != "ASCIISTRING82")
+        {
+            let mut end = 0;
+            for member in template
+                .members
+                .iter()
+                .filter(|member| member.bit.is_none())
+            {
+                assert_eq!(
+                    member.offset as usize, end,
+                    "{} {}",
+                    template.name, member.name
+                );
+                end += member.size();
+            }
+            assert_eq!(end, template.size as usize, "{}", template.name);
+            assert!(!template.is_user_type());
+            for member in template
+                .members
+                .iter()
+                .filter(|member| member.bit.is_some())
+            {
+                assert!(
+                    member.offset < template.size,
+                    "{} {}",
+                    template.name,
+                    member.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn instances_are_unique() {
+        let mut instances: Vec<_> = all().iter().map(|template| template.instance).collect();
+        instances.sort_unstable();
+        instances.dedup();
+        assert_eq!(instances.len(), all().len());
+    }
+
+    #[test]
+    fn constants_agree_with_the_layouts() {
+        #[rustfmt::skip]
+        let offsets = [
+            (axis_cip_drive(),     "CIPAxisFaults",          axis_cip_drive_offset::CIP_AXIS_FAULTS),
+            (axis_cip_drive(),     "CommandVelocity",        axis_cip_drive_offset::COMMAND_VELOCITY),
+            (axis_virtual(),       "CommandPosition",        axis_virtual_offset::COMMAND_POSITION),
+            (coordinate_system(),  "AxesServoOnStatus",      coordinate_system_offset::AXES_SERVO_ON_STATUS),
+            (motion_group(),       "TaskAverageScanTime",    motion_group_offset::TASK_AVERAGE_SCAN_TIME),
+            (real_time(),          "ComputeHistogram",       real_time_offset::COMPUTE_HISTOGRAM),
+        ];
+        for (template, name, offset) in offsets {
+            assert_eq!(
+                template.member(name).expect(name).offset as usize,
+                offset,
+                "{name}"
+            );
+        }
+        #[rustfmt::skip]
+        let bits = [
+            (axis_cip_drive(),    "AxisUpdateStatus",      16, axis_status::AXIS_UPDATE_STATUS),
+            (axis_cip_drive(),    "CoordinatedMotionStatus", 20, motion_status::COORDINATED_MOTION_STATUS),
+            (axis_virtual(),      "MaximumSpeedExceeded",  20, motion_status::MAXIMUM_SPEED_EXCEEDED),
+            (coordinate_system(), "MovePendingStatus",     16, coordinate_motion_status::MOVE_PENDING_STATUS),
+            (coordinate_system(), "ReadyStatus",           12, coordinate_system_status::READY_STATUS),
+            (motion_group(),      "GroupSynced",           40, group_status::GROUP_SYNCED),
+        ];
+        for (template, name, word, mask) in bits {
+            let member = template.member(name).expect(name);
+            let bit = 8 * (member.offset - word) + u32::from(member.bit.expect(name));
+            assert_eq!(1 << bit, mask, "{name}");
+        }
+        for flag in Flag::ALL {
+            let template = motion_instruction();
+            let member = template.member(flag.name()).expect(flag.name());
+            assert_eq!(
+                8 * member.offset as u8 + member.bit.expect(flag.name()),
+                flag.bit(),
+                "{flag}"
+            );
+        }
+    }
+
+    #[test]
+    fn histogram_buckets_double() {
+        #[rustfmt::skip]
+        let cases = [(0, 0), (249, 0), (250, 1), (499, 1), (500, 2), (999, 2), (1000, 3), (1_000_000, 12),
+            (1_048_576_000, 23), (u64::MAX, 23)];
+        for (nanoseconds, bucket) in cases {
+            assert_eq!(histogram_bucket(nanoseconds), bucket, "{nanoseconds} ns");
+        }
+    }
+}

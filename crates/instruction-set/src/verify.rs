@@ -1,0 +1,103 @@
+//! Ranges of operands: error 13 (spec/coordinated-instructions.md §4.6, §12.3, §13.7, §14.3;
+//! spec/axis-and-data-types.md §7.2).
+//!
+//! Not here: what depends on the state of the machine, such as positions beyond the unwind, or units that
+//! do not go together (94, 95).
+
+use crate::instruction::{ArrayRule, Condition, Instruction, Kind, Operand, Range};
+use crate::{Argument, Call, OperandIndex};
+
+impl Instruction {
+    /// Finds the first operand out of range, in faceplate order. `axes` is the number of primary axes of the
+    /// coordinate system; for axes and groups it does not matter.
+    ///
+    /// Real-time: no allocation; bounded by the operands of one faceplate.
+    ///
+    /// # Errors
+    /// The position of the operand, the EXERR of error 13.
+    pub fn verify(&self, call: &Call, axes: usize) -> Result<(), OperandIndex> {
+        if !self.axes.range().contains(&axes) {
+            return Err(OperandIndex(0));
+        }
+        for (place, operand) in self.operands.iter().enumerate() {
+            if !operand.accepts(call, place, axes) {
+                return Err(OperandIndex(place as u8));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Operand {
+    /// Whether the call's argument at `place` is in range.
+    fn accepts(&self, call: &Call, place: usize, axes: usize) -> bool {
+        let applies = match self.condition {
+            Condition::Always => true,
+            Condition::Changed(flag) if !call.is_one(usize::from(flag)) => return true,
+            Condition::Changed(_) => true,
+            Condition::When { operand, value } => call.word(usize::from(operand)) == value,
+        };
+        match &self.kind {
+            // Names were resolved when the call was bound.
+            Kind::Target(_) | Kind::MotionControl | Kind::Reference(_) | Kind::Structure(_) => true,
+            Kind::Word(words) => match as_dint(call.number(place)) {
+                Some(value) => words.contains(value),
+                None => false,
+            },
+            Kind::Number(range) => {
+                let number = call.number(place);
+                number.is_finite() && (!applies || range.contains(number, call))
+            }
+            Kind::Integer(range) => match as_dint(call.number(place)) {
+                Some(value) => !applies || range.contains(f64::from(value), call),
+                None => false,
+            },
+            Kind::Array(rule) => {
+                let least = rule.least(call, axes);
+                let array = call.array(place);
+                array.len() >= least && array[..least].iter().all(|number| number.is_finite())
+            }
+            Kind::ArrayOrNone => call.array(place).iter().all(|number| number.is_finite()),
+            Kind::WrittenArray(_) => {
+                matches!(call.argument(place), Argument::None | Argument::Tag(_))
+            }
+        }
+    }
+}
+
+impl Range {
+    /// Whether a number is legal; the call tells the units of a jerk. Real-time.
+    pub fn contains(self, number: f64, call: &Call) -> bool {
+        number.is_finite()
+            && match self {
+                Self::Any => true,
+                Self::NotNegative => number >= 0.0,
+                Self::Positive => number > 0.0,
+                Self::Between(low, high) => (low..=high).contains(&number),
+                Self::Jerk { units } => {
+                    let percent_of_time = matches!(call.word(usize::from(units)), 2 | 6);
+                    number > 0.0 && (!percent_of_time || number <= 100.0)
+                }
+            }
+    }
+}
+
+impl ArrayRule {
+    /// Elements that must be there. Real-time.
+    pub fn least(self, call: &Call, axes: usize) -> usize {
+        match self {
+            Self::PerAxis => axes,
+            Self::PerAxisUnless { operand, value } if call.word(usize::from(operand)) == value => 1,
+            Self::PerAxisUnless { .. } => axes,
+            Self::AtLeast(least) => usize::from(least),
+        }
+    }
+}
+
+/// Rounds half to even; `None` for what is not a number or beyond a DINT.
+fn as_dint(number: f64) -> Option<i32> {
+    let rounded = number.round_ties_even();
+    (f64::from(i32::MIN)..=f64::from(i32::MAX))
+        .contains(&rounded)
+        .then_some(rounded as i32)
+}
