@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod cip;
+pub mod client;
 pub mod connection;
 pub mod cpf;
 pub mod discovery;
