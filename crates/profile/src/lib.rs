@@ -10,7 +10,7 @@
 //! and its jerk while it shrinks, and the smaller acceleration where the motion passes through rest.
 //!
 //! Everything here is safe in the tick: no allocation, no unbounded loop, no panic, and a result for
-//! every input (what is not finite counts as 0, magnitudes are kept within 1e-50 to 1e50).
+//! every input (what is not finite counts as 0, magnitudes are kept within 1e-30 to 1e30).
 #![forbid(unsafe_code)]
 
 mod builder;
@@ -21,6 +21,9 @@ mod profile;
 mod ramp;
 mod root;
 mod trapezoid;
+
+#[cfg(test)]
+mod tests;
 
 pub use limits::{Jerk, Limits, jerk_from_percent_of_time, percent_of_time_from_jerk};
 pub use profile::{Phase, Profile, State};

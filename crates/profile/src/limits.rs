@@ -104,9 +104,9 @@ fn sane_limit(value: f64) -> f64 {
     }
 }
 
-/// Magnitudes whose products of up to six factors stay finite.
-const LARGEST: f64 = 1e50;
-const SMALLEST: f64 = 1e-50;
+/// Magnitudes whose products of all that a plan multiplies stay finite.
+const LARGEST: f64 = 1e30;
+const SMALLEST: f64 = 1e-30;
 /// An acceleration reached within this time (s) is a trapezoid's (motion-core §4).
 const SHORTEST_RISE: f64 = 1e-9;
 /// Jerk above this is a trapezoid's (motion-core §4).

@@ -70,11 +70,10 @@ fn solve(
     // the length is convex in y = sqrt(w).
     let held = 1.0 / limits.acceleration + 1.0 / limits.deceleration;
     let steady = 2.0 * more / (held * (low + (low * low + 2.0 * more / held).sqrt()));
-    let jerky = 1.0 / limits.jerk.sqrt() + 1.0 / limits.jerk_down.sqrt();
-    let jerked = {
-        let root = libm::cbrt(more / jerky);
-        root * root
-    };
+    // (1/sqrt(ja) + 1/sqrt(jd))^2, in terms that scale exactly.
+    let jerky =
+        1.0 / limits.jerk + 1.0 / limits.jerk_down + 2.0 / (limits.jerk * limits.jerk_down).sqrt();
+    let jerked = libm::cbrt(more * more / jerky);
     let (mut below, mut above) = (0.0, most.sqrt());
     let mut y = steady.min(jerked).min(most).max(0.0).sqrt();
     for _ in 0..MAX_STEPS {
@@ -90,7 +89,7 @@ fn solve(
             above = y;
         }
         let newton = y - error / (2.0 * y * slope);
-        let next = if newton > below && newton < above {
+        let next = if newton >= below && newton <= above {
             newton
         } else {
             0.5 * (below + above)

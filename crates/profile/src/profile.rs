@@ -293,6 +293,6 @@ fn sane_position(position: f64) -> f64 {
     if position.is_nan() {
         0.0
     } else {
-        position.clamp(-1e50, 1e50)
+        position.clamp(-1e60, 1e60)
     }
 }

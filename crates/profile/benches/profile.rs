@@ -1,0 +1,149 @@
+//! Planning and sampling beside an independent time-optimal solver, in one process and one thread.
+//!
+//! The same thousand random states for both; equal limits both ways, since the other cannot take four.
+//! `cargo bench -p arcline-profile` prints means, and quantiles of the single plans.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use arcline_profile::{Jerk, Limits, Profile, State};
+use criterion::{Criterion, criterion_group, criterion_main};
+use rsruckig::prelude::*;
+
+struct Case {
+    from: State,
+    target: f64,
+    limits: Limits,
+    input: InputParameter<1>,
+}
+
+fn random(seed: &mut u64) -> f64 {
+    *seed = seed
+        .wrapping_mul(6_364_136_223_846_793_005)
+        .wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 11) as f64 / (1u64 << 53) as f64
+}
+
+fn cases(count: usize) -> Vec<Case> {
+    let mut seed = 1;
+    (0..count)
+        .map(|_| {
+            let decade =
+                |seed: &mut u64| 10f64.powi((random(seed) * 3.0) as i32 - 1) * (0.3 + random(seed));
+            let (speed, acceleration, jerk) =
+                (decade(&mut seed), decade(&mut seed), decade(&mut seed));
+            let from = State {
+                position: 0.0,
+                velocity: speed * (2.0 * random(&mut seed) - 1.0),
+                acceleration: acceleration * (2.0 * random(&mut seed) - 1.0),
+            };
+            let target = speed * speed / acceleration * 20.0 * (random(&mut seed) - 0.5);
+            let limits = Limits {
+                speed,
+                acceleration,
+                deceleration: acceleration,
+                jerk: Some(Jerk {
+                    acceleration: jerk,
+                    deceleration: jerk,
+                }),
+            };
+            let mut input = InputParameter::<1>::new(None);
+            input.current_velocity[0] = from.velocity;
+            input.current_acceleration[0] = from.acceleration;
+            input.target_position[0] = target;
+            input.max_velocity[0] = speed;
+            input.max_acceleration[0] = acceleration;
+            input.max_jerk[0] = jerk;
+            Case {
+                from,
+                target,
+                limits,
+                input,
+            }
+        })
+        .collect()
+}
+
+fn plan(c: &mut Criterion) {
+    let cases = cases(1000);
+    let mut solver = Ruckig::<1, ThrowErrorHandler>::new(None, 0.001);
+    let mut trajectory = Trajectory::<1>::new(None);
+    let mut group = c.benchmark_group("random state to rest, 1000 plans");
+    group.bench_function("S-curve", |b| {
+        b.iter(|| {
+            for case in &cases {
+                black_box(Profile::to_position(
+                    case.from,
+                    case.target,
+                    0.0,
+                    &case.limits,
+                ));
+            }
+        });
+    });
+    group.bench_function("trapezoid", |b| {
+        b.iter(|| {
+            for case in &cases {
+                let limits = Limits {
+                    jerk: None,
+                    ..case.limits
+                };
+                black_box(Profile::to_position(case.from, case.target, 0.0, &limits));
+            }
+        });
+    });
+    group.bench_function("rsruckig", |b| {
+        b.iter(|| {
+            for case in &cases {
+                let _ = black_box(solver.calculate(&case.input, &mut trajectory));
+            }
+        });
+    });
+    group.finish();
+    let profile = Profile::to_position(cases[0].from, cases[0].target, 0.0, &cases[0].limits);
+    let step = profile.duration() / 1000.0;
+    c.bench_function("1000 samples of a profile", |b| {
+        b.iter(|| {
+            for index in 0..1000 {
+                black_box(profile.at(black_box(f64::from(index) * step)));
+            }
+        });
+    });
+    // The best of several runs of each single plan, so that interrupts do not count.
+    let mut ours = Vec::new();
+    let mut theirs = Vec::new();
+    for case in &cases {
+        let best = |run: &mut dyn FnMut()| {
+            let once = |run: &mut dyn FnMut()| {
+                let start = Instant::now();
+                for _ in 0..10 {
+                    run();
+                }
+                start.elapsed().as_nanos() as f64 / 10.0
+            };
+            (0..10).map(|_| once(run)).fold(f64::INFINITY, f64::min)
+        };
+        ours.push(best(&mut || {
+            black_box(Profile::to_position(
+                case.from,
+                case.target,
+                0.0,
+                &case.limits,
+            ));
+        }));
+        theirs.push(best(&mut || {
+            let _ = black_box(solver.calculate(&case.input, &mut trajectory));
+        }));
+    }
+    for (name, times) in [("S-curve", &mut ours), ("rsruckig", &mut theirs)] {
+        times.sort_by(f64::total_cmp);
+        let mean = times.iter().sum::<f64>() / times.len() as f64;
+        println!(
+            "{name}: mean {mean:.0} ns, median {:.0}, p99 {:.0}, most {:.0}",
+            times[500], times[990], times[999]
+        );
+    }
+}
+
+criterion_group!(benches, plan);
+criterion_main!(benches);
