@@ -1,1 +1,97 @@
-//! arcline-config.
+//! The configuration: TOML text in, a [`Project`] out whose machine is valid by its type.
+//!
+//! It reads no files and opens nothing: [`load`] takes the text, and the file's name only for its errors.
+//! What the keys mean is spec/contract.md §2; the units are the machine's (position units of each axis,
+//! seconds), but for the coarse update period, which is written in milliseconds.
+
+mod describe;
+mod error;
+mod read;
+mod section;
+
+use std::fmt;
+use std::net::SocketAddr;
+
+use arcline_instruction_set::Mnemonic;
+use arcline_motion::machine::Machine;
+use arcline_tag::TagType;
+
+pub use describe::describe;
+pub use error::{ConfigError, Problem};
+
+/// The default configuration, commented: what the server runs without `--config`.
+pub const DEFAULT: &str = include_str!("default.toml");
+
+/// Everything a configuration says.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Project {
+    /// The network side.
+    pub server: ServerConfig,
+    /// The motion side.
+    pub machine: Machine,
+    /// Instructions as tags, in configuration order, at most 1024.
+    pub instruction_tags: Vec<InstructionTag>,
+    /// Plain data, in configuration order, at most 4096.
+    pub tags: Vec<PlainTag>,
+}
+
+/// The `[server]` table.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct ServerConfig {
+    /// Product name in the CIP Identity object, 1 to 32 printable ASCII characters.
+    pub name: String,
+    /// Where EtherNet/IP listens, TCP and UDP; port 0 picks a free one.
+    pub listen: SocketAddr,
+    /// Where the HMI listens; `None`: off.
+    pub hmi: Option<SocketAddr>,
+}
+
+impl Default for ServerConfig {
+    fn default() -> Self {
+        Self { name: "Arcline".to_owned(), listen: read::DEFAULT_LISTEN, hmi: Some(read::DEFAULT_HMI) }
+    }
+}
+
+/// One `[[instruction]]` table: an instruction as a tag.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct InstructionTag {
+    /// Name of the tag.
+    pub tag: String,
+    /// The instruction.
+    pub mnemonic: Mnemonic,
+    /// The coordinate system, axis or group it acts on at first, spelled as in its own table.
+    pub target: String,
+}
+
+/// One `[[tag]]` table: plain data.
+#[derive(Clone, PartialEq, Debug)]
+pub struct PlainTag {
+    /// Name of the tag.
+    pub name: String,
+    /// Its type: elementary or STRING, a single one or a one-dimensional array.
+    pub tag_type: TagType,
+}
+
+/// Reads a configuration. `file` only names the text in errors.
+///
+/// # Errors
+/// The first thing that is wrong, with its line, column and key, what was found and what was expected.
+pub fn load(text: &str, file: &str) -> Result<Project, ConfigError> {
+    read::project(text, file)
+}
+
+/// Prints a type as it is written in a configuration: `REAL[16]`.
+struct TagTypeName<'t>(&'t TagType);
+
+impl fmt::Display for TagTypeName<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.data_type.name())?;
+        match self.0.dimensions {
+            [0, ..] => Ok(()),
+            [count, ..] => write!(f, "[{count}]"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

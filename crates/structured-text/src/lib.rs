@@ -1,1 +1,31 @@
-//! arcline-structured-text.
+//! Structured Text: reads programs, checks their names, and runs them one request at a time.
+//!
+//! The language is the small sequential subset of IEC 61131-3 that spec/contract.md §1 describes, with the
+//! motion instructions of `arcline-instruction-set`. Here is no tag, no tick, no socket and no motion: the
+//! [`Interpreter`] says what it wants next ([`Request`]), and its driver, the simulator or a network client,
+//! answers ([`Answer`]). Times are in seconds.
+//!
+//! ```
+//! use arcline_structured_text::{Answer, Interpreter, Program, Request};
+//!
+//! let program = Program::parse("MSO(X, M1); WAIT(M1.DN);")?;
+//! let mut interpreter = Interpreter::new(program);
+//! assert!(matches!(interpreter.resume(Answer::Start)?, Request::Call(_)));
+//! assert!(matches!(interpreter.resume(Answer::Done)?, Request::Read(path) if path.to_string() == "M1.DN"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod code;
+mod error;
+mod interpreter;
+mod lexer;
+mod parser;
+mod program;
+
+pub use error::{RuntimeError, RuntimeProblem, SyntaxError, SyntaxProblem};
+pub use interpreter::{Answer, BoundCall, Interpreter, Request, STATEMENTS_PER_TICK};
+pub use program::{CallStatement, Names, OperandText, Program};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,88 @@
+//! What a project would create, for a person to read (`arcline-server check`).
+
+use std::fmt::Write as _;
+
+use arcline_motion::machine::{AxisKind, AxisLimits, Corner};
+
+use crate::{Project, TagTypeName};
+
+/// What the project would create, one line a thing, ending with a newline.
+pub fn describe(project: &Project) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _ = write(&mut text, project);
+    text
+}
+
+fn write(out: &mut String, project: &Project) -> std::fmt::Result {
+    let Project { server, machine, instruction_tags, tags } = project;
+    writeln!(out, "server {:?}", server.name)?;
+    writeln!(out, "  EtherNet/IP on {}", server.listen)?;
+    match server.hmi {
+        Some(hmi) => writeln!(out, "  HMI on {hmi}")?,
+        None => writeln!(out, "  HMI off")?,
+    }
+    writeln!(out, "motion group {}, coarse update period {} ms", machine.group, machine.period_ns as f64 / 1e6)?;
+    for axis in &machine.axes {
+        let kind = match axis.kind {
+            AxisKind::Servo(_) => "servo",
+            AxisKind::Virtual => "virtual",
+        };
+        let unit = &axis.units;
+        write!(out, "axis {}: {kind}, up to {} {unit}/s, {} {unit}/s²", axis.name, axis.max_speed, axis.max_acceleration)?;
+        if let Some(travel) = axis.travel {
+            write!(out, ", travel {} to {} {unit}", travel.min, travel.max)?;
+        }
+        if let Some(unwind) = axis.unwind {
+            write!(out, ", rotary, {unwind} {unit} a turn")?;
+        }
+        write!(out, ", starts at {} {unit}", axis.start.position)?;
+        if matches!(axis.kind, AxisKind::Servo(_)) {
+            write!(out, ", servo {}", if axis.start.servo_on { "on" } else { "off" })?;
+        }
+        writeln!(out, "{}", if axis.start.homed { ", homed" } else { ", not homed" })?;
+    }
+    for system in &machine.systems {
+        let axes: Vec<&str> = system
+            .axes
+            .iter()
+            .filter_map(|place| machine.axes.get(usize::from(*place)))
+            .map(|axis| axis.name.as_str())
+            .collect();
+        write!(
+            out,
+            "coordinate system {}: {}, up to {} units/s, {} units/s², {} pending",
+            system.name,
+            axes.join(" "),
+            system.max_speed,
+            system.max_acceleration,
+            system.queue_depth,
+        )?;
+        if system.corner == Corner::Precise {
+            write!(out, ", precise corners")?;
+        }
+        if system.axis_limits == AxisLimits::Enforce {
+            write!(out, ", axis limits enforced")?;
+        }
+        writeln!(out)?;
+    }
+    let system_name = |place: u16| machine.systems.get(usize::from(place)).map_or("?", |system| system.name.as_str());
+    for transform in &machine.transforms {
+        writeln!(out, "transform {}: {} to {}", transform.name, system_name(transform.source), system_name(transform.target))?;
+    }
+    for tag in instruction_tags {
+        writeln!(out, "instruction tag {}: {} on {}", tag.tag, tag.mnemonic, tag.target)?;
+    }
+    for tag in tags {
+        writeln!(out, "tag {}: {}", tag.name, TagTypeName(&tag.tag_type))?;
+    }
+    writeln!(
+        out,
+        "{} axes, {} coordinate systems, {} transforms, {} instruction tags, {} plain tags",
+        machine.axes.len(),
+        machine.systems.len(),
+        machine.transforms.len(),
+        instruction_tags.len(),
+        tags.len(),
+    )
+}

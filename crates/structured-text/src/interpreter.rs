@@ -1,0 +1,413 @@
+//! Runs a program, one request at a time. No clock, no tag and no network: whoever drives it answers.
+
+use arcline_instruction_set::{Given, Mnemonic};
+use arcline_tag::{PathSegment, TagPath, Value};
+
+use crate::code::{Binary, Op, Part};
+use crate::error::{RuntimeError, RuntimeProblem};
+use crate::program::Program;
+
+/// Statements and turns of loops that run within one tick at most; then the rest waits for the next one,
+/// so that `WHILE TRUE DO END_WHILE;` hangs nothing.
+pub const STATEMENTS_PER_TICK: u32 = 100_000;
+
+/// What the program wants next.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Request {
+    /// The value of a tag, answered with [`Answer::Value`]. A motion control tag that has not been made yet
+    /// reads as zeros.
+    Read(TagPath),
+    /// The numbers of an array from that element on, answered with [`Answer::Array`]; a tag that is no array
+    /// is an array of one.
+    ReadArray(TagPath),
+    /// A tag is to be written, answered with [`Answer::Done`]. The value is a BOOL or an LREAL; the tag's
+    /// own type decides what becomes of it.
+    Write(TagPath, Value),
+    /// An instruction is to be executed in this tick, as a false-to-true transition of its rung; answered
+    /// with [`Answer::Done`], erred or not, or with [`Answer::QueueFull`].
+    Call(BoundCall),
+    /// The program goes on in the next tick, answered with [`Answer::Done`].
+    NextTick,
+    /// The program goes on after that many seconds, 0 or more, answered with [`Answer::Done`].
+    Delay(f64),
+    /// The last statement has run.
+    End,
+}
+
+/// The answer to a [`Request`].
+#[derive(Clone, PartialEq, Debug)]
+pub enum Answer {
+    /// Nothing was asked yet: the first call of [`Interpreter::resume`].
+    Start,
+    /// The value that was read.
+    Value(Value),
+    /// The numbers that were read.
+    Array(Vec<f64>),
+    /// It is done.
+    Done,
+    /// There is no room for the move: the interpreter asks for the next tick, then for the same call again.
+    QueueFull,
+}
+
+/// A call with the operands that it has at this moment.
+#[derive(Clone, PartialEq, Debug)]
+pub struct BoundCall {
+    /// The instruction.
+    pub mnemonic: Mnemonic,
+    /// Name of the object it acts on.
+    pub target: String,
+    /// The motion control tag; `None`: an unnamed one.
+    pub control: Option<String>,
+    /// The operands behind target and motion control, in faceplate order; trailing ones may be missing.
+    pub given: Vec<Given>,
+    /// Line of the call, from 1.
+    pub line: usize,
+}
+
+/// A program on its way.
+///
+/// All arithmetic is in 64-bit floating point: `7 / 2` is 3.5, `7 MOD 2` is 1 with the sign of the dividend,
+/// a division by 0 is infinite or not a number. Integers beyond 2^53 lose their low digits. A comparison
+/// takes a BOOL for 0 or 1; `=` is exact. A condition holds when it is TRUE or a number other than 0. AND,
+/// OR, XOR and NOT work on the bits of two integers, else on truth.
+#[derive(Clone, Debug)]
+pub struct Interpreter {
+    program: Program,
+    at: usize,
+    stack: Vec<Cell>,
+    given: Vec<Given>,
+    variables: Vec<Cell>,
+    line: u32,
+    left: u32,
+    pending: Pending,
+}
+
+/// What the driver was asked for last.
+#[derive(Clone, Debug)]
+enum Pending {
+    Start,
+    Value,
+    Array,
+    Write,
+    Time,
+    Call(BoundCall),
+    /// The queue was full: the call comes again when the tick has passed.
+    Again(BoundCall),
+    Ended,
+}
+
+/// A value on the stack.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Cell {
+    Number(f64),
+    Bool(bool),
+}
+
+impl Interpreter {
+    /// The program in front of its first statement. Names that [`Program::check`] has not made variables are
+    /// tags.
+    pub fn new(program: Program) -> Self {
+        let variables = vec![Cell::Number(0.0); program.variables as usize];
+        Self {
+            program,
+            at: 0,
+            stack: Vec::new(),
+            given: Vec::new(),
+            variables,
+            line: 1,
+            left: STATEMENTS_PER_TICK,
+            pending: Pending::Start,
+        }
+    }
+
+    /// Line of the statement that runs, from 1.
+    pub fn line(&self) -> usize {
+        self.line as usize
+    }
+
+    /// Goes on to the next request. Behind the end, and after an error, it is [`Request::End`] for good.
+    ///
+    /// # Errors
+    /// An operation that has no result, with the line; or an answer to something else than was asked.
+    pub fn resume(&mut self, answer: Answer) -> Result<Request, RuntimeError> {
+        let result = self.accept(answer).and_then(|request| match request {
+            Some(request) => Ok(request),
+            None => self.run(),
+        });
+        result.map_err(|problem| {
+            self.pending = Pending::Ended;
+            RuntimeError { line: self.line(), problem }
+        })
+    }
+
+    /// Takes the answer; some answers lead to a request at once.
+    fn accept(&mut self, answer: Answer) -> Result<Option<Request>, RuntimeProblem> {
+        let pending = std::mem::replace(&mut self.pending, Pending::Ended);
+        match (pending, answer) {
+            (Pending::Start, Answer::Start) | (Pending::Write | Pending::Call(_), Answer::Done) => Ok(None),
+            (Pending::Value, Answer::Value(Value::Bool(truth))) => {
+                self.stack.push(Cell::Bool(truth));
+                Ok(None)
+            }
+            (Pending::Value, Answer::Value(value)) => {
+                self.stack.push(Cell::Number(value.as_f64()));
+                Ok(None)
+            }
+            (Pending::Array, Answer::Array(numbers)) => {
+                self.given.push(Given::Array(numbers));
+                Ok(None)
+            }
+            (Pending::Time, Answer::Done) => {
+                self.left = STATEMENTS_PER_TICK;
+                Ok(None)
+            }
+            (Pending::Call(call), Answer::QueueFull) => {
+                self.pending = Pending::Again(call);
+                Ok(Some(Request::NextTick))
+            }
+            (Pending::Again(call), Answer::Done) => {
+                self.left = STATEMENTS_PER_TICK;
+                self.pending = Pending::Call(call.clone());
+                Ok(Some(Request::Call(call)))
+            }
+            (Pending::Ended, _) => Ok(Some(Request::End)),
+            (pending, _) => Err(RuntimeProblem::Answer { asked: pending.name() }),
+        }
+    }
+
+    /// Runs up to the next request.
+    fn run(&mut self) -> Result<Request, RuntimeProblem> {
+        loop {
+            let op = self.program.ops.get(self.at).copied().unwrap_or(Op::End);
+            self.at += 1;
+            match op {
+                Op::Statement(line) => {
+                    self.line = line;
+                    if self.left == 0 {
+                        return Ok(self.ask(Pending::Time, Request::NextTick));
+                    }
+                    self.left -= 1;
+                }
+                Op::Number(number) => self.stack.push(Cell::Number(number)),
+                Op::Bool(truth) => self.stack.push(Cell::Bool(truth)),
+                Op::Read(path) => {
+                    if let Some(variable) = self.variable_of(path) {
+                        self.stack.push(self.variables[variable]);
+                    } else {
+                        let path = self.path(path)?;
+                        return Ok(self.ask(Pending::Value, Request::Read(path)));
+                    }
+                }
+                Op::Store(path) => {
+                    let value = self.pop();
+                    if let Some(variable) = self.variable_of(path) {
+                        self.variables[variable] = value;
+                    } else {
+                        let path = self.path(path)?;
+                        return Ok(self.ask(Pending::Write, Request::Write(path, value.value())));
+                    }
+                }
+                Op::Variable(variable) => self.stack.push(self.variables[variable as usize]),
+                Op::SetVariable(variable) => self.variables[variable as usize] = self.pop(),
+                Op::Negate => {
+                    let number = self.pop_number()?;
+                    self.stack.push(Cell::Number(-number));
+                }
+                Op::Not => {
+                    let value = match self.pop() {
+                        Cell::Bool(truth) => Cell::Bool(!truth),
+                        Cell::Number(number) => Cell::Number(!integer(number)? as f64),
+                    };
+                    self.stack.push(value);
+                }
+                Op::Binary(operator) => {
+                    let right = self.pop();
+                    let left = self.pop();
+                    self.stack.push(binary(operator, left, right)?);
+                }
+                Op::Jump(to) => self.at = to as usize,
+                Op::JumpIfFalse(to) => {
+                    if !self.pop().holds() {
+                        self.at = to as usize;
+                    }
+                }
+                Op::JumpIfTrue(to) => {
+                    if self.pop().holds() {
+                        self.at = to as usize;
+                    }
+                }
+                Op::ForTest => {
+                    let step = self.pop_number()?;
+                    let limit = self.pop_number()?;
+                    let value = self.pop_number()?;
+                    if step == 0.0 || step.is_nan() {
+                        return Err(RuntimeProblem::Step { step });
+                    }
+                    let goes_on = if step > 0.0 { value <= limit } else { value >= limit };
+                    self.stack.push(Cell::Bool(goes_on));
+                }
+                Op::Tick => return Ok(self.ask(Pending::Time, Request::NextTick)),
+                Op::Delay => {
+                    let seconds = self.pop_number()?;
+                    if !(seconds.is_finite() && seconds >= 0.0) {
+                        return Err(RuntimeProblem::Delay { seconds });
+                    }
+                    return Ok(self.ask(Pending::Time, Request::Delay(seconds)));
+                }
+                Op::GiveNumber => {
+                    let number = self.pop_number()?;
+                    self.given.push(Given::Number(number));
+                }
+                Op::GiveWord(word) => self.given.push(Given::Word(self.program.words[word as usize].clone())),
+                Op::GiveName(path) => {
+                    let path = self.path(path)?;
+                    self.given.push(Given::Name(path.to_string()));
+                }
+                Op::GiveArray(count) => {
+                    let mut numbers = Vec::with_capacity(count as usize);
+                    for _ in 0..count {
+                        numbers.push(self.pop_number()?);
+                    }
+                    numbers.reverse();
+                    self.given.push(Given::Array(numbers));
+                }
+                Op::GiveRead(path) => {
+                    if let Some(variable) = self.variable_of(path) {
+                        let number = self.variables[variable].number()?;
+                        self.given.push(Given::Number(number));
+                    } else {
+                        let path = self.path(path)?;
+                        return Ok(self.ask(Pending::Array, Request::ReadArray(path)));
+                    }
+                }
+                Op::Call(call) => {
+                    let given = std::mem::take(&mut self.given);
+                    let statement = &self.program.calls[call as usize];
+                    let call = BoundCall {
+                        mnemonic: statement.mnemonic,
+                        target: statement.target.clone(),
+                        control: statement.control.clone(),
+                        given,
+                        line: statement.line,
+                    };
+                    return Ok(self.ask(Pending::Call(call.clone()), Request::Call(call)));
+                }
+                Op::End => return Ok(self.ask(Pending::Ended, Request::End)),
+            }
+        }
+    }
+
+    fn ask(&mut self, pending: Pending, request: Request) -> Request {
+        self.pending = pending;
+        request
+    }
+
+    fn variable_of(&self, path: u32) -> Option<usize> {
+        self.program.paths[path as usize].variable.map(|variable| variable as usize)
+    }
+
+    /// The path with its computed indices, which are popped.
+    fn path(&mut self, path: u32) -> Result<TagPath, RuntimeProblem> {
+        let path = &self.program.paths[path as usize];
+        let mut computed = self.stack.split_off(self.stack.len() - path.computed()).into_iter();
+        let mut segments = Vec::with_capacity(path.parts.len());
+        for part in &path.parts {
+            segments.push(match part {
+                Part::Fixed(segment) => segment.clone(),
+                Part::Computed => {
+                    let index = computed.next().unwrap_or(Cell::Number(0.0)).number()?;
+                    if index.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&index) {
+                        return Err(RuntimeProblem::Index { index });
+                    }
+                    PathSegment::Element(index as u32)
+                }
+            });
+        }
+        Ok(TagPath(segments))
+    }
+
+    fn pop(&mut self) -> Cell {
+        self.stack.pop().expect("every operation finds what the parser had pushed")
+    }
+
+    fn pop_number(&mut self) -> Result<f64, RuntimeProblem> {
+        self.pop().number()
+    }
+}
+
+impl Pending {
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Start => "nothing yet",
+            Self::Value => "the value of a tag",
+            Self::Array => "the numbers of an array",
+            Self::Write => "a tag to be written",
+            Self::Time | Self::Again(_) => "time to pass",
+            Self::Call(_) => "an instruction to be executed",
+            Self::Ended => "nothing more",
+        }
+    }
+}
+
+impl Cell {
+    fn number(self) -> Result<f64, RuntimeProblem> {
+        match self {
+            Self::Number(number) => Ok(number),
+            Self::Bool(_) => Err(RuntimeProblem::NotANumber),
+        }
+    }
+
+    fn holds(self) -> bool {
+        match self {
+            Self::Number(number) => number != 0.0,
+            Self::Bool(truth) => truth,
+        }
+    }
+
+    /// For comparisons only.
+    fn comparable(self) -> f64 {
+        match self {
+            Self::Number(number) => number,
+            Self::Bool(truth) => f64::from(u8::from(truth)),
+        }
+    }
+
+    fn value(self) -> Value {
+        match self {
+            Self::Number(number) => Value::Lreal(number),
+            Self::Bool(truth) => Value::Bool(truth),
+        }
+    }
+}
+
+fn binary(operator: Binary, left: Cell, right: Cell) -> Result<Cell, RuntimeProblem> {
+    let number = |of: fn(f64, f64) -> f64| Ok(Cell::Number(of(left.number()?, right.number()?)));
+    let comparison = |of: fn(&f64, &f64) -> bool| Ok(Cell::Bool(of(&left.comparable(), &right.comparable())));
+    let logic = |bits: fn(i64, i64) -> i64, truth: fn(bool, bool) -> bool| match (left, right) {
+        (Cell::Number(left), Cell::Number(right)) => {
+            Ok(Cell::Number(bits(integer(left)?, integer(right)?) as f64))
+        }
+        _ => Ok(Cell::Bool(truth(left.holds(), right.holds()))),
+    };
+    match operator {
+        Binary::Add => number(|a, b| a + b),
+        Binary::Subtract => number(|a, b| a - b),
+        Binary::Multiply => number(|a, b| a * b),
+        Binary::Divide => number(|a, b| a / b),
+        Binary::Modulo => number(|a, b| a % b),
+        Binary::Equal => comparison(f64::eq),
+        Binary::NotEqual => comparison(f64::ne),
+        Binary::Less => comparison(f64::lt),
+        Binary::Greater => comparison(f64::gt),
+        Binary::LessEqual => comparison(f64::le),
+        Binary::GreaterEqual => comparison(f64::ge),
+        Binary::And => logic(|a, b| a & b, |a, b| a & b),
+        Binary::Xor => logic(|a, b| a ^ b, |a, b| a ^ b),
+        Binary::Or => logic(|a, b| a | b, |a, b| a | b),
+    }
+}
+
+fn integer(number: f64) -> Result<i64, RuntimeProblem> {
+    let whole = Value::Lreal(number).to_integer().filter(|_| number.fract() == 0.0);
+    whole.ok_or(RuntimeProblem::NotAnInteger { value: number })
+}

@@ -1,0 +1,200 @@
+//! A program that has been read, and the check that its names mean something.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use arcline_instruction_set::{Mnemonic, Object, predefined};
+use arcline_tag::{TagPath, TagType};
+
+use crate::code::{Meaning, Op, Path, Use};
+use crate::error::{SyntaxError, SyntaxProblem, nearest};
+use crate::parser::{self, unknown_word};
+
+/// A program: instruction calls, assignments, conditions and loops, ready to run
+/// ([`crate::Interpreter`]).
+#[derive(Clone, PartialEq, Debug)]
+pub struct Program {
+    pub(crate) text: String,
+    pub(crate) ops: Vec<Op>,
+    pub(crate) paths: Vec<Path>,
+    pub(crate) words: Vec<String>,
+    pub(crate) calls: Vec<CallStatement>,
+    pub(crate) uses: Vec<Use>,
+    /// How many variables there are, hidden ones of FOR included.
+    pub(crate) variables: u32,
+}
+
+/// One instruction call as it stands in the program.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct CallStatement {
+    /// The instruction.
+    pub mnemonic: Mnemonic,
+    /// Name of the object it acts on, as written.
+    pub target: String,
+    /// The motion control tag, as written; `None` when it was left out.
+    pub control: Option<String>,
+    /// All operands that were given, target and motion control included, in faceplate order.
+    pub operands: Vec<OperandText>,
+    /// Line of the mnemonic, from 1.
+    pub line: usize,
+    /// Column of the mnemonic in characters, from 1.
+    pub column: usize,
+}
+
+/// An operand as it stands in the program.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct OperandText {
+    /// Name on the faceplate, such as `Accel Rate`.
+    pub name: &'static str,
+    /// Its text, such as `[100, 50, 0]`.
+    pub text: String,
+    /// Byte offset in the program.
+    pub offset: usize,
+}
+
+/// Knows which names the machine has, for [`Program::check`]. All names ignore case.
+pub trait Names {
+    /// Whether there is an object of that sort and name.
+    fn is_object(&self, object: Object, name: &str) -> bool;
+
+    /// Whether the path leads to a tag or a part of one.
+    fn is_tag(&self, path: &TagPath) -> bool;
+
+    /// The objects of a sort, for "did you mean".
+    fn objects(&self, object: Object) -> Vec<String> {
+        let _ = object;
+        Vec::new()
+    }
+
+    /// The tags, for "did you mean".
+    fn tags(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+impl Program {
+    /// Reads a program. Names are not looked at: that is [`Program::check`].
+    ///
+    /// # Errors
+    /// The first thing that cannot be read, with its place. Programs are read up to 8 MiB and 128 levels of
+    /// nesting.
+    pub fn parse(text: &str) -> Result<Program, SyntaxError> {
+        parser::program(text)
+    }
+
+    /// Reads one instruction call, the `;` behind it optional: what `arcline exec` takes.
+    ///
+    /// # Errors
+    /// As [`Program::parse`], and anything in front of or behind the call.
+    pub fn parse_call(text: &str) -> Result<Program, SyntaxError> {
+        parser::call(text)
+    }
+
+    /// The instruction calls in the order of the text. A call in a loop is one.
+    pub fn calls(&self) -> impl Iterator<Item = &CallStatement> {
+        self.calls.iter()
+    }
+
+    /// The motion control tags that the calls name, each once, in the order of the text, as first written.
+    pub fn control_tags(&self) -> impl Iterator<Item = &str> {
+        let mut seen = BTreeSet::new();
+        let names = self.calls.iter().filter_map(|call| call.control.as_deref());
+        names.filter(move |name| seen.insert(name.to_ascii_lowercase()))
+    }
+
+    /// Checks that every name means something, and makes a variable of the program of every plain name that
+    /// is assigned and is no tag: an LREAL that begins at 0 and is gone when the program has ended.
+    ///
+    /// A motion control tag that is not there is fine, since its first execution makes it; its members may
+    /// be read anywhere in the program.
+    ///
+    /// # Errors
+    /// The first name without meaning, with its place and the nearest name that has one.
+    pub fn check(&mut self, names: &dyn Names) -> Result<(), SyntaxError> {
+        let controls: BTreeSet<String> = self.control_tags().map(str::to_ascii_lowercase).collect();
+        self.find_variables(names, &controls);
+        for one in &self.uses {
+            self.check_use(one, names, &controls)?;
+        }
+        Ok(())
+    }
+
+    /// Reads what has been read before: nothing.
+    pub(crate) fn empty(text: &str) -> Self {
+        Self {
+            text: text.to_owned(),
+            ops: Vec::new(),
+            paths: Vec::new(),
+            words: Vec::new(),
+            calls: Vec::new(),
+            uses: Vec::new(),
+            variables: 0,
+        }
+    }
+
+    fn find_variables(&mut self, names: &dyn Names, controls: &BTreeSet<String>) {
+        let mut variables: BTreeMap<String, u32> = BTreeMap::new();
+        for one in &self.uses {
+            let Meaning::Assigned(path) = one.meaning else { continue };
+            let path = &self.paths[path as usize];
+            let Some(name) = path.plain_name().map(str::to_ascii_lowercase) else { continue };
+            if variables.contains_key(&name) || controls.contains(&name) || names.is_tag(&path.sample()) {
+                continue;
+            }
+            variables.insert(name, self.variables);
+            self.variables += 1;
+        }
+        for path in &mut self.paths {
+            let name = path.plain_name().map(str::to_ascii_lowercase);
+            path.variable = name.and_then(|name| variables.get(&name).copied());
+        }
+    }
+
+    fn check_use(
+        &self,
+        one: &Use,
+        names: &dyn Names,
+        controls: &BTreeSet<String>,
+    ) -> Result<(), SyntaxError> {
+        let error = |problem| Err(SyntaxError::new(&self.text, one.offset, problem));
+        let (path, may_be_variable) = match &one.meaning {
+            Meaning::Object(object, name) => {
+                if names.is_object(*object, name) {
+                    return Ok(());
+                }
+                let suggestion = nearest(name, names.objects(*object));
+                let name = name.chars().take(60).collect();
+                return error(SyntaxProblem::UnknownObject { what: object.name(), name, suggestion });
+            }
+            Meaning::Control(path) => {
+                let path = &self.paths[*path as usize];
+                if path.plain_name().is_some() {
+                    return Ok(());
+                }
+                (path, false)
+            }
+            Meaning::Written(path) => (&self.paths[*path as usize], false),
+            Meaning::Read(path) | Meaning::Assigned(path) => (&self.paths[*path as usize], true),
+        };
+        let sample = path.sample();
+        if may_be_variable && path.variable.is_some() || names.is_tag(&sample) || is_control(&sample, controls) {
+            return Ok(());
+        }
+        if let Some(word) = &one.word {
+            return Err(unknown_word(&self.text, word, names.tags().into_iter()));
+        }
+        let variables = self.paths.iter().filter(|path| path.variable.is_some());
+        let variables = variables.filter_map(|path| path.plain_name().map(str::to_owned));
+        let known = names.tags().into_iter().chain(variables).chain(self.control_tags().map(str::to_owned));
+        let suggestion = nearest(sample.tag().unwrap_or_default(), known)
+            // The tag is there, its member is not: its own name would be no help.
+            .filter(|name| !sample.tag().is_some_and(|tag| tag.eq_ignore_ascii_case(name)));
+        error(SyntaxProblem::UnknownTag { path: sample.to_string(), suggestion })
+    }
+}
+
+/// Whether the path leads to a member of a motion control tag that the program makes.
+fn is_control(path: &TagPath, controls: &BTreeSet<String>) -> bool {
+    path.tag().is_some_and(|tag| controls.contains(&tag.to_ascii_lowercase()))
+        && !path.rest().is_empty()
+        && TagType::scalar(predefined::motion_instruction()).locate(path.rest()).is_ok()
+}
