@@ -6,8 +6,9 @@
 #![forbid(unsafe_code)]
 
 mod controller;
+pub mod image;
 mod snapshot;
 
-pub use arcline_motion::{CONTROL_SLOTS, Event, Ticket, UNNAMED, machine};
+pub use arcline_motion::{AxisSnapshot, CONTROL_SLOTS, Event, SystemSnapshot, Ticket, UNNAMED, machine};
 pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, Port};
 pub use snapshot::Snapshot;

@@ -1,0 +1,211 @@
+//! Snapshots as the bytes of the predefined types: which number goes to which member, found once by name.
+
+use arcline_instruction_set::predefined;
+use arcline_motion::{AxisSnapshot, SystemSnapshot};
+use arcline_tag::Template;
+
+use super::Health;
+use crate::Snapshot;
+use crate::machine::{AxisKind, Machine};
+
+/// Number of an axis that is shown.
+#[derive(Clone, Copy, Debug)]
+enum AxisField {
+    Fault,
+    Status,
+    MotionStatus,
+    CipState,
+    CipStatus,
+    Real(fn(&AxisSnapshot) -> f64),
+}
+
+/// Where the numbers of one axis type stand.
+#[derive(Clone, Debug)]
+struct AxisLayout {
+    fields: Vec<(usize, AxisField)>,
+    interpolation_time: Option<usize>,
+}
+
+/// Places of everything that changes. The order of tags is the group, the axes, the coordinate systems.
+#[derive(Clone, Debug)]
+pub(super) struct Encoder {
+    cip: AxisLayout,
+    virtual_: AxisLayout,
+    is_virtual: Vec<bool>,
+    system: SystemLayout,
+    group: GroupLayout,
+}
+
+#[derive(Clone, Debug)]
+struct SystemLayout {
+    status: usize,
+    motion_status: usize,
+    shutdown: usize,
+    servo_on: usize,
+    actual: usize,
+}
+
+#[derive(Clone, Debug)]
+struct GroupLayout {
+    status: usize,
+    fault: usize,
+    axis_fault: usize,
+    /// Max, last and average scan time; last, max and average I/O time.
+    task: [usize; 6],
+}
+
+impl Encoder {
+    pub(super) fn new(machine: &Machine) -> Self {
+        let system = predefined::coordinate_system();
+        let group = predefined::motion_group();
+        Encoder {
+            cip: AxisLayout::new(&predefined::axis_cip_drive()),
+            virtual_: AxisLayout::new(&predefined::axis_virtual()),
+            is_virtual: machine.axes.iter().map(|axis| axis.is_virtual()).collect(),
+            system: SystemLayout {
+                status: at(&system, "CoordinateSystemStatus"),
+                motion_status: at(&system, "CoordinateMotionStatus"),
+                shutdown: at(&system, "AxesShutdownStatus"),
+                servo_on: at(&system, "AxesServoOnStatus"),
+                actual: at(&system, "ActualPosition"),
+            },
+            group: GroupLayout {
+                status: at(&group, "GroupStatus"),
+                fault: at(&group, "GroupFault"),
+                axis_fault: at(&group, "AxisFault"),
+                task: [
+                    "TaskMaxScanTime",
+                    "TaskLastScanTime",
+                    "TaskAverageScanTime",
+                    "TaskLastIOTime",
+                    "TaskMaxIOTime",
+                    "TaskAverageIOTime",
+                ]
+                .map(|name| at(&group, name)),
+            },
+        }
+    }
+
+    pub(super) fn snapshot(&self, snapshot: &Snapshot, bytes: &mut [Vec<u8>]) {
+        let (group, bytes) = bytes.split_at_mut(1);
+        let mut faults = 0;
+        for ((axis, is_virtual), bytes) in snapshot.axes.iter().zip(&self.is_virtual).zip(bytes.iter_mut()) {
+            faults |= axis.fault;
+            let layout = if *is_virtual { &self.virtual_ } else { &self.cip };
+            layout.encode(axis, bytes);
+        }
+        for (system, bytes) in snapshot.systems.iter().zip(bytes.iter_mut().skip(self.is_virtual.len())) {
+            self.system.encode(system, bytes);
+        }
+        if let [group] = group {
+            put(group, self.group.status, GROUP_RUNNING.to_le_bytes());
+            put(group, self.group.axis_fault, (faults & GROUP_AXIS_FAULTS).to_le_bytes());
+        }
+    }
+
+    pub(super) fn health(&self, health: &Health, bytes: &mut [Vec<u8>]) {
+        let Some(group) = bytes.first_mut() else { return };
+        let (scan, io) = (&health.compute, &health.lateness);
+        let times = [scan.max, scan.last, scan.average, io.last, io.max, io.average];
+        for (offset, time) in self.group.task.into_iter().zip(times) {
+            put(group, offset, (time.round() as i32).to_le_bytes());
+        }
+        put(group, self.group.fault, u32::from(health.overlapping).to_le_bytes());
+    }
+
+    /// Attributes of the drives, which do not change.
+    pub(super) fn constants(&self, machine: &Machine, bytes: &mut [Vec<u8>]) {
+        let template = predefined::axis_cip_drive();
+        let bandwidth = template.member("PositionLoopBandwidth").map(|member| member.offset as usize);
+        let feedforward = template.member("VelocityFeedforwardGain").map(|member| member.offset as usize);
+        for (axis, bytes) in machine.axes.iter().zip(bytes.iter_mut().skip(1)) {
+            let layout = if axis.is_virtual() { &self.virtual_ } else { &self.cip };
+            if let Some(offset) = layout.interpolation_time {
+                put(bytes, offset, 0i32.to_le_bytes());
+            }
+            if let AxisKind::Servo(drive) = axis.kind {
+                let percent = drive.velocity_feedforward * 100.0;
+                for (offset, value) in [(bandwidth, drive.position_bandwidth_hz), (feedforward, percent)] {
+                    if let Some(offset) = offset {
+                        put(bytes, offset, (value as f32).to_le_bytes());
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl AxisLayout {
+    fn new(template: &Template) -> Self {
+        use AxisField::{CipState, CipStatus, Fault, MotionStatus, Real, Status};
+        let fields: [(&str, AxisField); 19] = [
+            ("AxisFault", Fault),
+            ("AxisStatus", Status),
+            ("MotionStatus", MotionStatus),
+            ("CIPAxisState", CipState),
+            ("CIPAxisStatus", CipStatus),
+            ("CommandPosition", Real(|axis| axis.command[0])),
+            ("CommandVelocity", Real(|axis| axis.command[1])),
+            ("CommandAcceleration", Real(|axis| axis.command[2])),
+            ("ActualPosition", Real(|axis| axis.actual[0])),
+            ("ActualVelocity", Real(|axis| axis.actual[1])),
+            ("AverageVelocity", Real(|axis| axis.actual[1])),
+            ("ActualAcceleration", Real(|axis| axis.actual[2])),
+            ("VelocityFeedback", Real(|axis| axis.actual[1])),
+            ("VelocityError", Real(|axis| axis.command[1] - axis.actual[1])),
+            ("PositionError", Real(|axis| axis.position_error)),
+            ("StartCommandPosition", Real(|axis| axis.started_at[0])),
+            ("StartActualPosition", Real(|axis| axis.started_at[1])),
+            ("InterpolatedActualPosition", Real(|axis| axis.actual[0])),
+            ("InterpolatedCommandPosition", Real(|axis| axis.command[0])),
+        ];
+        let places = fields.into_iter().filter_map(|(name, field)| {
+            template.member(name).map(|member| (member.offset as usize, field))
+        });
+        AxisLayout {
+            fields: places.collect(),
+            interpolation_time: template.member("InterpolationTime").map(|member| member.offset as usize),
+        }
+    }
+
+    fn encode(&self, axis: &AxisSnapshot, bytes: &mut [u8]) {
+        for (offset, field) in &self.fields {
+            match field {
+                AxisField::Fault => put(bytes, *offset, axis.fault.to_le_bytes()),
+                AxisField::Status => put(bytes, *offset, axis.status.to_le_bytes()),
+                AxisField::MotionStatus => put(bytes, *offset, axis.motion_status.to_le_bytes()),
+                AxisField::CipState => put(bytes, *offset, axis.cip_state.to_le_bytes()),
+                AxisField::CipStatus => put(bytes, *offset, axis.cip_status.to_le_bytes()),
+                AxisField::Real(of) => put(bytes, *offset, (of(axis) as f32).to_le_bytes()),
+            }
+        }
+    }
+}
+
+impl SystemLayout {
+    fn encode(&self, system: &SystemSnapshot, bytes: &mut [u8]) {
+        put(bytes, self.status, system.status.to_le_bytes());
+        put(bytes, self.motion_status, system.motion_status.to_le_bytes());
+        put(bytes, self.shutdown, system.axes_shutdown.to_le_bytes());
+        put(bytes, self.servo_on, system.axes_servo_on.to_le_bytes());
+        for (place, actual) in system.actual.iter().enumerate() {
+            put(bytes, self.actual + 4 * place, (*actual as f32).to_le_bytes());
+        }
+    }
+}
+
+/// The offset of a member of a predefined type.
+fn at(template: &Template, name: &str) -> usize {
+    template.member(name).expect("a member of a predefined type").offset as usize
+}
+
+fn put<const N: usize>(bytes: &mut [u8], offset: usize, value: [u8; N]) {
+    if let Some(place) = bytes.get_mut(offset..offset + N) {
+        place.copy_from_slice(&value);
+    }
+}
+
+/// GroupStatus of a running group: GroupSynced and the timer event (axis-and-data-types.md §8.8).
+const GROUP_RUNNING: u32 = 6;
+/// The bits of an axis's AxisFault that the group collects.
+const GROUP_AXIS_FAULTS: u32 = 7;

@@ -1,0 +1,70 @@
+//! Why a tag cannot be read, written, or used as a motion control.
+
+use arcline_tag::PathError;
+
+/// Why a path gives no value.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum ReadError {
+    /// No tag of that name.
+    #[error("there is no tag {name:?}")]
+    NoSuchTag {
+        /// The name.
+        name: String,
+    },
+    /// The tag has no such part.
+    #[error(transparent)]
+    Path(#[from] PathError),
+    /// A structure where a number is needed.
+    #[error("{path} is a {data_type}, expected a number")]
+    NotAValue {
+        /// The path.
+        path: String,
+        /// Its type.
+        data_type: String,
+    },
+}
+
+/// Why a write was refused. Nothing was written then.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum WriteError {
+    /// No tag of that id.
+    #[error("there is no such tag")]
+    NoSuchTag,
+    /// Bytes behind the tag's last.
+    #[error("{name} has {size} bytes, the write goes beyond them")]
+    BeyondEnd {
+        /// The tag.
+        name: String,
+        /// Its size in bytes.
+        size: usize,
+    },
+    /// Something that only the controller writes.
+    #[error("{name} is read-only there")]
+    ReadOnly {
+        /// The tag.
+        name: String,
+    },
+    /// The path leads nowhere.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+}
+
+/// Why a name is no motion control tag.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum ControlError {
+    /// A tag of another type.
+    #[error("{name} is not a MOTION_INSTRUCTION tag")]
+    NotAMotionControl {
+        /// The name.
+        name: String,
+    },
+    /// It cannot be the name of a tag.
+    #[error("{name:?} cannot be the name of a tag, expected up to 40 letters, digits and underscores")]
+    NotAName {
+        /// The name, its beginning.
+        name: String,
+    },
+    /// Every slot is in use.
+    #[error("there is no room for another motion control tag, {} are in use", crate::CONTROL_SLOTS)]
+    NoRoom,
+}
