@@ -187,9 +187,10 @@ impl Sink for Builder {
 
     #[inline]
     fn push(&mut self, time: f64, jerk: f64) {
-        if time > 0.0 && self.len < MAX_SEGMENTS {
-            self.times[self.len] = self.time;
+        // What the clock cannot tell from nothing moves the state, but is no segment.
+        if self.time + time > self.time && self.len < MAX_SEGMENTS {
             let Trial { x, v, a } = self.now;
+            self.times[self.len] = self.time;
             let state = State {
                 position: x,
                 velocity: v,
@@ -198,8 +199,8 @@ impl Sink for Builder {
             self.segments[self.len] = Segment { state, jerk };
             self.len += 1;
             self.time += time;
-            self.now.push(time, jerk);
         }
+        self.now.push(time, jerk);
     }
 
     #[inline]

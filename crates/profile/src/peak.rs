@@ -74,34 +74,34 @@ fn solve(
     let jerky =
         1.0 / limits.jerk + 1.0 / limits.jerk_down + 2.0 / (limits.jerk * limits.jerk_down).sqrt();
     let jerked = libm::cbrt(more * more / jerky);
-    let (mut below, mut above) = (0.0, most.sqrt());
-    let mut y = steady.min(jerked).min(most).max(0.0).sqrt();
+    let (mut below, mut above) = (0.0, most);
+    let mut w = steady.min(jerked).min(most).max(0.0);
     for _ in 0..MAX_STEPS {
-        // Also leaves when y is so small that it, or y^2, is 0.
-        if y * y <= 0.0 {
+        if w <= 0.0 {
             break;
         }
-        let (x, slope) = length(y * y);
+        let (x, slope) = length(w);
         let error = x - distance;
         if error < 0.0 {
-            below = y;
+            below = w;
         } else {
-            above = y;
+            above = w;
         }
-        let newton = y - error / (2.0 * y * slope);
-        let next = if newton >= below && newton <= above {
+        // The step in y as a factor, so that no root of w is needed.
+        let step = error / (2.0 * w * slope);
+        let newton = w * (1.0 - step) * (1.0 - step);
+        let inside = step < 1.0 && newton >= below && newton <= above;
+        w = if inside {
             newton
         } else {
             0.5 * (below + above)
         };
         // Quadratic convergence: the step after this one is below rounding.
-        let done = (newton - y).abs() <= 1e-9 * y || above - below <= 2e-16 * above;
-        y = next;
-        if done {
+        if step.abs() <= 1e-9 || above - below <= 2e-16 * above {
             break;
         }
     }
-    y * y
+    w
 }
 
 /// Distance of a ramp between `slow` and `slow + dv` with acceleration 0 at both ends, and its

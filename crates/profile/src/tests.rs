@@ -154,9 +154,9 @@ fn flaw(profile: &Profile, limits: &Limits, tolerance: f64) -> Option<String> {
             Some(j) if speeding => (limits.acceleration, j.acceleration),
             Some(j) => (limits.deceleration, j.deceleration),
         };
-        if segment.jerk.abs() > most_jerk * (1.0 + 1e-9) {
+        if segment.jerk.abs() > most_jerk * (1.0 + tolerance) {
             return Some(format!(
-                "jerk {} of {most_jerk} in segment {index}",
+                "jerk {} of {most_jerk} in segment {index} of {length} s {segment:?}",
                 segment.jerk
             ));
         }
@@ -166,11 +166,11 @@ fn flaw(profile: &Profile, limits: &Limits, tolerance: f64) -> Option<String> {
             .acceleration
             .abs()
             .max(reached.acceleration.abs());
-        if !lowering && peak > most * (1.0 + 1e-9) {
+        if !lowering && peak > most * (1.0 + tolerance) {
             return Some(format!("acceleration {peak} of {most} in segment {index}"));
         }
         let fastest = segment.state.velocity.abs().max(reached.velocity.abs());
-        if speeding && !lowering && fastest > limits.speed * (1.0 + 1e-9) {
+        if speeding && !lowering && fastest > limits.speed * (1.0 + tolerance) {
             return Some(format!(
                 "velocity {fastest} of {} in segment {index}",
                 limits.speed
@@ -241,7 +241,10 @@ fn random_states_by_trapezoid() {
         if let Some(flaw) = flaw(&profile, &limits, 1e-9) {
             panic!("case {case}: {flaw}\n{from:?} -> {target}, {limits:?}");
         }
-        // No S-curve with the same limits is faster.
+        if from.velocity.abs() > limits.speed {
+            continue;
+        }
+        // No S-curve with the same limits is faster (one begun too fast stays too fast for longer).
         let smooth = Limits {
             jerk: random.limits(2.0).jerk,
             ..limits
@@ -257,7 +260,9 @@ fn random_states_by_trapezoid() {
         );
         assert!(
             profile.duration() <= slower.duration() * (1.0 + 1e-9),
-            "case {case}"
+            "case {case}: {} {}\n{from:?} -> {target}, {smooth:?}",
+            profile.duration(),
+            slower.duration()
         );
     }
 }
@@ -634,7 +639,7 @@ fn limits_spread_over_decades() {
                 acceleration: 0.0
             }
         );
-        if let Some(flaw) = flaw(&profile, &limits, 1e-8) {
+        if let Some(flaw) = flaw(&profile, &limits, 1e-7) {
             assert!(
                 decades > 4.0,
                 "case {case}: {flaw}\n{from:?} -> {target}, {limits:?}"
