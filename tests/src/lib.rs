@@ -1,1 +1,3 @@
 //! Tests that no single crate can hold.
+
+pub mod bench;

@@ -30,11 +30,11 @@ pub(crate) fn axis(axis: &Axis) -> AxisSnapshot {
             AxisState::Shutdown => 10,
         },
         cip_status: [
-            (axis.state == AxisState::Running, cip_axis_status::POWER_STRUCTURE_ENABLED),
-            (axis.state == AxisState::Running, cip_axis_status::TRACKING_COMMAND),
-            (axis.drive.error().abs() <= POSITION_LOCK_TOLERANCE, cip_axis_status::POSITION_LOCK),
-            (actual.velocity.abs() <= STANDSTILL, cip_axis_status::VELOCITY_STANDSTILL),
-            (axis.state == AxisState::Shutdown, cip_axis_status::CIP_SHUTDOWN),
+            (axis.state == AxisState::Running, cip_axis_status::POWER_STRUCTURE_ENABLED_STATUS),
+            (axis.state == AxisState::Running, cip_axis_status::TRACKING_COMMAND_STATUS),
+            (axis.drive.error().abs() <= POSITION_LOCK_TOLERANCE, cip_axis_status::POSITION_LOCK_STATUS),
+            (actual.velocity.abs() <= STANDSTILL, cip_axis_status::VELOCITY_STANDSTILL_STATUS),
+            (axis.state == AxisState::Shutdown, cip_axis_status::CIP_SHUTDOWN_STATUS),
         ]
         .into_iter()
         .fold(0, with),
@@ -48,10 +48,10 @@ pub(crate) fn axis(axis: &Axis) -> AxisSnapshot {
 fn axis_word(axis: &Axis) -> u32 {
     let on = axis.state == AxisState::Running;
     [
-        (on, axis_status::SERVO_ACTION),
-        (on, axis_status::DRIVE_ENABLE),
-        (axis.state == AxisState::Shutdown, axis_status::SHUTDOWN),
-        (true, axis_status::AXIS_UPDATE),
+        (on, axis_status::SERVO_ACTION_STATUS),
+        (on, axis_status::DRIVE_ENABLE_STATUS),
+        (axis.state == AxisState::Shutdown, axis_status::SHUTDOWN_STATUS),
+        (true, axis_status::AXIS_UPDATE_STATUS),
     ]
     .into_iter()
     .fold(0, with)
@@ -62,11 +62,11 @@ fn motion_word(axis: &Axis) -> u32 {
     let from_rest = axis.command.velocity == 0.0 && axis.command.acceleration != 0.0;
     let braking = matches!(axis.source, Source::Braking { .. });
     [
-        (rising > 0.0 || from_rest, motion_status::ACCEL),
-        (rising < 0.0, motion_status::DECEL),
-        (braking, motion_status::STOPPING),
-        (axis.homed, motion_status::AXIS_HOMED),
-        (matches!(axis.source, Source::System), motion_status::COORDINATED_MOTION),
+        (rising > 0.0 || from_rest, motion_status::ACCEL_STATUS),
+        (rising < 0.0, motion_status::DECEL_STATUS),
+        (braking, motion_status::STOPPING_STATUS),
+        (axis.homed, motion_status::AXIS_HOMED_STATUS),
+        (matches!(axis.source, Source::System), motion_status::COORDINATED_MOTION_STATUS),
         (axis.command.velocity.abs() > axis.dynamics.speed, motion_status::MAXIMUM_SPEED_EXCEEDED),
     ]
     .into_iter()
@@ -94,24 +94,24 @@ pub(crate) fn system(system: &System, axes: &[Axis]) -> SystemSnapshot {
     let moving = system.activity == Activity::Moving;
     let pending = system.planner.pending().next().is_some();
     shown.status = [
-        (system.shutdown, status::SHUTDOWN),
-        (shown.axes_shutdown == 0, status::READY),
-        (system.is_busy(), status::MOTION),
+        (system.shutdown, status::SHUTDOWN_STATUS),
+        (shown.axes_shutdown == 0, status::READY_STATUS),
+        (system.is_busy(), status::MOTION_STATUS),
     ]
     .into_iter()
     .fold(0, with);
     shown.motion_status = [
-        (moving && system.shown_phase == Phase::Accelerating, motion::ACCEL),
+        (moving && system.shown_phase == Phase::Accelerating, motion::ACCEL_STATUS),
         (
             system.stop.is_some() || (moving && system.shown_phase == Phase::Decelerating),
-            motion::DECEL,
+            motion::DECEL_STATUS,
         ),
-        (system.in_actual_tolerance, motion::ACTUAL_POS_TOLERANCE),
-        (system.in_command_tolerance, motion::COMMAND_POS_TOLERANCE),
-        (system.stop.is_some(), motion::STOPPING),
-        (moving, motion::MOVE),
-        (pending, motion::MOVE_PENDING),
-        (pending && system.planner.is_full(), motion::MOVE_PENDING_QUEUE_FULL),
+        (system.in_actual_tolerance, motion::ACTUAL_POS_TOLERANCE_STATUS),
+        (system.in_command_tolerance, motion::COMMAND_POS_TOLERANCE_STATUS),
+        (system.stop.is_some(), motion::STOPPING_STATUS),
+        (moving, motion::MOVE_STATUS),
+        (pending, motion::MOVE_PENDING_STATUS),
+        (pending && system.planner.is_full(), motion::MOVE_PENDING_QUEUE_FULL_STATUS),
     ]
     .into_iter()
     .fold(0, with);

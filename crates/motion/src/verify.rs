@@ -5,7 +5,7 @@
 //! conflicts of step 11 with the instructions. Steps 2 and 3 cannot fail: the controller is always in Run and a
 //! machine has exactly one group.
 
-use arcline_instruction_set::{AxisIndex, DecelerationOf, MotionError};
+use arcline_instruction_set::{AxisIndex, Culprit, MotionError};
 
 use crate::axis::{Axis, AxisState, Source};
 use crate::system::System;
@@ -29,19 +29,19 @@ pub(crate) fn axes_ready(system: &System, axes: &[Axis]) -> Result<(), MotionErr
 /// Step 9: every started motion must be stoppable, by the system and by each axis.
 pub(crate) fn stoppable(system: &System, axes: &[Axis], s_curve: bool) -> Result<(), MotionError> {
     if system.description.max_deceleration <= 0.0 {
-        return Err(MotionError::ZeroMaxDecel(DecelerationOf::CoordinateSystem));
+        return Err(MotionError::ZeroMaxDecel(Culprit::CoordinateSystem));
     }
     if let Some(place) = first(system, axes, |axis| axis.dynamics.deceleration <= 0.0) {
-        return Err(MotionError::ZeroMaxDecel(DecelerationOf::Axis(place)));
+        return Err(MotionError::ZeroMaxDecel(Culprit::Axis(place)));
     }
     if !s_curve {
         return Ok(());
     }
     if system.description.max_deceleration_jerk <= 0.0 {
-        return Err(MotionError::ZeroMaxDecelJerk(DecelerationOf::CoordinateSystem));
+        return Err(MotionError::ZeroMaxDecelJerk(Culprit::CoordinateSystem));
     }
     match first(system, axes, |axis| axis.dynamics.deceleration_jerk <= 0.0) {
-        Some(place) => Err(MotionError::ZeroMaxDecelJerk(DecelerationOf::Axis(place))),
+        Some(place) => Err(MotionError::ZeroMaxDecelJerk(Culprit::Axis(place))),
         None => Ok(()),
     }
 }

@@ -69,8 +69,8 @@ fn error(error: ArcError) -> MotionError {
     match error {
         ArcError::Collinear => MotionError::CircularCollinearity,
         ArcError::StartEnd => MotionError::CircularStartEnd,
-        ArcError::RadiusMismatch => MotionError::CircularR1R2Mismatch,
-        ArcError::SmallRadius => MotionError::CircularSmallR,
+        ArcError::RadiusMismatch { .. } => MotionError::CircularR1R2Mismatch,
+        ArcError::SmallRadius { .. } => MotionError::CircularSmallR,
         ArcError::RadiusIn3d => MotionError::IllegalInstruction,
     }
 }

@@ -1,6 +1,6 @@
 //! MCS, Motion Coordinated Stop (spec/coordinated-instructions.md §15, the MCS seed).
 
-use arcline_instruction_set::{AxisIndex, Call, DecelerationOf, Flag, Mnemonic, MotionError};
+use arcline_instruction_set::{AxisIndex, Call, Culprit, Flag, Mnemonic, MotionError};
 use arcline_planner::profile::{Jerk, Limits};
 
 use super::{moves, place};
@@ -149,7 +149,7 @@ fn verify_sharing(motion: &Motion, index: usize) -> Result<(), MotionError> {
                 .get(usize::from(*axis))
                 .is_some_and(|axis| axis.dynamics.deceleration <= 0.0);
             if cannot {
-                return Err(MotionError::ZeroMaxDecel(DecelerationOf::Axis(AxisIndex(0))));
+                return Err(MotionError::ZeroMaxDecel(Culprit::Axis(AxisIndex(0))));
             }
         }
     }

@@ -15,7 +15,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     }
     match state.state {
         AxisState::Shutdown => return Err(MotionError::ShutdownState(AxisIndex(0))),
-        AxisState::Running if state.in_motion() => return Err(MotionError::AxisInMotion),
+        AxisState::Running if state.in_motion() => return Err(MotionError::AxisInMotion(AxisIndex(0))),
         AxisState::Running => {
             motion.done(execution);
             return Ok(());
@@ -23,7 +23,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         AxisState::Starting => {}
         AxisState::Stopped | AxisState::Stopping => {
             if state.drive.actual().velocity != 0.0 {
-                return Err(MotionError::AxisInMotion);
+                return Err(MotionError::AxisInMotion(AxisIndex(0)));
             }
             state.enable();
         }

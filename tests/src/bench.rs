@@ -1,0 +1,181 @@
+//! A machine on the virtual clock, driven a tick at a time: what the semantics of instructions are tested on.
+//!
+//! [`Bench::call`] takes one Structured Text call with literal operands and executes it at the present tick.
+
+use std::collections::BTreeMap;
+
+use arcline_config::Project;
+use arcline_controller::{Controller, Event, Snapshot, Ticket};
+use arcline_instruction_set::{ControlSlot, Directory, Flag, MotionControl, Object, bind};
+use arcline_structured_text::{Answer, Interpreter, Program, Request};
+
+/// A controller between the beginning and the end of a tick, and everything it has reported so far.
+pub struct Bench {
+    project: Project,
+    controller: Controller,
+    controls: BTreeMap<String, ControlSlot>,
+    tickets: u64,
+    /// Every event so far, with the name of its tag.
+    pub events: Vec<(String, Event)>,
+}
+
+/// DN without an error.
+pub const OK: (i16, i8) = (0, 0);
+
+impl Bench {
+    /// The embedded default machine at tick 0.
+    pub fn new() -> Self {
+        Self::with(arcline_config::DEFAULT)
+    }
+
+    /// A machine of a configuration at tick 0.
+    pub fn with(config: &str) -> Self {
+        let project = arcline_config::load(config, "bench.toml").expect("the configuration is valid");
+        let mut controller = Controller::new(&project.machine);
+        controller.begin_tick();
+        Bench {
+            project,
+            controller,
+            controls: BTreeMap::new(),
+            tickets: 0,
+            events: Vec::new(),
+        }
+    }
+
+    /// The default machine with one text of its configuration replaced by another.
+    pub fn replacing(from: &str, to: &str) -> Self {
+        assert!(arcline_config::DEFAULT.contains(from), "the default configuration has no {from:?}");
+        Self::with(&arcline_config::DEFAULT.replacen(from, to, 1))
+    }
+
+    /// Executes one instruction now. Returns ERR and EXERR.
+    pub fn call(&mut self, text: &str) -> (i16, i8) {
+        let shown = self.execute(text);
+        (shown.err, shown.exerr)
+    }
+
+    /// Executes one instruction now. Returns what its motion control tag shows right after.
+    pub fn execute(&mut self, text: &str) -> MotionControl {
+        let program = Program::parse_call(text).unwrap_or_else(|error| panic!("{error}"));
+        let mut interpreter = Interpreter::new(program);
+        let request = interpreter.resume(Answer::Start).unwrap_or_else(|error| panic!("{text}: {error}"));
+        let Request::Call(call) = request else {
+            panic!("{text}: operands of a bench are literals, not {request:?}");
+        };
+        let name = call.control.unwrap_or_default();
+        let free = ControlSlot(self.controls.len() as u32);
+        let control = *self.controls.entry(name).or_insert(free);
+        let object = call.mnemonic.instruction().object;
+        let target = self.object(object, &call.target);
+        let bound = bind(call.mnemonic, target, control, &call.given, self).unwrap_or_else(|error| panic!("{error}"));
+        self.tickets += 1;
+        self.controller.execute(Ticket(self.tickets), &bound)
+    }
+
+    /// The rung of the instruction with this tag is false.
+    pub fn rung_false(&mut self, tag: &str) {
+        self.controller.rung_false(self.controls[tag]);
+    }
+
+    /// Ends the present tick and begins the next one.
+    pub fn tick(&mut self) {
+        let controls = &self.controls;
+        let events = &mut self.events;
+        self.controller.end_tick(|event| {
+            let name = controls.iter().find(|(_, slot)| **slot == event.control);
+            events.push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));
+        });
+        self.controller.begin_tick();
+    }
+
+    /// Runs a number of ticks.
+    pub fn run(&mut self, ticks: u64) {
+        for _ in 0..ticks {
+            self.tick();
+        }
+    }
+
+    /// Runs until a bit of a tag is set; returns the ticks that took.
+    ///
+    /// # Panics
+    /// When that takes more than 100,000 ticks.
+    pub fn until(&mut self, tag: &str, flag: Flag) -> u64 {
+        let from = self.now();
+        while !self.control(tag).has(flag) {
+            assert!(self.now() - from < 100_000, "{tag}.{flag:?} is never set");
+            self.tick();
+        }
+        self.now() - from
+    }
+
+    /// Runs until nothing moves.
+    pub fn until_rest(&mut self) {
+        let from = self.now();
+        while !self.controller.at_rest() {
+            assert!(self.now() - from < 100_000, "it never comes to rest");
+            self.tick();
+        }
+    }
+
+    /// The present tick.
+    pub fn now(&self) -> u64 {
+        self.controller.tick_number()
+    }
+
+    /// What a motion control tag shows.
+    pub fn control(&self, tag: &str) -> MotionControl {
+        self.controls.get(tag).map_or_else(MotionControl::default, |slot| self.controller.control(*slot))
+    }
+
+    /// The names of the bits that a tag shows, in the order EN DN ER IP AC PC ….
+    pub fn bits(&self, tag: &str) -> String {
+        let control = self.control(tag);
+        let shown = Flag::ALL.iter().filter(|flag| control.has(**flag)).map(|flag| flag.name());
+        shown.collect::<Vec<_>>().join(" ")
+    }
+
+    /// The state of the machine at the present tick.
+    pub fn snapshot(&self) -> Snapshot {
+        let mut snapshot = Snapshot::new(&self.project.machine);
+        self.controller.snapshot(&mut snapshot);
+        snapshot
+    }
+
+    /// Command position of an axis.
+    pub fn position(&self, axis: &str) -> f64 {
+        self.axis(axis).command[0]
+    }
+
+    /// An axis at the present tick.
+    pub fn axis(&self, axis: &str) -> arcline_controller::AxisSnapshot {
+        let index = self.project.machine.axis(axis).expect("the machine has the axis");
+        self.snapshot().axes[usize::from(index)]
+    }
+
+    /// A coordinate system at the present tick.
+    pub fn system(&self, system: &str) -> arcline_controller::SystemSnapshot {
+        let index = self.project.machine.system(system).expect("the machine has the coordinate system");
+        self.snapshot().systems[usize::from(index)]
+    }
+}
+
+impl Default for Bench {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Directory for Bench {
+    fn object(&self, object: Object, name: &str) -> Option<u16> {
+        let machine = &self.project.machine;
+        match object {
+            Object::MotionGroup => machine.is_group(name).then_some(0),
+            Object::Axis => machine.axis(name),
+            Object::CoordinateSystem => machine.system(name),
+        }
+    }
+
+    fn real_array(&self, _: &str) -> Option<u32> {
+        None
+    }
+}
