@@ -115,7 +115,7 @@ impl Value {
             Self::Real(_) | Self::Lreal(_) => {
                 let rounded = self.as_f64().round_ties_even();
                 // -2^63 is exact in an f64; 2^63 is the first value that no longer fits.
-                (rounded >= -TWO_TO_63 && rounded < TWO_TO_63).then_some(rounded as i64)
+                (-TWO_TO_63..TWO_TO_63).contains(&rounded).then_some(rounded as i64)
             }
             Self::Ulint(v) | Self::Lword(v) => i64::try_from(v).ok(),
             Self::Lint(v) => Some(v),

@@ -404,13 +404,13 @@ pub mod coordinate_system_offset {
     pub const AXES_SERVO_ON_STATUS: usize = 40;
     /// `AxesInhibitedStatus` (DINT).
     pub const AXES_INHIBITED_STATUS: usize = 44;
-    /// `ActualPosition` (REAL[8]).
+    /// `ActualPosition` (`REAL[8]`).
     pub const ACTUAL_POSITION: usize = 52;
     /// `ActiveToolFrameID` (DINT).
     pub const ACTIVE_TOOL_FRAME_ID: usize = 84;
     /// `ActiveWorkFrameID` (DINT).
     pub const ACTIVE_WORK_FRAME_ID: usize = 88;
-    /// `TurnsCounters` (INT[4]).
+    /// `TurnsCounters` (`INT[4]`).
     pub const TURNS_COUNTERS: usize = 92;
     /// `RobotConfiguration` (DINT).
     pub const ROBOT_CONFIGURATION: usize = 100;
@@ -478,9 +478,9 @@ pub mod real_time_offset {
     pub const COMPUTE_P99: usize = 36;
     /// `ComputeMax` (REAL).
     pub const COMPUTE_MAX: usize = 40;
-    /// `LatenessHistogram` (DINT[24]).
+    /// `LatenessHistogram` (`DINT[24]`).
     pub const LATENESS_HISTOGRAM: usize = 44;
-    /// `ComputeHistogram` (DINT[24]).
+    /// `ComputeHistogram` (`DINT[24]`).
     pub const COMPUTE_HISTOGRAM: usize = 140;
     /// `State` (DINT).
     pub const STATE: usize = 236;

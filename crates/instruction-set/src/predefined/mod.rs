@@ -65,7 +65,7 @@ fn parse(name: &str, instance: u16, size: u32, layout: &str) -> Arc<Template> {
     let builder = TemplateBuilder::new(name, instance).size(size);
     layout
         .lines()
-        .try_fold(builder, |builder, line| member(builder, line))
+        .try_fold(builder, member)
         .expect("the layouts are part of the program")
         .build()
 }
