@@ -216,9 +216,10 @@ mod tests {
         }
         for flag in Flag::ALL {
             let template = motion_instruction();
-            let member = template.member(flag.name()).expect(flag.name());
+            let name = flag.name();
+            let member = template.member(name).expect(name);
             assert_eq!(
-                8 * member.offset as u8 + member.bit.expect(flag.name()),
+                8 * member.offset as u8 + member.bit.expect(name),
                 flag.bit(),
                 "{flag}"
             );
