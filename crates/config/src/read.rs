@@ -330,6 +330,9 @@ fn tag_type(text: &str) -> Option<TagType> {
         }
     };
     let name = TYPE_NAMES.iter().find(|name| name.eq_ignore_ascii_case(element))?;
+    if *name == "BOOL" && dimension > 0 {
+        return Some(TagType::bool_array(dimension));
+    }
     let data_type = match Elementary::from_name(name) {
         Some(elementary) => DataType::Elementary(elementary),
         None => DataType::Structure(string_template()),

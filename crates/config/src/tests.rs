@@ -1,0 +1,223 @@
+//! Texts in, projects and errors out.
+
+use arcline_instruction_set::Mnemonic;
+use arcline_motion::machine::{AxisKind, AxisLimits, Corner, Drive, Start, Travel};
+
+use crate::{DEFAULT, describe, load};
+
+#[test]
+fn the_default_is_what_the_contract_says() {
+    let project = load(DEFAULT, "default.toml").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(project.server.name, "Arcline demo");
+    assert_eq!(project.server.listen.to_string(), "127.0.0.1:44818");
+    assert_eq!(project.server.hmi.map(|hmi| hmi.to_string()).as_deref(), Some("127.0.0.1:8080"));
+
+    let machine = &project.machine;
+    assert_eq!((machine.group.as_str(), machine.period_ns), ("Motion", 1_000_000));
+    let axes: Vec<_> = machine.axes.iter().map(|axis| axis.name.as_str()).collect();
+    assert_eq!(axes, ["X", "Y", "Z", "S", "A", "B", "C"]);
+    for (place, axis) in machine.axes.iter().enumerate() {
+        let expected = if place < 4 { AxisKind::Servo(Drive::default()) } else { AxisKind::Virtual };
+        assert_eq!(axis.kind, expected, "{}", axis.name);
+        assert_eq!(axis.units, "mm");
+        assert_eq!((axis.max_speed, axis.max_acceleration, axis.max_deceleration), (1000.0, 10000.0, 10000.0));
+        assert_eq!((axis.max_acceleration_jerk, axis.max_deceleration_jerk), (200_000.0, 200_000.0));
+        assert_eq!((axis.travel, axis.unwind), (None, None));
+        assert_eq!(axis.start, Start { position: 0.0, servo_on: true, homed: true });
+    }
+    let systems: Vec<_> =
+        machine.systems.iter().map(|system| (system.name.as_str(), system.axes.as_slice())).collect();
+    let expected: [(&str, &[u16]); 4] =
+        [("CS1", &[0, 1, 2]), ("CS2", &[0, 1, 3]), ("CS3", &[4, 5, 6]), ("XY", &[0, 1])];
+    assert_eq!(systems, expected);
+    for system in &machine.systems {
+        assert_eq!((system.max_speed, system.max_acceleration, system.max_deceleration), (500.0, 5000.0, 5000.0));
+        assert_eq!((system.max_acceleration_jerk, system.max_deceleration_jerk), (100_000.0, 100_000.0));
+        assert_eq!((system.actual_tolerance, system.command_tolerance, system.queue_depth), (0.01, 0.5, 1));
+        assert_eq!((system.corner, system.axis_limits), (Corner::Logix, AxisLimits::Ignore));
+    }
+    let transforms: Vec<_> = machine.transforms.iter().map(|t| (t.name.as_str(), t.source, t.target)).collect();
+    assert_eq!(transforms, [("T1", 1, 2)]);
+    let tags: Vec<_> = project
+        .instruction_tags
+        .iter()
+        .map(|tag| (tag.tag.as_str(), tag.mnemonic, tag.target.as_str()))
+        .collect();
+    let expected = [
+        ("Move1", Mnemonic::Mclm, "CS1"),
+        ("Move2", Mnemonic::Mclm, "CS1"),
+        ("Move3", Mnemonic::Mclm, "CS1"),
+        ("Arc1", Mnemonic::Mccm, "XY"),
+        ("Arc2", Mnemonic::Mccm, "XY"),
+        ("Change1", Mnemonic::Mccd, "CS1"),
+        ("Stop1", Mnemonic::Mcs, "CS1"),
+    ];
+    assert_eq!(tags, expected);
+    assert!(project.tags.is_empty());
+}
+
+const AXIS: &str = "[[axis]]\nname = \"X\"\ntype = \"servo\"\nmax_speed = 10\nmax_acceleration = 100\n";
+const TURN: &str = "[[axis]]\nname = \"R\"\ntype = \"virtual\"\nmax_speed = 10\nmax_acceleration = 100\nunwind = 360\n";
+const SYSTEM: &str = "[[coordinate_system]]\nname = \"CS\"\naxes = [\"x\"]\nmax_speed = 5\nmax_acceleration = 50\n";
+
+#[test]
+fn everything_has_its_default() {
+    let text = format!("{AXIS}{SYSTEM}");
+    let project = load(&text, "m.toml").unwrap_or_else(|error| panic!("{error}"));
+    let axis = &project.machine.axes[0];
+    assert_eq!(axis.units, "Position Units");
+    assert_eq!(axis.max_deceleration, 100.0);
+    // rate² / speed
+    assert_eq!((axis.max_acceleration_jerk, axis.max_deceleration_jerk), (1000.0, 1000.0));
+    assert_eq!(axis.kind, AxisKind::Servo(Drive::default()));
+    let system = &project.machine.systems[0];
+    assert_eq!((system.axes.as_slice(), system.queue_depth), (&[0u16][..], 1));
+    assert_eq!((system.actual_tolerance, system.command_tolerance), (0.0, 0.0));
+    assert_eq!((project.machine.period_ns, project.machine.group.as_str()), (1_000_000, "Motion"));
+    assert_eq!(project.server, crate::ServerConfig::default());
+    assert!(load("", "empty.toml").is_ok(), "an empty file is an empty machine");
+}
+
+#[test]
+fn everything_can_be_said() {
+    let text = format!(
+        "[server]\nlisten = \"0.0.0.0:0\"\nhmi = \"off\"\n[motion_group]\nname = \"G\"\n\
+         coarse_update_period_ms = 0.25\n{AXIS}max_deceleration = 0\nmax_deceleration_jerk = 0.0\n\
+         travel = {{ min = -5, max = 15.5 }}\nstart = {{ position = 1.5, servo_on = false, homed = false }}\n\
+         drive = {{ position_bandwidth_hz = 10, velocity_feedforward = 0.5, position_error_tolerance = 0 }}\n{TURN}\
+         start.position = 359.5\n{SYSTEM}queue_depth = 1000\ncorner = \"Precise\"\naxis_limits = \"enforce\"\n\
+         [[coordinate_system]]\nname = \"CS2\"\ntype = \"cartesian\"\naxes = [\"R\"]\nmax_speed = 1\n\
+         max_acceleration = 1\n[[transform]]\nname = \"T\"\nsource = \"CS\"\ntarget = \"cs2\"\n\
+         [[instruction]]\ntag = \"On\"\ntype = \"mso\"\ntarget = \"x\"\n[[instruction]]\ntag = \"Halt\"\ntype = \"MGS\"\n\
+         [[tag]]\nname = \"Recipe\"\ntype = \"REAL[16]\"\n[[tag]]\nname = \"Texts\"\ntype = \"string [ 4 ]\"\n\
+         [[tag]]\nname = \"Count\"\ntype = \"DINT\"\n[[tag]]\nname = \"Bits\"\ntype = \"BOOL[40]\"\n"
+    );
+    let project = load(&text, "m.toml").unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(project.server.hmi, None);
+    assert_eq!(project.machine.period_ns, 250_000);
+    let axis = &project.machine.axes[0];
+    assert_eq!((axis.max_deceleration, axis.max_deceleration_jerk), (0.0, 0.0));
+    assert_eq!(axis.travel, Some(Travel { min: -5.0, max: 15.5 }));
+    assert_eq!(axis.start, Start { position: 1.5, servo_on: false, homed: false });
+    let drive =
+        Drive { position_bandwidth_hz: 10.0, velocity_feedforward: 0.5, position_error_tolerance: 0.0 };
+    assert_eq!(axis.kind, AxisKind::Servo(drive));
+    assert_eq!((project.machine.axes[1].unwind, project.machine.axes[1].start.position), (Some(360.0), 359.5));
+    let system = &project.machine.systems[0];
+    assert_eq!((system.queue_depth, system.corner, system.axis_limits), (1000, Corner::Precise, AxisLimits::Enforce));
+    assert_eq!((project.machine.transforms[0].source, project.machine.transforms[0].target), (0, 1));
+    assert_eq!(project.instruction_tags[0].target, "X");
+    assert_eq!(project.instruction_tags[1].target, "G");
+    assert_eq!(project.tags[0].tag_type.size(), 64);
+    assert_eq!(project.tags[1].tag_type.size(), 4 * 88);
+    // 40 bits need two DWORDs.
+    assert_eq!(project.tags[3].tag_type.size(), 8);
+
+    let described = describe(&project);
+    for part in ["axis X: servo", "travel -5 to 15.5", "servo off, not homed", "rotary, 360", "transform T: CS to CS2",
+        "instruction tag On: MSO on X", "tag Recipe: REAL[16]", "HMI off", "precise corners", "tag Count: DINT\n"]
+    {
+        assert!(described.contains(part), "{part} in\n{described}");
+    }
+}
+
+#[test]
+fn errors_name_place_key_and_expectation() {
+    let two = format!("{AXIS}{TURN}");
+    let base = format!("{two}{SYSTEM}");
+    let lines = base.lines().count();
+    #[rustfmt::skip]
+    let cases: Vec<(&str, String, String)> = vec![
+        ("not TOML", "[server".into(), "m.toml:1:8: not valid TOML".into()),
+        ("twice the same key", "[server]\nname = \"a\"\nname = \"b\"".into(), "m.toml:3:1: not valid TOML".into()),
+        ("an unknown section", "[[axes]]\nname = \"X\"".into(), "m.toml:1:3: axes: unknown key (did you mean `axis`?)".into()),
+        ("an unknown key", format!("{AXIS}max_sped = 5\n"), "m.toml:6:1: axis[1].max_sped: unknown key (did you mean `max_speed`?)".into()),
+        ("an unknown key within", format!("{AXIS}start = {{ hommed = true }}\n"), "m.toml:6:11: axis[1].start.hommed: unknown key (did you mean `homed`?)".into()),
+        ("the wrong type", "[server]\nname = 5".into(), "m.toml:2:8: server.name: found 5, expected 1 to 32 printable ASCII characters".into()),
+        ("a table that is none", "server = 5".into(), "m.toml:1:10: server: found 5, expected a table, [server]".into()),
+        ("a list that is none", "axis = 5".into(), "m.toml:1:8: axis: found 5, expected tables, [[axis]]".into()),
+        ("a single table", "[axis]\nname = \"X\"".into(), "m.toml:1:1: axis: found".into()),
+        ("no address", "[server]\nlisten = \"localhost\"".into(), "m.toml:2:10: server.listen: found \"localhost\", expected an address and port".into()),
+        ("no address either", "[server]\nhmi = \"no\"".into(), "m.toml:2:7: server.hmi: found \"no\", expected an address and port".into()),
+        ("a period too short", "[motion_group]\ncoarse_update_period_ms = 0.2".into(), "m.toml:2:27: motion_group.coarse_update_period_ms: found 0.2, expected a number from 0.25 to 32 (ms)".into()),
+        ("a period too long", "[motion_group]\ncoarse_update_period_ms = 33".into(), "m.toml:2:27: motion_group.coarse_update_period_ms: found 33, expected".into()),
+        ("not a number", "[motion_group]\ncoarse_update_period_ms = nan".into(), "m.toml:2:27: motion_group.coarse_update_period_ms: found nan, expected".into()),
+        ("no name", "[[axis]]\ntype = \"servo\"".into(), "m.toml:1:1: axis[1].name: missing, expected a name".into()),
+        ("a name that is none", AXIS.replace("\"X\"", "\"1X\""), "m.toml:2:8: axis[1].name: found \"1X\", expected a name: 1 to 40 letters".into()),
+        ("a name too long", AXIS.replace("\"X\"", &format!("\"{}\"", "X".repeat(41))), "m.toml:2:8: axis[1].name: found \"XXX".into()),
+        ("the same name", format!("{AXIS}{}", AXIS.replace("\"X\"", "\"x\"")), "m.toml:7:8: axis[2].name: the name `x` is taken by line 2".into()),
+        ("the name of another thing", format!("{AXIS}[[tag]]\nname = \"x\"\ntype = \"INT\""), "m.toml:7:8: tag[1].name: the name `x` is taken by line 2".into()),
+        ("no type", "[[axis]]\nname = \"X\"".into(), "m.toml:1:1: axis[1].type: missing, expected \"servo\" or \"virtual\"".into()),
+        ("another type", AXIS.replace("servo", "serov"), "m.toml:3:8: axis[1].type: found \"serov\" (did you mean `servo`?), expected \"servo\" or \"virtual\"".into()),
+        ("no speed", "[[axis]]\nname = \"X\"\ntype = \"servo\"".into(), "m.toml:1:1: axis[1].max_speed: missing, expected a number above 0 (units/s)".into()),
+        ("a speed that is none", AXIS.replace("= 10\n", "= \"fast\"\n"), "m.toml:4:13: axis[1].max_speed: found \"fast\", expected a number above 0 (units/s)".into()),
+        ("speed zero", AXIS.replace("= 10\n", "= 0\n"), "m.toml:4:13: axis[1].max_speed: found 0, expected a number above 0".into()),
+        ("a deceleration below zero", format!("{AXIS}max_deceleration = -1"), "m.toml:6:20: axis[1].max_deceleration: found -1, expected a number, 0 or more (units/s²)".into()),
+        ("travel the wrong way round", format!("{AXIS}travel = {{ min = 5, max = 5 }}"), "m.toml:6:27: axis[1].travel.max: found 5, expected a number above `min`".into()),
+        ("half a travel", format!("{AXIS}travel = {{ min = 5 }}"), "m.toml:6:10: axis[1].travel.max: missing".into()),
+        ("a rotary axis has no travel", format!("{AXIS}unwind = 360\ntravel = {{ min = 1, max = 5 }}"), "m.toml:7:10: axis[1].travel: cannot stand together with `unwind`".into()),
+        ("a start beyond the turn", format!("{TURN}start = {{ position = 360 }}"), "m.toml:7:22: axis[1].start.position: found 360, expected a number from 0 to below `unwind`".into()),
+        ("a virtual axis has no drive", format!("{TURN}drive = {{ position_bandwidth_hz = 40 }}"), "m.toml:7:9: axis[1].drive: cannot stand together with `type = \"virtual\"`".into()),
+        ("a flag that is none", format!("{AXIS}start = {{ homed = 1 }}"), "m.toml:6:19: axis[1].start.homed: found 1, expected true or false".into()),
+        ("no such axis", SYSTEM.replace("\"x\"", "\"y\""), "m.toml:3:9: coordinate_system[1].axes[1]: there is no axis `y`".into()),
+        ("an axis twice", format!("{AXIS}{}", SYSTEM.replace("[\"x\"]", "[\"x\", \"X\"]")), "m.toml:8:14: coordinate_system[1].axes[2]: found \"X\", expected each axis once".into()),
+        ("no axes", format!("{AXIS}{}", SYSTEM.replace("[\"x\"]", "[]")), "m.toml:8:8: coordinate_system[1].axes: found [], expected a list of 1 to 3 names of axes".into()),
+        ("four axes", format!("{AXIS}{}", SYSTEM.replace("[\"x\"]", "[\"x\", \"y\", \"z\", \"u\"]")), "m.toml:8:8: coordinate_system[1].axes: found".into()),
+        ("another geometry", format!("{AXIS}{SYSTEM}type = \"delta\""), "m.toml:11:8: coordinate_system[1].type: found \"delta\", expected \"cartesian\"".into()),
+        ("too deep a queue", format!("{AXIS}{SYSTEM}queue_depth = 1001"), "m.toml:11:15: coordinate_system[1].queue_depth: found 1001, expected a whole number from 1 to 1000".into()),
+        ("no such corner", format!("{AXIS}{SYSTEM}corner = \"round\""), "m.toml:11:10: coordinate_system[1].corner: found \"round\", expected \"logix\" or \"precise\"".into()),
+        ("no such system", format!("{base}[[transform]]\nname = \"T\"\nsource = \"CS\"\ntarget = \"CSS\""), format!("m.toml:{}:10: transform[1].target: there is no coordinate system `CSS` (did you mean `CS`?)", lines + 4)),
+        ("onto itself", format!("{base}[[transform]]\nname = \"T\"\nsource = \"CS\"\ntarget = \"cs\""), format!("m.toml:{}:10: transform[1].target: found \"cs\", expected another coordinate system", lines + 4)),
+        ("no such instruction", format!("{base}[[instruction]]\ntag = \"M\"\ntype = \"MCML\"\ntarget = \"CS\""), format!("m.toml:{}:8: instruction[1].type: found \"MCML\" (did you mean `MCLM`?)", lines + 3)),
+        ("an axis for a system", format!("{base}[[instruction]]\ntag = \"M\"\ntype = \"MCLM\"\ntarget = \"X\""), format!("m.toml:{}:10: instruction[1].target: there is no coordinate system `X`", lines + 4)),
+        ("no target", format!("{base}[[instruction]]\ntag = \"M\"\ntype = \"MCLM\""), format!("m.toml:{}:1: instruction[1].target: missing", lines + 1)),
+        ("no such type", "[[tag]]\nname = \"a\"\ntype = \"REEL[5]\"".into(), "m.toml:3:8: tag[1].type: found \"REEL[5]\" (did you mean `REAL`?), expected BOOL".into()),
+        ("an array of nothing", "[[tag]]\nname = \"a\"\ntype = \"REAL[0]\"".into(), "m.toml:3:8: tag[1].type: found \"REAL[0]\", expected BOOL".into()),
+        ("a huge array", "[[tag]]\nname = \"a\"\ntype = \"REAL[99999999999]\"".into(), "m.toml:3:8: tag[1].type: found".into()),
+        ("columns count characters", "server = { näme = 1 }".into(), "m.toml:1:12: server.n".into()),
+    ];
+    for (why, text, expected) in cases {
+        let error = match load(&text, "m.toml") {
+            Ok(_) => panic!("{why}: loads\n{text}"),
+            Err(error) => error.to_string(),
+        };
+        let expected = expected.as_str();
+        if why == "columns count characters" {
+            // A bare key is ASCII: the TOML parser says so, at whatever place it stops.
+            assert!(error.starts_with("m.toml:1:"), "{why}: {error}");
+            continue;
+        }
+        assert!(error.starts_with(expected), "{why}:\n{text}\n   found {error}\nexpected {expected}");
+    }
+}
+
+#[test]
+fn counts_are_bounded() {
+    let axis = |n: usize| AXIS.replace("\"X\"", &format!("\"X{n}\""));
+    let text: String = (0..257).map(axis).collect();
+    let error = load(&text, "m.toml").expect_err("too many").to_string();
+    assert!(error.contains("axis: found 257 of them, expected at most 256"), "{error}");
+    let text: String = (0..256).map(axis).collect();
+    assert!(load(&text, "m.toml").is_ok());
+}
+
+mod hostile {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn any_text_is_a_project_or_an_error(text in "\\PC{0,60}(\n\\PC{0,60}){0,4}") {
+            let _ = load(&text, "m.toml").map_err(|error| error.to_string());
+        }
+
+        #[test]
+        fn the_default_with_a_slip(at in 0..DEFAULT.len(), slip in "\\PC{0,3}", cut in 0usize..4) {
+            let text: String = DEFAULT.chars().take(at).chain(slip.chars()).chain(DEFAULT.chars().skip(at + cut)).collect();
+            match load(&text, "m.toml") {
+                Ok(project) => prop_assert!(!describe(&project).is_empty()),
+                Err(error) => prop_assert!(error.line >= 1 && error.column >= 1),
+            }
+        }
+    }
+}

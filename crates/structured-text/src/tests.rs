@@ -1,0 +1,376 @@
+//! Programs in, errors and requests out.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use arcline_instruction_set::{Given, Object};
+use arcline_tag::{TagPath, Value};
+
+use crate::{Answer, Interpreter, Names, Program, Request, RuntimeProblem, STATEMENTS_PER_TICK};
+
+/// The names of the embedded default configuration, and a few tags.
+struct Machine;
+
+impl Names for Machine {
+    fn is_object(&self, object: Object, name: &str) -> bool {
+        self.objects(object).iter().any(|known| known.eq_ignore_ascii_case(name))
+    }
+
+    fn is_tag(&self, path: &TagPath) -> bool {
+        self.tags().iter().any(|known| path.tag().is_some_and(|tag| tag.eq_ignore_ascii_case(known)))
+    }
+
+    fn objects(&self, object: Object) -> Vec<String> {
+        let names: &[&str] = match object {
+            Object::MotionGroup => &["Motion"],
+            Object::Axis => &["X", "Y", "Z", "S", "A", "B", "C"],
+            Object::CoordinateSystem => &["CS1", "CS2", "CS3", "XY"],
+        };
+        names.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    fn tags(&self) -> Vec<String> {
+        ["X", "Y", "S", "CS1", "Move1", "Recipe", "Count", "Flag"].map(str::to_owned).to_vec()
+    }
+}
+
+/// Answers a program from a table of numbers and prints what it asks for, one line a request.
+fn trace(text: &str, tags: &[(&str, f64)], limit: usize) -> String {
+    let mut program = Program::parse(text).unwrap_or_else(|error| panic!("{error}"));
+    program.check(&Machine).unwrap_or_else(|error| panic!("{error}"));
+    let mut tags: BTreeMap<String, f64> =
+        tags.iter().map(|(name, value)| (name.to_ascii_lowercase(), *value)).collect();
+    let mut interpreter = Interpreter::new(program);
+    let mut answer = Answer::Start;
+    let mut out = String::new();
+    for _ in 0..limit {
+        let request = match interpreter.resume(answer) {
+            Ok(request) => request,
+            Err(error) => {
+                let _ = writeln!(out, "error {error}");
+                break;
+            }
+        };
+        answer = match request {
+            Request::Read(path) => {
+                let number = tags.get(&path.to_string().to_ascii_lowercase()).copied();
+                match number {
+                    Some(number) => Answer::Value(Value::Lreal(number)),
+                    None => Answer::Value(Value::Bool(false)),
+                }
+            }
+            Request::ReadArray(path) => {
+                let _ = writeln!(out, "read array {path}");
+                Answer::Array(vec![1.0, 2.0, 3.0])
+            }
+            Request::Write(path, value) => {
+                let _ = writeln!(out, "{path} := {value:?}");
+                tags.insert(path.to_string().to_ascii_lowercase(), value.as_f64());
+                Answer::Done
+            }
+            Request::Call(call) => {
+                let given: Vec<String> = call.given.iter().map(ToString::to_string).collect();
+                let control = call.control.unwrap_or_default();
+                let _ =
+                    writeln!(out, "{} {} {control}: {} @{}", call.mnemonic, call.target, given.join(" "), call.line);
+                Answer::Done
+            }
+            Request::NextTick => {
+                let _ = writeln!(out, "tick");
+                Answer::Done
+            }
+            Request::Delay(seconds) => {
+                let _ = writeln!(out, "delay {seconds}");
+                Answer::Done
+            }
+            Request::End => {
+                let _ = writeln!(out, "end");
+                break;
+            }
+        };
+    }
+    out
+}
+
+/// The value that an expression has.
+fn value(expression: &str) -> String {
+    let out = trace(&format!("Recipe := {expression};"), &[("Count", 7.0)], 100);
+    out.lines().next().unwrap_or_default().replace("Recipe := ", "")
+}
+
+#[test]
+fn expressions() {
+    #[rustfmt::skip]
+    let cases = [
+        ("products bind tighter",            "1 + 2 * 3",               "Lreal(7.0)"),
+        ("parentheses",                      "(1 + 2) * 3",             "Lreal(9.0)"),
+        ("left to right",                    "10 - 3 - 2",              "Lreal(5.0)"),
+        ("no integer division",              "7 / 2",                   "Lreal(3.5)"),
+        ("the sign of the dividend",         "-7 MOD 3",                "Lreal(-1.0)"),
+        ("division by zero",                 "1 / 0",                   "Lreal(inf)"),
+        ("signs in a row",                   "- - 2 - -3",              "Lreal(5.0)"),
+        ("a comparison",                     "1 + 1 = 2",               "Bool(true)"),
+        ("comparisons before AND before OR", "1 > 2 AND FALSE OR TRUE", "Bool(true)"),
+        ("XOR between AND and OR",           "TRUE OR TRUE XOR TRUE",   "Bool(true)"),
+        ("NOT binds tightest",               "NOT FALSE AND FALSE",     "Bool(false)"),
+        ("bits of integers",                 "6 AND 3",                 "Lreal(2.0)"),
+        ("all bits",                         "NOT 0",                   "Lreal(-1.0)"),
+        ("another spelling of AND",          "6 & 3",                   "Lreal(2.0)"),
+        ("a tag",                            "Count * 2",               "Lreal(14.0)"),
+        ("a truth value compared",           "TRUE = 1",                "Bool(true)"),
+        ("a truth value is no number",       "TRUE + 1",                "error line 1: found a BOOL, expected a number"),
+        ("no bits in a fraction",            "1.5 OR 1",                "error line 1: found 1.5, expected an integer for the bits of it"),
+        ("case is ignored",                  "True aNd (count MOD 2 = 1)", "Bool(true)"),
+    ];
+    for (why, expression, expected) in cases {
+        assert_eq!(value(expression), expected, "{why}: {expression}");
+    }
+}
+
+#[test]
+fn programs_ask_in_order() {
+    #[rustfmt::skip]
+    let cases = [
+        ("a loop over a variable of the program", "FOR i := 1 TO 3 DO Recipe[i] := i * 10; END_FOR;",
+         "Recipe[1] := Lreal(10.0)\nRecipe[2] := Lreal(20.0)\nRecipe[3] := Lreal(30.0)\nend\n"),
+        ("downwards", "FOR i := 3 TO 1 BY -2 DO Count := i; END_FOR;",
+         "Count := Lreal(3.0)\nCount := Lreal(1.0)\nend\n"),
+        ("not at all", "FOR i := 3 TO 1 DO Count := i; END_FOR;", "end\n"),
+        ("a tag as the variable", "FOR Count := 1 TO 1 DO END_FOR;",
+         "Count := Lreal(1.0)\nCount := Lreal(2.0)\nend\n"),
+        ("no step", "\nFOR i := 1 TO 3 BY 0 DO Count := i; END_FOR;",
+         "error line 2: the step of FOR is 0, expected a number other than 0\n"),
+        ("IF", "IF Count = 6 THEN Flag := 1; ELSIF Count = 7 THEN Flag := 2; ELSE Flag := 3; END_IF;",
+         "Flag := Lreal(2.0)\nend\n"),
+        ("ELSE", "IF FALSE THEN Flag := 1; ELSE Flag := 3; END_IF;", "Flag := Lreal(3.0)\nend\n"),
+        ("WHILE", "n := 0; WHILE n < 2 DO n := n + 1; Count := n; END_WHILE;",
+         "Count := Lreal(1.0)\nCount := Lreal(2.0)\nend\n"),
+        ("REPEAT runs once at least", "REPEAT Count := 1; UNTIL TRUE END_REPEAT;", "Count := Lreal(1.0)\nend\n"),
+        ("EXIT leaves the inner loop", "FOR i := 1 TO 2 DO WHILE TRUE DO EXIT; END_WHILE; Count := i; END_FOR;",
+         "Count := Lreal(1.0)\nCount := Lreal(2.0)\nend\n"),
+        ("DELAY", "DELAY(0.5 * 2);", "delay 1\nend\n"),
+        ("time does not go back", "DELAY(-1);", "error line 1: DELAY is -1 s, expected 0 or more\n"),
+        ("WAIT looks once a tick", "n := 0; WHILE n < 2 DO n := n + 1; END_WHILE; WAIT(Count = 8);",
+         "tick\ntick\ntick\n"),
+        ("a truth value is written as one", "Flag := Count > 6;", "Flag := Bool(true)\nend\n"),
+        ("an index that is none", "Recipe[0 - 1] := 1;",
+         "error line 1: the array index is -1, expected a whole number, 0 or more\n"),
+        ("words, arrays, parts of arrays",
+         "MCLM(CS1, M1, Absolute, [1, 2 * 3, -Count], Count, Units per sec, 2, %ofMaximum);\nMCLM(CS1, M1, 1, Recipe[4]);",
+         "MCLM CS1 M1: \"Absolute\" an array of 3 7 \"Unitspersec\" 2 \"%ofMaximum\" @1\nread array Recipe[4]\nMCLM CS1 M1: 1 an array of 3 @2\nend\n"),
+        ("the control stands third", "MCT(CS2, CS3, T1c, [0, 0, 0], [0, 0, 0]);",
+         "MCT CS2 T1c: \"CS3\" an array of 3 an array of 3 @1\nend\n"),
+        ("a radius is a number", "MCCM(XY, M1, 0, [1, 2], 2, -60.0, 0);",
+         "MCCM XY M1: 0 an array of 2 2 -60 0 @1\nend\n"),
+        ("no control", "MSO(X);", "MSO X :  @1\nend\n"),
+        ("nothing", " ; ; // only this\n", "end\n"),
+    ];
+    for (why, text, expected) in cases {
+        let limit = if why.starts_with("WAIT") { 6 } else { 100 };
+        assert_eq!(trace(text, &[("Count", 7.0)], limit), expected, "{why}: {text}");
+    }
+}
+
+#[test]
+fn errors_have_a_place() {
+    #[rustfmt::skip]
+    let cases = [
+        ("the call has no end", "MCLM(CS1, M1, 0, [1,2,3], 10\n", "line 2, column 1: found the end of the program, expected `,` or `)` behind the operand"),
+        ("the array has no end", "MCLM(CS1, M1, 0, [1,2", "line 1, column 22: found the end of the program, expected `,` or `]`"),
+        ("no semicolon", "a := 1\nb := 2;", "line 2, column 1: found `b`, expected `;` at the end of the statement"),
+        ("no instruction", "MCML(CS1, M1);", "line 1, column 1: there is no instruction `MCML`, did you mean `MCLM`?"),
+        ("no coordinate system", "MCLM(CS9, M1, 0);", "line 1, column 6: there is no coordinate system `CS9`, did you mean `CS3`?"),
+        ("an axis is none", "MCLM(X, M1, 0);", "line 1, column 6: there is no coordinate system `X`, did you mean `XY`?"),
+        ("no such word", "MCS(CS1, S1, Al);", "line 1, column 14: operand 2 (Stop Type) has no word `Al`, did you mean `All`?"),
+        ("a percentage of nothing", "MCS(CS1, S1, All, Yes, 1, %ofNothing);", "line 1, column 27: operand 5 (Decel Units) has no word `%ofNothing`"),
+        ("no such tag", "Count := Recip + 1;", "line 1, column 10: there is no tag `Recip`, did you mean `Recipe`?"),
+        ("no such member", "MSO(X, M1); WAIT(M1.PX);", "line 1, column 18: there is no tag `M1.PX`"),
+        ("a variable that nothing assigns", "Count := i;", "line 1, column 10: there is no tag `i`"),
+        ("too many operands", "MSO(X, M1, 1);", "line 1, column 12: MSO has 2 operands, this is one too many"),
+        ("a comment without end", "a := 1; (* b", "line 1, column 9: the comment that begins here has no end, expected `*)`"),
+        ("a character of no meaning", "a := 1 $ 2;", "line 1, column 8: found the character '$', which has no meaning here"),
+        ("columns count characters", "(* äöü² *) $", "line 1, column 12: found the character '$', which has no meaning here"),
+        ("a keyword is no name", "IF := 1;", "line 1, column 4: found `:=`, expected a number, a tag or `(`"),
+        ("IF has no end", "IF TRUE THEN a := 1;", "line 1, column 21: found the end of the program, expected a statement, ELSIF, ELSE or END_IF"),
+        ("an end without beginning", "END_IF;", "line 1, column 1: found `END_IF`, expected a statement"),
+        ("EXIT outside of a loop", "EXIT;", "line 1, column 1: found `EXIT`, expected EXIT only within FOR, WHILE or REPEAT"),
+        ("a number too large", "Count := 1e999;", "line 1, column 10: `1e999` is not a number that can be read"),
+        ("a bit too far", "Count := Count.64;", "line 1, column 16: found `64`, expected a bit from 0 to 63"),
+        ("an operand is missing", "MCLM(CS1, M1, , 1);", "line 1, column 15: found `,`, expected a number, a tag or `(`"),
+    ];
+    for (why, text, expected) in cases {
+        let result = Program::parse(text).and_then(|mut program| program.check(&Machine));
+        let error = result.expect_err(why).to_string();
+        let first = error.lines().next().unwrap_or_default();
+        assert!(first.starts_with(expected), "{why}: {text}\n   found {first}\nexpected {expected}");
+    }
+}
+
+#[test]
+fn the_excerpt_points_at_the_place() {
+    let error = Program::parse("MSO(X, M1);\nMCLM(CS1, M1, 0 1);").expect_err("no comma");
+    let lines: Vec<String> = error.to_string().lines().map(str::to_owned).collect();
+    assert_eq!(lines[1], "  MCLM(CS1, M1, 0 1);");
+    assert_eq!(lines[2], "                  ^");
+    assert_eq!((error.line, error.column), (2, 17));
+}
+
+#[test]
+fn nesting_is_bounded() {
+    let deep = format!("a := {}1{};", "(".repeat(100_000), ")".repeat(100_000));
+    assert!(Program::parse(&deep).is_err());
+    assert!(Program::parse(&"IF TRUE THEN ".repeat(100_000)).is_err());
+    let signs = format!("a := {}1;", "-".repeat(100_001));
+    assert!(Program::parse(&signs).is_ok());
+    let fine = format!("a := {}1{};", "(".repeat(50), ")".repeat(50));
+    assert!(Program::parse(&fine).is_ok());
+}
+
+#[test]
+fn a_loop_without_wait_hangs_nothing() {
+    let mut program = Program::parse("WHILE TRUE DO END_WHILE;").expect("a loop");
+    program.check(&Machine).expect("no names");
+    let mut interpreter = Interpreter::new(program);
+    assert_eq!(interpreter.resume(Answer::Start), Ok(Request::NextTick));
+    assert_eq!(interpreter.resume(Answer::Done), Ok(Request::NextTick));
+    const { assert!(STATEMENTS_PER_TICK >= 10_000) };
+}
+
+#[test]
+fn a_full_queue_repeats_the_call() {
+    let mut program = Program::parse("i := 5;\nMCLM(CS1, M1, 0, [i, 0, 0], 10);").expect("a move");
+    program.check(&Machine).expect("known names");
+    let mut interpreter = Interpreter::new(program);
+    let first = interpreter.resume(Answer::Start).expect("the call");
+    let Request::Call(call) = &first else { panic!("a call, not {first:?}") };
+    assert_eq!(call.given[1], Given::Array(vec![5.0, 0.0, 0.0]));
+    assert_eq!(interpreter.resume(Answer::QueueFull), Ok(Request::NextTick));
+    assert_eq!(interpreter.resume(Answer::Done), Ok(first.clone()));
+    assert_eq!(interpreter.resume(Answer::QueueFull), Ok(Request::NextTick));
+    assert_eq!(interpreter.resume(Answer::Done), Ok(first));
+    assert_eq!(interpreter.line(), 2);
+    assert_eq!(interpreter.resume(Answer::Done), Ok(Request::End));
+    assert_eq!(interpreter.resume(Answer::Done), Ok(Request::End));
+}
+
+#[test]
+fn a_wrong_answer_is_the_drivers_fault() {
+    let mut interpreter = Interpreter::new(Program::parse("DELAY(1);").expect("a delay"));
+    let error = interpreter.resume(Answer::Done).expect_err("nothing was asked");
+    assert_eq!(error.problem, RuntimeProblem::Answer { asked: "nothing yet" });
+    assert_eq!(interpreter.resume(Answer::Start), Ok(Request::End));
+}
+
+#[test]
+fn calls_are_listed() {
+    let program = Program::parse("MSO(x, m1);\n  MCS (CS1, S1, All, No);mso(Y, M1);").expect("calls");
+    let calls: Vec<_> = program.calls().collect();
+    assert_eq!(calls.len(), 3);
+    assert_eq!((calls[1].target.as_str(), calls[1].control.as_deref()), ("CS1", Some("S1")));
+    assert_eq!((calls[1].line, calls[1].column), (2, 3));
+    let operands: Vec<_> = calls[1].operands.iter().map(|operand| (operand.name, operand.text.as_str())).collect();
+    assert_eq!(operands[2..], [("Stop Type", "All"), ("Change Decel", "No")]);
+    assert_eq!(program.control_tags().collect::<Vec<_>>(), ["m1", "S1"]);
+}
+
+#[test]
+fn one_call() {
+    #[rustfmt::skip]
+    let cases = [
+        ("as it is", "MSO(X, M1)", true), ("with its end", " MSO(X, M1); ", true),
+        ("two", "MSO(X, M1); MSO(Y, M1);", false), ("none", "", false), ("no call", "a := 1;", false),
+    ];
+    for (why, text, fine) in cases {
+        assert_eq!(Program::parse_call(text).is_ok(), fine, "{why}: {text}");
+    }
+}
+
+/// The Structured Text lines of the seeds, verbatim.
+#[test]
+fn the_seeds_lines() {
+    struct Anything;
+    impl Names for Anything {
+        fn is_object(&self, _: Object, _: &str) -> bool {
+            true
+        }
+        fn is_tag(&self, path: &TagPath) -> bool {
+            path.tag().is_some_and(|tag| tag.to_ascii_lowercase().starts_with("my"))
+        }
+    }
+    let lines = [
+        "MCCM(myMccmCoordinateSystem, myMccmMotionControl, myMccmMoveType, myMccmPosition[0], myMccmCircleType, myMccmRadius[0], myMccmDirection, myMccmSpeed, Unitspersec, myMccmAccelRate, Unitspersec2, myMccmDecelRate, Unitspersec2, Trapezoidal, 100.0, 100.0, %ofTime, myMccmTermType, CoordinatedMotion, Programmed, 0, 0, None, 0, 0);",
+        "MCCD(myMccdCoordinateSystem, myMccdMotionControl, CoordinatedMove, Yes, MyMccdSpeed, Unitspersec, Yes, MyMsccdAccelRate, Unitspersec2, Yes, MyMccdDecelRate, Unitspersec2, Yes, 100.0, Yes, 100.0, %ofTime, ActiveMotion);",
+        "MCS (myMcsCoordinateSystem, myMcsMotionControl, All, Yes, myMcsDecelRate, Unitspersec2, Yes, 100.0, % of Time);",
+    ];
+    let mut program = Program::parse(&lines.join("\n")).unwrap_or_else(|error| panic!("{error}"));
+    program.check(&Anything).unwrap_or_else(|error| panic!("{error}"));
+    let mut interpreter = Interpreter::new(program);
+    let mut answer = Answer::Start;
+    let mut given = Vec::new();
+    loop {
+        answer = match interpreter.resume(answer).expect("a request") {
+            Request::Read(_) => Answer::Value(Value::Real(2.0)),
+            Request::ReadArray(_) => Answer::Array(vec![1.0, 2.0]),
+            Request::Call(call) => {
+                given.push(call.given);
+                Answer::Done
+            }
+            Request::End => break,
+            other => panic!("unexpected {other:?}"),
+        };
+    }
+    assert_eq!(given.iter().map(Vec::len).collect::<Vec<_>>(), [23, 16, 7]);
+    assert_eq!(given[0][1], Given::Array(vec![1.0, 2.0]));
+    assert_eq!(given[0][14], Given::Word("%ofTime".to_owned()));
+    assert_eq!(given[2][6], Given::Word("%ofTime".to_owned()));
+}
+
+#[test]
+fn superscripts_and_hyphens() {
+    let out = trace(
+        "MCLM(CS1, M1, 0, [0], 1, Unitspersec, 1, Unitspersec², 1, Units per sec2, S-curve, 1, 1, unitspersec³);",
+        &[],
+        10,
+    );
+    assert!(out.contains("S-curve"), "{out}");
+    assert!(out.contains("unitspersec³"), "{out}");
+}
+
+mod hostile {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn any_text_is_a_program_or_an_error(text in "\\PC{0,80}") {
+            let _ = Program::parse(&text).map(|mut program| program.check(&Machine));
+            let _ = Program::parse_call(&text);
+        }
+
+        #[test]
+        fn any_tokens_run_or_are_refused(tokens in proptest::collection::vec(prop::sample::select(TOKENS), 0..40)) {
+            let text = tokens.join(" ");
+            if let Ok(mut program) = Program::parse(&text) {
+                let _ = program.check(&Machine).map_err(|error| error.to_string());
+                let mut interpreter = Interpreter::new(program);
+                let mut answer = Answer::Start;
+                for _ in 0..50 {
+                    let Ok(request) = interpreter.resume(answer) else { break };
+                    answer = match request {
+                        Request::Read(_) => Answer::Value(Value::Dint(1)),
+                        Request::ReadArray(_) => Answer::Array(Vec::new()),
+                        Request::End => break,
+                        _ => Answer::Done,
+                    };
+                }
+            }
+        }
+    }
+
+    const TOKENS: &[&str] = &[
+        "IF", "THEN", "ELSE", "ELSIF", "END_IF", "FOR", "TO", "BY", "DO", "END_FOR", "WHILE", "END_WHILE", "REPEAT",
+        "UNTIL", "END_REPEAT", "EXIT", "WAIT", "DELAY", "(", ")", "[", "]", ",", ";", ";", ";", ":=", "+", "-", "*",
+        "/", "=", "<", "AND", "NOT", "MOD", "1", "0", "2.5", "a", "b", "Recipe", ".", "MSO", "MCS", "CS1", "X", "M1",
+        "All", "Yes", "%", "of", "Time", "TRUE", "a := 1 ;", "MSO ( X , M1 ) ;", "a",
+    ];
+}
