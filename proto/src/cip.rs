@@ -121,7 +121,11 @@ impl RequestError {
 impl Request {
     /// A request.
     pub fn new(service: u8, path: Epath, data: impl Into<Bytes>) -> Self {
-        Self { service, path, data: data.into() }
+        Self {
+            service,
+            path,
+            data: data.into(),
+        }
     }
 
     /// Reads a message.
@@ -132,16 +136,27 @@ impl Request {
     pub fn decode(message: &Bytes) -> Result<Self, RequestError> {
         let mut reader = Reader::new(message);
         let service = reader.u8().unwrap_or_default();
-        let fail = |status| RequestError { service: service & !service::REPLY, status };
-        let words = reader.u8().ok_or_else(|| fail(CipStatus::NOT_ENOUGH_DATA))?;
+        let fail = |status| RequestError {
+            service: service & !service::REPLY,
+            status,
+        };
+        let words = reader
+            .u8()
+            .ok_or_else(|| fail(CipStatus::NOT_ENOUGH_DATA))?;
         if service & service::REPLY != 0 {
             return Err(fail(CipStatus::SERVICE_NOT_SUPPORTED));
         }
         let claimed = 2 * usize::from(words);
         let present = reader.remaining();
-        let path = reader.take(claimed).ok_or_else(|| fail(PathError::Size { claimed, present }.status()))?;
+        let path = reader
+            .take(claimed)
+            .ok_or_else(|| fail(PathError::Size { claimed, present }.status()))?;
         let path = Epath::decode(&message.slice_ref(path)).map_err(|error| fail(error.status()))?;
-        Ok(Self { service, path, data: message.slice_ref(reader.rest()) })
+        Ok(Self {
+            service,
+            path,
+            data: message.slice_ref(reader.rest()),
+        })
     }
 
     /// Appends the message.
@@ -182,17 +197,29 @@ pub struct Reply {
 impl Reply {
     /// Success with data.
     pub fn success(service: u8, data: impl Into<Bytes>) -> Self {
-        Self { service, status: CipStatus::SUCCESS, data: data.into() }
+        Self {
+            service,
+            status: CipStatus::SUCCESS,
+            data: data.into(),
+        }
     }
 
     /// Any status with data (0x06 has both).
     pub fn with_status(service: u8, status: CipStatus, data: impl Into<Bytes>) -> Self {
-        Self { service, status, data: data.into() }
+        Self {
+            service,
+            status,
+            data: data.into(),
+        }
     }
 
     /// A refusal without data.
     pub fn error(service: u8, status: CipStatus) -> Self {
-        Self { service, status, data: Bytes::new() }
+        Self {
+            service,
+            status,
+            data: Bytes::new(),
+        }
     }
 
     /// Bytes on the wire.
@@ -237,7 +264,11 @@ impl Reply {
         for _ in 0..words {
             status = status.with(reader.u16()?);
         }
-        Some(Self { service, status, data: message.slice_ref(reader.rest()) })
+        Some(Self {
+            service,
+            status,
+            data: message.slice_ref(reader.rest()),
+        })
     }
 }
 
@@ -259,17 +290,20 @@ pub fn split_multiple(data: &Bytes) -> Result<Vec<Result<Request, RequestError>>
 
 fn refuse_nesting(request: Request) -> Result<Request, RequestError> {
     use crate::epath::Segment;
-    let connection_manager =
-        matches!(request.path.0.first(), Some(Segment::Class(id)) if *id == u32::from(class::CONNECTION_MANAGER));
+    let connection_manager = matches!(request.path.0.first(), Some(Segment::Class(id)) if *id == u32::from(class::CONNECTION_MANAGER));
     let nests = match request.service {
         service::MULTIPLE_SERVICE_PACKET => true,
-        service::FORWARD_CLOSE | service::UNCONNECTED_SEND | service::FORWARD_OPEN | service::LARGE_FORWARD_OPEN => {
-            connection_manager
-        }
+        service::FORWARD_CLOSE
+        | service::UNCONNECTED_SEND
+        | service::FORWARD_OPEN
+        | service::LARGE_FORWARD_OPEN => connection_manager,
         _ => false,
     };
     if nests {
-        Err(RequestError { service: request.service, status: CipStatus::SERVICE_NOT_SUPPORTED })
+        Err(RequestError {
+            service: request.service,
+            status: CipStatus::SERVICE_NOT_SUPPORTED,
+        })
     } else {
         Ok(request)
     }
@@ -340,8 +374,15 @@ impl MultipleReplies {
     /// 0x11 if not even empty replies fit.
     pub fn new(count: usize, budget: usize) -> Result<Self, CipStatus> {
         let least = REPLY_HEAD + 2 + count * (2 + REPLY_HEAD);
-        let room = budget.checked_sub(least).ok_or(CipStatus::REPLY_TOO_LARGE)?;
-        Ok(Self { replies: Vec::new(), expected: count, room, failed: false })
+        let room = budget
+            .checked_sub(least)
+            .ok_or(CipStatus::REPLY_TOO_LARGE)?;
+        Ok(Self {
+            replies: Vec::new(),
+            expected: count,
+            room,
+            failed: false,
+        })
     }
 
     /// The longest next reply that fits, in bytes with its head.
@@ -370,8 +411,16 @@ impl MultipleReplies {
         while self.replies.len() < self.expected {
             self.push(&Reply::error(0, CipStatus::RESOURCE_UNAVAILABLE));
         }
-        let status = if self.failed { CipStatus::EMBEDDED_SERVICE_ERROR } else { CipStatus::SUCCESS };
-        Reply::with_status(service::MULTIPLE_SERVICE_PACKET, status, join(&self.replies))
+        let status = if self.failed {
+            CipStatus::EMBEDDED_SERVICE_ERROR
+        } else {
+            CipStatus::SUCCESS
+        };
+        Reply::with_status(
+            service::MULTIPLE_SERVICE_PACKET,
+            status,
+            join(&self.replies),
+        )
     }
 }
 
@@ -379,7 +428,11 @@ impl MultipleReplies {
 pub fn split_multiple_replies(data: &Bytes) -> Option<Vec<Reply>> {
     let offsets = decode_offsets(data).ok()?;
     let ends = offsets.iter().skip(1).copied().chain([data.len()]);
-    offsets.iter().zip(ends).map(|(start, end)| Reply::decode(&data.slice(*start..end))).collect()
+    offsets
+        .iter()
+        .zip(ends)
+        .map(|(start, end)| Reply::decode(&data.slice(*start..end)))
+        .collect()
 }
 
 /// Request data of Get Attribute List: `count u16, id u16 × count`. Surplus bytes are ignored.
@@ -424,7 +477,12 @@ pub struct AttributeListReply {
 impl AttributeListReply {
     /// An empty list for `service` (0x03 or 0x04).
     pub fn new(service: u8) -> Self {
-        Self { service, count: 0, failed: false, body: BytesMut::new() }
+        Self {
+            service,
+            count: 0,
+            failed: false,
+            body: BytesMut::new(),
+        }
     }
 
     /// Adds an attribute: its value (empty for Set), or why there is none.
@@ -448,9 +506,17 @@ impl AttributeListReply {
         let mut data = BytesMut::with_capacity(2 + self.body.len());
         data.put_u16_le(self.count);
         data.put_slice(&self.body);
-        let status = if self.failed { CipStatus::ATTRIBUTE_LIST_ERROR } else { CipStatus::SUCCESS };
+        let status = if self.failed {
+            CipStatus::ATTRIBUTE_LIST_ERROR
+        } else {
+            CipStatus::SUCCESS
+        };
         let reply = Reply::with_status(self.service, status, data);
-        if reply.len() > budget { Reply::error(self.service, CipStatus::REPLY_TOO_LARGE) } else { reply }
+        if reply.len() > budget {
+            Reply::error(self.service, CipStatus::REPLY_TOO_LARGE)
+        } else {
+            reply
+        }
     }
 }
 

@@ -12,12 +12,13 @@ use std::time::Duration;
 
 use crate::cip::{CipStatus, Reply, Request, class, service};
 use crate::connection::{
-    ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TRANSPORT_CLASS_3, TickTime,
-    UnconnectedSend,
+    ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters,
+    TRANSPORT_CLASS_3, TickTime, UnconnectedSend,
 };
 use crate::cpf::{ConnectionId, CpfError, Item, Packet, decode_items};
 use crate::encap::{
-    Command, EncapStatus, Frame, FrameDecoder, FrameError, Header, MAX_DATA, RegisterSession, SessionHandle,
+    Command, EncapStatus, Frame, FrameDecoder, FrameError, Header, MAX_DATA, RegisterSession,
+    SessionHandle,
 };
 use crate::epath::{Epath, PathError, PortSegment, Segment};
 use crate::identity::Identity;
@@ -121,7 +122,14 @@ pub struct OpenOptions {
 impl OpenOptions {
     /// 4002 bytes through backplane slot 0, 2 s × 32.
     pub fn new(key: ConnectionKey, t_to_o_id: ConnectionId) -> Self {
-        Self { key, t_to_o_id, size: 4002, rpi: 2_000_000, multiplier: 3, route: backplane(0) }
+        Self {
+            key,
+            t_to_o_id,
+            size: 4002,
+            rpi: 2_000_000,
+            multiplier: 3,
+            route: backplane(0),
+        }
     }
 }
 
@@ -188,7 +196,12 @@ impl ClientSession {
 
     /// Registers the session: the first thing to do.
     pub fn register(&mut self, now: Duration) -> Call {
-        self.send(Wait::Register, Command::REGISTER_SESSION, RegisterSession::CURRENT.to_bytes(), now)
+        self.send(
+            Wait::Register,
+            Command::REGISTER_SESSION,
+            RegisterSession::CURRENT.to_bytes(),
+            now,
+        )
     }
 
     /// Asks who answers; needs no session.
@@ -200,13 +213,21 @@ impl ClientSession {
     ///
     /// # Errors
     /// `NotRegistered`, `Path`, `Lost`.
-    pub fn request(&mut self, request: &Request, route: Option<&Epath>, now: Duration) -> Result<Call, ClientError> {
+    pub fn request(
+        &mut self,
+        request: &Request,
+        route: Option<&Epath>,
+        now: Duration,
+    ) -> Result<Call, ClientError> {
         self.check()?;
         let message = match route {
             None => request.to_bytes()?,
             Some(route) => {
-                let send =
-                    UnconnectedSend { time: TickTime::DEFAULT, message: request.to_bytes()?, route: route.clone() };
+                let send = UnconnectedSend {
+                    time: TickTime::DEFAULT,
+                    message: request.to_bytes()?,
+                    route: route.clone(),
+                };
                 connection_manager(service::UNCONNECTED_SEND, send.to_bytes()?).to_bytes()?
             }
         };
@@ -235,7 +256,11 @@ impl ClientSession {
             transport: TRANSPORT_CLASS_3,
             path,
         };
-        let code = if large { service::LARGE_FORWARD_OPEN } else { service::FORWARD_OPEN };
+        let code = if large {
+            service::LARGE_FORWARD_OPEN
+        } else {
+            service::FORWARD_OPEN
+        };
         let message = connection_manager(code, open.to_bytes(large)?).to_bytes()?;
         Ok(self.send_unconnected(Wait::Open { options }, message, now))
     }
@@ -246,8 +271,15 @@ impl ClientSession {
     /// `NotRegistered`, `NotOpen`, `Path`, `Lost`.
     pub fn close(&mut self, connected: Connected, now: Duration) -> Result<Call, ClientError> {
         self.check()?;
-        let connection = self.connections.get(&connected.0).ok_or(ClientError::NotOpen)?;
-        let close = ForwardClose { time: TickTime::DEFAULT, key: connected.0, path: connection.path.clone() };
+        let connection = self
+            .connections
+            .get(&connected.0)
+            .ok_or(ClientError::NotOpen)?;
+        let close = ForwardClose {
+            time: TickTime::DEFAULT,
+            key: connected.0,
+            path: connection.path.clone(),
+        };
         let message = connection_manager(service::FORWARD_CLOSE, close.to_bytes()?).to_bytes()?;
         Ok(self.send_unconnected(Wait::Close { key: connected.0 }, message, now))
     }
@@ -256,16 +288,31 @@ impl ClientSession {
     ///
     /// # Errors
     /// `NotRegistered`, `NotOpen`, `Path`, `Lost`.
-    pub fn request_connected(&mut self, on: Connected, request: &Request, now: Duration) -> Result<Call, ClientError> {
+    pub fn request_connected(
+        &mut self,
+        on: Connected,
+        request: &Request,
+        now: Duration,
+    ) -> Result<Call, ClientError> {
         self.check()?;
         let message = request.to_bytes()?;
-        let connection = self.connections.get_mut(&on.0).ok_or(ClientError::NotOpen)?;
+        let connection = self
+            .connections
+            .get_mut(&on.0)
+            .ok_or(ClientError::NotOpen)?;
         let call = Call(self.next);
         self.next += 1;
         connection.backlog.push_back((call, message));
         let wait = Wait::Connected { key: on.0 };
         let deadline = now + self.timeout;
-        self.pending.insert(call, Pending { wait, command: Command::SEND_UNIT_DATA, deadline });
+        self.pending.insert(
+            call,
+            Pending {
+                wait,
+                command: Command::SEND_UNIT_DATA,
+                deadline,
+            },
+        );
         self.send_next(on.0);
         Ok(call)
     }
@@ -301,10 +348,16 @@ impl ClientSession {
     /// Fails calls whose reply has not come in time. A connection whose reply is missing is given up with all that waits
     /// for it: its state at the peer is unknown.
     pub fn handle_timeout(&mut self, now: Duration) {
-        let late: Vec<Call> =
-            self.pending.iter().filter(|(_, pending)| pending.deadline <= now).map(|(call, _)| *call).collect();
+        let late: Vec<Call> = self
+            .pending
+            .iter()
+            .filter(|(_, pending)| pending.deadline <= now)
+            .map(|(call, _)| *call)
+            .collect();
         for call in late {
-            let Some(pending) = self.pending.remove(&call) else { continue };
+            let Some(pending) = self.pending.remove(&call) else {
+                continue;
+            };
             self.finish(call, Outcome::Failed(ClientError::TimedOut));
             if let Wait::Connected { key } | Wait::Close { key } = pending.wait {
                 self.give_up(key, ClientError::TimedOut);
@@ -338,9 +391,18 @@ impl ClientSession {
 
     /// Takes one frame. One that nobody waits for is ignored.
     pub fn handle_frame(&mut self, frame: &Frame) {
-        let Some(call) = self.match_reply(frame) else { return };
-        let Some(pending) = self.pending.remove(&call) else { return };
-        let Header { command, status, session, .. } = frame.header;
+        let Some(call) = self.match_reply(frame) else {
+            return;
+        };
+        let Some(pending) = self.pending.remove(&call) else {
+            return;
+        };
+        let Header {
+            command,
+            status,
+            session,
+            ..
+        } = frame.header;
         if let Wait::Connected { key } = pending.wait
             && let Some(connection) = self.connections.get_mut(&key)
         {
@@ -351,8 +413,12 @@ impl ClientSession {
                 Wait::Register => self.registered(session, &frame.data),
                 Wait::Identity => Ok(Outcome::Identity(identity(&frame.data))),
                 Wait::Message => unconnected_reply(frame).map(Outcome::Reply),
-                Wait::Open { options } => unconnected_reply(frame).and_then(|reply| self.opened(options, &reply)),
-                Wait::Close { key } => unconnected_reply(frame).and_then(|reply| self.closed(key, &reply)),
+                Wait::Open { options } => {
+                    unconnected_reply(frame).and_then(|reply| self.opened(options, &reply))
+                }
+                Wait::Close { key } => {
+                    unconnected_reply(frame).and_then(|reply| self.closed(key, &reply))
+                }
                 Wait::Connected { key } => {
                     let outcome = connected_reply(frame).map(Outcome::Reply);
                     self.send_next(key);
@@ -379,40 +445,76 @@ impl ClientSession {
     fn send(&mut self, wait: Wait, command: Command, data: Bytes, now: Duration) -> Call {
         let call = Call(self.next);
         self.next += 1;
-        let frame = Frame::request(command, self.handle.unwrap_or_default(), call.0.to_le_bytes(), data);
+        let frame = Frame::request(
+            command,
+            self.handle.unwrap_or_default(),
+            call.0.to_le_bytes(),
+            data,
+        );
         self.transmits.push_back(frame.to_bytes());
-        self.pending.insert(call, Pending { wait, command, deadline: now + self.timeout });
+        self.pending.insert(
+            call,
+            Pending {
+                wait,
+                command,
+                deadline: now + self.timeout,
+            },
+        );
         call
     }
 
     fn send_unconnected(&mut self, wait: Wait, message: Bytes, now: Duration) -> Call {
-        self.send(wait, Command::SEND_RR_DATA, Packet::unconnected(message).to_bytes(), now)
+        self.send(
+            wait,
+            Command::SEND_RR_DATA,
+            Packet::unconnected(message).to_bytes(),
+            now,
+        )
     }
 
     /// Sends the next message of a connection that has none outstanding.
     fn send_next(&mut self, key: ConnectionKey) {
-        let Some(connection) = self.connections.get_mut(&key) else { return };
+        let Some(connection) = self.connections.get_mut(&key) else {
+            return;
+        };
         if connection.outstanding.is_some() {
             return;
         }
-        let Some((call, message)) = connection.backlog.pop_front() else { return };
+        let Some((call, message)) = connection.backlog.pop_front() else {
+            return;
+        };
         connection.sequence = connection.sequence.wrapping_add(1);
         connection.outstanding = Some(call);
         let packet = Packet::connected(connection.o_to_t_id, connection.sequence, &message);
         let handle = self.handle.unwrap_or_default();
-        let frame = Frame::request(Command::SEND_UNIT_DATA, handle, call.0.to_le_bytes(), packet.to_bytes());
+        let frame = Frame::request(
+            Command::SEND_UNIT_DATA,
+            handle,
+            call.0.to_le_bytes(),
+            packet.to_bytes(),
+        );
         self.transmits.push_back(frame.to_bytes());
     }
 
     /// By sender context; on a connection by its id and sequence count, since a target may not echo the context there.
     fn match_reply(&self, frame: &Frame) -> Option<Call> {
-        if frame.header.command == Command::SEND_UNIT_DATA && frame.header.status == EncapStatus::SUCCESS {
+        if frame.header.command == Command::SEND_UNIT_DATA
+            && frame.header.status == EncapStatus::SUCCESS
+        {
             let (id, sequence, _) = Packet::decode(&frame.data).ok()?.connected_message().ok()?;
-            let connection = self.connections.values().find(|connection| connection.t_to_o_id == id)?;
-            return connection.outstanding.filter(|_| connection.sequence == sequence);
+            let connection = self
+                .connections
+                .values()
+                .find(|connection| connection.t_to_o_id == id)?;
+            return connection
+                .outstanding
+                .filter(|_| connection.sequence == sequence);
         }
         let call = Call(u64::from_le_bytes(frame.header.context));
-        self.pending.get(&call).is_some_and(|pending| pending.command == frame.header.command).then_some(call)
+        self.pending
+            .get(&call)
+            .is_some_and(|pending| pending.command == frame.header.command)
+            .then_some(call)
     }
 
     fn registered(&mut self, session: SessionHandle, data: &[u8]) -> Result<Outcome, ClientError> {
@@ -429,7 +531,8 @@ impl ClientSession {
         if !reply.status.is_success() {
             return Err(ClientError::Refused(reply.status));
         }
-        let opened = ForwardOpenReply::decode(&reply.data).filter(|opened| opened.key == options.key);
+        let opened =
+            ForwardOpenReply::decode(&reply.data).filter(|opened| opened.key == options.key);
         let opened = opened.ok_or(ClientError::Malformed(Command::SEND_RR_DATA))?;
         let mut path = options.route;
         path.0.extend(Epath::object(class::MESSAGE_ROUTER, 1).0);
@@ -443,17 +546,26 @@ impl ClientSession {
         };
         self.connections.insert(options.key, connection);
         let budget = usize::from(options.size).saturating_sub(2);
-        Ok(Outcome::Opened { connection: Connected(options.key), budget })
+        Ok(Outcome::Opened {
+            connection: Connected(options.key),
+            budget,
+        })
     }
 
     fn closed(&mut self, key: ConnectionKey, reply: &Reply) -> Result<Outcome, ClientError> {
         self.give_up(key, ClientError::NotOpen);
-        if reply.status.is_success() { Ok(Outcome::Closed) } else { Err(ClientError::Refused(reply.status)) }
+        if reply.status.is_success() {
+            Ok(Outcome::Closed)
+        } else {
+            Err(ClientError::Refused(reply.status))
+        }
     }
 
     /// Forgets a connection; what waits on it fails.
     fn give_up(&mut self, key: ConnectionKey, error: ClientError) {
-        let Some(connection) = self.connections.remove(&key) else { return };
+        let Some(connection) = self.connections.remove(&key) else {
+            return;
+        };
         let waiting = connection.backlog.into_iter().map(|(call, _)| call);
         for call in connection.outstanding.into_iter().chain(waiting) {
             if self.pending.remove(&call).is_some() {
@@ -482,7 +594,8 @@ fn connection_manager(code: u8, data: Bytes) -> Request {
 
 fn unconnected_reply(frame: &Frame) -> Result<Reply, ClientError> {
     let packet = Packet::decode(&frame.data)?;
-    Reply::decode(packet.unconnected_message()?).ok_or(ClientError::Malformed(Command::SEND_RR_DATA))
+    Reply::decode(packet.unconnected_message()?)
+        .ok_or(ClientError::Malformed(Command::SEND_RR_DATA))
 }
 
 fn connected_reply(frame: &Frame) -> Result<Reply, ClientError> {

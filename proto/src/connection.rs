@@ -24,7 +24,11 @@ pub struct ConnectionKey {
 
 impl ConnectionKey {
     fn read(reader: &mut Reader<'_>) -> Option<Self> {
-        Some(Self { serial: reader.u16()?, vendor: reader.u16()?, originator: reader.u32()? })
+        Some(Self {
+            serial: reader.u16()?,
+            vendor: reader.u16()?,
+            originator: reader.u32()?,
+        })
     }
 
     fn write(self, out: &mut BytesMut) {
@@ -45,7 +49,10 @@ pub struct TickTime {
 
 impl TickTime {
     /// 5.12 s.
-    pub const DEFAULT: Self = Self { tick: 0x0A, ticks: 5 };
+    pub const DEFAULT: Self = Self {
+        tick: 0x0A,
+        ticks: 5,
+    };
 
     /// The time meant.
     pub fn duration(self) -> Duration {
@@ -53,7 +60,10 @@ impl TickTime {
     }
 
     fn read(reader: &mut Reader<'_>) -> Option<Self> {
-        Some(Self { tick: reader.u8()?, ticks: reader.u8()? })
+        Some(Self {
+            tick: reader.u8()?,
+            ticks: reader.u8()?,
+        })
     }
 }
 
@@ -84,9 +94,15 @@ impl UnconnectedSend {
         let claimed = 2 * usize::from(reader.u8().unwrap_or_default());
         let _reserved = reader.u8();
         let present = reader.remaining();
-        let route = reader.take(claimed).ok_or_else(|| PathError::Size { claimed, present }.status())?;
+        let route = reader
+            .take(claimed)
+            .ok_or_else(|| PathError::Size { claimed, present }.status())?;
         let route = Epath::decode(&data.slice_ref(route)).map_err(PathError::status)?;
-        Ok(Self { time, message, route })
+        Ok(Self {
+            time,
+            message,
+            route,
+        })
     }
 
     /// The data of the request.
@@ -94,7 +110,9 @@ impl UnconnectedSend {
     /// # Errors
     /// The route is too long, or the message longer than 65,535 bytes.
     pub fn to_bytes(&self) -> Result<Bytes, PathError> {
-        let too_long = PathError::TooDeep { limit: usize::from(u16::MAX) };
+        let too_long = PathError::TooDeep {
+            limit: usize::from(u16::MAX),
+        };
         let length = u16::try_from(self.message.len()).map_err(|_| too_long)?;
         let mut out = BytesMut::new();
         out.put_slice(&[self.time.tick, self.time.ticks]);
@@ -110,7 +128,10 @@ impl UnconnectedSend {
 fn encode_reserved_path(path: &Epath, out: &mut BytesMut) -> Result<(), PathError> {
     let mut sized = BytesMut::new();
     path.encode_sized(&mut sized)?;
-    let (words, path) = sized.split_first().map(|(words, path)| (*words, path)).unwrap_or_default();
+    let (words, path) = sized
+        .split_first()
+        .map(|(words, path)| (*words, path))
+        .unwrap_or_default();
     out.put_slice(&[words, 0]);
     out.put_slice(path);
     Ok(())
@@ -150,7 +171,13 @@ impl NetworkParameters {
 
     /// Point-to-point, low priority, variable: what class 3 uses.
     pub const fn explicit(size: u16) -> Self {
-        Self { redundant_owner: false, connection_type: ConnectionType::PointToPoint, priority: 0, variable: true, size }
+        Self {
+            redundant_owner: false,
+            connection_type: ConnectionType::PointToPoint,
+            priority: 0,
+            variable: true,
+            size,
+        }
     }
 
     /// From the 16-bit form.
@@ -165,7 +192,11 @@ impl NetworkParameters {
 
     /// To the 16-bit form; a larger size is cut to [`Self::MAX_SMALL`].
     pub const fn to_small(self) -> u16 {
-        let size = if self.size > Self::MAX_SMALL { Self::MAX_SMALL } else { self.size };
+        let size = if self.size > Self::MAX_SMALL {
+            Self::MAX_SMALL
+        } else {
+            self.size
+        };
         ((self.flags() as u16) << 8) | size
     }
 
@@ -182,7 +213,13 @@ impl NetworkParameters {
             _ => ConnectionType::Reserved,
         };
         let (priority, variable) = ((flags >> 2) & 3, flags & 2 != 0);
-        Self { redundant_owner: flags & 0x80 != 0, connection_type, priority, variable, size }
+        Self {
+            redundant_owner: flags & 0x80 != 0,
+            connection_type,
+            priority,
+            variable,
+            size,
+        }
     }
 
     const fn flags(self) -> u8 {
@@ -192,7 +229,10 @@ impl NetworkParameters {
             ConnectionType::PointToPoint => 2,
             ConnectionType::Reserved => 3,
         };
-        (self.redundant_owner as u8) << 7 | connection_type << 5 | (self.priority & 3) << 2 | (self.variable as u8) << 1
+        (self.redundant_owner as u8) << 7
+            | connection_type << 5
+            | (self.priority & 3) << 2
+            | (self.variable as u8) << 1
     }
 }
 
@@ -244,7 +284,8 @@ impl ForwardOpen {
 
     /// Whether it reconfigures a connection instead of opening one.
     pub fn is_null(&self) -> bool {
-        self.o_to_t.connection_type == ConnectionType::Null && self.t_to_o.connection_type == ConnectionType::Null
+        self.o_to_t.connection_type == ConnectionType::Null
+            && self.t_to_o.connection_type == ConnectionType::Null
     }
 
     /// Reads the data of service 0x54, or of 0x5B if `large`. Surplus bytes are ignored.
@@ -255,8 +296,12 @@ impl ForwardOpen {
         let mut reader = Reader::new(data);
         let mut key = ConnectionKey::default();
         let this = Self::read(&mut reader, large, &mut key);
-        let mut this = this.ok_or(OpenError { key, status: CipStatus::NOT_ENOUGH_DATA })?;
-        this.path = read_path(&mut reader, data, false).map_err(|status| OpenError { key, status })?;
+        let mut this = this.ok_or(OpenError {
+            key,
+            status: CipStatus::NOT_ENOUGH_DATA,
+        })?;
+        this.path =
+            read_path(&mut reader, data, false).map_err(|status| OpenError { key, status })?;
         Ok(this)
     }
 
@@ -308,7 +353,10 @@ impl ForwardOpen {
         out.put_u32_le(self.t_to_o_id.0);
         self.key.write(&mut out);
         out.put_slice(&[self.multiplier, 0, 0, 0]);
-        for (rpi, parameters) in [(self.o_to_t_rpi, self.o_to_t), (self.t_to_o_rpi, self.t_to_o)] {
+        for (rpi, parameters) in [
+            (self.o_to_t_rpi, self.o_to_t),
+            (self.t_to_o_rpi, self.t_to_o),
+        ] {
             out.put_u32_le(rpi);
             if large {
                 out.put_u32_le(parameters.to_large());
@@ -328,7 +376,9 @@ fn read_path(reader: &mut Reader<'_>, data: &Bytes, reserved: bool) -> Result<Ep
         reader.u8().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
     }
     let present = reader.remaining();
-    let path = reader.take(claimed).ok_or_else(|| PathError::Size { claimed, present }.status())?;
+    let path = reader
+        .take(claimed)
+        .ok_or_else(|| PathError::Size { claimed, present }.status())?;
     Epath::decode(&data.slice_ref(path)).map_err(PathError::status)
 }
 
@@ -360,7 +410,14 @@ impl ForwardOpenReply {
         let words = usize::from(reader.u8()?);
         reader.u8()?;
         let application = data.slice_ref(reader.take(2 * words)?);
-        Some(Self { o_to_t_id, t_to_o_id, key, o_to_t_api, t_to_o_api, application })
+        Some(Self {
+            o_to_t_id,
+            t_to_o_id,
+            key,
+            o_to_t_api,
+            t_to_o_api,
+            application,
+        })
     }
 
     /// The data of a reply.
@@ -373,7 +430,11 @@ impl ForwardOpenReply {
         out.put_u32_le(self.t_to_o_api);
         let words = u8::try_from(self.application.len() / 2).unwrap_or(u8::MAX);
         out.put_slice(&[words, 0]);
-        out.put_slice(self.application.get(..2 * usize::from(words)).unwrap_or_default());
+        out.put_slice(
+            self.application
+                .get(..2 * usize::from(words))
+                .unwrap_or_default(),
+        );
         out.freeze()
     }
 }
@@ -483,6 +544,9 @@ impl Counters {
 
     /// Get Attributes All: attributes 1 to 8.
     pub fn attributes_all(&self) -> Bytes {
-        self.0.iter().flat_map(|counter| counter.to_le_bytes()).collect()
+        self.0
+            .iter()
+            .flat_map(|counter| counter.to_le_bytes())
+            .collect()
     }
 }

@@ -127,9 +127,19 @@ impl Item {
     }
 
     fn decode(item: u16, data: Bytes) -> Result<Self, CpfError> {
-        let length = |expected| CpfError::ItemLength { item, present: data.len(), expected };
+        let length = |expected| CpfError::ItemLength {
+            item,
+            present: data.len(),
+            expected,
+        };
         let mut reader = Reader::new(&data);
-        let fixed = |expected: usize| if data.len() == expected { Ok(()) } else { Err(length(expected)) };
+        let fixed = |expected: usize| {
+            if data.len() == expected {
+                Ok(())
+            } else {
+                Err(length(expected))
+            }
+        };
         Ok(match item {
             item_type::NULL_ADDRESS => {
                 fixed(0)?;
@@ -154,7 +164,10 @@ impl Item {
             item_type::SEQUENCED_ADDRESS => {
                 fixed(8)?;
                 let id = ConnectionId(reader.u32().ok_or_else(|| length(8))?);
-                Self::SequencedAddress { id, sequence: reader.u32().ok_or_else(|| length(8))? }
+                Self::SequencedAddress {
+                    id,
+                    sequence: reader.u32().ok_or_else(|| length(8))?,
+                }
             }
             _ => Self::Other { item, data },
         })
@@ -197,14 +210,21 @@ impl Item {
 /// An item runs past the packet or a fixed item has the wrong size.
 pub fn decode_items(data: &Bytes) -> Result<Vec<Item>, CpfError> {
     let mut reader = Reader::new(data);
-    let truncated = |inside| CpfError::Truncated { inside, present: data.len() };
+    let truncated = |inside| CpfError::Truncated {
+        inside,
+        present: data.len(),
+    };
     let count = reader.u16().ok_or_else(|| truncated("the item count"))?;
     let mut items = Vec::with_capacity(2);
     for _ in 0..count {
         let item = reader.u16().ok_or_else(|| truncated("an item type"))?;
         let claimed = usize::from(reader.u16().ok_or_else(|| truncated("an item length"))?);
         let present = reader.remaining();
-        let body = reader.take(claimed).ok_or(CpfError::Overrun { item, claimed, present })?;
+        let body = reader.take(claimed).ok_or(CpfError::Overrun {
+            item,
+            claimed,
+            present,
+        })?;
         let item = Item::decode(item, data.slice_ref(body))?;
         if items.len() < MAX_ITEMS {
             items.push(item);
@@ -236,7 +256,11 @@ pub struct Packet {
 impl Packet {
     /// An unconnected message: null address and data.
     pub fn unconnected(message: Bytes) -> Self {
-        Self { interface: 0, timeout: 0, items: vec![Item::NullAddress, Item::UnconnectedData(message)] }
+        Self {
+            interface: 0,
+            timeout: 0,
+            items: vec![Item::NullAddress, Item::UnconnectedData(message)],
+        }
     }
 
     /// A class 3 message: address, sequence count, message.
@@ -244,8 +268,15 @@ impl Packet {
         let mut data = BytesMut::with_capacity(2 + message.len());
         data.put_u16_le(sequence);
         data.put_slice(message);
-        let items = vec![Item::ConnectedAddress(id), Item::ConnectedData(data.freeze())];
-        Self { interface: 0, timeout: 0, items }
+        let items = vec![
+            Item::ConnectedAddress(id),
+            Item::ConnectedData(data.freeze()),
+        ];
+        Self {
+            interface: 0,
+            timeout: 0,
+            items,
+        }
     }
 
     /// Reads the data of a frame.
@@ -254,11 +285,18 @@ impl Packet {
     /// As [`decode_items`].
     pub fn decode(data: &Bytes) -> Result<Self, CpfError> {
         let mut reader = Reader::new(data);
-        let truncated = CpfError::Truncated { inside: "interface handle and timeout", present: data.len() };
+        let truncated = CpfError::Truncated {
+            inside: "interface handle and timeout",
+            present: data.len(),
+        };
         let interface = reader.u32().ok_or(truncated)?;
         let timeout = reader.u16().ok_or(truncated)?;
         let items = decode_items(&data.slice_ref(reader.rest()))?;
-        Ok(Self { interface, timeout, items })
+        Ok(Self {
+            interface,
+            timeout,
+            items,
+        })
     }
 
     /// The data of a frame.
@@ -290,7 +328,9 @@ impl Packet {
         match self.items.as_slice() {
             [Item::ConnectedAddress(id), Item::ConnectedData(data), ..] => {
                 let mut reader = Reader::new(data);
-                let sequence = reader.u16().ok_or(CpfError::Missing("the sequence count"))?;
+                let sequence = reader
+                    .u16()
+                    .ok_or(CpfError::Missing("the sequence count"))?;
                 Ok((*id, sequence, data.slice_ref(reader.rest())))
             }
             [Item::ConnectedAddress(_), ..] => Err(CpfError::Missing("the connected data item")),

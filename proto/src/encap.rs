@@ -162,25 +162,54 @@ impl Frame {
     /// A request frame.
     ///
     /// Data beyond [`MAX_DATA`] cannot be carried and is cut; no codec of this crate makes that much.
-    pub fn request(command: Command, session: SessionHandle, context: SenderContext, data: Bytes) -> Self {
-        let header = Header { command, length: 0, session, status: EncapStatus::SUCCESS, context, options: 0 };
+    pub fn request(
+        command: Command,
+        session: SessionHandle,
+        context: SenderContext,
+        data: Bytes,
+    ) -> Self {
+        let header = Header {
+            command,
+            length: 0,
+            session,
+            status: EncapStatus::SUCCESS,
+            context,
+            options: 0,
+        };
         Self::with(header, data)
     }
 
     /// The reply to a frame with `header`: command, session and context are echoed.
     pub fn reply(header: &Header, data: Bytes) -> Self {
-        Self::with(Header { status: EncapStatus::SUCCESS, options: 0, ..*header }, data)
+        Self::with(
+            Header {
+                status: EncapStatus::SUCCESS,
+                options: 0,
+                ..*header
+            },
+            data,
+        )
     }
 
     /// The refusal of a frame with `header`: no data.
     pub fn error(header: &Header, status: EncapStatus) -> Self {
-        Self::with(Header { status, options: 0, ..*header }, Bytes::new())
+        Self::with(
+            Header {
+                status,
+                options: 0,
+                ..*header
+            },
+            Bytes::new(),
+        )
     }
 
     fn with(header: Header, mut data: Bytes) -> Self {
         data.truncate(MAX_DATA);
         let length = u16::try_from(data.len()).unwrap_or(u16::MAX);
-        Self { header: Header { length, ..header }, data }
+        Self {
+            header: Header { length, ..header },
+            data,
+        }
     }
 
     /// Appends the frame to `out`.
@@ -228,7 +257,9 @@ impl Default for FrameDecoder {
 impl FrameDecoder {
     /// A decoder that accepts up to `limit` bytes behind a header (at most [`MAX_DATA`]).
     pub fn new(limit: usize) -> Self {
-        Self { limit: limit.min(MAX_DATA) }
+        Self {
+            limit: limit.min(MAX_DATA),
+        }
     }
 
     /// Bytes accepted behind a header.
@@ -250,13 +281,20 @@ impl FrameDecoder {
         let header = Header::from_bytes(header);
         let claimed = usize::from(header.length);
         if claimed > self.limit {
-            return Err(FrameError::TooLong { header, claimed, limit: self.limit });
+            return Err(FrameError::TooLong {
+                header,
+                claimed,
+                limit: self.limit,
+            });
         }
         if buf.len() < Header::LEN + claimed {
             return Ok(None);
         }
         buf.advance(Header::LEN);
-        Ok(Some(Frame { header, data: buf.split_to(claimed).freeze() }))
+        Ok(Some(Frame {
+            header,
+            data: buf.split_to(claimed).freeze(),
+        }))
     }
 
     /// Reads a datagram that must hold exactly one frame, or more than it: surplus is ignored, a shortfall is `None`.
@@ -283,12 +321,18 @@ pub struct RegisterSession {
 
 impl RegisterSession {
     /// What everybody sends: version 1, no options.
-    pub const CURRENT: Self = Self { version: PROTOCOL_VERSION, options: 0 };
+    pub const CURRENT: Self = Self {
+        version: PROTOCOL_VERSION,
+        options: 0,
+    };
 
     /// Reads the four bytes; `None` unless they are exactly four.
     pub fn decode(data: &[u8]) -> Option<Self> {
         let mut reader = Reader::new(data);
-        let this = Self { version: reader.u16()?, options: reader.u16()? };
+        let this = Self {
+            version: reader.u16()?,
+            options: reader.u16()?,
+        };
         reader.is_empty().then_some(this)
     }
 
@@ -320,7 +364,11 @@ impl Service {
 
     /// "Communications" with the given capability bits.
     pub fn communications(capability: u16) -> Self {
-        Self { version: PROTOCOL_VERSION, capability, name: "Communications".to_owned() }
+        Self {
+            version: PROTOCOL_VERSION,
+            capability,
+            name: "Communications".to_owned(),
+        }
     }
 
     /// Appends the 20 bytes of the item's data.
@@ -341,6 +389,10 @@ impl Service {
         let capability = reader.u16()?;
         let name = reader.array::<16>()?;
         let name = name.split(|byte| *byte == 0).next().unwrap_or_default();
-        Some(Self { version, capability, name: String::from_utf8_lossy(name).into_owned() })
+        Some(Self {
+            version,
+            capability,
+            name: String::from_utf8_lossy(name).into_owned(),
+        })
     }
 }

@@ -71,7 +71,10 @@ pub struct PortSegment {
 impl PortSegment {
     /// Slot `slot` of the backplane: `01 ss`.
     pub fn backplane(slot: u8) -> Self {
-        Self { port: 1, link: Bytes::copy_from_slice(&[slot]) }
+        Self {
+            port: 1,
+            link: Bytes::copy_from_slice(&[slot]),
+        }
     }
 
     /// The slot, if this is the backplane.
@@ -144,7 +147,10 @@ pub struct Epath(pub Vec<Segment>);
 impl Epath {
     /// Class and instance.
     pub fn object(class: u16, instance: u32) -> Self {
-        Self(vec![Segment::Class(class.into()), Segment::Instance(instance)])
+        Self(vec![
+            Segment::Class(class.into()),
+            Segment::Instance(instance),
+        ])
     }
 
     /// Class, instance and attribute.
@@ -211,7 +217,8 @@ impl Epath {
     /// [`PathError::TooDeep`] if it needs more than [`MAX_WORDS`]; nothing is appended then.
     pub fn encode_sized(&self, out: &mut BytesMut) -> Result<(), PathError> {
         let bytes = self.to_bytes();
-        let words = u8::try_from(bytes.len() / 2).map_err(|_| PathError::TooDeep { limit: MAX_WORDS })?;
+        let words =
+            u8::try_from(bytes.len() / 2).map_err(|_| PathError::TooDeep { limit: MAX_WORDS })?;
         out.put_u8(words);
         out.put_slice(&bytes);
         Ok(())
@@ -224,13 +231,21 @@ impl Epath {
 
     /// Takes the leading port segments off: route and rest.
     pub fn split_route(&self) -> (&[Segment], &[Segment]) {
-        let ports = self.0.iter().take_while(|segment| matches!(segment, Segment::Port(_))).count();
+        let ports = self
+            .0
+            .iter()
+            .take_while(|segment| matches!(segment, Segment::Port(_)))
+            .count();
         self.0.split_at(ports)
     }
 }
 
 /// `Ok(None)`: truncated.
-fn decode_segment(kind: u8, reader: &mut Reader<'_>, bytes: &Bytes) -> Result<Option<Segment>, PathError> {
+fn decode_segment(
+    kind: u8,
+    reader: &mut Reader<'_>,
+    bytes: &Bytes,
+) -> Result<Option<Segment>, PathError> {
     let unknown = PathError::Unknown { kind };
     Ok(match kind {
         0x01..=0x0E => reader.take(1).map(|link| port(kind.into(), link, bytes)),
@@ -262,8 +277,14 @@ fn decode_segment(kind: u8, reader: &mut Reader<'_>, bytes: &Bytes) -> Result<Op
                 _ => Segment::Attribute(id),
             })
         }
-        0x40..=0x4F => reader.take(1).map(|data| Segment::Network { kind, data: bytes.slice_ref(data) }),
-        0x50..=0x5F => words(reader).map(|data| Segment::Network { kind, data: bytes.slice_ref(data) }),
+        0x40..=0x4F => reader.take(1).map(|data| Segment::Network {
+            kind,
+            data: bytes.slice_ref(data),
+        }),
+        0x50..=0x5F => words(reader).map(|data| Segment::Network {
+            kind,
+            data: bytes.slice_ref(data),
+        }),
         0x80 => words(reader).map(|data| Segment::Data(bytes.slice_ref(data))),
         0x91 => match symbol(reader) {
             Some([]) => return Err(PathError::Symbol),
@@ -278,7 +299,10 @@ fn decode_segment(kind: u8, reader: &mut Reader<'_>, bytes: &Bytes) -> Result<Op
 }
 
 fn port(number: u16, link: &[u8], bytes: &Bytes) -> Segment {
-    Segment::Port(PortSegment { port: number, link: bytes.slice_ref(link) })
+    Segment::Port(PortSegment {
+        port: number,
+        link: bytes.slice_ref(link),
+    })
 }
 
 fn extended_port<'a>(reader: &mut Reader<'a>) -> Option<(u16, &'a [u8])> {
@@ -288,7 +312,11 @@ fn extended_port<'a>(reader: &mut Reader<'a>) -> Option<(u16, &'a [u8])> {
 
 fn long_port<'a>(kind: u8, reader: &mut Reader<'a>) -> Option<(u16, &'a [u8])> {
     let length = usize::from(reader.u8()?);
-    let number = if kind == 0x1F { reader.u16()? } else { u16::from(kind & 0x0F) };
+    let number = if kind == 0x1F {
+        reader.u16()?
+    } else {
+        u16::from(kind & 0x0F)
+    };
     let link = reader.take(length)?;
     if length % 2 == 1 {
         reader.u8()?;
@@ -360,8 +388,13 @@ fn encode_segment(segment: &Segment, out: &mut BytesMut) {
                 }
             }
         }
-        Segment::Network { kind: kind @ 0x50.., data } => encode_words(*kind, data, out),
-        Segment::Network { kind, data } => out.put_slice(&[*kind, data.first().copied().unwrap_or_default()]),
+        Segment::Network {
+            kind: kind @ 0x50..,
+            data,
+        } => encode_words(*kind, data, out),
+        Segment::Network { kind, data } => {
+            out.put_slice(&[*kind, data.first().copied().unwrap_or_default()])
+        }
         Segment::Data(data) => encode_words(0x80, data, out),
     }
 }
@@ -421,25 +454,38 @@ impl Target {
         for segment in &path.0 {
             match segment {
                 Segment::Class(id) if this.class.is_none() => this.class = Some(narrow(*id)?),
-                Segment::Instance(id) if this.class.is_some() && this.instance.is_none() => this.instance = Some(*id),
+                Segment::Instance(id) if this.class.is_some() && this.instance.is_none() => {
+                    this.instance = Some(*id)
+                }
                 Segment::Attribute(id) if this.class.is_some() && this.attribute.is_none() => {
                     this.attribute = Some(narrow(*id)?);
                 }
-                Segment::Class(_) | Segment::Instance(_) | Segment::Attribute(_) => return Err(PathError::Order),
+                Segment::Class(_) | Segment::Instance(_) | Segment::Attribute(_) => {
+                    return Err(PathError::Order);
+                }
                 Segment::ConnectionPoint(id) => this.connection_points.push(*id),
                 Segment::Member(index) => this.names().push(PathSegment::Element(*index)),
                 Segment::Symbol(name) => {
                     let names = split_symbol(name)?;
                     this.names().extend(names);
                 }
-                Segment::Key(_) | Segment::Port(_) | Segment::Network { .. } | Segment::Data(_) => {}
+                Segment::Key(_) | Segment::Port(_) | Segment::Network { .. } | Segment::Data(_) => {
+                }
             }
-            let symbols = |names: &[PathSegment]| names.iter().filter(|n| matches!(n, PathSegment::Symbol(_))).count();
+            let symbols = |names: &[PathSegment]| {
+                names
+                    .iter()
+                    .filter(|n| matches!(n, PathSegment::Symbol(_)))
+                    .count()
+            };
             if symbols(&this.symbols) + symbols(&this.members) > MAX_SYMBOLS {
                 return Err(PathError::TooDeep { limit: MAX_SYMBOLS });
             }
         }
-        if matches!(this.symbols.first(), Some(PathSegment::Element(_) | PathSegment::Bit(_))) {
+        if matches!(
+            this.symbols.first(),
+            Some(PathSegment::Element(_) | PathSegment::Bit(_))
+        ) {
             return Err(PathError::Order);
         }
         Ok(this)
@@ -459,7 +505,11 @@ impl Target {
     }
 
     fn names(&mut self) -> &mut Vec<PathSegment> {
-        if self.class.is_some() { &mut self.members } else { &mut self.symbols }
+        if self.class.is_some() {
+            &mut self.members
+        } else {
+            &mut self.symbols
+        }
     }
 }
 

@@ -153,7 +153,11 @@ impl Identity {
             (major, minor) if compatible => (major, minor) <= (self.major, self.minor),
             (major, minor) => (major, minor) == (self.major, self.minor),
         };
-        if revision { Ok(()) } else { Err(connection::KEY_REVISION) }
+        if revision {
+            Ok(())
+        } else {
+            Err(connection::KEY_REVISION)
+        }
     }
 
     /// The data of a ListIdentity reply: one item, with the address the request arrived on.
@@ -181,6 +185,9 @@ impl Identity {
 
 /// As many whole characters as [`MAX_NAME`] bytes hold.
 fn cut(name: &str) -> &str {
-    let end = (0..=MAX_NAME).rev().find(|end| name.is_char_boundary(*end)).unwrap_or_default();
+    let end = (0..=MAX_NAME)
+        .rev()
+        .find(|end| name.is_char_boundary(*end))
+        .unwrap_or_default();
     name.get(..end.min(name.len())).unwrap_or(name)
 }

@@ -14,14 +14,14 @@ use std::time::Duration;
 
 use crate::cip::{CipStatus, Reply, Request, class, service};
 use crate::connection::{
-    self, ConnectionKey, ConnectionType, Count, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters,
-    UnconnectedSend,
+    self, ConnectionKey, ConnectionType, Count, ForwardClose, ForwardOpen, ForwardOpenReply,
+    NetworkParameters, UnconnectedSend,
 };
 use crate::cpf::{ConnectionId, Packet};
 use crate::discovery::list_reply;
 use crate::encap::{
-    Command, DEFAULT_LIMIT, EncapStatus, Frame, FrameDecoder, FrameError, Header, RegisterSession, Service,
-    SessionHandle,
+    Command, DEFAULT_LIMIT, EncapStatus, Frame, FrameDecoder, FrameError, Header, RegisterSession,
+    Service, SessionHandle,
 };
 use crate::epath::{Epath, Segment};
 use crate::identity::Identity;
@@ -168,7 +168,10 @@ enum Life {
     /// Waits for RegisterSession until then.
     Fresh { until: Duration },
     /// Registered; last heard of then.
-    Registered { handle: SessionHandle, heard: Duration },
+    Registered {
+        handle: SessionHandle,
+        heard: Duration,
+    },
     /// The socket is to be closed.
     Closed,
 }
@@ -191,8 +194,15 @@ struct Connection {
 /// Where a reply goes.
 #[derive(Debug)]
 enum Way {
-    Unconnected { budget: usize },
-    Connected { id: ConnectionId, t_to_o_id: ConnectionId, sequence: u16, budget: usize },
+    Unconnected {
+        budget: usize,
+    },
+    Connected {
+        id: ConnectionId,
+        t_to_o_id: ConnectionId,
+        sequence: u16,
+        budget: usize,
+    },
 }
 
 impl Way {
@@ -207,11 +217,20 @@ impl Way {
 #[derive(Debug)]
 enum Slot {
     /// The application works on it.
-    Waiting { id: RequestId, service: u8, header: Header, way: Way },
+    Waiting {
+        id: RequestId,
+        service: u8,
+        header: Header,
+        way: Way,
+    },
     /// Ready to leave.
     Ready(Frame),
     /// Repeats the reply in front of it, which is not there yet.
-    Repeat { header: Header, id: ConnectionId, sequence: u16 },
+    Repeat {
+        header: Header,
+        id: ConnectionId,
+        sequence: u16,
+    },
 }
 
 /// The server's side of one TCP connection.
@@ -288,7 +307,12 @@ impl ServerSession {
             Command::SEND_RR_DATA => self.send_rr_data(frame, now, host),
             Command::SEND_UNIT_DATA => self.send_unit_data(frame, now, host),
             command => {
-                let reply = match list_reply(command, host.identity(), self.settings.capability, self.local) {
+                let reply = match list_reply(
+                    command,
+                    host.identity(),
+                    self.settings.capability,
+                    self.local,
+                ) {
                     Some(data) => Frame::reply(header, data),
                     None => Frame::error(header, EncapStatus::INVALID_COMMAND),
                 };
@@ -300,9 +324,20 @@ impl ServerSession {
     /// Answers a request. A reply beyond the budget becomes 0x11. `false`: there is no such request, or it has been
     /// answered.
     pub fn reply(&mut self, id: RequestId, reply: &Reply, now: Duration) -> bool {
-        let found = self.slots.iter_mut().find(|slot| matches!(slot, Slot::Waiting { id: waiting, .. } if *waiting == id));
+        let found = self
+            .slots
+            .iter_mut()
+            .find(|slot| matches!(slot, Slot::Waiting { id: waiting, .. } if *waiting == id));
         let Some(slot) = found else { return false };
-        let Slot::Waiting { service, header, way, .. } = slot else { return false };
+        let Slot::Waiting {
+            service,
+            header,
+            way,
+            ..
+        } = slot
+        else {
+            return false;
+        };
         let bytes = if reply.len() <= way.budget() {
             reply.to_bytes()
         } else {
@@ -334,11 +369,18 @@ impl ServerSession {
     pub fn poll_timeout(&self) -> Option<Duration> {
         let life = match self.life {
             Life::Fresh { until } => Some(until),
-            Life::Registered { heard, .. } if self.slots.is_empty() => self.settings.inactivity.map(|time| heard + time),
+            Life::Registered { heard, .. } if self.slots.is_empty() => {
+                self.settings.inactivity.map(|time| heard + time)
+            }
             Life::Registered { .. } => None,
             Life::Closed => return None,
         };
-        self.connections.values().filter(|c| c.in_flight == 0).map(|c| c.deadline).chain(life).min()
+        self.connections
+            .values()
+            .filter(|c| c.in_flight == 0)
+            .map(|c| c.deadline)
+            .chain(life)
+            .min()
     }
 
     /// Drops connections whose watchdog has expired, and the session if it was silent for too long.
@@ -393,7 +435,13 @@ impl ServerSession {
             (_, Some(RegisterSession::CURRENT)) => {
                 let handle = SessionHandle(nonzero(host, |_| true));
                 self.life = Life::Registered { handle, heard: now };
-                Frame::reply(&Header { session: handle, ..*header }, RegisterSession::CURRENT.to_bytes())
+                Frame::reply(
+                    &Header {
+                        session: handle,
+                        ..*header
+                    },
+                    RegisterSession::CURRENT.to_bytes(),
+                )
             }
             (_, Some(_)) => {
                 let mut reply = Frame::reply(header, RegisterSession::CURRENT.to_bytes());
@@ -409,10 +457,13 @@ impl ServerSession {
         if let Err(status) = self.check_session(&header) {
             return self.push_ready(Frame::error(&header, status));
         }
-        let message = Packet::decode(&frame.data).and_then(|packet| packet.unconnected_message().cloned());
+        let message =
+            Packet::decode(&frame.data).and_then(|packet| packet.unconnected_message().cloned());
         match message {
             Ok(message) => {
-                let way = Way::Unconnected { budget: self.settings.unconnected_reply_limit };
+                let way = Way::Unconnected {
+                    budget: self.settings.unconnected_reply_limit,
+                };
                 self.message(header, way, &message, now, host);
             }
             Err(_) => self.push_ready(Frame::error(&header, EncapStatus::INCORRECT_DATA)),
@@ -424,7 +475,9 @@ impl ServerSession {
         if let Err(status) = self.check_session(&header) {
             return self.push_ready(Frame::error(&header, status));
         }
-        let Ok((id, sequence, message)) = Packet::decode(&frame.data).and_then(|packet| packet.connected_message()) else {
+        let Ok((id, sequence, message)) =
+            Packet::decode(&frame.data).and_then(|packet| packet.connected_message())
+        else {
             return self.push_ready(Frame::error(&header, EncapStatus::INCORRECT_DATA));
         };
         let Some(connection) = self.connections.get_mut(&id) else {
@@ -440,19 +493,35 @@ impl ServerSession {
                 let reply = Frame::reply(&header, stored.clone());
                 self.push_ready(reply);
             }
-            Some((last, None)) if *last == sequence => self.slots.push_back(Slot::Repeat { header, id, sequence }),
+            Some((last, None)) if *last == sequence => self.slots.push_back(Slot::Repeat {
+                header,
+                id,
+                sequence,
+            }),
             _ => {
                 connection.last = Some((sequence, None));
                 connection.in_flight += 1;
                 let budget = usize::from(connection.t_to_o_size).saturating_sub(2);
-                let way = Way::Connected { id, t_to_o_id: connection.t_to_o_id, sequence, budget };
+                let way = Way::Connected {
+                    id,
+                    t_to_o_id: connection.t_to_o_id,
+                    sequence,
+                    budget,
+                };
                 self.message(header, way, &message, now, host);
             }
         }
     }
 
     /// Gives a message a place in the order of replies; answers it if the Connection Manager can.
-    fn message(&mut self, header: Header, way: Way, message: &Bytes, now: Duration, host: &mut dyn Host) {
+    fn message(
+        &mut self,
+        header: Header,
+        way: Way,
+        message: &Bytes,
+        now: Duration,
+        host: &mut dyn Host,
+    ) {
         let id = RequestId(self.next_id);
         self.next_id += 1;
         let transport = match way {
@@ -467,9 +536,19 @@ impl ServerSession {
             Ok(request) => request.service,
             Err(reply) => reply.service,
         };
-        self.slots.push_back(Slot::Waiting { id, service, header, way });
+        self.slots.push_back(Slot::Waiting {
+            id,
+            service,
+            header,
+            way,
+        });
         match outcome {
-            Ok(request) => self.events.push_back(Event::Request { id, request, reply_budget, transport }),
+            Ok(request) => self.events.push_back(Event::Request {
+                id,
+                request,
+                reply_budget,
+                transport,
+            }),
             Err(reply) => {
                 self.reply(id, &reply, now);
             }
@@ -481,11 +560,16 @@ impl ServerSession {
         if request.service != service::UNCONNECTED_SEND || !is_connection_manager(&request.path) {
             return Ok(request);
         }
-        let send = UnconnectedSend::decode(&request.data).map_err(|status| Reply::error(request.service, status))?;
-        self.check_route(&send.route.0).map_err(|(code, left)| connection::route_refusal(code, left))?;
+        let send = UnconnectedSend::decode(&request.data)
+            .map_err(|status| Reply::error(request.service, status))?;
+        self.check_route(&send.route.0)
+            .map_err(|(code, left)| connection::route_refusal(code, left))?;
         let inner = Request::decode(&send.message).map_err(|error| error.reply())?;
         if inner.service == service::UNCONNECTED_SEND && is_connection_manager(&inner.path) {
-            return Err(Reply::error(inner.service, CipStatus::SERVICE_NOT_SUPPORTED));
+            return Err(Reply::error(
+                inner.service,
+                CipStatus::SERVICE_NOT_SUPPORTED,
+            ));
         }
         Ok(inner)
     }
@@ -500,7 +584,9 @@ impl ServerSession {
                 Some(_) => Err((extended::LINK_ADDRESS_INVALID, words())),
                 None => Err((extended::PORT_UNAVAILABLE, words())),
             },
-            [Segment::Port(port), ..] if port.backplane_slot().is_some() => Err((extended::LINK_ADDRESS_INVALID, words())),
+            [Segment::Port(port), ..] if port.backplane_slot().is_some() => {
+                Err((extended::LINK_ADDRESS_INVALID, words()))
+            }
             _ => Err((extended::PORT_UNAVAILABLE, words())),
         }
     }
@@ -513,12 +599,19 @@ impl ServerSession {
     }
 
     /// Opens and closes connections. `Err` is the reply, of success too; other requests pass.
-    fn manage_connections(&mut self, request: Request, now: Duration, host: &mut dyn Host) -> Result<Request, Reply> {
+    fn manage_connections(
+        &mut self,
+        request: Request,
+        now: Duration,
+        host: &mut dyn Host,
+    ) -> Result<Request, Reply> {
         if !is_connection_manager(&request.path) {
             return Ok(request);
         }
         match request.service {
-            service::FORWARD_OPEN | service::LARGE_FORWARD_OPEN => Err(self.forward_open(&request, now, host)),
+            service::FORWARD_OPEN | service::LARGE_FORWARD_OPEN => {
+                Err(self.forward_open(&request, now, host))
+            }
             service::FORWARD_CLOSE => Err(self.forward_close(&request, host)),
             _ => Ok(request),
         }
@@ -538,7 +631,11 @@ impl ServerSession {
             Ok(reply) => Reply::success(request.service, reply.to_bytes()),
             Err((status, left)) => {
                 let resource = status == CipStatus::connection(extended::OUT_OF_CONNECTIONS);
-                host.count(if resource { Count::OpenResourceRejects } else { Count::OpenOtherRejects });
+                host.count(if resource {
+                    Count::OpenResourceRejects
+                } else {
+                    Count::OpenOtherRejects
+                });
                 connection::refusal(request.service, open.key, status, left)
             }
         }
@@ -551,7 +648,11 @@ impl ServerSession {
         host: &mut dyn Host,
     ) -> Result<ForwardOpenReply, (CipStatus, u8)> {
         let fail = |code: u16| (CipStatus::connection(code), 0);
-        if let Some((id, known)) = self.connections.iter_mut().find(|(_, known)| known.key == open.key) {
+        if let Some((id, known)) = self
+            .connections
+            .iter_mut()
+            .find(|(_, known)| known.key == open.key)
+        {
             if !open.is_null() {
                 return Err(fail(extended::DUPLICATE));
             }
@@ -568,7 +669,10 @@ impl ServerSession {
             return Err(fail(extended::TIMEOUT_MULTIPLIER));
         }
         self.check_connection_path(&open.path, host)?;
-        let types = [(open.o_to_t, extended::TYPE_O_TO_T), (open.t_to_o, extended::TYPE_T_TO_O)];
+        let types = [
+            (open.o_to_t, extended::TYPE_O_TO_T),
+            (open.t_to_o, extended::TYPE_T_TO_O),
+        ];
         for (parameters, code) in types {
             if parameters.connection_type != ConnectionType::PointToPoint {
                 return Err(fail(code));
@@ -578,7 +682,9 @@ impl ServerSession {
         if self.connections.len() >= self.settings.max_connections || !host.acquire_connection() {
             return Err(fail(extended::OUT_OF_CONNECTIONS));
         }
-        let id = ConnectionId(nonzero(host, |id| !self.connections.contains_key(&ConnectionId(id))));
+        let id = ConnectionId(nonzero(host, |id| {
+            !self.connections.contains_key(&ConnectionId(id))
+        }));
         let o_to_t_api = open.o_to_t_rpi.max(MIN_API);
         let timeout = Duration::from_micros(u64::from(o_to_t_api) << (open.multiplier + 2));
         let connection = Connection {
@@ -612,14 +718,17 @@ impl ServerSession {
         for segment in &path.0 {
             match segment {
                 Segment::Key(key) => {
-                    host.identity().check_key(key).map_err(|code| (CipStatus::connection(code), 0))?;
+                    host.identity()
+                        .check_key(key)
+                        .map_err(|code| (CipStatus::connection(code), 0))?;
                 }
                 Segment::Network { .. } => {}
                 Segment::Port(_) if application.is_empty() => route.push(segment.clone()),
                 other => application.push(other.clone()),
             }
         }
-        self.check_route(&route).map_err(|(code, left)| (CipStatus::connection(code), left))?;
+        self.check_route(&route)
+            .map_err(|(code, left)| (CipStatus::connection(code), left))?;
         if Epath(application).is_object(class::MESSAGE_ROUTER, 1) {
             Ok(())
         } else {
@@ -636,7 +745,11 @@ impl ServerSession {
                 return connection::refusal(request.service, ConnectionKey::default(), status, 0);
             }
         };
-        let id = self.connections.iter().find(|(_, known)| known.key == close.key).map(|(id, _)| *id);
+        let id = self
+            .connections
+            .iter()
+            .find(|(_, known)| known.key == close.key)
+            .map(|(id, _)| *id);
         match id.and_then(|id| self.connections.remove(&id)) {
             Some(_) => {
                 host.release_connections(1);
@@ -644,14 +757,20 @@ impl ServerSession {
             }
             None => {
                 host.count(Count::CloseOtherRejects);
-                connection::refusal(request.service, close.key, CipStatus::connection(extended::NOT_FOUND), 0)
+                connection::refusal(
+                    request.service,
+                    close.key,
+                    CipStatus::connection(extended::NOT_FOUND),
+                    0,
+                )
             }
         }
     }
 
     fn expire_connections(&mut self, now: Duration, host: &mut dyn Host) {
         let before = self.connections.len();
-        self.connections.retain(|_, connection| connection.in_flight > 0 || now < connection.deadline);
+        self.connections
+            .retain(|_, connection| connection.in_flight > 0 || now < connection.deadline);
         let expired = before - self.connections.len();
         if expired > 0 {
             (0..expired).for_each(|_| host.count(Count::ConnectionTimeouts));
@@ -669,7 +788,8 @@ impl ServerSession {
 
     /// Requests that wait are forgotten; what is ready in front of them still leaves.
     fn close(&mut self, reason: CloseReason, host: &mut dyn Host) {
-        if let (CloseReason::Frame(_), Some(Slot::Ready(refusal))) = (reason, self.slots.pop_back()) {
+        if let (CloseReason::Frame(_), Some(Slot::Ready(refusal))) = (reason, self.slots.pop_back())
+        {
             self.events.push_back(Event::Outgoing(refusal.to_bytes()));
         }
         self.slots.clear();
@@ -689,7 +809,13 @@ impl ServerSession {
             let frame = match slot {
                 Slot::Waiting { .. } => return,
                 Slot::Ready(frame) => Some(frame.clone()),
-                Slot::Repeat { header, id, sequence } => self.stored(*id, *sequence).map(|data| Frame::reply(header, data)),
+                Slot::Repeat {
+                    header,
+                    id,
+                    sequence,
+                } => self
+                    .stored(*id, *sequence)
+                    .map(|data| Frame::reply(header, data)),
             };
             self.slots.pop_front();
             if let Some(frame) = frame {
@@ -709,7 +835,11 @@ impl ServerSession {
 fn packet(way: &Way, reply: Bytes) -> Bytes {
     match way {
         Way::Unconnected { .. } => Packet::unconnected(reply).to_bytes(),
-        Way::Connected { t_to_o_id, sequence, .. } => Packet::connected(*t_to_o_id, *sequence, &reply).to_bytes(),
+        Way::Connected {
+            t_to_o_id,
+            sequence,
+            ..
+        } => Packet::connected(*t_to_o_id, *sequence, &reply).to_bytes(),
     }
 }
 

@@ -17,7 +17,11 @@ impl CipStatus {
 
     /// A general code without additional words.
     pub const fn new(general: u8) -> Self {
-        Self { general, count: 0, words: [0; Self::MAX_ADDITIONAL] }
+        Self {
+            general,
+            count: 0,
+            words: [0; Self::MAX_ADDITIONAL],
+        }
     }
 
     /// With one more additional word; dropped when there are already [`Self::MAX_ADDITIONAL`].
@@ -37,7 +41,9 @@ impl CipStatus {
 
     /// General status 0x1F with its two words: a motion error's ERR and EXERR, two's complement.
     pub fn vendor(err: i16, exerr: i16) -> Self {
-        Self::VENDOR_SPECIFIC.with(err.cast_unsigned()).with(exerr.cast_unsigned())
+        Self::VENDOR_SPECIFIC
+            .with(err.cast_unsigned())
+            .with(exerr.cast_unsigned())
     }
 
     /// The general code.
@@ -47,7 +53,9 @@ impl CipStatus {
 
     /// The additional words.
     pub fn additional(&self) -> &[u16] {
-        self.words.get(..usize::from(self.count)).unwrap_or_default()
+        self.words
+            .get(..usize::from(self.count))
+            .unwrap_or_default()
     }
 
     /// Whether the general code is 0x00.
@@ -69,7 +77,10 @@ impl CipStatus {
             0xFF => general_error::TEXTS,
             _ => return None,
         };
-        table.iter().find(|(code, _)| *code == word).map(|(_, text)| *text)
+        table
+            .iter()
+            .find(|(code, _)| *code == word)
+            .map(|(_, text)| *text)
     }
 }
 
