@@ -15,21 +15,35 @@ pub fn describe(project: &Project) -> String {
 }
 
 fn write(out: &mut String, project: &Project) -> std::fmt::Result {
-    let Project { server, machine, instruction_tags, tags } = project;
+    let Project {
+        server,
+        machine,
+        instruction_tags,
+        tags,
+    } = project;
     writeln!(out, "server {:?}", server.name)?;
     writeln!(out, "  EtherNet/IP on {}", server.listen)?;
     match server.hmi {
         Some(hmi) => writeln!(out, "  HMI on {hmi}")?,
         None => writeln!(out, "  HMI off")?,
     }
-    writeln!(out, "motion group {}, coarse update period {} ms", machine.group, machine.period_ns as f64 / 1e6)?;
+    writeln!(
+        out,
+        "motion group {}, coarse update period {} ms",
+        machine.group,
+        machine.period_ns as f64 / 1e6
+    )?;
     for axis in &machine.axes {
         let kind = match axis.kind {
             AxisKind::Servo(_) => "servo",
             AxisKind::Virtual => "virtual",
         };
         let unit = &axis.units;
-        write!(out, "axis {}: {kind}, up to {} {unit}/s, {} {unit}/s²", axis.name, axis.max_speed, axis.max_acceleration)?;
+        write!(
+            out,
+            "axis {}: {kind}, up to {} {unit}/s, {} {unit}/s²",
+            axis.name, axis.max_speed, axis.max_acceleration
+        )?;
         if let Some(travel) = axis.travel {
             write!(out, ", travel {} to {} {unit}", travel.min, travel.max)?;
         }
@@ -38,9 +52,21 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         }
         write!(out, ", starts at {} {unit}", axis.start.position)?;
         if matches!(axis.kind, AxisKind::Servo(_)) {
-            write!(out, ", servo {}", if axis.start.servo_on { "on" } else { "off" })?;
+            write!(
+                out,
+                ", servo {}",
+                if axis.start.servo_on { "on" } else { "off" }
+            )?;
         }
-        writeln!(out, "{}", if axis.start.homed { ", homed" } else { ", not homed" })?;
+        writeln!(
+            out,
+            "{}",
+            if axis.start.homed {
+                ", homed"
+            } else {
+                ", not homed"
+            }
+        )?;
     }
     for system in &machine.systems {
         let axes: Vec<&str> = system
@@ -66,12 +92,27 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         }
         writeln!(out)?;
     }
-    let system_name = |place: u16| machine.systems.get(usize::from(place)).map_or("?", |system| system.name.as_str());
+    let system_name = |place: u16| {
+        machine
+            .systems
+            .get(usize::from(place))
+            .map_or("?", |system| system.name.as_str())
+    };
     for transform in &machine.transforms {
-        writeln!(out, "transform {}: {} to {}", transform.name, system_name(transform.source), system_name(transform.target))?;
+        writeln!(
+            out,
+            "transform {}: {} to {}",
+            transform.name,
+            system_name(transform.source),
+            system_name(transform.target)
+        )?;
     }
     for tag in instruction_tags {
-        writeln!(out, "instruction tag {}: {} on {}", tag.tag, tag.mnemonic, tag.target)?;
+        writeln!(
+            out,
+            "instruction tag {}: {} on {}",
+            tag.tag, tag.mnemonic, tag.target
+        )?;
     }
     for tag in tags {
         writeln!(out, "tag {}: {}", tag.name, TagTypeName(&tag.tag_type))?;

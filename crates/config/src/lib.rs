@@ -48,7 +48,11 @@ pub struct ServerConfig {
 
 impl Default for ServerConfig {
     fn default() -> Self {
-        Self { name: "Arcline".to_owned(), listen: read::DEFAULT_LISTEN, hmi: Some(read::DEFAULT_HMI) }
+        Self {
+            name: "Arcline".to_owned(),
+            listen: read::DEFAULT_LISTEN,
+            hmi: Some(read::DEFAULT_HMI),
+        }
     }
 }
 

@@ -20,7 +20,14 @@ use crate::{InstructionTag, PlainTag, Project, ServerConfig};
 pub(crate) fn project(text: &str, file: &str) -> Result<Project, ConfigError> {
     let source = Source { file, text };
     if text.len() > MAX_TEXT {
-        return Err(source.error(0, "", Problem::TooLarge { size: text.len(), limit: MAX_TEXT }));
+        return Err(source.error(
+            0,
+            "",
+            Problem::TooLarge {
+                size: text.len(),
+                limit: MAX_TEXT,
+            },
+        ));
     }
     let table = DeTable::parse(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
@@ -33,7 +40,12 @@ pub(crate) fn project(text: &str, file: &str) -> Result<Project, ConfigError> {
     let machine = machine(&root, &mut names)?;
     let instruction_tags = instruction_tags(&root, &machine, &mut names)?;
     let tags = plain_tags(&root, &mut names)?;
-    Ok(Project { server, machine, instruction_tags, tags })
+    Ok(Project {
+        server,
+        machine,
+        instruction_tags,
+        tags,
+    })
 }
 
 fn server(root: &Section<'_>) -> Result<ServerConfig, ConfigError> {
@@ -47,13 +59,20 @@ fn server(root: &Section<'_>) -> Result<ServerConfig, ConfigError> {
         config.name = name.value;
     }
     if let Some(listen) = section.string("listen", LISTEN)? {
-        config.listen = listen.value.parse().map_err(|_| section.refuse(&listen, LISTEN, None))?;
+        config.listen = listen
+            .value
+            .parse()
+            .map_err(|_| section.refuse(&listen, LISTEN, None))?;
     }
     if let Some(hmi) = section.string("hmi", HMI)? {
         config.hmi = if hmi.value.eq_ignore_ascii_case("off") {
             None
         } else {
-            Some(hmi.value.parse().map_err(|_| section.refuse(&hmi, HMI, None))?)
+            Some(
+                hmi.value
+                    .parse()
+                    .map_err(|_| section.refuse(&hmi, HMI, None))?,
+            )
         };
     }
     Ok(config)
@@ -63,9 +82,18 @@ fn machine(root: &Section<'_>, names: &mut Taken) -> Result<Machine, ConfigError
     let (group, _) = root.table("motion_group", MOTION_GROUP, "a table, [motion_group]")?;
     let group_name = match group.string("name", NAME)? {
         Some(name) => names.take(&group, name)?,
-        None => names.take(&group, Placed { value: "Motion".into(), offset: 0, key: String::new() })?,
+        None => names.take(
+            &group,
+            Placed {
+                value: "Motion".into(),
+                offset: 0,
+                key: String::new(),
+            },
+        )?,
     };
-    let period_ms = group.number("coarse_update_period_ms", &PERIOD)?.unwrap_or(1.0);
+    let period_ms = group
+        .number("coarse_update_period_ms", &PERIOD)?
+        .unwrap_or(1.0);
     // Within 250,000 and 32,000,000 by the rule: exact in both types.
     let period_ns = (period_ms * 1e6).round() as u64;
 
@@ -89,7 +117,12 @@ fn machine(root: &Section<'_>, names: &mut Taken) -> Result<Machine, ConfigError
         let system = coordinate_system(&section, &machine, names)?;
         machine.systems.push(system);
     }
-    for section in root.tables("transform", TRANSFORM, "tables, [[transform]]", MAX_TRANSFORMS)? {
+    for section in root.tables(
+        "transform",
+        TRANSFORM,
+        "tables, [[transform]]",
+        MAX_TRANSFORMS,
+    )? {
         let transform = transform(&section, &machine, names)?;
         machine.transforms.push(transform);
     }
@@ -103,7 +136,9 @@ fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, ConfigError> {
         None => return Err(section.missing("type", AXIS_TYPE)),
     };
     let units = match section.string("units", UNITS)? {
-        Some(units) if units.value.len() <= MAX_UNITS && !units.value.chars().any(char::is_control) => {
+        Some(units)
+            if units.value.len() <= MAX_UNITS && !units.value.chars().any(char::is_control) =>
+        {
             units.value
         }
         Some(units) => return Err(section.refuse(&units, UNITS, None)),
@@ -113,7 +148,10 @@ fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, ConfigError> {
     let unwind = section.number("unwind", &POSITIVE_LENGTH)?;
     let travel = travel(section)?;
     if travel.is_some() && unwind.is_some() {
-        let problem = Problem::Conflict { other: "unwind", reason: "a rotary axis has no soft limits" };
+        let problem = Problem::Conflict {
+            other: "unwind",
+            reason: "a rotary axis has no soft limits",
+        };
         return Err(section.refuse_key("travel", problem));
     }
     let drive = drive(section)?;
@@ -121,8 +159,10 @@ fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, ConfigError> {
         (true, drive) => AxisKind::Servo(drive.unwrap_or_default()),
         (false, None) => AxisKind::Virtual,
         (false, Some(_)) => {
-            let problem =
-                Problem::Conflict { other: "type = \"virtual\"", reason: "only a servo has a drive" };
+            let problem = Problem::Conflict {
+                other: "type = \"virtual\"",
+                reason: "only a servo has a drive",
+            };
             return Err(section.refuse_key("drive", problem));
         }
     };
@@ -142,7 +182,8 @@ fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, ConfigError> {
 }
 
 fn travel(axis: &Section<'_>) -> Result<Option<Travel>, ConfigError> {
-    let (section, present) = axis.table("travel", &["min", "max"], "{ min = NUMBER, max = NUMBER }")?;
+    let (section, present) =
+        axis.table("travel", &["min", "max"], "{ min = NUMBER, max = NUMBER }")?;
     if !present {
         return Ok(None);
     }
@@ -160,7 +201,11 @@ fn travel(axis: &Section<'_>) -> Result<Option<Travel>, ConfigError> {
 }
 
 fn drive(axis: &Section<'_>) -> Result<Option<Drive>, ConfigError> {
-    let (section, present) = axis.table("drive", DRIVE, "a table such as { position_bandwidth_hz = 40.0 }")?;
+    let (section, present) = axis.table(
+        "drive",
+        DRIVE,
+        "a table such as { position_bandwidth_hz = 40.0 }",
+    )?;
     let default = Drive::default();
     let bandwidth = section.number("position_bandwidth_hz", &BANDWIDTH)?;
     let feedforward = section.number("velocity_feedforward", &SHARE)?;
@@ -173,9 +218,15 @@ fn drive(axis: &Section<'_>) -> Result<Option<Drive>, ConfigError> {
 }
 
 fn start(axis: &Section<'_>, unwind: Option<f64>) -> Result<Start, ConfigError> {
-    let (section, _) = axis.table("start", START, "a table such as { position = 0.0, servo_on = true }")?;
+    let (section, _) = axis.table(
+        "start",
+        START,
+        "a table such as { position = 0.0, servo_on = true }",
+    )?;
     let default = Start::default();
-    let position = section.number("position", &ANY)?.unwrap_or(default.position);
+    let position = section
+        .number("position", &ANY)?
+        .unwrap_or(default.position);
     if unwind.is_some_and(|turn| !(0.0..turn).contains(&position)) {
         let problem = Problem::Value {
             found: section.found("position"),
@@ -214,11 +265,14 @@ fn coordinate_system(
         Some(1) => Corner::Precise,
         _ => Corner::Logix,
     };
-    let axis_limits =
-        match section.word("axis_limits", &["ignore", "enforce"], "\"ignore\" or \"enforce\"")? {
-            Some(1) => AxisLimits::Enforce,
-            _ => AxisLimits::Ignore,
-        };
+    let axis_limits = match section.word(
+        "axis_limits",
+        &["ignore", "enforce"],
+        "\"ignore\" or \"enforce\"",
+    )? {
+        Some(1) => AxisLimits::Enforce,
+        _ => AxisLimits::Ignore,
+    };
     Ok(CoordinateSystem {
         name,
         axes,
@@ -227,18 +281,30 @@ fn coordinate_system(
         max_deceleration: dynamics.deceleration,
         max_acceleration_jerk: dynamics.acceleration_jerk,
         max_deceleration_jerk: dynamics.deceleration_jerk,
-        actual_tolerance: section.number("actual_tolerance", &NOT_NEGATIVE_LENGTH)?.unwrap_or(0.0),
-        command_tolerance: section.number("command_tolerance", &NOT_NEGATIVE_LENGTH)?.unwrap_or(0.0),
-        queue_depth: section.integer("queue_depth", 1..=MAX_QUEUE_DEPTH, QUEUE_DEPTH)?.unwrap_or(1),
+        actual_tolerance: section
+            .number("actual_tolerance", &NOT_NEGATIVE_LENGTH)?
+            .unwrap_or(0.0),
+        command_tolerance: section
+            .number("command_tolerance", &NOT_NEGATIVE_LENGTH)?
+            .unwrap_or(0.0),
+        queue_depth: section
+            .integer("queue_depth", 1..=MAX_QUEUE_DEPTH, QUEUE_DEPTH)?
+            .unwrap_or(1),
         corner,
         axis_limits,
     })
 }
 
-fn transform(section: &Section<'_>, machine: &Machine, names: &mut Taken) -> Result<Transform, ConfigError> {
+fn transform(
+    section: &Section<'_>,
+    machine: &Machine,
+    names: &mut Taken,
+) -> Result<Transform, ConfigError> {
     let name = required_name(section, "name", names)?;
     let system = |key| {
-        let given = section.string(key, SYSTEM_NAME)?.ok_or_else(|| section.missing(key, SYSTEM_NAME))?;
+        let given = section
+            .string(key, SYSTEM_NAME)?
+            .ok_or_else(|| section.missing(key, SYSTEM_NAME))?;
         match machine.system(&given.value) {
             Some(place) => Ok((place, given)),
             None => {
@@ -252,7 +318,11 @@ fn transform(section: &Section<'_>, machine: &Machine, names: &mut Taken) -> Res
     if source == target {
         return Err(section.refuse(&given, "another coordinate system than `source`", None));
     }
-    Ok(Transform { name, source, target })
+    Ok(Transform {
+        name,
+        source,
+        target,
+    })
 }
 
 fn instruction_tags(
@@ -261,21 +331,34 @@ fn instruction_tags(
     names: &mut Taken,
 ) -> Result<Vec<InstructionTag>, ConfigError> {
     let mut tags = Vec::new();
-    for section in root.tables("instruction", INSTRUCTION, "tables, [[instruction]]", MAX_INSTRUCTION_TAGS)? {
+    for section in root.tables(
+        "instruction",
+        INSTRUCTION,
+        "tables, [[instruction]]",
+        MAX_INSTRUCTION_TAGS,
+    )? {
         let tag = required_name(&section, "tag", names)?;
-        let word =
-            section.string("type", MNEMONIC)?.ok_or_else(|| section.missing("type", MNEMONIC))?;
+        let word = section
+            .string("type", MNEMONIC)?
+            .ok_or_else(|| section.missing("type", MNEMONIC))?;
         let Ok(mnemonic) = word.value.parse::<Mnemonic>() else {
             let known: Vec<String> = Mnemonic::ALL.iter().map(ToString::to_string).collect();
             let suggestion = nearest(&word.value, known.iter().map(String::as_str));
             return Err(section.refuse(&word, MNEMONIC, suggestion));
         };
-        let target = match (mnemonic.instruction().object, section.string("target", TARGET)?) {
+        let target = match (
+            mnemonic.instruction().object,
+            section.string("target", TARGET)?,
+        ) {
             (Object::MotionGroup, None) => machine.group.clone(),
             (_, None) => return Err(section.missing("target", TARGET)),
             (object, Some(given)) => target(&section, machine, object, &given)?,
         };
-        tags.push(InstructionTag { tag, mnemonic, target });
+        tags.push(InstructionTag {
+            tag,
+            mnemonic,
+            target,
+        });
     }
     Ok(tags)
 }
@@ -289,12 +372,23 @@ fn target(
 ) -> Result<String, ConfigError> {
     let (what, known): (_, Vec<&str>) = match object {
         Object::MotionGroup => ("motion group", vec![machine.group.as_str()]),
-        Object::Axis => ("axis", machine.axes.iter().map(|axis| axis.name.as_str()).collect()),
-        Object::CoordinateSystem => {
-            ("coordinate system", machine.systems.iter().map(|system| system.name.as_str()).collect())
-        }
+        Object::Axis => (
+            "axis",
+            machine.axes.iter().map(|axis| axis.name.as_str()).collect(),
+        ),
+        Object::CoordinateSystem => (
+            "coordinate system",
+            machine
+                .systems
+                .iter()
+                .map(|system| system.name.as_str())
+                .collect(),
+        ),
     };
-    match known.iter().find(|name| name.eq_ignore_ascii_case(&given.value)) {
+    match known
+        .iter()
+        .find(|name| name.eq_ignore_ascii_case(&given.value))
+    {
         Some(name) => Ok((*name).to_owned()),
         None => Err(unknown_name(section, given, what, known.iter().copied())),
     }
@@ -304,8 +398,9 @@ fn plain_tags(root: &Section<'_>, names: &mut Taken) -> Result<Vec<PlainTag>, Co
     let mut tags = Vec::new();
     for section in root.tables("tag", TAG, "tables, [[tag]]", MAX_TAGS)? {
         let name = required_name(&section, "name", names)?;
-        let word =
-            section.string("type", TAG_TYPE)?.ok_or_else(|| section.missing("type", TAG_TYPE))?;
+        let word = section
+            .string("type", TAG_TYPE)?
+            .ok_or_else(|| section.missing("type", TAG_TYPE))?;
         let Some(tag_type) = tag_type(&word.value) else {
             let element = word.value.split('[').next().unwrap_or_default().trim();
             let suggestion = nearest(element, TYPE_NAMES.iter().copied())
@@ -329,7 +424,9 @@ fn tag_type(text: &str) -> Option<TagType> {
             (element.trim(), count)
         }
     };
-    let name = TYPE_NAMES.iter().find(|name| name.eq_ignore_ascii_case(element))?;
+    let name = TYPE_NAMES
+        .iter()
+        .find(|name| name.eq_ignore_ascii_case(element))?;
     if *name == "BOOL" && dimension > 0 {
         return Some(TagType::bool_array(dimension));
     }
@@ -337,7 +434,10 @@ fn tag_type(text: &str) -> Option<TagType> {
         Some(elementary) => DataType::Elementary(elementary),
         None => DataType::Structure(string_template()),
     };
-    Some(TagType { data_type, dimensions: [dimension, 0, 0] })
+    Some(TagType {
+        data_type,
+        dimensions: [dimension, 0, 0],
+    })
 }
 
 /// The five maxima that an axis and a coordinate system have alike.
@@ -353,15 +453,19 @@ impl Dynamics {
     fn read(section: &Section<'_>) -> Result<Self, ConfigError> {
         let speed = section.required_number("max_speed", &POSITIVE_SPEED)?;
         let acceleration = section.required_number("max_acceleration", &POSITIVE_RATE)?;
-        let deceleration = section.number("max_deceleration", &NOT_NEGATIVE_RATE)?.unwrap_or(acceleration);
+        let deceleration = section
+            .number("max_deceleration", &NOT_NEGATIVE_RATE)?
+            .unwrap_or(acceleration);
         let acceleration_jerk = section.number("max_acceleration_jerk", &POSITIVE_JERK)?;
         let deceleration_jerk = section.number("max_deceleration_jerk", &NOT_NEGATIVE_JERK)?;
         Ok(Self {
             speed,
             acceleration,
             deceleration,
-            acceleration_jerk: acceleration_jerk.unwrap_or_else(|| default_jerk(speed, acceleration)),
-            deceleration_jerk: deceleration_jerk.unwrap_or_else(|| default_jerk(speed, deceleration)),
+            acceleration_jerk: acceleration_jerk
+                .unwrap_or_else(|| default_jerk(speed, acceleration)),
+            deceleration_jerk: deceleration_jerk
+                .unwrap_or_else(|| default_jerk(speed, deceleration)),
         })
     }
 }
@@ -379,7 +483,10 @@ impl Taken {
         match self.0.insert(name.value.to_ascii_lowercase(), line) {
             None => Ok(name.value),
             Some(line) => {
-                let problem = Problem::Duplicate { name: name.value, line };
+                let problem = Problem::Duplicate {
+                    name: name.value,
+                    line,
+                };
                 Err(section.source.error(name.offset, name.key, problem))
             }
         }
@@ -398,7 +505,9 @@ fn required_name(
     key: &'static str,
     names: &mut Taken,
 ) -> Result<String, ConfigError> {
-    let name = section.string(key, NAME)?.ok_or_else(|| section.missing(key, NAME))?;
+    let name = section
+        .string(key, NAME)?
+        .ok_or_else(|| section.missing(key, NAME))?;
     names.take(section, name)
 }
 
@@ -410,14 +519,22 @@ fn unknown_name<'n>(
 ) -> ConfigError {
     let suggestion = nearest(&given.value, known);
     let name = given.value.chars().take(60).collect();
-    let problem = Problem::UnknownName { what, name, suggestion };
-    section.source.error(given.offset, given.key.clone(), problem)
+    let problem = Problem::UnknownName {
+        what,
+        name,
+        suggestion,
+    };
+    section
+        .source
+        .error(given.offset, given.key.clone(), problem)
 }
 
 /// EtherNet/IP's own port.
-pub(crate) const DEFAULT_LISTEN: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 44_818);
+pub(crate) const DEFAULT_LISTEN: SocketAddr =
+    SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 44_818);
 /// The pages' port.
-pub(crate) const DEFAULT_HMI: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 8080);
+pub(crate) const DEFAULT_HMI: SocketAddr =
+    SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 8080);
 
 /// 4 MiB hold every axis, system and tag there can be many times over.
 const MAX_TEXT: usize = 4 << 20;
@@ -430,8 +547,15 @@ const MAX_TAGS: usize = 4096;
 /// Elements of one array.
 const MAX_ELEMENTS: u32 = 65_535;
 
-const SECTIONS: &[&str] =
-    &["server", "motion_group", "axis", "coordinate_system", "transform", "instruction", "tag"];
+const SECTIONS: &[&str] = &[
+    "server",
+    "motion_group",
+    "axis",
+    "coordinate_system",
+    "transform",
+    "instruction",
+    "tag",
+];
 const SERVER: &[&str] = &["name", "listen", "hmi"];
 const MOTION_GROUP: &[&str] = &["name", "coarse_update_period_ms"];
 const AXIS: &[&str] = &[
@@ -449,7 +573,11 @@ const AXIS: &[&str] = &[
     "drive",
 ];
 const START: &[&str] = &["position", "servo_on", "homed"];
-const DRIVE: &[&str] = &["position_bandwidth_hz", "velocity_feedforward", "position_error_tolerance"];
+const DRIVE: &[&str] = &[
+    "position_bandwidth_hz",
+    "velocity_feedforward",
+    "position_error_tolerance",
+];
 const COORDINATE_SYSTEM: &[&str] = &[
     "name",
     "type",
@@ -468,8 +596,9 @@ const COORDINATE_SYSTEM: &[&str] = &[
 const TRANSFORM: &[&str] = &["name", "source", "target"];
 const INSTRUCTION: &[&str] = &["tag", "type", "target"];
 const TAG: &[&str] = &["name", "type"];
-const TYPE_NAMES: &[&str] =
-    &["BOOL", "SINT", "INT", "DINT", "LINT", "USINT", "UINT", "UDINT", "REAL", "LREAL", "STRING"];
+const TYPE_NAMES: &[&str] = &[
+    "BOOL", "SINT", "INT", "DINT", "LINT", "USINT", "UINT", "UDINT", "REAL", "LREAL", "STRING",
+];
 
 const NAME: &str = "a name: 1 to 40 letters, digits and underscores, no digit first";
 const PRODUCT_NAME: &str = "1 to 32 printable ASCII characters";
@@ -481,26 +610,52 @@ const PRIMARY_AXES: &str = "a list of 1 to 3 names of axes";
 const QUEUE_DEPTH: &str = "a whole number from 1 to 1000";
 const SYSTEM_NAME: &str = "the name of a coordinate system";
 const MNEMONIC: &str = "the mnemonic of a motion instruction such as \"MCLM\"";
-const TARGET: &str = "the name of the coordinate system, axis or group that the instruction acts on";
+const TARGET: &str =
+    "the name of the coordinate system, axis or group that the instruction acts on";
 const TAG_TYPE: &str = "BOOL, SINT, INT, DINT, LINT, USINT, UINT, UDINT, REAL, LREAL or STRING, \
      or an array of 1 to 65535 of them such as REAL[16]";
 
-const PERIOD: NumberRule =
-    NumberRule { expected: "a number from 0.25 to 32 (ms)", holds: |x| (0.25..=32.0).contains(&x) };
-const POSITIVE_SPEED: NumberRule = NumberRule { expected: "a number above 0 (units/s)", holds: |x| x > 0.0 };
-const POSITIVE_RATE: NumberRule = NumberRule { expected: "a number above 0 (units/s²)", holds: |x| x > 0.0 };
-const NOT_NEGATIVE_RATE: NumberRule =
-    NumberRule { expected: "a number, 0 or more (units/s²)", holds: |x| x >= 0.0 };
-const POSITIVE_JERK: NumberRule = NumberRule { expected: "a number above 0 (units/s³)", holds: |x| x > 0.0 };
-const NOT_NEGATIVE_JERK: NumberRule =
-    NumberRule { expected: "a number, 0 or more (units/s³)", holds: |x| x >= 0.0 };
-const POSITIVE_LENGTH: NumberRule =
-    NumberRule { expected: "a number above 0 (position units)", holds: |x| x > 0.0 };
-const NOT_NEGATIVE_LENGTH: NumberRule =
-    NumberRule { expected: "a number, 0 or more (position units)", holds: |x| x >= 0.0 };
+const PERIOD: NumberRule = NumberRule {
+    expected: "a number from 0.25 to 32 (ms)",
+    holds: |x| (0.25..=32.0).contains(&x),
+};
+const POSITIVE_SPEED: NumberRule = NumberRule {
+    expected: "a number above 0 (units/s)",
+    holds: |x| x > 0.0,
+};
+const POSITIVE_RATE: NumberRule = NumberRule {
+    expected: "a number above 0 (units/s²)",
+    holds: |x| x > 0.0,
+};
+const NOT_NEGATIVE_RATE: NumberRule = NumberRule {
+    expected: "a number, 0 or more (units/s²)",
+    holds: |x| x >= 0.0,
+};
+const POSITIVE_JERK: NumberRule = NumberRule {
+    expected: "a number above 0 (units/s³)",
+    holds: |x| x > 0.0,
+};
+const NOT_NEGATIVE_JERK: NumberRule = NumberRule {
+    expected: "a number, 0 or more (units/s³)",
+    holds: |x| x >= 0.0,
+};
+const POSITIVE_LENGTH: NumberRule = NumberRule {
+    expected: "a number above 0 (position units)",
+    holds: |x| x > 0.0,
+};
+const NOT_NEGATIVE_LENGTH: NumberRule = NumberRule {
+    expected: "a number, 0 or more (position units)",
+    holds: |x| x >= 0.0,
+};
 const BANDWIDTH: NumberRule = NumberRule {
     expected: "a number above 0, at most 10000 (Hz)",
     holds: |x| x > 0.0 && x <= 10_000.0,
 };
-const SHARE: NumberRule = NumberRule { expected: "a number from 0 to 1", holds: |x| (0.0..=1.0).contains(&x) };
-const ANY: NumberRule = NumberRule { expected: "a finite number (position units)", holds: |_| true };
+const SHARE: NumberRule = NumberRule {
+    expected: "a number from 0 to 1",
+    holds: |x| (0.0..=1.0).contains(&x),
+};
+const ANY: NumberRule = NumberRule {
+    expected: "a finite number (position units)",
+    holds: |_| true,
+};

@@ -15,7 +15,12 @@ pub(crate) struct Source<'t> {
 }
 
 impl Source<'_> {
-    pub(crate) fn error(&self, offset: usize, key: impl Into<String>, problem: Problem) -> ConfigError {
+    pub(crate) fn error(
+        &self,
+        offset: usize,
+        key: impl Into<String>,
+        problem: Problem,
+    ) -> ConfigError {
         let before = self.text.get(..offset).unwrap_or(self.text);
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
         ConfigError {
@@ -28,7 +33,13 @@ impl Source<'_> {
     }
 
     pub(crate) fn line(&self, offset: usize) -> usize {
-        self.text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
+        self.text
+            .as_bytes()
+            .iter()
+            .take(offset)
+            .filter(|byte| **byte == b'\n')
+            .count()
+            + 1
     }
 
     /// The text of a value as it stands in the file, shortened when it is long.
@@ -73,7 +84,12 @@ impl<'t> Section<'t> {
         table: &'t DeTable<'t>,
         known: &'static [&'static str],
     ) -> Result<Self, ConfigError> {
-        let section = Self { source, path: String::new(), offset: 0, table: Some(table) };
+        let section = Self {
+            source,
+            path: String::new(),
+            offset: 0,
+            table: Some(table),
+        };
         section.refuse_unknown_keys(known)?;
         Ok(section)
     }
@@ -85,9 +101,15 @@ impl<'t> Section<'t> {
         known: &'static [&'static str],
         expected: &'static str,
     ) -> Result<(Self, bool), ConfigError> {
-        let mut section =
-            Self { source: self.source, path: self.key(key), offset: self.offset, table: None };
-        let Some(value) = self.find(key) else { return Ok((section, false)) };
+        let mut section = Self {
+            source: self.source,
+            path: self.key(key),
+            offset: self.offset,
+            table: None,
+        };
+        let Some(value) = self.find(key) else {
+            return Ok((section, false));
+        };
         let DeValue::Table(table) = value.get_ref() else {
             return Err(self.wrong(key, value, expected));
         };
@@ -105,13 +127,20 @@ impl<'t> Section<'t> {
         expected: &'static str,
         limit: usize,
     ) -> Result<Vec<Self>, ConfigError> {
-        let Some(value) = self.find(key) else { return Ok(Vec::new()) };
+        let Some(value) = self.find(key) else {
+            return Ok(Vec::new());
+        };
         let DeValue::Array(items) = value.get_ref() else {
             return Err(self.wrong(key, value, expected));
         };
         if let Some(first_too_many) = items.get(limit) {
-            let problem = Problem::TooMany { count: items.len(), limit };
-            return Err(self.source.error(first_too_many.span().start, self.key(key), problem));
+            let problem = Problem::TooMany {
+                count: items.len(),
+                limit,
+            };
+            return Err(self
+                .source
+                .error(first_too_many.span().start, self.key(key), problem));
         }
         let mut sections = Vec::with_capacity(items.len());
         for (place, item) in items.iter().enumerate() {
@@ -136,11 +165,17 @@ impl<'t> Section<'t> {
         key: &'static str,
         expected: &'static str,
     ) -> Result<Option<Placed<String>>, ConfigError> {
-        let Some(value) = self.find(key) else { return Ok(None) };
+        let Some(value) = self.find(key) else {
+            return Ok(None);
+        };
         let DeValue::String(text) = value.get_ref() else {
             return Err(self.wrong(key, value, expected));
         };
-        Ok(Some(Placed { value: text.to_string(), offset: value.span().start, key: self.key(key) }))
+        Ok(Some(Placed {
+            value: text.to_string(),
+            offset: value.span().start,
+            key: self.key(key),
+        }))
     }
 
     /// A list of strings.
@@ -150,7 +185,9 @@ impl<'t> Section<'t> {
         expected: &'static str,
         count: RangeInclusive<usize>,
     ) -> Result<Vec<Placed<String>>, ConfigError> {
-        let Some(value) = self.find(key) else { return Err(self.missing(key, expected)) };
+        let Some(value) = self.find(key) else {
+            return Err(self.missing(key, expected));
+        };
         let DeValue::Array(items) = value.get_ref() else {
             return Err(self.wrong(key, value, expected));
         };
@@ -178,8 +215,13 @@ impl<'t> Section<'t> {
         words: &[&str],
         expected: &'static str,
     ) -> Result<Option<usize>, ConfigError> {
-        let Some(text) = self.string(key, expected)? else { return Ok(None) };
-        match words.iter().position(|word| word.eq_ignore_ascii_case(&text.value)) {
+        let Some(text) = self.string(key, expected)? else {
+            return Ok(None);
+        };
+        match words
+            .iter()
+            .position(|word| word.eq_ignore_ascii_case(&text.value))
+        {
             Some(place) => Ok(Some(place)),
             None => {
                 let suggestion = nearest(&text.value, words.iter().copied());
@@ -194,11 +236,13 @@ impl<'t> Section<'t> {
         key: &'static str,
         rule: &NumberRule,
     ) -> Result<Option<f64>, ConfigError> {
-        let Some(value) = self.find(key) else { return Ok(None) };
+        let Some(value) = self.find(key) else {
+            return Ok(None);
+        };
         let number = match value.get_ref() {
-            DeValue::Integer(integer) => {
-                i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|whole| whole as f64)
-            }
+            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+                .ok()
+                .map(|whole| whole as f64),
             DeValue::Float(float) => float.as_str().parse().ok(),
             _ => None,
         };
@@ -214,7 +258,8 @@ impl<'t> Section<'t> {
         key: &'static str,
         rule: &NumberRule,
     ) -> Result<f64, ConfigError> {
-        self.number(key, rule)?.ok_or_else(|| self.missing(key, rule.expected))
+        self.number(key, rule)?
+            .ok_or_else(|| self.missing(key, rule.expected))
     }
 
     /// A whole number within a range.
@@ -224,7 +269,9 @@ impl<'t> Section<'t> {
         range: RangeInclusive<usize>,
         expected: &'static str,
     ) -> Result<Option<usize>, ConfigError> {
-        let Some(value) = self.find(key) else { return Ok(None) };
+        let Some(value) = self.find(key) else {
+            return Ok(None);
+        };
         if let DeValue::Integer(integer) = value.get_ref()
             && let Ok(number) = usize::from_str_radix(integer.as_str(), integer.radix())
             && range.contains(&number)
@@ -236,7 +283,9 @@ impl<'t> Section<'t> {
 
     /// `true` or `false`.
     pub(crate) fn boolean(&self, key: &'static str) -> Result<Option<bool>, ConfigError> {
-        let Some(value) = self.find(key) else { return Ok(None) };
+        let Some(value) = self.find(key) else {
+            return Ok(None);
+        };
         match value.get_ref() {
             DeValue::Boolean(flag) => Ok(Some(*flag)),
             _ => Err(self.wrong(key, value, "true or false")),
@@ -245,7 +294,8 @@ impl<'t> Section<'t> {
 
     /// The error of a key that must be there, at the table's place.
     pub(crate) fn missing(&self, key: &str, expected: &'static str) -> ConfigError {
-        self.source.error(self.offset, self.key(key), Problem::Missing { expected })
+        self.source
+            .error(self.offset, self.key(key), Problem::Missing { expected })
     }
 
     /// The error of a string that was read but does not do.
@@ -256,18 +306,30 @@ impl<'t> Section<'t> {
         suggestion: Option<String>,
     ) -> ConfigError {
         let found = format!("{:?}", text.value.chars().take(60).collect::<String>());
-        self.source.error(text.offset, text.key.clone(), Problem::Value { found, expected, suggestion })
+        self.source.error(
+            text.offset,
+            text.key.clone(),
+            Problem::Value {
+                found,
+                expected,
+                suggestion,
+            },
+        )
     }
 
     /// The error of a key that is there but has a value that does not do.
     pub(crate) fn refuse_key(&self, key: &str, problem: Problem) -> ConfigError {
-        let offset = self.find(key).map_or(self.offset, |value| value.span().start);
+        let offset = self
+            .find(key)
+            .map_or(self.offset, |value| value.span().start);
         self.source.error(offset, self.key(key), problem)
     }
 
     /// The text of the value under `key` as it stands in the file.
     pub(crate) fn found(&self, key: &str) -> String {
-        self.find(key).map(|value| self.source.excerpt(value.span())).unwrap_or_default()
+        self.find(key)
+            .map(|value| self.source.excerpt(value.span()))
+            .unwrap_or_default()
     }
 
     fn find(&self, key: &str) -> Option<&'t Spanned<DeValue<'t>>> {
@@ -275,21 +337,39 @@ impl<'t> Section<'t> {
     }
 
     fn key(&self, key: &str) -> String {
-        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+        if self.path.is_empty() {
+            key.to_owned()
+        } else {
+            format!("{}.{key}", self.path)
+        }
     }
 
-    fn wrong(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &'static str) -> ConfigError {
+    fn wrong(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+        expected: &'static str,
+    ) -> ConfigError {
         let found = self.source.excerpt(value.span());
-        let problem = Problem::Value { found, expected, suggestion: None };
-        self.source.error(value.span().start, self.key(key), problem)
+        let problem = Problem::Value {
+            found,
+            expected,
+            suggestion: None,
+        };
+        self.source
+            .error(value.span().start, self.key(key), problem)
     }
 
     fn refuse_unknown_keys(&self, known: &'static [&'static str]) -> Result<(), ConfigError> {
         let unknown = self.table.into_iter().flat_map(DeTable::keys);
         let unknown = unknown.filter(|key| !known.contains(&key.get_ref().as_ref()));
-        let Some(first) = unknown.min_by_key(|key| key.span().start) else { return Ok(()) };
+        let Some(first) = unknown.min_by_key(|key| key.span().start) else {
+            return Ok(());
+        };
         let suggestion = nearest(first.get_ref(), known.iter().copied());
         let problem = Problem::UnknownKey { suggestion, known };
-        Err(self.source.error(first.span().start, self.key(first.get_ref()), problem))
+        Err(self
+            .source
+            .error(first.span().start, self.key(first.get_ref()), problem))
     }
 }

@@ -10,33 +10,87 @@ fn the_default_is_what_the_contract_says() {
     let project = load(DEFAULT, "default.toml").unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(project.server.name, "Arcline demo");
     assert_eq!(project.server.listen.to_string(), "127.0.0.1:44818");
-    assert_eq!(project.server.hmi.map(|hmi| hmi.to_string()).as_deref(), Some("127.0.0.1:8080"));
+    assert_eq!(
+        project.server.hmi.map(|hmi| hmi.to_string()).as_deref(),
+        Some("127.0.0.1:8080")
+    );
 
     let machine = &project.machine;
-    assert_eq!((machine.group.as_str(), machine.period_ns), ("Motion", 1_000_000));
+    assert_eq!(
+        (machine.group.as_str(), machine.period_ns),
+        ("Motion", 1_000_000)
+    );
     let axes: Vec<_> = machine.axes.iter().map(|axis| axis.name.as_str()).collect();
     assert_eq!(axes, ["X", "Y", "Z", "S", "A", "B", "C"]);
     for (place, axis) in machine.axes.iter().enumerate() {
-        let expected = if place < 4 { AxisKind::Servo(Drive::default()) } else { AxisKind::Virtual };
+        let expected = if place < 4 {
+            AxisKind::Servo(Drive::default())
+        } else {
+            AxisKind::Virtual
+        };
         assert_eq!(axis.kind, expected, "{}", axis.name);
         assert_eq!(axis.units, "mm");
-        assert_eq!((axis.max_speed, axis.max_acceleration, axis.max_deceleration), (1000.0, 10000.0, 10000.0));
-        assert_eq!((axis.max_acceleration_jerk, axis.max_deceleration_jerk), (200_000.0, 200_000.0));
+        assert_eq!(
+            (axis.max_speed, axis.max_acceleration, axis.max_deceleration),
+            (1000.0, 10000.0, 10000.0)
+        );
+        assert_eq!(
+            (axis.max_acceleration_jerk, axis.max_deceleration_jerk),
+            (200_000.0, 200_000.0)
+        );
         assert_eq!((axis.travel, axis.unwind), (None, None));
-        assert_eq!(axis.start, Start { position: 0.0, servo_on: true, homed: true });
+        assert_eq!(
+            axis.start,
+            Start {
+                position: 0.0,
+                servo_on: true,
+                homed: true
+            }
+        );
     }
-    let systems: Vec<_> =
-        machine.systems.iter().map(|system| (system.name.as_str(), system.axes.as_slice())).collect();
-    let expected: [(&str, &[u16]); 4] =
-        [("CS1", &[0, 1, 2]), ("CS2", &[0, 1, 3]), ("CS3", &[4, 5, 6]), ("XY", &[0, 1])];
+    let systems: Vec<_> = machine
+        .systems
+        .iter()
+        .map(|system| (system.name.as_str(), system.axes.as_slice()))
+        .collect();
+    let expected: [(&str, &[u16]); 4] = [
+        ("CS1", &[0, 1, 2]),
+        ("CS2", &[0, 1, 3]),
+        ("CS3", &[4, 5, 6]),
+        ("XY", &[0, 1]),
+    ];
     assert_eq!(systems, expected);
     for system in &machine.systems {
-        assert_eq!((system.max_speed, system.max_acceleration, system.max_deceleration), (500.0, 5000.0, 5000.0));
-        assert_eq!((system.max_acceleration_jerk, system.max_deceleration_jerk), (100_000.0, 100_000.0));
-        assert_eq!((system.actual_tolerance, system.command_tolerance, system.queue_depth), (0.01, 0.5, 1));
-        assert_eq!((system.corner, system.axis_limits), (Corner::Logix, AxisLimits::Ignore));
+        assert_eq!(
+            (
+                system.max_speed,
+                system.max_acceleration,
+                system.max_deceleration
+            ),
+            (500.0, 5000.0, 5000.0)
+        );
+        assert_eq!(
+            (system.max_acceleration_jerk, system.max_deceleration_jerk),
+            (100_000.0, 100_000.0)
+        );
+        assert_eq!(
+            (
+                system.actual_tolerance,
+                system.command_tolerance,
+                system.queue_depth
+            ),
+            (0.01, 0.5, 1)
+        );
+        assert_eq!(
+            (system.corner, system.axis_limits),
+            (Corner::Logix, AxisLimits::Ignore)
+        );
     }
-    let transforms: Vec<_> = machine.transforms.iter().map(|t| (t.name.as_str(), t.source, t.target)).collect();
+    let transforms: Vec<_> = machine
+        .transforms
+        .iter()
+        .map(|t| (t.name.as_str(), t.source, t.target))
+        .collect();
     assert_eq!(transforms, [("T1", 1, 2)]);
     let tags: Vec<_> = project
         .instruction_tags
@@ -56,9 +110,11 @@ fn the_default_is_what_the_contract_says() {
     assert!(project.tags.is_empty());
 }
 
-const AXIS: &str = "[[axis]]\nname = \"X\"\ntype = \"servo\"\nmax_speed = 10\nmax_acceleration = 100\n";
+const AXIS: &str =
+    "[[axis]]\nname = \"X\"\ntype = \"servo\"\nmax_speed = 10\nmax_acceleration = 100\n";
 const TURN: &str = "[[axis]]\nname = \"R\"\ntype = \"virtual\"\nmax_speed = 10\nmax_acceleration = 100\nunwind = 360\n";
-const SYSTEM: &str = "[[coordinate_system]]\nname = \"CS\"\naxes = [\"x\"]\nmax_speed = 5\nmax_acceleration = 50\n";
+const SYSTEM: &str =
+    "[[coordinate_system]]\nname = \"CS\"\naxes = [\"x\"]\nmax_speed = 5\nmax_acceleration = 50\n";
 
 #[test]
 fn everything_has_its_default() {
@@ -68,14 +124,29 @@ fn everything_has_its_default() {
     assert_eq!(axis.units, "Position Units");
     assert_eq!(axis.max_deceleration, 100.0);
     // rate² / speed
-    assert_eq!((axis.max_acceleration_jerk, axis.max_deceleration_jerk), (1000.0, 1000.0));
+    assert_eq!(
+        (axis.max_acceleration_jerk, axis.max_deceleration_jerk),
+        (1000.0, 1000.0)
+    );
     assert_eq!(axis.kind, AxisKind::Servo(Drive::default()));
     let system = &project.machine.systems[0];
-    assert_eq!((system.axes.as_slice(), system.queue_depth), (&[0u16][..], 1));
-    assert_eq!((system.actual_tolerance, system.command_tolerance), (0.0, 0.0));
-    assert_eq!((project.machine.period_ns, project.machine.group.as_str()), (1_000_000, "Motion"));
+    assert_eq!(
+        (system.axes.as_slice(), system.queue_depth),
+        (&[0u16][..], 1)
+    );
+    assert_eq!(
+        (system.actual_tolerance, system.command_tolerance),
+        (0.0, 0.0)
+    );
+    assert_eq!(
+        (project.machine.period_ns, project.machine.group.as_str()),
+        (1_000_000, "Motion")
+    );
     assert_eq!(project.server, crate::ServerConfig::default());
-    assert!(load("", "empty.toml").is_ok(), "an empty file is an empty machine");
+    assert!(
+        load("", "empty.toml").is_ok(),
+        "an empty file is an empty machine"
+    );
 }
 
 #[test]
@@ -96,16 +167,50 @@ fn everything_can_be_said() {
     assert_eq!(project.server.hmi, None);
     assert_eq!(project.machine.period_ns, 250_000);
     let axis = &project.machine.axes[0];
-    assert_eq!((axis.max_deceleration, axis.max_deceleration_jerk), (0.0, 0.0));
-    assert_eq!(axis.travel, Some(Travel { min: -5.0, max: 15.5 }));
-    assert_eq!(axis.start, Start { position: 1.5, servo_on: false, homed: false });
-    let drive =
-        Drive { position_bandwidth_hz: 10.0, velocity_feedforward: 0.5, position_error_tolerance: 0.0 };
+    assert_eq!(
+        (axis.max_deceleration, axis.max_deceleration_jerk),
+        (0.0, 0.0)
+    );
+    assert_eq!(
+        axis.travel,
+        Some(Travel {
+            min: -5.0,
+            max: 15.5
+        })
+    );
+    assert_eq!(
+        axis.start,
+        Start {
+            position: 1.5,
+            servo_on: false,
+            homed: false
+        }
+    );
+    let drive = Drive {
+        position_bandwidth_hz: 10.0,
+        velocity_feedforward: 0.5,
+        position_error_tolerance: 0.0,
+    };
     assert_eq!(axis.kind, AxisKind::Servo(drive));
-    assert_eq!((project.machine.axes[1].unwind, project.machine.axes[1].start.position), (Some(360.0), 359.5));
+    assert_eq!(
+        (
+            project.machine.axes[1].unwind,
+            project.machine.axes[1].start.position
+        ),
+        (Some(360.0), 359.5)
+    );
     let system = &project.machine.systems[0];
-    assert_eq!((system.queue_depth, system.corner, system.axis_limits), (1000, Corner::Precise, AxisLimits::Enforce));
-    assert_eq!((project.machine.transforms[0].source, project.machine.transforms[0].target), (0, 1));
+    assert_eq!(
+        (system.queue_depth, system.corner, system.axis_limits),
+        (1000, Corner::Precise, AxisLimits::Enforce)
+    );
+    assert_eq!(
+        (
+            project.machine.transforms[0].source,
+            project.machine.transforms[0].target
+        ),
+        (0, 1)
+    );
     assert_eq!(project.instruction_tags[0].target, "X");
     assert_eq!(project.instruction_tags[1].target, "G");
     assert_eq!(project.tags[0].tag_type.size(), 64);
@@ -114,9 +219,18 @@ fn everything_can_be_said() {
     assert_eq!(project.tags[3].tag_type.size(), 8);
 
     let described = describe(&project);
-    for part in ["axis X: servo", "travel -5 to 15.5", "servo off, not homed", "rotary, 360", "transform T: CS to CS2",
-        "instruction tag On: MSO on X", "tag Recipe: REAL[16]", "HMI off", "precise corners", "tag Count: DINT\n"]
-    {
+    for part in [
+        "axis X: servo",
+        "travel -5 to 15.5",
+        "servo off, not homed",
+        "rotary, 360",
+        "transform T: CS to CS2",
+        "instruction tag On: MSO on X",
+        "tag Recipe: REAL[16]",
+        "HMI off",
+        "precise corners",
+        "tag Count: DINT\n",
+    ] {
         assert!(described.contains(part), "{part} in\n{described}");
     }
 }
@@ -187,7 +301,10 @@ fn errors_name_place_key_and_expectation() {
             assert!(error.starts_with("m.toml:1:"), "{why}: {error}");
             continue;
         }
-        assert!(error.starts_with(expected), "{why}:\n{text}\n   found {error}\nexpected {expected}");
+        assert!(
+            error.starts_with(expected),
+            "{why}:\n{text}\n   found {error}\nexpected {expected}"
+        );
     }
 }
 
@@ -196,7 +313,10 @@ fn counts_are_bounded() {
     let axis = |n: usize| AXIS.replace("\"X\"", &format!("\"X{n}\""));
     let text: String = (0..257).map(axis).collect();
     let error = load(&text, "m.toml").expect_err("too many").to_string();
-    assert!(error.contains("axis: found 257 of them, expected at most 256"), "{error}");
+    assert!(
+        error.contains("axis: found 257 of them, expected at most 256"),
+        "{error}"
+    );
     let text: String = (0..256).map(axis).collect();
     assert!(load(&text, "m.toml").is_ok());
 }

@@ -59,7 +59,12 @@ impl Machine {
 
     /// Place of the transform of that name, case ignored.
     pub fn transform(&self, name: &str) -> Option<u16> {
-        place(self.transforms.iter().map(|transform| transform.name.as_str()), name)
+        place(
+            self.transforms
+                .iter()
+                .map(|transform| transform.name.as_str()),
+            name,
+        )
     }
 
     /// Whether the motion group has that name, case ignored.
@@ -129,7 +134,11 @@ pub struct Drive {
 
 impl Default for Drive {
     fn default() -> Self {
-        Self { position_bandwidth_hz: 40.0, velocity_feedforward: 1.0, position_error_tolerance: 5.0 }
+        Self {
+            position_bandwidth_hz: 40.0,
+            velocity_feedforward: 1.0,
+            position_error_tolerance: 5.0,
+        }
     }
 }
 
@@ -155,7 +164,11 @@ pub struct Start {
 
 impl Default for Start {
     fn default() -> Self {
-        Self { position: 0.0, servo_on: true, homed: true }
+        Self {
+            position: 0.0,
+            servo_on: true,
+            homed: true,
+        }
     }
 }
 
@@ -222,11 +235,17 @@ pub struct Transform {
 /// The jerk maximum that stands for "100 % of time" at full speed and full rate: `rate² / speed`
 /// (axis-and-data-types.md §9.2), u/s³; what an absent jerk maximum is.
 pub fn default_jerk(speed: f64, rate: f64) -> f64 {
-    if speed > 0.0 { rate * rate / speed } else { 0.0 }
+    if speed > 0.0 {
+        rate * rate / speed
+    } else {
+        0.0
+    }
 }
 
 fn place<'a>(mut names: impl Iterator<Item = &'a str>, name: &str) -> Option<u16> {
-    names.position(|other| other.eq_ignore_ascii_case(name)).and_then(|place| u16::try_from(place).ok())
+    names
+        .position(|other| other.eq_ignore_ascii_case(name))
+        .and_then(|place| u16::try_from(place).ok())
 }
 
 #[cfg(test)]
@@ -240,7 +259,11 @@ mod tests {
             group: "Motion".into(),
             axes: vec![],
             systems: vec![],
-            transforms: vec![Transform { name: "T1".into(), source: 0, target: 1 }],
+            transforms: vec![Transform {
+                name: "T1".into(),
+                source: 0,
+                target: 1,
+            }],
         };
         assert_eq!(machine.transform("t1"), Some(0));
         assert_eq!(machine.transform("t2"), None);

@@ -136,7 +136,10 @@ impl Interpreter {
         });
         result.map_err(|problem| {
             self.pending = Pending::Ended;
-            RuntimeError { line: self.line(), problem }
+            RuntimeError {
+                line: self.line(),
+                problem,
+            }
         })
     }
 
@@ -144,7 +147,9 @@ impl Interpreter {
     fn accept(&mut self, answer: Answer) -> Result<Option<Request>, RuntimeProblem> {
         let pending = std::mem::replace(&mut self.pending, Pending::Ended);
         match (pending, answer) {
-            (Pending::Start, Answer::Start) | (Pending::Write | Pending::Call(_), Answer::Done) => Ok(None),
+            (Pending::Start, Answer::Start) | (Pending::Write | Pending::Call(_), Answer::Done) => {
+                Ok(None)
+            }
             (Pending::Value, Answer::Value(Value::Bool(truth))) => {
                 self.stack.push(Cell::Bool(truth));
                 Ok(None)
@@ -171,7 +176,9 @@ impl Interpreter {
                 Ok(Some(Request::Call(call)))
             }
             (Pending::Ended, _) => Ok(Some(Request::End)),
-            (pending, _) => Err(RuntimeProblem::Answer { asked: pending.name() }),
+            (pending, _) => Err(RuntimeProblem::Answer {
+                asked: pending.name(),
+            }),
         }
     }
 
@@ -243,7 +250,11 @@ impl Interpreter {
                     if step == 0.0 || step.is_nan() {
                         return Err(RuntimeProblem::Step { step });
                     }
-                    let goes_on = if step > 0.0 { value <= limit } else { value >= limit };
+                    let goes_on = if step > 0.0 {
+                        value <= limit
+                    } else {
+                        value >= limit
+                    };
                     self.stack.push(Cell::Bool(goes_on));
                 }
                 Op::Tick => return Ok(self.ask(Pending::Time, Request::NextTick)),
@@ -258,7 +269,9 @@ impl Interpreter {
                     let number = self.pop_number()?;
                     self.given.push(Given::Number(number));
                 }
-                Op::GiveWord(word) => self.given.push(Given::Word(self.program.words[word as usize].clone())),
+                Op::GiveWord(word) => self
+                    .given
+                    .push(Given::Word(self.program.words[word as usize].clone())),
                 Op::GiveName(path) => {
                     let path = self.path(path)?;
                     self.given.push(Given::Name(path.to_string()));
@@ -303,13 +316,18 @@ impl Interpreter {
     }
 
     fn variable_of(&self, path: u32) -> Option<usize> {
-        self.program.paths[path as usize].variable.map(|variable| variable as usize)
+        self.program.paths[path as usize]
+            .variable
+            .map(|variable| variable as usize)
     }
 
     /// The path with its computed indices, which are popped.
     fn path(&mut self, path: u32) -> Result<TagPath, RuntimeProblem> {
         let path = &self.program.paths[path as usize];
-        let mut computed = self.stack.split_off(self.stack.len() - path.computed()).into_iter();
+        let mut computed = self
+            .stack
+            .split_off(self.stack.len() - path.computed())
+            .into_iter();
         let mut segments = Vec::with_capacity(path.parts.len());
         for part in &path.parts {
             segments.push(match part {
@@ -327,7 +345,9 @@ impl Interpreter {
     }
 
     fn pop(&mut self) -> Cell {
-        self.stack.pop().expect("every operation finds what the parser had pushed")
+        self.stack
+            .pop()
+            .expect("every operation finds what the parser had pushed")
     }
 
     fn pop_number(&mut self) -> Result<f64, RuntimeProblem> {
@@ -382,7 +402,8 @@ impl Cell {
 
 fn binary(operator: Binary, left: Cell, right: Cell) -> Result<Cell, RuntimeProblem> {
     let number = |of: fn(f64, f64) -> f64| Ok(Cell::Number(of(left.number()?, right.number()?)));
-    let comparison = |of: fn(&f64, &f64) -> bool| Ok(Cell::Bool(of(&left.comparable(), &right.comparable())));
+    let comparison =
+        |of: fn(&f64, &f64) -> bool| Ok(Cell::Bool(of(&left.comparable(), &right.comparable())));
     let logic = |bits: fn(i64, i64) -> i64, truth: fn(bool, bool) -> bool| match (left, right) {
         (Cell::Number(left), Cell::Number(right)) => {
             Ok(Cell::Number(bits(integer(left)?, integer(right)?) as f64))
@@ -408,6 +429,8 @@ fn binary(operator: Binary, left: Cell, right: Cell) -> Result<Cell, RuntimeProb
 }
 
 fn integer(number: f64) -> Result<i64, RuntimeProblem> {
-    let whole = Value::Lreal(number).to_integer().filter(|_| number.fract() == 0.0);
+    let whole = Value::Lreal(number)
+        .to_integer()
+        .filter(|_| number.fract() == 0.0);
     whole.ok_or(RuntimeProblem::NotAnInteger { value: number })
 }

@@ -56,7 +56,11 @@ pub(crate) struct Lexer<'t> {
 
 impl<'t> Lexer<'t> {
     pub(crate) fn new(text: &'t str) -> Self {
-        Self { text, at: 0, line: 1 }
+        Self {
+            text,
+            at: 0,
+            line: 1,
+        }
     }
 
     /// The next token; behind the last one, [`Kind::End`] for good.
@@ -77,13 +81,22 @@ impl<'t> Lexer<'t> {
                 return Ok(self.token(Kind::Sign, sign.len()));
             }
         }
-        Err(SyntaxError::new(self.text, self.at, SyntaxProblem::Character { found: first }))
+        Err(SyntaxError::new(
+            self.text,
+            self.at,
+            SyntaxProblem::Character { found: first },
+        ))
     }
 
     fn token(&mut self, kind: Kind, length: usize) -> Token<'t> {
         let offset = self.at;
         self.at += length;
-        Token { kind, text: &self.text[offset..self.at], offset, line: self.line }
+        Token {
+            kind,
+            text: &self.text[offset..self.at],
+            offset,
+            line: self.line,
+        }
     }
 
     fn skip_blanks(&mut self) -> Result<(), SyntaxError> {
@@ -94,16 +107,21 @@ impl<'t> Lexer<'t> {
                 blank
             } else if rest.starts_with("//") {
                 rest.find('\n').unwrap_or(rest.len())
-            } else if rest.starts_with("(*") {
-                let end = rest[2..].find("*)");
+            } else if let Some(comment) = rest.strip_prefix("(*") {
                 let problem = SyntaxProblem::OpenComment;
-                end.ok_or_else(|| SyntaxError::new(self.text, self.at, problem))? + 4
+                comment
+                    .find("*)")
+                    .ok_or_else(|| SyntaxError::new(self.text, self.at, problem))?
+                    + 4
             } else if rest.starts_with('\u{feff}') && self.at == 0 {
                 '\u{feff}'.len_utf8()
             } else {
                 return Ok(());
             };
-            self.line += rest.as_bytes()[..skip].iter().map(|byte| u32::from(*byte == b'\n')).sum::<u32>();
+            self.line += rest.as_bytes()[..skip]
+                .iter()
+                .map(|byte| u32::from(*byte == b'\n'))
+                .sum::<u32>();
             self.at += skip;
         }
     }
@@ -111,7 +129,8 @@ impl<'t> Lexer<'t> {
 
 /// Longer signs first.
 const SIGNS: &[&str] = &[
-    ":=", "<>", "<=", ">=", "=", "<", ">", "+", "-", "*", "/", "&", "(", ")", "[", "]", ",", ";", ".", "%",
+    ":=", "<>", "<=", ">=", "=", "<", ">", "+", "-", "*", "/", "&", "(", ")", "[", "]", ",", ";",
+    ".", "%",
 ];
 
 fn name_length(text: &str) -> usize {
@@ -133,12 +152,20 @@ fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits = |from: usize| {
         let rest = bytes.get(from..).unwrap_or_default();
-        from + rest.iter().take_while(|byte| byte.is_ascii_digit() || **byte == b'_').count()
+        from + rest
+            .iter()
+            .take_while(|byte| byte.is_ascii_digit() || **byte == b'_')
+            .count()
     };
     let mut end = digits(0);
     if bytes.get(end) == Some(&b'#') {
         let rest = bytes.get(end + 1..).unwrap_or_default();
-        return end + 1 + rest.iter().take_while(|byte| byte.is_ascii_alphanumeric() || **byte == b'_').count();
+        return end
+            + 1
+            + rest
+                .iter()
+                .take_while(|byte| byte.is_ascii_alphanumeric() || **byte == b'_')
+                .count();
     }
     if bytes.get(end) == Some(&b'.') {
         end = digits(end + 1);
@@ -157,9 +184,14 @@ pub(crate) fn number(text: &str) -> Option<f64> {
     let plain: String = text.chars().filter(|c| *c != '_').collect();
     match plain.split_once('#') {
         Some((radix, digits)) => {
-            let radix: u32 = radix.parse().ok().filter(|radix| matches!(radix, 2 | 8 | 10 | 16))?;
+            let radix: u32 = radix
+                .parse()
+                .ok()
+                .filter(|radix| matches!(radix, 2 | 8 | 10 | 16))?;
             // IEC 61131-3 writes bit patterns this way, so 64 bits are the most there can be.
-            u64::from_str_radix(digits, radix).ok().map(|whole| whole as f64)
+            u64::from_str_radix(digits, radix)
+                .ok()
+                .map(|whole| whole as f64)
         }
         None => plain.parse().ok().filter(|number: &f64| number.is_finite()),
     }

@@ -24,7 +24,10 @@ pub(crate) fn program(text: &str) -> Result<Program, SyntaxError> {
 /// Reads one call, with or without `;`.
 pub(crate) fn call(text: &str) -> Result<Program, SyntaxError> {
     let mut parser = Parser::new(text)?;
-    let name = parser.expect_kind(Kind::Name, "an instruction call such as MCS(CS1, Stop1, All)")?;
+    let name = parser.expect_kind(
+        Kind::Name,
+        "an instruction call such as MCS(CS1, Stop1, All)",
+    )?;
     parser.call(name)?;
     if parser.peek.is(";") {
         parser.advance()?;
@@ -58,12 +61,28 @@ enum Shape {
 impl<'t> Parser<'t> {
     fn new(text: &'t str) -> Result<Self, SyntaxError> {
         if text.len() > MAX_TEXT {
-            return Err(SyntaxError::new("", 0, SyntaxProblem::TooLarge { limit: MAX_TEXT, unit: "bytes" }));
+            return Err(SyntaxError::new(
+                "",
+                0,
+                SyntaxProblem::TooLarge {
+                    limit: MAX_TEXT,
+                    unit: "bytes",
+                },
+            ));
         }
         let mut lexer = Lexer::new(text);
         let peek = lexer.next()?;
         let program = Program::empty(text);
-        Ok(Self { text, lexer, peek, last_end: 0, depth: 0, loops: Vec::new(), word: None, program })
+        Ok(Self {
+            text,
+            lexer,
+            peek,
+            last_end: 0,
+            depth: 0,
+            loops: Vec::new(),
+            word: None,
+            program,
+        })
     }
 
     fn finish(mut self) -> Program {
@@ -78,7 +97,9 @@ impl<'t> Parser<'t> {
         self.deeper()?;
         loop {
             let token = self.peek;
-            if token.kind == Kind::End && ends.is_empty() || ends.iter().any(|end| token.is_word(end)) {
+            if token.kind == Kind::End && ends.is_empty()
+                || ends.iter().any(|end| token.is_word(end))
+            {
                 break;
             }
             if token.is(";") {
@@ -107,7 +128,7 @@ impl<'t> Parser<'t> {
                 self.advance()?;
                 let jump = self.program.ops.len();
                 let Some(exits) = self.loops.last_mut() else {
-                    return Err(self.unexpected(&token, "EXIT only within FOR, WHILE or REPEAT"));
+                    return Err(self.unexpected(&token, "it only within FOR, WHILE or REPEAT"));
                 };
                 exits.push(jump);
                 self.emit(Op::Jump(0));
@@ -136,7 +157,11 @@ impl<'t> Parser<'t> {
             Some(_) => Err(self.unexpected(&token, block_expected(ends))),
             None => {
                 self.advance()?;
-                if self.peek.is("(") { self.call(token) } else { self.assignment(token) }
+                if self.peek.is("(") {
+                    self.call(token)
+                } else {
+                    self.assignment(token)
+                }
             }
         }
     }
@@ -267,7 +292,10 @@ impl<'t> Parser<'t> {
             let known = Mnemonic::ALL.iter().map(ToString::to_string);
             let suggestion = nearest(name.text, known);
             let name_text = name.text.chars().take(60).collect();
-            let problem = SyntaxProblem::UnknownInstruction { name: name_text, suggestion };
+            let problem = SyntaxProblem::UnknownInstruction {
+                name: name_text,
+                suggestion,
+            };
             return Err(self.error(name.offset, problem));
         };
         self.expect("(", "`(` behind the instruction")?;
@@ -286,29 +314,43 @@ impl<'t> Parser<'t> {
         loop {
             let start = self.peek;
             let Some(operand) = operands.get(place) else {
-                let problem = SyntaxProblem::TooManyOperands { mnemonic, limit: operands.len() };
+                let problem = SyntaxProblem::TooManyOperands {
+                    mnemonic,
+                    limit: operands.len(),
+                };
                 return Err(self.error(start.offset, problem));
             };
             match &operand.kind {
                 OperandKind::Target(object) => {
                     let token = self.expect_kind(Kind::Name, object_name(*object))?;
-                    self.uses(token.offset, Meaning::Object(*object, token.text.to_owned()));
+                    self.uses(
+                        token.offset,
+                        Meaning::Object(*object, token.text.to_owned()),
+                    );
                     statement.target = token.text.to_owned();
                 }
                 OperandKind::MotionControl => {
-                    let token = self.expect_kind(Kind::Name, "the name of the motion control tag")?;
+                    let token =
+                        self.expect_kind(Kind::Name, "the name of the motion control tag")?;
                     let path = self.path(token)?;
                     if self.program.paths[path as usize].computed() > 0 {
-                        return Err(self.unexpected(&token, "a motion control tag without computed index"));
+                        return Err(
+                            self.unexpected(&token, "a motion control tag without computed index")
+                        );
                     }
                     self.uses(token.offset, Meaning::Control(path));
-                    statement.control = Some(self.program.paths[path as usize].sample().to_string());
+                    statement.control =
+                        Some(self.program.paths[path as usize].sample().to_string());
                 }
                 kind => self.operand(mnemonic, place, kind)?,
             }
             statement.operands.push(OperandText {
                 name: operand.name,
-                text: self.text.get(start.offset..self.last_end).unwrap_or_default().to_owned(),
+                text: self
+                    .text
+                    .get(start.offset..self.last_end)
+                    .unwrap_or_default()
+                    .to_owned(),
                 offset: start.offset,
             });
             place += 1;
@@ -325,19 +367,34 @@ impl<'t> Parser<'t> {
         Ok(())
     }
 
-    fn operand(&mut self, mnemonic: Mnemonic, place: usize, kind: &'static OperandKind) -> Result<(), SyntaxError> {
+    fn operand(
+        &mut self,
+        mnemonic: Mnemonic,
+        place: usize,
+        kind: &'static OperandKind,
+    ) -> Result<(), SyntaxError> {
         match kind {
             OperandKind::Word(words) => return self.word_operand(mnemonic, place, words),
             OperandKind::Reference(object) if self.peek.kind == Kind::Name => {
                 let token = self.peek;
                 self.advance()?;
-                self.uses(token.offset, Meaning::Object(*object, token.text.to_owned()));
-                let path = self.add_path(vec![Part::Fixed(PathSegment::Symbol(token.text.to_owned()))], token);
+                self.uses(
+                    token.offset,
+                    Meaning::Object(*object, token.text.to_owned()),
+                );
+                let path = self.add_path(
+                    vec![Part::Fixed(PathSegment::Symbol(token.text.to_owned()))],
+                    token,
+                );
                 self.emit(Op::GiveName(path));
                 return Ok(());
             }
-            OperandKind::Array(_) | OperandKind::ArrayOrNone if self.peek.is("[") => return self.array(),
-            OperandKind::ArrayOrNone | OperandKind::WrittenArray(_) if self.peek.is_word("None") => {
+            OperandKind::Array(_) | OperandKind::ArrayOrNone if self.peek.is("[") => {
+                return self.array();
+            }
+            OperandKind::ArrayOrNone | OperandKind::WrittenArray(_)
+                if self.peek.is_word("None") =>
+            {
                 self.advance()?;
                 self.emit(Op::Number(0.0));
                 self.emit(Op::GiveNumber);
@@ -348,7 +405,9 @@ impl<'t> Parser<'t> {
         let start = self.peek;
         let shape = self.expression()?;
         let op = match (kind, shape) {
-            (OperandKind::Array(_) | OperandKind::ArrayOrNone, Shape::Path(path)) => Op::GiveRead(path),
+            (OperandKind::Array(_) | OperandKind::ArrayOrNone, Shape::Path(path)) => {
+                Op::GiveRead(path)
+            }
             (OperandKind::WrittenArray(_) | OperandKind::Structure(_), Shape::Path(path)) => {
                 // The instruction writes or keeps the tag itself: a variable of the program does not do.
                 self.program.uses.pop();
@@ -385,7 +444,12 @@ impl<'t> Parser<'t> {
     }
 
     /// An enumeration word in any spelling; what is none is an expression.
-    fn word_operand(&mut self, mnemonic: Mnemonic, place: usize, words: &'static Words) -> Result<(), SyntaxError> {
+    fn word_operand(
+        &mut self,
+        mnemonic: Mnemonic,
+        place: usize,
+        words: &'static Words,
+    ) -> Result<(), SyntaxError> {
         /// `% of Time Master Driven` is the longest word there is, in tokens.
         const LONGEST: usize = 8;
         let start = self.peek;
@@ -393,14 +457,20 @@ impl<'t> Parser<'t> {
         let mut text = String::new();
         let mut count = 0;
         while count <= LONGEST
-            && (matches!(token.kind, Kind::Name | Kind::Number) || ["%", "-", "/"].iter().any(|sign| token.is(sign)))
+            && (matches!(token.kind, Kind::Name | Kind::Number)
+                || ["%", "-", "/"].iter().any(|sign| token.is(sign)))
         {
             text.push_str(token.text);
             count += 1;
             token = lexer.next()?;
         }
         let named = text.contains(|c: char| c.is_ascii_alphabetic());
-        let context = WordPlace { mnemonic, place, text: text.chars().take(60).collect(), offset: start.offset };
+        let context = WordPlace {
+            mnemonic,
+            place,
+            text: text.chars().take(60).collect(),
+            offset: start.offset,
+        };
         if named && (token.is(",") || token.is(")")) && words.parse_word(&text).is_some() {
             for _ in 0..count {
                 self.advance()?;
@@ -509,9 +579,15 @@ impl<'t> Parser<'t> {
                     Kind::Name => PathSegment::Symbol(token.text.to_owned()),
                     Kind::Number => {
                         let bit = token.text.parse().ok().filter(|bit| *bit < 64);
-                        PathSegment::Bit(bit.ok_or_else(|| self.unexpected(&token, "a bit from 0 to 63"))?)
+                        PathSegment::Bit(
+                            bit.ok_or_else(|| self.unexpected(&token, "a bit from 0 to 63"))?,
+                        )
                     }
-                    _ => return Err(self.unexpected(&token, "the name of a member or the number of a bit")),
+                    _ => {
+                        return Err(
+                            self.unexpected(&token, "the name of a member or the number of a bit")
+                        );
+                    }
                 }));
             } else if self.peek.is("[") {
                 self.advance()?;
@@ -528,11 +604,20 @@ impl<'t> Parser<'t> {
                 break;
             }
             if parts.len() > TagPath::MAX_SEGMENTS {
-                return Err(self.error(name.offset, SyntaxProblem::Path { error: PathError::TooManySegments }));
+                return Err(self.error(
+                    name.offset,
+                    SyntaxProblem::Path {
+                        error: PathError::TooManySegments,
+                    },
+                ));
             }
         }
-        if self.last_end - name.offset > 4 * TagPath::MAX_LENGTH || name.text.len() > TagPath::MAX_LENGTH {
-            let error = PathError::TooLong { length: self.last_end - name.offset };
+        if self.last_end - name.offset > 4 * TagPath::MAX_LENGTH
+            || name.text.len() > TagPath::MAX_LENGTH
+        {
+            let error = PathError::TooLong {
+                length: self.last_end - name.offset,
+            };
             return Err(self.error(name.offset, SyntaxProblem::Path { error }));
         }
         Ok(self.add_path(parts, name))
@@ -549,7 +634,8 @@ impl<'t> Parser<'t> {
         match self.program.ops[before..] {
             [Op::Number(value)] => {
                 self.program.ops.pop();
-                let index = if value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value) {
+                let index = if value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value)
+                {
                     value as u32
                 } else {
                     return Err(self.unexpected(&token, "a whole number, 0 or more"));
@@ -564,7 +650,11 @@ impl<'t> Parser<'t> {
 
     fn add_path(&mut self, parts: Vec<Part>, name: Token<'t>) -> u32 {
         let place = place_of(self.program.paths.len());
-        self.program.paths.push(Path { parts, offset: name.offset, variable: None });
+        self.program.paths.push(Path {
+            parts,
+            offset: name.offset,
+            variable: None,
+        });
         place
     }
 
@@ -575,7 +665,11 @@ impl<'t> Parser<'t> {
 
     fn uses(&mut self, offset: usize, meaning: Meaning) {
         let word = self.word.clone();
-        self.program.uses.push(Use { offset, meaning, word });
+        self.program.uses.push(Use {
+            offset,
+            meaning,
+            word,
+        });
     }
 
     fn emit(&mut self, op: Op) -> usize {
@@ -599,14 +693,18 @@ impl<'t> Parser<'t> {
     fn deeper(&mut self) -> Result<(), SyntaxError> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
-            return Err(self.error(self.peek.offset, SyntaxProblem::TooDeep { limit: MAX_DEPTH }));
+            return Err(self.error(
+                self.peek.offset,
+                SyntaxProblem::TooDeep { limit: MAX_DEPTH },
+            ));
         }
         Ok(())
     }
 
     fn number(&self, token: &Token<'_>) -> Result<f64, SyntaxError> {
         let found = || token.text.chars().take(60).collect();
-        number(token.text).ok_or_else(|| self.error(token.offset, SyntaxProblem::Number { found: found() }))
+        number(token.text)
+            .ok_or_else(|| self.error(token.offset, SyntaxProblem::Number { found: found() }))
     }
 
     fn advance(&mut self) -> Result<(), SyntaxError> {
@@ -629,7 +727,11 @@ impl<'t> Parser<'t> {
         self.advance()
     }
 
-    fn expect_kind(&mut self, kind: Kind, expected: &'static str) -> Result<Token<'t>, SyntaxError> {
+    fn expect_kind(
+        &mut self,
+        kind: Kind,
+        expected: &'static str,
+    ) -> Result<Token<'t>, SyntaxError> {
         let token = self.peek;
         if token.kind != kind {
             return Err(self.unexpected(&token, expected));
@@ -639,7 +741,13 @@ impl<'t> Parser<'t> {
     }
 
     fn unexpected(&self, token: &Token<'_>, expected: &'static str) -> SyntaxError {
-        self.error(token.offset, SyntaxProblem::Unexpected { found: token.quoted(), expected })
+        self.error(
+            token.offset,
+            SyntaxProblem::Unexpected {
+                found: token.quoted(),
+                expected,
+            },
+        )
     }
 
     fn error(&self, offset: usize, problem: SyntaxProblem) -> SyntaxError {
@@ -648,7 +756,11 @@ impl<'t> Parser<'t> {
 }
 
 /// The error of a word that an operand does not have. `tags`: names that could stand there too.
-pub(crate) fn unknown_word(text: &str, word: &WordPlace, tags: impl Iterator<Item = String>) -> SyntaxError {
+pub(crate) fn unknown_word(
+    text: &str,
+    word: &WordPlace,
+    tags: impl Iterator<Item = String>,
+) -> SyntaxError {
     let operand = word.mnemonic.instruction().operands.get(word.place);
     let words = match operand.map(|operand| &operand.kind) {
         Some(OperandKind::Word(words)) => words.words,
@@ -674,7 +786,10 @@ pub(crate) fn object_name(object: Object) -> &'static str {
 
 /// The keyword in upper case, when the name is one.
 fn keyword(text: &str) -> Option<&'static str> {
-    KEYWORDS.iter().copied().find(|keyword| keyword.eq_ignore_ascii_case(text))
+    KEYWORDS
+        .iter()
+        .copied()
+        .find(|keyword| keyword.eq_ignore_ascii_case(text))
 }
 
 /// The operator and how tightly it binds (IEC 61131-3, table of operators).
@@ -722,6 +837,29 @@ const OPERATORS: &[(&str, Binary, u8)] = &[
 ];
 
 const KEYWORDS: &[&str] = &[
-    "IF", "THEN", "ELSIF", "ELSE", "END_IF", "FOR", "TO", "BY", "DO", "END_FOR", "WHILE", "END_WHILE", "REPEAT",
-    "UNTIL", "END_REPEAT", "EXIT", "WAIT", "DELAY", "AND", "OR", "XOR", "NOT", "MOD", "TRUE", "FALSE",
+    "IF",
+    "THEN",
+    "ELSIF",
+    "ELSE",
+    "END_IF",
+    "FOR",
+    "TO",
+    "BY",
+    "DO",
+    "END_FOR",
+    "WHILE",
+    "END_WHILE",
+    "REPEAT",
+    "UNTIL",
+    "END_REPEAT",
+    "EXIT",
+    "WAIT",
+    "DELAY",
+    "AND",
+    "OR",
+    "XOR",
+    "NOT",
+    "MOD",
+    "TRUE",
+    "FALSE",
 ];

@@ -118,7 +118,7 @@ impl Program {
         Ok(())
     }
 
-    /// Reads what has been read before: nothing.
+    /// A program of that text without any operation: what the parser begins with.
     pub(crate) fn empty(text: &str) -> Self {
         Self {
             text: text.to_owned(),
@@ -134,10 +134,17 @@ impl Program {
     fn find_variables(&mut self, names: &dyn Names, controls: &BTreeSet<String>) {
         let mut variables: BTreeMap<String, u32> = BTreeMap::new();
         for one in &self.uses {
-            let Meaning::Assigned(path) = one.meaning else { continue };
+            let Meaning::Assigned(path) = one.meaning else {
+                continue;
+            };
             let path = &self.paths[path as usize];
-            let Some(name) = path.plain_name().map(str::to_ascii_lowercase) else { continue };
-            if variables.contains_key(&name) || controls.contains(&name) || names.is_tag(&path.sample()) {
+            let Some(name) = path.plain_name().map(str::to_ascii_lowercase) else {
+                continue;
+            };
+            if variables.contains_key(&name)
+                || controls.contains(&name)
+                || names.is_tag(&path.sample())
+            {
                 continue;
             }
             variables.insert(name, self.variables);
@@ -163,7 +170,11 @@ impl Program {
                 }
                 let suggestion = nearest(name, names.objects(*object));
                 let name = name.chars().take(60).collect();
-                return error(SyntaxProblem::UnknownObject { what: object.name(), name, suggestion });
+                return error(SyntaxProblem::UnknownObject {
+                    what: object.name(),
+                    name,
+                    suggestion,
+                });
             }
             Meaning::Control(path) => {
                 let path = &self.paths[*path as usize];
@@ -176,7 +187,10 @@ impl Program {
             Meaning::Read(path) | Meaning::Assigned(path) => (&self.paths[*path as usize], true),
         };
         let sample = path.sample();
-        if may_be_variable && path.variable.is_some() || names.is_tag(&sample) || is_control(&sample, controls) {
+        if may_be_variable && path.variable.is_some()
+            || names.is_tag(&sample)
+            || is_control(&sample, controls)
+        {
             return Ok(());
         }
         if let Some(word) = &one.word {
@@ -184,17 +198,31 @@ impl Program {
         }
         let variables = self.paths.iter().filter(|path| path.variable.is_some());
         let variables = variables.filter_map(|path| path.plain_name().map(str::to_owned));
-        let known = names.tags().into_iter().chain(variables).chain(self.control_tags().map(str::to_owned));
+        let known = names
+            .tags()
+            .into_iter()
+            .chain(variables)
+            .chain(self.control_tags().map(str::to_owned));
         let suggestion = nearest(sample.tag().unwrap_or_default(), known)
             // The tag is there, its member is not: its own name would be no help.
-            .filter(|name| !sample.tag().is_some_and(|tag| tag.eq_ignore_ascii_case(name)));
-        error(SyntaxProblem::UnknownTag { path: sample.to_string(), suggestion })
+            .filter(|name| {
+                !sample
+                    .tag()
+                    .is_some_and(|tag| tag.eq_ignore_ascii_case(name))
+            });
+        error(SyntaxProblem::UnknownTag {
+            path: sample.to_string(),
+            suggestion,
+        })
     }
 }
 
 /// Whether the path leads to a member of a motion control tag that the program makes.
 fn is_control(path: &TagPath, controls: &BTreeSet<String>) -> bool {
-    path.tag().is_some_and(|tag| controls.contains(&tag.to_ascii_lowercase()))
+    path.tag()
+        .is_some_and(|tag| controls.contains(&tag.to_ascii_lowercase()))
         && !path.rest().is_empty()
-        && TagType::scalar(predefined::motion_instruction()).locate(path.rest()).is_ok()
+        && TagType::scalar(predefined::motion_instruction())
+            .locate(path.rest())
+            .is_ok()
 }

@@ -13,11 +13,16 @@ struct Machine;
 
 impl Names for Machine {
     fn is_object(&self, object: Object, name: &str) -> bool {
-        self.objects(object).iter().any(|known| known.eq_ignore_ascii_case(name))
+        self.objects(object)
+            .iter()
+            .any(|known| known.eq_ignore_ascii_case(name))
     }
 
     fn is_tag(&self, path: &TagPath) -> bool {
-        self.tags().iter().any(|known| path.tag().is_some_and(|tag| tag.eq_ignore_ascii_case(known)))
+        self.tags().iter().any(|known| {
+            path.tag()
+                .is_some_and(|tag| tag.eq_ignore_ascii_case(known))
+        })
     }
 
     fn objects(&self, object: Object) -> Vec<String> {
@@ -30,16 +35,22 @@ impl Names for Machine {
     }
 
     fn tags(&self) -> Vec<String> {
-        ["X", "Y", "S", "CS1", "Move1", "Recipe", "Count", "Flag"].map(str::to_owned).to_vec()
+        ["X", "Y", "S", "CS1", "Move1", "Recipe", "Count", "Flag"]
+            .map(str::to_owned)
+            .to_vec()
     }
 }
 
 /// Answers a program from a table of numbers and prints what it asks for, one line a request.
 fn trace(text: &str, tags: &[(&str, f64)], limit: usize) -> String {
     let mut program = Program::parse(text).unwrap_or_else(|error| panic!("{error}"));
-    program.check(&Machine).unwrap_or_else(|error| panic!("{error}"));
-    let mut tags: BTreeMap<String, f64> =
-        tags.iter().map(|(name, value)| (name.to_ascii_lowercase(), *value)).collect();
+    program
+        .check(&Machine)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let mut tags: BTreeMap<String, f64> = tags
+        .iter()
+        .map(|(name, value)| (name.to_ascii_lowercase(), *value))
+        .collect();
     let mut interpreter = Interpreter::new(program);
     let mut answer = Answer::Start;
     let mut out = String::new();
@@ -71,8 +82,14 @@ fn trace(text: &str, tags: &[(&str, f64)], limit: usize) -> String {
             Request::Call(call) => {
                 let given: Vec<String> = call.given.iter().map(ToString::to_string).collect();
                 let control = call.control.unwrap_or_default();
-                let _ =
-                    writeln!(out, "{} {} {control}: {} @{}", call.mnemonic, call.target, given.join(" "), call.line);
+                let _ = writeln!(
+                    out,
+                    "{} {} {control}: {} @{}",
+                    call.mnemonic,
+                    call.target,
+                    given.join(" "),
+                    call.line
+                );
                 Answer::Done
             }
             Request::NextTick => {
@@ -95,7 +112,10 @@ fn trace(text: &str, tags: &[(&str, f64)], limit: usize) -> String {
 /// The value that an expression has.
 fn value(expression: &str) -> String {
     let out = trace(&format!("Recipe := {expression};"), &[("Count", 7.0)], 100);
-    out.lines().next().unwrap_or_default().replace("Recipe := ", "")
+    out.lines()
+        .next()
+        .unwrap_or_default()
+        .replace("Recipe := ", "")
 }
 
 #[test]
@@ -167,7 +187,11 @@ fn programs_ask_in_order() {
     ];
     for (why, text, expected) in cases {
         let limit = if why.starts_with("WAIT") { 6 } else { 100 };
-        assert_eq!(trace(text, &[("Count", 7.0)], limit), expected, "{why}: {text}");
+        assert_eq!(
+            trace(text, &[("Count", 7.0)], limit),
+            expected,
+            "{why}: {text}"
+        );
     }
 }
 
@@ -193,7 +217,7 @@ fn errors_have_a_place() {
         ("a keyword is no name", "IF := 1;", "line 1, column 4: found `:=`, expected a number, a tag or `(`"),
         ("IF has no end", "IF TRUE THEN a := 1;", "line 1, column 21: found the end of the program, expected a statement, ELSIF, ELSE or END_IF"),
         ("an end without beginning", "END_IF;", "line 1, column 1: found `END_IF`, expected a statement"),
-        ("EXIT outside of a loop", "EXIT;", "line 1, column 1: found `EXIT`, expected EXIT only within FOR, WHILE or REPEAT"),
+        ("EXIT outside of a loop", "EXIT;", "line 1, column 1: found `EXIT`, expected it only within FOR, WHILE or REPEAT"),
         ("a number too large", "Count := 1e999;", "line 1, column 10: `1e999` is not a number that can be read"),
         ("a bit too far", "Count := Count.64;", "line 1, column 16: found `64`, expected a bit from 0 to 63"),
         ("an operand is missing", "MCLM(CS1, M1, , 1);", "line 1, column 15: found `,`, expected a number, a tag or `(`"),
@@ -202,7 +226,10 @@ fn errors_have_a_place() {
         let result = Program::parse(text).and_then(|mut program| program.check(&Machine));
         let error = result.expect_err(why).to_string();
         let first = error.lines().next().unwrap_or_default();
-        assert!(first.starts_with(expected), "{why}: {text}\n   found {first}\nexpected {expected}");
+        assert!(
+            first.starts_with(expected),
+            "{why}: {text}\n   found {first}\nexpected {expected}"
+        );
     }
 }
 
@@ -242,7 +269,9 @@ fn a_full_queue_repeats_the_call() {
     program.check(&Machine).expect("known names");
     let mut interpreter = Interpreter::new(program);
     let first = interpreter.resume(Answer::Start).expect("the call");
-    let Request::Call(call) = &first else { panic!("a call, not {first:?}") };
+    let Request::Call(call) = &first else {
+        panic!("a call, not {first:?}")
+    };
     assert_eq!(call.given[1], Given::Array(vec![5.0, 0.0, 0.0]));
     assert_eq!(interpreter.resume(Answer::QueueFull), Ok(Request::NextTick));
     assert_eq!(interpreter.resume(Answer::Done), Ok(first.clone()));
@@ -256,20 +285,38 @@ fn a_full_queue_repeats_the_call() {
 #[test]
 fn a_wrong_answer_is_the_drivers_fault() {
     let mut interpreter = Interpreter::new(Program::parse("DELAY(1);").expect("a delay"));
-    let error = interpreter.resume(Answer::Done).expect_err("nothing was asked");
-    assert_eq!(error.problem, RuntimeProblem::Answer { asked: "nothing yet" });
+    let error = interpreter
+        .resume(Answer::Done)
+        .expect_err("nothing was asked");
+    assert_eq!(
+        error.problem,
+        RuntimeProblem::Answer {
+            asked: "nothing yet"
+        }
+    );
     assert_eq!(interpreter.resume(Answer::Start), Ok(Request::End));
 }
 
 #[test]
 fn calls_are_listed() {
-    let program = Program::parse("MSO(x, m1);\n  MCS (CS1, S1, All, No);mso(Y, M1);").expect("calls");
+    let program =
+        Program::parse("MSO(x, m1);\n  MCS (CS1, S1, All, No);mso(Y, M1);").expect("calls");
     let calls: Vec<_> = program.calls().collect();
     assert_eq!(calls.len(), 3);
-    assert_eq!((calls[1].target.as_str(), calls[1].control.as_deref()), ("CS1", Some("S1")));
+    assert_eq!(
+        (calls[1].target.as_str(), calls[1].control.as_deref()),
+        ("CS1", Some("S1"))
+    );
     assert_eq!((calls[1].line, calls[1].column), (2, 3));
-    let operands: Vec<_> = calls[1].operands.iter().map(|operand| (operand.name, operand.text.as_str())).collect();
-    assert_eq!(operands[2..], [("Stop Type", "All"), ("Change Decel", "No")]);
+    let operands: Vec<_> = calls[1]
+        .operands
+        .iter()
+        .map(|operand| (operand.name, operand.text.as_str()))
+        .collect();
+    assert_eq!(
+        operands[2..],
+        [("Stop Type", "All"), ("Change Decel", "No")]
+    );
     assert_eq!(program.control_tags().collect::<Vec<_>>(), ["m1", "S1"]);
 }
 
@@ -294,7 +341,8 @@ fn the_seeds_lines() {
             true
         }
         fn is_tag(&self, path: &TagPath) -> bool {
-            path.tag().is_some_and(|tag| tag.to_ascii_lowercase().starts_with("my"))
+            path.tag()
+                .is_some_and(|tag| tag.to_ascii_lowercase().starts_with("my"))
         }
     }
     let lines = [
@@ -303,7 +351,9 @@ fn the_seeds_lines() {
         "MCS (myMcsCoordinateSystem, myMcsMotionControl, All, Yes, myMcsDecelRate, Unitspersec2, Yes, 100.0, % of Time);",
     ];
     let mut program = Program::parse(&lines.join("\n")).unwrap_or_else(|error| panic!("{error}"));
-    program.check(&Anything).unwrap_or_else(|error| panic!("{error}"));
+    program
+        .check(&Anything)
+        .unwrap_or_else(|error| panic!("{error}"));
     let mut interpreter = Interpreter::new(program);
     let mut answer = Answer::Start;
     let mut given = Vec::new();
@@ -368,9 +418,62 @@ mod hostile {
     }
 
     const TOKENS: &[&str] = &[
-        "IF", "THEN", "ELSE", "ELSIF", "END_IF", "FOR", "TO", "BY", "DO", "END_FOR", "WHILE", "END_WHILE", "REPEAT",
-        "UNTIL", "END_REPEAT", "EXIT", "WAIT", "DELAY", "(", ")", "[", "]", ",", ";", ";", ";", ":=", "+", "-", "*",
-        "/", "=", "<", "AND", "NOT", "MOD", "1", "0", "2.5", "a", "b", "Recipe", ".", "MSO", "MCS", "CS1", "X", "M1",
-        "All", "Yes", "%", "of", "Time", "TRUE", "a := 1 ;", "MSO ( X , M1 ) ;", "a",
+        "IF",
+        "THEN",
+        "ELSE",
+        "ELSIF",
+        "END_IF",
+        "FOR",
+        "TO",
+        "BY",
+        "DO",
+        "END_FOR",
+        "WHILE",
+        "END_WHILE",
+        "REPEAT",
+        "UNTIL",
+        "END_REPEAT",
+        "EXIT",
+        "WAIT",
+        "DELAY",
+        "(",
+        ")",
+        "[",
+        "]",
+        ",",
+        ";",
+        ";",
+        ";",
+        ":=",
+        "+",
+        "-",
+        "*",
+        "/",
+        "=",
+        "<",
+        "AND",
+        "NOT",
+        "MOD",
+        "1",
+        "0",
+        "2.5",
+        "a",
+        "b",
+        "Recipe",
+        ".",
+        "MSO",
+        "MCS",
+        "CS1",
+        "X",
+        "M1",
+        "All",
+        "Yes",
+        "%",
+        "of",
+        "Time",
+        "TRUE",
+        "a := 1 ;",
+        "MSO ( X , M1 ) ;",
+        "a",
     ];
 }
