@@ -56,13 +56,12 @@ pub(crate) struct Builder {
     pub(crate) now: Trial,
     pub(crate) time: f64,
     pub(crate) len: usize,
-    times: [f64; MAX_SEGMENTS],
-    segments: [Segment; MAX_SEGMENTS],
-    start: State,
     sign: f64,
+    profile: Profile,
 }
 
 impl Builder {
+    #[inline]
     pub(crate) fn new(start: &State, sign: f64) -> Builder {
         Builder {
             now: Trial {
@@ -72,17 +71,23 @@ impl Builder {
             },
             time: 0.0,
             len: 0,
-            times: [f64::INFINITY; MAX_SEGMENTS],
-            segments: [Segment::default(); MAX_SEGMENTS],
-            start: *start,
             sign,
+            profile: Profile {
+                times: [0.0; MAX_SEGMENTS],
+                segments: [Segment::default(); MAX_SEGMENTS],
+                len: 0,
+                start: *start,
+                duration: 0.0,
+                end: *start,
+                arrives: false,
+            },
         }
     }
 
     /// The present state in the caller's frame.
     pub(crate) fn state(&self) -> State {
         State {
-            position: self.start.position + self.sign * self.now.x,
+            position: self.profile.start.position + self.sign * self.now.x,
             velocity: self.sign * self.now.v,
             acceleration: self.sign * self.now.a,
         }
@@ -91,16 +96,16 @@ impl Builder {
     /// Duration of a segment that has been pushed.
     pub(crate) fn length_of(&self, index: usize) -> f64 {
         let end = if index + 1 < self.len {
-            self.times[index + 1]
+            self.profile.times[index + 1]
         } else {
             self.time
         };
-        end - self.times[index]
+        end - self.profile.times[index]
     }
 
     /// The state at the start of a segment, in the builder's frame, and its jerk.
     pub(crate) fn segment(&self, index: usize) -> (Trial, f64) {
-        let Segment { state, jerk } = self.segments[index];
+        let Segment { state, jerk } = self.profile.segments[index];
         (
             Trial {
                 x: state.position,
@@ -113,7 +118,7 @@ impl Builder {
 
     /// Goes back to the start of a segment and forgets it and all later ones.
     pub(crate) fn rewind(&mut self, index: usize, now: Trial) {
-        self.time = self.times[index];
+        self.time = self.profile.times[index];
         self.now = now;
         self.len = index;
     }
@@ -127,7 +132,7 @@ impl Builder {
             } else {
                 self.now
             };
-            let segment = self.segments[index];
+            let segment = self.profile.segments[index];
             if segment.state.position <= x && x <= next.x && next.x > segment.state.position {
                 let at_start = x == segment.state.position;
                 let time = if at_start {
@@ -148,31 +153,26 @@ impl Builder {
         None
     }
 
-    pub(crate) fn finish(mut self, mut end: State, arrives: bool) -> Profile {
+    #[inline]
+    pub(crate) fn finish(mut self, end: State, arrives: bool) -> Profile {
+        let profile = &mut self.profile;
+        profile.len = self.len;
+        profile.duration = self.time;
+        profile.arrives = arrives;
         // No negative zeros.
-        end.velocity += 0.0;
-        end.acceleration += 0.0;
-        for time in &mut self.times[self.len..] {
-            *time = f64::INFINITY;
-        }
+        profile.end = State {
+            position: end.position,
+            velocity: end.velocity + 0.0,
+            acceleration: end.acceleration + 0.0,
+        };
         // From displacements in the mirrored frame to the caller's positions.
-        for segment in &mut self.segments[..self.len] {
-            let Segment { state, jerk } = segment;
-            state.position = self.start.position + self.sign * state.position;
+        for Segment { state, jerk } in profile.segments.iter_mut().take(self.len) {
+            state.position = profile.start.position + self.sign * state.position;
             state.velocity *= self.sign;
             state.acceleration *= self.sign;
             *jerk *= self.sign;
         }
-        self.segments[self.len..].fill(Segment::default());
-        Profile {
-            times: self.times,
-            segments: self.segments,
-            len: self.len,
-            start: self.start,
-            duration: self.time,
-            end,
-            arrives,
-        }
+        self.profile
     }
 }
 
@@ -190,13 +190,13 @@ impl Sink for Builder {
         // What the clock cannot tell from nothing moves the state, but is no segment.
         if self.time + time > self.time && self.len < MAX_SEGMENTS {
             let Trial { x, v, a } = self.now;
-            self.times[self.len] = self.time;
+            self.profile.times[self.len] = self.time;
             let state = State {
                 position: x,
                 velocity: v,
                 acceleration: a,
             };
-            self.segments[self.len] = Segment { state, jerk };
+            self.profile.segments[self.len] = Segment { state, jerk };
             self.len += 1;
             self.time += time;
         }

@@ -36,9 +36,9 @@ pub(crate) struct Segment {
 }
 
 /// Position over time: planned once, sampled often. `Copy`, without heap.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Profile {
-    /// Start times; those behind the last segment are infinite.
+    /// Start times of the segments. What stands behind `len` means nothing, here and below.
     pub(crate) times: [f64; MAX_SEGMENTS],
     pub(crate) segments: [Segment; MAX_SEGMENTS],
     pub(crate) len: usize,
