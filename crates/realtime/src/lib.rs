@@ -1,1 +1,18 @@
-//! arcline-realtime.
+//! The controller's thread: one tick after another at absolute times, and the rings that join it to the rest.
+//!
+//! [`spawn`] splits once: the [`Link`] goes to whoever talks to the controller, the [`Handle`] to whoever ends
+//! the process. Without a thread, [`link`] and [`step`] give the same on a clock of the caller's. Not here:
+//! motion, tags, sockets. The loop allocates nothing, takes no lock and makes no system call but its sleep (the
+//! clock is read without one). Times are nanoseconds on the monotonic clock.
+
+#![deny(unsafe_code)]
+
+mod meter;
+mod rings;
+mod schedule;
+mod thread;
+
+pub use meter::Meter;
+pub use rings::{Answer, COMMANDS, EVENTS, Link, Rings, link};
+pub use schedule::{Report, Shortfall};
+pub use thread::{Handle, Options, SpawnError, spawn, step};

@@ -26,7 +26,7 @@ use crate::machine::Machine;
 use crate::{CONTROL_SLOTS, Event, Snapshot, UNNAMED};
 
 pub use error::{ControlError, ReadError, WriteError};
-pub use health::{HISTOGRAM_EDGES_US, HISTOGRAM_LEN, Health, REAL_TIME_TAG, real_time_template};
+pub use health::{Health, Measured, REAL_TIME_TAG};
 
 /// Symbol instance id of a tag: from 1, never used for another tag while the process runs.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -167,7 +167,7 @@ impl Image {
             image.add(&tag.name, tag.tag_type.clone(), TagKind::Plain);
         }
         if image.find(REAL_TIME_TAG).is_none() {
-            image.add(REAL_TIME_TAG, TagType::scalar(real_time_template()), TagKind::RealTime);
+            image.add(REAL_TIME_TAG, TagType::scalar(predefined::real_time()), TagKind::RealTime);
         }
         image.add_template(&predefined::motion_instruction());
         image.initialise(machine);

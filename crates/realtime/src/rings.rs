@@ -1,0 +1,128 @@
+//! What crosses the border of the thread: bounded rings for commands, answers and events, a triple buffer for
+//! snapshots. Nobody waits: a full ring is an answer to its sender, or a counted loss.
+
+use std::sync::Arc;
+
+use arcline_controller::machine::Machine;
+use arcline_controller::{Command, Event, Port, Snapshot, Ticket};
+use arcline_instruction_set::MotionControl;
+
+use crate::meter::Meter;
+
+/// Commands that can wait for the controller.
+pub const COMMANDS: usize = 4096;
+/// Events that can wait for their reader; one tick can make as many.
+pub const EVENTS: usize = 16_384;
+
+/// What an instruction's tag showed right after it was executed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answer {
+    /// The tick it was executed in.
+    pub tick: u64,
+    /// Which execution.
+    pub ticket: Ticket,
+    /// What its tag showed.
+    pub control: MotionControl,
+}
+
+/// The outer ends.
+///
+/// Everything that a tick says of itself is in its ring before its snapshot is published: a reader who takes a
+/// snapshot and then all answers and events up to its tick has the state of that one tick.
+#[derive(Debug)]
+pub struct Link {
+    /// Commands to the controller.
+    pub commands: rtrb::Producer<Command>,
+    /// One answer for every call, in order.
+    pub answers: rtrb::Consumer<Answer>,
+    /// Changes of instructions, in order.
+    pub events: rtrb::Consumer<Event>,
+    /// The newest snapshot.
+    pub snapshots: triple_buffer::Output<Snapshot>,
+    /// The thread's measurements.
+    pub meter: Arc<Meter>,
+}
+
+/// The controller's ends.
+#[derive(Debug)]
+pub struct Rings {
+    commands: rtrb::Consumer<Command>,
+    answers: rtrb::Producer<Answer>,
+    events: rtrb::Producer<Event>,
+    snapshots: triple_buffer::Input<Snapshot>,
+    pub(crate) meter: Arc<Meter>,
+    /// The tick that runs or comes next.
+    pub(crate) tick: u64,
+    stop: Stop,
+}
+
+/// How far a stop has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stop {
+    No,
+    /// The next command is a stop of everything.
+    Asked,
+    /// Commands are not taken any more.
+    Under,
+}
+
+/// Rings for the controller of a machine. The only allocation.
+pub fn link(machine: &Machine) -> (Rings, Link) {
+    let (command_sender, commands) = rtrb::RingBuffer::new(COMMANDS);
+    // Every command in the ring may be answered before anybody looks.
+    let (answers, answer_receiver) = rtrb::RingBuffer::new(2 * COMMANDS);
+    let (events, event_receiver) = rtrb::RingBuffer::new(EVENTS);
+    let (snapshots, snapshot_output) = triple_buffer::triple_buffer(&Snapshot::new(machine));
+    let meter = Arc::new(Meter::default());
+    let rings = Rings { commands, answers, events, snapshots, meter: meter.clone(), tick: 0, stop: Stop::No };
+    let link = Link {
+        commands: command_sender,
+        answers: answer_receiver,
+        events: event_receiver,
+        snapshots: snapshot_output,
+        meter,
+    };
+    (rings, link)
+}
+
+impl Rings {
+    /// From now on the controller takes one command, to stop everything, and no other.
+    pub fn stop(&mut self) {
+        if self.stop == Stop::No {
+            self.stop = Stop::Asked;
+        }
+    }
+}
+
+impl Port for Rings {
+    fn next_command(&mut self) -> Option<Command> {
+        match self.stop {
+            Stop::No => self.commands.pop().ok(),
+            Stop::Asked => {
+                self.stop = Stop::Under;
+                Some(Command::StopAll)
+            }
+            Stop::Under => None,
+        }
+    }
+
+    fn answer(&mut self, ticket: Ticket, control: MotionControl) {
+        if self.answers.push(Answer { tick: self.tick, ticket, control }).is_err() {
+            self.meter.lose_answer();
+        }
+    }
+
+    fn event(&mut self, event: &Event) {
+        if self.events.push(*event).is_err() {
+            self.meter.lose_event();
+        }
+    }
+
+    fn snapshot(&mut self) -> Option<&mut Snapshot> {
+        Some(self.snapshots.input_buffer_mut())
+    }
+
+    fn publish(&mut self) {
+        self.snapshots.publish();
+    }
+}

@@ -1,0 +1,174 @@
+//! The thread: absolute deadlines, late ticks, and a controlled end.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+use std::thread::JoinHandle;
+
+use arcline_controller::Controller;
+use arcline_controller::machine::Machine;
+use rustix::thread::clock_nanosleep_absolute;
+use rustix::time::{ClockId, Timespec, clock_gettime};
+
+use crate::meter::Meter;
+use crate::rings::{Link, Rings, link};
+use crate::schedule::{self, Report};
+
+/// What the thread asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Priority under SCHED_FIFO, 1 to 99.
+    pub priority: i32,
+    /// The core to be pinned to; `None`: the last one, when there are several and the priority was granted.
+    pub core: Option<usize>,
+    /// Ticks that are caught up one after another; when more are missed, the time base moves.
+    pub catch_up: u64,
+    /// Longest wait for everything to stand still when the thread is stopped, ticks.
+    pub grace: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options { priority: 80, core: None, catch_up: 1000, grace: 30_000 }
+    }
+}
+
+/// The thread could not be started.
+#[derive(Debug)]
+pub struct SpawnError(std::io::Error);
+
+impl std::fmt::Display for SpawnError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "the real-time thread could not be started: {}", self.0)
+    }
+}
+
+impl std::error::Error for SpawnError {}
+
+/// The running thread. Dropped, it stops too, and nobody waits.
+#[derive(Debug)]
+pub struct Handle {
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+    report: Report,
+}
+
+impl Handle {
+    /// What the thread obtained from the system.
+    pub fn report(&self) -> &Report {
+        &self.report
+    }
+
+    /// Stops all motion in a controlled way, waits until everything stands still (at most
+    /// [`Options::grace`] ticks), and ends the thread. Blocks until then.
+    pub fn stop(mut self) {
+        self.stop.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            // It never panics: a panic ends the process.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for Handle {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Release);
+    }
+}
+
+/// Starts the controller of a machine on a thread of its own. Logs one warning when the system granted less
+/// than was asked for.
+///
+/// # Errors
+/// When the system has no thread left.
+pub fn spawn(machine: &Machine, options: Options) -> Result<(Link, Handle), SpawnError> {
+    let (rings, link) = link(machine);
+    let controller = Controller::new(machine);
+    let stop = Arc::new(AtomicBool::new(false));
+    let period = machine.period_ns.max(1);
+    let asked = stop.clone();
+    let (report_sender, report) = mpsc::sync_channel(1);
+    let thread = std::thread::Builder::new()
+        .name("arcline-tick".to_owned())
+        .stack_size(STACK)
+        .spawn(move || {
+            let _abort = AbortOnPanic;
+            let report = schedule::prepare(options.priority, options.core);
+            rings.meter.report(&report);
+            // Nobody waits for it when the process ends meanwhile.
+            let _ = report_sender.send(report);
+            run(controller, rings, period, &options, &asked);
+        })
+        .map_err(SpawnError)?;
+    let report = report.recv().unwrap_or_default();
+    if !report.shortfalls.is_empty() {
+        let shortfalls: Vec<String> = report.shortfalls.iter().map(ToString::to_string).collect();
+        tracing::warn!(
+            "ticks may come late, the system did not grant: {}. The tag RealTime shows how late",
+            shortfalls.join(", ")
+        );
+    }
+    Ok((link, Handle { stop, thread: Some(thread), report }))
+}
+
+/// The body of the loop: one tick, commands taken from the rings, and answers, events and a snapshot put there.
+///
+/// Real-time: no allocation, lock, system call or log; bounded as [`Controller::tick`].
+pub fn step(controller: &mut Controller, rings: &mut Rings) {
+    controller.tick(rings);
+    rings.tick += 1;
+}
+
+fn run(mut controller: Controller, mut rings: Rings, period: u64, options: &Options, asked: &AtomicBool) {
+    let meter: Arc<Meter> = rings.meter.clone();
+    let mut due = now();
+    let mut grace = options.grace;
+    loop {
+        let mut begun = now();
+        let caught_up = begun >= due + period;
+        if begun < due {
+            sleep_until(due);
+            begun = now();
+        } else if (begun - due) / period > options.catch_up {
+            due += (begun - due) / period * period;
+            meter.resynchronise();
+        }
+        if asked.load(Ordering::Acquire) {
+            rings.stop();
+            if grace == 0 || (controller.at_rest() && grace < options.grace) {
+                return;
+            }
+            grace -= 1;
+        }
+        step(&mut controller, &mut rings);
+        let ended = now();
+        meter.tick(begun.saturating_sub(due), ended.saturating_sub(begun), ended >= due + period, caught_up);
+        due += period;
+    }
+}
+
+/// Monotonic time, ns.
+fn now() -> u64 {
+    let time = clock_gettime(ClockId::Monotonic);
+    time.tv_sec as u64 * NANOSECONDS + time.tv_nsec as u64
+}
+
+fn sleep_until(due: u64) {
+    let request = Timespec { tv_sec: (due / NANOSECONDS) as i64, tv_nsec: (due % NANOSECONDS) as _ };
+    // A signal ends the sleep early: the deadline stays.
+    while clock_nanosleep_absolute(ClockId::Monotonic, &request) == Err(rustix::io::Errno::INTR) {}
+}
+
+/// A panic in the tick is a bug, and motion without it must not go on: the process ends.
+struct AbortOnPanic;
+
+impl Drop for AbortOnPanic {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            std::process::abort();
+        }
+    }
+}
+
+const NANOSECONDS: u64 = 1_000_000_000;
+const STACK: usize = 1024 * 1024;
