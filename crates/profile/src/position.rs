@@ -133,7 +133,7 @@ fn leave_early(builder: &mut Builder, x: f64, end_speed: f64, limits: &SCurve) {
             if before == f64::NEG_INFINITY {
                 before = misses_by(state);
             }
-            let tolerance = 1e-15 * x.abs().max(before.abs()).max(state.x.abs());
+            let tolerance = 4e-15 * x.abs().max(before.abs()).max(state.x.abs());
             root::solve(length, before.min(0.0), after, tolerance, |u| {
                 let mut trial = state;
                 trial.push(u, jerk);

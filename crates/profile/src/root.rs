@@ -34,8 +34,8 @@ pub(crate) fn solve(
             (a, fa) = (b, fb);
         }
         (b, fb) = (x, fx);
-        let xi = (a - b) / (c - b);
-        let phi = (fa - fb) / (fc - fb);
+        let xi = (b - a) / (c - a);
+        let phi = (fb - fa) / (fc - fa);
         share = if phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi {
             fb / (fa - fb) * fc / (fa - fc) + (c - b) / (a - b) * fb / (fc - fb) * fa / (fc - fa)
         } else {
