@@ -1,0 +1,144 @@
+//! What all connections of the server share: the plant, the identity, limits and counters.
+
+use std::net::SocketAddrV4;
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use arcline_proto::connection::{Count, Counters};
+use arcline_proto::identity::Identity;
+use arcline_proto::session;
+
+use crate::plant::Plant;
+
+/// Settings of the EtherNet/IP face (spec/ethernet-ip.md §18).
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Who the device says it is.
+    pub identity: Identity,
+    /// TCP connections at a time; more wait in the system's backlog.
+    pub max_clients: usize,
+    /// Class 3 connections of all sessions together.
+    pub max_connections: usize,
+    /// How long a peer may take to read what has been written to it.
+    pub write_timeout: Duration,
+    /// Limits of a session.
+    pub session: session::Settings,
+}
+
+impl Settings {
+    /// The defaults under a product name. The serial number is a hash of the name, so that it stays the same.
+    pub fn new(name: &str) -> Self {
+        Self {
+            identity: Identity::new(name, serial_number(name)),
+            max_clients: 2048,
+            max_connections: 4096,
+            write_timeout: Duration::from_secs(30),
+            session: session::Settings::default(),
+        }
+    }
+}
+
+/// FNV-1a over the name.
+fn serial_number(name: &str) -> u32 {
+    name.bytes().fold(0x811C_9DC5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+}
+
+/// What all connections share.
+#[derive(Debug)]
+pub(crate) struct Device {
+    pub(crate) plant: Plant,
+    pub(crate) settings: Settings,
+    pub(crate) session_settings: Arc<session::Settings>,
+    /// Where the device can be reached, for the objects that tell it; the port is the real one.
+    pub(crate) address: SocketAddrV4,
+    open_connections: AtomicUsize,
+    counters: Mutex<Counters>,
+    /// µs that a client has moved the wall clock by; the host's own clock is never set.
+    clock_offset: AtomicI64,
+    /// Whether a client has set daylight saving.
+    daylight_saving: AtomicBool,
+}
+
+impl Device {
+    pub(crate) fn new(plant: Plant, settings: Settings, address: SocketAddrV4) -> Self {
+        Self {
+            plant,
+            session_settings: Arc::new(settings.session.clone()),
+            settings,
+            address,
+            open_connections: AtomicUsize::new(0),
+            counters: Mutex::new(Counters::default()),
+            clock_offset: AtomicI64::new(0),
+            daylight_saving: AtomicBool::new(false),
+        }
+    }
+
+    /// Class 3 connections that are open.
+    pub(crate) fn open_connections(&self) -> usize {
+        self.open_connections.load(Ordering::Relaxed)
+    }
+
+    /// Attributes of the Connection Manager.
+    pub(crate) fn counters(&self) -> Counters {
+        *self.lock_counters()
+    }
+
+    /// µs since 1970-01-01 UTC, as clients have set it.
+    pub(crate) fn clock(&self) -> u64 {
+        let offset = self.clock_offset.load(Ordering::Relaxed);
+        host_clock().checked_add_signed(offset).unwrap_or_default()
+    }
+
+    /// Sets the clock that clients see.
+    pub(crate) fn set_clock(&self, micros: u64) {
+        let offset = micros.wrapping_sub(host_clock()).cast_signed();
+        self.clock_offset.store(offset, Ordering::Relaxed);
+    }
+
+    /// Daylight saving, as a client has set it; nothing depends on it.
+    pub(crate) fn daylight_saving(&self) -> bool {
+        self.daylight_saving.load(Ordering::Relaxed)
+    }
+
+    /// Remembers daylight saving.
+    pub(crate) fn set_daylight_saving(&self, on: bool) {
+        self.daylight_saving.store(on, Ordering::Relaxed);
+    }
+
+    fn lock_counters(&self) -> MutexGuard<'_, Counters> {
+        self.counters.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn host_clock() -> u64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    u64::try_from(since.as_micros()).unwrap_or(u64::MAX)
+}
+
+/// The device as a session sees it.
+impl session::Host for &Device {
+    /// From the system's generator. Should that ever fail, 0 makes the session count up from what it has: ids stay
+    /// unique, they are only easier to guess.
+    fn random(&mut self) -> u32 {
+        getrandom::u32().unwrap_or_default()
+    }
+
+    fn acquire_connection(&mut self) -> bool {
+        let most = self.settings.max_connections;
+        let more = |open: usize| (open < most).then_some(open + 1);
+        self.open_connections.fetch_update(Ordering::Relaxed, Ordering::Relaxed, more).is_ok()
+    }
+
+    fn release_connections(&mut self, count: usize) {
+        self.open_connections.fetch_sub(count, Ordering::Relaxed);
+    }
+
+    fn count(&mut self, count: Count) {
+        self.lock_counters().add(count);
+    }
+
+    fn identity(&self) -> &Identity {
+        &self.settings.identity
+    }
+}

@@ -1,0 +1,23 @@
+//! The EtherNet/IP face: listeners, sessions, the router, CIP objects and tag services.
+//!
+//! Bytes and session rules are `arcline-proto`'s, which does no I/O; motion and the tag memory are behind
+//! [`Plant`](crate::plant::Plant). Here they meet: a socket's bytes become requests, requests become reads and writes of
+//! tags or calls of instructions, and replies go back. Nothing here knows what an instruction does.
+//!
+//! One CIP message (a single request, or a whole Multiple Service Packet) is one action: all its tag writes are applied
+//! first, then the rising edges of `EnableIn` are executed, then it is answered.
+
+mod codec;
+mod connection;
+mod datagram;
+mod device;
+mod listener;
+mod objects;
+mod router;
+mod tags;
+
+#[cfg(test)]
+mod tests;
+
+pub use device::Settings;
+pub use listener::Listener;

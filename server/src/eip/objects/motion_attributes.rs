@@ -1,0 +1,115 @@
+//! Attributes of the motion objects, classes 0x0300 to 0x0302: names, members, limits. What changes while the machine
+//! runs is in the tags.
+//!
+//! | attribute | Motion Group | Axis | Coordinate System |
+//! |---|---|---|---|
+//! | 1 | name, SHORT_STRING | name | name |
+//! | 2 | coarse update period, UDINT ns | 0 virtual, 1 servo, USINT | axes: `n UINT, instance UINT × n` |
+//! | 3 | axes: `n UINT, instance UINT × n` | maximum speed, LREAL | maximum speed |
+//! | 4 | | maximum acceleration | maximum acceleration |
+//! | 5 | | maximum deceleration | maximum deceleration |
+//! | 6 | | maximum acceleration jerk | maximum acceleration jerk |
+//! | 7 | | maximum deceleration jerk | maximum deceleration jerk |
+//! | 8 | | position units, SHORT_STRING | actual position tolerance, LREAL |
+//! | 9 | | | command position tolerance, LREAL |
+//!
+//! Position units of the axis, per second, per second², per second³. Get Attributes All returns all of them in order.
+
+use arcline_controller::machine::{Axis, CoordinateSystem, Machine};
+use arcline_instruction_set::Object;
+use arcline_proto::cip::CipStatus;
+use bytes::{BufMut, Bytes, BytesMut};
+
+use super::{Class, Extent, f64_value, no_attribute, short_string, u8_value, u32_value};
+use crate::eip::tags::unknown;
+
+pub(super) struct MotionObjects<'a> {
+    pub(super) object: Object,
+    pub(super) machine: &'a Machine,
+}
+
+/// Objects of a kind; instances count from 1.
+pub(super) fn count(machine: &Machine, object: Object) -> usize {
+    match object {
+        Object::MotionGroup => 1,
+        Object::Axis => machine.axes.len(),
+        Object::CoordinateSystem => machine.systems.len(),
+    }
+}
+
+impl Class for MotionObjects<'_> {
+    fn extent(&self) -> Extent {
+        let last = self.all().len();
+        Extent::dense(count(self.machine, self.object), u16::try_from(last).unwrap_or(u16::MAX))
+    }
+
+    fn attribute(&self, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
+        let place = usize::try_from(instance).unwrap_or(usize::MAX).wrapping_sub(1);
+        match self.object {
+            Object::MotionGroup => group(self.machine, id),
+            Object::Axis => axis(self.machine.axes.get(place).ok_or_else(unknown)?, id),
+            Object::CoordinateSystem => system(self.machine.systems.get(place).ok_or_else(unknown)?, id),
+        }
+    }
+
+    fn all(&self) -> &'static [u16] {
+        match self.object {
+            Object::MotionGroup => &[1, 2, 3],
+            Object::Axis => &[1, 2, 3, 4, 5, 6, 7, 8],
+            Object::CoordinateSystem => &[1, 2, 3, 4, 5, 6, 7, 8, 9],
+        }
+    }
+}
+
+fn group(machine: &Machine, id: u16) -> Result<Bytes, CipStatus> {
+    match id {
+        1 => Ok(short_string(&machine.group)),
+        2 => u32_value(u32::try_from(machine.period_ns).unwrap_or(u32::MAX)),
+        3 => Ok(instances((0..).take(machine.axes.len()))),
+        _ => no_attribute(),
+    }
+}
+
+fn axis(axis: &Axis, id: u16) -> Result<Bytes, CipStatus> {
+    match id {
+        1 => Ok(short_string(&axis.name)),
+        2 => u8_value(u8::from(!axis.is_virtual())),
+        3 => f64_value(axis.max_speed),
+        4 => f64_value(axis.max_acceleration),
+        5 => f64_value(axis.max_deceleration),
+        6 => f64_value(axis.max_acceleration_jerk),
+        7 => f64_value(axis.max_deceleration_jerk),
+        8 => Ok(short_string(&axis.units)),
+        _ => no_attribute(),
+    }
+}
+
+fn system(system: &CoordinateSystem, id: u16) -> Result<Bytes, CipStatus> {
+    match id {
+        1 => Ok(short_string(&system.name)),
+        2 => Ok(instances(system.axes.iter().copied())),
+        3 => f64_value(system.max_speed),
+        4 => f64_value(system.max_acceleration),
+        5 => f64_value(system.max_deceleration),
+        6 => f64_value(system.max_acceleration_jerk),
+        7 => f64_value(system.max_deceleration_jerk),
+        8 => f64_value(system.actual_tolerance),
+        9 => f64_value(system.command_tolerance),
+        _ => no_attribute(),
+    }
+}
+
+/// Places of axes as `count UINT, instance UINT × count`; the machine has few enough.
+fn instances(places: impl Iterator<Item = u16>) -> Bytes {
+    let mut out = BytesMut::new();
+    out.put_u16_le(0);
+    let mut count = 0_u16;
+    for place in places {
+        out.put_u16_le(place.saturating_add(1));
+        count = count.saturating_add(1);
+    }
+    if let Some(head) = out.first_chunk_mut::<2>() {
+        *head = count.to_le_bytes();
+    }
+    out.freeze()
+}

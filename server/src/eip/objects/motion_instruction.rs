@@ -1,0 +1,61 @@
+//! Motion Instruction, class 0x0303 (spec/contract.md §4): one instance for every instruction that was executed, the
+//! newest 4,096 kept.
+//!
+//! | attribute | type | |
+//! |---|---|---|
+//! | 1 | DWORD | FLAGS |
+//! | 2 | INT | ERR |
+//! | 3 | SINT | STATUS |
+//! | 4 | SINT | STATE |
+//! | 5 | DINT | SEGMENT |
+//! | 6 | SINT | EXERR |
+//! | 7 | 16 bytes | the MOTION_INSTRUCTION structure; this is what Get Attributes All returns |
+
+use arcline_instruction_set::MotionControl;
+use arcline_proto::cip::CipStatus;
+use bytes::Bytes;
+
+use super::{Class, Extent, no_attribute};
+use crate::plant::Plant;
+
+/// The class code.
+pub(super) const CLASS: u16 = 0x0303;
+
+pub(super) struct MotionInstructions<'a>(pub(super) &'a Plant);
+
+impl MotionInstructions<'_> {
+    fn find(&self, instance: u32) -> Result<MotionControl, CipStatus> {
+        self.0.instruction_instance(instance).ok_or(CipStatus::OBJECT_DOES_NOT_EXIST)
+    }
+}
+
+impl Class for MotionInstructions<'_> {
+    fn extent(&self) -> Extent {
+        let (oldest, newest) = (self.0.oldest_instance(), self.0.newest_instance());
+        let count = if newest == 0 { 0 } else { newest.saturating_sub(oldest).saturating_add(1) };
+        Extent { highest: newest, count, last_attribute: 7 }
+    }
+
+    /// 0x16, whether it was dropped or never was.
+    fn check(&self, instance: u32) -> Result<(), CipStatus> {
+        self.find(instance).map(|_| ())
+    }
+
+    fn attribute(&self, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
+        let bytes = Bytes::copy_from_slice(&self.find(instance)?.to_bytes());
+        match id {
+            1 => Ok(bytes.slice(0..4)),
+            2 => Ok(bytes.slice(4..6)),
+            3 => Ok(bytes.slice(6..7)),
+            4 => Ok(bytes.slice(7..8)),
+            5 => Ok(bytes.slice(8..12)),
+            6 => Ok(bytes.slice(12..13)),
+            7 => Ok(bytes),
+            _ => no_attribute(),
+        }
+    }
+
+    fn all(&self) -> &'static [u16] {
+        &[7]
+    }
+}

@@ -1,0 +1,82 @@
+//! Symbol, class 0x6B: the list of tags (spec/ethernet-ip.md §10).
+//!
+//! Reading and writing a tag by its instance is [`tags`](crate::eip::tags)'s.
+
+use arcline_controller::image::{Access, Image, Tag, TagId};
+use arcline_proto::cip::{self, CipStatus, Reply, Request, service};
+use arcline_proto::epath::Target;
+use arcline_proto::logix::{Symbol, instance_list_reply};
+use bytes::{Bytes, BytesMut};
+
+use super::{Class, Extent};
+use crate::eip::router::Context;
+use crate::eip::tags::unknown;
+
+/// External access: read and write.
+const READ_WRITE: u8 = 0;
+/// External access: read only.
+const READ_ONLY: u8 = 2;
+/// The least that an entry takes in a reply: its instance.
+const LEAST_ENTRY: usize = 4;
+
+pub(super) struct Symbols<'a>(pub(super) &'a Image);
+
+impl Symbols<'_> {
+    /// The class's own service: Get Instance Attribute List. `None`: it is another one.
+    pub(super) fn serve(&self, context: &Context<'_>, request: &Request, target: &Target) -> Option<Reply> {
+        if request.service != service::GET_INSTANCE_ATTRIBUTE_LIST {
+            return None;
+        }
+        let ids = match cip::decode_attribute_ids(&request.data) {
+            Ok(ids) => ids,
+            Err(status) => return Some(Reply::error(request.service, status)),
+        };
+        let start = target.instance.unwrap_or(0);
+        let tags = self.0.tags();
+        let first = tags.partition_point(|tag| tag.id.0 < start);
+        // One more than can fit, so that the reply tells that more follow.
+        let page = context.budget / LEAST_ENTRY + 1;
+        let symbols: Vec<Symbol> = tags.iter().skip(first).take(page).map(symbol).collect();
+        Some(instance_list_reply(&symbols, start, &ids, context.budget))
+    }
+}
+
+impl Class for Symbols<'_> {
+    fn extent(&self) -> Extent {
+        Extent::dense(self.0.tags().len(), 11)
+    }
+
+    fn check(&self, instance: u32) -> Result<(), CipStatus> {
+        self.0.tag(TagId(instance)).map(|_| ()).ok_or_else(unknown)
+    }
+
+    fn attribute(&self, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
+        let tag = self.0.tag(TagId(instance)).ok_or_else(unknown)?;
+        let mut out = BytesMut::new();
+        symbol(tag).encode_attribute(id, &mut out)?;
+        Ok(out.freeze())
+    }
+
+    fn all(&self) -> &'static [u16] {
+        &[1, 2, 7, 8]
+    }
+}
+
+fn symbol(tag: &Tag) -> Symbol {
+    Symbol {
+        instance: tag.id.0,
+        name: tag.name.clone(),
+        symbol_type: tag.tag_type.symbol_type(),
+        address: tag.id.0,
+        object_address: tag.id.0,
+        software_control: Symbol::BASE_TAG,
+        element_size: u16::try_from(tag.tag_type.data_type.size()).unwrap_or(u16::MAX),
+        dimensions: tag.tag_type.dimensions,
+        safety: 0,
+        access: match tag.access() {
+            Access::ReadWrite => READ_WRITE,
+            Access::ReadOnly => READ_ONLY,
+        },
+        usage: 0,
+    }
+}

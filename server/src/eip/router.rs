@@ -1,0 +1,172 @@
+//! The message router: one CIP message in, one reply out.
+//!
+//! It knows which object a path means and in which order things happen, not what they do: tags are
+//! [`tags`](super::tags)'s, objects [`objects`](super::objects)'s, instructions the plant's. Every request gets a reply.
+
+use std::net::SocketAddrV4;
+use std::sync::Arc;
+
+use arcline_controller::image::{Edge, Image};
+use arcline_proto::cip::{self, CipStatus, MultipleReplies, REPLY_HEAD, Reply, Request, class, service};
+use arcline_proto::epath::Target;
+use arcline_proto::session::Transport;
+use tracing::{debug, debug_span};
+
+use super::device::Device;
+use super::objects::motion::{self, MotionRequest};
+use super::{objects, tags};
+
+/// Routes the messages of one connection.
+pub(crate) struct Router {
+    device: Arc<Device>,
+    local: SocketAddrV4,
+}
+
+/// What a request needs to be answered.
+pub(crate) struct Context<'a> {
+    /// The device.
+    pub(crate) device: &'a Device,
+    /// The local end of the connection.
+    pub(crate) local: SocketAddrV4,
+    /// The longest reply, bytes with its head.
+    pub(crate) budget: usize,
+    /// What the message came on.
+    pub(crate) transport: Transport,
+}
+
+/// The tag memory as one message sees it.
+pub(crate) enum Memory<'a> {
+    /// Nothing is written.
+    Read(&'a Image),
+    /// Writes, and the edges of `EnableIn` that they made.
+    Write(&'a mut Image, &'a mut Vec<Edge>),
+}
+
+impl Memory<'_> {
+    /// For reading.
+    pub(crate) fn image(&self) -> &Image {
+        match self {
+            Self::Read(image) => image,
+            Self::Write(image, _) => image,
+        }
+    }
+}
+
+/// A request that is answered from memory, or one that goes to the motion side.
+enum Step {
+    Done(Reply),
+    Motion(MotionRequest),
+}
+
+impl Router {
+    pub(crate) fn new(device: Arc<Device>, local: SocketAddrV4) -> Self {
+        Self { device, local }
+    }
+
+    /// Answers a message within `budget` bytes.
+    pub(crate) async fn handle(&self, request: &Request, budget: usize, transport: Transport) -> Reply {
+        let reply = if is_multiple(request) {
+            self.multiple(request, budget, transport).await
+        } else {
+            self.single(request, budget, transport).await
+        };
+        if !reply.status.is_success() {
+            debug_span!("request", service = request.service).in_scope(|| debug!(status = %reply.status, "refused"));
+        }
+        reply
+    }
+
+    async fn single(&self, request: &Request, budget: usize, transport: Transport) -> Reply {
+        let context = self.context(budget, transport);
+        let mut step = None;
+        self.with_memory(std::slice::from_ref(request), |memory| step = Some(answer(&context, memory, request))).await;
+        match step {
+            Some(Step::Done(reply)) => reply,
+            Some(Step::Motion(motion)) => motion.execute(&self.device.plant).await,
+            None => Reply::error(request.service, CipStatus::RESOURCE_UNAVAILABLE),
+        }
+    }
+
+    /// A Multiple Service Packet: reads and writes in their order and at one instant, then the edges, then the motion
+    /// services in their order.
+    async fn multiple(&self, packet: &Request, budget: usize, transport: Transport) -> Reply {
+        let refuse = |status| Reply::error(packet.service, status);
+        let requests = match cip::split_multiple(&packet.data) {
+            Ok(requests) => requests,
+            Err(status) => return refuse(status),
+        };
+        let mut replies = match MultipleReplies::new(requests.len(), budget) {
+            Ok(replies) => replies,
+            Err(status) => return refuse(status),
+        };
+        // Kept for the motion services, whose replies come last.
+        let motions = requests.iter().flatten().filter(|request| motion::is_motion(request)).count();
+        let mut room = replies.budget().saturating_sub(motions * motion::REPLY_DATA);
+        let readable: Vec<Request> = requests.iter().flatten().cloned().collect();
+        let mut steps = Vec::with_capacity(requests.len());
+        self.with_memory(&readable, |memory| {
+            for request in &requests {
+                let context = self.context(room, transport);
+                let step = match request {
+                    Ok(request) => answer(&context, memory, request),
+                    Err(error) => Step::Done(error.reply()),
+                };
+                if let Step::Done(reply) = &step
+                    && reply.len() <= room
+                {
+                    room -= reply.len() - REPLY_HEAD;
+                }
+                steps.push(step);
+            }
+        })
+        .await;
+        for step in steps {
+            match step {
+                Step::Done(reply) => replies.push(&reply),
+                Step::Motion(motion) => replies.push(&motion.execute(&self.device.plant).await),
+            }
+        }
+        replies.finish()
+    }
+
+    /// Runs `work` on the tag memory, for writing only if one of the requests writes, then executes the edges it made.
+    async fn with_memory(&self, requests: &[Request], work: impl FnOnce(&mut Memory<'_>)) {
+        if requests.iter().any(|request| tags::is_write(request.service)) {
+            let ((), edges) = self.device.plant.write(|image, edges| work(&mut Memory::Write(image, edges)));
+            self.device.plant.fire(edges).await;
+        } else {
+            self.device.plant.with_image(|image| work(&mut Memory::Read(image)));
+        }
+    }
+
+    fn context(&self, budget: usize, transport: Transport) -> Context<'_> {
+        Context { device: &self.device, local: self.local, budget, transport }
+    }
+}
+
+fn is_multiple(request: &Request) -> bool {
+    request.service == service::MULTIPLE_SERVICE_PACKET && request.path.is_object(class::MESSAGE_ROUTER, 1)
+}
+
+/// Answers one request that is no packet of requests.
+fn answer(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request) -> Step {
+    let refuse = |status| Step::Done(Reply::error(request.service, status));
+    let target = match Target::new(&request.path) {
+        Ok(target) => target,
+        Err(error) => return refuse(error.status()),
+    };
+    if motion::is_motion(request) {
+        return match motion::parse(context, memory.image(), request, &target) {
+            Ok(motion) => Step::Motion(motion),
+            Err(status) => refuse(status),
+        };
+    }
+    Step::Done(match target.class {
+        // An object within the scope of a name: there are no programs.
+        Some(_) if !target.symbols.is_empty() => Reply::error(request.service, tags::unknown()),
+        Some(class::SYMBOL) if tags::is_tag_service(request.service) => tags::serve(context, memory, request, &target),
+        Some(class) => objects::serve(context, memory.image(), request, class, &target),
+        None if tags::is_tag_service(request.service) => tags::serve(context, memory, request, &target),
+        None => objects::serve_named(context, memory.image(), request, &target),
+    })
+}

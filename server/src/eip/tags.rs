@@ -1,0 +1,208 @@
+//! Tag services: read, write, both in fragments, and read-modify-write (spec/ethernet-ip.md §9).
+//!
+//! The bytes are the image's; here are types, elements and statuses. A refused write changes nothing. Surplus bytes
+//! behind a request are ignored, since stock clients send them.
+
+use arcline_controller::image::{Edge, Image, TagId, WriteError};
+use arcline_proto::cip::{CipStatus, Reply, Request, service};
+use arcline_proto::epath::Target;
+use arcline_proto::logix::{ReadModifyWrite, ReadTag, WireType, WriteTag};
+use arcline_proto::status::general_error;
+use arcline_tag::{
+    DataType, Elementary, Location, PathError, PathSegment, STRING_CAPACITY, STRING_INSTANCE, Template,
+};
+
+use super::router::{Context, Memory};
+
+/// 0x05 with the word 0x0000: what every client takes for "no such tag".
+pub(crate) fn unknown() -> CipStatus {
+    CipStatus::PATH_DESTINATION_UNKNOWN.with(0)
+}
+
+/// Whether the service reads or writes a tag.
+pub(crate) const fn is_tag_service(code: u8) -> bool {
+    matches!(code, service::READ_TAG | service::READ_TAG_FRAGMENTED) || is_write(code)
+}
+
+/// Whether the service may write a tag.
+pub(crate) const fn is_write(code: u8) -> bool {
+    matches!(code, service::WRITE_TAG | service::WRITE_TAG_FRAGMENTED | service::READ_MODIFY_WRITE_TAG)
+}
+
+/// Answers a tag service whose path names a tag, or its instance of class 0x6B.
+pub(crate) fn serve(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request, target: &Target) -> Reply {
+    let place = match Place::find(memory.image(), target) {
+        Ok(place) => place,
+        Err(status) => return Reply::error(request.service, status),
+    };
+    let code = request.service;
+    let done = match (code, memory) {
+        (service::READ_TAG, memory) => {
+            return ReadTag::decode(&request.data)
+                .map_or_else(|s| Reply::error(code, s), |read| place.read(code, memory.image(), read, context.budget));
+        }
+        (service::READ_TAG_FRAGMENTED, memory) => {
+            return ReadTag::decode_fragmented(&request.data)
+                .map_or_else(|s| Reply::error(code, s), |read| place.read(code, memory.image(), read, context.budget));
+        }
+        (service::WRITE_TAG, Memory::Write(image, edges)) => {
+            WriteTag::decode(&request.data).and_then(|write| place.write(image, edges, &write, Extent::Whole))
+        }
+        (service::WRITE_TAG_FRAGMENTED, Memory::Write(image, edges)) => {
+            WriteTag::decode_fragmented(&request.data).and_then(|write| place.write(image, edges, &write, Extent::Part))
+        }
+        (service::READ_MODIFY_WRITE_TAG, Memory::Write(image, edges)) => {
+            ReadModifyWrite::decode(&request.data).and_then(|masks| place.modify(image, edges, masks))
+        }
+        _ => Err(CipStatus::SERVICE_NOT_SUPPORTED),
+    };
+    match done {
+        Ok(()) => Reply::success(code, &[][..]),
+        Err(status) => Reply::error(code, status),
+    }
+}
+
+/// How much of the elements a write must bring.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Extent {
+    /// All of them.
+    Whole,
+    /// As much as there is.
+    Part,
+}
+
+/// A part of a tag.
+struct Place {
+    tag: TagId,
+    location: Location,
+}
+
+impl Place {
+    fn find(image: &Image, target: &Target) -> Result<Self, CipStatus> {
+        let (tag, rest) = match (target.instance, target.symbols.as_slice()) {
+            (Some(instance), []) => (image.tag(TagId(instance)), target.members.as_slice()),
+            (None, [PathSegment::Symbol(name), rest @ ..]) => (image.find(name), rest),
+            _ => (None, &[][..]),
+        };
+        let tag = tag.ok_or_else(unknown)?;
+        let location = image.locate_in(tag, rest).map_err(|error| path_status(&error))?;
+        Ok(Self { tag: tag.id, location })
+    }
+
+    /// A bit travels as a BOOL.
+    fn wire_type(&self) -> WireType {
+        match (&self.location.data_type, self.location.bit) {
+            (_, Some(_)) => Elementary::Bool.into(),
+            (DataType::Elementary(kind), None) => (*kind).into(),
+            (DataType::Structure(template), None) => WireType::Structure(template.handle),
+        }
+    }
+
+    fn element_size(&self) -> usize {
+        if self.location.bit.is_some() { 1 } else { self.location.element_size() }
+    }
+
+    fn check_elements(&self, elements: u16) -> Result<usize, CipStatus> {
+        let available = if self.location.bit.is_some() { 1 } else { self.location.elements };
+        if elements == 0 || u32::from(elements) > available {
+            return Err(CipStatus::GENERAL_ERROR.with(general_error::ELEMENTS_BEYOND_TAG));
+        }
+        Ok(usize::from(elements) * self.element_size())
+    }
+
+    fn read(&self, code: u8, image: &Image, read: ReadTag, budget: usize) -> Reply {
+        match self.bytes(image, read.elements) {
+            Ok(all) => read.reply(code, self.wire_type(), self.element_size(), &all, budget),
+            Err(status) => Reply::error(code, status),
+        }
+    }
+
+    /// The elements as they travel.
+    fn bytes(&self, image: &Image, elements: u16) -> Result<Vec<u8>, CipStatus> {
+        let size = self.check_elements(elements)?;
+        let Location { offset, data_type, bit, .. } = &self.location;
+        let bytes = image.bytes(self.tag);
+        if let Some(bit) = bit {
+            let byte = bytes.get(offset + usize::from(bit / 8)).ok_or_else(unknown)?;
+            return Ok(vec![(byte >> (bit % 8)) & 1]);
+        }
+        let mut bytes = bytes.get(*offset..offset + size).ok_or_else(unknown)?.to_vec();
+        if let DataType::Structure(template) = data_type {
+            bytes.chunks_mut(template.size.max(1) as usize).for_each(|element| clamp_strings(template, element));
+        }
+        Ok(bytes)
+    }
+
+    fn write(&self, image: &mut Image, edges: &mut Vec<Edge>, write: &WriteTag, extent: Extent) -> Result<(), CipStatus> {
+        if write.data_type != self.wire_type() {
+            return Err(CipStatus::GENERAL_ERROR.with(general_error::TYPE_MISMATCH));
+        }
+        let total = self.check_elements(write.elements)?;
+        let start = usize::try_from(write.offset).unwrap_or(usize::MAX);
+        if start >= total {
+            return Err(CipStatus::GENERAL_ERROR.with(general_error::OFFSET_BEYOND_DATA));
+        }
+        let wanted = match extent {
+            Extent::Whole => total,
+            Extent::Part => write.data.len().clamp(1, total - start),
+        };
+        let data = write.data.get(..wanted).ok_or(CipStatus::NOT_ENOUGH_DATA)?;
+        let is_bool = write.data_type == Elementary::Bool.into();
+        let edge = match (self.location.bit, data) {
+            (Some(bit), [value, ..]) => image.write_bit(self.tag, self.location.offset, bit, *value != 0),
+            _ if is_bool => {
+                let values: Vec<u8> = data.iter().map(|value| u8::from(*value != 0)).collect();
+                image.write(self.tag, self.location.offset + start, &values)
+            }
+            _ => image.write(self.tag, self.location.offset + start, data),
+        };
+        edges.extend(edge.map_err(|error| write_status(&error))?);
+        Ok(())
+    }
+
+    fn modify(&self, image: &mut Image, edges: &mut Vec<Edge>, masks: ReadModifyWrite) -> Result<(), CipStatus> {
+        match self.location {
+            Location { data_type: DataType::Elementary(kind), bit: None, .. } if kind.has_bits() => {}
+            _ => return Err(CipStatus::GENERAL_ERROR.with(general_error::TYPE_MISMATCH)),
+        }
+        let mut integer = self.bytes(image, 1)?;
+        masks.apply(&mut integer)?;
+        let edge = image.write(self.tag, self.location.offset, &integer).map_err(|error| write_status(&error))?;
+        edges.extend(edge);
+        Ok(())
+    }
+}
+
+/// The status for a path that leads nowhere within a tag.
+fn path_status(error: &PathError) -> CipStatus {
+    match error {
+        PathError::IndexOutOfRange { .. } => CipStatus::GENERAL_ERROR.with(general_error::ELEMENTS_BEYOND_TAG),
+        _ => unknown(),
+    }
+}
+
+/// The status for a write that the image refuses.
+fn write_status(error: &WriteError) -> CipStatus {
+    match error {
+        WriteError::ReadOnly { .. } => CipStatus::PRIVILEGE_VIOLATION,
+        _ => unknown(),
+    }
+}
+
+/// Brings the LEN of every STRING within 0 to 82, whatever has been written there.
+fn clamp_strings(template: &Template, bytes: &mut [u8]) {
+    if template.instance == STRING_INSTANCE {
+        if let Some(length) = bytes.first_chunk_mut::<4>() {
+            let clamped = i32::from_le_bytes(*length).clamp(0, STRING_CAPACITY as i32);
+            *length = clamped.to_le_bytes();
+        }
+        return;
+    }
+    for member in &template.members {
+        let DataType::Structure(inner) = &member.data_type else { continue };
+        let start = member.offset as usize;
+        let Some(bytes) = bytes.get_mut(start..start + member.size()) else { continue };
+        bytes.chunks_mut((inner.size as usize).max(1)).for_each(|element| clamp_strings(inner, element));
+    }
+}
+
