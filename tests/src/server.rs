@@ -1,0 +1,188 @@
+//! A real `arcline-server` for the length of a test. Knows its command line and its ready line, nothing else.
+
+use std::io::{BufRead, BufReader, Read};
+use std::net::SocketAddr;
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// How long a server may take until it is ready; far more than it needs, for machines that are busy.
+const READY: Duration = Duration::from_secs(20);
+
+/// A running server, ended when this is dropped.
+pub struct Server {
+    child: Child,
+    address: SocketAddr,
+    ready_after: Duration,
+    log: Option<JoinHandle<String>>,
+}
+
+impl Server {
+    /// Starts the server on its default configuration and a free port.
+    ///
+    /// # Panics
+    /// When it is not ready in time, with what it wrote.
+    #[must_use]
+    pub fn start() -> Self {
+        Self::start_with(&[])
+    }
+
+    /// Starts the server on the configuration in `file` and a free port.
+    #[must_use]
+    pub fn start_on(file: &Path) -> Self {
+        Self::start_with(&[
+            "--config",
+            file.to_str().expect("the project's paths are UTF-8"),
+        ])
+    }
+
+    /// Starts the server with `arguments` besides those for a free port, no HMI and no state file.
+    #[must_use]
+    pub fn start_with(arguments: &[&str]) -> Self {
+        let program = crate::programs::arcline_server();
+        let began = Instant::now();
+        let mut child = Command::new(program)
+            .args([
+                "run",
+                "--listen",
+                "127.0.0.1:0",
+                "--hmi",
+                "off",
+                "--state",
+                "off",
+            ])
+            .args(arguments)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the server was just built");
+        let stdout = child.stdout.take().expect("stdout is piped");
+        let mut stderr = child.stderr.take().expect("stderr is piped");
+        let log = std::thread::spawn(move || {
+            let mut text = Vec::new();
+            // A read error ends the log; what came before it is what there is to show.
+            let _ = stderr.read_to_end(&mut text);
+            String::from_utf8_lossy(&text).into_owned()
+        });
+        let (line_sender, line) = mpsc::channel();
+        std::thread::spawn(move || {
+            let mut lines = BufReader::new(stdout).lines();
+            // Nobody listens any more once the ready line has come or the test has given up.
+            let _ = line_sender.send(lines.next().and_then(Result::ok).unwrap_or_default());
+            lines.for_each(drop);
+        });
+        let line = line.recv_timeout(READY).unwrap_or_default();
+        let ready_after = began.elapsed();
+        let Some(address) = ready_address(&line) else {
+            // It may have ended by itself; its log says why either way.
+            let _ = child.kill();
+            let status = child.wait();
+            panic!(
+                "no ready line within {READY:?} but {line:?} ({status:?}); the server's log:\n{}",
+                log.join().unwrap_or_default()
+            );
+        };
+        Self {
+            child,
+            address,
+            ready_after,
+            log: Some(log),
+        }
+    }
+
+    /// Where EtherNet/IP is served, TCP and UDP.
+    #[must_use]
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// From just before the process was started to its ready line.
+    #[must_use]
+    pub fn ready_after(&self) -> Duration {
+        self.ready_after
+    }
+
+    /// Asks the server to stop, as an init system would, and waits until it has ended.
+    ///
+    /// # Panics
+    /// When it has not ended within 20 seconds.
+    pub fn terminate(mut self) -> (ExitStatus, String) {
+        signal("TERM", self.child.id());
+        let child = &mut self.child;
+        let status = crate::eventually("end of the server after SIGTERM", READY, || {
+            child.try_wait().expect("the server is our child")
+        });
+        (
+            status,
+            self.log
+                .take()
+                .and_then(|log| log.join().ok())
+                .unwrap_or_default(),
+        )
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // Already ended: nothing to do.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        if let Some(log) = self.log.take().and_then(|log| log.join().ok())
+            && (std::thread::panicking() || log.contains("panicked"))
+        {
+            eprintln!(
+                "--- log of the server on {} ---\n{log}--- end of the log ---",
+                self.address
+            );
+        }
+    }
+}
+
+/// Sends a signal to a process that a test has started.
+///
+/// # Panics
+/// When there is no `kill` program.
+pub fn signal(name: &str, process: u32) {
+    let status = Command::new("kill")
+        .args([&format!("-{name}"), &process.to_string()])
+        .status();
+    assert!(
+        status.is_ok_and(|status| status.success()),
+        "kill -{name} {process} failed"
+    );
+}
+
+/// The address in `ready eip=127.0.0.1:44818 hmi=off`.
+fn ready_address(line: &str) -> Option<SocketAddr> {
+    let mut words = line.split_whitespace();
+    (words.next() == Some("ready")).then_some(())?;
+    words
+        .find_map(|word| word.strip_prefix("eip="))?
+        .parse()
+        .ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ready_lines() {
+        #[rustfmt::skip]
+        let cases = [
+            // why,                   line,                                          address
+            ("the contract's line",   "ready eip=127.0.0.1:44818 hmi=127.0.0.1:8080", Some("127.0.0.1:44818")),
+            ("no HMI",                "ready eip=127.0.0.1:40001 hmi=off",            Some("127.0.0.1:40001")),
+            ("something else",        "listening eip=127.0.0.1:40001",                None),
+            ("no address",            "ready hmi=off",                                None),
+            ("the server has ended",  "",                                             None),
+        ];
+        for (why, line, address) in cases {
+            let expected = address.map(|text| text.parse().expect("an address"));
+            assert_eq!(ready_address(line), expected, "{why}: {line}");
+        }
+    }
+}

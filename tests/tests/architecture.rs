@@ -1,0 +1,173 @@
+//! The dependency rule of STYLE.md §1 and ARCHITECTURE.md, held against what Cargo really links.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, PackageId};
+
+/// Every package and the packages that it may name itself; what those may use, it may use too.
+#[rustfmt::skip]
+const MAY_USE: &[(&str, &[&str])] = &[
+    ("arcline-tag",             &[]),
+    ("arcline-geometry",        &[]),
+    ("arcline-profile",         &[]),
+    ("arcline-drive",           &[]),
+    ("arcline-proto",           &["arcline-tag"]),
+    ("arcline-instruction-set", &["arcline-tag"]),
+    ("arcline-structured-text", &["arcline-instruction-set", "arcline-tag"]),
+    ("arcline-planner",         &["arcline-geometry", "arcline-profile"]),
+    ("arcline-motion",          &["arcline-planner", "arcline-drive", "arcline-instruction-set"]),
+    ("arcline-controller",      &["arcline-motion"]),
+    ("arcline-realtime",        &["arcline-controller"]),
+    ("arcline-config",          &["arcline-controller"]),
+    ("arcline-client",          &["arcline-proto", "arcline-structured-text", "arcline-instruction-set", "arcline-tag"]),
+    ("arcline-server",          &["arcline-realtime", "arcline-controller", "arcline-config",
+                                  "arcline-proto", "arcline-structured-text"]),
+];
+
+/// Packages below the real-time thread: no thread, clock, file, socket or log.
+const BEFORE_REALTIME: &[&str] = &[
+    "arcline-tag",
+    "arcline-instruction-set",
+    "arcline-structured-text",
+    "arcline-geometry",
+    "arcline-profile",
+    "arcline-planner",
+    "arcline-drive",
+    "arcline-motion",
+    "arcline-controller",
+    "arcline-proto",
+];
+
+/// What would give them one.
+const FORBIDDEN_BEFORE_REALTIME: &[&str] = &[
+    "tokio",
+    "tokio-util",
+    "async-std",
+    "smol",
+    "mio",
+    "socket2",
+    "rustix",
+    "nix",
+    "libc",
+    "tracing",
+    "log",
+    "tracing-subscriber",
+    "rand",
+    "chrono",
+    "time",
+    "crossbeam-channel",
+    "parking_lot",
+    "rayon",
+];
+
+fn metadata() -> Metadata {
+    MetadataCommand::new()
+        .manifest_path(arcline_tests::workspace().join("Cargo.toml"))
+        .other_options(["--locked".to_owned()])
+        .exec()
+        .expect("cargo metadata describes the workspace")
+}
+
+/// Names of the normal dependencies of each package that Cargo has resolved.
+fn normal_dependencies(metadata: &Metadata) -> BTreeMap<&PackageId, Vec<&PackageId>> {
+    let resolve = metadata.resolve.as_ref().expect("cargo metadata resolves");
+    resolve
+        .nodes
+        .iter()
+        .map(|node| {
+            let dependencies = node
+                .deps
+                .iter()
+                .filter(|dependency| {
+                    dependency
+                        .dep_kinds
+                        .iter()
+                        .any(|kind| kind.kind == DependencyKind::Normal)
+                })
+                .map(|dependency| &dependency.pkg);
+            (&node.id, dependencies.collect())
+        })
+        .collect()
+}
+
+fn name<'m>(metadata: &'m Metadata, id: &PackageId) -> &'m str {
+    metadata[id].name.as_str()
+}
+
+/// Everything that the table lets a package use.
+fn allowed(package: &str) -> BTreeSet<&'static str> {
+    let (_, direct) = MAY_USE
+        .iter()
+        .find(|(name, _)| *name == package)
+        .unwrap_or_else(|| panic!("{package} has no row in the table of STYLE.md §1"));
+    direct
+        .iter()
+        .flat_map(|name| allowed(name).into_iter().chain([*name]))
+        .collect()
+}
+
+#[test]
+fn arrows_run_one_way() {
+    let metadata = metadata();
+    let dependencies = normal_dependencies(&metadata);
+    for package in metadata.workspace_packages() {
+        let package_name = package.name.as_str();
+        if package_name == "arcline-tests" {
+            continue;
+        }
+        let allowed = allowed(package_name);
+        for dependency in &dependencies[&package.id] {
+            let dependency = name(&metadata, dependency);
+            assert!(
+                !dependency.starts_with("arcline-") || allowed.contains(dependency),
+                "{package_name} must not use {dependency}: STYLE.md §1 allows it {allowed:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_row_of_the_table_is_a_package() {
+    let metadata = metadata();
+    let packages: BTreeSet<_> = metadata
+        .workspace_packages()
+        .iter()
+        .map(|package| package.name.to_string())
+        .collect();
+    for (row, _) in MAY_USE {
+        assert!(
+            packages.contains(*row),
+            "{row} stands in the table but not in the workspace"
+        );
+    }
+}
+
+#[test]
+fn nothing_before_the_real_time_thread_reaches_the_system() {
+    let metadata = metadata();
+    let dependencies = normal_dependencies(&metadata);
+    for package in metadata.workspace_packages() {
+        if !BEFORE_REALTIME.contains(&package.name.as_str()) {
+            continue;
+        }
+        let mut reached = BTreeMap::from([(&package.id, package.name.to_string())]);
+        let mut todo = vec![&package.id];
+        while let Some(next) = todo.pop() {
+            for dependency in &dependencies[next] {
+                if !reached.contains_key(dependency) {
+                    let way = format!("{} -> {}", reached[next], name(&metadata, dependency));
+                    reached.insert(dependency, way);
+                    todo.push(dependency);
+                }
+            }
+        }
+        for (id, way) in reached {
+            let reached = name(&metadata, id);
+            assert!(
+                !FORBIDDEN_BEFORE_REALTIME.contains(&reached),
+                "{}: {way}",
+                package.name
+            );
+        }
+    }
+}
