@@ -1,1 +1,67 @@
-//! arcline-client.
+//! Asks an Arcline server, or any Logix-like controller, over EtherNet/IP: tags, motion instructions, discovery.
+//!
+//! Asynchronous, on tokio. Every value that comes from the server is checked before it is believed: a wrong length or
+//! type is an error, and never more is held than [`MAX_BYTES`] of one tag. Not here: what an instruction does, and the
+//! command line (the binary `arcline` of this package).
+//!
+//! # Tags
+//!
+//! ```no_run
+//! # async fn example() -> Result<(), arcline_client::ClientError> {
+//! use arcline_client::Client;
+//!
+//! let client = Client::connect("127.0.0.1:44818").await?;
+//! println!("X is at {}", client.read("X.ActualPosition").await?);
+//! client.write("Move1.Position", vec![100.0, 50.0, 0.0]).await?;
+//! for tag in client.browse().await? {
+//!     println!("{} {}", tag.name, tag.type_name());
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Motion
+//!
+//! ```no_run
+//! # async fn example() -> Result<(), arcline_client::ClientError> {
+//! use std::time::Duration;
+//! use arcline_client::{Client, Flag, Mnemonic, Operands};
+//!
+//! let client = Client::connect("127.0.0.1").await?;
+//! let operands = Operands::full_speed(Mnemonic::Mclm)
+//!     .with("Position", vec![100.0, 50.0, 0.0])?
+//!     .with("Speed", 50.0)?;
+//! let execution = client.execute(Mnemonic::Mclm, "CS1", "", operands.given()).await?;
+//! client.wait_for(&execution, Flag::Pc, Duration::from_secs(60)).await?;
+//! # Ok(())
+//! # }
+//! ```
+#![forbid(unsafe_code)]
+
+mod client;
+mod discover;
+mod error;
+mod input;
+mod link;
+mod motion;
+mod program;
+mod read;
+mod reading;
+mod tags;
+mod template;
+mod write;
+
+
+pub use arcline_instruction_set::{Flag, Given, Mnemonic, MotionControl, Object};
+pub use arcline_proto::identity::Identity;
+pub use arcline_tag::{Elementary, TagType, Value};
+
+pub use client::{Client, DEFAULT_PORT, Options};
+pub use discover::{Discovered, discover};
+pub use error::{ClientError, nearest};
+pub use input::Input;
+pub use motion::{Execution, Operands};
+pub use program::{Event, OnError, ProgramError, QueueFull, Runner, TICK};
+pub use read::MAX_BYTES;
+pub use reading::{Reading, Structure};
+pub use tags::{Access, Tag};

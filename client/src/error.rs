@@ -1,0 +1,197 @@
+//! What can go wrong with a server, sorted by whose fault it is: the network's, the server's, the machine's, or ours.
+
+use std::io;
+use std::time::Duration;
+
+use arcline_proto::client as session;
+
+use arcline_instruction_set::{BindError, Flag, Mnemonic, MotionControl, Object, UnknownMnemonic, describe};
+use arcline_proto::cip::CipStatus;
+use arcline_tag::{Elementary, PathError};
+
+/// Why a request gave no result.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ClientError {
+    /// The name cannot be resolved, or nobody listens there.
+    #[error("no connection to {address}: {source}")]
+    Connect {
+        /// As it was asked for.
+        address: String,
+        /// Why.
+        source: io::Error,
+    },
+    /// The connection broke, the server closed it, or this client has been closed.
+    #[error("the connection is closed")]
+    Closed,
+    /// No answer in time.
+    #[error("no answer within {} s", after.as_secs_f64())]
+    Timeout {
+        /// The time allowed.
+        after: Duration,
+    },
+    /// The encapsulation layer refused, or the server sent what cannot be read.
+    #[error("the session failed: {0}")]
+    Session(session::ClientError),
+    /// The server sent something that is not the answer to the request.
+    #[error("the server misbehaves: {what}")]
+    Malformed {
+        /// What was wrong with it.
+        what: &'static str,
+    },
+    /// The server claims more than this client is willing to hold.
+    #[error("{what} is {claimed}, at most {limit} are accepted")]
+    TooLarge {
+        /// What was claimed.
+        what: &'static str,
+        /// How much.
+        claimed: usize,
+        /// Accepted.
+        limit: usize,
+    },
+    /// The request was refused.
+    #[error("{what}: {status}")]
+    Refused {
+        /// What was asked for.
+        what: String,
+        /// General and additional status.
+        status: CipStatus,
+    },
+    /// A motion instruction erred.
+    #[error("{}", describe(*err, *exerr, *mnemonic))]
+    Motion {
+        /// The instruction, if it is known.
+        mnemonic: Option<Mnemonic>,
+        /// ERR.
+        err: i16,
+        /// EXERR.
+        exerr: i8,
+    },
+    /// The motion ended without reaching what was waited for: it was stopped, merged away, or a fault ended it.
+    #[error("the motion ended without {flag}: it was stopped, superseded or faulted")]
+    Ended {
+        /// What was waited for.
+        flag: Flag,
+        /// The status it ended with.
+        control: MotionControl,
+    },
+    /// What was waited for did not come before the deadline.
+    #[error("{flag} did not come within {} s", after.as_secs_f64())]
+    Deadline {
+        /// What was waited for.
+        flag: Flag,
+        /// The time allowed.
+        after: Duration,
+    },
+    /// No tag of that name.
+    #[error("there is no tag {name:?}{}", suggest(.suggestion))]
+    UnknownTag {
+        /// The name.
+        name: String,
+        /// The nearest name there is.
+        suggestion: Option<String>,
+    },
+    /// No motion object of that name.
+    #[error("there is no {object} {name:?}{}", suggest(.suggestion))]
+    UnknownObject {
+        /// What it should be.
+        object: Object,
+        /// The name.
+        name: String,
+        /// The nearest name there is.
+        suggestion: Option<String>,
+    },
+    /// A tag path that cannot be read, or leads nowhere.
+    #[error("{path}: {source}")]
+    Path {
+        /// The path.
+        path: String,
+        /// Why.
+        source: PathError,
+    },
+    /// A value that the tag cannot hold.
+    #[error("{path} is {expected}, {given} does not fit")]
+    Value {
+        /// The tag.
+        path: String,
+        /// Its type.
+        expected: String,
+        /// What was given, shortened.
+        given: String,
+    },
+    /// An operand that the instruction cannot take.
+    #[error(transparent)]
+    Operand(#[from] BindError),
+    /// An operand name that the instruction does not have.
+    #[error("{mnemonic} has no operand {name:?}")]
+    UnknownOperand {
+        /// The instruction.
+        mnemonic: Mnemonic,
+        /// The name.
+        name: String,
+    },
+    /// A name that is no instruction.
+    #[error(transparent)]
+    Mnemonic(#[from] UnknownMnemonic),
+}
+
+impl ClientError {
+    /// Whether there is no connection to the server, or no longer: nothing else can be asked on it.
+    pub fn is_connection(&self) -> bool {
+        matches!(
+            self,
+            Self::Connect { .. }
+                | Self::Closed
+                | Self::Timeout { .. }
+                | Self::Session(_)
+                | Self::Malformed { .. }
+        )
+    }
+
+    /// ERR and EXERR, when a motion instruction erred.
+    pub fn motion(&self) -> Option<(i16, i8)> {
+        match self {
+            Self::Motion { err, exerr, .. } => Some((*err, *exerr)),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn path(path: &str, source: PathError) -> Self {
+        Self::Path { path: path.to_owned(), source }
+    }
+
+    pub(crate) fn refused(what: impl Into<String>, status: CipStatus) -> Self {
+        Self::Refused { what: what.into(), status }
+    }
+
+    pub(crate) fn value(path: &str, expected: Elementary, given: impl std::fmt::Display) -> Self {
+        Self::Value { path: path.to_owned(), expected: expected.name().to_owned(), given: given.to_string() }
+    }
+}
+
+impl From<session::ClientError> for ClientError {
+    fn from(error: session::ClientError) -> Self {
+        match error {
+            session::ClientError::Refused(status) => Self::refused("the connection", status),
+            session::ClientError::Lost | session::ClientError::NotOpen | session::ClientError::NotRegistered => Self::Closed,
+            error => Self::Session(error),
+        }
+    }
+}
+
+/// `, did you mean "CS1"?`
+fn suggest(suggestion: &Option<String>) -> String {
+    suggestion.as_ref().map(|name| format!(", did you mean {name:?}?")).unwrap_or_default()
+}
+
+/// The candidate nearest to a name, when it is near enough to be a slip.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    const NEAR: f64 = 0.75;
+    let name: String = name.chars().take(60).collect::<String>().to_ascii_lowercase();
+    candidates
+        .into_iter()
+        .map(|candidate| (strsim::jaro_winkler(&name, &candidate.to_ascii_lowercase()), candidate))
+        .filter(|(similarity, _)| *similarity >= NEAR)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate.to_owned())
+}

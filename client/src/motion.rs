@@ -1,0 +1,326 @@
+//! Motion instructions as CIP services, and their status (spec/contract.md §4).
+
+use std::time::Duration;
+
+use bytes::{Bytes, BytesMut};
+use tokio::time::Instant;
+
+use arcline_instruction_set::{BindError, Flag, Given, Kind, Mnemonic, MotionControl, OperandIndex};
+use arcline_proto::cip::{CipStatus, Reply, service};
+use arcline_proto::epath::Epath;
+use arcline_proto::logix::{Typed, encode_operands};
+use arcline_proto::wire::Reader;
+use arcline_tag::{Elementary, Value};
+
+use crate::{Client, ClientError};
+
+/// Class of the executed instructions (spec/contract.md §4).
+const MOTION_INSTRUCTION: u16 = 0x0303;
+/// Time between two looks at an instruction's status.
+const POLL: Duration = Duration::from_millis(5);
+
+/// An instruction that the server has executed.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Execution {
+    /// Which one.
+    pub mnemonic: Mnemonic,
+    /// The motion object it acts on.
+    pub target: String,
+    /// Instance of class 0x0303; the server keeps the newest 4,096.
+    pub instance: u32,
+    /// Its status when the server answered.
+    pub control: MotionControl,
+}
+
+impl Execution {
+    /// Whether the instruction has a PC that will come, or not come when it is stopped.
+    pub fn completes(&self) -> bool {
+        self.mnemonic.instruction().bits.contains(&Flag::Pc)
+    }
+}
+
+/// The operands of an instruction behind target and motion control, by name.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Operands {
+    mnemonic: Mnemonic,
+    given: Vec<Given>,
+}
+
+impl Operands {
+    /// The first values of an instruction tag (spec/contract.md §3): for moves a full-speed S-curve.
+    ///
+    /// ```
+    /// use arcline_client::{Mnemonic, Operands};
+    ///
+    /// let operands = Operands::full_speed(Mnemonic::Mclm).with("Position", vec![10.0, 0.0, 0.0])?.with("Speed", 50.0)?;
+    /// assert_eq!(operands.given().len(), 20);
+    /// # Ok::<(), arcline_client::ClientError>(())
+    /// ```
+    pub fn full_speed(mnemonic: Mnemonic) -> Self {
+        let instruction = mnemonic.instruction();
+        let operands = instruction.given_operands().filter_map(|place| instruction.operands.get(place));
+        let given = operands.map(|operand| match operand.kind {
+            Kind::Array(_) | Kind::Reference(_) | Kind::Structure(_) => Given::Missing,
+            _ => Given::Number(operand.initial.into()),
+        });
+        Self { mnemonic, given: given.collect() }
+    }
+
+    /// With an operand set, by its name on the faceplate or its member name, case and blanks ignored.
+    ///
+    /// # Errors
+    /// [`ClientError::UnknownOperand`].
+    pub fn with(mut self, name: &str, value: impl Into<Given>) -> Result<Self, ClientError> {
+        let instruction = self.mnemonic.instruction();
+        let unknown = || ClientError::UnknownOperand { mnemonic: self.mnemonic, name: name.to_owned() };
+        let place = instruction.operand(name).ok_or_else(unknown)?;
+        let index = instruction.given_operands().position(|given| given == place).ok_or_else(unknown)?;
+        if let Some(slot) = self.given.get_mut(index) {
+            *slot = value.into();
+        }
+        Ok(self)
+    }
+
+    /// The instruction.
+    pub fn mnemonic(&self) -> Mnemonic {
+        self.mnemonic
+    }
+
+    /// In faceplate order, for [`Client::execute`].
+    pub fn given(&self) -> &[Given] {
+        &self.given
+    }
+}
+
+impl Client {
+    /// Executes an instruction on the group, axis or coordinate system `target`, under the motion control tag `control`
+    /// (made on first use; empty: none). `given` are the operands behind target and motion control in faceplate order,
+    /// trailing ones may be missing; numbers travel as LREAL.
+    ///
+    /// The answer comes when DN or ER is set.
+    ///
+    /// # Errors
+    /// [`ClientError::Motion`] with ERR and EXERR, [`ClientError::Operand`] for a word or type that the operand does not
+    /// have, [`ClientError::UnknownObject`]; otherwise what the session meets. After a timeout it is not known whether
+    /// the instruction has been executed.
+    ///
+    /// ```no_run
+    /// # async fn example(client: arcline_client::Client) -> Result<(), arcline_client::ClientError> {
+    /// use arcline_client::{Given, Mnemonic};
+    ///
+    /// client.execute(Mnemonic::Mso, "X", "", &[]).await?;
+    /// client.execute(Mnemonic::Mcs, "CS1", "Stop1", &[Given::Word("All".into())]).await?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub async fn execute(
+        &self,
+        mnemonic: Mnemonic,
+        target: &str,
+        control: &str,
+        given: &[Given],
+    ) -> Result<Execution, ClientError> {
+        let (_, service) = mnemonic.instruction().service();
+        let data = encode(mnemonic, control, given)?;
+        let request = arcline_proto::cip::Request::new(service, Epath::symbol(target), data);
+        let reply = self.request(request).await?;
+        if !reply.status.is_success() {
+            return Err(self.refusal(mnemonic, target, &reply).await);
+        }
+        let mut reader = Reader::new(&reply.data);
+        let parts = (reader.u32(), reader.array::<{ MotionControl::SIZE }>());
+        let (Some(instance), Some(control)) = parts else {
+            return Err(ClientError::Malformed { what: "the answer to an instruction is cut" });
+        };
+        let control = MotionControl::from_bytes(control);
+        let execution = Execution { mnemonic, target: target.to_owned(), instance, control };
+        check(&control, Some(mnemonic)).map(|()| execution)
+    }
+
+    /// The status of an executed instruction.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`] with 0x16 when the server has dropped it; otherwise what the session meets.
+    pub async fn instruction(&self, instance: u32) -> Result<MotionControl, ClientError> {
+        let path = Epath::object(MOTION_INSTRUCTION, instance);
+        let what = "the instruction's status";
+        let reply = self.ask(what, service::GET_ATTRIBUTES_ALL, path, Bytes::new()).await?;
+        let bytes = Reader::new(&reply.data).array::<{ MotionControl::SIZE }>();
+        bytes.map(MotionControl::from_bytes).ok_or(ClientError::Malformed { what: "an instruction's status is cut" })
+    }
+
+    /// Waits until a bit of an executed instruction is set.
+    ///
+    /// # Errors
+    /// [`ClientError::Motion`] when the instruction errs, [`ClientError::Ended`] when the motion ends without the bit,
+    /// [`ClientError::Deadline`]; otherwise as [`Client::instruction`].
+    pub async fn wait_for(
+        &self,
+        execution: &Execution,
+        flag: Flag,
+        deadline: Duration,
+    ) -> Result<MotionControl, ClientError> {
+        let end = Instant::now() + deadline;
+        loop {
+            let control = self.instruction(execution.instance).await?;
+            if let Some(result) = outcome(&control, flag, Some(execution.mnemonic)) {
+                return result;
+            }
+            if Instant::now() >= end {
+                return Err(ClientError::Deadline { flag, after: deadline });
+            }
+            tokio::time::sleep(POLL).await;
+        }
+    }
+
+    /// What a refusal of an instruction means.
+    async fn refusal(&self, mnemonic: Mnemonic, target: &str, reply: &Reply) -> ClientError {
+        let object = mnemonic.instruction().object;
+        match (reply.status.general(), reply.status.additional()) {
+            (general, [err, exerr, ..]) if general == CipStatus::VENDOR_SPECIFIC.general() => ClientError::Motion {
+                mnemonic: Some(mnemonic),
+                err: err.cast_signed(),
+                // The word is the sign-extended byte.
+                exerr: exerr.cast_signed() as i8,
+            },
+            (general, _) if general == CipStatus::PATH_DESTINATION_UNKNOWN.general() => {
+                let names = self.objects(object).await.unwrap_or_default();
+                let suggestion = crate::nearest(target, names.iter().map(String::as_str));
+                ClientError::UnknownObject { object, name: target.to_owned(), suggestion }
+            }
+            _ => ClientError::refused(format!("{mnemonic} on {target}"), reply.status),
+        }
+    }
+}
+
+/// The result of waiting for a flag, if there is one yet.
+pub(crate) fn outcome(
+    control: &MotionControl,
+    flag: Flag,
+    mnemonic: Option<Mnemonic>,
+) -> Option<Result<MotionControl, ClientError>> {
+    if control.has(flag) {
+        return Some(Ok(*control));
+    }
+    if let Err(error) = check(control, mnemonic) {
+        return Some(Err(error));
+    }
+    let over = control.has(Flag::Dn) && !control.has(Flag::Ip);
+    (over && flag != Flag::Dn).then_some(Err(ClientError::Ended { flag, control: *control }))
+}
+
+/// ER is an error.
+fn check(control: &MotionControl, mnemonic: Option<Mnemonic>) -> Result<(), ClientError> {
+    if control.has(Flag::Er) {
+        Err(ClientError::Motion { mnemonic, err: control.err, exerr: control.exerr })
+    } else {
+        Ok(())
+    }
+}
+
+/// The request data of an instruction.
+fn encode(mnemonic: Mnemonic, control: &str, given: &[Given]) -> Result<BytesMut, ClientError> {
+    let instruction = mnemonic.instruction();
+    let places: Vec<usize> = instruction.given_operands().collect();
+    let used = given.iter().rposition(|operand| *operand != Given::Missing).map_or(0, |last| last + 1);
+    let given = given.get(..used).unwrap_or_default();
+    if given.len() > places.len() {
+        return Err(BindError::TooMany { mnemonic, given: given.len(), most: places.len() }.into());
+    }
+    let mut operands = vec![Typed::ShortString(control.to_owned())];
+    for (value, place) in given.iter().zip(places) {
+        let kind = instruction.operands.get(place).map_or(&Kind::MotionControl, |operand| &operand.kind);
+        operands.push(typed(value, kind).ok_or_else(|| {
+            let operand = OperandIndex(u8::try_from(place).unwrap_or(u8::MAX));
+            match (value, kind) {
+                (Given::Word(word) | Given::Name(word), Kind::Word(_)) => {
+                    BindError::UnknownWord { mnemonic, operand, word: word.chars().take(60).collect() }
+                }
+                (given, _) => BindError::WrongType { mnemonic, operand, given: given.clone(), expected: "a number" },
+            }
+        })?);
+    }
+    let mut data = BytesMut::new();
+    encode_operands(&operands, &mut data);
+    Ok(data)
+}
+
+/// An operand as it travels; `None` when the operand cannot take it.
+fn typed(given: &Given, kind: &Kind) -> Option<Typed> {
+    let number = |number| Typed::Numbers(Elementary::Lreal, vec![Value::Lreal(number)]);
+    let integer = |integer| match i32::try_from(integer) {
+        Ok(small) => Typed::Numbers(Elementary::Dint, vec![Value::Dint(small)]),
+        Err(_) => Typed::Numbers(Elementary::Lint, vec![Value::Lint(integer)]),
+    };
+    Some(match (given, kind) {
+        (Given::Missing, _) => integer(0),
+        (Given::Number(value), _) => number(*value),
+        (Given::Integer(value), _) => integer(*value),
+        (Given::Array(values), _) if values.is_empty() => return None,
+        (Given::Array(values), _) => {
+            Typed::Numbers(Elementary::Lreal, values.iter().copied().map(Value::Lreal).collect())
+        }
+        (Given::Word(word) | Given::Name(word), Kind::Word(words)) => integer(words.parse_word(word)?.into()),
+        (Given::Word(name) | Given::Name(name), Kind::Reference(_) | Kind::Structure(_) | Kind::WrittenArray(_)) => {
+            if name.eq_ignore_ascii_case("none") { integer(0) } else { Typed::ShortString(name.clone()) }
+        }
+        (Given::Word(name), Kind::ArrayOrNone) if name.eq_ignore_ascii_case("none") => integer(0),
+        (Given::Word(_) | Given::Name(_), _) => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arcline_proto::logix::decode_operands;
+
+    #[test]
+    fn operands_travel_by_kind() {
+        let given = [
+            Given::Word("Absolute".into()),
+            Given::Array(vec![1.0, 2.5]),
+            Given::Number(50.0),
+            Given::Word("Unitspersec".into()),
+            Given::Missing,
+        ];
+        let data = encode(Mnemonic::Mclm, "Move1", &given).expect("encodes");
+        let dint = |number| Typed::Numbers(Elementary::Dint, vec![Value::Dint(number)]);
+        let lreals = |numbers: &[f64]| Typed::Numbers(Elementary::Lreal, numbers.iter().copied().map(Value::Lreal).collect());
+        let expected = vec![
+            Typed::ShortString("Move1".into()), dint(0), lreals(&[1.0, 2.5]), lreals(&[50.0]), dint(0),
+        ];
+        assert_eq!(decode_operands(&data), Ok(expected), "the last one, missing, is left out");
+    }
+
+    #[test]
+    fn wrong_operands_are_named() {
+        #[rustfmt::skip]
+        let cases: &[(&str, &[Given], &str)] = &[
+            ("an unknown word", &[Given::Word("Relative".into())],
+             "MCLM: operand 2 (Move Type) is \"Relative\", expected one of Absolute (0), Incremental (1)"),
+            ("a name for a number", &[0.0.into(), vec![1.0].into(), Given::Name("Fast".into())],
+             "MCLM: operand 4 (Speed) is \"Fast\", expected a number"),
+        ];
+        for (why, given, expected) in cases {
+            let error = encode(Mnemonic::Mclm, "", given).expect_err(why);
+            assert_eq!(error.to_string(), *expected, "{why}");
+        }
+        let many = vec![Given::Integer(0); 30];
+        assert!(encode(Mnemonic::Mso, "", &many).is_err(), "too many");
+    }
+
+    #[test]
+    fn waiting_ends_as_the_bits_say() {
+        let control = |flags: &[Flag]| MotionControl {
+            flags: flags.iter().map(|flag| flag.mask()).sum(),
+            ..MotionControl::default()
+        };
+        let done = |flags: &[Flag], flag| outcome(&control(flags), flag, None).map(|result| result.is_ok());
+        assert_eq!(done(&[Flag::En, Flag::Dn, Flag::Ip], Flag::Pc), None, "runs");
+        assert_eq!(done(&[Flag::En], Flag::Dn), None, "not done yet");
+        assert_eq!(done(&[Flag::Dn, Flag::Pc], Flag::Pc), Some(true), "complete");
+        assert_eq!(done(&[Flag::Dn], Flag::Pc), Some(false), "stopped");
+        assert_eq!(done(&[Flag::Dn, Flag::Er], Flag::Pc), Some(false), "failed when it became active");
+        assert_eq!(done(&[Flag::En, Flag::Er], Flag::Dn), Some(false), "refused");
+    }
+}

@@ -1,0 +1,298 @@
+//! Runs Structured Text against a live server: one instruction, or a whole program (spec/contract.md §1).
+//!
+//! The interpreter says what it wants, this module asks the server for it. A tick of the program is about
+//! [`TICK`]; unlike in the simulator the machine goes on meanwhile, so statements of one tick are not simultaneous.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use arcline_instruction_set::{Flag, Mnemonic, Object, predefined};
+use arcline_proto::cip::CipStatus;
+use arcline_structured_text::{Answer, BoundCall, Interpreter, Names, Program, Request, RuntimeError, SyntaxError};
+use arcline_tag::{DataType, TagPath, TagType, Value};
+
+use crate::tags::TagTable;
+use crate::{Client, ClientError, Execution, Input};
+
+/// Time between two looks at a WAIT or a full queue: the default coarse update period.
+pub const TICK: Duration = Duration::from_millis(1);
+/// Time between two looks at motion that must end.
+const POLL: Duration = Duration::from_millis(5);
+/// ERR of a full queue.
+const QUEUE_FULL: i16 = 43;
+/// Executions that are watched to their end: what the server keeps.
+const WATCHED: usize = 4096;
+
+/// What to do with a coordinated move when the queue is full.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum QueueFull {
+    /// Call it again in the next tick.
+    #[default]
+    Wait,
+    /// Let it err with 43.
+    Error,
+}
+
+/// What to do when an instruction errs.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum OnError {
+    /// End the program.
+    #[default]
+    Stop,
+    /// Go on with the next statement.
+    KeepGoing,
+}
+
+/// Why a program did not run to its end.
+#[derive(Debug, thiserror::Error)]
+pub enum ProgramError {
+    /// It cannot be read, or names what is not there.
+    #[error(transparent)]
+    Syntax(#[from] SyntaxError),
+    /// An operation has no result.
+    #[error(transparent)]
+    Runtime(#[from] RuntimeError),
+    /// The server refused, or is gone.
+    #[error("line {line}: {source}")]
+    Client {
+        /// Line of the statement, from 1.
+        line: usize,
+        /// Why.
+        source: ClientError,
+    },
+}
+
+/// Something worth telling while a program runs.
+#[derive(Debug)]
+pub enum Event<'a> {
+    /// An instruction was executed.
+    Executed {
+        /// Line of the call.
+        line: usize,
+        /// What was executed.
+        execution: &'a Execution,
+    },
+    /// An instruction erred.
+    Erred {
+        /// Line of the call.
+        line: usize,
+        /// The instruction.
+        mnemonic: Mnemonic,
+        /// Its target.
+        target: &'a str,
+        /// Why.
+        error: &'a ClientError,
+    },
+}
+
+/// A program on its way.
+///
+/// ```no_run
+/// # async fn example(client: arcline_client::Client) -> Result<(), Box<dyn std::error::Error>> {
+/// use arcline_client::Runner;
+///
+/// let mut runner = Runner::program(&client, "MSO(X, M1); WAIT(M1.DN);").await?;
+/// runner.run(&mut |_| {}).await?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct Runner<'c> {
+    client: &'c Client,
+    interpreter: Interpreter,
+    queue_full: QueueFull,
+    on_error: OnError,
+    executions: VecDeque<(usize, Execution)>,
+}
+
+impl<'c> Runner<'c> {
+    /// A whole program.
+    ///
+    /// # Errors
+    /// [`ProgramError::Syntax`] when it cannot be read or a name means nothing; what browsing meets.
+    pub async fn program(client: &'c Client, text: &str) -> Result<Self, ProgramError> {
+        Self::new(client, Program::parse(text)?).await
+    }
+
+    /// One instruction call.
+    ///
+    /// # Errors
+    /// As [`Runner::program`].
+    pub async fn call(client: &'c Client, text: &str) -> Result<Self, ProgramError> {
+        Self::new(client, Program::parse_call(text)?).await
+    }
+
+    async fn new(client: &'c Client, mut program: Program) -> Result<Self, ProgramError> {
+        client.browse().await.map_err(|source| ProgramError::Client { line: 1, source })?;
+        program.check(&Known(&client.table()))?;
+        let interpreter = Interpreter::new(program);
+        let (queue_full, on_error) = (QueueFull::default(), OnError::default());
+        Ok(Self { client, interpreter, queue_full, on_error, executions: VecDeque::new() })
+    }
+
+    /// With another answer to a full queue than waiting.
+    #[must_use]
+    pub fn queue_full(self, queue_full: QueueFull) -> Self {
+        Self { queue_full, ..self }
+    }
+
+    /// With another answer to an error than stopping.
+    #[must_use]
+    pub fn on_error(self, on_error: OnError) -> Self {
+        Self { on_error, ..self }
+    }
+
+    /// The newest executions with their lines, oldest first; at most 4,096.
+    pub fn executions(&self) -> impl Iterator<Item = (usize, &Execution)> {
+        self.executions.iter().map(|(line, execution)| (*line, execution))
+    }
+
+    /// Objects on which instructions have been executed, each once.
+    pub fn targets(&self) -> Vec<(Object, String)> {
+        let mut targets = Vec::new();
+        for (_, execution) in &self.executions {
+            let target = (execution.mnemonic.instruction().object, execution.target.clone());
+            if !targets.contains(&target) {
+                targets.push(target);
+            }
+        }
+        targets
+    }
+
+    /// Runs the statements up to the last one. May be dropped at any point; motion goes on then.
+    ///
+    /// # Errors
+    /// See [`ProgramError`].
+    pub async fn run(&mut self, on_event: &mut (dyn FnMut(Event<'_>) + Send)) -> Result<(), ProgramError> {
+        let mut answer = Answer::Start;
+        loop {
+            let request = self.interpreter.resume(answer)?;
+            let line = self.interpreter.line();
+            let answered = match request {
+                Request::End => return Ok(()),
+                Request::Read(path) => self.read(&path).await.map(Answer::Value),
+                Request::ReadArray(path) => self.client.read_numbers(&path.to_string()).await.map(Answer::Array),
+                Request::Write(path, value) => {
+                    self.client.write(&path.to_string(), Input::from(value)).await.map(|()| Answer::Done)
+                }
+                Request::Call(call) => self.execute(call, on_event).await,
+                Request::NextTick => {
+                    tokio::time::sleep(TICK).await;
+                    Ok(Answer::Done)
+                }
+                Request::Delay(seconds) => {
+                    let delay = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+                    tokio::time::sleep(delay).await;
+                    Ok(Answer::Done)
+                }
+            };
+            answer = answered.map_err(|source| ProgramError::Client { line, source })?;
+        }
+    }
+
+    /// Waits until all motion that the program began and that has an end has come to it.
+    ///
+    /// # Errors
+    /// [`ProgramError::Client`] when an instruction errs while it runs, or the server is gone.
+    pub async fn finish(&mut self, on_event: &mut (dyn FnMut(Event<'_>) + Send)) -> Result<(), ProgramError> {
+        while let Some((line, execution)) = self.executions.front() {
+            let fail = |source| ProgramError::Client { line: *line, source };
+            match self.client.instruction(execution.instance).await {
+                Ok(control) if control.has(Flag::Er) => {
+                    let (err, exerr) = (control.err, control.exerr);
+                    let error = ClientError::Motion { mnemonic: Some(execution.mnemonic), err, exerr };
+                    let (mnemonic, target) = (execution.mnemonic, execution.target.as_str());
+                    on_event(Event::Erred { line: *line, mnemonic, target, error: &error });
+                    if self.on_error == OnError::Stop {
+                        return Err(fail(error));
+                    }
+                }
+                Ok(control) if control.has(Flag::Ip) && execution.completes() => {
+                    tokio::time::sleep(POLL).await;
+                    continue;
+                }
+                Ok(_) => {}
+                // So old that the server has dropped it: it has ended.
+                Err(ClientError::Refused { status, .. }) if status.is(CipStatus::OBJECT_DOES_NOT_EXIST) => {}
+                Err(error) => return Err(fail(error)),
+            }
+            self.executions.pop_front();
+        }
+        Ok(())
+    }
+
+    async fn execute(
+        &mut self,
+        call: BoundCall,
+        on_event: &mut (dyn FnMut(Event<'_>) + Send),
+    ) -> Result<Answer, ClientError> {
+        let BoundCall { mnemonic, target, control, given, line } = call;
+        let control = control.unwrap_or_default();
+        match self.client.execute(mnemonic, &target, &control, &given).await {
+            Ok(execution) => {
+                on_event(Event::Executed { line, execution: &execution });
+                if self.executions.len() == WATCHED {
+                    self.executions.pop_front();
+                }
+                self.executions.push_back((line, execution));
+                Ok(Answer::Done)
+            }
+            Err(ClientError::Motion { err: QUEUE_FULL, .. }) if self.queue_full == QueueFull::Wait => {
+                Ok(Answer::QueueFull)
+            }
+            Err(error) => {
+                if error.motion().is_some() {
+                    on_event(Event::Erred { line, mnemonic, target: &target, error: &error });
+                    if self.on_error == OnError::KeepGoing {
+                        return Ok(Answer::Done);
+                    }
+                }
+                Err(error)
+            }
+        }
+    }
+
+    /// The value of a tag; a member of a motion control tag that has not been made yet is 0.
+    async fn read(&self, path: &TagPath) -> Result<Value, ClientError> {
+        match self.client.read(&path.to_string()).await {
+            Ok(reading) => reading.value().ok_or_else(|| ClientError::Value {
+                path: path.to_string(),
+                expected: "no elementary value".to_owned(),
+                given: "a number".to_owned(),
+            }),
+            Err(error @ ClientError::UnknownTag { .. }) => unmade_control(path).ok_or(error),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+fn unmade_control(path: &TagPath) -> Option<Value> {
+    let place = TagType::scalar(predefined::motion_instruction()).locate(path.rest()).ok()?;
+    match place.data_type {
+        DataType::Elementary(elementary) if place.bit.is_none() => Some(Value::from_f64(elementary, 0.0)),
+        DataType::Elementary(_) => Some(Value::Bool(false)),
+        DataType::Structure(_) => None,
+    }
+}
+
+/// The server's names, for the check of a program.
+struct Known<'t>(&'t TagTable);
+
+impl Names for Known<'_> {
+    fn is_object(&self, object: Object, name: &str) -> bool {
+        self.0.tag(name).and_then(|tag| tag.object()) == Some(object)
+    }
+
+    fn is_tag(&self, path: &TagPath) -> bool {
+        let tag = path.tag().and_then(|name| self.0.tag(name));
+        tag.is_some_and(|tag| tag.tag_type.locate(path.rest()).is_ok())
+    }
+
+    fn objects(&self, object: Object) -> Vec<String> {
+        self.0.tags().into_iter().filter(|tag| tag.object() == Some(object)).map(|tag| tag.name).collect()
+    }
+
+    fn tags(&self) -> Vec<String> {
+        self.0.names().map(str::to_owned).collect()
+    }
+}

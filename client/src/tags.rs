@@ -1,0 +1,277 @@
+//! The server's tags and their types: browsing and templates (spec/ethernet-ip.md §10, §11).
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use bytes::{Bytes, BytesMut};
+
+use arcline_instruction_set::Object;
+use arcline_proto::cip::{CipStatus, class, encode_attribute_ids, service};
+use arcline_proto::epath::Epath;
+use arcline_proto::logix::{ReadTemplate, Symbol, TemplateAttributes};
+use arcline_tag::{DataType, TagType, Template, string_template};
+
+use crate::error::nearest;
+use crate::reading::type_name;
+use crate::template::{self, Definition};
+use crate::{Client, ClientError};
+
+/// Most tags that are listed.
+const MAX_TAGS: usize = 65_535;
+/// Most templates that are fetched.
+const MAX_TEMPLATES: usize = 512;
+/// Longest template definition, bytes.
+const MAX_DEFINITION: u32 = 256 * 1024;
+/// Symbol attributes that are asked for: name, type, dimensions, access.
+const ATTRIBUTES: [u16; 4] = [1, 2, 8, 10];
+/// Bit 12 of a symbol type: not for users.
+const SYSTEM: u16 = 0x1000;
+
+/// A tag of the server.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Tag {
+    /// Name.
+    pub name: String,
+    /// Symbol instance.
+    pub instance: u32,
+    /// Type, with the templates of structures.
+    pub tag_type: TagType,
+    /// Who may write it.
+    pub access: Access,
+}
+
+impl Tag {
+    /// The type as it is printed: `REAL[9]`, `COORDINATE_SYSTEM`.
+    pub fn type_name(&self) -> String {
+        type_name(&self.tag_type.data_type, &self.tag_type.dimensions)
+    }
+
+    /// The motion object that the tag stands for, by its type.
+    pub fn object(&self) -> Option<Object> {
+        match &self.tag_type.data_type {
+            DataType::Structure(template) if self.tag_type.rank() == 0 => object_of(&template.name),
+            _ => None,
+        }
+    }
+}
+
+/// What clients may do with a tag.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Access {
+    /// Read and write.
+    ReadWrite,
+    /// Read.
+    ReadOnly,
+    /// Nothing.
+    None,
+}
+
+/// The object of a predefined type.
+fn object_of(type_name: &str) -> Option<Object> {
+    match type_name {
+        "COORDINATE_SYSTEM" => Some(Object::CoordinateSystem),
+        "MOTION_GROUP" => Some(Object::MotionGroup),
+        name if name.starts_with("AXIS_") => Some(Object::Axis),
+        _ => None,
+    }
+}
+
+/// What is known so far.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TagTable {
+    /// By lower-case name.
+    symbols: BTreeMap<String, Symbol>,
+    templates: BTreeMap<u16, Arc<Template>>,
+}
+
+impl TagTable {
+    /// The type of a tag, as far as its template is known.
+    fn tag_type(&self, symbol: &Symbol) -> Option<TagType> {
+        let data_type = template::data_type(symbol.symbol_type, |instance| self.templates.get(&instance).cloned())?;
+        Some(TagType { data_type, dimensions: symbol.dimensions })
+    }
+
+    /// The tag of a name, case ignored, if its type is known.
+    pub(crate) fn tag(&self, name: &str) -> Option<Tag> {
+        let symbol = self.symbols.get(&name.to_ascii_lowercase())?;
+        let access = match symbol.access {
+            2 => Access::ReadOnly,
+            3 => Access::None,
+            _ => Access::ReadWrite,
+        };
+        let tag_type = self.tag_type(symbol)?;
+        Some(Tag { name: symbol.name.clone(), instance: symbol.instance, tag_type, access })
+    }
+
+    /// All names.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.symbols.values().map(|symbol| symbol.name.as_str())
+    }
+
+    /// All tags whose types are known, by instance.
+    pub(crate) fn tags(&self) -> Vec<Tag> {
+        let mut tags: Vec<Tag> = self.symbols.keys().filter_map(|name| self.tag(name)).collect();
+        tags.sort_by_key(|tag| tag.instance);
+        tags
+    }
+}
+
+impl Client {
+    /// The controller's tags with their types, in the order of their instances. Tags of types that are not known here
+    /// are left out. Always asks the server anew.
+    ///
+    /// # Errors
+    /// What the session meets; [`ClientError::TooLarge`] for more tags or larger types than are accepted.
+    ///
+    /// ```no_run
+    /// # async fn example(client: arcline_client::Client) -> Result<(), arcline_client::ClientError> {
+    /// for tag in client.browse().await? {
+    ///     println!("{:20} {}", tag.name, tag.type_name());
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub async fn browse(&self) -> Result<Vec<Tag>, ClientError> {
+        let table = self.refresh_symbols().await?;
+        let structures = table.symbols.values().map(|symbol| symbol.symbol_type);
+        let wanted: Vec<u16> =
+            structures.filter(|word| template::is_structure(*word)).map(template::instance).collect();
+        let mut templates = table.templates.clone();
+        for instance in wanted {
+            self.fetch_template(instance, &mut templates).await?;
+        }
+        let table = self.set_table(TagTable { symbols: table.symbols.clone(), templates });
+        Ok(table.tags())
+    }
+
+    /// The tag of a name, case ignored, from what is known, else asked anew.
+    ///
+    /// # Errors
+    /// [`ClientError::UnknownTag`] with the nearest name there is.
+    pub async fn tag(&self, name: &str) -> Result<Tag, ClientError> {
+        let known = self.table();
+        let table = if known.symbols.contains_key(&name.to_ascii_lowercase()) {
+            known
+        } else {
+            self.refresh_symbols().await?
+        };
+        let Some(symbol) = table.symbols.get(&name.to_ascii_lowercase()) else {
+            let suggestion = nearest(name, table.names());
+            return Err(ClientError::UnknownTag { name: name.to_owned(), suggestion });
+        };
+        if let Some(tag) = table.tag(name) {
+            return Ok(tag);
+        }
+        let mut templates = table.templates.clone();
+        if template::is_structure(symbol.symbol_type) {
+            self.fetch_template(template::instance(symbol.symbol_type), &mut templates).await?;
+        }
+        let table = self.set_table(TagTable { symbols: table.symbols.clone(), templates });
+        table.tag(name).ok_or(ClientError::Malformed { what: "a tag has an unknown type" })
+    }
+
+    /// The names of the objects of a kind, in the order of their tags.
+    ///
+    /// # Errors
+    /// As [`Client::browse`].
+    pub async fn objects(&self, object: Object) -> Result<Vec<String>, ClientError> {
+        let tags = self.browse().await?;
+        Ok(tags.into_iter().filter(|tag| tag.object() == Some(object)).map(|tag| tag.name).collect())
+    }
+
+    async fn refresh_symbols(&self) -> Result<Arc<TagTable>, ClientError> {
+        let mut symbols = BTreeMap::new();
+        let mut start = 0;
+        loop {
+            let path = Epath::object(class::SYMBOL, start);
+            let data = encode_attribute_ids(&ATTRIBUTES);
+            let reply = self.ask("the tag list", service::GET_INSTANCE_ATTRIBUTE_LIST, path, data).await?;
+            let page = Symbol::decode_list(&reply.data, &ATTRIBUTES);
+            let page = page.ok_or(ClientError::Malformed { what: "a page of the tag list is cut" })?;
+            let last = page.iter().map(|symbol| symbol.instance).max();
+            let visible = page.into_iter().filter(|symbol| symbol.symbol_type & SYSTEM == 0);
+            symbols.extend(visible.map(|symbol| (symbol.name.to_ascii_lowercase(), symbol)));
+            if symbols.len() > MAX_TAGS {
+                let claimed = symbols.len();
+                return Err(ClientError::TooLarge { what: "the number of tags", claimed, limit: MAX_TAGS });
+            }
+            if reply.status.is_success() {
+                break;
+            }
+            // Partial: go on behind the last one, which must lie further on.
+            start = last.and_then(|last| last.checked_add(1)).filter(|next| *next > start).ok_or(STUCK)?;
+        }
+        let templates = self.table().templates.clone();
+        Ok(self.set_table(TagTable { symbols, templates }))
+    }
+
+    /// Fetches a template and those within it.
+    async fn fetch_template(
+        &self,
+        instance: u16,
+        templates: &mut BTreeMap<u16, Arc<Template>>,
+    ) -> Result<(), ClientError> {
+        templates.entry(arcline_tag::STRING_INSTANCE).or_insert_with(string_template);
+        let mut fetched: BTreeMap<u16, (TemplateAttributes, Definition)> = BTreeMap::new();
+        let mut wanted = vec![instance];
+        while let Some(instance) = wanted.pop() {
+            if templates.contains_key(&instance) || fetched.contains_key(&instance) {
+                continue;
+            }
+            if templates.len() + fetched.len() >= MAX_TEMPLATES {
+                let claimed = MAX_TEMPLATES + 1;
+                return Err(ClientError::TooLarge { what: "the number of types", claimed, limit: MAX_TEMPLATES });
+            }
+            let (attributes, definition) = self.fetch_definition(instance).await?;
+            wanted.extend(definition.nested());
+            fetched.insert(instance, (attributes, definition));
+        }
+        // Innermost first; what is left over contains itself.
+        while !fetched.is_empty() {
+            let ready = fetched.iter().find(|(_, (_, d))| d.nested().all(|inner| templates.contains_key(&inner)));
+            let ready = ready.map(|(instance, _)| *instance);
+            let found = ready.and_then(|instance| Some((instance, fetched.remove(&instance)?)));
+            let (instance, (attributes, definition)) = found.ok_or(BAD_TEMPLATE)?;
+            let built = definition.build(instance, attributes, |inner| templates.get(&inner).cloned());
+            templates.insert(instance, built.ok_or(BAD_TEMPLATE)?);
+        }
+        Ok(())
+    }
+
+    async fn fetch_definition(&self, instance: u16) -> Result<(TemplateAttributes, Definition), ClientError> {
+        let path = Epath::object(class::TEMPLATE, instance.into());
+        let ids = encode_attribute_ids(&TemplateAttributes::IDS);
+        let reply = self.ask("a type", service::GET_ATTRIBUTE_LIST, path.clone(), ids).await?;
+        let attributes = TemplateAttributes::decode(&reply.data).ok_or(BAD_TEMPLATE)?;
+        // Spec/ethernet-ip.md §11: clients read up to 4N − 16 bytes.
+        let length = attributes.definition_words.saturating_mul(4).saturating_sub(16);
+        if length > MAX_DEFINITION {
+            let (claimed, limit) = (length as usize, MAX_DEFINITION as usize);
+            return Err(ClientError::TooLarge { what: "a type's definition", claimed, limit });
+        }
+        let bytes = self.read_definition(&path, length).await?;
+        let definition = Definition::decode(&bytes, attributes.members).ok_or(BAD_TEMPLATE)?;
+        Ok((attributes, definition))
+    }
+
+    async fn read_definition(&self, path: &Epath, length: u32) -> Result<Bytes, ClientError> {
+        let mut bytes = BytesMut::new();
+        while bytes.len() < length as usize {
+            let offset = bytes.len() as u32;
+            let part = u16::try_from(length - offset).unwrap_or(u16::MAX);
+            let data = ReadTemplate { offset, bytes: part }.to_bytes();
+            let reply = self.ask("a type's definition", service::READ_TAG, path.clone(), data).await?;
+            if reply.data.len() > usize::from(part) {
+                return Err(BAD_TEMPLATE);
+            }
+            bytes.extend_from_slice(&reply.data);
+            if reply.data.is_empty() || reply.status.is(CipStatus::SUCCESS) && reply.data.len() < usize::from(part) {
+                break;
+            }
+        }
+        Ok(bytes.freeze())
+    }
+}
+
+const BAD_TEMPLATE: ClientError = ClientError::Malformed { what: "a type's definition makes no sense" };
+const STUCK: ClientError = ClientError::Malformed { what: "the tag list does not go on" };

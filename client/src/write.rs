@@ -1,0 +1,115 @@
+//! Writing tags: the tag's type decides what is sent; what does not fit is refused here (spec/ethernet-ip.md §9).
+
+use bytes::Bytes;
+
+use arcline_proto::cip::service;
+use arcline_proto::logix::{ReadModifyWrite, WriteTag};
+use arcline_tag::{DataType, Elementary, STRING_HANDLE, STRING_SIZE, write_string};
+
+use crate::read::Place;
+use crate::{Client, ClientError, Input};
+
+/// What a write request needs besides path and data: head, type, count, offset.
+const WRITE_HEAD: usize = 16;
+
+impl Client {
+    /// Writes a tag, a member, an element, a bit, a string, or the first elements of an array (from an element on, when
+    /// the path names one). Integers take real numbers rounded half to even; a value out of the type's range is refused.
+    ///
+    /// # Errors
+    /// [`ClientError::Value`] when the value does not fit, [`ClientError::Refused`] when the server does not take it
+    /// (0x0F: the tag is read-only); otherwise as [`Client::read`].
+    ///
+    /// ```no_run
+    /// # async fn example(client: arcline_client::Client) -> Result<(), arcline_client::ClientError> {
+    /// client.write("Move1.Speed", 50.0).await?;
+    /// client.write("Move1.Position", vec![100.0, 50.0, 0.0]).await?;
+    /// client.write("Move1.CoordinateSystem", "CS1").await?;
+    /// client.write("Move1.EnableIn", true).await?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub async fn write(&self, path: &str, value: impl Into<Input>) -> Result<(), ClientError> {
+        let value = value.into();
+        let place = self.place(path).await?;
+        if let Some(bit) = place.bit {
+            return self.write_bit(&place, bit, &value).await;
+        }
+        let (elements, bytes) = encode(&place, &value)?;
+        let size = place.data_type.size();
+        let path_size = place.path.to_bytes().len();
+        let room = self.budget().saturating_sub(WRITE_HEAD + path_size);
+        let request = |offset, data| WriteTag { data_type: place.wire_type(), elements, offset, data };
+        if bytes.len() <= room {
+            let data = request(0, bytes).to_bytes();
+            self.ask(&place.text, service::WRITE_TAG, place.path.clone(), data).await?;
+            return Ok(());
+        }
+        // Elements stay whole; of a structure larger than a message any multiple of 4 will do.
+        let unit = if size <= room { size } else { 4 };
+        let part = room - room % unit.max(1);
+        if part == 0 {
+            return Err(ClientError::TooLarge { what: "the path", claimed: path_size, limit: self.budget() });
+        }
+        for offset in (0..bytes.len()).step_by(part) {
+            let end = bytes.len().min(offset + part);
+            let data = request(u32::try_from(offset).unwrap_or(u32::MAX), bytes.slice(offset..end));
+            let data = data.to_bytes_fragmented();
+            self.ask(&place.text, service::WRITE_TAG_FRAGMENTED, place.path.clone(), data).await?;
+        }
+        Ok(())
+    }
+
+    async fn write_bit(&self, place: &Place, bit: u8, value: &Input) -> Result<(), ClientError> {
+        let set = value.convert(Elementary::Bool).map(arcline_tag::Value::as_bool);
+        let set = set.ok_or_else(|| ClientError::value(&place.text, Elementary::Bool, value))?;
+        let size = u8::try_from(place.data_type.size()).unwrap_or_default();
+        let data = ReadModifyWrite::bit(size, bit, set).to_bytes();
+        self.ask(&place.text, service::READ_MODIFY_WRITE_TAG, place.path.clone(), data).await?;
+        Ok(())
+    }
+}
+
+/// Elements and their bytes.
+fn encode(place: &Place, value: &Input) -> Result<(u16, Bytes), ClientError> {
+    let Input::Array(values) = value else {
+        if place.array.is_some_and(|elements| elements != 1) {
+            return Err(does_not_fit(place, value));
+        }
+        let mut bytes = Vec::new();
+        encode_one(place, value, &mut bytes)?;
+        return Ok((1, bytes.into()));
+    };
+    let count = u16::try_from(values.len()).ok().filter(|count| *count > 0 && u32::from(*count) <= place.available);
+    let count = count.ok_or_else(|| does_not_fit(place, value))?;
+    let mut bytes = Vec::new();
+    for value in values {
+        encode_one(place, value, &mut bytes)?;
+    }
+    Ok((count, bytes.into()))
+}
+
+fn encode_one(place: &Place, value: &Input, bytes: &mut Vec<u8>) -> Result<(), ClientError> {
+    let start = bytes.len();
+    bytes.resize(start + place.data_type.size(), 0);
+    let room = bytes.get_mut(start..).unwrap_or_default();
+    let written = match (&place.data_type, value) {
+        (DataType::Elementary(elementary), value) => value.convert(*elementary).and_then(|value| value.write(room)),
+        (DataType::Structure(template), Input::Text(text))
+            if template.handle == STRING_HANDLE && place.data_type.size() == STRING_SIZE =>
+        {
+            write_string(room, text)
+        }
+        _ => None,
+    };
+    written.ok_or_else(|| does_not_fit(place, value))
+}
+
+fn does_not_fit(place: &Place, value: &Input) -> ClientError {
+    let dimensions = [place.array.map_or(0, u32::from)];
+    ClientError::Value {
+        path: place.text.clone(),
+        expected: crate::reading::type_name(&place.data_type, &dimensions),
+        given: value.to_string(),
+    }
+}
