@@ -30,7 +30,8 @@ impl Bench {
 
     /// A machine of a configuration at tick 0.
     pub fn with(config: &str) -> Self {
-        let project = arcline_config::load(config, "bench.toml").expect("the configuration is valid");
+        let project =
+            arcline_config::load(config, "bench.toml").expect("the configuration is valid");
         let mut controller = Controller::new(&project.machine);
         controller.begin_tick();
         Bench {
@@ -44,7 +45,10 @@ impl Bench {
 
     /// The default machine with one text of its configuration replaced by another.
     pub fn replacing(from: &str, to: &str) -> Self {
-        assert!(arcline_config::DEFAULT.contains(from), "the default configuration has no {from:?}");
+        assert!(
+            arcline_config::DEFAULT.contains(from),
+            "the default configuration has no {from:?}"
+        );
         Self::with(&arcline_config::DEFAULT.replacen(from, to, 1))
     }
 
@@ -58,7 +62,9 @@ impl Bench {
     pub fn execute(&mut self, text: &str) -> MotionControl {
         let program = Program::parse_call(text).unwrap_or_else(|error| panic!("{error}"));
         let mut interpreter = Interpreter::new(program);
-        let request = interpreter.resume(Answer::Start).unwrap_or_else(|error| panic!("{text}: {error}"));
+        let request = interpreter
+            .resume(Answer::Start)
+            .unwrap_or_else(|error| panic!("{text}: {error}"));
         let Request::Call(call) = request else {
             panic!("{text}: operands of a bench are literals, not {request:?}");
         };
@@ -67,7 +73,8 @@ impl Bench {
         let control = *self.controls.entry(name).or_insert(free);
         let object = call.mnemonic.instruction().object;
         let target = self.object(object, &call.target);
-        let bound = bind(call.mnemonic, target, control, &call.given, self).unwrap_or_else(|error| panic!("{error}"));
+        let bound = bind(call.mnemonic, target, control, &call.given, self)
+            .unwrap_or_else(|error| panic!("{error}"));
         self.tickets += 1;
         self.controller.execute(Ticket(self.tickets), &bound)
     }
@@ -83,7 +90,10 @@ impl Bench {
         let events = &mut self.events;
         self.controller.end_tick(|event| {
             let name = controls.iter().find(|(_, slot)| **slot == event.control);
-            events.push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));
+            events.push((
+                name.map(|(name, _)| name.clone()).unwrap_or_default(),
+                *event,
+            ));
         });
         self.controller.begin_tick();
     }
@@ -124,13 +134,20 @@ impl Bench {
 
     /// What a motion control tag shows.
     pub fn control(&self, tag: &str) -> MotionControl {
-        self.controls.get(tag).map_or_else(MotionControl::default, |slot| self.controller.control(*slot))
+        self.controls
+            .get(tag)
+            .map_or_else(MotionControl::default, |slot| {
+                self.controller.control(*slot)
+            })
     }
 
     /// The names of the bits that a tag shows, in the order EN DN ER IP AC PC ….
     pub fn bits(&self, tag: &str) -> String {
         let control = self.control(tag);
-        let shown = Flag::ALL.iter().filter(|flag| control.has(**flag)).map(|flag| flag.name());
+        let shown = Flag::ALL
+            .iter()
+            .filter(|flag| control.has(**flag))
+            .map(|flag| flag.name());
         shown.collect::<Vec<_>>().join(" ")
     }
 
@@ -148,13 +165,21 @@ impl Bench {
 
     /// An axis at the present tick.
     pub fn axis(&self, axis: &str) -> arcline_controller::AxisSnapshot {
-        let index = self.project.machine.axis(axis).expect("the machine has the axis");
+        let index = self
+            .project
+            .machine
+            .axis(axis)
+            .expect("the machine has the axis");
         self.snapshot().axes[usize::from(index)]
     }
 
     /// A coordinate system at the present tick.
     pub fn system(&self, system: &str) -> arcline_controller::SystemSnapshot {
-        let index = self.project.machine.system(system).expect("the machine has the coordinate system");
+        let index = self
+            .project
+            .machine
+            .system(system)
+            .expect("the machine has the coordinate system");
         self.snapshot().systems[usize::from(index)]
     }
 }

@@ -105,24 +105,51 @@ fn a_single_move_from_edge_to_completion() {
     assert_eq!(bench.bits("M1"), "EN DN IP AC");
     assert_ne!(bench.system("CS1").status & css::MOTION_STATUS, 0);
     assert_ne!(bench.system("CS1").motion_status & cms::MOVE_STATUS, 0);
-    assert_ne!(bench.axis("Z").motion_status & motion_status::COORDINATED_MOTION_STATUS, 0);
-    assert_eq!(bench.axis("S").motion_status & motion_status::COORDINATED_MOTION_STATUS, 0);
+    assert_ne!(
+        bench.axis("Z").motion_status & motion_status::COORDINATED_MOTION_STATUS,
+        0
+    );
+    assert_eq!(
+        bench.axis("S").motion_status & motion_status::COORDINATED_MOTION_STATUS,
+        0
+    );
     bench.tick();
     assert_eq!(bench.bits("M1"), "EN DN IP AC ACCEL");
     bench.run(204);
-    assert_eq!(bench.bits("M1"), "EN DN IP AC", "0.205 s: the ramp of 0.2 s is over");
+    assert_eq!(
+        bench.bits("M1"),
+        "EN DN IP AC",
+        "0.205 s: the ramp of 0.2 s is over"
+    );
     assert_eq!(bench.axis("X").command[1], 200.0);
     bench.run(300);
-    assert_eq!(bench.bits("M1"), "EN DN IP AC DECEL", "0.505 s: 0.5 s is where braking begins");
+    assert_eq!(
+        bench.bits("M1"),
+        "EN DN IP AC DECEL",
+        "0.505 s: 0.5 s is where braking begins"
+    );
     // 100 units at 200 units/s and two ramps of 0.2 s: 0.7 s.
     assert_eq!(bench.until("M1", Flag::Pc), 195 + 0);
     assert_eq!(bench.bits("M1"), "EN DN PC");
     assert_eq!(bench.axis("X").command, [100.0, 0.0, 0.0]);
     assert_eq!(bench.system("CS1").status & css::MOTION_STATUS, 0);
     bench.tick();
-    assert_eq!(bench.axis("X").motion_status, motion_status::AXIS_HOMED_STATUS);
-    let changes: Vec<_> = bench.events.iter().map(|(_, event)| (event.tick, event.set, event.clear)).collect();
-    let (en, dn, ip, ac, pc) = (Flag::En.mask(), Flag::Dn.mask(), Flag::Ip.mask(), Flag::Ac.mask(), Flag::Pc.mask());
+    assert_eq!(
+        bench.axis("X").motion_status,
+        motion_status::AXIS_HOMED_STATUS
+    );
+    let changes: Vec<_> = bench
+        .events
+        .iter()
+        .map(|(_, event)| (event.tick, event.set, event.clear))
+        .collect();
+    let (en, dn, ip, ac, pc) = (
+        Flag::En.mask(),
+        Flag::Dn.mask(),
+        Flag::Ip.mask(),
+        Flag::Ac.mask(),
+        Flag::Pc.mask(),
+    );
     let (accel, decel) = (Flag::Accel.mask(), Flag::Decel.mask());
     assert_eq!(
         changes,
@@ -140,20 +167,38 @@ fn the_rung_and_the_enable_bit() {
     let mut bench = Bench::new();
     bench.execute(MOVE);
     bench.rung_false("M1");
-    assert_eq!(bench.bits("M1"), "DN IP AC", "DN is set: a false rung clears EN, motion goes on");
+    assert_eq!(
+        bench.bits("M1"),
+        "DN IP AC",
+        "DN is set: a false rung clears EN, motion goes on"
+    );
     bench.until("M1", Flag::Pc);
     assert_eq!(bench.bits("M1"), "DN PC");
-    assert_eq!(bench.call("MCLM(CS1,M1,2,[9,0,0], 50,0,500,0,500,0)"), (13, 2));
+    assert_eq!(
+        bench.call("MCLM(CS1,M1,2,[9,0,0], 50,0,500,0,500,0)"),
+        (13, 2)
+    );
     assert_eq!(bench.bits("M1"), "EN ER");
     bench.rung_false("M1");
-    assert_eq!((bench.bits("M1"), bench.control("M1").err), ("ER".to_owned(), 13));
+    assert_eq!(
+        (bench.bits("M1"), bench.control("M1").err),
+        ("ER".to_owned(), 13)
+    );
 
     bench.execute("MSF(X, F1)");
     bench.rung_false("F1");
     assert_eq!(bench.bits("F1"), "EN", "neither DN nor ER: EN stays");
-    assert_eq!(bench.call("MSF(X, F1)"), (3, 0), "a new edge before DN or ER");
+    assert_eq!(
+        bench.call("MSF(X, F1)"),
+        (3, 0),
+        "a new edge before DN or ER"
+    );
     bench.tick();
-    assert_eq!(bench.bits("F1"), "EN ER", "the first execution no longer writes to the tag");
+    assert_eq!(
+        bench.bits("F1"),
+        "EN ER",
+        "the first execution no longer writes to the tag"
+    );
 }
 
 #[test]
@@ -161,16 +206,28 @@ fn a_queued_move_takes_over_at_the_exact_end() {
     let mut bench = Bench::new();
     bench.execute(MOVE);
     bench.execute(NEXT);
-    assert_eq!((bench.bits("M1").as_str(), bench.bits("M2").as_str()), ("EN DN IP AC", "EN DN IP"));
+    assert_eq!(
+        (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
+        ("EN DN IP AC", "EN DN IP")
+    );
     let pending = cms::MOVE_PENDING_STATUS | cms::MOVE_PENDING_QUEUE_FULL_STATUS;
     assert_eq!(bench.system("CS1").motion_status & pending, pending);
-    assert_eq!(bench.call("MCLM(CS1, M3, 0, [0, 0, 0], 200, 0, 2000, 0, 2000, 0)"), (43, 0));
+    assert_eq!(
+        bench.call("MCLM(CS1, M3, 0, [0, 0, 0], 200, 0, 2000, 0, 2000, 0)"),
+        (43, 0)
+    );
     bench.until("M1", Flag::Pc);
     assert_eq!(bench.now(), 700);
-    assert_eq!((bench.bits("M1").as_str(), bench.bits("M2").as_str()), ("EN DN PC", "EN DN IP AC ACCEL"));
+    assert_eq!(
+        (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
+        ("EN DN PC", "EN DN IP AC ACCEL")
+    );
     assert_eq!(bench.system("CS1").motion_status & pending, 0);
     bench.until("M2", Flag::Pc);
-    assert_eq!((bench.now(), bench.position("X"), bench.position("Y")), (1400, 100.0, 100.0));
+    assert_eq!(
+        (bench.now(), bench.position("X"), bench.position("Y")),
+        (1400, 100.0, 100.0)
+    );
 }
 
 #[test]
@@ -183,11 +240,21 @@ fn actual_tolerance_waits_for_the_axis() {
         bench.tick();
     }
     bench.tick();
-    assert_eq!(bench.bits("M1"), "EN DN IP AC", "the command is there, the axis is not");
+    assert_eq!(
+        bench.bits("M1"),
+        "EN DN IP AC",
+        "the command is there, the axis is not"
+    );
     bench.until("M1", Flag::Pc);
     let left = 100.0 - bench.axis("X").actual[0];
-    assert!(left > 0.0 && left <= 0.01, "completed {left} before the end");
-    assert_ne!(bench.system("CS1").motion_status & cms::ACTUAL_POS_TOLERANCE_STATUS, 0);
+    assert!(
+        left > 0.0 && left <= 0.01,
+        "completed {left} before the end"
+    );
+    assert_ne!(
+        bench.system("CS1").motion_status & cms::ACTUAL_POS_TOLERANCE_STATUS,
+        0
+    );
     let mut strict = Bench::replacing("actual_tolerance = 0.01", "actual_tolerance = 0.0");
     assert_eq!(strict.call(&MOVE.replace("2, 1);", "2, 0);")), (51, 0));
     assert_eq!(strict.call(MOVE), OK);
@@ -207,8 +274,14 @@ fn speed_zero_waits_for_a_change_of_speed() {
     let mut bench = Bench::new();
     bench.execute(&MOVE.replace("200, 0", "0, 0"));
     bench.run(100);
-    assert_eq!((bench.bits("M1").as_str(), bench.position("X")), ("EN DN IP AC", 0.0));
-    assert_eq!(bench.call("MCCD(CS1, D1, CoordinatedMove, Yes, 200, 0, No)"), OK);
+    assert_eq!(
+        (bench.bits("M1").as_str(), bench.position("X")),
+        ("EN DN IP AC", 0.0)
+    );
+    assert_eq!(
+        bench.call("MCCD(CS1, D1, CoordinatedMove, Yes, 200, 0, No)"),
+        OK
+    );
     assert_eq!(bench.bits("D1"), "EN DN");
     bench.until("M1", Flag::Pc);
     assert_eq!(bench.position("X"), 100.0);
@@ -222,7 +295,10 @@ fn a_change_of_speed_pauses_and_resumes() {
     assert_eq!(bench.call("MCCD(CS1, D1, 1, 1, 0, 0)"), OK);
     bench.run(300);
     let paused = bench.position("X");
-    assert_eq!((bench.axis("X").command[1], bench.bits("M1").as_str()), (0.0, "EN DN IP AC"));
+    assert_eq!(
+        (bench.axis("X").command[1], bench.bits("M1").as_str()),
+        (0.0, "EN DN IP AC")
+    );
     bench.run(100);
     assert_eq!(bench.position("X"), paused);
     assert_eq!(bench.call("MCCD(CS1, D1, 1, 1, 100, 0)"), OK);
@@ -250,19 +326,43 @@ fn a_stop_of_the_move_stays_on_the_path() {
     bench.execute(NEXT);
     bench.run(300);
     bench.execute("MCS(CS1, S1, CoordinatedMove, Yes, 1000, 0, Yes, 100, %ofTime)");
-    assert_eq!((bench.bits("S1").as_str(), bench.bits("M1").as_str(), bench.bits("M2").as_str()), ("EN DN IP", "EN DN", "EN DN"));
+    assert_eq!(
+        (
+            bench.bits("S1").as_str(),
+            bench.bits("M1").as_str(),
+            bench.bits("M2").as_str()
+        ),
+        ("EN DN IP", "EN DN", "EN DN")
+    );
     let stopping = bench.system("CS1");
     assert_ne!(stopping.motion_status & cms::STOPPING_STATUS, 0);
-    assert_eq!(stopping.motion_status & (cms::MOVE_STATUS | cms::MOVE_PENDING_STATUS), 0);
-    assert_eq!(bench.call("MCLM(CS1, M3, 0, [0, 0, 0], 200, 0, 2000, 0, 2000, 0)").0, 78);
+    assert_eq!(
+        stopping.motion_status & (cms::MOVE_STATUS | cms::MOVE_PENDING_STATUS),
+        0
+    );
+    assert_eq!(
+        bench
+            .call("MCLM(CS1, M3, 0, [0, 0, 0], 200, 0, 2000, 0, 2000, 0)")
+            .0,
+        78
+    );
     let from = bench.position("X");
     let ticks = bench.until("S1", Flag::Pc);
-    assert_eq!(ticks, 400, "200 units/s at 1000 units/s², 100 % of time: twice the trapezoid's 0.2 s");
+    assert_eq!(
+        ticks, 400,
+        "200 units/s at 1000 units/s², 100 % of time: twice the trapezoid's 0.2 s"
+    );
     assert_eq!(bench.bits("S1"), "EN DN PC");
     let (x, y) = (bench.position("X"), bench.position("Y"));
-    assert!((x / 60.0 - y / 80.0).abs() < 1e-12, "{x}, {y} is on the line");
+    assert!(
+        (x / 60.0 - y / 80.0).abs() < 1e-12,
+        "{x}, {y} is on the line"
+    );
     let ramp = (x - from) / 0.6;
-    assert!((ramp - 40.0).abs() < 1e-9, "the ramp is 40 units long, not {ramp}");
+    assert!(
+        (ramp - 40.0).abs() < 1e-9,
+        "the ramp is 40 units long, not {ramp}"
+    );
     assert_eq!(bench.system("CS1").status & css::MOTION_STATUS, 0);
     assert_eq!(bench.call(&MOVE.replace("M1", "M4")), OK);
 }
@@ -273,15 +373,31 @@ fn a_stop_of_all_brakes_every_axis_and_whole_moves_that_share_one() {
     bench.execute("MCLM(CS2, M1, 0, [100, 50, 25], 200, 0, 2000, 0, 2000, 0, 1, 100, 100, 2, 1)");
     bench.run(300);
     bench.execute("MCS(CS1, S1, All)");
-    assert_eq!((bench.bits("S1").as_str(), bench.bits("M1").as_str()), ("EN DN IP", "EN DN"));
-    assert_ne!(bench.axis("S").motion_status & motion_status::STOPPING_STATUS, 0);
-    assert_eq!(bench.call("MCLM(CS2, M2, 1, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"), (78, 0));
+    assert_eq!(
+        (bench.bits("S1").as_str(), bench.bits("M1").as_str()),
+        ("EN DN IP", "EN DN")
+    );
+    assert_ne!(
+        bench.axis("S").motion_status & motion_status::STOPPING_STATUS,
+        0
+    );
+    assert_eq!(
+        bench.call("MCLM(CS2, M2, 1, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"),
+        (78, 0)
+    );
     bench.until("S1", Flag::Pc);
     for axis in ["X", "Y", "Z", "S"] {
         assert_eq!(bench.axis(axis).command[1], 0.0);
-        assert_eq!(bench.axis(axis).motion_status, motion_status::AXIS_HOMED_STATUS, "{axis}");
+        assert_eq!(
+            bench.axis(axis).motion_status,
+            motion_status::AXIS_HOMED_STATUS,
+            "{axis}"
+        );
     }
-    assert_eq!(bench.call("MCLM(CS2, M2, 1, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"), OK);
+    assert_eq!(
+        bench.call("MCLM(CS2, M2, 1, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"),
+        OK
+    );
 }
 
 #[test]
@@ -296,7 +412,10 @@ fn a_stop_supersedes_a_stop_and_an_idle_one_is_complete_at_the_next_update() {
     bench.execute("MCS(CS1, S1, 2)");
     bench.run(5);
     bench.execute("MCS(CS1, S2, 2, 1, 100, 0)");
-    assert_eq!((bench.bits("S1").as_str(), bench.bits("S2").as_str()), ("EN DN", "EN DN IP"));
+    assert_eq!(
+        (bench.bits("S1").as_str(), bench.bits("S2").as_str()),
+        ("EN DN", "EN DN IP")
+    );
     bench.until("S2", Flag::Pc);
 }
 
@@ -304,8 +423,14 @@ fn a_stop_supersedes_a_stop_and_an_idle_one_is_complete_at_the_next_update() {
 fn coordinate_systems_that_share_an_axis_exclude_each_other() {
     let mut bench = Bench::new();
     bench.execute(MOVE);
-    assert_eq!(bench.call("MCLM(CS2, M2, 0, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"), (52, 0));
-    assert_eq!(bench.call("MCLM(CS3, M3, 0, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"), OK);
+    assert_eq!(
+        bench.call("MCLM(CS2, M2, 0, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"),
+        (52, 0)
+    );
+    assert_eq!(
+        bench.call("MCLM(CS3, M3, 0, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"),
+        OK
+    );
 }
 
 #[test]
@@ -316,7 +441,10 @@ fn servo_off_and_on() {
     bench.execute("MSF(Y, F1)");
     assert_eq!(bench.bits("F1"), "EN");
     bench.tick();
-    assert_eq!((bench.bits("F1").as_str(), bench.axis("Y").status & on), ("EN DN", 0));
+    assert_eq!(
+        (bench.bits("F1").as_str(), bench.axis("Y").status & on),
+        ("EN DN", 0)
+    );
     assert_eq!(bench.system("CS1").axes_servo_on, 0b101);
     assert_eq!(bench.call(MOVE), (5, 1));
     assert_eq!(bench.call("MCCD(CS1, D1, 1, 1, 50, 0)"), (5, 1));
@@ -324,9 +452,16 @@ fn servo_off_and_on() {
     bench.execute("MSO(Y, O1)");
     assert_eq!(bench.bits("O1"), "EN");
     bench.tick();
-    assert_eq!((bench.bits("O1").as_str(), bench.axis("Y").status & on), ("EN DN", on));
+    assert_eq!(
+        (bench.bits("O1").as_str(), bench.axis("Y").status & on),
+        ("EN DN", on)
+    );
     assert_eq!(bench.call(MOVE), OK);
-    assert_eq!(bench.call("MSO(A, O2)"), (8, 0), "a virtual axis has no drive");
+    assert_eq!(
+        bench.call("MSO(A, O2)"),
+        (8, 0),
+        "a virtual axis has no drive"
+    );
     assert_eq!(bench.call("MSF(A, F2)"), (8, 0));
 }
 
@@ -337,11 +472,20 @@ fn servo_off_in_motion_ends_the_move_for_the_whole_system() {
     bench.execute(NEXT);
     bench.run(300);
     bench.execute("MSF(Y, F1)");
-    assert_eq!((bench.bits("M1").as_str(), bench.bits("M2").as_str()), ("EN DN", "EN DN"));
-    assert_ne!(bench.axis("X").motion_status & motion_status::STOPPING_STATUS, 0);
+    assert_eq!(
+        (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
+        ("EN DN", "EN DN")
+    );
+    assert_ne!(
+        bench.axis("X").motion_status & motion_status::STOPPING_STATUS,
+        0
+    );
     assert_eq!(bench.call("MSO(Y, O1)"), (22, 0), "the axis coasts");
     bench.run(5000);
-    assert_eq!((bench.axis("X").command[1], bench.axis("Y").actual[1]), (0.0, 0.0));
+    assert_eq!(
+        (bench.axis("X").command[1], bench.axis("Y").actual[1]),
+        (0.0, 0.0)
+    );
     assert_eq!(bench.call("MSO(Y, O1)"), OK);
     bench.tick();
     assert_eq!(bench.axis("Y").command[0], bench.axis("Y").actual[0]);
@@ -357,8 +501,17 @@ fn shutdown_and_its_reset() {
     assert_eq!(bench.bits("M1"), "EN DN");
     bench.tick();
     assert_eq!(bench.bits("D1"), "EN DN");
-    assert_eq!(bench.axis("Y").status & axis_status::SHUTDOWN_STATUS, axis_status::SHUTDOWN_STATUS);
-    assert_eq!((bench.system("CS1").axes_shutdown, bench.system("CS1").status), (0b010, 0));
+    assert_eq!(
+        bench.axis("Y").status & axis_status::SHUTDOWN_STATUS,
+        axis_status::SHUTDOWN_STATUS
+    );
+    assert_eq!(
+        (
+            bench.system("CS1").axes_shutdown,
+            bench.system("CS1").status
+        ),
+        (0b010, 0)
+    );
     bench.until_rest();
     assert_eq!(bench.call(MOVE), (7, 1));
     assert_eq!(bench.call("MSO(Y, O1)"), (7, 0));
@@ -375,8 +528,15 @@ fn shutdown_and_its_reset() {
 
     bench.run(100);
     assert_eq!(bench.call("MCSD(CS1, D2)"), OK);
-    assert_eq!((bench.bits("D2").as_str(), bench.bits("M1").as_str()), ("EN DN", "EN DN"));
-    assert_eq!(bench.axis("X").command[1], 0.0, "the command stops in the same update");
+    assert_eq!(
+        (bench.bits("D2").as_str(), bench.bits("M1").as_str()),
+        ("EN DN", "EN DN")
+    );
+    assert_eq!(
+        bench.axis("X").command[1],
+        0.0,
+        "the command stops in the same update"
+    );
     assert_eq!(bench.system("CS1").status, css::SHUTDOWN_STATUS);
     bench.run(2000);
     assert_eq!(bench.call(MOVE), (7, 0));
@@ -395,19 +555,45 @@ fn a_shut_down_virtual_axis_is_ready_after_its_reset() {
     let mut bench = Bench::new();
     bench.execute("MASD(A, D1)");
     bench.tick();
-    assert_eq!(bench.call("MCLM(CS3, M1, 0, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"), (7, 0));
+    assert_eq!(
+        bench.call("MCLM(CS3, M1, 0, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"),
+        (7, 0)
+    );
     bench.execute("MASR(A, R1)");
     bench.tick();
-    assert_eq!(bench.call("MCLM(CS3, M1, 0, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"), OK);
+    assert_eq!(
+        bench.call("MCLM(CS3, M1, 0, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"),
+        OK
+    );
 }
 
 #[test]
 fn everything_that_moves_must_be_stoppable() {
     for (from, to, call, expected) in [
-        ("max_deceleration = 5000.0", "max_deceleration = 0.0", MOVE, (54, -1)),
-        ("max_deceleration_jerk = 100000.0", "max_deceleration_jerk = 0.0", MOVE, (76, -1)),
-        ("max_deceleration = 10000.0", "max_deceleration = 0.0", MOVE, (54, 0)),
-        ("max_deceleration_jerk = 200000.0", "max_deceleration_jerk = 0.0", MOVE, (76, 0)),
+        (
+            "max_deceleration = 5000.0",
+            "max_deceleration = 0.0",
+            MOVE,
+            (54, -1),
+        ),
+        (
+            "max_deceleration_jerk = 100000.0",
+            "max_deceleration_jerk = 0.0",
+            MOVE,
+            (76, -1),
+        ),
+        (
+            "max_deceleration = 10000.0",
+            "max_deceleration = 0.0",
+            MOVE,
+            (54, 0),
+        ),
+        (
+            "max_deceleration_jerk = 200000.0",
+            "max_deceleration_jerk = 0.0",
+            MOVE,
+            (76, 0),
+        ),
         (
             "max_deceleration_jerk = 100000.0",
             "max_deceleration_jerk = 0.0",
@@ -415,7 +601,11 @@ fn everything_that_moves_must_be_stoppable() {
             OK,
         ),
     ] {
-        assert_eq!(Bench::replacing(from, to).call(call), expected, "{to}: {call}");
+        assert_eq!(
+            Bench::replacing(from, to).call(call),
+            expected,
+            "{to}: {call}"
+        );
     }
 }
 
@@ -425,13 +615,30 @@ fn a_tag_used_again_shows_the_new_execution_only() {
     bench.execute(MOVE);
     bench.run(10);
     bench.execute(&NEXT.replace("M2", "M1"));
-    assert_eq!(bench.bits("M1"), "EN DN IP", "the second waits behind the first");
+    assert_eq!(
+        bench.bits("M1"),
+        "EN DN IP",
+        "the second waits behind the first"
+    );
     bench.run(690);
-    assert_eq!(bench.bits("M1"), "EN DN IP AC ACCEL", "the end of the first did not write PC");
+    assert_eq!(
+        bench.bits("M1"),
+        "EN DN IP AC ACCEL",
+        "the end of the first did not write PC"
+    );
     bench.until("M1", Flag::Pc);
     assert_eq!(bench.position("Y"), 100.0);
-    let detached: Vec<_> = bench.events.iter().filter(|(_, event)| !event.owner).collect();
-    assert!(detached.iter().any(|(_, event)| event.set == Flag::Pc.mask()), "its instance still reports");
+    let detached: Vec<_> = bench
+        .events
+        .iter()
+        .filter(|(_, event)| !event.owner)
+        .collect();
+    assert!(
+        detached
+            .iter()
+            .any(|(_, event)| event.set == Flag::Pc.mask()),
+        "its instance still reports"
+    );
 }
 
 #[test]
@@ -442,14 +649,29 @@ fn command_tolerance_status() {
     while bench.position("X") < 99.4 {
         bench.tick();
     }
-    assert_eq!(bench.system("CS1").motion_status & cms::COMMAND_POS_TOLERANCE_STATUS, 0);
+    assert_eq!(
+        bench.system("CS1").motion_status & cms::COMMAND_POS_TOLERANCE_STATUS,
+        0
+    );
     while bench.position("X") < 99.6 {
         bench.tick();
     }
-    assert_ne!(bench.system("CS1").motion_status & cms::COMMAND_POS_TOLERANCE_STATUS, 0, "within 0.5 of the end");
+    assert_ne!(
+        bench.system("CS1").motion_status & cms::COMMAND_POS_TOLERANCE_STATUS,
+        0,
+        "within 0.5 of the end"
+    );
     bench.until("M1", Flag::Pc);
-    assert_eq!(bench.system("CS1").motion_status & cms::COMMAND_POS_TOLERANCE_STATUS, 0, "the next one has begun");
+    assert_eq!(
+        bench.system("CS1").motion_status & cms::COMMAND_POS_TOLERANCE_STATUS,
+        0,
+        "the next one has begun"
+    );
     bench.until("M2", Flag::Pc);
     bench.run(10);
-    assert_ne!(bench.system("CS1").motion_status & cms::COMMAND_POS_TOLERANCE_STATUS, 0, "it stays after the last");
+    assert_ne!(
+        bench.system("CS1").motion_status & cms::COMMAND_POS_TOLERANCE_STATUS,
+        0,
+        "it stays after the last"
+    );
 }

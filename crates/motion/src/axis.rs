@@ -23,6 +23,7 @@ pub(crate) enum AxisState {
 
 /// Where the command comes from.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a box would allocate in the tick")]
 pub(crate) enum Source {
     /// Nothing moves it.
     Held,

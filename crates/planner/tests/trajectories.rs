@@ -1,0 +1,170 @@
+//! Random moves: limits hold, ends are exact, times are those of closed forms written here, and the trajectory
+//! is the same at every update period.
+#![allow(missing_docs)]
+
+use arcline_planner::geometry::{Arc, CirclePoint, Dimension, Direction, Path, Point};
+use arcline_planner::profile::{Jerk, Limits};
+use arcline_planner::{Clock, Move, Planner, Sample};
+use proptest::prelude::*;
+
+/// Shared instants are compared at multiples of the longest period.
+const PERIODS_NS: [u64; 3] = [250_000, 1_000_000, 4_000_000];
+/// Longest move that is sampled tick by tick, seconds.
+const LONGEST: f64 = 20.0;
+
+fn clock(tick: u64, period_ns: u64) -> Clock {
+    Clock { tick, period_ns }
+}
+
+fn start(path: Path, limits: Limits, period_ns: u64) -> Planner<()> {
+    let mut planner = Planner::new(1);
+    let motion = Move { path, limits, data: () };
+    planner.start(motion, clock(0, period_ns).now());
+    planner
+}
+
+fn sample(planner: &Planner<()>, tick: u64, period_ns: u64) -> Sample {
+    planner.sample(&clock(tick, period_ns)).expect("a move is active")
+}
+
+/// Time and distance of a ramp between rest and `v`: at most `a`, jerk `j` (`None`: no limit).
+fn ramp(v: f64, a: f64, j: Option<f64>) -> (f64, f64) {
+    let time = match j {
+        None => v / a,
+        Some(j) if v >= a * a / j => v / a + a / j,
+        Some(j) => 2.0 * (v / j).sqrt(),
+    };
+    (time, v * time / 2.0)
+}
+
+/// Least time from rest to rest over a length, by bisection of the peak speed.
+fn rest_to_rest(length: f64, limits: &Limits) -> f64 {
+    let (ja, jd) = (limits.jerk.map(|jerk| jerk.acceleration), limits.jerk.map(|jerk| jerk.deceleration));
+    let ramps = |v: f64| (ramp(v, limits.acceleration, ja), ramp(v, limits.deceleration, jd));
+    let (up, down) = ramps(limits.speed);
+    if up.1 + down.1 <= length {
+        return up.0 + down.0 + (length - up.1 - down.1) / limits.speed;
+    }
+    let (mut low, mut high) = (0.0, limits.speed);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        let (up, down) = ramps(middle);
+        if up.1 + down.1 <= length {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let (up, down) = ramps(low);
+    up.0 + down.0
+}
+
+prop_compose! {
+    fn limits()(
+        speed in 10.0..600.0_f64,
+        acceleration in 200.0..8000.0_f64,
+        deceleration in 200.0..8000.0_f64,
+        jerks in prop::option::of((2e3..5e5_f64, 2e3..5e5_f64)),
+    ) -> Limits {
+        let jerk = jerks.map(|(acceleration, deceleration)| Jerk { acceleration, deceleration });
+        Limits { speed, acceleration, deceleration, jerk }
+    }
+}
+
+fn point() -> impl Strategy<Value = Point> {
+    [-300.0..300.0_f64, -300.0..300.0, -300.0..300.0].prop_map(|[x, y, z]| Point::new(x, y, z))
+}
+
+fn line() -> impl Strategy<Value = Path> {
+    (point(), point()).prop_map(|(from, to)| Path::line(from, to))
+}
+
+fn arc() -> impl Strategy<Value = Path> {
+    let circle = (point(), point(), point(), 0..4).prop_filter_map("three points on a line", |(from, via, to, word)| {
+        let direction = Direction::from_word(word)?;
+        Arc::new(Dimension::Three, from, to, CirclePoint::Via(via), direction).ok()
+    });
+    circle.prop_filter("too large a circle", |arc| arc.radius() < 2000.0).prop_map(Path::Arc)
+}
+
+fn path() -> impl Strategy<Value = Path> {
+    prop_oneof![line(), arc()]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn the_time_is_the_closed_form_and_the_end_is_exact(path in path(), limits in limits()) {
+        let expected = rest_to_rest(path.length(), &limits);
+        for period_ns in PERIODS_NS {
+            let planner = start(path, limits, period_ns);
+            let over = clock((expected * 1e9) as u64 / period_ns + 2, period_ns);
+            let reached = planner.reached(&over).expect("the move is over");
+            let took = over.seconds() - reached.elapsed(&over);
+            prop_assert!((took - expected).abs() < 1e-9, "took {took}, expected {expected}");
+            let early = clock(((expected - 2e-9) * 1e9) as u64 / period_ns, period_ns);
+            prop_assert!(planner.reached(&early).is_none());
+            prop_assert_eq!(sample(&planner, over.tick, period_ns).position, path.end());
+            prop_assert_eq!(sample(&planner, over.tick, period_ns).velocity, Point::zeros());
+            prop_assert_eq!(sample(&planner, 0, period_ns).position, path.start());
+        }
+    }
+
+    #[test]
+    fn the_limits_hold(path in path(), limits in limits()) {
+        let planner = start(path, limits, 1_000_000);
+        let mut last: Option<Sample> = None;
+        let jerk = limits.jerk.map_or(f64::INFINITY, |jerk| jerk.acceleration.max(jerk.deceleration));
+        for tick in 0..=(rest_to_rest(path.length(), &limits).min(LONGEST) * 1e3) as u64 + 1 {
+            let now = sample(&planner, tick, 1_000_000);
+            let (v, a) = (now.along.velocity, now.along.acceleration);
+            prop_assert!((-1e-9..=limits.speed * (1.0 + 1e-9)).contains(&v), "speed {v}");
+            let bounds = -limits.deceleration * (1.0 + 1e-9)..=limits.acceleration * (1.0 + 1e-9);
+            prop_assert!(bounds.contains(&a), "acceleration {a}");
+            prop_assert!((now.velocity.norm() - v.abs()).abs() < 1e-9 * limits.speed);
+            if let Some(last) = last {
+                let rise = (a - last.along.acceleration).abs() / 0.001;
+                prop_assert!(rise <= jerk * (1.0 + 1e-6), "jerk {rise}");
+                prop_assert!(now.along.position >= last.along.position, "it goes back");
+                let gone = (now.position - last.position).norm();
+                prop_assert!(gone <= limits.speed * 0.001 * (1.0 + 1e-6), "moved {gone} in a tick");
+            }
+            last = Some(now);
+        }
+    }
+
+    #[test]
+    fn every_update_period_samples_one_trajectory(path in path(), limits in limits()) {
+        let planners = PERIODS_NS.map(|period_ns| (period_ns, start(path, limits, period_ns)));
+        let longest = PERIODS_NS[PERIODS_NS.len() - 1];
+        for shared in 0..=(rest_to_rest(path.length(), &limits).min(LONGEST) * 1e9) as u64 / longest + 1 {
+            let [first, others @ ..] = &planners;
+            let reference = sample(&first.1, shared * longest / first.0, first.0);
+            for (period_ns, planner) in others {
+                let now = sample(planner, shared * longest / period_ns, *period_ns);
+                prop_assert!((now.position - reference.position).norm() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn a_successor_starts_at_the_instant_its_predecessor_ends(path in path(), limits in limits()) {
+        let duration = rest_to_rest(path.length(), &limits);
+        prop_assume!(duration < LONGEST);
+        let ends = PERIODS_NS.map(|period_ns| {
+            let mut planner = start(path, limits, period_ns);
+            let back = Path::line(path.end(), path.start());
+            planner.enqueue(Move { path: back, limits, data: () }).expect("one place is free");
+            let over = clock((duration * 1e9) as u64 / period_ns + 1, period_ns);
+            let reached = planner.reached(&over).expect("the move is over");
+            planner.promote(reached);
+            let later = clock(over.tick + 40_000_000_000 / period_ns, period_ns);
+            planner.reached(&later).map(|end| later.seconds() - end.elapsed(&later))
+        });
+        let expected = duration + rest_to_rest((path.end() - path.start()).norm(), &limits);
+        for end in ends {
+            prop_assert!((end.expect("it has ended") - expected).abs() < 1e-9);
+        }
+    }
+}
