@@ -29,10 +29,8 @@ fn cases(count: usize) -> Vec<Case> {
     let mut seed = 1;
     (0..count)
         .map(|_| {
-            let decade =
-                |seed: &mut u64| 10f64.powi((random(seed) * 3.0) as i32 - 1) * (0.3 + random(seed));
-            let (speed, acceleration, jerk) =
-                (decade(&mut seed), decade(&mut seed), decade(&mut seed));
+            let decade = |seed: &mut u64| 10f64.powi((random(seed) * 3.0) as i32 - 1) * (0.3 + random(seed));
+            let (speed, acceleration, jerk) = (decade(&mut seed), decade(&mut seed), decade(&mut seed));
             let from = State {
                 position: 0.0,
                 velocity: speed * (2.0 * random(&mut seed) - 1.0),
@@ -73,12 +71,7 @@ fn plan(c: &mut Criterion) {
     group.bench_function("S-curve", |b| {
         b.iter(|| {
             for case in &cases {
-                black_box(Profile::to_position(
-                    case.from,
-                    case.target,
-                    0.0,
-                    &case.limits,
-                ));
+                black_box(Profile::to_position(case.from, case.target, 0.0, &case.limits));
             }
         });
     });
@@ -125,12 +118,7 @@ fn plan(c: &mut Criterion) {
             (0..10).map(|_| once(run)).fold(f64::INFINITY, f64::min)
         };
         ours.push(best(&mut || {
-            black_box(Profile::to_position(
-                case.from,
-                case.target,
-                0.0,
-                &case.limits,
-            ));
+            black_box(Profile::to_position(case.from, case.target, 0.0, &case.limits));
         }));
         theirs.push(best(&mut || {
             let _ = black_box(solver.calculate(&case.input, &mut trajectory));

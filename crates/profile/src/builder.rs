@@ -51,18 +51,21 @@ impl Sink for Trial {
 
 /// Collects the segments of a profile. Works in a mirrored frame (`sign` -1) where displacement
 /// starts at 0, so that mirrored plans are mirror images bit for bit.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Builder {
+#[derive(Debug)]
+pub(crate) struct Builder<'a> {
     pub(crate) now: Trial,
     pub(crate) time: f64,
     pub(crate) len: usize,
     sign: f64,
-    profile: Profile,
+    /// Filled in place: it is too large to be copied about.
+    profile: &'a mut Profile,
 }
 
-impl Builder {
+impl<'a> Builder<'a> {
+    /// Plans anew, in the frame mirrored by `sign`, from the profile's start state.
     #[inline]
-    pub(crate) fn new(start: &State, sign: f64) -> Builder {
+    pub(crate) fn new(profile: &'a mut Profile, sign: f64) -> Builder<'a> {
+        let start = profile.start;
         Builder {
             now: Trial {
                 x: 0.0,
@@ -72,15 +75,7 @@ impl Builder {
             time: 0.0,
             len: 0,
             sign,
-            profile: Profile {
-                times: [0.0; MAX_SEGMENTS],
-                segments: [Segment::default(); MAX_SEGMENTS],
-                len: 0,
-                start: *start,
-                duration: 0.0,
-                end: *start,
-                arrives: false,
-            },
+            profile,
         }
     }
 
@@ -124,8 +119,8 @@ impl Builder {
     }
 
     /// Ends the profile where it first passes displacement `x` (in the builder's frame, forwards),
-    /// which is the position `target`. `None` if it never does.
-    pub(crate) fn cut_at(mut self, x: f64, target: f64) -> Option<Profile> {
+    /// which is the position `target`. False if it never does.
+    pub(crate) fn cut_at(mut self, x: f64, target: f64) -> bool {
         for index in 0..self.len {
             let next = if index + 1 < self.len {
                 self.segment(index + 1).0
@@ -147,15 +142,16 @@ impl Builder {
                     position: target,
                     ..self.state()
                 };
-                return Some(self.finish(end, true));
+                self.finish(end, true);
+                return true;
             }
         }
-        None
+        false
     }
 
     #[inline]
-    pub(crate) fn finish(mut self, end: State, arrives: bool) -> Profile {
-        let profile = &mut self.profile;
+    pub(crate) fn finish(self, end: State, arrives: bool) {
+        let profile = self.profile;
         profile.len = self.len;
         profile.duration = self.time;
         profile.arrives = arrives;
@@ -172,11 +168,10 @@ impl Builder {
             state.acceleration *= self.sign;
             *jerk *= self.sign;
         }
-        self.profile
     }
 }
 
-impl Sink for Builder {
+impl Sink for Builder<'_> {
     fn velocity(&self) -> f64 {
         self.now.v
     }

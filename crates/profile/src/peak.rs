@@ -58,21 +58,13 @@ pub(crate) fn peak(v: f64, a: f64, distance: f64, vf: f64, limits: &SCurve) -> O
 }
 
 /// Solves `length(w) = distance` for `0 <= w <= most`, `more` being what is left at `w = 0`.
-fn solve(
-    length: &impl Fn(f64) -> (f64, f64),
-    distance: f64,
-    more: f64,
-    most: f64,
-    low: f64,
-    limits: &SCurve,
-) -> f64 {
+fn solve(length: &impl Fn(f64) -> (f64, f64), distance: f64, more: f64, most: f64, low: f64, limits: &SCurve) -> f64 {
     // Each part of the length alone gives an upper bound of w. From above Newton is monotone, since
     // the length is convex in y = sqrt(w).
     let held = 1.0 / limits.acceleration + 1.0 / limits.deceleration;
     let steady = 2.0 * more / (held * (low + (low * low + 2.0 * more / held).sqrt()));
     // (1/sqrt(ja) + 1/sqrt(jd))^2, in terms that scale exactly.
-    let jerky =
-        1.0 / limits.jerk + 1.0 / limits.jerk_down + 2.0 / (limits.jerk * limits.jerk_down).sqrt();
+    let jerky = 1.0 / limits.jerk + 1.0 / limits.jerk_down + 2.0 / (limits.jerk * limits.jerk_down).sqrt();
     let jerked = libm::cbrt(more * more / jerky);
     let (mut below, mut above) = (0.0, most);
     let mut w = steady.min(jerked).min(most).max(0.0);
@@ -91,11 +83,7 @@ fn solve(
         let step = error / (2.0 * w * slope);
         let newton = w * (1.0 - step) * (1.0 - step);
         let inside = step < 1.0 && newton >= below && newton <= above;
-        w = if inside {
-            newton
-        } else {
-            0.5 * (below + above)
-        };
+        w = if inside { newton } else { 0.5 * (below + above) };
         // Quadratic convergence: the step after this one is below rounding.
         if step.abs() <= 1e-9 || above - below <= 2e-16 * above {
             break;
@@ -190,8 +178,7 @@ impl Rise {
                 let held = (dv - spent).max(0.0) / acceleration;
                 let released = acceleration / jerk;
                 let v2 = v + acceleration * held;
-                let length =
-                    x + 0.5 * (v + v2) * held + released * (v2 + acceleration * released / 3.0);
+                let length = x + 0.5 * (v + v2) * held + released * (v2 + acceleration * released / 3.0);
                 (length, v2 / acceleration + released)
             }
         }

@@ -13,16 +13,17 @@ use crate::profile::{Profile, State};
 use crate::ramp::{approach, ramp, rise_by};
 use crate::root;
 
-pub(crate) fn to_position(from: &State, target: f64, end_speed: f64, limits: &SCurve) -> Profile {
+pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, limits: &SCurve) {
+    let from = &profile.start();
     if limits.speed == 0.0 {
-        return stop(from, target, limits);
+        return stop(profile, target, limits);
     }
     let end_speed = end_speed.clamp(-limits.speed, limits.speed);
     let x = target - from.position;
     let x0 = ramp_displacement(from, end_speed, limits);
     let near = nearness(from, target, x, x0);
     if (x - x0).abs() <= near {
-        let mut builder = Builder::new(from, 1.0);
+        let mut builder = Builder::new(profile, 1.0);
         ramp(&mut builder, end_speed, limits);
         return builder.finish(arrived(target, end_speed), true);
     }
@@ -34,19 +35,20 @@ pub(crate) fn to_position(from: &State, target: f64, end_speed: f64, limits: &SC
     let (x, x0, end_speed) = (sign * x, sign * x0, sign * end_speed);
     if x < x0 {
         // Too short for the end speed: the straight ramp as far as the target.
-        let mut builder = Builder::new(from, sign);
+        let mut builder = Builder::new(profile, sign);
         ramp(&mut builder, end_speed, limits);
-        return match builder.cut_at(x, target) {
-            Some(profile) => profile,
-            None => to_position(from, target, 0.0, limits),
-        };
+        if !builder.cut_at(x, target) {
+            to_position(profile, target, 0.0, limits);
+        }
+        return;
     }
-    forward(from, sign, x, target, end_speed, limits)
+    forward(profile, sign, x, target, end_speed, limits)
 }
 
-pub(crate) fn to_position_two_stage(from: &State, target: f64, limits: &SCurve) -> Profile {
+pub(crate) fn to_position_two_stage(profile: &mut Profile, target: f64, limits: &SCurve) {
+    let from = &profile.start();
     if limits.speed == 0.0 {
-        return stop(from, target, limits);
+        return stop(profile, target, limits);
     }
     let x = target - from.position;
     let x0 = ramp_displacement(from, 0.0, limits);
@@ -57,10 +59,10 @@ pub(crate) fn to_position_two_stage(from: &State, target: f64, limits: &SCurve) 
     };
     let at_rest = from.velocity == 0.0 && from.acceleration == 0.0;
     if at_rest || (x - x0) * direction >= 0.0 || (x - x0).abs() <= nearness(from, target, x, x0) {
-        return to_position(from, target, 0.0, limits);
+        return to_position(profile, target, 0.0, limits);
     }
     let sign = -direction;
-    let mut builder = Builder::new(from, sign);
+    let mut builder = Builder::new(profile, sign);
     ramp(&mut builder, 0.0, limits);
     let left = sign * x - builder.now.x;
     if let Some(peak) = peak::peak(0.0, 0.0, left, 0.0, limits) {
@@ -70,23 +72,15 @@ pub(crate) fn to_position_two_stage(from: &State, target: f64, limits: &SCurve) 
 }
 
 /// The fastest profile over `x`, at least as far as the ramp to `end_speed >= 0` leads.
-fn forward(
-    from: &State,
-    sign: f64,
-    x: f64,
-    target: f64,
-    end_speed: f64,
-    limits: &SCurve,
-) -> Profile {
-    let mut builder = Builder::new(from, sign);
+fn forward(profile: &mut Profile, sign: f64, x: f64, target: f64, end_speed: f64, limits: &SCurve) {
+    let mut builder = Builder::new(profile, sign);
     let end = arrived(target, sign * end_speed);
     let from_above = !approach(&mut builder, limits.speed, limits);
     let Trial { x: run_up, v, a } = builder.now;
     let found = if from_above {
         // The up-run came down to the limit from above; nothing is left of it.
         let down = limits.speed - end_speed;
-        let cruise =
-            x - run_up - peak::ramp(end_speed, down, limits.deceleration, limits.jerk_down).0;
+        let cruise = x - run_up - peak::ramp(end_speed, down, limits.deceleration, limits.jerk_down).0;
         (cruise >= 0.0).then_some(Peak {
             up: 0.0,
             top: limits.speed,
@@ -107,7 +101,7 @@ fn forward(
 }
 
 /// Rewinds the builder to the instant from which the ramp to `end_speed` ends at `x`.
-fn leave_early(builder: &mut Builder, x: f64, end_speed: f64, limits: &SCurve) {
+fn leave_early(builder: &mut Builder<'_>, x: f64, end_speed: f64, limits: &SCurve) {
     let misses_by = |mut trial: Trial| {
         ramp(&mut trial, end_speed, limits);
         trial.x - x
@@ -147,7 +141,7 @@ fn leave_early(builder: &mut Builder, x: f64, end_speed: f64, limits: &SCurve) {
 }
 
 /// Up, along, down.
-fn run(builder: &mut Builder, peak: &Peak, end_speed: f64, limits: &SCurve) {
+fn run(builder: &mut Builder<'_>, peak: &Peak, end_speed: f64, limits: &SCurve) {
     let acceleration = builder.acceleration();
     rise_by(builder, acceleration, peak.up, 1.0, limits);
     builder.set(peak.top, 0.0);
@@ -166,8 +160,8 @@ fn run(builder: &mut Builder, peak: &Peak, end_speed: f64, limits: &SCurve) {
     builder.set(end_speed, 0.0);
 }
 
-fn stop(from: &State, target: f64, limits: &SCurve) -> Profile {
-    let mut builder = Builder::new(from, 1.0);
+fn stop(profile: &mut Profile, target: f64, limits: &SCurve) {
+    let mut builder = Builder::new(profile, 1.0);
     ramp(&mut builder, 0.0, limits);
     let end = State {
         velocity: 0.0,

@@ -57,7 +57,10 @@ impl Profile {
             velocity: 0.0,
             acceleration: 0.0,
         };
-        Builder::new(&state, 1.0).finish(state, true)
+        Profile {
+            arrives: true,
+            ..Profile::unplanned(state)
+        }
     }
 
     /// From `from` to `target`, passing it with `end_speed` (motion-core §2, §3.4).
@@ -73,10 +76,12 @@ impl Profile {
     #[must_use]
     pub fn to_position(from: State, target: f64, end_speed: f64, limits: &Limits) -> Profile {
         let (from, target, end_speed) = (sane_state(&from), sane_position(target), sane(end_speed));
+        let mut profile = Profile::unplanned(from);
         match limits.shape() {
-            Shape::SCurve(limits) => position::to_position(&from, target, end_speed, &limits),
-            Shape::Trapezoid(limits) => trapezoid::to_position(&from, target, end_speed, &limits),
+            Shape::SCurve(limits) => position::to_position(&mut profile, target, end_speed, &limits),
+            Shape::Trapezoid(limits) => trapezoid::to_position(&mut profile, target, end_speed, &limits),
         }
+        profile
     }
 
     /// As [`Profile::to_position`] to rest, but where the target is overshot, in two stages: first the
@@ -84,11 +89,13 @@ impl Profile {
     #[must_use]
     pub fn to_position_two_stage(from: State, target: f64, limits: &Limits) -> Profile {
         let (from, target) = (sane_state(&from), sane_position(target));
+        let mut profile = Profile::unplanned(from);
         match limits.shape() {
-            Shape::SCurve(limits) => position::to_position_two_stage(&from, target, &limits),
+            Shape::SCurve(limits) => position::to_position_two_stage(&mut profile, target, &limits),
             // Braking to rest, then a move from rest, is what a trapezoid does anyway.
-            Shape::Trapezoid(limits) => trapezoid::to_position(&from, target, 0.0, &limits),
+            Shape::Trapezoid(limits) => trapezoid::to_position(&mut profile, target, 0.0, &limits),
         }
+        profile
     }
 
     /// From `from` to a velocity (signed), which is kept after the duration (motion-core §3.3).
@@ -96,7 +103,8 @@ impl Profile {
     #[must_use]
     pub fn to_velocity(from: State, velocity: f64, limits: &Limits) -> Profile {
         let (from, velocity) = (sane_state(&from), sane(velocity));
-        let mut builder = Builder::new(&from, 1.0);
+        let mut profile = Profile::unplanned(from);
+        let mut builder = Builder::new(&mut profile, 1.0);
         match limits.shape() {
             Shape::SCurve(limits) => ramp::ramp(&mut builder, velocity, &limits),
             Shape::Trapezoid(limits) => trapezoid::ramp(&mut builder, velocity, &limits),
@@ -106,7 +114,8 @@ impl Profile {
             acceleration: 0.0,
             ..builder.state()
         };
-        builder.finish(end, true)
+        builder.finish(end, true);
+        profile
     }
 
     /// To rest, wherever that is: [`Profile::to_velocity`] 0.
@@ -196,9 +205,7 @@ impl Profile {
                 return Some(self.duration);
             }
             if (from <= s && s <= to) || (to <= s && s <= from) {
-                return Some(
-                    self.times[index] + self.segments[index].time_to(s, self.length_of(index)),
-                );
+                return Some(self.times[index] + self.segments[index].time_to(s, self.length_of(index)));
             }
         }
         if s == self.end.position {
@@ -212,6 +219,18 @@ impl Profile {
     #[must_use]
     pub fn segment_times(&self) -> &[f64] {
         &self.times[..self.len]
+    }
+
+    fn unplanned(start: State) -> Profile {
+        Profile {
+            times: [0.0; MAX_SEGMENTS],
+            segments: [Segment::default(); MAX_SEGMENTS],
+            len: 0,
+            start,
+            duration: 0.0,
+            end: start,
+            arrives: false,
+        }
     }
 
     fn segment_at(&self, t: f64) -> usize {

@@ -95,13 +95,7 @@ fn slow_down<S: Sink>(sink: &mut S, v: f64, b: f64, vt: f64, sign: f64, limits: 
         }
         (e, c) = (vt, 0.0);
     } else {
-        (e, c) = (
-            0.0,
-            limits
-                .acceleration
-                .min(most)
-                .min((-2.0 * limits.jerk * vt).sqrt()),
-        );
+        (e, c) = (0.0, limits.acceleration.min(most).min((-2.0 * limits.jerk * vt).sqrt()));
     }
     let dv = v - e;
     if b > most {
@@ -134,10 +128,7 @@ fn slow_down<S: Sink>(sink: &mut S, v: f64, b: f64, vt: f64, sign: f64, limits: 
         } else {
             sink.push((most - b) / j, -sign * j);
             sink.set(sink.velocity(), -sign * most);
-            sink.push(
-                (dv - (2.0 * most * most - b * b - c * c) / (2.0 * j)) / most,
-                0.0,
-            );
+            sink.push((dv - (2.0 * most * most - b * b - c * c) / (2.0 * j)) / most, 0.0);
             sink.push((most - c) / j, sign * j);
         }
     }

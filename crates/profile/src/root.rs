@@ -4,13 +4,7 @@
 /// `f(length) = at_end >= 0`, is 0 to within `tolerance`: inverse quadratic interpolation inside a
 /// bracket that is halved whenever that is not safe (T. R. Chandrupatla, 1997). At most
 /// [`MAX_EVALUATIONS`] evaluations; the best one is returned.
-pub(crate) fn solve(
-    length: f64,
-    at_start: f64,
-    at_end: f64,
-    tolerance: f64,
-    mut f: impl FnMut(f64) -> f64,
-) -> f64 {
+pub(crate) fn solve(length: f64, at_start: f64, at_end: f64, tolerance: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
     // (a, b) is the bracket, b the newer end, c the end before.
     let (mut b, mut fb) = (0.0, at_start);
     let (mut a, mut fa) = (length, at_end);

@@ -90,11 +90,7 @@ fn jerk(limits: &Limits) -> Jerk {
 fn flaw(profile: &Profile, limits: &Limits, tolerance: f64) -> Option<String> {
     let s_curve = limits.jerk.is_some();
     let start = profile.start();
-    let (mut excursion, mut speed, mut force) = (
-        1e-300f64,
-        limits.speed,
-        limits.acceleration.max(limits.deceleration),
-    );
+    let (mut excursion, mut speed, mut force) = (1e-300f64, limits.speed, limits.acceleration.max(limits.deceleration));
     for segment in &profile.segments[..profile.len] {
         excursion = excursion.max((segment.state.position - start.position).abs());
         speed = speed.max(segment.state.velocity.abs());
@@ -109,9 +105,7 @@ fn flaw(profile: &Profile, limits: &Limits, tolerance: f64) -> Option<String> {
     }
     // The clock of a profile that lasts for days resolves no more than this.
     let clock = 5e-16 * profile.duration;
-    let largest_jerk = limits
-        .jerk
-        .map_or(0.0, |j| j.acceleration.max(j.deceleration));
+    let largest_jerk = limits.jerk.map_or(0.0, |j| j.acceleration.max(j.deceleration));
     for index in 0..profile.len {
         let segment = &profile.segments[index];
         let last = index + 1 == profile.len;
@@ -171,20 +165,13 @@ fn flaw(profile: &Profile, limits: &Limits, tolerance: f64) -> Option<String> {
             ));
         }
         let lowering = middle.acceleration * segment.jerk < 0.0;
-        let peak = segment
-            .state
-            .acceleration
-            .abs()
-            .max(reached.acceleration.abs());
+        let peak = segment.state.acceleration.abs().max(reached.acceleration.abs());
         if !lowering && peak > most * (1.0 + tolerance) + clock * most_jerk {
             return Some(format!("acceleration {peak} of {most} in segment {index}"));
         }
         let fastest = segment.state.velocity.abs().max(reached.velocity.abs());
         if speeding && !lowering && fastest > limits.speed * (1.0 + tolerance) {
-            return Some(format!(
-                "velocity {fastest} of {} in segment {index}",
-                limits.speed
-            ));
+            return Some(format!("velocity {fastest} of {} in segment {index}", limits.speed));
         }
     }
     None
@@ -210,15 +197,8 @@ fn random_states_to_rest() {
         }
         longest = longest.max(profile.len);
         let mirrored = Profile::to_position(mirror(from), -target, 0.0, &limits);
-        assert_eq!(
-            mirrored.duration(),
-            profile.duration(),
-            "mirror, case {case}"
-        );
-        for (one, other) in profile.segments[..profile.len]
-            .iter()
-            .zip(&mirrored.segments)
-        {
+        assert_eq!(mirrored.duration(), profile.duration(), "mirror, case {case}");
+        for (one, other) in profile.segments[..profile.len].iter().zip(&mirrored.segments) {
             assert_eq!(one.state, mirror(other.state), "mirror, case {case}");
         }
     }
@@ -291,10 +271,7 @@ fn random_states_to_a_velocity_or_a_stop() {
         let from = random.state(&limits);
         let velocity = random.between(-1.0, 1.0) * limits.speed;
         let profile = Profile::to_velocity(from, velocity, &limits);
-        assert_eq!(
-            (profile.end().velocity, profile.end().acceleration),
-            (velocity, 0.0)
-        );
+        assert_eq!((profile.end().velocity, profile.end().acceleration), (velocity, 0.0));
         let stop = Profile::stop(from, &limits);
         assert_eq!((stop.end().velocity, stop.end().acceleration), (0.0, 0.0));
         for profile in [profile, stop] {
@@ -338,10 +315,7 @@ fn two_stages_end_at_the_target() {
         let two = Profile::to_position_two_stage(from, target, &limits);
         let one = Profile::to_position(from, target, 0.0, &limits);
         assert_eq!(two.end(), one.end());
-        assert!(
-            two.duration() >= one.duration() * (1.0 - 1e-9),
-            "case {case}"
-        );
+        assert!(two.duration() >= one.duration() * (1.0 - 1e-9), "case {case}");
         if let Some(flaw) = flaw(&two, &limits, 1e-9) {
             panic!("case {case}: {flaw}\n{from:?} -> {target}, {limits:?}");
         }
@@ -392,8 +366,7 @@ fn durations_equal_the_closed_form() {
     for case in 0..cases(10_000) {
         let mut random = Random(case ^ 0x1111);
         let limits = random.limits(2.0);
-        let distance =
-            limits.speed * limits.speed / limits.acceleration * random.decades(-4.0, 2.0);
+        let distance = limits.speed * limits.speed / limits.acceleration * random.decades(-4.0, 2.0);
         let expected = closed_form(distance, 0.0, 0.0, &limits).expect("from rest");
         let found = Profile::to_position(State::default(), distance, 0.0, &limits).duration();
         worst = worst.max((found - expected).abs() / expected.max(1.0));
@@ -653,10 +626,7 @@ fn limits_spread_over_decades() {
             }
         );
         if let Some(flaw) = flaw(&profile, &limits, 1e-7) {
-            assert!(
-                decades > 4.0,
-                "case {case}: {flaw}\n{from:?} -> {target}, {limits:?}"
-            );
+            assert!(decades > 4.0, "case {case}: {flaw}\n{from:?} -> {target}, {limits:?}");
             poor += 1;
         }
     }
@@ -745,7 +715,8 @@ fn times_of_positions_and_phases() {
         let t = random.unit() * profile.duration();
         let s = profile.at(t).position;
         let found = profile.time_at_position(s).expect("passed");
-        assert!(found <= t * (1.0 + 1e-9) + 1e-9, "case {case}");
+        // Near rest the position stands still to rounding while time goes on.
+        assert!(found <= t + 1e-5 * profile.duration(), "case {case}");
         let there = profile.at(found).position;
         assert!(
             (there - s).abs() <= 1e-9 * s.abs().max(target.abs()).max(1e-3),

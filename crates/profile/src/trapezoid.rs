@@ -8,15 +8,11 @@ use crate::limits::Trapezoid;
 use crate::position::nearness;
 use crate::profile::{Profile, State};
 
-pub(crate) fn to_position(
-    from: &State,
-    target: f64,
-    end_speed: f64,
-    limits: &Trapezoid,
-) -> Profile {
+pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, limits: &Trapezoid) {
+    let from = &profile.start();
     let (accel, decel) = (limits.acceleration, limits.deceleration);
     if limits.speed == 0.0 {
-        let mut builder = Builder::new(from, 1.0);
+        let mut builder = Builder::new(profile, 1.0);
         ramp(&mut builder, 0.0, limits);
         let end = State {
             velocity: 0.0,
@@ -34,7 +30,7 @@ pub(crate) fn to_position(
         acceleration: 0.0,
     };
     if end_speed == 0.0 && (x - x0).abs() <= nearness(from, target, x, x0) {
-        let mut builder = Builder::new(from, 1.0);
+        let mut builder = Builder::new(profile, 1.0);
         ramp(&mut builder, 0.0, limits);
         return builder.finish(end, true);
     }
@@ -44,7 +40,7 @@ pub(crate) fn to_position(
         end_speed.signum()
     };
     let (x, vf) = (sign * x, sign * end_speed);
-    let mut builder = Builder::new(from, sign);
+    let mut builder = Builder::new(profile, sign);
     turn(&mut builder, decel);
     let v0 = builder.velocity();
     let left = x - builder.now.x;
@@ -56,12 +52,12 @@ pub(crate) fn to_position(
         -excess / (2.0 * accel)
     };
     if left < least && vf > 0.0 && least - left > nearness(from, target, left, least) {
-        let mut builder = Builder::new(from, sign);
+        let mut builder = Builder::new(profile, sign);
         ramp(&mut builder, vf, limits);
-        return match builder.cut_at(x, target) {
-            Some(profile) => profile,
-            None => to_position(from, target, 0.0, limits),
-        };
+        if !builder.cut_at(x, target) {
+            to_position(profile, target, 0.0, limits);
+        }
+        return;
     }
     let v = limits.speed;
     if v0 > v {
@@ -92,7 +88,7 @@ pub(crate) fn to_position(
 }
 
 /// To velocity `vt`.
-pub(crate) fn ramp(builder: &mut Builder, vt: f64, limits: &Trapezoid) {
+pub(crate) fn ramp(builder: &mut Builder<'_>, vt: f64, limits: &Trapezoid) {
     let sign = if vt != 0.0 {
         vt.signum()
     } else {
@@ -101,12 +97,7 @@ pub(crate) fn ramp(builder: &mut Builder, vt: f64, limits: &Trapezoid) {
     let v = sign * builder.velocity();
     let vt = sign * vt;
     if v < 0.0 {
-        hold(
-            builder,
-            -v / limits.deceleration,
-            sign * limits.deceleration,
-            0.0,
-        );
+        hold(builder, -v / limits.deceleration, sign * limits.deceleration, 0.0);
     }
     let v = v.max(0.0);
     if v < vt {
@@ -128,7 +119,7 @@ pub(crate) fn ramp(builder: &mut Builder, vt: f64, limits: &Trapezoid) {
 }
 
 /// Brakes a motion in the negative direction to rest.
-fn turn(builder: &mut Builder, decel: f64) {
+fn turn(builder: &mut Builder<'_>, decel: f64) {
     let v = builder.velocity();
     if v < 0.0 {
         hold(builder, -v / decel, decel, 0.0);
@@ -136,7 +127,7 @@ fn turn(builder: &mut Builder, decel: f64) {
 }
 
 /// Goes on for `time` with constant acceleration, ending with velocity `end`.
-fn hold(builder: &mut Builder, time: f64, acceleration: f64, end: f64) {
+fn hold(builder: &mut Builder<'_>, time: f64, acceleration: f64, end: f64) {
     let v = builder.velocity();
     builder.set(v, acceleration);
     builder.push(time, 0.0);
