@@ -68,17 +68,11 @@ impl Direction {
     /// Whether the path is a full circle.
     #[must_use]
     pub const fn is_full(self) -> bool {
-        matches!(
-            self,
-            Direction::ClockwiseFull | Direction::CounterClockwiseFull
-        )
+        matches!(self, Direction::ClockwiseFull | Direction::CounterClockwiseFull)
     }
 
     const fn is_counter_clockwise(self) -> bool {
-        matches!(
-            self,
-            Direction::CounterClockwise | Direction::CounterClockwiseFull
-        )
+        matches!(self, Direction::CounterClockwise | Direction::CounterClockwiseFull)
     }
 }
 
@@ -165,15 +159,9 @@ impl Arc {
     ) -> Result<Arc, ArcError> {
         match (circle, dimension) {
             (CirclePoint::Via(via), _) => Arc::by_via(start, end, via, direction),
-            (CirclePoint::Center(center), Dimension::Two) => {
-                Arc::by_center_2d(start, end, center, direction)
-            }
-            (CirclePoint::Center(center), Dimension::Three) => {
-                Arc::by_center_3d(start, end, center, direction)
-            }
-            (CirclePoint::Radius(radius), Dimension::Two) => {
-                Arc::by_radius(start, end, radius, direction)
-            }
+            (CirclePoint::Center(center), Dimension::Two) => Arc::by_center_2d(start, end, center, direction),
+            (CirclePoint::Center(center), Dimension::Three) => Arc::by_center_3d(start, end, center, direction),
+            (CirclePoint::Radius(radius), Dimension::Two) => Arc::by_radius(start, end, radius, direction),
             (CirclePoint::Radius(_), Dimension::Three) => Err(ArcError::RadiusIn3d),
         }
     }
@@ -188,8 +176,7 @@ impl Arc {
             return Err(ArcError::Collinear);
         }
         let n = a.cross(&b);
-        let to_center = (n.cross(&a) * b.norm_squared() + b.cross(&n) * a.norm_squared())
-            / (2.0 * n.norm_squared());
+        let to_center = (n.cross(&a) * b.norm_squared() + b.cross(&n) * a.norm_squared()) / (2.0 * n.norm_squared());
         Ok(Arc::circle(
             start,
             end,
@@ -201,12 +188,7 @@ impl Arc {
     }
 
     /// motion-core §9.2, in the plane.
-    fn by_center_2d(
-        start: Point,
-        end: Point,
-        center: Point,
-        direction: Direction,
-    ) -> Result<Arc, ArcError> {
+    fn by_center_2d(start: Point, end: Point, center: Point, direction: Direction) -> Result<Arc, ArcError> {
         let (r1, r2) = radii(start, end, center)?;
         let n = turn_axis(direction);
         if direction.is_full() || norm(end - start) <= SAME_POINT {
@@ -216,12 +198,7 @@ impl Arc {
     }
 
     /// motion-core §9.2, in space.
-    fn by_center_3d(
-        start: Point,
-        end: Point,
-        center: Point,
-        direction: Direction,
-    ) -> Result<Arc, ArcError> {
+    fn by_center_3d(start: Point, end: Point, center: Point, direction: Direction) -> Result<Arc, ArcError> {
         if norm(end - start) <= SAME_POINT {
             return Err(ArcError::StartEnd);
         }
@@ -242,12 +219,7 @@ impl Arc {
     }
 
     /// motion-core §9.4.
-    fn by_radius(
-        start: Point,
-        end: Point,
-        signed: f64,
-        direction: Direction,
-    ) -> Result<Arc, ArcError> {
+    fn by_radius(start: Point, end: Point, signed: f64, direction: Direction) -> Result<Arc, ArcError> {
         let chord = end - start;
         let length = norm(chord);
         if length <= SAME_POINT {
@@ -419,13 +391,10 @@ impl Arc {
         let d3 = outwards * (-3.0 * b) - across * r;
         let (m_2, m_3) = (m * m, m * m * m);
         PathPoint {
-            position: self.start
-                + (self.e2 * sine - self.e1 * versine) * self.radius
-                + outwards * (b * angle),
+            position: self.start + (self.e2 * sine - self.e1 * versine) * self.radius + outwards * (b * angle),
             tangent: d1 / m,
             curvature: d2 / m_2 - d1 * (m1 / m_3),
-            curvature_change: d3 / m_3 - d2 * (3.0 * m1 / (m_2 * m_2))
-                + d1 * ((3.0 * m1 * m1 / m - m2) / (m_2 * m_2)),
+            curvature_change: d3 / m_3 - d2 * (3.0 * m1 / (m_2 * m_2)) + d1 * ((3.0 * m1 * m1 / m - m2) / (m_2 * m_2)),
         }
     }
 
@@ -509,15 +478,7 @@ fn collinear(a: Point, b: Point) -> bool {
 
 /// The axis of turning in the plane.
 fn turn_axis(direction: Direction) -> Point {
-    Point::new(
-        0.0,
-        0.0,
-        if direction.is_counter_clockwise() {
-            1.0
-        } else {
-            -1.0
-        },
-    )
+    Point::new(0.0, 0.0, if direction.is_counter_clockwise() { 1.0 } else { -1.0 })
 }
 
 /// Sine of the angle below which three points are collinear (coordinated-instructions §13.4).

@@ -55,11 +55,7 @@ fn circles_of_the_reference() {
                 (Ok(arc), Ok((sweep, center, last))) => {
                     let found = arc.sweep() * arc.normal().z.signum();
                     assert!((found - sweep).abs() < 1e-12, "{why}: sweep {found}");
-                    assert!(
-                        (arc.center() - center).norm() < 1e-4,
-                        "{why}: centre {}",
-                        arc.center()
-                    );
+                    assert!((arc.center() - center).norm() < 1e-4, "{why}: centre {}", arc.center());
                     assert_eq!(arc.end(), last, "{why}");
                     assert_eq!(
                         (arc.at(0.0).position, arc.at(arc.length()).position),
@@ -106,11 +102,7 @@ fn edges() {
         word(1),
     )
     .expect("an arc");
-    assert!(
-        (arc.sweep() - (TAU - 1e-8)).abs() < 1e-14,
-        "{}",
-        arc.sweep()
-    );
+    assert!((arc.sweep() - (TAU - 1e-8)).abs() < 1e-14, "{}", arc.sweep());
     let arc = Arc::new(
         Dimension::Two,
         at(1000.0, 0.0),
@@ -130,11 +122,7 @@ fn edges() {
         word(0),
     )
     .expect("an arc");
-    assert!(
-        (arc.length() - 1e-3 * FRAC_PI_2).abs() < 1e-8,
-        "{}",
-        arc.length()
-    );
+    assert!((arc.length() - 1e-3 * FRAC_PI_2).abs() < 1e-8, "{}", arc.length());
     // Via next to the start and to the end.
     for angle in [1e-4f64, FRAC_PI_2 - 1e-4] {
         let via = at(angle.cos(), angle.sin());
@@ -160,10 +148,7 @@ fn check_smooth(path: &Path, s: f64, size: f64) -> Result<(), TestCaseError> {
     prop_assert!((here.tangent.norm() - 1.0).abs() < 1e-14);
     prop_assert!((slope(before.position, after.position) - here.tangent).norm() < 1e-8);
     prop_assert!((slope(before.tangent, after.tangent) - here.curvature).norm() * size < 1e-8);
-    prop_assert!(
-        (slope(before.curvature, after.curvature) - here.curvature_change).norm() * size * size
-            < 1e-7
-    );
+    prop_assert!((slope(before.curvature, after.curvature) - here.curvature_change).norm() * size * size < 1e-7);
     prop_assert!(here.curvature.dot(&here.tangent).abs() * size < 1e-13);
     Ok(())
 }
