@@ -1,1 +1,7 @@
-fn main() {}
+//! The program `arcline-server`; see the library of the same package.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    arcline_server::main()
+}

@@ -125,6 +125,13 @@ impl Interpreter {
         self.line as usize
     }
 
+    /// Whether it asked for the next tick because the condition of a WAIT did not hold. Then nothing else happens
+    /// in the next tick but that the condition is looked at again.
+    pub fn is_waiting(&self) -> bool {
+        let last = self.at.checked_sub(1).and_then(|last| self.program.ops.get(last));
+        matches!((&self.pending, last), (Pending::Time, Some(Op::Tick)))
+    }
+
     /// Goes on to the next request. Behind the end, and after an error, it is [`Request::End`] for good.
     ///
     /// # Errors

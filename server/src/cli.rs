@@ -1,0 +1,179 @@
+//! The command line of `arcline-server` (spec/contract.md §1). What the commands do is in `run`, `simulate` and
+//! `arcline-config`.
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::str::FromStr;
+
+use arcline_config::Project;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::{run, simulate};
+
+/// A coordinated-motion server that looks like a Logix controller on EtherNet/IP.
+#[derive(Parser, Debug)]
+#[command(name = "arcline-server", version, args_conflicts_with_subcommands = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Run the server (the default).
+    Run(RunArgs),
+    /// Validate a configuration and print what it would create.
+    Check {
+        /// The configuration file.
+        #[arg(long, value_name = "FILE")]
+        config: PathBuf,
+    },
+    /// Run a Structured Text program on a virtual clock, as fast as the machine can.
+    Simulate(SimulateArgs),
+    /// Print the embedded default configuration.
+    DefaultConfig,
+}
+
+/// Flags of `run`.
+#[derive(Args, Debug)]
+pub(crate) struct RunArgs {
+    /// Configuration file; without it the embedded default is used.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Where EtherNet/IP listens, TCP and UDP; port 0 picks a free one.
+    #[arg(long, value_name = "ADDR:PORT")]
+    pub(crate) listen: Option<SocketAddr>,
+    /// Where the HMI listens.
+    #[arg(long, value_name = "ADDR:PORT|off")]
+    pub(crate) hmi: Option<OrOff<SocketAddr>>,
+    /// Where positions and tags are kept between runs.
+    #[arg(long, value_name = "FILE|off")]
+    pub(crate) state: Option<OrOff<PathBuf>>,
+}
+
+/// Flags of `simulate`.
+#[derive(Args, Debug)]
+pub(crate) struct SimulateArgs {
+    /// The program.
+    #[arg(value_name = "PROGRAM.st")]
+    pub(crate) program: PathBuf,
+    /// Configuration file; without it the embedded default is used.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Write every axis at every tick to this file, as CSV.
+    #[arg(long, value_name = "OUT.csv")]
+    pub(crate) trace: Option<PathBuf>,
+    /// Write every change of an instruction's status to this file, as JSON lines.
+    #[arg(long, value_name = "OUT.jsonl")]
+    pub(crate) events: Option<PathBuf>,
+    /// Longest simulated time, s.
+    #[arg(long, value_name = "SECONDS", default_value_t = 3600.0, value_parser = seconds)]
+    pub(crate) until: f64,
+    /// Go on after an instruction has erred.
+    #[arg(long)]
+    pub(crate) keep_going: bool,
+    /// What a coordinated move does that finds the queue full.
+    #[arg(long, value_enum, default_value_t = QueueFull::Wait)]
+    pub(crate) queue_full: QueueFull,
+}
+
+/// What a coordinated move does that finds the queue full.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum QueueFull {
+    /// It waits for room.
+    Wait,
+    /// It errs, as on a controller.
+    Error,
+}
+
+/// A value, or `off`.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum OrOff<T> {
+    Off,
+    On(T),
+}
+
+impl<T: FromStr> FromStr for OrOff<T> {
+    type Err = T::Err;
+
+    fn from_str(text: &str) -> Result<Self, T::Err> {
+        if text.eq_ignore_ascii_case("off") { Ok(OrOff::Off) } else { text.parse().map(OrOff::On) }
+    }
+}
+
+/// What ends the program early: one message and the exit code.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    code: u8,
+    message: String,
+}
+
+impl Failure {
+    pub(crate) fn new(code: u8, message: impl Into<String>) -> Self {
+        Failure { code, message: message.into() }
+    }
+
+    /// Something that the user must put right first.
+    pub(crate) fn usage(message: impl Into<String>) -> Self {
+        Failure::new(2, message)
+    }
+}
+
+/// Does what the command line says. The exit codes are those of spec/contract.md §1.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    log();
+    let result = match cli.command {
+        None => run::run(&cli.run),
+        Some(Command::Run(args)) => run::run(&args),
+        Some(Command::Check { config }) => check(&config),
+        Some(Command::Simulate(args)) => simulate::simulate(&args),
+        Some(Command::DefaultConfig) => print(arcline_config::DEFAULT),
+    };
+    match result {
+        Ok(code) => code,
+        Err(failure) => {
+            eprintln!("arcline-server: {}", failure.message);
+            ExitCode::from(failure.code)
+        }
+    }
+}
+
+/// To standard error, warnings and worse, unless `RUST_LOG` says otherwise.
+fn log() {
+    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+}
+
+fn check(config: &Path) -> Result<ExitCode, Failure> {
+    print(&arcline_config::describe(&project(Some(config))?))
+}
+
+fn print(text: &str) -> Result<ExitCode, Failure> {
+    use std::io::Write as _;
+    // A reader that closed the pipe has what it wanted.
+    let _ = std::io::stdout().write_all(text.as_bytes());
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The project of a configuration file, or of the embedded default.
+pub(crate) fn project(config: Option<&Path>) -> Result<Project, Failure> {
+    let (text, file) = match config {
+        None => (arcline_config::DEFAULT.to_owned(), "default configuration".to_owned()),
+        Some(path) => {
+            let text = std::fs::read_to_string(path)
+                .map_err(|error| Failure::usage(format!("{}: cannot be read: {error}", path.display())))?;
+            (text, path.display().to_string())
+        }
+    };
+    arcline_config::load(&text, &file).map_err(|error| Failure::usage(error.to_string()))
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| "expected a number of seconds".to_owned())?;
+    if seconds.is_finite() && seconds >= 0.0 { Ok(seconds) } else { Err("expected 0 or more seconds".to_owned()) }
+}

@@ -1,0 +1,15 @@
+//! A coordinated-motion server that looks like a Logix controller on EtherNet/IP.
+//!
+//! The asynchronous side and the operating system: command line, sockets, signals, files, and the face of the
+//! controller that they share ([`plant`]). Not here: frames and messages as values (`arcline-proto`), motion and tag
+//! memory (`arcline-controller`), the thread that ticks (`arcline-realtime`).
+
+#![forbid(unsafe_code)]
+
+mod cli;
+pub mod eip;
+pub mod plant;
+mod run;
+mod simulate;
+
+pub use cli::main;

@@ -1,0 +1,437 @@
+//! The asynchronous face of the controller: tag memory that is refreshed on read, calls that are awaited, and the
+//! newest executions by instance.
+//!
+//! One task drains the real-time thread's rings, faster while calls are outstanding; every read refreshes too, so
+//! that it shows the newest tick, and of that tick positions and bits alike. The lock is held for microseconds and
+//! never across an await; the real-time thread knows nothing of it.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::time::Duration;
+
+use arcline_config::{Project, ServerConfig};
+use arcline_controller::image::{ControlError, Edge, Health, Image, InstructionTag, PlainTag, TagKind};
+use arcline_controller::machine::Machine;
+use arcline_controller::{Command, Ticket, UNNAMED};
+use arcline_instruction_set::{BindError, Call, Flag, Given, Mnemonic, MotionControl, MotionError, bind};
+use arcline_realtime::{Handle, Link, Options, SpawnError};
+use tokio::sync::{Notify, oneshot};
+
+/// The running machine. Clones are the same one.
+#[derive(Clone, Debug)]
+pub struct Plant(Arc<Shared>);
+
+/// An instruction that was executed.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Executed {
+    /// Its instance of class 0x0303.
+    pub instance: u32,
+    /// What its motion control tag showed when DN or ER was set.
+    pub control: MotionControl,
+}
+
+/// Why an instruction was not executed. Motion errors are not here: they are in [`Executed`].
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum CallRefused {
+    /// Its operands do not fit.
+    #[error(transparent)]
+    Bind(#[from] BindError),
+    /// The name cannot be its motion control tag, or no more such tags can be made.
+    #[error(transparent)]
+    Control(#[from] ControlError),
+    /// Too many calls wait for the controller.
+    #[error("{OUTSTANDING} calls wait for the controller already, try again")]
+    Busy,
+    /// The controller did not answer in time.
+    #[error("the controller did not answer within {} s", ANSWER_WITHIN.as_secs())]
+    NoAnswer,
+}
+
+#[derive(Debug)]
+struct Shared {
+    state: Mutex<State>,
+    machine: Machine,
+    server: ServerConfig,
+    /// Something was sent: the pump looks sooner.
+    sent: Notify,
+}
+
+#[derive(Debug)]
+struct State {
+    image: Image,
+    link: Link,
+    /// Whether a snapshot was ever published.
+    began: bool,
+    next_ticket: u64,
+    waiting: BTreeMap<Ticket, oneshot::Sender<()>>,
+    /// What found no room in the ring, in order.
+    backlog: VecDeque<Command>,
+    records: Records,
+    lost: u64,
+}
+
+impl Plant {
+    /// Starts the machine of a project on its real-time thread, and the task that drains its rings.
+    ///
+    /// # Errors
+    /// When the system has no thread left.
+    ///
+    /// # Panics
+    /// Outside of a tokio runtime.
+    pub fn start(project: &Project) -> Result<(Plant, Handle), SpawnError> {
+        let (link, handle) = arcline_realtime::spawn(&project.machine, Options::default())?;
+        let plant = Plant::new(project, link);
+        tokio::spawn(pump(Arc::downgrade(&plant.0)));
+        Ok((plant, handle))
+    }
+
+    /// A plant on rings whose other ends somebody else serves. Nothing drains them but reads.
+    pub fn new(project: &Project, link: Link) -> Plant {
+        let state = State {
+            image: image_of(project),
+            link,
+            began: false,
+            next_ticket: 1,
+            waiting: BTreeMap::new(),
+            backlog: VecDeque::new(),
+            records: Records::default(),
+            lost: 0,
+        };
+        Plant(Arc::new(Shared {
+            state: Mutex::new(state),
+            machine: project.machine.clone(),
+            server: project.server.clone(),
+            sent: Notify::new(),
+        }))
+    }
+
+    /// The machine as configured.
+    pub fn machine(&self) -> &Machine {
+        &self.0.machine
+    }
+
+    /// The network side as configured.
+    pub fn server(&self) -> &ServerConfig {
+        &self.0.server
+    }
+
+    /// The real-time thread's measurements.
+    pub fn health(&self) -> Health {
+        self.0.lock().link.meter.health()
+    }
+
+    /// Reads tags, refreshed to the newest tick.
+    pub fn with_image<R>(&self, read: impl FnOnce(&Image) -> R) -> R {
+        let mut state = self.0.lock();
+        state.refresh();
+        read(&state.image)
+    }
+
+    /// Writes tags. The edges of `EnableIn` that came of it are given back, for [`Plant::fire`].
+    pub fn write<R>(&self, write: impl FnOnce(&mut Image, &mut Vec<Edge>) -> R) -> (R, Vec<Edge>) {
+        let mut state = self.0.lock();
+        state.refresh();
+        let mut edges = Vec::new();
+        let result = write(&mut state.image, &mut edges);
+        (result, edges)
+    }
+
+    /// Executes the instruction tags whose `EnableIn` rose, with the operands they hold now, in order, and waits until
+    /// each shows DN or ER, at most [`ANSWER_WITHIN`]. Those whose `EnableIn` fell have a false rung.
+    pub async fn fire(&self, edges: Vec<Edge>) {
+        if edges.is_empty() {
+            return;
+        }
+        let mut answers = Vec::new();
+        {
+            let mut state = self.0.lock();
+            for edge in edges {
+                answers.extend(state.edge(edge));
+            }
+        }
+        self.0.sent.notify_one();
+        let all = async {
+            for answer in answers {
+                // The sender goes only with the plant.
+                let _ = answer.await;
+            }
+        };
+        if tokio::time::timeout(ANSWER_WITHIN, all).await.is_err() {
+            tracing::warn!("the controller did not answer a written EnableIn in time");
+        }
+    }
+
+    /// Executes an instruction and waits until its tag shows DN or ER.
+    ///
+    /// `given` are the operands behind target and motion control. A motion control tag that is not there is made.
+    ///
+    /// # Errors
+    /// See [`CallRefused`]; nothing was executed then, but for [`CallRefused::NoAnswer`].
+    pub async fn call(
+        &self,
+        mnemonic: Mnemonic,
+        target: Option<u16>,
+        control: Option<&str>,
+        given: &[Given],
+    ) -> Result<Executed, CallRefused> {
+        let (ticket, answer) = {
+            let mut state = self.0.lock();
+            if state.waiting.len() >= OUTSTANDING {
+                return Err(CallRefused::Busy);
+            }
+            // Bound before the tag is made: what is refused leaves nothing behind.
+            let mut call = bind(mnemonic, target, UNNAMED, given, &state.image)?;
+            if let Some(name) = control {
+                call.control = state.image.control_slot(name)?;
+            }
+            state.send(call)
+        };
+        self.0.sent.notify_one();
+        if tokio::time::timeout(ANSWER_WITHIN, answer).await.is_err() {
+            self.0.lock().waiting.remove(&ticket);
+            return Err(CallRefused::NoAnswer);
+        }
+        let instance = instance_of(ticket);
+        let control = self.instruction_instance(instance).ok_or(CallRefused::NoAnswer)?;
+        Ok(Executed { instance, control })
+    }
+
+    /// An execution by its instance of class 0x0303; `None` when there never was one, or it has been dropped.
+    pub fn instruction_instance(&self, instance: u32) -> Option<MotionControl> {
+        let mut state = self.0.lock();
+        state.refresh();
+        state.records.by_instance(instance)
+    }
+
+    /// The newest instance of class 0x0303; `None`: nothing has been executed.
+    pub fn newest_instance(&self) -> Option<u32> {
+        self.0.lock().records.newest().map(instance_of)
+    }
+
+    /// The oldest instance that is kept.
+    pub fn oldest_instance(&self) -> Option<u32> {
+        self.0.lock().records.oldest().map(instance_of)
+    }
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl State {
+    /// Takes the newest snapshot and everything that happened up to its tick.
+    fn refresh(&mut self) {
+        let updated = self.link.snapshots.update();
+        self.began |= updated;
+        if !self.began {
+            return;
+        }
+        let tick = self.link.snapshots.output_buffer().tick;
+        while let Ok(event) = self.link.events.peek() {
+            if event.tick > tick {
+                break;
+            }
+            let event = *event;
+            let _ = self.link.events.pop();
+            self.image.apply_event(&event);
+            let record = self.records.get_mut(event.ticket);
+            if let Some(control) = record {
+                control.flags = (control.flags & !event.clear) | event.set;
+                control.err = event.err;
+                control.exerr = event.exerr;
+                if is_answered(control) {
+                    self.complete(event.ticket);
+                }
+            }
+        }
+        while let Ok(answer) = self.link.answers.peek() {
+            if answer.tick > tick {
+                break;
+            }
+            let answer = *answer;
+            let _ = self.link.answers.pop();
+            if is_answered(&answer.control) {
+                // Its event says the same, unless that was lost.
+                if let Some(control) = self.records.get_mut(answer.ticket).filter(|control| !is_answered(control)) {
+                    *control = answer.control;
+                }
+                self.complete(answer.ticket);
+            }
+        }
+        if updated {
+            let snapshot = self.link.snapshots.output_buffer();
+            self.image.apply_snapshot(snapshot);
+            let health = self.link.meter.health();
+            self.image.apply_health(&health);
+            let lost = snapshot.lost_events + health.lost_events + health.lost_answers;
+            if lost > self.lost {
+                tracing::warn!(lost = lost - self.lost, "status changes were lost, too many came within one tick");
+                self.lost = lost;
+            }
+        }
+    }
+
+    fn complete(&mut self, ticket: Ticket) {
+        if let Some(waiting) = self.waiting.remove(&ticket) {
+            // Whoever waited may have given up.
+            let _ = waiting.send(());
+        }
+    }
+
+    /// Sends a call; the receiver is told when DN or ER is set.
+    fn send(&mut self, call: Call) -> (Ticket, oneshot::Receiver<()>) {
+        let ticket = self.ticket();
+        let (sender, receiver) = oneshot::channel();
+        self.waiting.insert(ticket, sender);
+        self.push(Command::Call(ticket, call));
+        (ticket, receiver)
+    }
+
+    fn ticket(&mut self) -> Ticket {
+        let ticket = Ticket(self.next_ticket);
+        self.next_ticket += 1;
+        self.records.begin(ticket);
+        ticket
+    }
+
+    fn push(&mut self, command: Command) {
+        self.backlog.push_back(command);
+        self.flush();
+    }
+
+    fn flush(&mut self) {
+        while let Some(command) = self.backlog.pop_front() {
+            if let Err(rtrb::PushError::Full(command)) = self.link.commands.push(command) {
+                self.backlog.push_front(command);
+                break;
+            }
+        }
+    }
+
+    fn edge(&mut self, edge: Edge) -> Option<oneshot::Receiver<()>> {
+        let (Edge::Rising(id) | Edge::Falling(id)) = edge;
+        let TagKind::Instruction(kind) = self.image.tag(id)?.kind else { return None };
+        if let Edge::Falling(_) = edge {
+            // Of a call that was refused below, the controller knows nothing.
+            let mut control = self.image.control(kind.control);
+            if is_answered(&control) {
+                control.clear(Flag::En);
+                self.image.set_control(kind.control, control);
+            }
+            self.push(Command::RungFalse(kind.control));
+            return None;
+        }
+        let error = match self.image.call_of(id)? {
+            Ok(call) if self.waiting.len() < OUTSTANDING => return Some(self.send(call).1),
+            Ok(_) => MotionError::from_codes(EXECUTION_COLLISION, 0)?,
+            // A name among the operands that means nothing is a value out of range.
+            Err(error) => {
+                MotionError::from_codes(OUT_OF_RANGE, error.operand().map_or(0, |operand| operand.0 as i8))?
+            }
+        };
+        let ticket = self.ticket();
+        let refused = MotionControl::refused(error);
+        self.image.set_control(kind.control, refused);
+        if let Some(control) = self.records.get_mut(ticket) {
+            *control = refused;
+        }
+        None
+    }
+}
+
+/// The newest executions.
+#[derive(Debug, Default)]
+struct Records {
+    ring: VecDeque<MotionControl>,
+    newest: u64,
+}
+
+impl Records {
+    /// Makes place for the next ticket. Tickets are in sequence.
+    fn begin(&mut self, ticket: Ticket) {
+        if self.ring.len() == RECORDS {
+            self.ring.pop_front();
+        }
+        self.ring.push_back(MotionControl::default());
+        self.newest = ticket.0;
+    }
+
+    fn get_mut(&mut self, ticket: Ticket) -> Option<&mut MotionControl> {
+        let age = usize::try_from(self.newest.checked_sub(ticket.0)?).ok()?;
+        let place = self.ring.len().checked_sub(age + 1)?;
+        self.ring.get_mut(place)
+    }
+
+    fn by_instance(&self, instance: u32) -> Option<MotionControl> {
+        // Instances are the low half of a ticket.
+        let age = (self.newest as u32).wrapping_sub(instance) as usize;
+        let place = self.ring.len().checked_sub(age.checked_add(1)?)?;
+        self.ring.get(place).copied()
+    }
+
+    fn newest(&self) -> Option<Ticket> {
+        (!self.ring.is_empty()).then_some(Ticket(self.newest))
+    }
+
+    fn oldest(&self) -> Option<Ticket> {
+        self.newest().map(|newest| Ticket(newest.0 + 1 - self.ring.len() as u64))
+    }
+}
+
+/// Drains the rings as long as somebody has the plant.
+async fn pump(plant: Weak<Shared>) {
+    loop {
+        let Some(plant) = plant.upgrade() else { return };
+        let busy = {
+            let mut state = plant.lock();
+            state.refresh();
+            state.flush();
+            !state.waiting.is_empty() || !state.backlog.is_empty()
+        };
+        let sent = plant.sent.notified();
+        let pause = if busy { PAUSE_BUSY } else { PAUSE_IDLE };
+        // A command does not wait for the end of an idle pause.
+        let _ = tokio::time::timeout(pause, sent).await;
+    }
+}
+
+/// The tags of a project.
+pub fn image_of(project: &Project) -> Image {
+    let instructions: Vec<_> = project
+        .instruction_tags
+        .iter()
+        .map(|tag| InstructionTag { name: tag.tag.clone(), mnemonic: tag.mnemonic, target: tag.target.clone() })
+        .collect();
+    let plain: Vec<_> = project
+        .tags
+        .iter()
+        .map(|tag| PlainTag { name: tag.name.clone(), tag_type: tag.tag_type.clone() })
+        .collect();
+    Image::new(&project.machine, &instructions, &plain)
+}
+
+fn is_answered(control: &MotionControl) -> bool {
+    control.has(Flag::Dn) || control.has(Flag::Er)
+}
+
+fn instance_of(ticket: Ticket) -> u32 {
+    ticket.0 as u32
+}
+
+/// Executions that class 0x0303 keeps (spec/contract.md §4).
+const RECORDS: usize = 4096;
+/// Calls that may wait for the controller at a time.
+const OUTSTANDING: usize = 2048;
+/// Longest wait for DN or ER.
+pub const ANSWER_WITHIN: Duration = Duration::from_secs(5);
+const PAUSE_BUSY: Duration = Duration::from_millis(1);
+const PAUSE_IDLE: Duration = Duration::from_millis(10);
+/// ERR of a call that finds no room.
+const EXECUTION_COLLISION: i16 = 3;
+/// ERR of an operand out of range.
+const OUT_OF_RANGE: i16 = 13;
+
+#[cfg(test)]
+mod tests;

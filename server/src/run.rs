@@ -1,0 +1,79 @@
+//! Start-up, the ready line, signals, and a controlled end.
+
+use std::io::{self, Write as _};
+use std::net::SocketAddr;
+use std::process::ExitCode;
+
+use arcline_config::Project;
+use tokio::signal::unix::{SignalKind, signal};
+
+use crate::cli::{Failure, OrOff, RunArgs, project};
+use crate::eip::{Listener, Settings};
+use crate::plant::Plant;
+
+/// Runs the server until SIGTERM or SIGINT.
+pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
+    if let Some(OrOff::On(file)) = &args.state {
+        return Err(Failure::usage(format!(
+            "--state {}: retained state is not there yet, expected `off`",
+            file.display()
+        )));
+    }
+    let mut project = project(args.config.as_deref())?;
+    if let Some(listen) = args.listen {
+        project.server.listen = listen;
+    }
+    let hmi = match &args.hmi {
+        Some(OrOff::On(address)) => Some(*address),
+        Some(OrOff::Off) => None,
+        None => project.server.hmi,
+    };
+    if let Some(address) = hmi {
+        tracing::info!(%address, "the web HMI is not there yet: it stays off");
+    }
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(WORKERS)
+        .enable_all()
+        .build()
+        .map_err(|error| Failure::new(1, format!("the runtime could not be started: {error}")))?;
+    let handle = runtime.block_on(serve(&project))?;
+    // The thread stops all motion and waits until it stands still; no client is heard any more.
+    handle.stop();
+    Ok(ExitCode::SUCCESS)
+}
+
+async fn serve(project: &Project) -> Result<arcline_realtime::Handle, Failure> {
+    let failed = |what: &str, error: &dyn std::fmt::Display| Failure::new(1, format!("{what}: {error}"));
+    let mut terminate = signal(SignalKind::terminate()).map_err(|error| failed("SIGTERM", &error))?;
+    let mut interrupt = signal(SignalKind::interrupt()).map_err(|error| failed("SIGINT", &error))?;
+    let (plant, handle) = Plant::start(project).map_err(|error| Failure::new(1, error.to_string()))?;
+    let listen = project.server.listen;
+    let settings = Settings::new(&project.server.name);
+    let listener = Listener::bind(listen, plant, settings).await.map_err(|error| cannot_listen(listen, &error))?;
+    ready(listener.local_addr()).map_err(|error| failed("standard output", &error))?;
+    tokio::select! {
+        () = listener.serve() => {}
+        _ = terminate.recv() => tracing::info!("SIGTERM: stopping"),
+        _ = interrupt.recv() => tracing::info!("SIGINT: stopping"),
+    }
+    Ok(handle)
+}
+
+/// The line that scripts wait for.
+fn ready(eip: SocketAddr) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    writeln!(out, "ready eip={eip} hmi=off")?;
+    out.flush()
+}
+
+fn cannot_listen(address: SocketAddr, error: &io::Error) -> Failure {
+    let hint = match error.kind() {
+        io::ErrorKind::AddrInUse => "; another program uses the port, choose one with --listen ADDR:PORT",
+        io::ErrorKind::PermissionDenied => "; ports below 1024 need rights, choose another with --listen ADDR:PORT",
+        _ => "",
+    };
+    Failure::new(1, format!("cannot listen on {address}: {error}{hint}"))
+}
+
+/// The network is light work; the tick has a thread of its own.
+const WORKERS: usize = 2;

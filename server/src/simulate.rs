@@ -1,0 +1,66 @@
+//! `simulate`: a program on the controller with a virtual clock, in one thread, as fast as it goes.
+//!
+//! No network, no real clock: the tick is the only time, so two runs give the same bytes. A tick does nothing but
+//! tick the controller, unless something happened or the program has something to do.
+
+mod output;
+mod runner;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use arcline_config::Project;
+use arcline_structured_text::{Interpreter, Program};
+
+use crate::cli::{Failure, SimulateArgs, project};
+use crate::plant::image_of;
+use output::Output;
+use runner::{End, Runner};
+
+/// Runs a program to its end.
+pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
+    let project = project(args.config.as_deref())?;
+    let file = args.program.display();
+    let text = std::fs::read_to_string(&args.program)
+        .map_err(|error| Failure::usage(format!("{file}: cannot be read: {error}")))?;
+    let program = check(&text, &project).map_err(|error| Failure::usage(format!("{file}: {error}")))?;
+    let create = |path: &Path| Output::create(path).map_err(|error| cannot_write(path, &error));
+    let mut trace = args.trace.as_deref().map(create).transpose()?;
+    let mut events = args.events.as_deref().map(create).transpose()?;
+
+    let image = image_of(&project);
+    let options = runner::Options {
+        until: args.until,
+        keep_going: args.keep_going,
+        queue_full: args.queue_full,
+    };
+    let mut runner = Runner::new(&project.machine, image, Interpreter::new(program), options);
+    let end = runner.run(trace.as_mut(), events.as_mut());
+    for (output, path) in [(trace, &args.trace), (events, &args.events)] {
+        if let (Some(output), Some(path)) = (output, path) {
+            output.finish().map_err(|error| cannot_write(path, &error))?;
+        }
+    }
+    match end {
+        End::Finished => Ok(ExitCode::SUCCESS),
+        End::Erred(error) => Err(Failure::new(1, format!("{file}: {error}"))),
+        End::Wrong(error) => Err(Failure::new(2, format!("{file}: {error}"))),
+        End::TooLong(seconds) => {
+            Err(Failure::new(3, format!("{file}: not at its end after {seconds} s of simulated time (--until)")))
+        }
+    }
+}
+
+/// Reads a program and checks that its names mean something.
+fn check(text: &str, project: &Project) -> Result<Program, arcline_structured_text::SyntaxError> {
+    let mut program = Program::parse(text)?;
+    program.check(&runner::ImageNames(&image_of(project)))?;
+    Ok(program)
+}
+
+fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::new(2, format!("{}: cannot be written: {error}", path.display()))
+}
+
+#[cfg(test)]
+mod tests;

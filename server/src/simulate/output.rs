@@ -1,0 +1,106 @@
+//! Trace (CSV) and events (JSON lines), as text in one big buffer that is written out when it is full.
+
+use std::fs::File;
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use arcline_controller::Event;
+use arcline_controller::machine::Machine;
+use arcline_instruction_set::Flag;
+
+/// A file that is written in large pieces. A failed write is reported at the end.
+#[derive(Debug)]
+pub(super) struct Output {
+    file: File,
+    text: Vec<u8>,
+    failed: Option<io::Error>,
+}
+
+impl Output {
+    pub(super) fn create(path: &Path) -> io::Result<Self> {
+        Ok(Output { file: File::create(path)?, text: Vec::with_capacity(BUFFER + MARGIN), failed: None })
+    }
+
+    /// Writes what is left.
+    pub(super) fn finish(mut self) -> io::Result<()> {
+        self.flush();
+        self.failed.map_or(Ok(()), Err)
+    }
+
+    /// The header of a trace.
+    pub(super) fn header(&mut self, machine: &Machine) {
+        self.text.extend_from_slice(b"tick,time_s");
+        for axis in &machine.axes {
+            for column in ["CommandPosition", "CommandVelocity", "CommandAcceleration", "ActualPosition"] {
+                self.text.push(b',');
+                self.text.extend_from_slice(axis.name.as_bytes());
+                self.text.push(b'.');
+                self.text.extend_from_slice(column.as_bytes());
+            }
+        }
+        self.text.push(b'\n');
+    }
+
+    /// One row of a trace.
+    pub(super) fn row(&mut self, tick: u64, time: f64, axes: impl Iterator<Item = [f64; 4]>) {
+        let mut integer = itoa::Buffer::new();
+        self.text.extend_from_slice(integer.format(tick).as_bytes());
+        self.text.push(b',');
+        number(&mut self.text, time);
+        for value in axes.flatten() {
+            self.text.push(b',');
+            number(&mut self.text, value);
+        }
+        self.text.push(b'\n');
+        self.flush_if_full();
+    }
+
+    /// One change of an instruction's status.
+    pub(super) fn event(&mut self, event: &Event, time: f64, tag: &str) {
+        let text = &mut self.text;
+        text.extend_from_slice(b"{\"time_s\":");
+        number(text, time);
+        // Names of tags and flags need no escapes.
+        let line = (|| {
+            write!(text, ",\"tick\":{},\"tag\":\"{tag}\",\"instruction\":\"{}\"", event.tick, event.mnemonic)?;
+            for (key, flags) in [("set", event.set), ("clear", event.clear)] {
+                write!(text, ",\"{key}\":[")?;
+                for (place, flag) in Flag::in_word(flags).enumerate() {
+                    write!(text, "{}\"{flag}\"", if place == 0 { "" } else { "," })?;
+                }
+                text.push(b']');
+            }
+            writeln!(text, ",\"ERR\":{},\"EXERR\":{}}}", event.err, event.exerr)
+        })();
+        line.expect("a Vec takes everything");
+        self.flush_if_full();
+    }
+
+    fn flush_if_full(&mut self) {
+        if self.text.len() >= BUFFER {
+            self.flush();
+        }
+    }
+
+    fn flush(&mut self) {
+        if self.failed.is_none() {
+            self.failed = self.file.write_all(&self.text).err();
+        }
+        self.text.clear();
+    }
+}
+
+/// The shortest decimal that reads back to the same number; whole numbers without point.
+pub(super) fn number(text: &mut Vec<u8>, value: f64) {
+    if value == 0.0 {
+        // A negative zero reads back as one.
+        text.extend_from_slice(if value.is_sign_negative() { b"-0" } else { b"0" });
+        return;
+    }
+    let mut buffer = zmij::Buffer::new();
+    let digits = buffer.format(value);
+    text.extend_from_slice(digits.strip_suffix(".0").unwrap_or(digits).as_bytes());
+}
+
+const BUFFER: usize = 1 << 20;
+const MARGIN: usize = 1 << 16;

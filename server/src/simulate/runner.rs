@@ -1,0 +1,379 @@
+//! The loop of a simulation: begin the tick, let the program run in it, end it, write down what happened.
+
+use std::fmt;
+
+use arcline_controller::image::{Edge, Image, TagKind};
+use arcline_controller::machine::Machine;
+use arcline_controller::{Controller, Event, Snapshot, Ticket, UNNAMED};
+use arcline_instruction_set::{
+    BindError, Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, Object, bind, describe, predefined,
+};
+use arcline_structured_text::{Answer, BoundCall, Interpreter, Names, Request, RuntimeError};
+use arcline_tag::{TagPath, TagType, Value};
+
+use super::output::Output;
+use crate::cli::QueueFull;
+
+/// How to run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Options {
+    /// Longest simulated time, s.
+    pub(super) until: f64,
+    pub(super) keep_going: bool,
+    pub(super) queue_full: QueueFull,
+}
+
+/// How a run ended.
+#[derive(Debug)]
+pub(super) enum End {
+    /// The program ran to its end and all motion ended.
+    Finished,
+    /// An instruction erred, and the motion that had begun ended.
+    Erred(Erred),
+    /// The program could not go on.
+    Wrong(Wrong),
+    /// So many seconds passed.
+    TooLong(f64),
+}
+
+/// An instruction that erred.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Erred {
+    tag: String,
+    mnemonic: Mnemonic,
+    line: usize,
+    err: i16,
+    exerr: i8,
+}
+
+impl fmt::Display for Erred {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let tag = if self.tag.is_empty() { "without tag" } else { &self.tag };
+        let text = describe(self.err, self.exerr, Some(self.mnemonic));
+        write!(f, "line {}: {} ({tag}): {text}", self.line, self.mnemonic)
+    }
+}
+
+/// A statement that cannot be executed.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Wrong {
+    #[error(transparent)]
+    Runtime(#[from] RuntimeError),
+    #[error("line {line}: {error}")]
+    Bind { line: usize, error: BindError },
+    #[error("line {line}: {error}")]
+    Control { line: usize, error: arcline_controller::image::ControlError },
+    #[error("line {line}: {error}")]
+    Read { line: usize, error: arcline_controller::image::ReadError },
+    #[error("line {line}: {error}")]
+    Write { line: usize, error: arcline_controller::image::WriteError },
+}
+
+/// What the program does at the next tick.
+#[derive(Debug)]
+enum Program {
+    /// Goes on.
+    Ready(Answer),
+    /// A WAIT that reads motion control tags only: goes on when one of them shows something else.
+    Watching,
+    /// Goes on at that tick.
+    Until(u64),
+    /// A move waits for room in the queue.
+    Queued(Box<Call>, usize),
+    Ended,
+}
+
+/// A controller and a program on a virtual clock.
+#[derive(Debug)]
+pub(super) struct Runner<'m> {
+    machine: &'m Machine,
+    controller: Controller,
+    image: Image,
+    interpreter: Interpreter,
+    options: Options,
+    program: Program,
+    /// Lines of the calls, by ticket.
+    lines: Vec<usize>,
+    snapshot: Snapshot,
+    /// The tick whose state the image shows.
+    shown: Option<u64>,
+    /// What the WAIT has read so far: the slots and what they showed.
+    watched: Vec<(ControlSlot, MotionControl)>,
+    /// Whether it has read anything else that changes by itself.
+    reads_motion: bool,
+    events: Vec<Event>,
+    erred: Option<Erred>,
+    wrong: Option<Wrong>,
+}
+
+impl<'m> Runner<'m> {
+    pub(super) fn new(machine: &'m Machine, image: Image, interpreter: Interpreter, options: Options) -> Self {
+        Runner {
+            machine,
+            controller: Controller::new(machine),
+            image,
+            interpreter,
+            options,
+            program: Program::Ready(Answer::Start),
+            lines: Vec::new(),
+            snapshot: Snapshot::new(machine),
+            shown: None,
+            watched: Vec::new(),
+            reads_motion: false,
+            events: Vec::new(),
+            erred: None,
+            wrong: None,
+        }
+    }
+
+    /// Runs until everything has ended.
+    pub(super) fn run(&mut self, mut trace: Option<&mut Output>, mut events: Option<&mut Output>) -> End {
+        if let Some(trace) = trace.as_deref_mut() {
+            trace.header(self.machine);
+        }
+        let period = self.machine.period_ns;
+        let time = |tick: u64| (tick as f64 * period as f64) / 1e9;
+        loop {
+            self.controller.begin_tick();
+            let tick = self.controller.tick_number();
+            if self.is_due(tick) {
+                self.advance(tick);
+            }
+            self.controller.end_tick(|event| self.events.push(*event));
+            if !self.events.is_empty() {
+                self.take_events(events.as_deref_mut(), time(tick));
+            }
+            if let Some(trace) = trace.as_deref_mut() {
+                trace.row(tick, time(tick), self.controller.trace());
+            }
+            if matches!(self.program, Program::Ended) && self.controller.at_rest() {
+                return match (self.wrong.take(), self.erred.take()) {
+                    (Some(wrong), _) => End::Wrong(wrong),
+                    (None, Some(erred)) if !self.options.keep_going => End::Erred(erred),
+                    (None, _) => End::Finished,
+                };
+            }
+            if time(tick) >= self.options.until {
+                return End::TooLong(self.options.until);
+            }
+        }
+    }
+
+    /// Whether the program has something to do in this tick.
+    fn is_due(&self, tick: u64) -> bool {
+        match &self.program {
+            Program::Ready(_) => true,
+            Program::Watching => self.watched.iter().any(|(slot, shown)| self.controller.control(*slot) != *shown),
+            Program::Until(due) => tick >= *due,
+            Program::Queued(call, _) => self.controller.has_room(call),
+            Program::Ended => false,
+        }
+    }
+
+    /// Runs the program up to its next pause.
+    fn advance(&mut self, tick: u64) {
+        self.watched.clear();
+        self.reads_motion = false;
+        let mut answer = match std::mem::replace(&mut self.program, Program::Ended) {
+            Program::Ready(answer) => answer,
+            Program::Watching | Program::Until(_) => Answer::Done,
+            Program::Queued(call, line) => {
+                self.execute(&call, line);
+                Answer::Done
+            }
+            Program::Ended => return,
+        };
+        loop {
+            // An error ends the program at its own statement, not at the end of the tick.
+            if self.erred.is_some() && !self.options.keep_going {
+                return;
+            }
+            match self.request(answer, tick) {
+                Ok(Next::Answer(next)) => answer = next,
+                Ok(Next::Pause(program)) => {
+                    self.program = program;
+                    return;
+                }
+                Err(wrong) => {
+                    self.wrong = Some(wrong);
+                    return;
+                }
+            }
+        }
+    }
+
+    fn request(&mut self, answer: Answer, tick: u64) -> Result<Next, Wrong> {
+        let request = self.interpreter.resume(answer)?;
+        let line = self.interpreter.line();
+        Ok(match request {
+            Request::Read(path) => Next::Answer(Answer::Value(self.read(&path, tick, line)?)),
+            Request::ReadArray(path) => {
+                self.show(tick);
+                let numbers = self.image.read_numbers(&path).map_err(|error| Wrong::Read { line, error })?;
+                Next::Answer(Answer::Array(numbers))
+            }
+            Request::Write(path, value) => {
+                let edge = self.image.write_value(&path, value).map_err(|error| Wrong::Write { line, error })?;
+                self.edge(edge, line)?;
+                Next::Answer(Answer::Done)
+            }
+            Request::Call(call) => {
+                let call = self.bind(&call)?;
+                if self.options.queue_full == QueueFull::Wait && !self.controller.has_room(&call) {
+                    return Ok(Next::Pause(Program::Queued(Box::new(call), line)));
+                }
+                self.execute(&call, line);
+                Next::Answer(Answer::Done)
+            }
+            Request::NextTick if self.interpreter.is_waiting() && !self.reads_motion => {
+                Next::Pause(Program::Watching)
+            }
+            Request::NextTick => Next::Pause(Program::Ready(Answer::Done)),
+            Request::Delay(seconds) => {
+                let nanoseconds = (seconds * 1e9).round() as u64;
+                let ticks = nanoseconds.div_ceil(self.machine.period_ns).max(1);
+                Next::Pause(Program::Until(tick.saturating_add(ticks)))
+            }
+            Request::End => Next::Pause(Program::Ended),
+        })
+    }
+
+    /// Reads a tag: a motion control as the controller has it in this moment, everything else from the image.
+    fn read(&mut self, path: &TagPath, tick: u64, line: usize) -> Result<Value, Wrong> {
+        let tag = path.tag().and_then(|name| self.image.find(name));
+        match tag.map(|tag| tag.kind) {
+            Some(TagKind::MotionControl(slot)) => self.watch(slot),
+            Some(TagKind::Instruction(kind)) => self.watch(kind.control),
+            Some(TagKind::Plain) => {}
+            Some(_) => {
+                self.reads_motion = true;
+                self.show(tick);
+            }
+            // A motion control that is made later in the program.
+            None => {
+                let motion_instruction = TagType::scalar(predefined::motion_instruction());
+                let place = motion_instruction.locate(path.rest()).map_err(|error| Wrong::Read {
+                    line,
+                    error: error.into(),
+                })?;
+                return Ok(match place.bit {
+                    Some(_) => Value::Bool(false),
+                    None => Value::Dint(0),
+                });
+            }
+        }
+        self.image.read(path).map_err(|error| Wrong::Read { line, error })
+    }
+
+    /// Brings a motion control in the image up to the moment, and remembers it for the WAIT.
+    fn watch(&mut self, slot: ControlSlot) {
+        let control = self.controller.control(slot);
+        self.image.set_control(slot, control);
+        self.watched.push((slot, control));
+    }
+
+    /// Brings axes and coordinate systems in the image up to this tick.
+    fn show(&mut self, tick: u64) {
+        if self.shown != Some(tick) {
+            self.controller.snapshot(&mut self.snapshot);
+            self.image.apply_snapshot(&self.snapshot);
+            self.shown = Some(tick);
+        }
+    }
+
+    fn bind(&mut self, call: &BoundCall) -> Result<Call, Wrong> {
+        let line = call.line;
+        let target = self.image.object(call.mnemonic.instruction().object, &call.target);
+        let control = match &call.control {
+            Some(name) => self.image.control_slot(name).map_err(|error| Wrong::Control { line, error })?,
+            None => UNNAMED,
+        };
+        bind(call.mnemonic, target, control, &call.given, &self.image).map_err(|error| Wrong::Bind { line, error })
+    }
+
+    fn execute(&mut self, call: &Call, line: usize) {
+        self.lines.push(line);
+        let ticket = Ticket(self.lines.len() as u64);
+        self.shown = None;
+        let control = self.controller.execute(ticket, call);
+        if control.has(Flag::Er) {
+            self.err(call.control, call.mnemonic, ticket, control.err, control.exerr);
+        }
+    }
+
+    fn edge(&mut self, edge: Option<Edge>, line: usize) -> Result<(), Wrong> {
+        match edge {
+            None => {}
+            Some(Edge::Rising(id)) => {
+                let call = self.image.call_of(id).transpose().map_err(|error| Wrong::Bind { line, error })?;
+                if let Some(call) = call {
+                    self.execute(&call, line);
+                }
+            }
+            Some(Edge::Falling(id)) => {
+                if let Some(TagKind::Instruction(kind)) = self.image.tag(id).map(|tag| tag.kind) {
+                    self.controller.rung_false(kind.control);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn take_events(&mut self, mut output: Option<&mut Output>, time: f64) {
+        for event in std::mem::take(&mut self.events) {
+            self.image.apply_event(&event);
+            if let Some(output) = output.as_deref_mut() {
+                output.event(&event, time, self.image.control_name(event.control));
+            }
+            if event.set & Flag::Er.mask() != 0 {
+                self.err(event.control, event.mnemonic, event.ticket, event.err, event.exerr);
+            }
+        }
+    }
+
+    /// Remembers the first error, and ends the program unless it is to go on.
+    fn err(&mut self, control: ControlSlot, mnemonic: Mnemonic, ticket: Ticket, err: i16, exerr: i8) {
+        if self.erred.is_none() {
+            let line = (ticket.0 as usize).checked_sub(1).and_then(|place| self.lines.get(place));
+            self.erred = Some(Erred {
+                tag: self.image.control_name(control).to_owned(),
+                mnemonic,
+                line: line.copied().unwrap_or_default(),
+                err,
+                exerr,
+            });
+        }
+        if !self.options.keep_going {
+            self.program = Program::Ended;
+        }
+    }
+}
+
+/// What follows a request.
+enum Next {
+    Answer(Answer),
+    Pause(Program),
+}
+
+/// The names of an image, for the check of a program.
+#[derive(Debug)]
+pub(super) struct ImageNames<'i>(pub(super) &'i Image);
+
+impl Names for ImageNames<'_> {
+    fn is_object(&self, object: Object, name: &str) -> bool {
+        self.0.object(object, name).is_some()
+    }
+
+    fn is_tag(&self, path: &TagPath) -> bool {
+        self.0.locate(path).is_ok()
+    }
+
+    fn objects(&self, object: Object) -> Vec<String> {
+        let names = self.0.tags().iter().filter(|tag| self.is_object(object, &tag.name));
+        names.map(|tag| tag.name.clone()).collect()
+    }
+
+    fn tags(&self) -> Vec<String> {
+        self.0.tags().iter().map(|tag| tag.name.clone()).collect()
+    }
+}
