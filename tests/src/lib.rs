@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 
 pub mod bench;
 pub mod capture;
+pub mod interop;
 pub mod programs;
 pub mod python;
 pub mod server;
@@ -43,10 +44,7 @@ pub fn in_ci() -> bool {
 /// # Panics
 /// In CI, where a missing program is a failure.
 pub fn not_run(what: &str, why: &str) {
-    assert!(
-        !in_ci(),
-        "{what}: cannot run, and CI must run everything: {why}"
-    );
+    assert!(!in_ci(), "{what}: cannot run, and CI must run everything: {why}");
     println!("NOT RUN: {what}: {why}");
 }
 

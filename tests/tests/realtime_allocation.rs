@@ -1,0 +1,175 @@
+//! The body of the real-time loop allocates nothing, whatever it executes and however hard clients press.
+//!
+//! The tick runs as on its thread, but without its sleep, so 1,000 times as many of them; two client threads push every instruction through the
+//! rings and take answers, events and snapshots out of them, allocating all the time. The global allocator ends
+//! the process when the guarded thread asks it for anything (debug builds; release builds have no guard).
+
+use std::collections::BTreeSet;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use arcline_config::Project;
+use arcline_controller::{Command, Controller, Ticket};
+use arcline_instruction_set::{Call, ControlSlot, Directory, Flag, Given, Mnemonic, Object, bind};
+use arcline_realtime::{Link, link, step};
+use arcline_structured_text::{Answer, Interpreter, Program, Request};
+use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;
+
+/// What is executed so far, with both profiles, all circle types, merges, refusals and stops on the way.
+const CALLS: &[&str] = &[
+    "MSO(X, M1);",
+    "MSO(Y, M1);",
+    "MSO(Z, M1);",
+    "MCLM(CS1, M2, Absolute, [100, 50, 20], 200, Unitspersec, 2000, Unitspersec2, 2000, Unitspersec2, S-curve, 100, 100, %ofTime, 0);",
+    "MCLM(CS1, M3, Incremental, [-3, 1, 2], 50, %ofMaximum, 50, %ofMaximum, 50, %ofMaximum, Trapezoidal, 100, 100, %ofTime, 1);",
+    "MCLM(CS1, M4, Absolute, [0, 0, 0], -1, Unitspersec);",
+    "MCCM(XY, M5, Incremental, [10, 0], Radius, [5], 0, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+    "MCCM(XY, M6, Incremental, [10, 0], CenterIncremental, [5, 0], 1, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, Trapezoidal, 100, 100, %ofTime, 0);",
+    "MCCM(CS1, M7, Incremental, [10, 0, 0], Via, [5, 5, 1], 0, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+    "MCLM(CS3, M8, Absolute, [9, 9, 9], 500, Unitspersec, 5000, Unitspersec2, 5000, Unitspersec2, S-curve, 100000, 100000, Unitspersec3, 1);",
+    "MCCD(CS1, M9, CoordinatedMove, Yes, 50, Unitspersec, No, 0, Unitspersec2, No, 0, Unitspersec2, No, 0, No, 0, %ofTime, ActiveMotion);",
+    "MCS(CS1, M10, CoordinatedMove, Yes, 3000, Unitspersec2, Yes, 100, %ofTime);",
+    "MSF(S, M11);",
+    "MASD(S, M12);",
+    "MAFR(S, M13);",
+    "MASR(S, M14);",
+    "MCSD(CS2, M15);",
+    "MCSR(CS2, M16);",
+    "MCS(XY, M17, CoordinatedMove, No, 0, Unitspersec2, No, 0, %ofTime);",
+];
+
+struct Names<'p>(&'p Project);
+
+impl Directory for Names<'_> {
+    fn object(&self, object: Object, name: &str) -> Option<u16> {
+        match object {
+            Object::MotionGroup => self.0.machine.is_group(name).then_some(0),
+            Object::Axis => self.0.machine.axis(name),
+            Object::CoordinateSystem => self.0.machine.system(name),
+        }
+    }
+
+    fn real_array(&self, _: &str) -> Option<u32> {
+        None
+    }
+}
+
+/// A call from its text, with the control slot `M1` … say.
+fn call(project: &Project, text: &str) -> Call {
+    let program = Program::parse_call(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+    let request = Interpreter::new(program).resume(Answer::Start);
+    let Ok(Request::Call(call)) = request else {
+        panic!("{text}: {request:?}")
+    };
+    let names = Names(project);
+    let target = names.object(call.mnemonic.instruction().object, &call.target);
+    let slot = call
+        .control
+        .and_then(|name| name[1..].parse().ok())
+        .expect("tags are M1, M2 …");
+    bind(call.mnemonic, target, ControlSlot(slot), &call.given, &names)
+        .unwrap_or_else(|error| panic!("{text}: {error}"))
+}
+
+/// One call of every instruction in the catalogue that can be bound with nothing but zeros.
+fn zeros(project: &Project) -> Vec<Call> {
+    let bound = Mnemonic::ALL.iter().filter_map(|mnemonic| {
+        (0..=arcline_instruction_set::MAX_OPERANDS).rev().find_map(|count| {
+            let given = vec![Given::Number(0.0); count];
+            bind(*mnemonic, Some(0), ControlSlot(40), &given, &Names(project)).ok()
+        })
+    });
+    bound.collect()
+}
+
+/// The async side of the rings, shared by the clients.
+struct Outer {
+    link: Link,
+    /// Mnemonic of every ticket so far.
+    sent: Vec<Mnemonic>,
+    /// Instructions that were accepted at least once.
+    accepted: BTreeSet<Mnemonic>,
+    events: usize,
+}
+
+impl Outer {
+    /// Takes everything out; returns the tick of the newest snapshot.
+    fn drain(&mut self) -> u64 {
+        while let Ok(answer) = self.link.answers.pop() {
+            if !answer.control.has(Flag::Er) {
+                self.accepted.insert(self.sent[answer.ticket.0 as usize]);
+            }
+        }
+        while self.link.events.pop().is_ok() {
+            self.events += 1;
+        }
+        self.link.snapshots.read().tick
+    }
+}
+
+/// One client: bursts of all instructions, with a different number of ticks between any two bursts.
+fn press(outer: &Mutex<Outer>, calls: &[Call]) {
+    const BURSTS: u64 = 60;
+    const LONGEST_PAUSE: u64 = 900;
+    for burst in 0..BURSTS {
+        let resume_at = {
+            let mut outer = outer.lock().expect("the other client is well");
+            for call in calls {
+                let ticket = Ticket(outer.sent.len() as u64);
+                // A full ring is an answer: this one is not sent.
+                if outer.link.commands.push(Command::Call(ticket, *call)).is_ok() {
+                    outer.sent.push(call.mnemonic);
+                    let _ = outer.link.commands.push(Command::RungFalse(call.control));
+                }
+            }
+            outer.drain() + burst * 37 % LONGEST_PAUSE
+        };
+        while outer.lock().expect("the other client is well").drain() < resume_at {
+            std::hint::black_box(vec![0_u8; 1000]);
+            std::thread::yield_now();
+        }
+    }
+}
+
+#[test]
+fn no_tick_allocates() {
+    let project = arcline_config::load(arcline_config::DEFAULT, "default.toml").expect("the default is valid");
+    let mut calls: Vec<Call> = CALLS.iter().map(|text| call(&project, text)).collect();
+    calls.extend(zeros(&project));
+    let (mut rings, link) = link(&project.machine);
+    let mut controller = Controller::new(&project.machine);
+    let outer = Mutex::new(Outer {
+        link,
+        sent: Vec::new(),
+        accepted: BTreeSet::new(),
+        events: 0,
+    });
+    let over = AtomicBool::new(false);
+    let ticks = std::thread::scope(|scope| {
+        let tick = scope.spawn(|| {
+            let mut ticks = 0_u64;
+            while !over.load(Ordering::Acquire) {
+                assert_no_alloc(|| step(&mut controller, &mut rings));
+                ticks += 1;
+            }
+            ticks
+        });
+        let clients = [(); 2].map(|()| scope.spawn(|| press(&outer, &calls)));
+        let ends = clients.map(|client| client.join());
+        over.store(true, Ordering::Release);
+        assert!(ends.iter().all(Result::is_ok), "a client panicked");
+        tick.join().expect("the tick does not panic")
+    });
+    let outer = outer.into_inner().expect("no client panicked");
+    println!("{ticks} ticks, {} commands, {} events", outer.sent.len(), outer.events);
+    for mnemonic in CALLS.iter().map(|text| call(&project, text).mnemonic) {
+        assert!(
+            outer.accepted.contains(&mnemonic),
+            "{mnemonic} was never accepted: {:?}",
+            outer.accepted
+        );
+    }
+}
