@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use arcline_controller::image::{Edge, Image};
 use arcline_proto::cip::{self, CipStatus, MultipleReplies, REPLY_HEAD, Reply, Request, class, service};
-use arcline_proto::epath::Target;
+use arcline_proto::epath::{Segment, Target};
 use arcline_proto::session::Transport;
 use tracing::{debug, debug_span};
 
@@ -52,10 +52,13 @@ impl Memory<'_> {
     }
 }
 
-/// A request that is answered from memory, or one that goes to the motion side.
-enum Step {
+/// A request that has been answered from memory, or one that cannot be while the memory is held.
+enum Step<'r> {
     Done(Reply),
+    /// Executes an instruction.
     Motion(MotionRequest),
+    /// Asks what became of one.
+    Execution(&'r Request, Target),
 }
 
 impl Router {
@@ -81,9 +84,16 @@ impl Router {
         let mut step = None;
         self.with_memory(std::slice::from_ref(request), |memory| step = Some(answer(&context, memory, request))).await;
         match step {
-            Some(Step::Done(reply)) => reply,
-            Some(Step::Motion(motion)) => motion.execute(&self.device.plant).await,
+            Some(step) => self.finish(step, &context).await,
             None => Reply::error(request.service, CipStatus::RESOURCE_UNAVAILABLE),
+        }
+    }
+
+    async fn finish(&self, step: Step<'_>, context: &Context<'_>) -> Reply {
+        match step {
+            Step::Done(reply) => reply,
+            Step::Motion(motion) => motion.execute(&self.device.plant).await,
+            Step::Execution(request, target) => objects::serve_execution(context, request, &target),
         }
     }
 
@@ -99,9 +109,9 @@ impl Router {
             Ok(replies) => replies,
             Err(status) => return refuse(status),
         };
-        // Kept for the motion services, whose replies come last.
-        let motions = requests.iter().flatten().filter(|request| motion::is_motion(request)).count();
-        let mut room = replies.budget().saturating_sub(motions * motion::REPLY_DATA);
+        // Kept for the motion services and their executions, which are answered last.
+        let late = requests.iter().flatten().filter(|request| is_late(request)).count();
+        let mut room = replies.budget().saturating_sub(late * motion::REPLY_DATA);
         let readable: Vec<Request> = requests.iter().flatten().cloned().collect();
         let mut steps = Vec::with_capacity(requests.len());
         self.with_memory(&readable, |memory| {
@@ -121,10 +131,8 @@ impl Router {
         })
         .await;
         for step in steps {
-            match step {
-                Step::Done(reply) => replies.push(&reply),
-                Step::Motion(motion) => replies.push(&motion.execute(&self.device.plant).await),
-            }
+            let context = self.context(replies.budget(), transport);
+            replies.push(&self.finish(step, &context).await);
         }
         replies.finish()
     }
@@ -148,8 +156,14 @@ fn is_multiple(request: &Request) -> bool {
     request.service == service::MULTIPLE_SERVICE_PACKET && request.path.is_object(class::MESSAGE_ROUTER, 1)
 }
 
+/// Whether a request is answered after the memory has been let go.
+fn is_late(request: &Request) -> bool {
+    let execution = u32::from(objects::EXECUTION);
+    motion::is_motion(request) || matches!(request.path.0.first(), Some(Segment::Class(class)) if *class == execution)
+}
+
 /// Answers one request that is no packet of requests.
-fn answer(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request) -> Step {
+fn answer<'r>(context: &Context<'_>, memory: &mut Memory<'_>, request: &'r Request) -> Step<'r> {
     let refuse = |status| Step::Done(Reply::error(request.service, status));
     let target = match Target::new(&request.path) {
         Ok(target) => target,
@@ -160,6 +174,9 @@ fn answer(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request) -> 
             Ok(motion) => Step::Motion(motion),
             Err(status) => refuse(status),
         };
+    }
+    if target.class == Some(objects::EXECUTION) && target.symbols.is_empty() {
+        return Step::Execution(request, target);
     }
     Step::Done(match target.class {
         // An object within the scope of a name: there are no programs.

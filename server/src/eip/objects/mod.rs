@@ -45,8 +45,11 @@ const CLASSES: [u16; 14] = [
     Object::MotionGroup.class_code(),
     Object::Axis.class_code(),
     Object::CoordinateSystem.class_code(),
-    motion_instruction::CLASS,
+    EXECUTION,
 ];
+
+/// The class of executed instructions.
+pub(crate) const EXECUTION: u16 = motion_instruction::CLASS;
 
 /// What the class attributes tell (CIP Vol. 1, 4-4).
 struct Extent {
@@ -95,7 +98,7 @@ trait Class {
     }
 }
 
-/// Answers a request for a class.
+/// Answers a request for a class other than [`EXECUTION`].
 pub(crate) fn serve(context: &Context<'_>, image: &Image, request: &Request, code: u16, target: &Target) -> Reply {
     let device = context.device;
     let with = |object: &dyn Class| attributes(context, object, request, target);
@@ -116,12 +119,16 @@ pub(crate) fn serve(context: &Context<'_>, image: &Image, request: &Request, cod
         class::CHANGE_DETECTION => with(&change_detection::ChangeDetection(image)),
         class::TCP_IP => with(&tcp_ip_interface::TcpIpInterface { local: context.local, device }),
         class::ETHERNET_LINK => with(&ethernet_link::EthernetLink),
-        motion_instruction::CLASS => with(&motion_instruction::MotionInstructions(&device.plant)),
         code => match Object::from_class_code(code) {
             Some(object) => with(&motion_attributes::MotionObjects { object, machine: device.plant.machine() }),
             None => Reply::error(request.service, unknown()),
         },
     }
+}
+
+/// Answers a request for an execution (class 0x0303). The plant must not be held: the executions are behind its lock.
+pub(crate) fn serve_execution(context: &Context<'_>, request: &Request, target: &Target) -> Reply {
+    attributes(context, &motion_instruction::MotionInstructions(&context.device.plant), request, target)
 }
 
 /// Answers a request for a name that is neither a tag service nor a motion service: attributes of the motion object of

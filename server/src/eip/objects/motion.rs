@@ -3,7 +3,7 @@
 //! The object is addressed by class and instance, or by its name as a symbolic segment. What the operands mean is the
 //! catalogue's; here bytes become [`Given`] and results become statuses.
 
-use arcline_controller::image::{Image, TagKind};
+use arcline_controller::image::{ControlError, Image, TagKind};
 use arcline_instruction_set::{BindError, Flag, Given, Mnemonic, Object, by_service};
 use arcline_proto::cip::{CipStatus, Reply, Request, is_stray_route};
 use arcline_proto::epath::{Segment, Target};
@@ -143,6 +143,11 @@ fn refusal(refused: &CallRefused) -> CipStatus {
             Some(operand) => CipStatus::INVALID_PARAMETER.with(operand.0.into()),
             None => CipStatus::INVALID_PARAMETER,
         },
-        _ => CipStatus::RESOURCE_UNAVAILABLE,
+        CallRefused::Control(ControlError::NotAMotionControl { .. } | ControlError::NotAName { .. }) => {
+            CipStatus::INVALID_PARAMETER
+        }
+        CallRefused::Control(ControlError::NoRoom) | CallRefused::Busy | CallRefused::NoAnswer => {
+            CipStatus::RESOURCE_UNAVAILABLE
+        }
     }
 }

@@ -32,8 +32,8 @@ impl MotionInstructions<'_> {
 impl Class for MotionInstructions<'_> {
     fn extent(&self) -> Extent {
         let (oldest, newest) = (self.0.oldest_instance(), self.0.newest_instance());
-        let count = if newest == 0 { 0 } else { newest.saturating_sub(oldest).saturating_add(1) };
-        Extent { highest: newest, count, last_attribute: 7 }
+        let count = oldest.zip(newest).map_or(0, |(oldest, newest)| newest.wrapping_sub(oldest).wrapping_add(1));
+        Extent { highest: newest.unwrap_or(0), count, last_attribute: 7 }
     }
 
     /// 0x16, whether it was dropped or never was.
