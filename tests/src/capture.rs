@@ -25,19 +25,14 @@ impl Capture {
     /// # Errors
     /// Says what is missing on this machine.
     pub fn of(server: SocketAddr) -> Result<Self, String> {
-        let folder =
-            tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
+        let folder = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
         let file = folder.path().join("run.pcapng");
         let port = server.port();
         for program in ["dumpcap", "tshark"] {
             Command::new(program)
                 .arg("--version")
                 .output()
-                .map_err(|error| {
-                    format!(
-                        "{program} cannot be started ({error}); install Debian's package tshark"
-                    )
-                })?;
+                .map_err(|error| format!("{program} cannot be started ({error}); install Debian's package tshark"))?;
         }
         let dumpcap = Command::new("dumpcap")
             .args(["-q", "-i", "lo", "-f", &format!("port {port}"), "-w"])
@@ -63,9 +58,7 @@ impl Capture {
     pub fn finish(mut self) -> Result<Verdict, String> {
         self.wait_for_mark(*b"arcline9")?;
         crate::server::signal("INT", self.dumpcap.id());
-        self.dumpcap
-            .wait()
-            .map_err(|error| format!("dumpcap: {error}"))?;
+        self.dumpcap.wait().map_err(|error| format!("dumpcap: {error}"))?;
         let frames = dissect(&self.file, self.server.port(), "enip")?;
         let faults = dissect(
             &self.file,
@@ -80,8 +73,7 @@ impl Capture {
 
     /// Sends ListIdentity requests with `mark` as their sender context until one of them is in the file.
     fn wait_for_mark(&mut self, mark: [u8; 8]) -> Result<(), String> {
-        let socket =
-            UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).map_err(|error| error.to_string())?;
+        let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).map_err(|error| error.to_string())?;
         let request = list_identity(mark);
         let deadline = std::time::Instant::now() + CATCH_UP;
         while std::time::Instant::now() < deadline {
@@ -89,8 +81,7 @@ impl Capture {
                 .send_to(&request, self.server)
                 .map_err(|error| error.to_string())?;
             std::thread::sleep(Duration::from_millis(50));
-            if fs::read(&self.file).is_ok_and(|bytes| bytes.windows(8).any(|window| window == mark))
-            {
+            if fs::read(&self.file).is_ok_and(|bytes| bytes.windows(8).any(|window| window == mark)) {
                 return Ok(());
             }
             if let Ok(Some(status)) = self.dumpcap.try_wait() {
@@ -99,10 +90,7 @@ impl Capture {
                     // What could be read is shown.
                     let _ = std::io::Read::read_to_string(&mut stderr, &mut why);
                 }
-                return Err(format!(
-                    "dumpcap cannot record on lo ({status}): {}",
-                    why.trim()
-                ));
+                return Err(format!("dumpcap cannot record on lo ({status}): {}", why.trim()));
             }
         }
         Err(format!("dumpcap wrote no frame within {CATCH_UP:?}"))

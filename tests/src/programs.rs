@@ -43,16 +43,11 @@ fn program(name: &str) -> &'static Path {
 fn profile_directory() -> PathBuf {
     let test = std::env::current_exe().expect("a running program has a file");
     let deps = test.parent().expect("a file has a folder");
-    deps.parent()
-        .expect("tests stand in target/PROFILE/deps")
-        .to_owned()
+    deps.parent().expect("tests stand in target/PROFILE/deps").to_owned()
 }
 
 fn build() -> BTreeMap<String, PathBuf> {
-    let profile = match profile_directory()
-        .file_name()
-        .and_then(|name| name.to_str())
-    {
+    let profile = match profile_directory().file_name().and_then(|name| name.to_str()) {
         Some("debug") | None => "dev".to_owned(),
         Some(other) => other.to_owned(),
     };
@@ -77,10 +72,9 @@ fn build() -> BTreeMap<String, PathBuf> {
     );
     Message::parse_stream(output.stdout.as_slice())
         .filter_map(|message| match message {
-            Ok(Message::CompilerArtifact(artifact)) => Some((
-                artifact.target.name.clone(),
-                artifact.executable?.into_std_path_buf(),
-            )),
+            Ok(Message::CompilerArtifact(artifact)) => {
+                Some((artifact.target.name.clone(), artifact.executable?.into_std_path_buf()))
+            }
             _ => None,
         })
         .collect()

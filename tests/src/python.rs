@@ -24,19 +24,15 @@ impl Python {
         let version = Command::new("python3")
             .arg("--version")
             .output()
-            .map_err(|error| {
-                format!("python3 cannot be started ({error}); install Python 3.9 or newer")
-            })?;
-        let wanted = fs::read_to_string(&requirements)
-            .map_err(|error| format!("{requirements:?}: {error}"))?;
+            .map_err(|error| format!("python3 cannot be started ({error}); install Python 3.9 or newer"))?;
+        let wanted = fs::read_to_string(&requirements).map_err(|error| format!("{requirements:?}: {error}"))?;
         let wanted = format!("{wanted}\n{}", String::from_utf8_lossy(&version.stdout));
         let store = crate::programs::target_directory().join("python");
         let packages = store.join("packages");
         let stamp = store.join("installed.txt");
         fs::create_dir_all(&store).map_err(|error| format!("{store:?}: {error}"))?;
         // Test processes may run at the same time: one fetches, the others wait.
-        let lock =
-            File::create(store.join("lock")).map_err(|error| format!("{store:?}: {error}"))?;
+        let lock = File::create(store.join("lock")).map_err(|error| format!("{store:?}: {error}"))?;
         lock.lock().map_err(|error| format!("{store:?}: {error}"))?;
         if fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
             return Ok(Self { packages });

@@ -32,10 +32,7 @@ impl Server {
     /// Starts the server on the configuration in `file` and a free port.
     #[must_use]
     pub fn start_on(file: &Path) -> Self {
-        Self::start_with(&[
-            "--config",
-            file.to_str().expect("the project's paths are UTF-8"),
-        ])
+        Self::start_with(&["--config", file.to_str().expect("the project's paths are UTF-8")])
     }
 
     /// Starts the server with `arguments` besides those for a free port, no HMI and no state file.
@@ -44,15 +41,7 @@ impl Server {
         let program = crate::programs::arcline_server();
         let began = Instant::now();
         let mut child = Command::new(program)
-            .args([
-                "run",
-                "--listen",
-                "127.0.0.1:0",
-                "--hmi",
-                "off",
-                "--state",
-                "off",
-            ])
+            .args(["run", "--listen", "127.0.0.1:0", "--hmi", "off", "--state", "off"])
             .args(arguments)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -117,10 +106,7 @@ impl Server {
         });
         (
             status,
-            self.log
-                .take()
-                .and_then(|log| log.join().ok())
-                .unwrap_or_default(),
+            self.log.take().and_then(|log| log.join().ok()).unwrap_or_default(),
         )
     }
 }
@@ -159,10 +145,7 @@ pub fn signal(name: &str, process: u32) {
 fn ready_address(line: &str) -> Option<SocketAddr> {
     let mut words = line.split_whitespace();
     (words.next() == Some("ready")).then_some(())?;
-    words
-        .find_map(|word| word.strip_prefix("eip="))?
-        .parse()
-        .ok()
+    words.find_map(|word| word.strip_prefix("eip="))?.parse().ok()
 }
 
 #[cfg(test)]
