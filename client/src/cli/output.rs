@@ -1,0 +1,112 @@
+//! What is printed: results on standard output, as text or as one JSON object each; errors of text mode on standard error.
+
+use std::io::{IsTerminal, Write};
+
+use serde_json::{Map, Value as Json, json};
+
+use arcline_client::{ClientError, Execution, Flag, MotionControl};
+
+use super::Failure;
+
+/// Where results go.
+#[derive(Debug)]
+pub(crate) struct Output {
+    json: bool,
+}
+
+impl Output {
+    pub(crate) fn new(json: bool) -> Self {
+        Self { json }
+    }
+
+    /// Whether results are JSON objects.
+    pub(crate) fn is_json(&self) -> bool {
+        self.json
+    }
+
+    /// Whether somebody watches: progress is shown then.
+    pub(crate) fn is_watched(&self) -> bool {
+        !self.json && std::io::stderr().is_terminal() && std::io::stdout().is_terminal()
+    }
+
+    /// Prints one result: the text, or the object.
+    pub(crate) fn result(&self, text: impl AsRef<str>, object: impl FnOnce() -> Json) {
+        let mut out = std::io::stdout().lock();
+        // A reader that has gone away (`| head`) is no error of ours.
+        let _ = if self.json { writeln!(out, "{}", object()) } else { writeln!(out, "{}", text.as_ref()) };
+    }
+
+    /// Prints how an instruction stands.
+    pub(crate) fn execution(&self, execution: &Execution, control: &MotionControl, tag: &str) {
+        let bits: Vec<&str> = Flag::in_word(control.flags).map(Flag::name).collect();
+        let text = format!("{} {}: {}", execution.mnemonic, execution.target, bits.join(" "));
+        self.result(text, || {
+            json!({
+                "instruction": execution.mnemonic.name(), "target": execution.target, "tag": tag,
+                "instance": execution.instance, "status": bits, "ERR": control.err, "EXERR": control.exerr,
+            })
+        });
+    }
+
+    /// Something for people only.
+    pub(crate) fn note(&self, text: &str) {
+        if !self.json {
+            let _ = writeln!(std::io::stderr(), "{text}");
+        }
+    }
+
+    /// Tells why a command failed.
+    pub(crate) fn failure(&self, failure: &Failure) {
+        if matches!(failure, Failure::Interrupted | Failure::Several { .. }) {
+            return;
+        }
+        if !self.json {
+            // Best effort: there is nowhere else to tell it.
+            let _ = writeln!(std::io::stderr(), "{failure}");
+            return;
+        }
+        let mut object = Map::new();
+        object.insert("error".to_owned(), Json::from(failure.to_string()));
+        if let Some(ClientError::Motion { mnemonic, err, exerr }) = failure.client() {
+            object.insert("instruction".to_owned(), Json::from(mnemonic.map(|mnemonic| mnemonic.name())));
+            object.insert("ERR".to_owned(), Json::from(*err));
+            object.insert("EXERR".to_owned(), Json::from(*exerr));
+        }
+        self.result("", || Json::Object(object));
+    }
+}
+
+/// Columns as wide as their widest cell; numbers to the right.
+pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+    let width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
+        cells.chain(header.get(column).map(|title| title.chars().count())).max().unwrap_or_default()
+    };
+    let numeric = |column: usize| {
+        let mut cells = rows.iter().filter_map(|row| row.get(column)).peekable();
+        cells.peek().is_some() && cells.all(|cell| cell.parse::<f64>().is_ok())
+    };
+    let columns: Vec<(usize, bool)> = (0..header.len()).map(|column| (width(column), numeric(column))).collect();
+    let line = |cells: &mut dyn Iterator<Item = &str>| {
+        let padded = cells.zip(&columns).map(|(cell, (width, right))| {
+            if *right { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
+        });
+        padded.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+    };
+    let mut lines = vec![line(&mut header.iter().copied())];
+    lines.extend(rows.iter().map(|row| line(&mut row.iter().map(String::as_str))));
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::table;
+
+    #[test]
+    fn tables_are_aligned() {
+        let rows = [["X", "1.500", "on"], ["Long", "-20.000", "off"]];
+        let rows: Vec<Vec<String>> = rows.iter().map(|row| row.iter().map(|c| (*c).to_owned()).collect()).collect();
+        let expected = "axis  position  servo\nX        1.500  on\nLong   -20.000  off";
+        assert_eq!(table(&["axis", "position", "servo"], &rows), expected);
+    }
+}

@@ -1,0 +1,88 @@
+//! `exec` and `run`: Structured Text against a live server.
+
+use serde_json::json;
+
+use arcline_client::{Client, Event, OnError, Runner};
+
+use super::args::{Exec, Run};
+use super::wait::{self, Course};
+use super::{Failure, Output, moves};
+
+/// `exec`: executes, waits for moves and stops, prints how the instruction stands.
+pub(crate) async fn exec(client: &Client, command: &Exec, output: &Output) -> Result<(), Failure> {
+    let mut runner = Runner::call(client, &command.call).await?;
+    runner.run(&mut |_| {}).await.map_err(without_line)?;
+    let Some((_, execution)) = runner.executions().next() else { return Ok(()) };
+    let control = if command.no_wait || !moves::is_waited_for(execution) {
+        execution.control
+    } else {
+        wait::complete(client, execution, Course::default(), output).await?
+    };
+    output.execution(execution, &control, "");
+    Ok(())
+}
+
+/// One call is one line: its number tells nothing.
+fn without_line(error: arcline_client::ProgramError) -> Failure {
+    match error {
+        arcline_client::ProgramError::Client { source, .. } => Failure::Client(source),
+        other => Failure::Program(other),
+    }
+}
+
+/// `run`.
+pub(crate) async fn run(client: &Client, command: &Run, output: &Output) -> Result<(), Failure> {
+    let text = std::fs::read_to_string(&command.file)
+        .map_err(|source| Failure::File { path: command.file.clone(), source })?;
+    let on_error = if command.keep_going { OnError::KeepGoing } else { OnError::Stop };
+    let runner = Runner::program(client, &text).await?;
+    let mut runner = runner.queue_full(command.queue_full.into()).on_error(on_error);
+    let (mut executed, mut erred) = (0, 0);
+    let mut on_event = |event: Event<'_>| match event {
+        Event::Executed { line, execution } => {
+            executed += 1;
+            if output.is_json() {
+                output.result("", || {
+                    json!({
+                        "line": line, "instruction": execution.mnemonic.name(), "target": execution.target,
+                        "instance": execution.instance, "ERR": 0, "EXERR": 0,
+                    })
+                });
+            } else if output.is_watched() {
+                output.note(&format!("line {line}: {} {}", execution.mnemonic, execution.target));
+            }
+        }
+        Event::Erred { line, mnemonic, target, error } => {
+            erred += 1;
+            // What ends the program is told once, by its end.
+            if command.keep_going {
+                let (err, exerr) = error.motion().unwrap_or_default();
+                output.note(&format!("line {line}: {mnemonic} {target}: {error}"));
+                if output.is_json() {
+                    output.result("", || {
+                        json!({
+                            "line": line, "instruction": mnemonic.name(), "target": target,
+                            "error": error.to_string(), "ERR": err, "EXERR": exerr,
+                        })
+                    });
+                }
+            }
+        }
+    };
+    let result = tokio::select! {
+        result = async {
+            runner.run(&mut on_event).await?;
+            if command.no_wait { Ok(()) } else { runner.finish(&mut on_event).await }
+        } => Some(result),
+        () = wait::interrupted() => None,
+    };
+    match result {
+        Some(result) => result?,
+        None => return Err(wait::interrupt(client, &runner.targets(), output).await),
+    }
+    let file = &command.file;
+    output.result(format!("{file}: {executed} instructions executed, {erred} erred"), || {
+        json!({"program": file, "executed": executed, "erred": erred})
+    });
+    if erred > 0 { Err(Failure::Several { count: erred }) } else { Ok(()) }
+}

@@ -1,0 +1,140 @@
+//! `tags`, `read`, `write`.
+
+use serde_json::json;
+
+use arcline_client::{Access, Client, Input, Reading};
+
+use super::args::Write;
+use super::output::table;
+use super::{Failure, Output};
+
+/// `tags`.
+pub(crate) async fn list(client: &Client, pattern: Option<&str>, output: &Output) -> Result<(), Failure> {
+    let tags = client.browse().await?;
+    let mut rows = Vec::new();
+    for tag in tags.iter().filter(|tag| pattern.is_none_or(|pattern| matches(pattern, &tag.name))) {
+        let access = match tag.access {
+            Access::ReadWrite => "read/write",
+            Access::ReadOnly => "read-only",
+            Access::None => "none",
+        };
+        if output.is_json() {
+            output.result("", || json!({"name": tag.name, "type": tag.type_name(), "access": access}));
+        }
+        rows.push(vec![tag.name.clone(), tag.type_name(), access.to_owned()]);
+    }
+    if !output.is_json() {
+        output.result(table(&["tag", "type", "access"], &rows), || json!(null));
+    }
+    Ok(())
+}
+
+/// With `*` or `?` the whole name, else a part of it; case is ignored.
+fn matches(pattern: &str, name: &str) -> bool {
+    let (pattern, name) = (pattern.to_ascii_lowercase(), name.to_ascii_lowercase());
+    if pattern.contains(['*', '?']) { glob(pattern.as_bytes(), name.as_bytes()) } else { name.contains(&pattern) }
+}
+
+/// Goes back to the last star only, so it takes at most the product of the lengths.
+fn glob(pattern: &[u8], name: &[u8]) -> bool {
+    let (mut p, mut n, mut star) = (0, 0, None);
+    while n < name.len() {
+        match pattern.get(p) {
+            Some(b'*') => {
+                star = Some((p, n));
+                p += 1;
+            }
+            Some(one) if *one == b'?' || name.get(n) == Some(one) => {
+                p += 1;
+                n += 1;
+            }
+            _ => {
+                let Some((at, from)) = star else { return false };
+                star = Some((at, from + 1));
+                p = at + 1;
+                n = from + 1;
+            }
+        }
+    }
+    pattern.get(p..).unwrap_or_default().iter().all(|rest| *rest == b'*')
+}
+
+/// `read`.
+pub(crate) async fn read(client: &Client, tags: &[String], output: &Output) -> Result<(), Failure> {
+    let paths: Vec<&str> = tags.iter().map(String::as_str).collect();
+    let readings = client.read_many(&paths).await?;
+    let (mut failures, alone) = (Vec::new(), tags.len() == 1);
+    for (tag, reading) in tags.iter().zip(readings) {
+        match reading {
+            Ok(reading) => output.result(text(tag, &reading, alone), || json!({"tag": tag, "value": reading})),
+            Err(error) => failures.push(Failure::from(error)),
+        }
+    }
+    let last = failures.pop();
+    failures.iter().for_each(|failure| output.failure(failure));
+    last.map_or(Ok(()), Err)
+}
+
+/// A value alone, or `tag = value`; members of a structure one a line.
+fn text(tag: &str, reading: &Reading, alone: bool) -> String {
+    match reading {
+        Reading::Structure(structure) => {
+            let mut lines = vec![format!("{tag} ({})", structure.type_name)];
+            members(reading, 1, &mut lines);
+            lines.join("\n")
+        }
+        value if alone => value.to_string(),
+        value => format!("{tag} = {value}"),
+    }
+}
+
+fn members(reading: &Reading, depth: usize, lines: &mut Vec<String>) {
+    let Reading::Structure(structure) = reading else { return };
+    let shown = || structure.members.iter().filter(|(name, _)| !name.starts_with("DEAD_ZONE"));
+    let width = shown().map(|(name, _)| name.len()).max().unwrap_or_default();
+    for (name, member) in shown() {
+        let indent = 2 * depth;
+        if matches!(member, Reading::Structure(_)) {
+            lines.push(format!("{:indent$}{name}", ""));
+            members(member, depth + 1, lines);
+        } else {
+            lines.push(format!("{:indent$}{name:width$}  {member}", ""));
+        }
+    }
+}
+
+/// `write`.
+pub(crate) async fn write(client: &Client, command: &Write, output: &Output) -> Result<(), Failure> {
+    let value = as_text_where_needed(client, command).await?;
+    client.write(&command.tag, value).await?;
+    let reading = client.read(&command.tag).await?;
+    output.result(format!("{} = {reading}", command.tag), || json!({"tag": command.tag, "value": reading}));
+    Ok(())
+}
+
+/// `12` for a STRING is a text, though it looks like a number.
+async fn as_text_where_needed(client: &Client, command: &Write) -> Result<Input, Failure> {
+    let is_text = matches!(client.read(&command.tag).await?, Reading::Text(_));
+    Ok(match &command.value {
+        value @ (Input::Bool(_) | Input::Integer(_) | Input::Number(_)) if is_text => Input::Text(value.to_string()),
+        value => value.clone(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns_match() {
+        #[rustfmt::skip]
+        let cases = [
+            ("move", "Move1", true), ("OVE", "Move1", true), ("x", "Move1", false), ("", "Move1", true),
+            ("move*", "Move1", true), ("*1", "Move1", true), ("m*e?", "Move1", true), ("m*e", "Move1", false),
+            ("?", "X", true), ("?", "XY", false), ("**", "", true), ("a*b*c", "aXbXbc", true), ("*a", "", false),
+        ];
+        for (pattern, name, expected) in cases {
+            assert_eq!(matches(pattern, name), expected, "{pattern} {name}");
+        }
+    }
+}

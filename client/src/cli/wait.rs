@@ -1,0 +1,177 @@
+//! Waiting for motion: progress on a terminal, and Ctrl-C, which stops what was begun.
+
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use arcline_client::{Client, ClientError, Execution, Flag, Given, Mnemonic, MotionControl, Object, Operands};
+
+use super::{Failure, Output};
+
+/// No deadline of our own: the user has Ctrl-C.
+const FOREVER: Duration = Duration::from_secs(365 * 24 * 3600);
+/// Time for a stop to come to its end.
+const STOPPING: Duration = Duration::from_secs(60);
+/// Time between two updates of the progress.
+const REFRESH: Duration = Duration::from_millis(100);
+/// MCS, Stop Type: Coordinated Move.
+const COORDINATED_MOVE: i64 = 2;
+
+/// How far a move goes, where that is known.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Course {
+    /// Position units.
+    pub(crate) length: Option<f64>,
+}
+
+/// Waits for PC. Ctrl-C stops the coordinate system and fails with [`Failure::Interrupted`].
+pub(crate) async fn complete(
+    client: &Client,
+    execution: &Execution,
+    course: Course,
+    output: &Output,
+) -> Result<MotionControl, Failure> {
+    let targets = [(execution.mnemonic.instruction().object, execution.target.clone())];
+    tokio::select! {
+        result = watched(client, execution, course, output) => Ok(result?),
+        () = interrupted() => Err(interrupt(client, &targets, output).await),
+    }
+}
+
+/// Until Ctrl-C; for good when its signal cannot be had.
+pub(crate) async fn interrupted() {
+    if tokio::signal::ctrl_c().await.is_err() {
+        std::future::pending::<()>().await;
+    }
+}
+
+/// Stops what was begun and says so.
+pub(crate) async fn interrupt(client: &Client, targets: &[(Object, String)], output: &Output) -> Failure {
+    for (object, target) in targets {
+        let result = match object {
+            Object::CoordinateSystem => stop(client, Mnemonic::Mcs, target).await,
+            Object::Axis => stop(client, Mnemonic::Mas, target).await,
+            Object::MotionGroup => continue,
+        };
+        match result {
+            Ok(()) => output.result(format!("interrupted: {target} is stopped"), || {
+                serde_json::json!({"interrupted": true, "stopped": target})
+            }),
+            Err(error) => output.result(format!("interrupted: {target} could not be stopped: {error}"), || {
+                serde_json::json!({"interrupted": true, "stopped": null, "target": target, "error": error.to_string()})
+            }),
+        }
+    }
+    Failure::Interrupted
+}
+
+async fn stop(client: &Client, mnemonic: Mnemonic, target: &str) -> Result<(), ClientError> {
+    let kind = if mnemonic == Mnemonic::Mcs { COORDINATED_MOVE } else { 0 };
+    let operands = Operands::full_speed(mnemonic).with("Stop Type", Given::Integer(kind))?;
+    let execution = client.execute(mnemonic, target, "", operands.given()).await?;
+    client.wait_for(&execution, Flag::Pc, STOPPING).await.map(drop)
+}
+
+async fn watched(
+    client: &Client,
+    execution: &Execution,
+    course: Course,
+    output: &Output,
+) -> Result<MotionControl, ClientError> {
+    let waiting = client.wait_for(execution, Flag::Pc, FOREVER);
+    let coordinated = execution.mnemonic.instruction().object == Object::CoordinateSystem;
+    if !output.is_watched() || !coordinated {
+        return waiting.await;
+    }
+    tokio::select! {
+        result = waiting => result,
+        error = show(client, execution, course) => Err(error),
+    }
+}
+
+/// Shows the progress until it is dropped; comes back only when the server cannot be asked.
+async fn show(client: &Client, execution: &Execution, course: Course) -> ClientError {
+    let bar = match course.length {
+        Some(_) => ProgressBar::new(1000).with_style(style("{prefix} [{bar:30}] {msg}")),
+        None => ProgressBar::new_spinner().with_style(style("{prefix} {spinner} {msg}")),
+    };
+    let _cleared = Cleared(bar.clone());
+    bar.set_prefix(format!("{} {}", execution.mnemonic, execution.target));
+    let path = format!("{}.ActualPosition", execution.target);
+    let mut travelled = Travelled::default();
+    loop {
+        match client.read_numbers(&path).await {
+            Ok(position) => travelled.at(position, Instant::now()),
+            Err(error) => return error,
+        }
+        if let Some(length) = course.length.filter(|length| *length > 0.0) {
+            bar.set_position((1000.0 * (travelled.distance / length).clamp(0.0, 1.0)) as u64);
+        }
+        bar.set_message(travelled.message(course.length));
+        bar.tick();
+        tokio::time::sleep(REFRESH).await;
+    }
+}
+
+/// Takes the progress off the terminal, however the waiting ends.
+struct Cleared(ProgressBar);
+
+impl Drop for Cleared {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+
+/// Distance and speed out of positions.
+#[derive(Debug, Default)]
+struct Travelled {
+    last: Option<(Vec<f64>, Instant)>,
+    /// Position units.
+    distance: f64,
+    /// Position units per second.
+    speed: f64,
+}
+
+impl Travelled {
+    fn at(&mut self, position: Vec<f64>, now: Instant) {
+        if let Some((last, then)) = &self.last {
+            let step = last.iter().zip(&position).map(|(a, b)| (b - a).powi(2)).sum::<f64>().sqrt();
+            let time = now.duration_since(*then).as_secs_f64();
+            self.distance += step;
+            self.speed = if time > 0.0 { step / time } else { 0.0 };
+        }
+        self.last = Some((position, now));
+    }
+
+    fn message(&self, length: Option<f64>) -> String {
+        let (distance, speed) = (self.distance, self.speed);
+        match length {
+            Some(length) if speed > 0.0 => {
+                let left = (length - distance).max(0.0) / speed;
+                format!("{distance:.1} of {length:.1}, {speed:.1}/s, {left:.1} s left")
+            }
+            Some(length) => format!("{distance:.1} of {length:.1}"),
+            None => format!("{distance:.1} done, {speed:.1}/s"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_and_speed_come_from_positions() {
+        let start = Instant::now();
+        let mut travelled = Travelled::default();
+        travelled.at(vec![0.0, 0.0], start);
+        assert_eq!(travelled.message(Some(10.0)), "0.0 of 10.0");
+        travelled.at(vec![3.0, 4.0], start + Duration::from_secs(2));
+        assert_eq!(travelled.message(Some(10.0)), "5.0 of 10.0, 2.5/s, 2.0 s left");
+        assert_eq!(travelled.message(None), "5.0 done, 2.5/s");
+    }
+}
