@@ -1,1 +1,271 @@
+//! The tag memory: names, paths, who may write, edges, and what events and snapshots make of it.
 
+use arcline_instruction_set::{Argument, Flag};
+
+use super::*;
+use crate::machine::{Axis, AxisKind, CoordinateSystem, Drive, Start};
+use crate::{AxisSnapshot, Ticket};
+
+fn axis(name: &str, kind: AxisKind) -> Axis {
+    Axis {
+        name: name.to_owned(),
+        kind,
+        units: "mm".to_owned(),
+        max_speed: 1000.0,
+        max_acceleration: 10_000.0,
+        max_deceleration: 10_000.0,
+        max_acceleration_jerk: 200_000.0,
+        max_deceleration_jerk: 200_000.0,
+        travel: None,
+        unwind: None,
+        start: Start::default(),
+    }
+}
+
+fn machine() -> Machine {
+    Machine {
+        period_ns: 1_000_000,
+        group: "Motion".to_owned(),
+        axes: vec![axis("X", AxisKind::Servo(Drive::default())), axis("V", AxisKind::Virtual)],
+        systems: vec![CoordinateSystem {
+            name: "CS1".to_owned(),
+            axes: vec![0, 1],
+            max_speed: 500.0,
+            max_acceleration: 5000.0,
+            max_deceleration: 5000.0,
+            max_acceleration_jerk: 100_000.0,
+            max_deceleration_jerk: 100_000.0,
+            actual_tolerance: 0.01,
+            command_tolerance: 0.5,
+            queue_depth: 1,
+            corner: Default::default(),
+            axis_limits: Default::default(),
+        }],
+        transforms: Vec::new(),
+    }
+}
+
+fn image() -> Image {
+    let instruction = InstructionTag { name: "Move1".to_owned(), mnemonic: Mnemonic::Mclm, target: "CS1".to_owned() };
+    let plain = [
+        ("Recipe", TagType::array(Elementary::Real, 16)),
+        ("Count", TagType::scalar(Elementary::Int)),
+        ("Label", TagType::scalar(arcline_tag::string_template())),
+    ];
+    let plain = plain.map(|(name, tag_type)| PlainTag { name: name.to_owned(), tag_type });
+    Image::new(&machine(), &[instruction], &plain)
+}
+
+fn path(text: &str) -> TagPath {
+    text.parse().unwrap_or_else(|error| panic!("{text}: {error}"))
+}
+
+fn number(image: &Image, text: &str) -> f64 {
+    image.read(&path(text)).unwrap_or_else(|error| panic!("{text}: {error}")).as_f64()
+}
+
+#[test]
+fn every_tag_has_a_permanent_id_a_type_and_bytes() {
+    let image = image();
+    #[rustfmt::skip]
+    let cases = [
+        ("Motion", 1, "MOTION_GROUP", 88), ("X", 2, "AXIS_CIP_DRIVE", 1040), ("V", 3, "AXIS_VIRTUAL", 132),
+        ("CS1", 4, "COORDINATE_SYSTEM", 104), ("Move1", 5, "MCLM", 368), ("Recipe", 6, "REAL", 64),
+        ("Count", 7, "INT", 2), ("Label", 8, "STRING", 88), ("RealTime", 9, "REAL_TIME", 240),
+    ];
+    for (name, id, data_type, size) in cases {
+        let tag = image.find(&name.to_uppercase()).unwrap_or_else(|| panic!("{name}"));
+        assert_eq!((tag.id.0, tag.tag_type.data_type.name()), (id, data_type), "{name}");
+        if name != "Move1" {
+            assert_eq!(image.bytes(tag.id).len(), size, "{name}");
+        }
+        assert_eq!(image.tag(tag.id).map(|tag| tag.name.as_str()), Some(name));
+        if let DataType::Structure(template) = &tag.tag_type.data_type {
+            assert!(image.template(template.instance).is_some(), "{name}");
+        }
+    }
+    assert_eq!(image.tags().len(), cases.len());
+    assert!(image.templates().any(|template| template.name == "ASCIISTRING82"), "the type of a member");
+    assert!(image.tag(TagId(0)).is_none() && image.bytes(TagId(99)).is_empty());
+}
+
+#[test]
+fn clients_write_what_is_theirs() {
+    let mut image = image();
+    #[rustfmt::skip]
+    let cases = [
+        ("Recipe[3]", true), ("Count", true), ("Count.5", true), ("Label.LEN", true),
+        ("Move1.Speed", true), ("Move1.Position[8]", true), ("Move1.CoordinateSystem.LEN", true), ("Move1.EnableIn", true),
+        ("Move1.EnableOut", false), ("Move1.MotionControl.FLAGS", false), ("Move1.MotionControl.DN", false),
+        ("Move1.DN", false), ("Motion.GroupStatus", false), ("X.CommandPosition", false), ("X.InterpolationTime", true),
+        ("V.InterpolationTime", true), ("V.AxisFault", false), ("CS1.MotionStatus", false), ("RealTime.Ticks", false),
+    ];
+    for (text, writable) in cases {
+        let before = image.clone().bytes;
+        let result = image.write_value(&path(text), Value::Lreal(1.0));
+        assert_eq!(result.is_ok(), writable, "{text}: {result:?}");
+        if writable {
+            assert_eq!(number(&image, text), 1.0, "{text}");
+        } else {
+            assert_eq!(image.bytes, before, "{text}: a refused write changes nothing");
+        }
+    }
+    let count = image.find("Count").expect("a tag").id;
+    assert!(matches!(image.write(count, 1, &[0, 0]), Err(WriteError::BeyondEnd { size: 2, .. })));
+    let whole = image.find("Move1").expect("a tag").id;
+    let bytes = image.bytes(whole).to_vec();
+    assert!(image.write(whole, 0, &bytes).is_err(), "it holds MotionControl");
+}
+
+#[test]
+fn enable_in_has_edges_and_enable_out_follows() {
+    let mut image = image();
+    let id = image.find("Move1").expect("a tag").id;
+    #[rustfmt::skip]
+    let cases = [
+        (false, None), (true, Some(Edge::Rising(id))), (true, None), (false, Some(Edge::Falling(id))), (false, None),
+    ];
+    for (on, edge) in cases {
+        assert_eq!(image.write_value(&path("Move1.EnableIn"), Value::Bool(on)), Ok(edge), "{on}");
+        assert_eq!(number(&image, "Move1.EnableOut"), f64::from(u8::from(on)), "{on}");
+    }
+}
+
+#[test]
+fn an_instruction_tag_calls_with_what_it_holds() {
+    let mut image = image();
+    for (text, value) in [("Move1.Position[1]", 12.5), ("Move1.Speed", 40.0)] {
+        image.write_value(&path(text), Value::Lreal(value)).expect("writable");
+    }
+    let id = image.find("Move1").expect("a tag").id;
+    let call = image.call_of(id).expect("an instruction tag").expect("it binds");
+    assert_eq!((call.mnemonic, call.target), (Mnemonic::Mclm, Some(0)));
+    let speed = Mnemonic::Mclm.instruction().operand("Speed").expect("an operand");
+    assert_eq!(call.number(speed), 40.0);
+    assert!(call.arguments.iter().any(|argument| matches!(argument, Argument::Array(array) if array.as_slice()[1] == 12.5)));
+
+    image.write_value(&path("Move1.CoordinateSystem.LEN"), Value::Dint(2)).expect("writable");
+    let call = image.call_of(id).expect("an instruction tag").expect("it binds");
+    assert_eq!(call.target, None, "there is no CS");
+    assert!(image.call_of(TagId(1)).is_none());
+}
+
+#[test]
+fn motion_controls_are_found_or_made() {
+    let mut image = image();
+    let known = image.control_slot("move1").expect("its member");
+    assert_eq!(image.control_slot("Move1.motioncontrol"), Ok(known));
+    let made = image.control_slot("M1").expect("a new tag");
+    assert_ne!(made, known);
+    assert_eq!(image.control_slot("m1"), Ok(made));
+    assert_eq!((image.control_name(known), image.control_name(made), image.control_name(UNNAMED)), ("Move1", "M1", ""));
+    assert_eq!(image.tags().last().map(|tag| tag.name.as_str()), Some("M1"));
+    #[rustfmt::skip]
+    let wrong = ["X", "CS1", "Count", "Move1.Speed", "", "1M", "M 1", "M1.PC", "Nothing.PC", "a_name_that_is_longer_than_forty_letters_"];
+    let tags = image.tags().len();
+    for name in wrong {
+        assert!(image.control_slot(name).is_err(), "{name:?}");
+    }
+    assert_eq!(image.tags().len(), tags);
+    while image.control_slot(&format!("N{}", image.tags().len())).is_ok() {}
+    assert_eq!(image.control_slot("OneMore"), Err(ControlError::NoRoom));
+    assert_eq!(image.control_slot("M1"), Ok(made), "what is there stays");
+}
+
+#[test]
+fn events_show_in_the_tag_that_owns_them() {
+    let mut image = image();
+    let control = image.control_slot("Move1").expect("its member");
+    let event = |owner, set: &[Flag], clear: &[Flag], err| Event {
+        tick: 1,
+        ticket: Ticket(1),
+        control,
+        owner,
+        mnemonic: Mnemonic::Mclm,
+        set: set.iter().fold(0, |word, flag| word | flag.mask()),
+        clear: clear.iter().fold(0, |word, flag| word | flag.mask()),
+        err,
+        exerr: -1,
+    };
+    image.apply_event(&event(true, &[Flag::En, Flag::Dn, Flag::Ip], &[], 0));
+    image.apply_event(&event(false, &[Flag::Pc], &[Flag::Ip], 0));
+    assert_eq!([number(&image, "Move1.IP"), number(&image, "Move1.MotionControl.PC")], [1.0, 0.0]);
+    image.apply_event(&event(true, &[Flag::Er], &[Flag::Ip], 54));
+    #[rustfmt::skip]
+    let cases = [("EN", 1.0), ("DN", 1.0), ("IP", 0.0), ("ER", 1.0), ("ERR", 54.0), ("EXERR", -1.0)];
+    for (member, expected) in cases {
+        assert_eq!(number(&image, &format!("Move1.MotionControl.{member}")), expected, "{member}");
+    }
+}
+
+#[test]
+fn snapshots_show_in_every_type() {
+    let mut image = image();
+    let mut snapshot = Snapshot::new(&machine());
+    snapshot.tick = 7;
+    let shown = AxisSnapshot {
+        status: 67,
+        motion_status: 0x81,
+        fault: 2,
+        cip_state: 4,
+        command: [1.5, -2.0, 3.0],
+        actual: [1.25, -2.5, 0.0],
+        position_error: 0.25,
+        ..AxisSnapshot::default()
+    };
+    snapshot.axes.fill(shown);
+    snapshot.systems[0].status = 6;
+    snapshot.systems[0].motion_status = 0x40;
+    snapshot.systems[0].actual = [1.25, 2.25, 0.0];
+    image.apply_snapshot(&snapshot);
+    image.apply_health(&Health { ticks: 42, overruns: 1, overlapping: true, fifo: true, ..Health::default() });
+    #[rustfmt::skip]
+    let cases = [
+        ("X.CommandPosition", 1.5), ("V.CommandPosition", 1.5), ("X.ActualVelocity", -2.5), ("V.ActualVelocity", -2.5),
+        ("X.AxisStatus", 67.0), ("X.ServoActionStatus", 1.0), ("V.AxisHomedStatus", 1.0), ("X.AccelStatus", 1.0),
+        ("X.PositionError", 0.25), ("X.VelocityError", 0.5), ("X.CIPAxisState", 4.0), ("X.PositionLoopBandwidth", 40.0),
+        ("X.VelocityFeedforwardGain", 100.0), ("CS1.MotionStatus", 1.0), ("CS1.MoveStatus", 1.0),
+        ("CS1.ActualPosition[1]", 2.25), ("Motion.GroupSynced", 1.0), ("Motion.ModuleFault", 1.0),
+        ("Motion.GroupOverlapFault", 1.0), ("RealTime.Ticks", 42.0), ("RealTime.Overruns", 1.0), ("RealTime.Fifo", 1.0),
+        ("RealTime.Pinned", 0.0),
+    ];
+    for (text, expected) in cases {
+        assert_eq!(number(&image, text), expected, "{text}");
+    }
+    assert_eq!(image.snapshot_tick(), 7);
+    assert_eq!(image.read_numbers(&path("CS1.ActualPosition[1]")), Ok(vec![2.25, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
+    assert_eq!(image.read_numbers(&path("X.ServoActionStatus")), Ok(vec![1.0]));
+}
+
+#[test]
+fn reads_that_lead_nowhere_say_why() {
+    let image = image();
+    #[rustfmt::skip]
+    let cases = [
+        ("Nothing", "there is no tag \"Nothing\""),
+        ("X", "X is a AXIS_CIP_DRIVE, expected a number"),
+        ("X.Nothing", "AXIS_CIP_DRIVE has no member \"Nothing\""),
+        ("Move1.Nothing", "MCLM has no member \"Nothing\""),
+        ("Recipe[16]", "index 16 is out of range, the array has 16 elements"),
+    ];
+    for (text, message) in cases {
+        assert_eq!(image.read(&path(text)).expect_err(text).to_string(), message, "{text}");
+    }
+}
+
+#[test]
+fn arrays_that_are_written_are_found_again() {
+    let image = image();
+    #[rustfmt::skip]
+    let cases = [
+        ("Recipe", Some(("Recipe", 0, 16))), ("recipe[4]", Some(("Recipe", 16, 12))), ("Count", None), ("X.ActualPosition", None),
+        ("CS1.ActualPosition", None), ("Nothing", None), ("1", None),
+    ];
+    for (text, expected) in cases {
+        let found = image.real_array(text).and_then(|tag| image.written_array(tag));
+        let expected = expected.map(|(name, offset, elements)| (image.find(name).expect(name).id, offset, elements));
+        assert_eq!(found, expected, "{text}");
+    }
+    let tag = image.real_array("Move1.CalculatedData").and_then(|tag| image.written_array(tag));
+    assert_eq!(tag.map(|(_, _, elements)| elements), Some(4));
+}

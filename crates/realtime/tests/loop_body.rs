@@ -1,0 +1,127 @@
+//! The loop body allocates nothing, and what a tick says of itself is out before its snapshot.
+
+use arcline_controller::machine::{Axis, AxisKind, CoordinateSystem, Drive, Machine, Start};
+use arcline_controller::{Command, Controller, Ticket};
+use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MAX_OPERANDS, Mnemonic, RealArray};
+use arcline_realtime::{Options, link, spawn, step};
+use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;
+
+fn machine(period_ns: u64) -> Machine {
+    let axis = |name: &str, kind| Axis {
+        name: name.to_owned(),
+        kind,
+        units: "mm".to_owned(),
+        max_speed: 1000.0,
+        max_acceleration: 10_000.0,
+        max_deceleration: 10_000.0,
+        max_acceleration_jerk: 200_000.0,
+        max_deceleration_jerk: 200_000.0,
+        travel: None,
+        unwind: None,
+        start: Start::default(),
+    };
+    Machine {
+        period_ns,
+        group: "Motion".to_owned(),
+        axes: vec![axis("X", AxisKind::Servo(Drive::default())), axis("Y", AxisKind::Virtual)],
+        systems: vec![CoordinateSystem {
+            name: "CS1".to_owned(),
+            axes: vec![0, 1],
+            max_speed: 500.0,
+            max_acceleration: 5000.0,
+            max_deceleration: 5000.0,
+            max_acceleration_jerk: 100_000.0,
+            max_deceleration_jerk: 100_000.0,
+            actual_tolerance: 0.01,
+            command_tolerance: 0.5,
+            queue_depth: 1,
+            corner: Default::default(),
+            axis_limits: Default::default(),
+        }],
+        transforms: Vec::new(),
+    }
+}
+
+/// A line at 100 units/s and 2000 units/s², trapezoidal, termination type 1.
+fn line(control: ControlSlot, to: [f64; 2]) -> Call {
+    let mut arguments = [Argument::None; MAX_OPERANDS];
+    let instruction = Mnemonic::Mclm.instruction();
+    for place in instruction.given_operands() {
+        arguments[place] = Argument::Number(0.0);
+    }
+    let operands = [("Speed", 100.0), ("Accel Rate", 2000.0), ("Decel Rate", 2000.0), ("Termination Type", 1.0)];
+    for (name, number) in operands.into_iter().chain([("Accel Jerk", 100.0), ("Decel Jerk", 100.0), ("Jerk Units", 2.0)]) {
+        arguments[instruction.operand(name).expect(name)] = Argument::Number(number);
+    }
+    arguments[instruction.operand("Position").expect("an operand")] = Argument::Array(RealArray::from_slice(&to));
+    for name in ["Event Distance", "Calculated Data"] {
+        arguments[instruction.operand(name).expect(name)] = Argument::None;
+    }
+    Call { mnemonic: Mnemonic::Mclm, target: Some(0), control, arguments }
+}
+
+#[test]
+fn a_tick_allocates_nothing_and_is_whole_when_it_is_published() {
+    let machine = machine(1_000_000);
+    let (mut rings, mut link) = link(&machine);
+    let mut controller = Controller::new(&machine);
+    let mut control = 0;
+    for ticket in 1..=3 {
+        let call = line(ControlSlot(ticket as u32), [10.0 * ticket as f64, 5.0]);
+        link.commands.push(Command::Call(Ticket(ticket), call)).expect("room");
+    }
+    link.commands.push(Command::RungFalse(ControlSlot(1))).expect("room");
+    let mut answers = Vec::new();
+    let mut rest = None;
+    for _ in 0..1000 {
+        assert_no_alloc(|| step(&mut controller, &mut rings));
+        assert!(link.snapshots.update(), "every tick publishes");
+        let snapshot = link.snapshots.output_buffer();
+        while let Ok(event) = link.events.pop() {
+            assert!(event.tick <= snapshot.tick);
+            if event.control == ControlSlot(1) {
+                control = (control & !event.clear) | event.set;
+            }
+        }
+        while let Ok(answer) = link.answers.pop() {
+            answers.push((answer.ticket, answer.tick, answer.control.has(Flag::Er)));
+        }
+        if control & Flag::Pc.mask() != 0 && rest.is_none() {
+            rest = Some((snapshot.tick, snapshot.axes[0].command[0]));
+        }
+    }
+    // One runs, one is pending, the third finds the queue full.
+    assert_eq!(answers, [(Ticket(1), 0, false), (Ticket(2), 0, false), (Ticket(3), 0, true)]);
+    let (_, position) = rest.expect("the first move ended");
+    // The next move has begun within that tick, by its acceleration of 2000 units/s² no more than 1e-3 units.
+    assert!((10.0..10.001).contains(&position), "position and bits are of one tick: {position}");
+    assert_eq!(control & Flag::En.mask(), 0, "the rung was false");
+    assert_eq!(link.meter.health().lost_events, 0);
+}
+
+#[test]
+fn the_thread_ticks_counts_and_stops_what_moves() {
+    let machine = machine(250_000);
+    let (mut link, handle) = spawn(&machine, Options::default()).expect("a thread");
+    link.commands.push(Command::Call(Ticket(1), line(ControlSlot(1), [100_000.0, 0.0]))).expect("room");
+    // A condition, not a time: the move is under way.
+    loop {
+        link.snapshots.update();
+        if link.snapshots.output_buffer().axes[0].command[1] > 50.0 {
+            break;
+        }
+        std::thread::yield_now();
+    }
+    handle.stop();
+    link.snapshots.update();
+    let last = link.snapshots.output_buffer();
+    assert_eq!(last.axes[0].command[1], 0.0, "it stands still");
+    let health = link.meter.health();
+    assert_eq!(health.ticks, last.tick + 1);
+    assert_eq!(health.lateness.histogram.iter().sum::<u64>(), health.ticks);
+    assert!(health.compute.max > 0.0 && health.compute.max >= health.compute.last);
+    assert_eq!((health.lost_events, health.lost_answers), (0, 0));
+}

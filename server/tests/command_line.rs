@@ -1,0 +1,162 @@
+//! The command line from outside: exit codes, messages, the ready line, signals.
+
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::TcpStream;
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+
+fn server() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_arcline-server"))
+}
+
+struct Files(tempfile::TempDir);
+
+impl Files {
+    fn new() -> Self {
+        Files(tempfile::tempdir().expect("a temporary directory"))
+    }
+
+    fn write(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.0.path().join(name);
+        std::fs::write(&path, text).expect("a temporary file");
+        path
+    }
+}
+
+fn simulate(program: &str, args: &[&str]) -> Output {
+    let files = Files::new();
+    let program = files.write("program.st", program);
+    server().arg("simulate").arg(program).args(args).output().expect("the server runs")
+}
+
+const MOVE: &str = "MCLM(CS1, M, 0, [50, 0, 0], 100, 0, 2000, 0, 2000, 0, 0, 100, 100, 2, 1, 0, 0, 0, 0, 0, 0, 0);";
+const REFUSED: &str = "MCLM(CS1, Bad, 0, [50, 0, 0], -1, 0, 2000, 0, 2000, 0, 0, 100, 100, 2, 1, 0, 0, 0, 0, 0, 0, 0);";
+
+#[test]
+fn simulate_tells_how_it_ended() {
+    let four = format!("{MOVE}{MOVE}{MOVE}{MOVE}");
+    let goes_on = format!("{REFUSED}\n{MOVE} WAIT(M.PC);");
+    let stops = format!("{MOVE}\n{REFUSED}\nWAIT(FALSE);");
+    #[rustfmt::skip]
+    let cases: &[(&str, &str, &[&str], i32, &str)] = &[
+        // why,                           program,                 arguments,                    exit, message
+        ("ran to its end",                MOVE,                    &[],                          0, ""),
+        ("nothing at all",                "",                      &[],                          0, ""),
+        ("an error stops it",             &stops,                  &[],                          1, "line 2: MCLM (Bad): ERR 13"),
+        ("an error is passed over",       &goes_on,                &["--keep-going"],            0, ""),
+        ("does not parse",                "MCLM(",                 &[],                          2, "line 1"),
+        ("an unknown coordinate system",  "MCSD(CS9, M);",         &[],                          2, "CS9"),
+        ("an unknown tag",                "WAIT(Nothing.PC);",     &[],                          2, "Nothing"),
+        ("a read-only tag",               "X.CommandPosition := 1;", &[],                        2, "read-only"),
+        ("waits for ever",                "WAIT(FALSE);",          &["--until", "1"],            3, "after 1 s"),
+        ("delays beyond",                 "DELAY(10);",            &["--until", "1"],            3, "after 1 s"),
+        ("loops for ever",                "WHILE TRUE DO END_WHILE;", &["--until", "0.005"],     3, "after 0.005 s"),
+        ("a full queue waits",            &four,                   &[],                          0, ""),
+        ("a full queue errs",             &four,                   &["--queue-full", "error"],   1, "ERR 13"),
+        ("a wrong flag",                  "",                      &["--untill", "1"],           2, "--until"),
+    ];
+    for (why, program, args, exit, message) in cases {
+        // ERR of a full queue has its own number; only that it erred counts here.
+        let message = if *why == "a full queue errs" { "ERR" } else { message };
+        let out = simulate(program, args);
+        let stderr = String::from_utf8_lossy(&out.stderr);
+        assert_eq!(out.status.code(), Some(*exit), "{why}: {stderr}");
+        assert!(stderr.contains(message), "{why}: {stderr}");
+        assert_eq!(stderr.is_empty(), message.is_empty(), "{why}: {stderr}");
+    }
+}
+
+#[test]
+fn a_wrong_configuration_is_one_message_and_exit_2() {
+    let files = Files::new();
+    let bad = files.write("bad.toml", "[server]\nlisten = \"nowhere\"\n");
+    let program = files.write("empty.st", "");
+    let commands: Vec<Vec<&std::ffi::OsStr>> = vec![
+        vec!["check".as_ref(), "--config".as_ref(), bad.as_os_str()],
+        vec!["--config".as_ref(), bad.as_os_str()],
+        vec!["run".as_ref(), "--config".as_ref(), bad.as_os_str()],
+        vec!["simulate".as_ref(), program.as_os_str(), "--config".as_ref(), bad.as_os_str()],
+    ];
+    for args in commands {
+        let out = server().args(&args).output().expect("the server runs");
+        let stderr = String::from_utf8_lossy(&out.stderr);
+        assert_eq!(out.status.code(), Some(2), "{args:?}: {stderr}");
+        assert!(stderr.contains("bad.toml:2:") && stderr.contains("server.listen"), "{args:?}: {stderr}");
+        assert!(out.stdout.is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn the_default_configuration_checks() {
+    let text = server().arg("default-config").output().expect("the server runs").stdout;
+    let files = Files::new();
+    let file = files.write("default.toml", &String::from_utf8(text).expect("text"));
+    let out = server().args(["check", "--config"]).arg(file).output().expect("the server runs");
+    assert!(out.status.success());
+    assert!(String::from_utf8_lossy(&out.stdout).contains("coordinate system CS1: X Y Z"));
+}
+
+#[test]
+fn retained_state_is_refused_until_it_is_there() {
+    let out = server().args(["--state", "somewhere"]).output().expect("the server runs");
+    assert_eq!(out.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&out.stderr).contains("--state somewhere"));
+}
+
+/// A running server that is ended when the test ends.
+struct Running {
+    child: Child,
+    address: String,
+}
+
+impl Running {
+    fn start(args: &[&str]) -> Self {
+        let mut child = server()
+            .args(["--listen", "127.0.0.1:0", "--hmi", "off", "--state", "off"])
+            .args(args)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the server runs");
+        let mut line = String::new();
+        let stdout = child.stdout.take().expect("it was piped");
+        BufReader::new(stdout).read_line(&mut line).expect("a ready line");
+        let address = line.strip_prefix("ready eip=").and_then(|rest| rest.strip_suffix(" hmi=off\n"));
+        Running { address: address.unwrap_or_else(|| panic!("not a ready line: {line:?}")).to_owned(), child }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+#[test]
+fn it_is_ready_when_it_says_so_and_ends_when_it_is_told() {
+    for signal in ["-TERM", "-INT"] {
+        let mut running = Running::start(&[]);
+        let mut stream = TcpStream::connect(&running.address).expect("it accepts");
+        let mut list_identity = [0; 24];
+        list_identity[0] = 0x63;
+        stream.write_all(&list_identity).expect("it reads");
+        let mut reply = [0; 24];
+        stream.read_exact(&mut reply).expect("it answers");
+        assert_eq!(reply[0], 0x63);
+        let told = Command::new("kill").args([signal, &running.child.id().to_string()]).status().expect("kill");
+        assert!(told.success());
+        assert_eq!(running.child.wait().expect("it ends").code(), Some(0), "{signal}");
+    }
+}
+
+#[test]
+fn a_port_in_use_is_said() {
+    let running = Running::start(&[]);
+    let out = server().args(["--listen", &running.address]).output().expect("the server runs");
+    assert_eq!(out.status.code(), Some(1));
+    let stderr = String::from_utf8_lossy(&out.stderr);
+    assert!(stderr.contains(&running.address) && stderr.contains("--listen"), "{stderr}");
+    assert!(out.stdout.is_empty());
+}
