@@ -26,13 +26,14 @@ pub(crate) async fn line(client: &Client, command: Move, output: &Output) -> Res
 
 /// `arc`.
 pub(crate) async fn arc(client: &Client, command: Arc, output: &Output) -> Result<(), Failure> {
+    let length = arc_length(client, &command).await;
     let operands = arc_operands(&command)?;
     execute(
         client,
         &command.system,
         &operands,
         &command.dynamics,
-        Course::default(),
+        Course { length },
         output,
     )
     .await
