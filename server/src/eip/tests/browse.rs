@@ -7,6 +7,9 @@ use bytes::Bytes;
 
 use super::*;
 
+/// Why, request, general and additional status, data if it matters.
+type Case = (&'static str, Request, (u8, u16), Option<&'static [u8]>);
+
 fn list(start: u32, attributes: &[u16]) -> Request {
     let data = encode_attribute_ids(attributes);
     Request::new(service::GET_INSTANCE_ATTRIBUTE_LIST, Epath::object(0x6B, start), data)
@@ -16,7 +19,10 @@ fn list(start: u32, attributes: &[u16]) -> Request {
 async fn the_tag_list_comes_in_pages_whatever_is_asked() {
     let bench = Bench::new();
     let mut client = bench.client().await;
-    let names: Vec<String> = bench.device.plant.with_image(|i| i.tags().iter().map(|tag| tag.name.clone()).collect());
+    let names: Vec<String> = bench
+        .device
+        .plant
+        .with_image(|i| i.tags().iter().map(|tag| tag.name.clone()).collect());
     // pycomm3, pylogix, libplctag, st-ethernet-ip.
     for attributes in [&[1, 2, 3, 5, 6, 8, 10][..], &[1, 2, 8], &[2, 7, 8, 1], &[1, 2]] {
         let (mut got, mut start) = (Vec::new(), 0);
@@ -35,7 +41,11 @@ async fn the_tag_list_comes_in_pages_whatever_is_asked() {
         let beyond = client.ask(&list(start, attributes)).await;
         assert_eq!((beyond.status.general(), beyond.data.len()), (0, 0), "behind the last");
     }
-    assert_eq!(codes(client.ask(&list(0, &[1, 99])).await.status), (0x14, 0), "a width nobody knows");
+    assert_eq!(
+        codes(client.ask(&list(0, &[1, 99])).await.status),
+        (0x14, 0),
+        "a width nobody knows"
+    );
     let mut scoped = list(0, &[1, 2]);
     scoped.path.0.insert(0, Segment::Symbol("Program:Main".into()));
     assert_eq!(codes(client.ask(&scoped).await.status), (0x05, 0), "no such program");
@@ -46,22 +56,42 @@ async fn every_template_uploads() {
     let bench = Bench::new();
     let mut client = bench.client().await;
     let mut connected = client.open(4000, 1).await;
-    let templates: Vec<_> = bench.device.plant.with_image(|image| image.templates().cloned().collect());
+    let templates: Vec<_> = bench
+        .device
+        .plant
+        .with_image(|image| image.templates().cloned().collect());
     assert!(templates.len() > 5, "there is something to upload");
     for template in templates {
         let path = Epath::object(0x6C, template.instance.into());
         // pylogix asks for attribute 3 too.
-        let ask = Request::new(service::GET_ATTRIBUTE_LIST, path.clone(), encode_attribute_ids(&[4, 3, 2, 1, 5]));
+        let ask = Request::new(
+            service::GET_ATTRIBUTE_LIST,
+            path.clone(),
+            encode_attribute_ids(&[4, 3, 2, 1, 5]),
+        );
         let reply = client.ask_connected(&mut connected, &ask).await;
         let attributes = TemplateAttributes::decode(&reply.data).expect("attributes");
-        assert_eq!((attributes.handle, attributes.size), (template.handle, template.size), "{}", template.name);
+        assert_eq!(
+            (attributes.handle, attributes.size),
+            (template.handle, template.size),
+            "{}",
+            template.name
+        );
         let definition = template.definition();
         let (mut got, wanted) = (Vec::<u8>::new(), 4 * attributes.definition_words as usize - 20);
         while got.len() < wanted {
-            let read = ReadTemplate { offset: got.len() as u32, bytes: (wanted - got.len()) as u16 };
+            let read = ReadTemplate {
+                offset: got.len() as u32,
+                bytes: (wanted - got.len()) as u16,
+            };
             let request = Request::new(service::READ_TAG, path.clone(), read.to_bytes());
             let reply = client.ask_connected(&mut connected, &request).await;
-            assert!(matches!(reply.status.general(), 0 | 6), "{}: {}", template.name, reply.status);
+            assert!(
+                matches!(reply.status.general(), 0 | 6),
+                "{}: {}",
+                template.name,
+                reply.status
+            );
             got.extend(&reply.data[..]);
         }
         assert_eq!(got[..], definition[..wanted], "{}", template.name);
@@ -73,15 +103,29 @@ async fn objects_answer_for_themselves() {
     let bench = Bench::new();
     let mut client = bench.client().await;
     let single = |class, instance, attribute| {
-        Request::new(service::GET_ATTRIBUTE_SINGLE, Epath::attribute(class, instance, attribute), Bytes::new())
+        Request::new(
+            service::GET_ATTRIBUTE_SINGLE,
+            Epath::attribute(class, instance, attribute),
+            Bytes::new(),
+        )
     };
-    let all = |class, instance| Request::new(service::GET_ATTRIBUTES_ALL, Epath::object(class, instance), Bytes::new());
+    let all = |class, instance| {
+        Request::new(
+            service::GET_ATTRIBUTES_ALL,
+            Epath::object(class, instance),
+            Bytes::new(),
+        )
+    };
     let named = |name| Request::new(service::GET_ATTRIBUTES_ALL, Epath::symbol(name), Bytes::new());
     let set = |class, attribute, data: &'static [u8]| {
-        Request::new(service::SET_ATTRIBUTE_SINGLE, Epath::attribute(class, 1, attribute), data)
+        Request::new(
+            service::SET_ATTRIBUTE_SINGLE,
+            Epath::attribute(class, 1, attribute),
+            data,
+        )
     };
     #[rustfmt::skip]
-    let cases: Vec<(&str, Request, (u8, u16), Option<&[u8]>)> = vec![
+    let cases: Vec<Case> = vec![
         ("vendor",                    single(0x01, 1, 1),  (0, 0),    Some(&[0xC1, 0xA2])),
         ("no such attribute",         single(0x01, 1, 99), (0x14, 0), None),
         ("no such instance",          single(0x01, 2, 1),  (0x05, 0), None),

@@ -10,7 +10,11 @@ use super::*;
 
 /// Messages that exercise every service there is.
 fn messages() -> Vec<Bytes> {
-    let key = ConnectionKey { serial: 1, vendor: 2, originator: 3 };
+    let key = ConnectionKey {
+        serial: 1,
+        vendor: 2,
+        originator: 3,
+    };
     let inner = read("aDint", 1);
     let send = UnconnectedSend {
         time: TickTime::DEFAULT,
@@ -22,21 +26,40 @@ fn messages() -> Vec<Bytes> {
         inner.clone(),
         read("Move1.Position[2]", 3),
         write("aDint", Elementary::Dint.into(), 1, &[1, 2, 3, 4]),
-        Request::new(service::READ_TAG_FRAGMENTED, path("Dints"), vec![0xB8, 0x0B, 0, 0, 0, 0]),
-        Request::new(service::READ_MODIFY_WRITE_TAG, path("aDint"), vec![4, 0, 0, 0, 0, 0, 255, 255, 255, 255]),
+        Request::new(
+            service::READ_TAG_FRAGMENTED,
+            path("Dints"),
+            vec![0xB8, 0x0B, 0, 0, 0, 0],
+        ),
+        Request::new(
+            service::READ_MODIFY_WRITE_TAG,
+            path("aDint"),
+            vec![4, 0, 0, 0, 0, 0, 255, 255, 255, 255],
+        ),
         Request::new(
             service::MULTIPLE_SERVICE_PACKET,
             Epath::object(2, 1),
             join_multiple(&[inner.clone(), inner]).expect("short"),
         ),
-        Request::new(service::UNCONNECTED_SEND, Epath::object(6, 1), send.to_bytes().expect("short")),
+        Request::new(
+            service::UNCONNECTED_SEND,
+            Epath::object(6, 1),
+            send.to_bytes().expect("short"),
+        ),
         forward_open(500, key),
         object(service::GET_ATTRIBUTE_LIST, 0x6C, &[4, 0, 4, 0, 5, 0, 2, 0, 1, 0]),
         object(service::GET_INSTANCE_ATTRIBUTE_LIST, 0x6B, &[3, 0, 1, 0, 2, 0, 8, 0]),
-        object(service::SET_ATTRIBUTE_LIST, 0x8B, &[2, 0, 6, 0, 1, 0, 0, 0, 0, 0, 0, 0, 10, 0, 0]),
+        object(
+            service::SET_ATTRIBUTE_LIST,
+            0x8B,
+            &[2, 0, 6, 0, 1, 0, 0, 0, 0, 0, 0, 0, 10, 0, 0],
+        ),
         object(0x32, 0x302, &[0xDA, 0, 1, 0, 1, b'M', 0xC4, 0, 1, 0, 0, 0, 0, 0]),
     ];
-    requests.iter().map(|request| request.to_bytes().expect("short")).collect()
+    requests
+        .iter()
+        .map(|request| request.to_bytes().expect("short"))
+        .collect()
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -55,8 +78,17 @@ async fn messages_cut_or_altered_anywhere_are_answered() {
             }
         }
     }
-    assert!(client.write("aDint", Elementary::Dint.into(), &7_i32.to_le_bytes()).await.is_success());
-    assert_eq!(&client.read("aDint").await.data[..], 7_i32.to_le_bytes(), "it still works");
+    assert!(
+        client
+            .write("aDint", Elementary::Dint.into(), &7_i32.to_le_bytes())
+            .await
+            .is_success()
+    );
+    assert_eq!(
+        &client.read("aDint").await.data[..],
+        7_i32.to_le_bytes(),
+        "it still works"
+    );
 }
 
 #[tokio::test]
@@ -69,10 +101,21 @@ async fn nothing_nests() {
         let data = join_multiple(std::slice::from_ref(&packet)).expect("short");
         packet = Request::new(service::MULTIPLE_SERVICE_PACKET, Epath::object(2, 1), data);
         let route = Epath(vec![]);
-        let inside = UnconnectedSend { time: TickTime::DEFAULT, message: send.to_bytes().expect("short"), route };
-        send = Request::new(service::UNCONNECTED_SEND, Epath::object(6, 1), inside.to_bytes().expect("short"));
+        let inside = UnconnectedSend {
+            time: TickTime::DEFAULT,
+            message: send.to_bytes().expect("short"),
+            route,
+        };
+        send = Request::new(
+            service::UNCONNECTED_SEND,
+            Epath::object(6, 1),
+            inside.to_bytes().expect("short"),
+        );
         let expected = if depth == 0 { [0, 0] } else { [0x1E, 0x08] };
-        let got = [client.ask(&packet).await.status.general(), client.ask(&send).await.status.general()];
+        let got = [
+            client.ask(&packet).await.status.general(),
+            client.ask(&send).await.status.general(),
+        ];
         assert_eq!(got, expected, "{depth} deep");
     }
 }
@@ -91,7 +134,10 @@ async fn long_paths_are_refused() {
     for segment in segments {
         let words = Epath(vec![segment.clone()]).to_bytes().len() / 2;
         let path = Epath(vec![segment.clone(); 255 / words]);
-        let status = client.ask(&Request::new(service::READ_TAG, path, vec![1, 0])).await.status;
+        let status = client
+            .ask(&Request::new(service::READ_TAG, path, vec![1, 0]))
+            .await
+            .status;
         assert!(!status.is_success(), "{segment:?}");
     }
 }
@@ -100,7 +146,12 @@ async fn long_paths_are_refused() {
 async fn a_stream_cut_anywhere_harms_nobody() {
     let bench = Bench::new();
     let mut other = bench.client().await;
-    let register = Frame::request(Command::REGISTER_SESSION, SessionHandle(0), [0; 8], RegisterSession::CURRENT.to_bytes());
+    let register = Frame::request(
+        Command::REGISTER_SESSION,
+        SessionHandle(0),
+        [0; 8],
+        RegisterSession::CURRENT.to_bytes(),
+    );
     let nop = Frame::request(Command::NOP, SessionHandle(0), [0; 8], Bytes::from_static(&[0; 9]));
     let bytes = [register.to_bytes(), nop.to_bytes()].concat();
     for cut in 0..bytes.len() {
@@ -116,9 +167,16 @@ async fn a_peer_that_never_reads_is_closed() {
     let bench = Bench::new();
     let client = bench.client().await;
     let request = read("Dints", 100).to_bytes().expect("short");
-    let frame = Frame::request(Command::SEND_RR_DATA, client.session, [0; 8], Packet::unconnected(request).to_bytes());
+    let frame = Frame::request(
+        Command::SEND_RR_DATA,
+        client.session,
+        [0; 8],
+        Packet::unconnected(request).to_bytes(),
+    );
     let bytes = frame.to_bytes();
     let (_unread, mut write) = tokio::io::split(client.stream);
     let flood = async { while write.write_all(&bytes).await.is_ok() {} };
-    tokio::time::timeout(Duration::from_secs(600), flood).await.expect("the device gave up on us");
+    tokio::time::timeout(Duration::from_secs(600), flood)
+        .await
+        .expect("the device gave up on us");
 }

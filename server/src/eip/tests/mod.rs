@@ -27,6 +27,8 @@ use super::connection;
 use super::device::{Device, Settings};
 use crate::plant::Plant;
 
+/// Where the in-memory streams were accepted.
+const LOCAL: SocketAddrV4 = SocketAddrV4::new(Ipv4Addr::LOCALHOST, 44818);
 /// Longer than anything here may take on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -97,21 +99,29 @@ impl Bench {
         let (plant, thread) = plant();
         let mut settings = Settings::new("Bench");
         change(&mut settings);
-        let address = SocketAddrV4::new(Ipv4Addr::LOCALHOST, 44818);
-        Self { device: Arc::new(Device::new(plant, settings, address)), _thread: thread }
+        Self {
+            device: Arc::new(Device::new(plant, settings)),
+            _thread: thread,
+        }
     }
 
     /// A stream that the device serves.
     pub(super) fn stream(&self) -> DuplexStream {
         let (ours, theirs) = tokio::io::duplex(64 * 1024);
-        tokio::spawn(connection::serve(theirs, self.device.address, self.device.clone()));
+        tokio::spawn(connection::serve(theirs, LOCAL, self.device.clone()));
         ours
     }
 
     /// A client with a session.
     pub(super) async fn client(&self) -> Client {
-        let mut client = Client { stream: self.stream(), buf: BytesMut::new(), session: SessionHandle(0) };
-        let reply = client.exchange(Command::REGISTER_SESSION, RegisterSession::CURRENT.to_bytes()).await;
+        let mut client = Client {
+            stream: self.stream(),
+            buf: BytesMut::new(),
+            session: SessionHandle(0),
+        };
+        let reply = client
+            .exchange(Command::REGISTER_SESSION, RegisterSession::CURRENT.to_bytes())
+            .await;
         client.session = reply.header.session;
         client
     }
@@ -157,13 +167,19 @@ impl Client {
         let frame = Frame::request(command, self.session, CONTEXT, data);
         self.send(&frame.to_bytes()).await;
         let reply = self.frame().await.expect("an answer");
-        assert_eq!((reply.header.command, reply.header.context), (command, CONTEXT), "the reply belongs to the request");
+        assert_eq!(
+            (reply.header.command, reply.header.context),
+            (command, CONTEXT),
+            "the reply belongs to the request"
+        );
         reply
     }
 
     /// A message without connection; its bytes may be anything.
     pub(super) async fn raw(&mut self, message: Bytes) -> Reply {
-        let frame = self.exchange(Command::SEND_RR_DATA, Packet::unconnected(message).to_bytes()).await;
+        let frame = self
+            .exchange(Command::SEND_RR_DATA, Packet::unconnected(message).to_bytes())
+            .await;
         let packet = Packet::decode(&frame.data).expect("a packet");
         Reply::decode(packet.unconnected_message().expect("a message")).expect("a reply")
     }
@@ -173,16 +189,33 @@ impl Client {
     }
 
     pub(super) async fn open(&mut self, size: u16, serial: u16) -> Connected {
-        let key = ConnectionKey { serial, vendor: 0x1337, originator: 42 };
+        let key = ConnectionKey {
+            serial,
+            vendor: 0x1337,
+            originator: 42,
+        };
         let reply = self.ask(&forward_open(size, key)).await;
         assert!(reply.status.is_success(), "Forward Open: {}", reply.status);
         let open = ForwardOpenReply::decode(&reply.data).expect("a Forward Open reply");
-        Connected { id: open.o_to_t_id, sequence: 0, key }
+        Connected {
+            id: open.o_to_t_id,
+            sequence: 0,
+            key,
+        }
     }
 
     pub(super) async fn close(&mut self, connected: &Connected) -> Reply {
-        let close = ForwardClose { time: TickTime::DEFAULT, key: connected.key, path: Epath::object(2, 1) };
-        self.ask(&Request::new(service::FORWARD_CLOSE, Epath::object(6, 1), close.to_bytes().expect("short"))).await
+        let close = ForwardClose {
+            time: TickTime::DEFAULT,
+            key: connected.key,
+            path: Epath::object(2, 1),
+        };
+        self.ask(&Request::new(
+            service::FORWARD_CLOSE,
+            Epath::object(6, 1),
+            close.to_bytes().expect("short"),
+        ))
+        .await
     }
 
     pub(super) async fn ask_connected(&mut self, connected: &mut Connected, request: &Request) -> Reply {
@@ -195,7 +228,10 @@ impl Client {
         let message = request.to_bytes().expect("a short path");
         let packet = Packet::connected(connected.id, connected.sequence, &message);
         let frame = self.exchange(Command::SEND_UNIT_DATA, packet.to_bytes()).await;
-        let (_, sequence, message) = Packet::decode(&frame.data).expect("a packet").connected_message().expect("class 3");
+        let (_, sequence, message) = Packet::decode(&frame.data)
+            .expect("a packet")
+            .connected_message()
+            .expect("class 3");
         assert_eq!(sequence, connected.sequence);
         Reply::decode(&message).expect("a reply")
     }
@@ -220,7 +256,12 @@ pub(super) fn read(tag: &str, elements: u16) -> Request {
 }
 
 pub(super) fn write(tag: &str, data_type: WireType, elements: u16, data: &[u8]) -> Request {
-    let write = WriteTag { data_type, elements, offset: 0, data: Bytes::copy_from_slice(data) };
+    let write = WriteTag {
+        data_type,
+        elements,
+        offset: 0,
+        data: Bytes::copy_from_slice(data),
+    };
     Request::new(service::WRITE_TAG, path(tag), write.to_bytes())
 }
 

@@ -17,7 +17,10 @@ fn name(text: &str) -> Typed {
 }
 
 fn numbers(numbers: &[f64]) -> Typed {
-    let values = numbers.iter().map(|number| Value::from_f64(Elementary::Lreal, *number)).collect();
+    let values = numbers
+        .iter()
+        .map(|number| Value::from_f64(Elementary::Lreal, *number))
+        .collect();
     Typed::Numbers(Elementary::Lreal, values)
 }
 
@@ -57,12 +60,16 @@ impl Bench {
                 tokio::task::yield_now().await;
             }
         };
-        tokio::time::timeout(PATIENCE, wait).await.unwrap_or_else(|_| panic!("{tag} never showed {flag}"))
+        tokio::time::timeout(PATIENCE, wait)
+            .await
+            .unwrap_or_else(|_| panic!("{tag} never showed {flag}"))
     }
 
     fn position(&self, axis: &str) -> f64 {
         let path = format!("{axis}.CommandPosition").parse().expect("a path");
-        self.device.plant.with_image(|image| image.read(&path).expect("a position").as_f64())
+        self.device
+            .plant
+            .with_image(|image| image.read(&path).expect("a position").as_f64())
     }
 }
 
@@ -70,12 +77,27 @@ impl Bench {
 async fn a_written_enable_in_moves_and_a_refused_operand_shows_its_place() {
     let bench = Bench::new();
     let mut client = bench.client().await;
-    let target: Vec<u8> = [3_f32, 2.0, 1.0].iter().flat_map(|number| number.to_le_bytes()).collect();
-    assert!(client.ask(&write("Move1.Position", REAL, 3, &target)).await.status.is_success());
+    let target: Vec<u8> = [3_f32, 2.0, 1.0]
+        .iter()
+        .flat_map(|number| number.to_le_bytes())
+        .collect();
+    assert!(
+        client
+            .ask(&write("Move1.Position", REAL, 3, &target))
+            .await
+            .status
+            .is_success()
+    );
     assert!(client.write("Move1.EnableIn", BOOL, &[1]).await.is_success());
-    assert!(bench.control("Move1").has(Flag::Dn), "verified before the write was answered");
+    assert!(
+        bench.control("Move1").has(Flag::Dn),
+        "verified before the write was answered"
+    );
     bench.until("Move1", Flag::Pc).await;
-    assert_eq!([bench.position("X"), bench.position("Y"), bench.position("Z")], [3.0, 2.0, 1.0]);
+    assert_eq!(
+        [bench.position("X"), bench.position("Y"), bench.position("Z")],
+        [3.0, 2.0, 1.0]
+    );
     assert!(client.write("Move1.EnableIn", BOOL, &[0]).await.is_success());
 
     // One packet is one action: operands behind EnableIn count too.
@@ -94,18 +116,34 @@ async fn services_execute_connected_and_unconnected_by_instance_and_by_name() {
     let bench = Bench::new();
     let mut client = bench.client().await;
     let mut connected = client.open(500, 1).await;
-    let by_name = Request { path: Epath(vec![Segment::Symbol("cs1".into())]), ..on(Mnemonic::Mclm, 1, &line("M", &[3.0, 0.0, 0.0])) };
+    let by_name = Request {
+        path: Epath(vec![Segment::Symbol("cs1".into())]),
+        ..on(Mnemonic::Mclm, 1, &line("M", &[3.0, 0.0, 0.0]))
+    };
     let mut stray = on(Mnemonic::Mclm, 1, &line("M", &[4.0, 0.0, 0.0]));
     stray.data = [&stray.data[..], &[1, 0, 1, 0]].concat().into();
     let mut last = 0;
     for (why, request, over_connection, x) in [
-        ("unconnected", on(Mnemonic::Mclm, 1, &line("M", &[1.0, 0.0, 0.0])), false, 1.0),
-        ("connected", on(Mnemonic::Mclm, 1, &line("M", &[2.0, 0.0, 0.0])), true, 2.0),
+        (
+            "unconnected",
+            on(Mnemonic::Mclm, 1, &line("M", &[1.0, 0.0, 0.0])),
+            false,
+            1.0,
+        ),
+        (
+            "connected",
+            on(Mnemonic::Mclm, 1, &line("M", &[2.0, 0.0, 0.0])),
+            true,
+            2.0,
+        ),
         ("by name", by_name, true, 3.0),
         ("with the route a stock client leaves behind", stray, false, 4.0),
     ] {
-        let reply =
-            if over_connection { client.ask_connected(&mut connected, &request).await } else { client.ask(&request).await };
+        let reply = if over_connection {
+            client.ask_connected(&mut connected, &request).await
+        } else {
+            client.ask(&request).await
+        };
         assert!(reply.status.is_success(), "{why}: {}", reply.status);
         let (instance, control) = reply.data.split_first_chunk::<4>().expect("an instance");
         let instance = u32::from_le_bytes(*instance);
@@ -115,7 +153,11 @@ async fn services_execute_connected_and_unconnected_by_instance_and_by_name() {
         assert!(control.has(Flag::Dn) && !control.has(Flag::Er), "{why}: {control:?}");
         bench.until("M", Flag::Pc).await;
         assert_eq!(bench.position("X"), x, "{why}");
-        let ask = Request::new(service::GET_ATTRIBUTES_ALL, Epath::object(0x303, instance), Bytes::new());
+        let ask = Request::new(
+            service::GET_ATTRIBUTES_ALL,
+            Epath::object(0x303, instance),
+            Bytes::new(),
+        );
         let seen = MotionControl::from_bytes(client.ask(&ask).await.data[..].try_into().expect("16 bytes"));
         assert!(seen.has(Flag::Pc), "{why}");
     }
@@ -141,7 +183,7 @@ async fn refused_services_tell_why_and_nothing_moves() {
     let cases: Vec<(&str, Request, &[u16])> = vec![
         ("speed below zero",     on(Mnemonic::Mclm, 1, &fast),                       &[0x1F, 13, 4]),
         ("nothing at all",       on(Mnemonic::Mclm, 1, &[]),                         &[0x13]),
-        ("only a name",          on(Mnemonic::Mclm, 1, &[name("M")]),                &[0x13]),
+        ("only a name: no position", on(Mnemonic::Mclm, 1, &[name("M")]),           &[0x1F, 13, 3]),
         ("a number for a name",  on(Mnemonic::Mclm, 1, &[numbers(&[1.0])]),          &[0x20]),
         ("a name for a number",  on(Mnemonic::Mclm, 1, &[name("M"), numbers(&[0.0]), name("x")]), &[0x20, 3]),
         ("too many",             on(Mnemonic::Mclm, 1, &many),                       &[0x15]),
@@ -158,11 +200,18 @@ async fn refused_services_tell_why_and_nothing_moves() {
     ];
     for (why, request, expected) in cases {
         let status = client.ask(&request).await.status;
-        let got: Vec<u16> = [u16::from(status.general())].iter().chain(status.additional()).copied().collect();
+        let got: Vec<u16> = [u16::from(status.general())]
+            .iter()
+            .chain(status.additional())
+            .copied()
+            .collect();
         assert_eq!(got, expected, "{why}");
     }
     assert_eq!(bench.position("X"), 0.0);
-    let ip = bench.device.plant.with_image(|image| image.known_control("M").is_ok_and(|slot| slot.is_some()));
+    let ip = bench
+        .device
+        .plant
+        .with_image(|image| image.known_control("M").is_ok_and(|slot| slot.is_some()));
     assert!(ip, "the refused instruction's tag was made, since it shows the error");
 }
 
@@ -172,7 +221,10 @@ async fn axes_take_their_own_services() {
     let mut client = bench.client().await;
     let on_bit = |bench: &Bench| {
         let path = "X.ServoActionStatus".parse().expect("a path");
-        bench.device.plant.with_image(|image| image.read(&path).expect("a bit").as_bool())
+        bench
+            .device
+            .plant
+            .with_image(|image| image.read(&path).expect("a bit").as_bool())
     };
     for (mnemonic, expected) in [(Mnemonic::Msf, false), (Mnemonic::Mso, true)] {
         let reply = client.ask(&on(mnemonic, 1, &[name("Servo")])).await;

@@ -41,14 +41,22 @@ async fn every_type_reads_back_what_was_written() {
     for (tag, data_type, bytes) in cases {
         // Stock clients send surplus bytes behind a value.
         let surplus: Vec<u8> = bytes.iter().chain(&[9, 9, 9]).copied().collect();
-        assert_eq!(client.write(tag, data_type, &surplus).await, CipStatus::SUCCESS, "{tag}");
+        assert_eq!(
+            client.write(tag, data_type, &surplus).await,
+            CipStatus::SUCCESS,
+            "{tag}"
+        );
         let value = client.read(tag).await;
         assert_eq!((value.data_type, &value.data[..]), (data_type, &bytes[..]), "{tag}");
     }
     assert!(client.write("aBool", BOOL, &[0xFF]).await.is_success());
     assert_eq!(&client.read("aBool").await.data[..], [1], "any byte but 0 is true");
     assert!(client.write("aString", STRING, &string(1000, b"x")).await.is_success());
-    assert_eq!(client.read("aString").await.data[..4], 82_i32.to_le_bytes(), "no text is longer than its room");
+    assert_eq!(
+        client.read("aString").await.data[..4],
+        82_i32.to_le_bytes(),
+        "no text is longer than its room"
+    );
 }
 
 #[tokio::test]
@@ -56,7 +64,11 @@ async fn refusals_tell_why_and_change_nothing() {
     let bench = Bench::new();
     let mut client = bench.client().await;
     let by_instance = |instance, data: &[u8]| {
-        Request::new(service::READ_TAG, Epath::object(0x6B, instance), Bytes::copy_from_slice(data))
+        Request::new(
+            service::READ_TAG,
+            Epath::object(0x6B, instance),
+            Bytes::copy_from_slice(data),
+        )
     };
     let dotted = Epath(vec![Segment::Symbol("Move1.Position[2]".into())]);
     #[rustfmt::skip]
@@ -114,9 +126,16 @@ async fn tags_are_addressed_by_instance_element_and_member() {
     element.0.push(Segment::Member(7));
     let reply = client.ask(&Request::new(service::READ_TAG, element, vec![1, 0])).await;
     assert_eq!(&reply.data[2..], 77_i32.to_le_bytes());
-    assert!(client.write("move1.position[2]", REAL, &5_f32.to_le_bytes()).await.is_success());
+    assert!(
+        client
+            .write("move1.position[2]", REAL, &5_f32.to_le_bytes())
+            .await
+            .is_success()
+    );
     let mut member = Epath::object(0x6B, move1);
-    member.0.extend([Segment::Symbol("POSITION".into()), Segment::Member(2)]);
+    member
+        .0
+        .extend([Segment::Symbol("POSITION".into()), Segment::Member(2)]);
     let reply = client.ask(&Request::new(service::READ_TAG, member, vec![1, 0])).await;
     assert_eq!(&reply.data[2..], 5_f32.to_le_bytes());
     let reply = client.ask(&read("Move1.Position[1]", 8)).await;
@@ -131,13 +150,28 @@ async fn large_arrays_travel_in_fragments_both_ways() {
     let all: Vec<u8> = (0..3000_i32).flat_map(i32::to_le_bytes).collect();
     for offset in (0..all.len()).step_by(400) {
         let part = &all[offset..all.len().min(offset + 400)];
-        let write = WriteTag { data_type: DINT, elements: 3000, offset: offset as u32, data: Bytes::copy_from_slice(part) };
-        let request = Request::new(service::WRITE_TAG_FRAGMENTED, path("Dints"), write.to_bytes_fragmented());
-        assert!(client.ask_connected(&mut connected, &request).await.status.is_success(), "offset {offset}");
+        let write = WriteTag {
+            data_type: DINT,
+            elements: 3000,
+            offset: offset as u32,
+            data: Bytes::copy_from_slice(part),
+        };
+        let request = Request::new(
+            service::WRITE_TAG_FRAGMENTED,
+            path("Dints"),
+            write.to_bytes_fragmented(),
+        );
+        assert!(
+            client.ask_connected(&mut connected, &request).await.status.is_success(),
+            "offset {offset}"
+        );
     }
     let mut got = Vec::<u8>::new();
     loop {
-        let read = ReadTag { elements: 3000, offset: got.len() as u32 };
+        let read = ReadTag {
+            elements: 3000,
+            offset: got.len() as u32,
+        };
         let request = Request::new(service::READ_TAG_FRAGMENTED, path("Dints"), read.to_bytes_fragmented());
         let reply = client.ask_connected(&mut connected, &request).await;
         assert!(reply.len() <= 498, "the reply fits the connection");
@@ -149,8 +183,15 @@ async fn large_arrays_travel_in_fragments_both_ways() {
         }
     }
     assert_eq!(got, all);
-    let beyond = ReadTag { elements: 3000, offset: 12_000 };
-    let request = Request::new(service::READ_TAG_FRAGMENTED, path("Dints"), beyond.to_bytes_fragmented());
+    let beyond = ReadTag {
+        elements: 3000,
+        offset: 12_000,
+    };
+    let request = Request::new(
+        service::READ_TAG_FRAGMENTED,
+        path("Dints"),
+        beyond.to_bytes_fragmented(),
+    );
     assert_eq!(codes(client.ask(&request).await.status), (0xFF, 0x2104));
 }
 
@@ -158,9 +199,8 @@ async fn large_arrays_travel_in_fragments_both_ways() {
 async fn masks_change_bits_of_integers_only() {
     let bench = Bench::new();
     let mut client = bench.client().await;
-    let modify = |tag: &str, masks: ReadModifyWrite| {
-        Request::new(service::READ_MODIFY_WRITE_TAG, path(tag), masks.to_bytes())
-    };
+    let modify =
+        |tag: &str, masks: ReadModifyWrite| Request::new(service::READ_MODIFY_WRITE_TAG, path(tag), masks.to_bytes());
     #[rustfmt::skip]
     let cases = [
         ("set a bit",            "aDint",   ReadModifyWrite::bit(4, 5, true),  (0, 0)),
@@ -203,9 +243,24 @@ async fn a_packet_answers_each_of_its_requests_within_the_connection() {
     assert!(reply.len() <= 498, "the reply fits the connection");
     let replies = split_multiple_replies(&reply.data).expect("replies");
     let general: Vec<u8> = replies.iter().map(|reply| reply.status.general()).collect();
-    assert_eq!(general, [0, 0, 0x05, 0x08, 0, 0x06, 0x11], "what does not fit is cut or refused in its place");
-    assert_eq!(&replies[1].data[2..], 5_i32.to_le_bytes(), "requests act in their order");
-    assert!(client.ask_connected(&mut connected, &packet(&[])).await.status.is_success(), "an empty packet");
+    assert_eq!(
+        general,
+        [0, 0, 0x05, 0x08, 0, 0x06, 0x11],
+        "what does not fit is cut or refused in its place"
+    );
+    assert_eq!(
+        &replies[1].data[2..],
+        5_i32.to_le_bytes(),
+        "requests act in their order"
+    );
+    assert!(
+        client
+            .ask_connected(&mut connected, &packet(&[]))
+            .await
+            .status
+            .is_success(),
+        "an empty packet"
+    );
 }
 
 #[tokio::test]
@@ -213,8 +268,22 @@ async fn bits_in_a_dotted_name_are_booleans() {
     let bench = Bench::new();
     let mut client = bench.client().await;
     let bit = Epath(vec![Segment::Symbol("aDint.4".into())]);
-    let set = WriteTag { data_type: BOOL, elements: 1, offset: 0, data: Bytes::from_static(&[1]) };
-    assert!(client.ask(&Request::new(service::WRITE_TAG, bit.clone(), set.to_bytes())).await.status.is_success());
+    let set = WriteTag {
+        data_type: BOOL,
+        elements: 1,
+        offset: 0,
+        data: Bytes::from_static(&[1]),
+    };
+    assert!(
+        client
+            .ask(&Request::new(service::WRITE_TAG, bit.clone(), set.to_bytes()))
+            .await
+            .status
+            .is_success()
+    );
     assert_eq!(&client.read("aDint").await.data[..], [16, 0, 0, 0]);
-    assert_eq!(&client.ask(&Request::new(service::READ_TAG, bit, vec![1, 0])).await.data[..], [0xC1, 0, 1]);
+    assert_eq!(
+        &client.ask(&Request::new(service::READ_TAG, bit, vec![1, 0])).await.data[..],
+        [0xC1, 0, 1]
+    );
 }
