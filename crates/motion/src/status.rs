@@ -92,6 +92,7 @@ pub(crate) fn system(system: &System, axes: &[Axis]) -> SystemSnapshot {
         }
     }
     let moving = system.activity == Activity::Moving;
+    let on_path = moving && !system.in_transition;
     let pending = system.planner.pending().next().is_some();
     shown.status = [
         (system.shutdown, status::SHUTDOWN_STATUS),
@@ -101,15 +102,16 @@ pub(crate) fn system(system: &System, axes: &[Axis]) -> SystemSnapshot {
     .into_iter()
     .fold(0, with);
     shown.motion_status = [
-        (moving && system.shown_phase == Phase::Accelerating, motion::ACCEL_STATUS),
+        (on_path && system.shown_phase == Phase::Accelerating, motion::ACCEL_STATUS),
         (
-            system.stop.is_some() || (moving && system.shown_phase == Phase::Decelerating),
+            system.stop.is_some() || (on_path && system.shown_phase == Phase::Decelerating),
             motion::DECEL_STATUS,
         ),
         (system.in_actual_tolerance, motion::ACTUAL_POS_TOLERANCE_STATUS),
         (system.in_command_tolerance, motion::COMMAND_POS_TOLERANCE_STATUS),
         (system.stop.is_some(), motion::STOPPING_STATUS),
         (moving, motion::MOVE_STATUS),
+        (moving && system.in_transition, motion::MOVE_TRANSITION_STATUS),
         (pending, motion::MOVE_PENDING_STATUS),
         (pending && system.planner.is_full(), motion::MOVE_PENDING_QUEUE_FULL_STATUS),
     ]
