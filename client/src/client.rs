@@ -31,7 +31,10 @@ pub struct Options {
 impl Default for Options {
     /// 5 s and 4000 bytes.
     fn default() -> Self {
-        Self { timeout: Duration::from_secs(5), connection_size: 4000 }
+        Self {
+            timeout: Duration::from_secs(5),
+            connection_size: 4000,
+        }
     }
 }
 
@@ -71,7 +74,10 @@ impl Client {
     /// As [`Client::connect`].
     pub async fn connect_with(address: &str, options: &Options) -> Result<Self, ClientError> {
         let full = with_port(address);
-        let refused = |source| ClientError::Connect { address: full.clone(), source };
+        let refused = |source| ClientError::Connect {
+            address: full.clone(),
+            source,
+        };
         let connecting = tokio::time::timeout(options.timeout, TcpStream::connect(&full)).await;
         let stream = connecting.unwrap_or_else(|late| Err(late.into())).map_err(refused)?;
         stream.set_nodelay(true).map_err(refused)?;
@@ -87,7 +93,10 @@ impl Client {
         S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
     {
         let link = Link::open(stream, options.connection_size.max(64), options.timeout).await?;
-        Ok(Self { link, table: Mutex::default() })
+        Ok(Self {
+            link,
+            table: Mutex::default(),
+        })
     }
 
     /// Who the server is, and the address at which it says it listens.

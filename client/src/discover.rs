@@ -45,7 +45,10 @@ pub struct Discovered {
 /// # }
 /// ```
 pub async fn discover(address: &str, wait: Duration) -> Result<Vec<Discovered>, ClientError> {
-    let failed = |source| ClientError::Connect { address: address.to_owned(), source };
+    let failed = |source| ClientError::Connect {
+        address: address.to_owned(),
+        source,
+    };
     let socket = UdpSocket::bind("0.0.0.0:0").await.map_err(failed)?;
     socket.set_broadcast(true).map_err(failed)?;
     let [low, high] = SPREAD_MS.to_le_bytes();
@@ -62,7 +65,11 @@ pub async fn discover(address: &str, wait: Duration) -> Result<Vec<Discovered>, 
             && found.len() < MAX_ANSWERS
             && !found.iter().any(|known| known.from == from)
         {
-            found.push(Discovered { from, listens, identity });
+            found.push(Discovered {
+                from,
+                listens,
+                identity,
+            });
         }
     }
     Ok(found)

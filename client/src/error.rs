@@ -140,11 +140,7 @@ impl ClientError {
     pub fn is_connection(&self) -> bool {
         matches!(
             self,
-            Self::Connect { .. }
-                | Self::Closed
-                | Self::Timeout { .. }
-                | Self::Session(_)
-                | Self::Malformed { .. }
+            Self::Connect { .. } | Self::Closed | Self::Timeout { .. } | Self::Session(_) | Self::Malformed { .. }
         )
     }
 
@@ -157,15 +153,25 @@ impl ClientError {
     }
 
     pub(crate) fn path(path: &str, source: PathError) -> Self {
-        Self::Path { path: path.to_owned(), source }
+        Self::Path {
+            path: path.to_owned(),
+            source,
+        }
     }
 
     pub(crate) fn refused(what: impl Into<String>, status: CipStatus) -> Self {
-        Self::Refused { what: what.into(), status }
+        Self::Refused {
+            what: what.into(),
+            status,
+        }
     }
 
     pub(crate) fn value(path: &str, expected: Elementary, given: impl std::fmt::Display) -> Self {
-        Self::Value { path: path.to_owned(), expected: expected.name().to_owned(), given: given.to_string() }
+        Self::Value {
+            path: path.to_owned(),
+            expected: expected.name().to_owned(),
+            given: given.to_string(),
+        }
     }
 }
 
@@ -173,7 +179,9 @@ impl From<session::ClientError> for ClientError {
     fn from(error: session::ClientError) -> Self {
         match error {
             session::ClientError::Refused(status) => Self::refused("the connection", status),
-            session::ClientError::Lost | session::ClientError::NotOpen | session::ClientError::NotRegistered => Self::Closed,
+            session::ClientError::Lost | session::ClientError::NotOpen | session::ClientError::NotRegistered => {
+                Self::Closed
+            }
             error => Self::Session(error),
         }
     }
@@ -181,7 +189,10 @@ impl From<session::ClientError> for ClientError {
 
 /// `, did you mean "CS1"?`
 fn suggest(suggestion: &Option<String>) -> String {
-    suggestion.as_ref().map(|name| format!(", did you mean {name:?}?")).unwrap_or_default()
+    suggestion
+        .as_ref()
+        .map(|name| format!(", did you mean {name:?}?"))
+        .unwrap_or_default()
 }
 
 /// The candidate nearest to a name, when it is near enough to be a slip.

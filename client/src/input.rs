@@ -32,7 +32,9 @@ impl Input {
                 (to.is_real() || value.to_integer() == Some(*number) || as_bits(to, *number)).then_some(value)
             }
             Self::Number(number) if to.is_real() || to == Elementary::Bool => Some(Value::from_f64(to, *number)),
-            Self::Number(number) => Value::Lreal(*number).to_integer().and_then(|n| Self::Integer(n).convert(to)),
+            Self::Number(number) => Value::Lreal(*number)
+                .to_integer()
+                .and_then(|n| Self::Integer(n).convert(to)),
             Self::Text(_) | Self::Array(_) => None,
         }
     }
@@ -76,7 +78,9 @@ fn parse(text: &str) -> Input {
     if text.eq_ignore_ascii_case("true") || text.eq_ignore_ascii_case("false") {
         return Input::Bool(text.eq_ignore_ascii_case("true"));
     }
-    let hex = text.strip_prefix("0x").and_then(|digits| i64::from_str_radix(digits, 16).ok());
+    let hex = text
+        .strip_prefix("0x")
+        .and_then(|digits| i64::from_str_radix(digits, 16).ok());
     if let Some(number) = hex.or_else(|| text.parse().ok()) {
         return Input::Integer(number);
     }

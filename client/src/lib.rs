@@ -51,7 +51,6 @@ mod tags;
 mod template;
 mod write;
 
-
 pub use arcline_instruction_set::{Flag, Given, Mnemonic, MotionControl, Object};
 pub use arcline_proto::identity::Identity;
 pub use arcline_tag::{Elementary, TagType, Value};

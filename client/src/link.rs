@@ -63,7 +63,11 @@ impl Link {
     {
         let (jobs, queue) = mpsc::channel(WAITING);
         tokio::spawn(Wire::new(stream, timeout).serve(queue));
-        let mut this = Self { jobs, timeout, budget: UNCONNECTED_BUDGET };
+        let mut this = Self {
+            jobs,
+            timeout,
+            budget: UNCONNECTED_BUDGET,
+        };
         this.ask(What::Register).await?;
         for size in [size, size.min(SMALL_CONNECTION)] {
             match this.ask(What::Open(open_options(size))).await {
@@ -88,11 +92,17 @@ impl Link {
         let service = request.service;
         let length = request.to_bytes().map_err(session::ClientError::from)?.len();
         if length > self.budget {
-            return Err(ClientError::TooLarge { what: "the request's length", claimed: length, limit: self.budget });
+            return Err(ClientError::TooLarge {
+                what: "the request's length",
+                claimed: length,
+                limit: self.budget,
+            });
         }
         match self.ask(What::Message(request)).await? {
             Outcome::Reply(reply) if reply.service == service => Ok(reply),
-            _ => Err(ClientError::Malformed { what: "a reply is for another service" }),
+            _ => Err(ClientError::Malformed {
+                what: "a reply is for another service",
+            }),
         }
     }
 
@@ -100,7 +110,9 @@ impl Link {
     pub(crate) async fn identify(&self) -> Result<(SocketAddrV4, Identity), ClientError> {
         match self.ask(What::Identify).await? {
             Outcome::Identity(Some(found)) => Ok(found),
-            _ => Err(ClientError::Malformed { what: "a ListIdentity reply holds no identity" }),
+            _ => Err(ClientError::Malformed {
+                what: "a ListIdentity reply holds no identity",
+            }),
         }
     }
 
@@ -112,7 +124,10 @@ impl Link {
 
     async fn ask(&self, what: What) -> Result<Outcome, ClientError> {
         let (answer, answered) = oneshot::channel();
-        self.jobs.send(Job { what, answer }).await.map_err(|_| ClientError::Closed)?;
+        self.jobs
+            .send(Job { what, answer })
+            .await
+            .map_err(|_| ClientError::Closed)?;
         match answered.await {
             Ok(Outcome::Failed(session::ClientError::TimedOut)) => Err(ClientError::Timeout { after: self.timeout }),
             Ok(Outcome::Failed(error)) => Err(error.into()),
@@ -124,9 +139,17 @@ impl Link {
 
 fn open_options(size: u16) -> OpenOptions {
     let random = random_bits();
-    let key = ConnectionKey { serial: random as u16, vendor: VENDOR_ID, originator: (random >> 16) as u32 };
+    let key = ConnectionKey {
+        serial: random as u16,
+        vendor: VENDOR_ID,
+        originator: (random >> 16) as u32,
+    };
     let options = OpenOptions::new(key, ConnectionId((random >> 32) as u32 | 1));
-    OpenOptions { size, multiplier: LONGEST_MULTIPLIER, ..options }
+    OpenOptions {
+        size,
+        multiplier: LONGEST_MULTIPLIER,
+        ..options
+    }
 }
 
 /// The task's side: socket, session, and who waits for what.
@@ -210,7 +233,10 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
             if let Outcome::Opened { connection, .. } = event.outcome {
                 self.connection = Some(connection);
             }
-            over |= matches!(event.outcome, Outcome::Failed(session::ClientError::Lost | session::ClientError::Frame(_)));
+            over |= matches!(
+                event.outcome,
+                Outcome::Failed(session::ClientError::Lost | session::ClientError::Frame(_))
+            );
             if matches!(&self.life, Life::Closing(call, _) if *call == event.call) {
                 self.unregister();
             } else if let Some(answer) = self.waiting.remove(&event.call) {

@@ -58,12 +58,17 @@ impl Operands {
     /// ```
     pub fn full_speed(mnemonic: Mnemonic) -> Self {
         let instruction = mnemonic.instruction();
-        let operands = instruction.given_operands().filter_map(|place| instruction.operands.get(place));
+        let operands = instruction
+            .given_operands()
+            .filter_map(|place| instruction.operands.get(place));
         let given = operands.map(|operand| match operand.kind {
             Kind::Array(_) | Kind::Reference(_) | Kind::Structure(_) => Given::Missing,
             _ => Given::Number(operand.initial.into()),
         });
-        Self { mnemonic, given: given.collect() }
+        Self {
+            mnemonic,
+            given: given.collect(),
+        }
     }
 
     /// With an operand set, by its name on the faceplate or its member name, case and blanks ignored.
@@ -72,9 +77,15 @@ impl Operands {
     /// [`ClientError::UnknownOperand`].
     pub fn with(mut self, name: &str, value: impl Into<Given>) -> Result<Self, ClientError> {
         let instruction = self.mnemonic.instruction();
-        let unknown = || ClientError::UnknownOperand { mnemonic: self.mnemonic, name: name.to_owned() };
+        let unknown = || ClientError::UnknownOperand {
+            mnemonic: self.mnemonic,
+            name: name.to_owned(),
+        };
         let place = instruction.operand(name).ok_or_else(unknown)?;
-        let index = instruction.given_operands().position(|given| given == place).ok_or_else(unknown)?;
+        let index = instruction
+            .given_operands()
+            .position(|given| given == place)
+            .ok_or_else(unknown)?;
         if let Some(slot) = self.given.get_mut(index) {
             *slot = value.into();
         }
@@ -130,10 +141,17 @@ impl Client {
         let mut reader = Reader::new(&reply.data);
         let parts = (reader.u32(), reader.array::<{ MotionControl::SIZE }>());
         let (Some(instance), Some(control)) = parts else {
-            return Err(ClientError::Malformed { what: "the answer to an instruction is cut" });
+            return Err(ClientError::Malformed {
+                what: "the answer to an instruction is cut",
+            });
         };
         let control = MotionControl::from_bytes(control);
-        let execution = Execution { mnemonic, target: target.to_owned(), instance, control };
+        let execution = Execution {
+            mnemonic,
+            target: target.to_owned(),
+            instance,
+            control,
+        };
         check(&control, Some(mnemonic)).map(|()| execution)
     }
 
@@ -146,7 +164,9 @@ impl Client {
         let what = "the instruction's status";
         let reply = self.ask(what, service::GET_ATTRIBUTES_ALL, path, Bytes::new()).await?;
         let bytes = Reader::new(&reply.data).array::<{ MotionControl::SIZE }>();
-        bytes.map(MotionControl::from_bytes).ok_or(ClientError::Malformed { what: "an instruction's status is cut" })
+        bytes.map(MotionControl::from_bytes).ok_or(ClientError::Malformed {
+            what: "an instruction's status is cut",
+        })
     }
 
     /// Waits until a bit of an executed instruction is set.
@@ -186,7 +206,11 @@ impl Client {
             (general, _) if general == CipStatus::PATH_DESTINATION_UNKNOWN.general() => {
                 let names = self.objects(object).await.unwrap_or_default();
                 let suggestion = crate::nearest(target, names.iter().map(String::as_str));
-                ClientError::UnknownObject { object, name: target.to_owned(), suggestion }
+                ClientError::UnknownObject {
+                    object,
+                    name: target.to_owned(),
+                    suggestion,
+                }
             }
             _ => ClientError::refused(format!("{mnemonic} on {target}"), reply.status),
         }
@@ -206,13 +230,20 @@ pub(crate) fn outcome(
         return Some(Err(error));
     }
     let over = control.has(Flag::Dn) && !control.has(Flag::Ip);
-    (over && flag != Flag::Dn).then_some(Err(ClientError::Ended { flag, control: *control }))
+    (over && flag != Flag::Dn).then_some(Err(ClientError::Ended {
+        flag,
+        control: *control,
+    }))
 }
 
 /// ER is an error.
 fn check(control: &MotionControl, mnemonic: Option<Mnemonic>) -> Result<(), ClientError> {
     if control.has(Flag::Er) {
-        Err(ClientError::Motion { mnemonic, err: control.err, exerr: control.exerr })
+        Err(ClientError::Motion {
+            mnemonic,
+            err: control.err,
+            exerr: control.exerr,
+        })
     } else {
         Ok(())
     }
@@ -222,21 +253,39 @@ fn check(control: &MotionControl, mnemonic: Option<Mnemonic>) -> Result<(), Clie
 fn encode(mnemonic: Mnemonic, control: &str, given: &[Given]) -> Result<BytesMut, ClientError> {
     let instruction = mnemonic.instruction();
     let places: Vec<usize> = instruction.given_operands().collect();
-    let used = given.iter().rposition(|operand| *operand != Given::Missing).map_or(0, |last| last + 1);
+    let used = given
+        .iter()
+        .rposition(|operand| *operand != Given::Missing)
+        .map_or(0, |last| last + 1);
     let given = given.get(..used).unwrap_or_default();
     if given.len() > places.len() {
-        return Err(BindError::TooMany { mnemonic, given: given.len(), most: places.len() }.into());
+        return Err(BindError::TooMany {
+            mnemonic,
+            given: given.len(),
+            most: places.len(),
+        }
+        .into());
     }
     let mut operands = vec![Typed::ShortString(control.to_owned())];
     for (value, place) in given.iter().zip(places) {
-        let kind = instruction.operands.get(place).map_or(&Kind::MotionControl, |operand| &operand.kind);
+        let kind = instruction
+            .operands
+            .get(place)
+            .map_or(&Kind::MotionControl, |operand| &operand.kind);
         operands.push(typed(value, kind).ok_or_else(|| {
             let operand = OperandIndex(u8::try_from(place).unwrap_or(u8::MAX));
             match (value, kind) {
-                (Given::Word(word) | Given::Name(word), Kind::Word(_)) => {
-                    BindError::UnknownWord { mnemonic, operand, word: word.chars().take(60).collect() }
-                }
-                (given, _) => BindError::WrongType { mnemonic, operand, given: given.clone(), expected: "a number" },
+                (Given::Word(word) | Given::Name(word), Kind::Word(_)) => BindError::UnknownWord {
+                    mnemonic,
+                    operand,
+                    word: word.chars().take(60).collect(),
+                },
+                (given, _) => BindError::WrongType {
+                    mnemonic,
+                    operand,
+                    given: given.clone(),
+                    expected: "a number",
+                },
             }
         })?);
     }
@@ -262,7 +311,11 @@ fn typed(given: &Given, kind: &Kind) -> Option<Typed> {
         }
         (Given::Word(word) | Given::Name(word), Kind::Word(words)) => integer(words.parse_word(word)?.into()),
         (Given::Word(name) | Given::Name(name), Kind::Reference(_) | Kind::Structure(_) | Kind::WrittenArray(_)) => {
-            if name.eq_ignore_ascii_case("none") { integer(0) } else { Typed::ShortString(name.clone()) }
+            if name.eq_ignore_ascii_case("none") {
+                integer(0)
+            } else {
+                Typed::ShortString(name.clone())
+            }
         }
         (Given::Word(name), Kind::ArrayOrNone) if name.eq_ignore_ascii_case("none") => integer(0),
         (Given::Word(_) | Given::Name(_), _) => return None,
@@ -285,11 +338,20 @@ mod tests {
         ];
         let data = encode(Mnemonic::Mclm, "Move1", &given).expect("encodes");
         let dint = |number| Typed::Numbers(Elementary::Dint, vec![Value::Dint(number)]);
-        let lreals = |numbers: &[f64]| Typed::Numbers(Elementary::Lreal, numbers.iter().copied().map(Value::Lreal).collect());
+        let lreals =
+            |numbers: &[f64]| Typed::Numbers(Elementary::Lreal, numbers.iter().copied().map(Value::Lreal).collect());
         let expected = vec![
-            Typed::ShortString("Move1".into()), dint(0), lreals(&[1.0, 2.5]), lreals(&[50.0]), dint(0),
+            Typed::ShortString("Move1".into()),
+            dint(0),
+            lreals(&[1.0, 2.5]),
+            lreals(&[50.0]),
+            dint(0),
         ];
-        assert_eq!(decode_operands(&data), Ok(expected), "the last one, missing, is left out");
+        assert_eq!(
+            decode_operands(&data),
+            Ok(expected),
+            "the last one, missing, is left out"
+        );
     }
 
     #[test]
@@ -320,7 +382,11 @@ mod tests {
         assert_eq!(done(&[Flag::En], Flag::Dn), None, "not done yet");
         assert_eq!(done(&[Flag::Dn, Flag::Pc], Flag::Pc), Some(true), "complete");
         assert_eq!(done(&[Flag::Dn], Flag::Pc), Some(false), "stopped");
-        assert_eq!(done(&[Flag::Dn, Flag::Er], Flag::Pc), Some(false), "failed when it became active");
+        assert_eq!(
+            done(&[Flag::Dn, Flag::Er], Flag::Pc),
+            Some(false),
+            "failed when it became active"
+        );
         assert_eq!(done(&[Flag::En, Flag::Er], Flag::Dn), Some(false), "refused");
     }
 }

@@ -6,7 +6,8 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use arcline_instruction_set::{Flag, Mnemonic, Object, predefined};
+use arcline_instruction_set::enumerations::MERGE;
+use arcline_instruction_set::{Flag, Given, Mnemonic, Object, predefined};
 use arcline_proto::cip::CipStatus;
 use arcline_structured_text::{Answer, BoundCall, Interpreter, Names, Program, Request, RuntimeError, SyntaxError};
 use arcline_tag::{DataType, TagPath, TagType, Value};
@@ -18,6 +19,8 @@ use crate::{Client, ClientError, Execution, Input};
 pub const TICK: Duration = Duration::from_millis(1);
 /// Time between two looks at motion that must end.
 const POLL: Duration = Duration::from_millis(5);
+/// Longest silence towards the server.
+const SILENCE: Duration = Duration::from_secs(30);
 /// ERR of a full queue.
 const QUEUE_FULL: i16 = 43;
 /// Executions that are watched to their end: what the server keeps.
@@ -123,11 +126,20 @@ impl<'c> Runner<'c> {
     }
 
     async fn new(client: &'c Client, mut program: Program) -> Result<Self, ProgramError> {
-        client.browse().await.map_err(|source| ProgramError::Client { line: 1, source })?;
+        client
+            .browse()
+            .await
+            .map_err(|source| ProgramError::Client { line: 1, source })?;
         program.check(&Known(&client.table()))?;
         let interpreter = Interpreter::new(program);
         let (queue_full, on_error) = (QueueFull::default(), OnError::default());
-        Ok(Self { client, interpreter, queue_full, on_error, executions: VecDeque::new() })
+        Ok(Self {
+            client,
+            interpreter,
+            queue_full,
+            on_error,
+            executions: VecDeque::new(),
+        })
     }
 
     /// With another answer to a full queue than waiting.
@@ -172,19 +184,17 @@ impl<'c> Runner<'c> {
                 Request::End => return Ok(()),
                 Request::Read(path) => self.read(&path).await.map(Answer::Value),
                 Request::ReadArray(path) => self.client.read_numbers(&path.to_string()).await.map(Answer::Array),
-                Request::Write(path, value) => {
-                    self.client.write(&path.to_string(), Input::from(value)).await.map(|()| Answer::Done)
-                }
+                Request::Write(path, value) => self
+                    .client
+                    .write(&path.to_string(), Input::from(value))
+                    .await
+                    .map(|()| Answer::Done),
                 Request::Call(call) => self.execute(call, on_event).await,
                 Request::NextTick => {
                     tokio::time::sleep(TICK).await;
                     Ok(Answer::Done)
                 }
-                Request::Delay(seconds) => {
-                    let delay = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-                    tokio::time::sleep(delay).await;
-                    Ok(Answer::Done)
-                }
+                Request::Delay(seconds) => self.delay(seconds).await.map(|()| Answer::Done),
             };
             answer = answered.map_err(|source| ProgramError::Client { line, source })?;
         }
@@ -200,9 +210,18 @@ impl<'c> Runner<'c> {
             match self.client.instruction(execution.instance).await {
                 Ok(control) if control.has(Flag::Er) => {
                     let (err, exerr) = (control.err, control.exerr);
-                    let error = ClientError::Motion { mnemonic: Some(execution.mnemonic), err, exerr };
+                    let error = ClientError::Motion {
+                        mnemonic: Some(execution.mnemonic),
+                        err,
+                        exerr,
+                    };
                     let (mnemonic, target) = (execution.mnemonic, execution.target.as_str());
-                    on_event(Event::Erred { line: *line, mnemonic, target, error: &error });
+                    on_event(Event::Erred {
+                        line: *line,
+                        mnemonic,
+                        target,
+                        error: &error,
+                    });
                     if self.on_error == OnError::Stop {
                         return Err(fail(error));
                     }
@@ -226,11 +245,23 @@ impl<'c> Runner<'c> {
         call: BoundCall,
         on_event: &mut (dyn FnMut(Event<'_>) + Send),
     ) -> Result<Answer, ClientError> {
-        let BoundCall { mnemonic, target, control, given, line } = call;
+        let BoundCall {
+            mnemonic,
+            target,
+            control,
+            given,
+            line,
+        } = call;
+        if self.queue_full == QueueFull::Wait && needs_room(mnemonic, &given) && self.is_full(&target).await? {
+            return Ok(Answer::QueueFull);
+        }
         let control = control.unwrap_or_default();
         match self.client.execute(mnemonic, &target, &control, &given).await {
             Ok(execution) => {
-                on_event(Event::Executed { line, execution: &execution });
+                on_event(Event::Executed {
+                    line,
+                    execution: &execution,
+                });
                 if self.executions.len() == WATCHED {
                     self.executions.pop_front();
                 }
@@ -242,7 +273,12 @@ impl<'c> Runner<'c> {
             }
             Err(error) => {
                 if error.motion().is_some() {
-                    on_event(Event::Erred { line, mnemonic, target: &target, error: &error });
+                    on_event(Event::Erred {
+                        line,
+                        mnemonic,
+                        target: &target,
+                        error: &error,
+                    });
                     if self.on_error == OnError::KeepGoing {
                         return Ok(Answer::Done);
                     }
@@ -250,6 +286,28 @@ impl<'c> Runner<'c> {
                 Err(error)
             }
         }
+    }
+
+    /// Looked at first, so that a call that waits leaves no error in its tag and takes no instance on the server.
+    async fn is_full(&self, system: &str) -> Result<bool, ClientError> {
+        match self.client.read(&format!("{system}.MovePendingQueueFullStatus")).await {
+            Ok(reading) => Ok(reading.as_bool().unwrap_or_default()),
+            Err(error) if error.is_connection() => Err(error),
+            // Not a coordinate system: the call says so better.
+            Err(_) => Ok(false),
+        }
+    }
+
+    /// Asks now and then, so that the server does not take the silence for a lost client.
+    async fn delay(&self, seconds: f64) -> Result<(), ClientError> {
+        let mut left = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+        while left > SILENCE {
+            tokio::time::sleep(SILENCE).await;
+            left -= SILENCE;
+            self.client.identify().await?;
+        }
+        tokio::time::sleep(left).await;
+        Ok(())
     }
 
     /// The value of a tag; a member of a motion control tag that has not been made yet is 0.
@@ -266,8 +324,30 @@ impl<'c> Runner<'c> {
     }
 }
 
+/// Whether the call is a move that takes a place in the queue; one that merges takes none.
+fn needs_room(mnemonic: Mnemonic, given: &[Given]) -> bool {
+    let instruction = mnemonic.instruction();
+    let place = instruction
+        .operand("Merge")
+        .filter(|_| instruction.object == Object::CoordinateSystem);
+    let Some(place) = place else { return false };
+    let merge = instruction
+        .given_operands()
+        .position(|given| given == place)
+        .and_then(|index| given.get(index));
+    match merge {
+        None | Some(Given::Missing) => true,
+        Some(Given::Number(number)) => *number == 0.0,
+        Some(Given::Integer(number)) => *number == 0,
+        Some(Given::Word(word) | Given::Name(word)) => MERGE.parse_word(word) == Some(0),
+        Some(Given::Array(_)) => false,
+    }
+}
+
 fn unmade_control(path: &TagPath) -> Option<Value> {
-    let place = TagType::scalar(predefined::motion_instruction()).locate(path.rest()).ok()?;
+    let place = TagType::scalar(predefined::motion_instruction())
+        .locate(path.rest())
+        .ok()?;
     match place.data_type {
         DataType::Elementary(elementary) if place.bit.is_none() => Some(Value::from_f64(elementary, 0.0)),
         DataType::Elementary(_) => Some(Value::Bool(false)),
@@ -289,7 +369,12 @@ impl Names for Known<'_> {
     }
 
     fn objects(&self, object: Object) -> Vec<String> {
-        self.0.tags().into_iter().filter(|tag| tag.object() == Some(object)).map(|tag| tag.name).collect()
+        self.0
+            .tags()
+            .into_iter()
+            .filter(|tag| tag.object() == Some(object))
+            .map(|tag| tag.name)
+            .collect()
     }
 
     fn tags(&self) -> Vec<String> {

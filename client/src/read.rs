@@ -37,21 +37,38 @@ impl Place {
     /// Finds the part of a tag that a path leads to.
     fn new(text: &str, path: &TagPath, tag_type: &TagType) -> Result<Self, ClientError> {
         let wrong = |error| ClientError::path(text, error);
-        let Location { data_type, elements, .. } = tag_type.locate(path.rest()).map_err(wrong)?;
+        let Location {
+            data_type, elements, ..
+        } = tag_type.locate(path.rest()).map_err(wrong)?;
         let (wire, bit) = Epath::from_tag(path);
         let array = if bit.is_none() && is_array(path, tag_type).map_err(wrong)? {
             let claimed = elements as usize;
             let limit = usize::from(u16::MAX);
             let count = u16::try_from(elements);
-            Some(count.map_err(|_| ClientError::TooLarge { what: "the number of elements", claimed, limit })?)
+            Some(count.map_err(|_| ClientError::TooLarge {
+                what: "the number of elements",
+                claimed,
+                limit,
+            })?)
         } else {
             None
         };
         let size = data_type.size().saturating_mul(array.map_or(1, usize::from));
         if size > MAX_BYTES {
-            return Err(ClientError::TooLarge { what: "the tag's size", claimed: size, limit: MAX_BYTES });
+            return Err(ClientError::TooLarge {
+                what: "the tag's size",
+                claimed: size,
+                limit: MAX_BYTES,
+            });
         }
-        Ok(Self { text: text.to_owned(), path: wire, data_type, array, available: elements, bit })
+        Ok(Self {
+            text: text.to_owned(),
+            path: wire,
+            data_type,
+            array,
+            available: elements,
+            bit,
+        })
     }
 
     /// The type code in front of its values.
@@ -71,7 +88,11 @@ impl Place {
     }
 
     fn request(&self) -> Request {
-        let data = ReadTag { elements: self.elements(), offset: 0 }.to_bytes();
+        let data = ReadTag {
+            elements: self.elements(),
+            offset: 0,
+        }
+        .to_bytes();
         Request::new(service::READ_TAG, self.path.clone(), data)
     }
 
@@ -202,12 +223,18 @@ impl Client {
             let requests: Vec<Request> = places.iter().map(|place| place.request()).collect();
             let data = join_multiple(&requests).map_err(arcline_proto::client::ClientError::from)?;
             let path = Epath::object(class::MESSAGE_ROUTER, 1);
-            let reply = self.request(Request::new(service::MULTIPLE_SERVICE_PACKET, path, data)).await?;
+            let reply = self
+                .request(Request::new(service::MULTIPLE_SERVICE_PACKET, path, data))
+                .await?;
             if !reply.status.is_success() && !reply.status.is(CipStatus::EMBEDDED_SERVICE_ERROR) {
                 return Err(ClientError::refused("reading several tags", reply.status));
             }
-            let malformed = ClientError::Malformed { what: "replies of a Multiple Service Packet are missing" };
-            replies = split_multiple_replies(&reply.data).filter(|all| all.len() == places.len()).ok_or(malformed)?;
+            let malformed = ClientError::Malformed {
+                what: "replies of a Multiple Service Packet are missing",
+            };
+            replies = split_multiple_replies(&reply.data)
+                .filter(|all| all.len() == places.len())
+                .ok_or(malformed)?;
         }
         let mut replies = replies.into_iter();
         let mut readings = Vec::with_capacity(batch.len());
@@ -260,22 +287,36 @@ impl Client {
                 break;
             }
             if nothing || bytes.len() >= size {
-                return Err(ClientError::Malformed { what: "a fragmented read does not end" });
+                return Err(ClientError::Malformed {
+                    what: "a fragmented read does not end",
+                });
             }
             let offset = u32::try_from(bytes.len()).unwrap_or(u32::MAX);
-            let data = ReadTag { elements: place.elements(), offset }.to_bytes_fragmented();
+            let data = ReadTag {
+                elements: place.elements(),
+                offset,
+            }
+            .to_bytes_fragmented();
             let request = Request::new(service::READ_TAG_FRAGMENTED, place.path.clone(), data);
             reply = self.request(request).await?;
         }
-        if bytes.len() < size { Err(TOO_SHORT) } else { Ok(bytes.freeze()) }
+        if bytes.len() < size {
+            Err(TOO_SHORT)
+        } else {
+            Ok(bytes.freeze())
+        }
     }
 }
 
 /// The data of a read reply, at most `room` bytes of it; its type must be the tag's.
 fn fragment(place: &Place, reply: &Reply, room: usize) -> Result<Bytes, ClientError> {
-    let reply = ReadReply::decode(&reply.data).ok_or(ClientError::Malformed { what: "a read reply is cut" })?;
+    let reply = ReadReply::decode(&reply.data).ok_or(ClientError::Malformed {
+        what: "a read reply is cut",
+    })?;
     if !same_type(reply.data_type, place.wire_type()) {
-        return Err(ClientError::Malformed { what: "a read reply has another type than the tag" });
+        return Err(ClientError::Malformed {
+            what: "a read reply has another type than the tag",
+        });
     }
     Ok(reply.data.slice(..reply.data.len().min(room)))
 }
@@ -289,4 +330,6 @@ fn same_type(answered: WireType, expected: WireType) -> bool {
     }
 }
 
-const TOO_SHORT: ClientError = ClientError::Malformed { what: "a read reply has too few bytes" };
+const TOO_SHORT: ClientError = ClientError::Malformed {
+    what: "a read reply has too few bytes",
+};

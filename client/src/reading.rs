@@ -32,7 +32,10 @@ pub struct Structure {
 impl Structure {
     /// The member of that name, case ignored.
     pub fn member(&self, name: &str) -> Option<&Reading> {
-        self.members.iter().find(|(member, _)| member.eq_ignore_ascii_case(name)).map(|(_, reading)| reading)
+        self.members
+            .iter()
+            .find(|(member, _)| member.eq_ignore_ascii_case(name))
+            .map(|(_, reading)| reading)
     }
 }
 
@@ -55,7 +58,10 @@ impl Reading {
         if size == 0 {
             return Some(Self::Array(Vec::new()));
         }
-        all.chunks_exact(size).map(|one| Self::decode(data_type, one)).collect::<Option<Vec<_>>>().map(Self::Array)
+        all.chunks_exact(size)
+            .map(|one| Self::decode(data_type, one))
+            .collect::<Option<Vec<_>>>()
+            .map(Self::Array)
     }
 
     fn decode_structure(template: &Template, bytes: &[u8]) -> Option<Structure> {
@@ -69,7 +75,10 @@ impl Reading {
             };
             members.push((member.name.clone(), reading));
         }
-        Some(Structure { type_name: template.name.clone(), members })
+        Some(Structure {
+            type_name: template.name.clone(),
+            members,
+        })
     }
 
     /// The elementary value, if it is one.
@@ -185,15 +194,23 @@ fn serialize_value<S: Serializer>(value: Value, serializer: S) -> Result<S::Ok, 
 
 /// The type's name as it is printed: `REAL[9]`, `STRING`, `BOOL`.
 pub(crate) fn type_name(data_type: &DataType, dimensions: &[u32]) -> String {
-    let used: Vec<String> = dimensions.iter().take_while(|size| **size > 0).map(u32::to_string).collect();
-    let brackets = if used.is_empty() { String::new() } else { format!("[{}]", used.join(",")) };
+    let used: Vec<String> = dimensions
+        .iter()
+        .take_while(|size| **size > 0)
+        .map(u32::to_string)
+        .collect();
+    let brackets = if used.is_empty() {
+        String::new()
+    } else {
+        format!("[{}]", used.join(","))
+    };
     format!("{}{brackets}", data_type.name())
 }
 
 #[cfg(test)]
 mod tests {
-    use arcline_tag::Elementary;
     use super::*;
+    use arcline_tag::Elementary;
     use arcline_tag::{TemplateBuilder, string_template, write_string};
 
     fn sample() -> (DataType, Vec<u8>) {
@@ -215,11 +232,20 @@ mod tests {
     fn structures_decode_print_and_serialise() {
         let (data_type, bytes) = sample();
         let reading = Reading::decode(&data_type, &bytes).expect("enough bytes");
-        assert_eq!(reading.to_string(), r"Part(Ready := false, Done := true, Position := [1.5, NaN], Name := 'it\'s')");
+        assert_eq!(
+            reading.to_string(),
+            r"Part(Ready := false, Done := true, Position := [1.5, NaN], Name := 'it\'s')"
+        );
         let json = serde_json::to_string(&reading).expect("serialises");
-        assert_eq!(json, r#"{"Ready":false,"Done":true,"Position":[1.5,null],"Name":"it's"}"#);
+        assert_eq!(
+            json,
+            r#"{"Ready":false,"Done":true,"Position":[1.5,null],"Name":"it's"}"#
+        );
         assert!(reading.flag("done"));
-        assert_eq!(reading.member("position").and_then(|p| p.numbers()).map(|p| p.len()), Some(2));
+        assert_eq!(
+            reading.member("position").and_then(|p| p.numbers()).map(|p| p.len()),
+            Some(2)
+        );
     }
 
     #[test]

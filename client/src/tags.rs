@@ -88,7 +88,10 @@ impl TagTable {
     /// The type of a tag, as far as its template is known.
     fn tag_type(&self, symbol: &Symbol) -> Option<TagType> {
         let data_type = template::data_type(symbol.symbol_type, |instance| self.templates.get(&instance).cloned())?;
-        Some(TagType { data_type, dimensions: symbol.dimensions })
+        Some(TagType {
+            data_type,
+            dimensions: symbol.dimensions,
+        })
     }
 
     /// The tag of a name, case ignored, if its type is known.
@@ -100,7 +103,12 @@ impl TagTable {
             _ => Access::ReadWrite,
         };
         let tag_type = self.tag_type(symbol)?;
-        Some(Tag { name: symbol.name.clone(), instance: symbol.instance, tag_type, access })
+        Some(Tag {
+            name: symbol.name.clone(),
+            instance: symbol.instance,
+            tag_type,
+            access,
+        })
     }
 
     /// All names.
@@ -134,13 +142,18 @@ impl Client {
     pub async fn browse(&self) -> Result<Vec<Tag>, ClientError> {
         let table = self.refresh_symbols().await?;
         let structures = table.symbols.values().map(|symbol| symbol.symbol_type);
-        let wanted: Vec<u16> =
-            structures.filter(|word| template::is_structure(*word)).map(template::instance).collect();
+        let wanted: Vec<u16> = structures
+            .filter(|word| template::is_structure(*word))
+            .map(template::instance)
+            .collect();
         let mut templates = table.templates.clone();
         for instance in wanted {
             self.fetch_template(instance, &mut templates).await?;
         }
-        let table = self.set_table(TagTable { symbols: table.symbols.clone(), templates });
+        let table = self.set_table(TagTable {
+            symbols: table.symbols.clone(),
+            templates,
+        });
         Ok(table.tags())
     }
 
@@ -157,17 +170,26 @@ impl Client {
         };
         let Some(symbol) = table.symbols.get(&name.to_ascii_lowercase()) else {
             let suggestion = nearest(name, table.names());
-            return Err(ClientError::UnknownTag { name: name.to_owned(), suggestion });
+            return Err(ClientError::UnknownTag {
+                name: name.to_owned(),
+                suggestion,
+            });
         };
         if let Some(tag) = table.tag(name) {
             return Ok(tag);
         }
         let mut templates = table.templates.clone();
         if template::is_structure(symbol.symbol_type) {
-            self.fetch_template(template::instance(symbol.symbol_type), &mut templates).await?;
+            self.fetch_template(template::instance(symbol.symbol_type), &mut templates)
+                .await?;
         }
-        let table = self.set_table(TagTable { symbols: table.symbols.clone(), templates });
-        table.tag(name).ok_or(ClientError::Malformed { what: "a tag has an unknown type" })
+        let table = self.set_table(TagTable {
+            symbols: table.symbols.clone(),
+            templates,
+        });
+        table.tag(name).ok_or(ClientError::Malformed {
+            what: "a tag has an unknown type",
+        })
     }
 
     /// The names of the objects of a kind, in the order of their tags.
@@ -176,7 +198,11 @@ impl Client {
     /// As [`Client::browse`].
     pub async fn objects(&self, object: Object) -> Result<Vec<String>, ClientError> {
         let tags = self.browse().await?;
-        Ok(tags.into_iter().filter(|tag| tag.object() == Some(object)).map(|tag| tag.name).collect())
+        Ok(tags
+            .into_iter()
+            .filter(|tag| tag.object() == Some(object))
+            .map(|tag| tag.name)
+            .collect())
     }
 
     async fn refresh_symbols(&self) -> Result<Arc<TagTable>, ClientError> {
@@ -185,21 +211,32 @@ impl Client {
         loop {
             let path = Epath::object(class::SYMBOL, start);
             let data = encode_attribute_ids(&ATTRIBUTES);
-            let reply = self.ask("the tag list", service::GET_INSTANCE_ATTRIBUTE_LIST, path, data).await?;
+            let reply = self
+                .ask("the tag list", service::GET_INSTANCE_ATTRIBUTE_LIST, path, data)
+                .await?;
             let page = Symbol::decode_list(&reply.data, &ATTRIBUTES);
-            let page = page.ok_or(ClientError::Malformed { what: "a page of the tag list is cut" })?;
+            let page = page.ok_or(ClientError::Malformed {
+                what: "a page of the tag list is cut",
+            })?;
             let last = page.iter().map(|symbol| symbol.instance).max();
             let visible = page.into_iter().filter(|symbol| symbol.symbol_type & SYSTEM == 0);
             symbols.extend(visible.map(|symbol| (symbol.name.to_ascii_lowercase(), symbol)));
             if symbols.len() > MAX_TAGS {
                 let claimed = symbols.len();
-                return Err(ClientError::TooLarge { what: "the number of tags", claimed, limit: MAX_TAGS });
+                return Err(ClientError::TooLarge {
+                    what: "the number of tags",
+                    claimed,
+                    limit: MAX_TAGS,
+                });
             }
             if reply.status.is_success() {
                 break;
             }
             // Partial: go on behind the last one, which must lie further on.
-            start = last.and_then(|last| last.checked_add(1)).filter(|next| *next > start).ok_or(STUCK)?;
+            start = last
+                .and_then(|last| last.checked_add(1))
+                .filter(|next| *next > start)
+                .ok_or(STUCK)?;
         }
         let templates = self.table().templates.clone();
         Ok(self.set_table(TagTable { symbols, templates }))
@@ -211,7 +248,9 @@ impl Client {
         instance: u16,
         templates: &mut BTreeMap<u16, Arc<Template>>,
     ) -> Result<(), ClientError> {
-        templates.entry(arcline_tag::STRING_INSTANCE).or_insert_with(string_template);
+        templates
+            .entry(arcline_tag::STRING_INSTANCE)
+            .or_insert_with(string_template);
         let mut fetched: BTreeMap<u16, (TemplateAttributes, Definition)> = BTreeMap::new();
         let mut wanted = vec![instance];
         while let Some(instance) = wanted.pop() {
@@ -220,7 +259,11 @@ impl Client {
             }
             if templates.len() + fetched.len() >= MAX_TEMPLATES {
                 let claimed = MAX_TEMPLATES + 1;
-                return Err(ClientError::TooLarge { what: "the number of types", claimed, limit: MAX_TEMPLATES });
+                return Err(ClientError::TooLarge {
+                    what: "the number of types",
+                    claimed,
+                    limit: MAX_TEMPLATES,
+                });
             }
             let (attributes, definition) = self.fetch_definition(instance).await?;
             wanted.extend(definition.nested());
@@ -228,7 +271,9 @@ impl Client {
         }
         // Innermost first; what is left over contains itself.
         while !fetched.is_empty() {
-            let ready = fetched.iter().find(|(_, (_, d))| d.nested().all(|inner| templates.contains_key(&inner)));
+            let ready = fetched
+                .iter()
+                .find(|(_, (_, d))| d.nested().all(|inner| templates.contains_key(&inner)));
             let ready = ready.map(|(instance, _)| *instance);
             let found = ready.and_then(|instance| Some((instance, fetched.remove(&instance)?)));
             let (instance, (attributes, definition)) = found.ok_or(BAD_TEMPLATE)?;
@@ -241,13 +286,19 @@ impl Client {
     async fn fetch_definition(&self, instance: u16) -> Result<(TemplateAttributes, Definition), ClientError> {
         let path = Epath::object(class::TEMPLATE, instance.into());
         let ids = encode_attribute_ids(&TemplateAttributes::IDS);
-        let reply = self.ask("a type", service::GET_ATTRIBUTE_LIST, path.clone(), ids).await?;
+        let reply = self
+            .ask("a type", service::GET_ATTRIBUTE_LIST, path.clone(), ids)
+            .await?;
         let attributes = TemplateAttributes::decode(&reply.data).ok_or(BAD_TEMPLATE)?;
         // Spec/ethernet-ip.md §11: clients read up to 4N − 16 bytes.
         let length = attributes.definition_words.saturating_mul(4).saturating_sub(16);
         if length > MAX_DEFINITION {
             let (claimed, limit) = (length as usize, MAX_DEFINITION as usize);
-            return Err(ClientError::TooLarge { what: "a type's definition", claimed, limit });
+            return Err(ClientError::TooLarge {
+                what: "a type's definition",
+                claimed,
+                limit,
+            });
         }
         let bytes = self.read_definition(&path, length).await?;
         let definition = Definition::decode(&bytes, attributes.members).ok_or(BAD_TEMPLATE)?;
@@ -260,7 +311,9 @@ impl Client {
             let offset = bytes.len() as u32;
             let part = u16::try_from(length - offset).unwrap_or(u16::MAX);
             let data = ReadTemplate { offset, bytes: part }.to_bytes();
-            let reply = self.ask("a type's definition", service::READ_TAG, path.clone(), data).await?;
+            let reply = self
+                .ask("a type's definition", service::READ_TAG, path.clone(), data)
+                .await?;
             if reply.data.len() > usize::from(part) {
                 return Err(BAD_TEMPLATE);
             }
@@ -273,5 +326,9 @@ impl Client {
     }
 }
 
-const BAD_TEMPLATE: ClientError = ClientError::Malformed { what: "a type's definition makes no sense" };
-const STUCK: ClientError = ClientError::Malformed { what: "the tag list does not go on" };
+const BAD_TEMPLATE: ClientError = ClientError::Malformed {
+    what: "a type's definition makes no sense",
+};
+const STUCK: ClientError = ClientError::Malformed {
+    what: "the tag list does not go on",
+};

@@ -40,20 +40,34 @@ impl Definition {
         for _ in 0..count {
             rows.push((reader.u16()?, reader.u16()?, reader.u32()?));
         }
-        let mut names = reader.rest().split(|byte| *byte == 0).map(|name| String::from_utf8_lossy(name).into_owned());
+        let mut names = reader
+            .rest()
+            .split(|byte| *byte == 0)
+            .map(|name| String::from_utf8_lossy(name).into_owned());
         let name = names.next()?;
         // A user type's name is followed by `;n` and access marks.
         let name = name.split(';').next().unwrap_or_default().to_owned();
         let member = |(info, type_word, offset)| {
             let name = names.next().unwrap_or_default();
-            RawMember { name, info, type_word, offset }
+            RawMember {
+                name,
+                info,
+                type_word,
+                offset,
+            }
         };
-        Some(Self { name, members: rows.into_iter().map(member).collect() })
+        Some(Self {
+            name,
+            members: rows.into_iter().map(member).collect(),
+        })
     }
 
     /// Template instances of the structures within.
     pub(crate) fn nested(&self) -> impl Iterator<Item = u16> + '_ {
-        self.members.iter().filter(|member| is_structure(member.type_word)).map(|member| instance(member.type_word))
+        self.members
+            .iter()
+            .filter(|member| is_structure(member.type_word))
+            .map(|member| instance(member.type_word))
     }
 
     /// The template; `structure` gives the nested ones. `None` when a type is unknown or a member lies outside.
@@ -78,7 +92,9 @@ impl Definition {
                 data_type,
                 offset: raw.offset,
                 dimension: if is_array { raw.info } else { 0 },
-                bit: (is_bool && !is_array).then_some(u8::try_from(raw.info).ok().filter(|bit| *bit < 8)).flatten(),
+                bit: (is_bool && !is_array)
+                    .then_some(u8::try_from(raw.info).ok().filter(|bit| *bit < 8))
+                    .flatten(),
             };
             let end = u64::from(member.offset) + member.size() as u64;
             if end > u64::from(size) || is_bool && member.bit.is_none() {
@@ -92,7 +108,13 @@ impl Definition {
         if bytes > size as usize || bits.len() > 8 * size as usize {
             return None;
         }
-        Some(Arc::new(Template { name: self.name, instance: instance_id, handle, size, members }))
+        Some(Arc::new(Template {
+            name: self.name,
+            instance: instance_id,
+            handle,
+            size,
+            members,
+        }))
     }
 }
 
@@ -141,7 +163,9 @@ mod tests {
             .build();
         let decoded = Definition::decode(&user.definition(), user.members.len() as u16).expect("a definition");
         assert_eq!(decoded.nested().collect::<Vec<_>>(), [0xFCE]);
-        let built = decoded.build(0x123, attributes(&user), |_| Some(string_template())).expect("a template");
+        let built = decoded
+            .build(0x123, attributes(&user), |_| Some(string_template()))
+            .expect("a template");
         assert_eq!(*built, *user);
     }
 
@@ -153,14 +177,29 @@ mod tests {
             // Any prefix: no panic, and never a member outside.
             let decoded = Definition::decode(&bytes[..length], 2);
             if let Some(built) = decoded.and_then(|d| d.build(1, attributes(&template), |_| None)) {
-                assert!(built.members.iter().all(|m| m.offset as usize + m.size() <= built.size as usize));
+                assert!(
+                    built
+                        .members
+                        .iter()
+                        .all(|m| m.offset as usize + m.size() <= built.size as usize)
+                );
             }
         }
         assert_eq!(Definition::decode(&bytes, u16::MAX), None, "more members than bytes");
-        let small = TemplateAttributes { size: 80, ..attributes(&template) };
+        let small = TemplateAttributes {
+            size: 80,
+            ..attributes(&template)
+        };
         let decoded = Definition::decode(&bytes, 2).expect("a definition");
-        assert_eq!(decoded.clone().build(1, small, |_| None), None, "a member outside the structure");
-        let huge = TemplateAttributes { size: u32::MAX, ..attributes(&template) };
+        assert_eq!(
+            decoded.clone().build(1, small, |_| None),
+            None,
+            "a member outside the structure"
+        );
+        let huge = TemplateAttributes {
+            size: u32::MAX,
+            ..attributes(&template)
+        };
         assert_eq!(decoded.build(1, huge, |_| None), None, "a structure beyond the limit");
     }
 }

@@ -39,23 +39,34 @@ impl Client {
         let size = place.data_type.size();
         let path_size = place.path.to_bytes().len();
         let room = self.budget().saturating_sub(WRITE_HEAD + path_size);
-        let request = |offset, data| WriteTag { data_type: place.wire_type(), elements, offset, data };
+        let request = |offset, data| WriteTag {
+            data_type: place.wire_type(),
+            elements,
+            offset,
+            data,
+        };
         if bytes.len() <= room {
             let data = request(0, bytes).to_bytes();
-            self.ask(&place.text, service::WRITE_TAG, place.path.clone(), data).await?;
+            self.ask(&place.text, service::WRITE_TAG, place.path.clone(), data)
+                .await?;
             return Ok(());
         }
         // Elements stay whole; of a structure larger than a message any multiple of 4 will do.
         let unit = if size <= room { size } else { 4 };
         let part = room - room % unit.max(1);
         if part == 0 {
-            return Err(ClientError::TooLarge { what: "the path", claimed: path_size, limit: self.budget() });
+            return Err(ClientError::TooLarge {
+                what: "the path",
+                claimed: path_size,
+                limit: self.budget(),
+            });
         }
         for offset in (0..bytes.len()).step_by(part) {
             let end = bytes.len().min(offset + part);
             let data = request(u32::try_from(offset).unwrap_or(u32::MAX), bytes.slice(offset..end));
             let data = data.to_bytes_fragmented();
-            self.ask(&place.text, service::WRITE_TAG_FRAGMENTED, place.path.clone(), data).await?;
+            self.ask(&place.text, service::WRITE_TAG_FRAGMENTED, place.path.clone(), data)
+                .await?;
         }
         Ok(())
     }
@@ -65,7 +76,8 @@ impl Client {
         let set = set.ok_or_else(|| ClientError::value(&place.text, Elementary::Bool, value))?;
         let size = u8::try_from(place.data_type.size()).unwrap_or_default();
         let data = ReadModifyWrite::bit(size, bit, set).to_bytes();
-        self.ask(&place.text, service::READ_MODIFY_WRITE_TAG, place.path.clone(), data).await?;
+        self.ask(&place.text, service::READ_MODIFY_WRITE_TAG, place.path.clone(), data)
+            .await?;
         Ok(())
     }
 }
@@ -80,7 +92,9 @@ fn encode(place: &Place, value: &Input) -> Result<(u16, Bytes), ClientError> {
         encode_one(place, value, &mut bytes)?;
         return Ok((1, bytes.into()));
     };
-    let count = u16::try_from(values.len()).ok().filter(|count| *count > 0 && u32::from(*count) <= place.available);
+    let count = u16::try_from(values.len())
+        .ok()
+        .filter(|count| *count > 0 && u32::from(*count) <= place.available);
     let count = count.ok_or_else(|| does_not_fit(place, value))?;
     let mut bytes = Vec::new();
     for value in values {

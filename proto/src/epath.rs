@@ -369,7 +369,10 @@ fn encode_segment(segment: &Segment, out: &mut BytesMut) {
             out.put_bytes(0, name.len() % 2);
         }
         Segment::Port(PortSegment { port, link }) => {
-            let low = u8::try_from(*port).ok().filter(|port| *port < 0x0F);
+            // The low nibble 0 is no port: port 0 has the extended form too.
+            let low = u8::try_from(*port)
+                .ok()
+                .filter(|port| (1..0x0F).contains(port));
             match (low, link.as_ref()) {
                 (Some(port), [link]) => out.put_slice(&[port, *link]),
                 (None, [link]) => {

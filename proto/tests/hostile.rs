@@ -11,7 +11,7 @@ use arcline_proto::connection::{ConnectionKey, Count, NetworkParameters};
 use arcline_proto::cpf::{ConnectionId, Packet};
 use arcline_proto::discovery;
 use arcline_proto::encap::{Command, Frame, RegisterSession, SessionHandle};
-use arcline_proto::epath::{Epath, Segment, Target};
+use arcline_proto::epath::{Epath, PortSegment, Segment, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{Typed, decode_operands, encode_operands};
 use arcline_proto::session::{Event, Host, ServerSession, Settings};
@@ -43,9 +43,12 @@ fn segment() -> impl Strategy<Value = Segment> {
         any::<u8>().prop_map(|id| Segment::Member(id.into())),
         any::<u32>().prop_map(Segment::Attribute),
         "[A-Za-z_:][A-Za-z0-9_]{0,20}".prop_map(Segment::Symbol),
-        proptest::collection::vec(any::<u16>(), 0..5).prop_map(|words| Segment::Data(
-            words.iter().flat_map(|word| word.to_le_bytes()).collect()
-        )),
+        (0_u16..20, proptest::collection::vec(any::<u8>(), 1..5)).prop_map(|(port, link)| Segment::Port(PortSegment {
+            port,
+            link: link.into()
+        })),
+        proptest::collection::vec(any::<u16>(), 0..5)
+            .prop_map(|words| Segment::Data(words.iter().flat_map(|word| word.to_le_bytes()).collect())),
     ]
 }
 
@@ -81,9 +84,7 @@ fn feed(bytes: &[u8]) {
     opener
         .open(OpenOptions::new(key, ConnectionId(9)), Duration::ZERO)
         .unwrap();
-    let open = std::iter::from_fn(|| opener.poll_transmit())
-        .last()
-        .unwrap();
+    let open = std::iter::from_fn(|| opener.poll_transmit()).last().unwrap();
     buf.extend_from_slice(&open);
     server.handle_input(&mut buf, Duration::ZERO, &mut host);
     assert_eq!(server.connections(), 1);
@@ -97,10 +98,7 @@ fn feed(bytes: &[u8]) {
             ..
         } = event
         {
-            let _ = (
-                Target::new(&request.path),
-                cip::split_multiple(&request.data),
-            );
+            let _ = (Target::new(&request.path), cip::split_multiple(&request.data));
             let _ = MultipleReplies::new(3, reply_budget);
             server.reply(
                 id,
@@ -118,8 +116,7 @@ fn feed(bytes: &[u8]) {
 
 /// Frames of every kind, as a base for bit flips; session 1 as [`Quiet`] draws it.
 fn corpus() -> Vec<Bytes> {
-    let request =
-        |service, path, data: &'static [u8]| Request::new(service, path, data).to_bytes().unwrap();
+    let request = |service, path, data: &'static [u8]| Request::new(service, path, data).to_bytes().unwrap();
     let messages = [
         request(0x4C, Epath::symbol("Tag.Member[3]"), &[1, 0]),
         request(
@@ -147,15 +144,7 @@ fn corpus() -> Vec<Bytes> {
         .collect();
     let unit = Packet::connected(ConnectionId(2), 1, &messages[0]).to_bytes();
     frames.push(Frame::request(Command::SEND_UNIT_DATA, SessionHandle(1), [7; 8], unit).to_bytes());
-    frames.push(
-        Frame::request(
-            Command::LIST_IDENTITY,
-            SessionHandle(0),
-            [0; 8],
-            Bytes::new(),
-        )
-        .to_bytes(),
-    );
+    frames.push(Frame::request(Command::LIST_IDENTITY, SessionHandle(0), [0; 8], Bytes::new()).to_bytes());
     frames
 }
 
@@ -224,9 +213,7 @@ proptest! {
 
 #[test]
 fn hostile_counts_and_nesting() {
-    let inner: Bytes = Request::new(0x0A, Epath::object(2, 1), vec![0, 0])
-        .to_bytes()
-        .unwrap();
+    let inner: Bytes = Request::new(0x0A, Epath::object(2, 1), vec![0, 0]).to_bytes().unwrap();
     let mut packet = vec![1, 0, 4, 0];
     packet.extend_from_slice(&inner);
     let requests = cip::split_multiple(&packet.into()).unwrap();

@@ -10,11 +10,19 @@ use arcline_instruction_set::{Kind, Words, enumerations};
 /// Commands a coordinated-motion server over EtherNet/IP.
 #[derive(Parser, Debug)]
 #[command(name = "arcline", version, max_term_width = 110)]
-#[command(after_help = "Exit codes: 0 done, 1 an instruction erred, 2 usage, 3 no connection or lost, 130 interrupted.\n\
-    Example: arcline move CS1 100,50,0 --speed 50%")]
+#[command(
+    after_help = "Exit codes: 0 done, 1 an instruction erred, 2 usage, 3 no connection or lost, 130 interrupted.\n\
+    Example: arcline move CS1 100,50,0 --speed 50%"
+)]
 pub(crate) struct Arguments {
     /// The server, port 44818 unless given
-    #[arg(long, global = true, value_name = "HOST[:PORT]", env = "ARCLINE_SERVER", default_value = "127.0.0.1:44818")]
+    #[arg(
+        long,
+        global = true,
+        value_name = "HOST[:PORT]",
+        env = "ARCLINE_SERVER",
+        default_value = "127.0.0.1:44818"
+    )]
     pub(crate) server: String,
     /// Print one JSON object for each result
     #[arg(long, global = true)]
@@ -26,17 +34,23 @@ pub(crate) struct Arguments {
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
     /// Execute one instruction, written as a Structured Text call
-    #[command(after_help = "Moves and stops are waited for. `exec --help` lists the instructions and their operands.\n\
+    #[command(
+        after_help = "Moves and stops are waited for. `exec --help` lists the instructions and their operands.\n\
         Example: arcline exec 'MCLM(CS1, Move1, Absolute, [100, 50, 0], 200, Unitspersec, 2000, Unitspersec2, 2000, \
-        Unitspersec2, S-curve, 100, 100, %ofTime)'")]
+        Unitspersec2, S-curve, 100, 100, %ofTime)'"
+    )]
     Exec(Exec),
     /// Run a Structured Text program
-    #[command(after_help = "Ends when the last statement has run and all motion has come to its end.\n\
-        Example: arcline run square.st")]
+    #[command(
+        after_help = "Ends when the last statement has run and all motion has come to its end.\n\
+        Example: arcline run square.st"
+    )]
     Run(Run),
     /// Move along a straight line (MCLM)
-    #[command(after_help = "Full-speed S-curve unless told otherwise; a number with % is a part of the maximum.\n\
-        Example: arcline move CS1 100,50,0 --speed 50%\n         arcline move CS1 -10,0,0 --relative")]
+    #[command(
+        after_help = "Full-speed S-curve unless told otherwise; a number with % is a part of the maximum.\n\
+        Example: arcline move CS1 100,50,0 --speed 50%\n         arcline move CS1 -10,0,0 --relative"
+    )]
     Move(Move),
     /// Move along an arc or a circle (MCCM)
     #[command(after_help = "Example: arcline arc XY 100,0 --center 50,0 --cw\n         \
@@ -55,8 +69,10 @@ pub(crate) enum Command {
     #[command(after_help = "Example: arcline status X CS1")]
     Status(Status),
     /// List tags
-    #[command(after_help = "A pattern with * or ? must match the whole name, another one a part of it; case is ignored.\n\
-        Example: arcline tags 'Move*'")]
+    #[command(
+        after_help = "A pattern with * or ? must match the whole name, another one a part of it; case is ignored.\n\
+        Example: arcline tags 'Move*'"
+    )]
     Tags(Tags),
     /// Read tags
     #[command(after_help = "Example: arcline read X.ActualPosition Move1.Position")]
@@ -292,7 +308,7 @@ pub(crate) struct Write {
     /// Such as Move1.Speed
     pub(crate) tag: String,
     /// A number, true or false, a text, or [1,2,3]
-    #[arg(allow_hyphen_values = true)]
+    #[arg(allow_hyphen_values = true, value_parser = Input::from_str)]
     pub(crate) value: Input,
 }
 
@@ -321,7 +337,9 @@ impl FromStr for Rate {
             Some(digits) => (digits, Self::Percent),
             None => (text, Self::Units),
         };
-        number(digits).map(make).ok_or_else(|| format!("{text:?} is not a number, expected such as 50 or 50%"))
+        number(digits)
+            .map(make)
+            .ok_or_else(|| format!("{text:?} is not a number, expected such as 50 or 50%"))
     }
 }
 
@@ -334,9 +352,14 @@ impl FromStr for Point {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let list = text.trim();
-        let list = list.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).unwrap_or(list);
+        let list = list
+            .strip_prefix('[')
+            .and_then(|rest| rest.strip_suffix(']'))
+            .unwrap_or(list);
         let numbers: Option<Vec<f64>> = list.split(',').map(number).collect();
-        numbers.map(Self).ok_or_else(|| format!("{text:?} is not a point, expected numbers such as 100,50,0"))
+        numbers
+            .map(Self)
+            .ok_or_else(|| format!("{text:?} is not a point, expected numbers such as 100,50,0"))
     }
 }
 
@@ -349,7 +372,9 @@ fn number(text: &str) -> Option<f64> {
 fn word_parser(words: &'static Words) -> impl Fn(&str) -> Result<i32, String> + Clone + Send + Sync + 'static {
     move |text| {
         let value = text.parse().ok().or_else(|| words.parse_word(text));
-        value.filter(|value| words.contains(*value)).ok_or_else(|| format!("expected {}", choices(words)))
+        value
+            .filter(|value| words.contains(*value))
+            .ok_or_else(|| format!("expected {}", choices(words)))
     }
 }
 
@@ -364,7 +389,9 @@ pub(crate) fn command() -> clap::Command {
     let described = |command: clap::Command| {
         let termination = format!("Termination type: {}", choices(&enumerations::TERMINATION_TYPE));
         let merge = format!("Merge: {}", choices(&enumerations::MERGE));
-        command.mut_arg("termination", |arg| arg.help(termination)).mut_arg("merge", |arg| arg.help(merge))
+        command
+            .mut_arg("termination", |arg| arg.help(termination))
+            .mut_arg("merge", |arg| arg.help(merge))
     };
     Arguments::command()
         .mut_subcommand("move", described)
@@ -381,7 +408,11 @@ fn instructions() -> String {
     for mnemonic in Mnemonic::ALL {
         let instruction = mnemonic.instruction();
         let operands: Vec<String> = instruction.operands.iter().map(|operand| operand.member()).collect();
-        text.push_str(&format!("  {mnemonic}({})\n      {}\n", operands.join(", "), instruction.summary));
+        text.push_str(&format!(
+            "  {mnemonic}({})\n      {}\n",
+            operands.join(", "),
+            instruction.summary
+        ));
         for operand in instruction.operands {
             if let Kind::Word(words) = &operand.kind {
                 text.push_str(&format!("      {}: {}\n", operand.member(), choices(words)));
@@ -425,8 +456,14 @@ mod tests {
             ("brackets",                   "move L [7,8]",                      vec![7.0, 8.0],          None),
         ];
         for (why, line, position, speed) in cases {
-            let Ok(Command::Move(command)) = parse(line) else { panic!("{why}: {line}: {:?}", parse(line)) };
-            assert_eq!((command.position.0, command.dynamics.speed), (position, speed), "{why}: {line}");
+            let Ok(Command::Move(command)) = parse(line) else {
+                panic!("{why}: {line}: {:?}", parse(line))
+            };
+            assert_eq!(
+                (command.position.0, command.dynamics.speed),
+                (position, speed),
+                "{why}: {line}"
+            );
         }
     }
 
@@ -434,11 +471,21 @@ mod tests {
     fn words_or_numbers_for_termination_and_merge() {
         for (line, termination, merge) in [
             ("move CS1 1,2 --termination NoSettle", Some(1), None),
-            ("move CS1 1,2 --termination no-settle --merge allmotion", Some(1), Some(2)),
+            (
+                "move CS1 1,2 --termination no-settle --merge allmotion",
+                Some(1),
+                Some(2),
+            ),
             ("move CS1 1,2 --termination 6 --merge 1", Some(6), Some(1)),
         ] {
-            let Ok(Command::Move(command)) = parse(line) else { panic!("{line}") };
-            assert_eq!((command.dynamics.termination, command.dynamics.merge), (termination, merge), "{line}");
+            let Ok(Command::Move(command)) = parse(line) else {
+                panic!("{line}")
+            };
+            assert_eq!(
+                (command.dynamics.termination, command.dynamics.merge),
+                (termination, merge),
+                "{line}"
+            );
         }
     }
 
@@ -472,13 +519,46 @@ mod tests {
     #[test]
     fn the_others_parse() {
         for line in [
-            "exec MSO(X,M1)", "exec --no-wait MSO(X,M1)", "run a.st --queue-full error --keep-going",
-            "arc XY 100,0 --center -50,0 --ccw --full", "arc CS1 1,2,3 --via -1,-2,-3 --longest", "arc XY 1,0 --radius -5",
-            "arc XY 0,0 --center-offset 5,0", "change CS1 --speed 20% --pending", "stop", "stop CS1 --type move",
-            "servo on X Y", "servo off --all", "status", "status X CS1 --json", "tags", "tags Move*", "read A B[1]",
-            "write A -5", "write A [1,-2]", "identify", "identify --broadcast 10.0.0.255", "--server h:1 status",
+            "exec MSO(X,M1)",
+            "exec --no-wait MSO(X,M1)",
+            "run a.st --queue-full error --keep-going",
+            "arc XY 100,0 --center -50,0 --ccw --full",
+            "arc CS1 1,2,3 --via -1,-2,-3 --longest",
+            "arc XY 1,0 --radius -5",
+            "arc XY 0,0 --center-offset 5,0",
+            "change CS1 --speed 20% --pending",
+            "stop",
+            "stop CS1 --type move",
+            "servo on X Y",
+            "servo off --all",
+            "status",
+            "status X CS1 --json",
+            "tags",
+            "tags Move*",
+            "read A B[1]",
+            "write A -5",
+            "write A [1,-2]",
+            "identify",
+            "identify --broadcast 10.0.0.255",
+            "--server h:1 status",
         ] {
             assert!(parse(line).is_ok(), "{line}: {:?}", parse(line).err());
+        }
+    }
+
+    #[test]
+    fn values_to_write_are_read_as_what_they_are() {
+        for (line, expected) in [
+            ("write A -5", Input::Integer(-5)),
+            ("write A 1.5", Input::Number(1.5)),
+            ("write A [1,2]", vec![1_i64, 2].into()),
+            ("write A true", Input::Bool(true)),
+            ("write A CS1", "CS1".into()),
+        ] {
+            let Ok(Command::Write(command)) = parse(line) else {
+                panic!("{line}")
+            };
+            assert_eq!(command.value, expected, "{line}");
         }
     }
 
@@ -488,6 +568,9 @@ mod tests {
         for mnemonic in Mnemonic::ALL {
             assert!(text.contains(&format!("  {mnemonic}(")), "{mnemonic}");
         }
-        assert!(text.contains("TerminationType: ActualTolerance (0), NoSettle (1)"), "{text}");
+        assert!(
+            text.contains("TerminationType: ActualTolerance (0), NoSettle (1)"),
+            "{text}"
+        );
     }
 }

@@ -73,7 +73,10 @@ pub(crate) fn main() -> ExitCode {
     let runtime = match tokio::runtime::Builder::new_current_thread().enable_all().build() {
         Ok(runtime) => runtime,
         Err(error) => {
-            output.failure(&Failure::Client(ClientError::Connect { address: arguments.server, source: error }));
+            output.failure(&Failure::Client(ClientError::Connect {
+                address: arguments.server,
+                source: error,
+            }));
             return ExitCode::from(3);
         }
     };

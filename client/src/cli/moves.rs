@@ -13,7 +13,11 @@ const PERCENT: i64 = 1;
 
 /// `move`.
 pub(crate) async fn line(client: &Client, command: Move, output: &Output) -> Result<(), Failure> {
-    let Move { system, position, dynamics } = command;
+    let Move {
+        system,
+        position,
+        dynamics,
+    } = command;
     let length = line_length(client, &system, &position.0, dynamics.relative).await;
     let operands = line_operands(&position, &dynamics)?;
     execute(client, &system, &operands, &dynamics, Course { length }, output).await
@@ -22,13 +26,23 @@ pub(crate) async fn line(client: &Client, command: Move, output: &Output) -> Res
 /// `arc`.
 pub(crate) async fn arc(client: &Client, command: Arc, output: &Output) -> Result<(), Failure> {
     let operands = arc_operands(&command)?;
-    execute(client, &command.system, &operands, &command.dynamics, Course::default(), output).await
+    execute(
+        client,
+        &command.system,
+        &operands,
+        &command.dynamics,
+        Course::default(),
+        output,
+    )
+    .await
 }
 
 /// `change`.
 pub(crate) async fn change(client: &Client, command: Change, output: &Output) -> Result<(), Failure> {
     let operands = change_operands(&command)?;
-    let execution = client.execute(Mnemonic::Mccd, &command.system, "", operands.given()).await?;
+    let execution = client
+        .execute(Mnemonic::Mccd, &command.system, "", operands.given())
+        .await?;
     output.execution(&execution, &execution.control, "");
     Ok(())
 }
@@ -60,8 +74,16 @@ pub(crate) async fn stop(client: &Client, command: Stop, output: &Output) -> Res
 
 /// `servo`.
 pub(crate) async fn servo(client: &Client, command: Servo, output: &Output) -> Result<(), Failure> {
-    let mnemonic = if command.state == OnOff::On { Mnemonic::Mso } else { Mnemonic::Msf };
-    let axes = if command.all { drives(client).await? } else { command.axes };
+    let mnemonic = if command.state == OnOff::On {
+        Mnemonic::Mso
+    } else {
+        Mnemonic::Msf
+    };
+    let axes = if command.all {
+        drives(client).await?
+    } else {
+        command.axes
+    };
     let mut executions = Vec::new();
     for axis in &axes {
         executions.push(client.execute(mnemonic, axis, "", &[]).await);
@@ -104,7 +126,10 @@ async fn each(
         (None, _) => Ok(()),
         (Some(only), 1) => Err(only),
         (Some(last), _) => {
-            failures.into_iter().chain([last]).for_each(|failure| output.failure(&failure));
+            failures
+                .into_iter()
+                .chain([last])
+                .for_each(|failure| output.failure(&failure));
             Err(Failure::Several { count })
         }
     }
@@ -120,9 +145,14 @@ async fn execute(
     output: &Output,
 ) -> Result<(), Failure> {
     let tag = dynamics.tag.as_deref().unwrap_or_default();
-    let execution = client.execute(operands.mnemonic(), system, tag, operands.given()).await?;
-    let control =
-        if dynamics.no_wait { execution.control } else { wait::complete(client, &execution, course, output).await? };
+    let execution = client
+        .execute(operands.mnemonic(), system, tag, operands.given())
+        .await?;
+    let control = if dynamics.no_wait {
+        execution.control
+    } else {
+        wait::complete(client, &execution, course, output).await?
+    };
     output.execution(&execution, &control, tag);
     Ok(())
 }
@@ -130,9 +160,17 @@ async fn execute(
 /// Distance from where the system stands; `None` when that is not known.
 async fn line_length(client: &Client, system: &str, end: &[f64], relative: bool) -> Option<f64> {
     let mut sum = 0.0;
-    let start = if relative { None } else { Some(client.read_numbers(&format!("{system}.ActualPosition")).await.ok()?) };
+    let start = if relative {
+        None
+    } else {
+        Some(client.read_numbers(&format!("{system}.ActualPosition")).await.ok()?)
+    };
     for (axis, end) in end.iter().enumerate() {
-        let start = start.as_ref().and_then(|start| start.get(axis)).copied().unwrap_or_default();
+        let start = start
+            .as_ref()
+            .and_then(|start| start.get(axis))
+            .copied()
+            .unwrap_or_default();
         sum += (end - start).powi(2);
     }
     Some(sum.sqrt())
@@ -144,12 +182,26 @@ fn line_operands(position: &Point, dynamics: &Dynamics) -> Result<Operands, Clie
 }
 
 fn arc_operands(command: &Arc) -> Result<Operands, ClientError> {
-    let Arc { position, circle, direction, full, dynamics, .. } = command;
+    let Arc {
+        position,
+        circle,
+        direction,
+        full,
+        dynamics,
+        ..
+    } = command;
     let (circle_type, point) = match circle {
         Circle { via: Some(point), .. } => (0, point.0.clone()),
-        Circle { center: Some(point), .. } => (1, point.0.clone()),
-        Circle { radius: Some(radius), .. } => (2, vec![*radius]),
-        Circle { center_offset: Some(point), .. } => (3, point.0.clone()),
+        Circle {
+            center: Some(point), ..
+        } => (1, point.0.clone()),
+        Circle {
+            radius: Some(radius), ..
+        } => (2, vec![*radius]),
+        Circle {
+            center_offset: Some(point),
+            ..
+        } => (3, point.0.clone()),
         // The arguments do not parse without one of them.
         Circle { .. } => (0, Vec::new()),
     };
@@ -164,7 +216,16 @@ fn arc_operands(command: &Arc) -> Result<Operands, ClientError> {
 }
 
 fn with_dynamics(mut operands: Operands, dynamics: &Dynamics) -> Result<Operands, ClientError> {
-    let Dynamics { relative, speed, accel, decel, trapezoid, termination, merge, .. } = dynamics;
+    let Dynamics {
+        relative,
+        speed,
+        accel,
+        decel,
+        trapezoid,
+        termination,
+        merge,
+        ..
+    } = dynamics;
     operands = operands.with("Move Type", Given::Integer(i64::from(*relative)))?;
     operands = with_rate(operands, "Speed", "Speed Units", *speed)?;
     operands = with_rate(operands, "Accel Rate", "Accel Units", *accel)?;
@@ -181,7 +242,13 @@ fn with_dynamics(mut operands: Operands, dynamics: &Dynamics) -> Result<Operands
 }
 
 fn change_operands(command: &Change) -> Result<Operands, ClientError> {
-    let Change { speed, accel, decel, pending, .. } = command;
+    let Change {
+        speed,
+        accel,
+        decel,
+        pending,
+        ..
+    } = command;
     let mut operands = Operands::full_speed(Mnemonic::Mccd).with("Scope", Given::Integer(i64::from(*pending)))?;
     for (flag, name, units, rate) in [
         ("Change Speed", "Speed", "Speed Units", speed),
@@ -214,7 +281,10 @@ mod tests {
     fn operand(operands: &Operands, name: &str) -> Given {
         let instruction = operands.mnemonic().instruction();
         let place = instruction.operand(name).expect("an operand");
-        let index = instruction.given_operands().position(|given| given == place).expect("a given operand");
+        let index = instruction
+            .given_operands()
+            .position(|given| given == place)
+            .expect("a given operand");
         operands.given()[index].clone()
     }
 
@@ -231,8 +301,15 @@ mod tests {
         let operands = line_operands(&Point(vec![1.0, 2.0]), &Dynamics::default()).expect("operands");
         assert_eq!(operand(&operands, "Position"), Given::Array(vec![1.0, 2.0]));
         for (name, value) in [
-            ("Move Type", 0.0), ("Speed", 100.0), ("Speed Units", 1.0), ("Accel Units", 1.0), ("Profile", 1.0),
-            ("Accel Jerk", 100.0), ("Jerk Units", 2.0), ("Termination Type", 0.0), ("Merge", 0.0),
+            ("Move Type", 0.0),
+            ("Speed", 100.0),
+            ("Speed Units", 1.0),
+            ("Accel Units", 1.0),
+            ("Profile", 1.0),
+            ("Accel Jerk", 100.0),
+            ("Jerk Units", 2.0),
+            ("Termination Type", 0.0),
+            ("Merge", 0.0),
         ] {
             assert_eq!(number(&operands, name), value, "{name}");
         }
@@ -251,8 +328,16 @@ mod tests {
         };
         let operands = line_operands(&Point(vec![1.0]), &dynamics).expect("operands");
         for (name, value) in [
-            ("Move Type", 1.0), ("Speed", 50.0), ("Speed Units", 0.0), ("Accel Rate", 20.0), ("Accel Units", 1.0),
-            ("Decel Rate", 100.0), ("Decel Units", 1.0), ("Profile", 0.0), ("Termination Type", 1.0), ("Merge", 2.0),
+            ("Move Type", 1.0),
+            ("Speed", 50.0),
+            ("Speed Units", 0.0),
+            ("Accel Rate", 20.0),
+            ("Accel Units", 1.0),
+            ("Decel Rate", 100.0),
+            ("Decel Units", 1.0),
+            ("Profile", 0.0),
+            ("Termination Type", 1.0),
+            ("Merge", 2.0),
         ] {
             assert_eq!(number(&operands, name), value, "{name}");
         }
@@ -271,7 +356,14 @@ mod tests {
         ];
         for (circle, direction, full, circle_type, expected) in cases {
             let (system, position) = ("XY".to_owned(), Point(vec![10.0, 0.0]));
-            let command = Arc { system, position, circle, direction, full, dynamics: Dynamics::default() };
+            let command = Arc {
+                system,
+                position,
+                circle,
+                direction,
+                full,
+                dynamics: Dynamics::default(),
+            };
             let operands = arc_operands(&command).expect("operands");
             assert_eq!(number(&operands, "Circle Type"), circle_type, "{command:?}");
             assert_eq!(number(&operands, "Direction"), expected, "{command:?}");
@@ -281,11 +373,24 @@ mod tests {
     #[test]
     fn a_change_changes_only_what_is_named() {
         let (speed, accel, decel) = (Some(Rate::Percent(20.0)), None, Some(Rate::Units(300.0)));
-        let command = Change { system: "CS1".to_owned(), speed, accel, decel, pending: true };
+        let command = Change {
+            system: "CS1".to_owned(),
+            speed,
+            accel,
+            decel,
+            pending: true,
+        };
         let operands = change_operands(&command).expect("operands");
         for (name, value) in [
-            ("Motion Type", 1.0), ("Change Speed", 1.0), ("Speed", 20.0), ("Speed Units", 1.0), ("Change Accel", 0.0),
-            ("Change Decel", 1.0), ("Decel Rate", 300.0), ("Decel Units", 0.0), ("Scope", 1.0),
+            ("Motion Type", 1.0),
+            ("Change Speed", 1.0),
+            ("Speed", 20.0),
+            ("Speed Units", 1.0),
+            ("Change Accel", 0.0),
+            ("Change Decel", 1.0),
+            ("Decel Rate", 300.0),
+            ("Decel Units", 0.0),
+            ("Scope", 1.0),
         ] {
             assert_eq!(number(&operands, name), value, "{name}");
         }

@@ -33,7 +33,11 @@ impl Output {
     pub(crate) fn result(&self, text: impl AsRef<str>, object: impl FnOnce() -> Json) {
         let mut out = std::io::stdout().lock();
         // A reader that has gone away (`| head`) is no error of ours.
-        let _ = if self.json { writeln!(out, "{}", object()) } else { writeln!(out, "{}", text.as_ref()) };
+        let _ = if self.json {
+            writeln!(out, "{}", object())
+        } else {
+            writeln!(out, "{}", text.as_ref())
+        };
     }
 
     /// Prints how an instruction stands.
@@ -68,7 +72,10 @@ impl Output {
         let mut object = Map::new();
         object.insert("error".to_owned(), Json::from(failure.to_string()));
         if let Some(ClientError::Motion { mnemonic, err, exerr }) = failure.client() {
-            object.insert("instruction".to_owned(), Json::from(mnemonic.map(|mnemonic| mnemonic.name())));
+            object.insert(
+                "instruction".to_owned(),
+                Json::from(mnemonic.map(|mnemonic| mnemonic.name())),
+            );
             object.insert("ERR".to_owned(), Json::from(*err));
             object.insert("EXERR".to_owned(), Json::from(*exerr));
         }
@@ -79,17 +86,29 @@ impl Output {
 /// Columns as wide as their widest cell; numbers to the right.
 pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
-        let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
-        cells.chain(header.get(column).map(|title| title.chars().count())).max().unwrap_or_default()
+        let cells = rows
+            .iter()
+            .filter_map(|row| row.get(column))
+            .map(|cell| cell.chars().count());
+        cells
+            .chain(header.get(column).map(|title| title.chars().count()))
+            .max()
+            .unwrap_or_default()
     };
     let numeric = |column: usize| {
         let mut cells = rows.iter().filter_map(|row| row.get(column)).peekable();
         cells.peek().is_some() && cells.all(|cell| cell.parse::<f64>().is_ok())
     };
-    let columns: Vec<(usize, bool)> = (0..header.len()).map(|column| (width(column), numeric(column))).collect();
+    let columns: Vec<(usize, bool)> = (0..header.len())
+        .map(|column| (width(column), numeric(column)))
+        .collect();
     let line = |cells: &mut dyn Iterator<Item = &str>| {
         let padded = cells.zip(&columns).map(|(cell, (width, right))| {
-            if *right { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
+            if *right {
+                format!("{cell:>width$}")
+            } else {
+                format!("{cell:<width$}")
+            }
         });
         padded.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     };
@@ -105,7 +124,10 @@ mod tests {
     #[test]
     fn tables_are_aligned() {
         let rows = [["X", "1.500", "on"], ["Long", "-20.000", "off"]];
-        let rows: Vec<Vec<String>> = rows.iter().map(|row| row.iter().map(|c| (*c).to_owned()).collect()).collect();
+        let rows: Vec<Vec<String>> = rows
+            .iter()
+            .map(|row| row.iter().map(|c| (*c).to_owned()).collect())
+            .collect();
         let expected = "axis  position  servo\nX        1.500  on\nLong   -20.000  off";
         assert_eq!(table(&["axis", "position", "servo"], &rows), expected);
     }

@@ -12,7 +12,9 @@ use super::{Failure, Output, moves};
 pub(crate) async fn exec(client: &Client, command: &Exec, output: &Output) -> Result<(), Failure> {
     let mut runner = Runner::call(client, &command.call).await?;
     runner.run(&mut |_| {}).await.map_err(without_line)?;
-    let Some((_, execution)) = runner.executions().next() else { return Ok(()) };
+    let Some((_, execution)) = runner.executions().next() else {
+        return Ok(());
+    };
     let control = if command.no_wait || !moves::is_waited_for(execution) {
         execution.control
     } else {
@@ -32,9 +34,15 @@ fn without_line(error: arcline_client::ProgramError) -> Failure {
 
 /// `run`.
 pub(crate) async fn run(client: &Client, command: &Run, output: &Output) -> Result<(), Failure> {
-    let text = std::fs::read_to_string(&command.file)
-        .map_err(|source| Failure::File { path: command.file.clone(), source })?;
-    let on_error = if command.keep_going { OnError::KeepGoing } else { OnError::Stop };
+    let text = std::fs::read_to_string(&command.file).map_err(|source| Failure::File {
+        path: command.file.clone(),
+        source,
+    })?;
+    let on_error = if command.keep_going {
+        OnError::KeepGoing
+    } else {
+        OnError::Stop
+    };
     let runner = Runner::program(client, &text).await?;
     let mut runner = runner.queue_full(command.queue_full.into()).on_error(on_error);
     let (mut executed, mut erred) = (0, 0);
@@ -52,7 +60,12 @@ pub(crate) async fn run(client: &Client, command: &Run, output: &Output) -> Resu
                 output.note(&format!("line {line}: {} {}", execution.mnemonic, execution.target));
             }
         }
-        Event::Erred { line, mnemonic, target, error } => {
+        Event::Erred {
+            line,
+            mnemonic,
+            target,
+            error,
+        } => {
             erred += 1;
             // What ends the program is told once, by its end.
             if command.keep_going {
@@ -81,8 +94,13 @@ pub(crate) async fn run(client: &Client, command: &Run, output: &Output) -> Resu
         None => return Err(wait::interrupt(client, &runner.targets(), output).await),
     }
     let file = &command.file;
-    output.result(format!("{file}: {executed} instructions executed, {erred} erred"), || {
-        json!({"program": file, "executed": executed, "erred": erred})
-    });
-    if erred > 0 { Err(Failure::Several { count: erred }) } else { Ok(()) }
+    output.result(
+        format!("{file}: {executed} instructions executed, {erred} erred"),
+        || json!({"program": file, "executed": executed, "erred": erred}),
+    );
+    if erred > 0 {
+        Err(Failure::Several { count: erred })
+    } else {
+        Ok(())
+    }
 }

@@ -35,7 +35,15 @@ impl Kind {
             Self::Axis => &["axis", "position", "command", "velocity", "servo", "homed", "state"],
             Self::System => &["coordinate system", "position", "state"],
             Self::Group => &["motion group", "synced", "faults"],
-            Self::RealTime => &["real time", "ticks", "overruns", "lateness mean µs", "p99 µs", "max µs", "scheduling"],
+            Self::RealTime => &[
+                "real time",
+                "ticks",
+                "overruns",
+                "lateness mean µs",
+                "p99 µs",
+                "max µs",
+                "scheduling",
+            ],
         }
     }
 }
@@ -43,11 +51,18 @@ impl Kind {
 /// `status`.
 pub(crate) async fn status(client: &Client, names: &[String], output: &Output) -> Result<(), Failure> {
     let tags = client.browse().await?;
-    let shown: Vec<(Tag, Kind)> = tags.into_iter().filter_map(|tag| kind(&tag).map(|kind| (tag, kind))).collect();
+    let shown: Vec<(Tag, Kind)> = tags
+        .into_iter()
+        .filter_map(|tag| kind(&tag).map(|kind| (tag, kind)))
+        .collect();
     for name in names {
         if !shown.iter().any(|(tag, _)| tag.name.eq_ignore_ascii_case(name)) {
             let suggestion = nearest(name, shown.iter().map(|(tag, _)| tag.name.as_str()));
-            return Err(ClientError::UnknownTag { name: name.clone(), suggestion }.into());
+            return Err(ClientError::UnknownTag {
+                name: name.clone(),
+                suggestion,
+            }
+            .into());
         }
     }
     let asked = |tag: &Tag| names.is_empty() || names.iter().any(|name| name.eq_ignore_ascii_case(&tag.name));
@@ -69,7 +84,11 @@ pub(crate) async fn status(client: &Client, names: &[String], output: &Output) -
     }
     let mut tables = Vec::new();
     for kind in Kind::ALL {
-        let rows: Vec<Vec<String>> = rows.iter().filter(|shown| shown.kind == kind).map(|s| s.row.clone()).collect();
+        let rows: Vec<Vec<String>> = rows
+            .iter()
+            .filter(|shown| shown.kind == kind)
+            .map(|s| s.row.clone())
+            .collect();
         if !rows.is_empty() {
             tables.push(table(kind.header(), &rows));
         }
@@ -89,7 +108,11 @@ fn kind(tag: &Tag) -> Option<Kind> {
 
 /// Names of the members that are true, in the words of the table.
 fn words(reading: &Reading, members: &[(&str, &str)]) -> String {
-    let set: Vec<&str> = members.iter().filter(|(member, _)| reading.flag(member)).map(|(_, word)| *word).collect();
+    let set: Vec<&str> = members
+        .iter()
+        .filter(|(member, _)| reading.flag(member))
+        .map(|(_, word)| *word)
+        .collect();
     set.join(" ")
 }
 
@@ -98,9 +121,15 @@ fn or(text: String, otherwise: &str) -> String {
 }
 
 const AXIS_FAULTS: &[(&str, &str)] = &[
-    ("PhysicalAxisFault", "axis-fault"), ("ModuleFault", "module-fault"), ("ConfigFault", "configuration-fault"),
-    ("GroupFault", "group-fault"), ("MotionFault", "motion-fault"), ("GuardFault", "guard-fault"),
-    ("InitializationFault", "initialization-fault"), ("APRFault", "apr-fault"), ("SafetyFault", "safety-fault"),
+    ("PhysicalAxisFault", "axis-fault"),
+    ("ModuleFault", "module-fault"),
+    ("ConfigFault", "configuration-fault"),
+    ("GroupFault", "group-fault"),
+    ("MotionFault", "motion-fault"),
+    ("GuardFault", "guard-fault"),
+    ("InitializationFault", "initialization-fault"),
+    ("APRFault", "apr-fault"),
+    ("SafetyFault", "safety-fault"),
 ];
 
 fn axis(tag: &Tag, reading: &Reading) -> Shown {
@@ -108,34 +137,66 @@ fn axis(tag: &Tag, reading: &Reading) -> Shown {
     let velocity = reading.number("CommandVelocity");
     let (servo, homed) = (reading.flag("ServoActionStatus"), reading.flag("AxisHomedStatus"));
     let faults = words(reading, AXIS_FAULTS);
-    let motion = words(reading, &[
-        ("ShutdownStatus", "shutdown"), ("InhibitStatus", "inhibited"), ("CoordinatedMotionStatus", "coordinated"),
-        ("MoveStatus", "moving"), ("JogStatus", "jogging"), ("GearingStatus", "geared"), ("HomingStatus", "homing"),
-        ("StoppingStatus", "stopping"),
-    ]);
+    let motion = words(
+        reading,
+        &[
+            ("ShutdownStatus", "shutdown"),
+            ("InhibitStatus", "inhibited"),
+            ("CoordinatedMotionStatus", "coordinated"),
+            ("MoveStatus", "moving"),
+            ("JogStatus", "jogging"),
+            ("GearingStatus", "geared"),
+            ("HomingStatus", "homing"),
+            ("StoppingStatus", "stopping"),
+        ],
+    );
     let state = or(format!("{motion} {faults}").trim().to_owned(), "at rest");
     let row = vec![
-        tag.name.clone(), fixed(position), fixed(command), fixed(velocity), yes_no(servo, "on", "off"),
-        yes_no(homed, "yes", "no"), state.clone(),
+        tag.name.clone(),
+        fixed(position),
+        fixed(command),
+        fixed(velocity),
+        yes_no(servo, "on", "off"),
+        yes_no(homed, "yes", "no"),
+        state.clone(),
     ];
     let object = json!({
         "kind": "axis", "name": tag.name, "type": tag.type_name(), "position": position, "command": command,
         "velocity": velocity, "servo": servo, "homed": homed, "state": state,
         "faults": faults.split_whitespace().collect::<Vec<_>>(),
     });
-    Shown { kind: Kind::Axis, row, object }
+    Shown {
+        kind: Kind::Axis,
+        row,
+        object,
+    }
 }
 
 fn system(tag: &Tag, reading: &Reading) -> Shown {
-    let position = reading.member("ActualPosition").and_then(Reading::numbers).unwrap_or_default();
-    let motion = words(reading, &[
-        ("ShutdownStatus", "shutdown"), ("AxisInhibitStatus", "inhibited"), ("MoveStatus", "moving"),
-        ("MoveTransitionStatus", "blending"), ("StoppingStatus", "stopping"), ("MovePendingStatus", "pending"),
-        ("MovePendingQueueFullStatus", "queue-full"), ("TransformSourceStatus", "transform-source"),
-        ("TransformTargetStatus", "transform-target"),
-    ]);
+    let position = reading
+        .member("ActualPosition")
+        .and_then(Reading::numbers)
+        .unwrap_or_default();
+    let motion = words(
+        reading,
+        &[
+            ("ShutdownStatus", "shutdown"),
+            ("AxisInhibitStatus", "inhibited"),
+            ("MoveStatus", "moving"),
+            ("MoveTransitionStatus", "blending"),
+            ("StoppingStatus", "stopping"),
+            ("MovePendingStatus", "pending"),
+            ("MovePendingQueueFullStatus", "queue-full"),
+            ("TransformSourceStatus", "transform-source"),
+            ("TransformTargetStatus", "transform-target"),
+        ],
+    );
     let faults = words(reading, AXIS_FAULTS);
-    let otherwise = if reading.flag("ReadyStatus") { "at rest" } else { "not ready" };
+    let otherwise = if reading.flag("ReadyStatus") {
+        "at rest"
+    } else {
+        "not ready"
+    };
     let state = or(format!("{motion} {faults}").trim().to_owned(), otherwise);
     // At most three axes; the others are unused and 0.
     let shown: Vec<String> = position.iter().take(3).map(|axis| fixed(*axis)).collect();
@@ -143,28 +204,47 @@ fn system(tag: &Tag, reading: &Reading) -> Shown {
         "kind": "coordinate system", "name": tag.name, "position": position, "ready": reading.flag("ReadyStatus"),
         "state": state, "faults": faults.split_whitespace().collect::<Vec<_>>(),
     });
-    Shown { kind: Kind::System, row: vec![tag.name.clone(), shown.join(", "), state], object }
+    Shown {
+        kind: Kind::System,
+        row: vec![tag.name.clone(), shown.join(", "), state],
+        object,
+    }
 }
 
 fn group(tag: &Tag, reading: &Reading) -> Shown {
     let synced = reading.flag("GroupSynced");
-    let faults = words(reading, &[
-        ("GroupOverlapFault", "overlap"), ("CSTLossFault", "time-lost"), ("GroupTaskLoadingFault", "task-loading"),
-        ("ClockSyncFault", "clock"), ("PhysicalAxisFault", "axis"), ("ModuleFault", "module"),
-        ("ConfigFault", "configuration"),
-    ]);
+    let faults = words(
+        reading,
+        &[
+            ("GroupOverlapFault", "overlap"),
+            ("CSTLossFault", "time-lost"),
+            ("GroupTaskLoadingFault", "task-loading"),
+            ("ClockSyncFault", "clock"),
+            ("PhysicalAxisFault", "axis"),
+            ("ModuleFault", "module"),
+            ("ConfigFault", "configuration"),
+        ],
+    );
     let object = json!({
         "kind": "motion group", "name": tag.name, "synced": synced,
         "faults": faults.split_whitespace().collect::<Vec<_>>(),
     });
     let row = vec![tag.name.clone(), yes_no(synced, "yes", "no"), or(faults, "none")];
-    Shown { kind: Kind::Group, row, object }
+    Shown {
+        kind: Kind::Group,
+        row,
+        object,
+    }
 }
 
 fn real_time(tag: &Tag, reading: &Reading) -> Shown {
     let (ticks, overruns) = (reading.number("Ticks"), reading.number("Overruns"));
     let [mean, p99, max] = ["LatenessMean", "LatenessP99", "LatenessMax"].map(|member| reading.number(member));
-    let scheduling = [("Fifo", "fifo"), ("MemoryLocked", "memory-locked"), ("Pinned", "pinned")];
+    let scheduling = [
+        ("Fifo", "fifo"),
+        ("MemoryLocked", "memory-locked"),
+        ("Pinned", "pinned"),
+    ];
     let scheduling = or(words(reading, &scheduling), "ordinary");
     let object = json!({
         "kind": "real time", "name": tag.name, "ticks": ticks, "overruns": overruns, "lateness_mean_us": mean,
@@ -173,8 +253,20 @@ fn real_time(tag: &Tag, reading: &Reading) -> Shown {
     });
     let lateness = [mean, p99, max].map(|time| format!("{time:.1}"));
     let [mean, p99, max] = lateness;
-    let row = vec![tag.name.clone(), format!("{ticks}"), format!("{overruns}"), mean, p99, max, scheduling];
-    Shown { kind: Kind::RealTime, row, object }
+    let row = vec![
+        tag.name.clone(),
+        format!("{ticks}"),
+        format!("{overruns}"),
+        mean,
+        p99,
+        max,
+        scheduling,
+    ];
+    Shown {
+        kind: Kind::RealTime,
+        row,
+        object,
+    }
 }
 
 fn fixed(number: f64) -> String {
@@ -196,7 +288,11 @@ pub(crate) async fn identify(client: &Client, output: &Output) -> Result<(), Fai
 pub(crate) async fn discover(address: &str, seconds: f64, output: &Output) -> Result<(), Failure> {
     let wait = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::from_secs(1));
     let port = arcline_client::DEFAULT_PORT;
-    let address = if address.contains(':') { address.to_owned() } else { format!("{address}:{port}") };
+    let address = if address.contains(':') {
+        address.to_owned()
+    } else {
+        format!("{address}:{port}")
+    };
     let found = ask_everybody(&address, wait).await?;
     for one in &found {
         show(&one.from.to_string(), &one.identity, output);
@@ -208,7 +304,16 @@ pub(crate) async fn discover(address: &str, seconds: f64, output: &Output) -> Re
 }
 
 fn show(address: &str, identity: &Identity, output: &Output) {
-    let Identity { vendor, device_type, product_code, major, minor, serial, state, .. } = identity;
+    let Identity {
+        vendor,
+        device_type,
+        product_code,
+        major,
+        minor,
+        serial,
+        state,
+        ..
+    } = identity;
     let text = format!(
         "{address}  {}  revision {major}.{minor}  serial {serial:08X}  vendor 0x{vendor:04X}  type 0x{device_type:02X}  \
          product {product_code}  state {state}",

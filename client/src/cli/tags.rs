@@ -12,14 +12,20 @@ use super::{Failure, Output};
 pub(crate) async fn list(client: &Client, pattern: Option<&str>, output: &Output) -> Result<(), Failure> {
     let tags = client.browse().await?;
     let mut rows = Vec::new();
-    for tag in tags.iter().filter(|tag| pattern.is_none_or(|pattern| matches(pattern, &tag.name))) {
+    for tag in tags
+        .iter()
+        .filter(|tag| pattern.is_none_or(|pattern| matches(pattern, &tag.name)))
+    {
         let access = match tag.access {
             Access::ReadWrite => "read/write",
             Access::ReadOnly => "read-only",
             Access::None => "none",
         };
         if output.is_json() {
-            output.result("", || json!({"name": tag.name, "type": tag.type_name(), "access": access}));
+            output.result(
+                "",
+                || json!({"name": tag.name, "type": tag.type_name(), "access": access}),
+            );
         }
         rows.push(vec![tag.name.clone(), tag.type_name(), access.to_owned()]);
     }
@@ -32,7 +38,11 @@ pub(crate) async fn list(client: &Client, pattern: Option<&str>, output: &Output
 /// With `*` or `?` the whole name, else a part of it; case is ignored.
 fn matches(pattern: &str, name: &str) -> bool {
     let (pattern, name) = (pattern.to_ascii_lowercase(), name.to_ascii_lowercase());
-    if pattern.contains(['*', '?']) { glob(pattern.as_bytes(), name.as_bytes()) } else { name.contains(&pattern) }
+    if pattern.contains(['*', '?']) {
+        glob(pattern.as_bytes(), name.as_bytes())
+    } else {
+        name.contains(&pattern)
+    }
 }
 
 /// Goes back to the last star only, so it takes at most the product of the lengths.
@@ -90,7 +100,12 @@ fn text(tag: &str, reading: &Reading, alone: bool) -> String {
 
 fn members(reading: &Reading, depth: usize, lines: &mut Vec<String>) {
     let Reading::Structure(structure) = reading else { return };
-    let shown = || structure.members.iter().filter(|(name, _)| !name.starts_with("DEAD_ZONE"));
+    let shown = || {
+        structure
+            .members
+            .iter()
+            .filter(|(name, _)| !name.starts_with("DEAD_ZONE"))
+    };
     let width = shown().map(|(name, _)| name.len()).max().unwrap_or_default();
     for (name, member) in shown() {
         let indent = 2 * depth;
@@ -108,7 +123,10 @@ pub(crate) async fn write(client: &Client, command: &Write, output: &Output) -> 
     let value = as_text_where_needed(client, command).await?;
     client.write(&command.tag, value).await?;
     let reading = client.read(&command.tag).await?;
-    output.result(format!("{} = {reading}", command.tag), || json!({"tag": command.tag, "value": reading}));
+    output.result(
+        format!("{} = {reading}", command.tag),
+        || json!({"tag": command.tag, "value": reading}),
+    );
     Ok(())
 }
 

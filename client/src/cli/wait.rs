@@ -139,7 +139,12 @@ struct Travelled {
 impl Travelled {
     fn at(&mut self, position: Vec<f64>, now: Instant) {
         if let Some((last, then)) = &self.last {
-            let step = last.iter().zip(&position).map(|(a, b)| (b - a).powi(2)).sum::<f64>().sqrt();
+            let step = last
+                .iter()
+                .zip(&position)
+                .map(|(a, b)| (b - a).powi(2))
+                .sum::<f64>()
+                .sqrt();
             let time = now.duration_since(*then).as_secs_f64();
             self.distance += step;
             self.speed = if time > 0.0 { step / time } else { 0.0 };
