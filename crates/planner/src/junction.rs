@@ -107,6 +107,19 @@ pub(crate) fn junction_speed<T>(
     }
 }
 
+/// Whether one profile can run over both moves: the path goes on without a corner, the limits are the same, and
+/// the second one is to be able to stop in time (motion-core §7).
+pub(crate) fn joins<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> bool {
+    let passes = matches!(
+        junction(first, second, blended),
+        Junction::Pass { constrained: true, early: false }
+    );
+    passes && first.limits == second.limits && {
+        let turn = second.path.start_tangent() - first.path.end_tangent();
+        turn.norm() <= TANGENT || collinear(&first.path, &second.path)
+    }
+}
+
 fn corner_speed(first: &Path, second: &Path, corner_step: &Point) -> f64 {
     let turn = second.start_tangent() - first.end_tangent();
     if turn.norm() <= TANGENT || collinear(first, second) {

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use arcline_geometry::{Path, Point};
 use arcline_profile::{Limits, Profile, State};
 
-use crate::junction::{Ending, Junction, braking, is_along, junction, junction_speed};
+use crate::junction::{Ending, Junction, braking, is_along, joins, junction, junction_speed};
 use crate::reach::{accelerates_until, brakes_from, exit_speed};
 use crate::track::{Approach, Residual, Sample, Track};
 use crate::{Clock, Instant};
@@ -31,6 +31,8 @@ pub struct Running<T> {
     track: Track,
     /// Speed with which the profile ends.
     exit: f64,
+    /// Pending moves that the profile runs over too.
+    joined: usize,
     /// Whether something blended into it.
     blended: bool,
 }
@@ -212,6 +214,10 @@ impl<T: Copy> Planner<T> {
             self.start(next, at, clock);
             return self.active_data();
         };
+        if early && last.joined > 0 {
+            self.go_on(&last, next, clock);
+            return self.active_data();
+        }
         let end = last.track.profile.end();
         let joined = junction(&last.motion, &next, last.blended);
         match joined {
@@ -274,15 +280,13 @@ impl<T: Copy> Planner<T> {
         running.motion.limits = limits;
         self.active = Some(running);
         let from = running.track.state(clock);
-        let exit = self.exit(&running, from);
-        let length = running.motion.path.length();
-        let profile = if exit > 0.0 {
-            Profile::to_position(from, length, exit, &limits)
+        let plan = self.plan(&running, from);
+        let profile = if plan.exit > 0.0 {
+            Profile::to_position(from, plan.target, plan.exit, &limits)
         } else {
-            Profile::to_position_two_stage(from, length, &limits)
+            Profile::to_position_two_stage(from, plan.target, &limits)
         };
-        running.track.replan(profile, clock);
-        running.exit = exit;
+        running.follow(plan, profile, clock);
         self.active = Some(running);
         self.schedule(clock);
     }
@@ -297,6 +301,7 @@ impl<T: Copy> Planner<T> {
         }
         if let Some(running) = &mut self.active {
             running.exit = 0.0;
+            running.joined = 0;
         }
     }
 
@@ -329,14 +334,34 @@ impl<T: Copy> Planner<T> {
                 approach: None,
                 profile: Profile::rest(0.0),
                 start: at,
+                offset: 0.0,
                 residual,
             },
             exit: 0.0,
+            joined: 0,
             blended,
         };
-        running.exit = self.exit(&running, from);
-        running.track.profile = Profile::to_position(from, motion.path.length(), running.exit, &motion.limits);
+        let plan = self.plan(&running, from);
+        running.exit = plan.exit;
+        running.joined = plan.joined;
+        running.track.profile = Profile::to_position(from, plan.target, plan.exit, &motion.limits);
         self.active = Some(running);
+        self.schedule(clock);
+    }
+
+    /// The next of several joined moves becomes active; the profile runs on.
+    fn go_on(&mut self, last: &Running<T>, next: Move<T>, clock: &Clock) {
+        let mut track = last.track;
+        track.offset += last.motion.path.length();
+        track.path = next.path;
+        track.lead = None;
+        self.active = Some(Running {
+            motion: next,
+            track,
+            exit: last.exit,
+            joined: last.joined - 1,
+            blended: false,
+        });
         self.schedule(clock);
     }
 
@@ -346,45 +371,52 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// The speed with which a move that is in state `from` ends: what the junction allows and what is reachable.
-    fn exit(&self, running: &Running<T>, from: State) -> f64 {
-        let wanted = self.look_ahead(running);
-        if wanted <= 0.0 {
-            return 0.0;
+    /// What the profile of a move that is in state `from` aims at.
+    fn plan(&self, running: &Running<T>, from: State) -> Plan {
+        let mut target = running.motion.path.length();
+        let mut joined = 0;
+        let mut first = &running.motion;
+        for second in self.pending.iter().take(LOOK_AHEAD) {
+            if !joins(first, second, joined > 0 || running.blended) {
+                break;
+            }
+            target += second.path.length();
+            joined += 1;
+            first = second;
         }
-        let left = running.motion.path.length() - from.position;
-        let reachable = exit_speed(from, left, &running.motion.limits);
-        wanted.min(reachable)
+        let wanted = self.look_ahead(first, joined, running.blended);
+        let exit = if wanted > 0.0 {
+            wanted.min(exit_speed(from, target - from.position, &running.motion.limits))
+        } else {
+            0.0
+        };
+        Plan { target, exit, joined }
     }
 
-    /// The speed that the junction behind a move allows, seen from the end of the queue.
-    fn look_ahead(&self, running: &Running<T>) -> f64 {
-        let seen = self.pending.len().min(LOOK_AHEAD);
+    /// The speed that the junction behind a move allows, seen from the end of the queue. `place` is that of the
+    /// pending move behind it.
+    fn look_ahead(&self, from: &Move<T>, from_place: usize, blended: bool) -> f64 {
+        let seen = self.pending.len().min(from_place + LOOK_AHEAD);
         let mut exit = 0.0;
-        for place in (0..seen).rev() {
+        for place in (from_place..seen).rev() {
             let second = &self.pending[place];
-            let (first, blended) = match place.checked_sub(1) {
-                Some(before) => (&self.pending[before], true),
-                None => (&running.motion, running.blended),
-            };
-            let joined = junction(first, second, blended);
+            let first = if place == from_place { from } else { &self.pending[place - 1] };
+            let joined = junction(first, second, blended || place > 0);
             exit = junction_speed(first, second, joined, exit, &self.corner_step);
         }
         exit
     }
 
-    /// After the queue has grown: the active move may end faster than it was planned to.
+    /// After the queue has grown: the active move may end faster than it was planned to, or be joined.
     fn raise_exit(&mut self, clock: &Clock) {
         let Some(mut running) = self.active else {
             return;
         };
         let from = running.track.state(clock);
-        let exit = self.exit(&running, from);
-        if exit > running.exit {
-            let length = running.motion.path.length();
-            let profile = Profile::to_position(from, length, exit, &running.motion.limits);
-            running.track.replan(profile, clock);
-            running.exit = exit;
+        let plan = self.plan(&running, from);
+        if plan.exit > running.exit || plan.joined > running.joined {
+            let profile = Profile::to_position(from, plan.target, plan.exit, &running.motion.limits);
+            running.follow(plan, profile, clock);
             self.active = Some(running);
         }
     }
@@ -403,6 +435,10 @@ impl<T: Copy> Planner<T> {
         let length = running.motion.path.length();
         let reaches = |distance: f64| track.profile.time_at_position(length - distance).unwrap_or(0.0);
         let mut at = match junction(&running.motion, next, running.blended) {
+            _ if running.joined > 0 => {
+                let end = track.offset + length;
+                track.profile.time_at_position(end).unwrap_or(track.profile.duration())
+            }
             Junction::Rest | Junction::Pass { early: false, .. } => return,
             Junction::Pass { early: true, .. } => brakes_from(&track.profile),
             Junction::Overtake { tolerance } => reaches(tolerance),
@@ -426,6 +462,25 @@ impl<T: Copy> Planner<T> {
         if at < track.duration(clock) {
             self.hand_over_at = Some(at);
         }
+    }
+}
+
+/// What a profile aims at.
+#[derive(Clone, Copy, Debug)]
+struct Plan {
+    /// Distance from the start of the active path.
+    target: f64,
+    /// Speed there.
+    exit: f64,
+    /// Pending moves on the way.
+    joined: usize,
+}
+
+impl<T> Running<T> {
+    fn follow(&mut self, plan: Plan, profile: Profile, clock: &Clock) {
+        self.track.replan(profile, clock);
+        self.exit = plan.exit;
+        self.joined = plan.joined;
     }
 }
 

@@ -15,6 +15,8 @@ pub(crate) struct Track {
     pub(crate) approach: Option<Approach>,
     pub(crate) profile: Profile,
     pub(crate) start: Instant,
+    /// Where on the profile the path begins: not at 0 when the profile runs over several joined paths.
+    pub(crate) offset: f64,
     pub(crate) residual: Option<Residual>,
 }
 
@@ -56,7 +58,7 @@ impl Track {
         if let (Some(approach), true) = (&self.approach, elapsed < 0.0) {
             return approach.sample(clock);
         }
-        let along = self.profile.at(elapsed);
+        let along = self.along(elapsed);
         let phase = self.profile.phase(elapsed);
         let mut sample = match &self.lead {
             Some(lead) if along.position < 0.0 => at(lead, lead.length() + along.position, along, phase),
@@ -77,8 +79,25 @@ impl Track {
                 state.position -= approach.path.length();
                 state
             }
-            _ => self.profile.at(elapsed),
+            _ => self.along(elapsed),
         }
+    }
+
+    fn along(&self, elapsed: f64) -> State {
+        let mut along = self.profile.at(elapsed);
+        if self.offset != 0.0 {
+            along.position -= self.offset;
+            if elapsed >= self.profile.duration() && self.profile.end().velocity == 0.0 && self.ends_here() {
+                along.position = self.path.length();
+            }
+        }
+        along
+    }
+
+    /// Whether the profile's end is the end of the path, but for the rounding of the offset.
+    fn ends_here(&self) -> bool {
+        let length = self.path.length();
+        (self.profile.end().position - self.offset - length).abs() <= 1e-12 * (self.offset + length)
     }
 
     /// Runs another profile from the present tick on, beginning in the present state.
@@ -87,6 +106,7 @@ impl Track {
             self.lead = Some(approach.path);
         }
         self.approach = None;
+        self.offset = 0.0;
         self.profile = profile;
         self.start = clock.now();
     }
