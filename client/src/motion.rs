@@ -26,6 +26,8 @@ pub struct Execution {
     pub mnemonic: Mnemonic,
     /// The motion object it acts on.
     pub target: String,
+    /// Its motion control tag; empty: none.
+    pub tag: String,
     /// Instance of class 0x0303; the server keeps the newest 4,096.
     pub instance: u32,
     /// Its status when the server answered.
@@ -140,19 +142,21 @@ impl Client {
         }
         let mut reader = Reader::new(&reply.data);
         let parts = (reader.u32(), reader.array::<{ MotionControl::SIZE }>());
-        let (Some(instance), Some(control)) = parts else {
+        let (Some(instance), Some(bytes)) = parts else {
             return Err(ClientError::Malformed {
                 what: "the answer to an instruction is cut",
             });
         };
-        let control = MotionControl::from_bytes(control);
-        let execution = Execution {
+        let status = MotionControl::from_bytes(bytes);
+        check(&status, Some(mnemonic))?;
+        let (target, tag) = (target.to_owned(), control.to_owned());
+        Ok(Execution {
             mnemonic,
-            target: target.to_owned(),
+            target,
+            tag,
             instance,
-            control,
-        };
-        check(&control, Some(mnemonic)).map(|()| execution)
+            control: status,
+        })
     }
 
     /// The status of an executed instruction.

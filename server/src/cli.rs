@@ -100,7 +100,11 @@ impl<T: FromStr> FromStr for OrOff<T> {
     type Err = T::Err;
 
     fn from_str(text: &str) -> Result<Self, T::Err> {
-        if text.eq_ignore_ascii_case("off") { Ok(OrOff::Off) } else { text.parse().map(OrOff::On) }
+        if text.eq_ignore_ascii_case("off") {
+            Ok(OrOff::Off)
+        } else {
+            text.parse().map(OrOff::On)
+        }
     }
 }
 
@@ -113,7 +117,10 @@ pub(crate) struct Failure {
 
 impl Failure {
     pub(crate) fn new(code: u8, message: impl Into<String>) -> Self {
-        Failure { code, message: message.into() }
+        Failure {
+            code,
+            message: message.into(),
+        }
     }
 
     /// Something that the user must put right first.
@@ -146,7 +153,10 @@ pub fn main() -> ExitCode {
 fn log() {
     let filter = tracing_subscriber::EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .init();
 }
 
 fn check(config: &Path) -> Result<ExitCode, Failure> {
@@ -175,5 +185,9 @@ pub(crate) fn project(config: Option<&Path>) -> Result<Project, Failure> {
 
 fn seconds(text: &str) -> Result<f64, String> {
     let seconds: f64 = text.parse().map_err(|_| "expected a number of seconds".to_owned())?;
-    if seconds.is_finite() && seconds >= 0.0 { Ok(seconds) } else { Err("expected 0 or more seconds".to_owned()) }
+    if seconds.is_finite() && seconds >= 0.0 {
+        Ok(seconds)
+    } else {
+        Err("expected 0 or more seconds".to_owned())
+    }
 }

@@ -254,7 +254,11 @@ impl State {
             let _ = self.link.answers.pop();
             if is_answered(&answer.control) {
                 // Its event says the same, unless that was lost.
-                if let Some(control) = self.records.get_mut(answer.ticket).filter(|control| !is_answered(control)) {
+                if let Some(control) = self
+                    .records
+                    .get_mut(answer.ticket)
+                    .filter(|control| !is_answered(control))
+                {
                     *control = answer.control;
                 }
                 self.complete(answer.ticket);
@@ -267,7 +271,10 @@ impl State {
             self.image.apply_health(&health);
             let lost = snapshot.lost_events + health.lost_events + health.lost_answers;
             if lost > self.lost {
-                tracing::warn!(lost = lost - self.lost, "status changes were lost, too many came within one tick");
+                tracing::warn!(
+                    lost = lost - self.lost,
+                    "status changes were lost, too many came within one tick"
+                );
                 self.lost = lost;
             }
         }
@@ -312,7 +319,9 @@ impl State {
 
     fn edge(&mut self, edge: Edge) -> Option<oneshot::Receiver<()>> {
         let (Edge::Rising(id) | Edge::Falling(id)) = edge;
-        let TagKind::Instruction(kind) = self.image.tag(id)?.kind else { return None };
+        let TagKind::Instruction(kind) = self.image.tag(id)?.kind else {
+            return None;
+        };
         if let Edge::Falling(_) = edge {
             // Of a call that was refused below, the controller knows nothing.
             let mut control = self.image.control(kind.control);
@@ -327,9 +336,7 @@ impl State {
             Ok(call) if self.waiting.len() < OUTSTANDING => return Some(self.send(call).1),
             Ok(_) => MotionError::from_codes(EXECUTION_COLLISION, 0)?,
             // A name among the operands that means nothing is a value out of range.
-            Err(error) => {
-                MotionError::from_codes(OUT_OF_RANGE, error.operand().map_or(0, |operand| operand.0 as i8))?
-            }
+            Err(error) => MotionError::from_codes(OUT_OF_RANGE, error.operand().map_or(0, |operand| operand.0 as i8))?,
         };
         let ticket = self.ticket();
         let refused = MotionControl::refused(error);
@@ -376,7 +383,8 @@ impl Records {
     }
 
     fn oldest(&self) -> Option<Ticket> {
-        self.newest().map(|newest| Ticket(newest.0 + 1 - self.ring.len() as u64))
+        self.newest()
+            .map(|newest| Ticket(newest.0 + 1 - self.ring.len() as u64))
     }
 }
 
@@ -402,12 +410,19 @@ pub fn image_of(project: &Project) -> Image {
     let instructions: Vec<_> = project
         .instruction_tags
         .iter()
-        .map(|tag| InstructionTag { name: tag.tag.clone(), mnemonic: tag.mnemonic, target: tag.target.clone() })
+        .map(|tag| InstructionTag {
+            name: tag.tag.clone(),
+            mnemonic: tag.mnemonic,
+            target: tag.target.clone(),
+        })
         .collect();
     let plain: Vec<_> = project
         .tags
         .iter()
-        .map(|tag| PlainTag { name: tag.name.clone(), tag_type: tag.tag_type.clone() })
+        .map(|tag| PlainTag {
+            name: tag.name.clone(),
+            tag_type: tag.tag_type.clone(),
+        })
         .collect();
     Image::new(&project.machine, &instructions, &plain)
 }

@@ -49,7 +49,9 @@ async fn serve(project: &Project) -> Result<arcline_realtime::Handle, Failure> {
     let (plant, handle) = Plant::start(project).map_err(|error| Failure::new(1, error.to_string()))?;
     let listen = project.server.listen;
     let settings = Settings::new(&project.server.name);
-    let listener = Listener::bind(listen, plant, settings).await.map_err(|error| cannot_listen(listen, &error))?;
+    let listener = Listener::bind(listen, plant, settings)
+        .await
+        .map_err(|error| cannot_listen(listen, &error))?;
     ready(listener.local_addr()).map_err(|error| failed("standard output", &error))?;
     tokio::select! {
         () = listener.serve() => {}

@@ -45,9 +45,10 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
         End::Finished => Ok(ExitCode::SUCCESS),
         End::Erred(error) => Err(Failure::new(1, format!("{file}: {error}"))),
         End::Wrong(error) => Err(Failure::new(2, format!("{file}: {error}"))),
-        End::TooLong(seconds) => {
-            Err(Failure::new(3, format!("{file}: not at its end after {seconds} s of simulated time (--until)")))
-        }
+        End::TooLong(seconds) => Err(Failure::new(
+            3,
+            format!("{file}: not at its end after {seconds} s of simulated time (--until)"),
+        )),
     }
 }
 

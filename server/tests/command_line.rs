@@ -26,7 +26,12 @@ impl Files {
 fn simulate(program: &str, args: &[&str]) -> Output {
     let files = Files::new();
     let program = files.write("program.st", program);
-    server().arg("simulate").arg(program).args(args).output().expect("the server runs")
+    server()
+        .arg("simulate")
+        .arg(program)
+        .args(args)
+        .output()
+        .expect("the server runs")
 }
 
 const MOVE: &str = "MCLM(CS1, M, 0, [50, 0, 0], 100, 0, 2000, 0, 2000, 0, 0, 100, 100, 2, 1, 0, 0, 0, 0, 0, 0, 0);";
@@ -75,13 +80,21 @@ fn a_wrong_configuration_is_one_message_and_exit_2() {
         vec!["check".as_ref(), "--config".as_ref(), bad.as_os_str()],
         vec!["--config".as_ref(), bad.as_os_str()],
         vec!["run".as_ref(), "--config".as_ref(), bad.as_os_str()],
-        vec!["simulate".as_ref(), program.as_os_str(), "--config".as_ref(), bad.as_os_str()],
+        vec![
+            "simulate".as_ref(),
+            program.as_os_str(),
+            "--config".as_ref(),
+            bad.as_os_str(),
+        ],
     ];
     for args in commands {
         let out = server().args(&args).output().expect("the server runs");
         let stderr = String::from_utf8_lossy(&out.stderr);
         assert_eq!(out.status.code(), Some(2), "{args:?}: {stderr}");
-        assert!(stderr.contains("bad.toml:2:") && stderr.contains("server.listen"), "{args:?}: {stderr}");
+        assert!(
+            stderr.contains("bad.toml:2:") && stderr.contains("server.listen"),
+            "{args:?}: {stderr}"
+        );
         assert!(out.stdout.is_empty(), "{args:?}");
     }
 }
@@ -91,14 +104,21 @@ fn the_default_configuration_checks() {
     let text = server().arg("default-config").output().expect("the server runs").stdout;
     let files = Files::new();
     let file = files.write("default.toml", &String::from_utf8(text).expect("text"));
-    let out = server().args(["check", "--config"]).arg(file).output().expect("the server runs");
+    let out = server()
+        .args(["check", "--config"])
+        .arg(file)
+        .output()
+        .expect("the server runs");
     assert!(out.status.success());
     assert!(String::from_utf8_lossy(&out.stdout).contains("coordinate system CS1: X Y Z"));
 }
 
 #[test]
 fn retained_state_is_refused_until_it_is_there() {
-    let out = server().args(["--state", "somewhere"]).output().expect("the server runs");
+    let out = server()
+        .args(["--state", "somewhere"])
+        .output()
+        .expect("the server runs");
     assert_eq!(out.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&out.stderr).contains("--state somewhere"));
 }
@@ -121,8 +141,15 @@ impl Running {
         let mut line = String::new();
         let stdout = child.stdout.take().expect("it was piped");
         BufReader::new(stdout).read_line(&mut line).expect("a ready line");
-        let address = line.strip_prefix("ready eip=").and_then(|rest| rest.strip_suffix(" hmi=off\n"));
-        Running { address: address.unwrap_or_else(|| panic!("not a ready line: {line:?}")).to_owned(), child }
+        let address = line
+            .strip_prefix("ready eip=")
+            .and_then(|rest| rest.strip_suffix(" hmi=off\n"));
+        Running {
+            address: address
+                .unwrap_or_else(|| panic!("not a ready line: {line:?}"))
+                .to_owned(),
+            child,
+        }
     }
 }
 
@@ -145,7 +172,10 @@ fn it_is_ready_when_it_says_so_and_ends_when_it_is_told() {
         let mut reply = [0; 24];
         stream.read_exact(&mut reply).expect("it answers");
         assert_eq!(reply[0], 0x63);
-        let told = Command::new("kill").args([signal, &running.child.id().to_string()]).status().expect("kill");
+        let told = Command::new("kill")
+            .args([signal, &running.child.id().to_string()])
+            .status()
+            .expect("kill");
         assert!(told.success());
         assert_eq!(running.child.wait().expect("it ends").code(), Some(0), "{signal}");
     }
@@ -154,9 +184,15 @@ fn it_is_ready_when_it_says_so_and_ends_when_it_is_told() {
 #[test]
 fn a_port_in_use_is_said() {
     let running = Running::start(&[]);
-    let out = server().args(["--listen", &running.address]).output().expect("the server runs");
+    let out = server()
+        .args(["--listen", &running.address])
+        .output()
+        .expect("the server runs");
     assert_eq!(out.status.code(), Some(1));
     let stderr = String::from_utf8_lossy(&out.stderr);
-    assert!(stderr.contains(&running.address) && stderr.contains("--listen"), "{stderr}");
+    assert!(
+        stderr.contains(&running.address) && stderr.contains("--listen"),
+        "{stderr}"
+    );
     assert!(out.stdout.is_empty());
 }

@@ -21,7 +21,12 @@ fn programs_do_what_they_did() {
     assert!(!files.is_empty());
     for file in files {
         let first = simulate(&file);
-        assert_eq!(first, simulate(&file), "{}: two runs give the same bytes", file.display());
+        assert_eq!(
+            first,
+            simulate(&file),
+            "{}: two runs give the same bytes",
+            file.display()
+        );
         let file = file.canonicalize().expect("it was just run");
         expect_file![file.with_extension("expected")].assert_eq(&first);
     }
@@ -49,5 +54,9 @@ fn simulate(program: &Path) -> String {
         .filter(|(row, _)| *row == 0 || (*row - 1) % EVERY == 0)
         .map(|(_, line)| format!("{line}\n"))
         .collect();
-    format!("exit {}\n{message}\n{}\n{trace}", run.status.code().unwrap_or(-1), read(&events))
+    format!(
+        "exit {}\n{message}\n{}\n{trace}",
+        run.status.code().unwrap_or(-1),
+        read(&events)
+    )
 }

@@ -163,11 +163,35 @@ fn nothing_before_the_real_time_thread_reaches_the_system() {
         }
         for (id, way) in reached {
             let reached = name(&metadata, id);
-            assert!(
-                !FORBIDDEN_BEFORE_REALTIME.contains(&reached),
-                "{}: {way}",
-                package.name
-            );
+            assert!(!FORBIDDEN_BEFORE_REALTIME.contains(&reached), "{}: {way}", package.name);
         }
     }
+}
+
+#[test]
+fn every_dependency_has_its_reason() {
+    let metadata = metadata();
+    let text = std::fs::read_to_string(arcline_tests::workspace().join("docs/DEPENDENCIES.md"))
+        .expect("docs/DEPENDENCIES.md can be read");
+    let listed: BTreeSet<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `")?.split('`').next())
+        .collect();
+    let packages = metadata.workspace_packages();
+    let named: BTreeSet<&str> = packages
+        .iter()
+        .flat_map(|package| package.dependencies.iter())
+        .map(|dependency| dependency.name.as_str())
+        .filter(|name| !name.starts_with("arcline-"))
+        .collect();
+    let without_reason: Vec<_> = named.difference(&listed).collect();
+    let unused: Vec<_> = listed.difference(&named).collect();
+    assert!(
+        without_reason.is_empty(),
+        "docs/DEPENDENCIES.md gives no reason for {without_reason:?}"
+    );
+    assert!(
+        unused.is_empty(),
+        "docs/DEPENDENCIES.md lists {unused:?}, which no package uses"
+    );
 }

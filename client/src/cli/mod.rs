@@ -8,6 +8,7 @@ mod moves;
 mod output;
 mod programs;
 mod status;
+mod sweep;
 mod tags;
 mod wait;
 

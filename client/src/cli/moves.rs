@@ -3,6 +3,7 @@
 use arcline_client::{Client, ClientError, Execution, Flag, Given, Mnemonic, Object, Operands};
 
 use super::args::{Arc, Change, Circle, Direction, Dynamics, Move, OnOff, Point, Rate, Servo, Stop, StopType};
+use super::sweep::Sweep;
 use super::wait::{self, Course};
 use super::{Failure, Output};
 
@@ -25,13 +26,14 @@ pub(crate) async fn line(client: &Client, command: Move, output: &Output) -> Res
 
 /// `arc`.
 pub(crate) async fn arc(client: &Client, command: Arc, output: &Output) -> Result<(), Failure> {
+    let length = arc_length(client, &command).await;
     let operands = arc_operands(&command)?;
     execute(
         client,
         &command.system,
         &operands,
         &command.dynamics,
-        Course::default(),
+        Course { length },
         output,
     )
     .await
@@ -43,7 +45,7 @@ pub(crate) async fn change(client: &Client, command: Change, output: &Output) ->
     let execution = client
         .execute(Mnemonic::Mccd, &command.system, "", operands.given())
         .await?;
-    output.execution(&execution, &execution.control, "");
+    output.execution(&execution, &execution.control);
     Ok(())
 }
 
@@ -66,7 +68,7 @@ pub(crate) async fn stop(client: &Client, command: Stop, output: &Output) -> Res
     }
     let wait = async |execution: &Execution| {
         let control = wait::complete(client, execution, Course::default(), output).await?;
-        output.execution(execution, &control, "");
+        output.execution(execution, &control);
         Ok(())
     };
     each(executions, wait, output).await
@@ -89,7 +91,7 @@ pub(crate) async fn servo(client: &Client, command: Servo, output: &Output) -> R
         executions.push(client.execute(mnemonic, axis, "", &[]).await);
     }
     let wait = async |execution: &Execution| {
-        output.execution(execution, &execution.control, "");
+        output.execution(execution, &execution.control);
         Ok(())
     };
     each(executions, wait, output).await
@@ -153,8 +155,18 @@ async fn execute(
     } else {
         wait::complete(client, &execution, course, output).await?
     };
-    output.execution(&execution, &control, tag);
+    output.execution(&execution, &control);
     Ok(())
+}
+
+/// Length of an arc from where the system stands, for the progress only; `None` when it cannot be told, as for a move
+/// that the server will refuse.
+async fn arc_length(client: &Client, command: &Arc) -> Option<f64> {
+    let start = client
+        .read_numbers(&format!("{}.ActualPosition", command.system))
+        .await
+        .ok()?;
+    Sweep::new(&start, command)?.length()
 }
 
 /// Distance from where the system stands; `None` when that is not known.

@@ -41,12 +41,12 @@ impl Output {
     }
 
     /// Prints how an instruction stands.
-    pub(crate) fn execution(&self, execution: &Execution, control: &MotionControl, tag: &str) {
+    pub(crate) fn execution(&self, execution: &Execution, control: &MotionControl) {
         let bits: Vec<&str> = Flag::in_word(control.flags).map(Flag::name).collect();
         let text = format!("{} {}: {}", execution.mnemonic, execution.target, bits.join(" "));
         self.result(text, || {
             json!({
-                "instruction": execution.mnemonic.name(), "target": execution.target, "tag": tag,
+                "instruction": execution.mnemonic.name(), "target": execution.target, "tag": execution.tag,
                 "instance": execution.instance, "status": bits, "ERR": control.err, "EXERR": control.exerr,
             })
         });

@@ -20,7 +20,7 @@ pub(crate) async fn exec(client: &Client, command: &Exec, output: &Output) -> Re
     } else {
         wait::complete(client, execution, Course::default(), output).await?
     };
-    output.execution(execution, &control, "");
+    output.execution(execution, &control);
     Ok(())
 }
 

@@ -54,7 +54,11 @@ impl Meter {
             lost_answers: self.lost_answers.load(Relaxed),
             fifo: self.fifo.load(Relaxed),
             memory_locked: self.memory_locked.load(Relaxed),
-            core: self.core.load(Relaxed).checked_sub(1).and_then(|core| u16::try_from(core).ok()),
+            core: self
+                .core
+                .load(Relaxed)
+                .checked_sub(1)
+                .and_then(|core| u16::try_from(core).ok()),
         }
     }
 
@@ -132,7 +136,10 @@ mod tests {
         }
         meter.tick(5_000_000, 2_000_000, true, true);
         let health = meter.health();
-        assert_eq!((health.ticks, health.overruns, health.caught_up, health.overlapping), (100, 1, 1, true));
+        assert_eq!(
+            (health.ticks, health.overruns, health.caught_up, health.overlapping),
+            (100, 1, 1, true)
+        );
         assert_eq!((health.lateness.last, health.lateness.max), (5000.0, 5000.0));
         assert_eq!(health.lateness.histogram[1], 99);
         assert_eq!(health.lateness.p99(), 0.5, "99 of 100 were below 0.5 µs");

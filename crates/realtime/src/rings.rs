@@ -74,7 +74,15 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
     let (events, event_receiver) = rtrb::RingBuffer::new(EVENTS);
     let (snapshots, snapshot_output) = triple_buffer::triple_buffer(&Snapshot::new(machine));
     let meter = Arc::new(Meter::default());
-    let rings = Rings { commands, answers, events, snapshots, meter: meter.clone(), tick: 0, stop: Stop::No };
+    let rings = Rings {
+        commands,
+        answers,
+        events,
+        snapshots,
+        meter: meter.clone(),
+        tick: 0,
+        stop: Stop::No,
+    };
     let link = Link {
         commands: command_sender,
         answers: answer_receiver,
@@ -107,7 +115,15 @@ impl Port for Rings {
     }
 
     fn answer(&mut self, ticket: Ticket, control: MotionControl) {
-        if self.answers.push(Answer { tick: self.tick, ticket, control }).is_err() {
+        if self
+            .answers
+            .push(Answer {
+                tick: self.tick,
+                ticket,
+                control,
+            })
+            .is_err()
+        {
             self.meter.lose_answer();
         }
     }

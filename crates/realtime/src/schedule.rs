@@ -38,7 +38,10 @@ impl fmt::Display for Shortfall {
 
 impl Report {
     fn lacks(&mut self, what: &'static str, why: impl fmt::Display) {
-        self.shortfalls.push(Shortfall { what, why: why.to_string() });
+        self.shortfalls.push(Shortfall {
+            what,
+            why: why.to_string(),
+        });
     }
 }
 

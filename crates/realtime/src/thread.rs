@@ -29,7 +29,12 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { priority: 80, core: None, catch_up: 1000, grace: 30_000 }
+        Options {
+            priority: 80,
+            core: None,
+            catch_up: 1000,
+            grace: 30_000,
+        }
     }
 }
 
@@ -108,7 +113,14 @@ pub fn spawn(machine: &Machine, options: Options) -> Result<(Link, Handle), Spaw
             shortfalls.join(", ")
         );
     }
-    Ok((link, Handle { stop, thread: Some(thread), report }))
+    Ok((
+        link,
+        Handle {
+            stop,
+            thread: Some(thread),
+            report,
+        },
+    ))
 }
 
 /// The body of the loop: one tick, commands taken from the rings, and answers, events and a snapshot put there.
@@ -142,7 +154,12 @@ fn run(mut controller: Controller, mut rings: Rings, period: u64, options: &Opti
         }
         step(&mut controller, &mut rings);
         let ended = now();
-        meter.tick(begun.saturating_sub(due), ended.saturating_sub(begun), ended >= due + period, caught_up);
+        meter.tick(
+            begun.saturating_sub(due),
+            ended.saturating_sub(begun),
+            ended >= due + period,
+            caught_up,
+        );
         due += period;
     }
 }
@@ -154,7 +171,10 @@ fn now() -> u64 {
 }
 
 fn sleep_until(due: u64) {
-    let request = Timespec { tv_sec: (due / NANOSECONDS) as i64, tv_nsec: (due % NANOSECONDS) as _ };
+    let request = Timespec {
+        tv_sec: (due / NANOSECONDS) as i64,
+        tv_nsec: (due % NANOSECONDS) as _,
+    };
     // A signal ends the sleep early: the deadline stays.
     while clock_nanosleep_absolute(ClockId::Monotonic, &request) == Err(rustix::io::Errno::INTR) {}
 }

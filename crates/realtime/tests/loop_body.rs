@@ -26,7 +26,10 @@ fn machine(period_ns: u64) -> Machine {
     Machine {
         period_ns,
         group: "Motion".to_owned(),
-        axes: vec![axis("X", AxisKind::Servo(Drive::default())), axis("Y", AxisKind::Virtual)],
+        axes: vec![
+            axis("X", AxisKind::Servo(Drive::default())),
+            axis("Y", AxisKind::Virtual),
+        ],
         systems: vec![CoordinateSystem {
             name: "CS1".to_owned(),
             axes: vec![0, 1],
@@ -52,15 +55,29 @@ fn line(control: ControlSlot, to: [f64; 2]) -> Call {
     for place in instruction.given_operands() {
         arguments[place] = Argument::Number(0.0);
     }
-    let operands = [("Speed", 100.0), ("Accel Rate", 2000.0), ("Decel Rate", 2000.0), ("Termination Type", 1.0)];
-    for (name, number) in operands.into_iter().chain([("Accel Jerk", 100.0), ("Decel Jerk", 100.0), ("Jerk Units", 2.0)]) {
+    let operands = [
+        ("Speed", 100.0),
+        ("Accel Rate", 2000.0),
+        ("Decel Rate", 2000.0),
+        ("Termination Type", 1.0),
+    ];
+    for (name, number) in
+        operands
+            .into_iter()
+            .chain([("Accel Jerk", 100.0), ("Decel Jerk", 100.0), ("Jerk Units", 2.0)])
+    {
         arguments[instruction.operand(name).expect(name)] = Argument::Number(number);
     }
     arguments[instruction.operand("Position").expect("an operand")] = Argument::Array(RealArray::from_slice(&to));
     for name in ["Event Distance", "Calculated Data"] {
         arguments[instruction.operand(name).expect(name)] = Argument::None;
     }
-    Call { mnemonic: Mnemonic::Mclm, target: Some(0), control, arguments }
+    Call {
+        mnemonic: Mnemonic::Mclm,
+        target: Some(0),
+        control,
+        arguments,
+    }
 }
 
 #[test]
@@ -94,10 +111,16 @@ fn a_tick_allocates_nothing_and_is_whole_when_it_is_published() {
         }
     }
     // One runs, one is pending, the third finds the queue full.
-    assert_eq!(answers, [(Ticket(1), 0, false), (Ticket(2), 0, false), (Ticket(3), 0, true)]);
+    assert_eq!(
+        answers,
+        [(Ticket(1), 0, false), (Ticket(2), 0, false), (Ticket(3), 0, true)]
+    );
     let (_, position) = rest.expect("the first move ended");
     // The next move has begun within that tick, by its acceleration of 2000 units/s² no more than 1e-3 units.
-    assert!((10.0..10.001).contains(&position), "position and bits are of one tick: {position}");
+    assert!(
+        (10.0..10.001).contains(&position),
+        "position and bits are of one tick: {position}"
+    );
     assert_eq!(control & Flag::En.mask(), 0, "the rung was false");
     assert_eq!(link.meter.health().lost_events, 0);
 }
@@ -106,7 +129,9 @@ fn a_tick_allocates_nothing_and_is_whole_when_it_is_published() {
 fn the_thread_ticks_counts_and_stops_what_moves() {
     let machine = machine(250_000);
     let (mut link, handle) = spawn(&machine, Options::default()).expect("a thread");
-    link.commands.push(Command::Call(Ticket(1), line(ControlSlot(1), [100_000.0, 0.0]))).expect("room");
+    link.commands
+        .push(Command::Call(Ticket(1), line(ControlSlot(1), [100_000.0, 0.0])))
+        .expect("room");
     // A condition, not a time: the move is under way.
     loop {
         link.snapshots.update();

@@ -59,20 +59,34 @@ mod tests {
 
     #[test]
     fn a_frame_survives_any_split() {
-        let frame = Frame::request(Command::NOP, SessionHandle(7), *b"12345678", Bytes::from_static(b"data"));
+        let frame = Frame::request(
+            Command::NOP,
+            SessionHandle(7),
+            *b"12345678",
+            Bytes::from_static(b"data"),
+        );
         let bytes = frame.to_bytes();
         for cut in 0..bytes.len() {
             let mut codec = FrameCodec::new(64);
             let mut buf = BytesMut::from(&bytes[..cut]);
             assert!(codec.decode(&mut buf).expect("no error").is_none(), "cut at {cut}");
             buf.extend_from_slice(&bytes[cut..]);
-            assert_eq!(codec.decode(&mut buf).expect("no error").as_ref(), Some(&frame), "cut at {cut}");
+            assert_eq!(
+                codec.decode(&mut buf).expect("no error").as_ref(),
+                Some(&frame),
+                "cut at {cut}"
+            );
         }
     }
 
     #[test]
     fn an_end_inside_a_frame_is_an_end() {
         let mut codec = FrameCodec::new(64);
-        assert!(codec.decode_eof(&mut BytesMut::from(&[1_u8, 2, 3][..])).expect("no error").is_none());
+        assert!(
+            codec
+                .decode_eof(&mut BytesMut::from(&[1_u8, 2, 3][..]))
+                .expect("no error")
+                .is_none()
+        );
     }
 }

@@ -93,7 +93,9 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
             self.take(next).await?;
             // Whatever has come in the meantime is answered in the same segment.
             for _ in 1..BATCH {
-                let Some(next) = self.framed.next().now_or_never() else { break };
+                let Some(next) = self.framed.next().now_or_never() else {
+                    break;
+                };
                 self.take(next).await?;
             }
             self.flush().await?;
@@ -108,7 +110,8 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
             Some(Ok(frame)) => self.session.handle_frame(&frame, now, &mut &*self.device),
             Some(Err(StreamError::Frame(error))) => {
                 let FrameError::TooLong { header, .. } = error;
-                self.send(Frame::error(&header, EncapStatus::INVALID_LENGTH).to_bytes()).await?;
+                self.send(Frame::error(&header, EncapStatus::INVALID_LENGTH).to_bytes())
+                    .await?;
                 return Err(StreamError::Frame(error).into());
             }
             Some(Err(error)) => return Err(error.into()),
@@ -122,7 +125,12 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
         while let Some(event) = self.session.poll_event() {
             match event {
                 Event::Outgoing(bytes) => self.send(bytes).await?,
-                Event::Request { id, request, reply_budget, transport } => {
+                Event::Request {
+                    id,
+                    request,
+                    reply_budget,
+                    transport,
+                } => {
                     let reply = self.router.handle(&request, reply_budget, transport).await;
                     let now = self.now();
                     self.session.reply(id, &reply, now);
@@ -136,7 +144,10 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
     /// Queues a frame; waits for the peer when the queue is full.
     async fn send(&mut self, bytes: bytes::Bytes) -> Result<(), Ended> {
         let limit = self.device.settings.write_timeout;
-        timeout(limit, self.framed.feed(bytes)).await.map_err(|_| Ended::SlowReader)?.map_err(Ended::from)
+        timeout(limit, self.framed.feed(bytes))
+            .await
+            .map_err(|_| Ended::SlowReader)?
+            .map_err(Ended::from)
     }
 
     async fn flush(&mut self) -> Result<(), Ended> {
@@ -144,7 +155,10 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
             return Ok(());
         }
         let limit = self.device.settings.write_timeout;
-        timeout(limit, self.framed.flush()).await.map_err(|_| Ended::SlowReader)?.map_err(Ended::from)
+        timeout(limit, self.framed.flush())
+            .await
+            .map_err(|_| Ended::SlowReader)?
+            .map_err(Ended::from)
     }
 
     fn now(&self) -> Duration {

@@ -45,14 +45,18 @@ pub(super) async fn serve(socket: &UdpSocket, local: SocketAddr, device: &Arc<De
             }
         };
         let Some(datagram) = buf.get(..length) else { continue };
-        let address = reachable(local, Some(peer)).await;
+        let address = reachable(local, peer).await;
         let capability = device.settings.session.capability;
         let Some(answer) = discovery::answer(datagram, &device.settings.identity, capability, address) else {
             continue;
         };
         let bytes = answer.frame.to_bytes();
         // Only a socket on all addresses hears broadcasts.
-        let delay = if local.ip().is_unspecified() { random_up_to(answer.max_delay) } else { Duration::ZERO };
+        let delay = if local.ip().is_unspecified() {
+            random_up_to(answer.max_delay)
+        } else {
+            Duration::ZERO
+        };
         if delay.is_zero() {
             send(socket, &bytes, peer).await;
         } else if waiting.len() < MAX_WAITING {

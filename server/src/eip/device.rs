@@ -1,6 +1,5 @@
 //! What all connections of the server share: the plant, the identity, limits and counters.
 
-use std::net::SocketAddrV4;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -41,7 +40,9 @@ impl Settings {
 
 /// FNV-1a over the name.
 fn serial_number(name: &str) -> u32 {
-    name.bytes().fold(0x811C_9DC5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+    name.bytes().fold(0x811C_9DC5, |hash, byte| {
+        (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193)
+    })
 }
 
 /// What all connections share.
@@ -50,8 +51,6 @@ pub(crate) struct Device {
     pub(crate) plant: Plant,
     pub(crate) settings: Settings,
     pub(crate) session_settings: Arc<session::Settings>,
-    /// Where the device can be reached, for the objects that tell it; the port is the real one.
-    pub(crate) address: SocketAddrV4,
     open_connections: AtomicUsize,
     counters: Mutex<Counters>,
     /// µs that a client has moved the wall clock by; the host's own clock is never set.
@@ -61,12 +60,11 @@ pub(crate) struct Device {
 }
 
 impl Device {
-    pub(crate) fn new(plant: Plant, settings: Settings, address: SocketAddrV4) -> Self {
+    pub(crate) fn new(plant: Plant, settings: Settings) -> Self {
         Self {
             plant,
             session_settings: Arc::new(settings.session.clone()),
             settings,
-            address,
             open_connections: AtomicUsize::new(0),
             counters: Mutex::new(Counters::default()),
             clock_offset: AtomicI64::new(0),
@@ -127,7 +125,9 @@ impl session::Host for &Device {
     fn acquire_connection(&mut self) -> bool {
         let most = self.settings.max_connections;
         let more = |open: usize| (open < most).then_some(open + 1);
-        self.open_connections.fetch_update(Ordering::Relaxed, Ordering::Relaxed, more).is_ok()
+        self.open_connections
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, more)
+            .is_ok()
     }
 
     fn release_connections(&mut self, count: usize) {

@@ -39,8 +39,13 @@ impl Listener {
     pub async fn bind(address: SocketAddr, plant: Plant, settings: Settings) -> io::Result<Self> {
         let (tcp, udp) = bind_both(address).await?;
         let local = tcp.local_addr()?;
-        let device = Arc::new(Device::new(plant, settings, reachable(local, None).await));
-        Ok(Self { tcp, udp, local, device })
+        let device = Arc::new(Device::new(plant, settings));
+        Ok(Self {
+            tcp,
+            udp,
+            local,
+            device,
+        })
     }
 
     /// The address that was really bound.
@@ -50,12 +55,18 @@ impl Listener {
 
     /// Serves until the future is dropped; that closes every connection.
     pub async fn serve(self) {
-        let permits = Arc::new(Semaphore::new(self.device.settings.max_clients.clamp(1, Semaphore::MAX_PERMITS)));
+        let permits = Arc::new(Semaphore::new(
+            self.device.settings.max_clients.clamp(1, Semaphore::MAX_PERMITS),
+        ));
         let mut connections = JoinSet::new();
         let datagrams = datagram::serve(&self.udp, self.local, &self.device);
         let accept = async {
             loop {
-                let permit = permits.clone().acquire_owned().await.expect("the semaphore is never closed");
+                let permit = permits
+                    .clone()
+                    .acquire_owned()
+                    .await
+                    .expect("the semaphore is never closed");
                 match self.tcp.accept().await {
                     Ok((stream, peer)) => {
                         let span = info_span!("connection", %peer);
@@ -77,8 +88,10 @@ async fn serve_one(stream: TcpStream, permit: OwnedSemaphorePermit, device: Arc<
     if let Err(error) = stream.set_nodelay(true) {
         debug!(%error, "cannot switch off Nagle's algorithm");
     }
-    let Ok(local) = stream.local_addr() else { return };
-    let local = reachable(local, stream.peer_addr().ok()).await;
+    let (Ok(local), Ok(peer)) = (stream.local_addr(), stream.peer_addr()) else {
+        return;
+    };
+    let local = reachable(local, peer).await;
     debug!("connected");
     let ended = connection::serve(stream, local, device).await;
     connection::report(&ended);
@@ -102,11 +115,11 @@ async fn bind_both(address: SocketAddr) -> io::Result<(TcpListener, UdpSocket)> 
 /// An IPv4 address at which `peer` reaches the socket bound to `local`: never 0.0.0.0, which a browser could not connect
 /// back to. Connecting a UDP socket sends nothing; it only asks the routing table. IPv6 has no place in an identity item:
 /// such a listener tells the loopback address.
-pub(super) async fn reachable(local: SocketAddr, peer: Option<SocketAddr>) -> SocketAddrV4 {
+pub(super) async fn reachable(local: SocketAddr, peer: SocketAddr) -> SocketAddrV4 {
     let bound = ipv4(local.ip()).filter(|ip| !ip.is_unspecified());
     let ip = match bound {
         Some(ip) => Some(ip),
-        None => route_source(peer.unwrap_or_else(|| SocketAddr::from((ELSEWHERE, 9)))).await,
+        None => route_source(peer).await,
     };
     SocketAddrV4::new(ip.unwrap_or(Ipv4Addr::LOCALHOST), local.port())
 }
@@ -123,6 +136,3 @@ fn ipv4(ip: IpAddr) -> Option<Ipv4Addr> {
         IpAddr::V6(ip) => ip.to_ipv4_mapped(),
     }
 }
-
-/// An address for documentation (RFC 5737) that only the default route leads to.
-const ELSEWHERE: Ipv4Addr = Ipv4Addr::new(192, 0, 2, 1);

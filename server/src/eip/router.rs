@@ -82,7 +82,10 @@ impl Router {
     async fn single(&self, request: &Request, budget: usize, transport: Transport) -> Reply {
         let context = self.context(budget, transport);
         let mut step = None;
-        self.with_memory(std::slice::from_ref(request), |memory| step = Some(answer(&context, memory, request))).await;
+        self.with_memory(std::slice::from_ref(request), |memory| {
+            step = Some(answer(&context, memory, request))
+        })
+        .await;
         match step {
             Some(step) => self.finish(step, &context).await,
             None => Reply::error(request.service, CipStatus::RESOURCE_UNAVAILABLE),
@@ -140,7 +143,10 @@ impl Router {
     /// Runs `work` on the tag memory, for writing only if one of the requests writes, then executes the edges it made.
     async fn with_memory(&self, requests: &[Request], work: impl FnOnce(&mut Memory<'_>)) {
         if requests.iter().any(|request| tags::is_write(request.service)) {
-            let ((), edges) = self.device.plant.write(|image, edges| work(&mut Memory::Write(image, edges)));
+            let ((), edges) = self
+                .device
+                .plant
+                .write(|image, edges| work(&mut Memory::Write(image, edges)));
             self.device.plant.fire(edges).await;
         } else {
             self.device.plant.with_image(|image| work(&mut Memory::Read(image)));
@@ -148,7 +154,12 @@ impl Router {
     }
 
     fn context(&self, budget: usize, transport: Transport) -> Context<'_> {
-        Context { device: &self.device, local: self.local, budget, transport }
+        Context {
+            device: &self.device,
+            local: self.local,
+            budget,
+            transport,
+        }
     }
 }
 

@@ -8,9 +8,7 @@ use arcline_proto::cip::{CipStatus, Reply, Request, service};
 use arcline_proto::epath::Target;
 use arcline_proto::logix::{ReadModifyWrite, ReadTag, WireType, WriteTag};
 use arcline_proto::status::general_error;
-use arcline_tag::{
-    DataType, Elementary, Location, PathError, PathSegment, STRING_CAPACITY, STRING_INSTANCE, Template,
-};
+use arcline_tag::{DataType, Elementary, Location, PathError, PathSegment, STRING_CAPACITY, STRING_INSTANCE, Template};
 
 use super::router::{Context, Memory};
 
@@ -26,7 +24,10 @@ pub(crate) const fn is_tag_service(code: u8) -> bool {
 
 /// Whether the service may write a tag.
 pub(crate) const fn is_write(code: u8) -> bool {
-    matches!(code, service::WRITE_TAG | service::WRITE_TAG_FRAGMENTED | service::READ_MODIFY_WRITE_TAG)
+    matches!(
+        code,
+        service::WRITE_TAG | service::WRITE_TAG_FRAGMENTED | service::READ_MODIFY_WRITE_TAG
+    )
 }
 
 /// Answers a tag service whose path names a tag, or its instance of class 0x6B.
@@ -38,12 +39,16 @@ pub(crate) fn serve(context: &Context<'_>, memory: &mut Memory<'_>, request: &Re
     let code = request.service;
     let done = match (code, memory) {
         (service::READ_TAG, memory) => {
-            return ReadTag::decode(&request.data)
-                .map_or_else(|s| Reply::error(code, s), |read| place.read(code, memory.image(), read, context.budget));
+            return ReadTag::decode(&request.data).map_or_else(
+                |s| Reply::error(code, s),
+                |read| place.read(code, memory.image(), read, context.budget),
+            );
         }
         (service::READ_TAG_FRAGMENTED, memory) => {
-            return ReadTag::decode_fragmented(&request.data)
-                .map_or_else(|s| Reply::error(code, s), |read| place.read(code, memory.image(), read, context.budget));
+            return ReadTag::decode_fragmented(&request.data).map_or_else(
+                |s| Reply::error(code, s),
+                |read| place.read(code, memory.image(), read, context.budget),
+            );
         }
         (service::WRITE_TAG, Memory::Write(image, edges)) => {
             WriteTag::decode(&request.data).and_then(|write| place.write(image, edges, &write, Extent::Whole))
@@ -99,11 +104,19 @@ impl Place {
     }
 
     fn element_size(&self) -> usize {
-        if self.location.bit.is_some() { 1 } else { self.location.element_size() }
+        if self.location.bit.is_some() {
+            1
+        } else {
+            self.location.element_size()
+        }
     }
 
     fn check_elements(&self, elements: u16) -> Result<usize, CipStatus> {
-        let available = if self.location.bit.is_some() { 1 } else { self.location.elements };
+        let available = if self.location.bit.is_some() {
+            1
+        } else {
+            self.location.elements
+        };
         if elements == 0 || u32::from(elements) > available {
             return Err(CipStatus::GENERAL_ERROR.with(general_error::ELEMENTS_BEYOND_TAG));
         }
@@ -120,7 +133,9 @@ impl Place {
     /// The elements as they travel.
     fn bytes(&self, image: &Image, elements: u16) -> Result<Vec<u8>, CipStatus> {
         let size = self.check_elements(elements)?;
-        let Location { offset, data_type, bit, .. } = &self.location;
+        let Location {
+            offset, data_type, bit, ..
+        } = &self.location;
         let bytes = image.bytes(self.tag);
         if let Some(bit) = bit {
             let byte = bytes.get(offset + usize::from(bit / 8)).ok_or_else(unknown)?;
@@ -128,12 +143,20 @@ impl Place {
         }
         let mut bytes = bytes.get(*offset..offset + size).ok_or_else(unknown)?.to_vec();
         if let DataType::Structure(template) = data_type {
-            bytes.chunks_mut(template.size.max(1) as usize).for_each(|element| clamp_strings(template, element));
+            bytes
+                .chunks_mut(template.size.max(1) as usize)
+                .for_each(|element| clamp_strings(template, element));
         }
         Ok(bytes)
     }
 
-    fn write(&self, image: &mut Image, edges: &mut Vec<Edge>, write: &WriteTag, extent: Extent) -> Result<(), CipStatus> {
+    fn write(
+        &self,
+        image: &mut Image,
+        edges: &mut Vec<Edge>,
+        write: &WriteTag,
+        extent: Extent,
+    ) -> Result<(), CipStatus> {
         if write.data_type != self.wire_type() {
             return Err(CipStatus::GENERAL_ERROR.with(general_error::TYPE_MISMATCH));
         }
@@ -162,12 +185,18 @@ impl Place {
 
     fn modify(&self, image: &mut Image, edges: &mut Vec<Edge>, masks: ReadModifyWrite) -> Result<(), CipStatus> {
         match self.location {
-            Location { data_type: DataType::Elementary(kind), bit: None, .. } if kind.has_bits() => {}
+            Location {
+                data_type: DataType::Elementary(kind),
+                bit: None,
+                ..
+            } if kind.has_bits() => {}
             _ => return Err(CipStatus::GENERAL_ERROR.with(general_error::TYPE_MISMATCH)),
         }
         let mut integer = self.bytes(image, 1)?;
         masks.apply(&mut integer)?;
-        let edge = image.write(self.tag, self.location.offset, &integer).map_err(|error| write_status(&error))?;
+        let edge = image
+            .write(self.tag, self.location.offset, &integer)
+            .map_err(|error| write_status(&error))?;
         edges.extend(edge);
         Ok(())
     }
@@ -199,10 +228,15 @@ fn clamp_strings(template: &Template, bytes: &mut [u8]) {
         return;
     }
     for member in &template.members {
-        let DataType::Structure(inner) = &member.data_type else { continue };
+        let DataType::Structure(inner) = &member.data_type else {
+            continue;
+        };
         let start = member.offset as usize;
-        let Some(bytes) = bytes.get_mut(start..start + member.size()) else { continue };
-        bytes.chunks_mut((inner.size as usize).max(1)).for_each(|element| clamp_strings(inner, element));
+        let Some(bytes) = bytes.get_mut(start..start + member.size()) else {
+            continue;
+        };
+        bytes
+            .chunks_mut((inner.size as usize).max(1))
+            .for_each(|element| clamp_strings(inner, element));
     }
 }
-

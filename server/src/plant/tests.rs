@@ -8,7 +8,10 @@ fn project() -> Project {
 
 fn number(plant: &Plant, path: &str) -> f64 {
     let path = path.parse().expect("a path");
-    plant.with_image(|image| image.read(&path)).unwrap_or_else(|error| panic!("{path}: {error}")).as_f64()
+    plant
+        .with_image(|image| image.read(&path))
+        .unwrap_or_else(|error| panic!("{path}: {error}"))
+        .as_f64()
 }
 
 fn write(plant: &Plant, values: &[(&str, f64)]) -> Vec<Edge> {
@@ -29,17 +32,33 @@ async fn wait(plant: &Plant, path: &str) {
             tokio::task::yield_now().await;
         }
     };
-    tokio::time::timeout(Duration::from_secs(30), moving).await.unwrap_or_else(|_| panic!("{path} never set"));
+    tokio::time::timeout(Duration::from_secs(30), moving)
+        .await
+        .unwrap_or_else(|_| panic!("{path} never set"));
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_written_enable_in_moves_to_the_exact_end() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");
-    let edges = write(&plant, &[("Move1.Position[0]", 20.0), ("Move1.Position[1]", 10.0), ("Move1.EnableIn", 1.0)]);
+    let edges = write(
+        &plant,
+        &[
+            ("Move1.Position[0]", 20.0),
+            ("Move1.Position[1]", 10.0),
+            ("Move1.EnableIn", 1.0),
+        ],
+    );
     plant.fire(edges).await;
-    assert_eq!(["EN", "DN", "IP"].map(|bit| number(&plant, &format!("Move1.{bit}"))), [1.0; 3], "shown when it returns");
+    assert_eq!(
+        ["EN", "DN", "IP"].map(|bit| number(&plant, &format!("Move1.{bit}"))),
+        [1.0; 3],
+        "shown when it returns"
+    );
     wait(&plant, "Move1.PC").await;
-    assert_eq!([number(&plant, "X.CommandPosition"), number(&plant, "Y.CommandPosition")], [20.0, 10.0]);
+    assert_eq!(
+        [number(&plant, "X.CommandPosition"), number(&plant, "Y.CommandPosition")],
+        [20.0, 10.0]
+    );
     assert_eq!(plant.newest_instance(), Some(1));
     let control = plant.instruction_instance(1).expect("it is kept");
     assert!(control.has(Flag::Pc) && !control.has(Flag::Ip));
@@ -52,21 +71,35 @@ async fn what_is_refused_is_shown() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");
     let speed = write(&plant, &[("Move1.Speed", -1.0), ("Move1.EnableIn", 1.0)]);
     plant.fire(speed).await;
-    assert_eq!(["ER", "ERR", "EXERR"].map(|name| number(&plant, &format!("Move1.{name}"))), [1.0, 13.0, 4.0]);
+    assert_eq!(
+        ["ER", "ERR", "EXERR"].map(|name| number(&plant, &format!("Move1.{name}"))),
+        [1.0, 13.0, 4.0]
+    );
 
     let target = write(&plant, &[("Move2.CoordinateSystem.LEN", 1.0), ("Move2.EnableIn", 1.0)]);
     plant.fire(target).await;
-    assert_eq!(["ER", "ERR", "EXERR"].map(|name| number(&plant, &format!("Move2.{name}"))), [1.0, 13.0, 0.0]);
+    assert_eq!(
+        ["ER", "ERR", "EXERR"].map(|name| number(&plant, &format!("Move2.{name}"))),
+        [1.0, 13.0, 0.0]
+    );
 
-    let executed = plant.call(Mnemonic::Mso, Some(0), Some("Servo"), &[]).await.expect("it binds");
+    let executed = plant
+        .call(Mnemonic::Mso, Some(0), Some("Servo"), &[])
+        .await
+        .expect("it binds");
     assert!(executed.control.has(Flag::Dn) && !executed.control.has(Flag::Er));
     assert_eq!((executed.instance, number(&plant, "Servo.DN")), (3, 1.0));
 
     let wrong = plant.call(Mnemonic::Mso, Some(0), Some("X"), &[]).await;
     assert!(matches!(wrong, Err(CallRefused::Control(_))), "{wrong:?}");
-    let many = plant.call(Mnemonic::Mso, Some(0), Some("Fresh"), &[Given::Integer(1)]).await;
+    let many = plant
+        .call(Mnemonic::Mso, Some(0), Some("Fresh"), &[Given::Integer(1)])
+        .await;
     assert!(matches!(many, Err(CallRefused::Bind(_))), "{many:?}");
-    assert!(plant.with_image(|image| image.find("Fresh").is_none()), "a refused call makes no tag");
+    assert!(
+        plant.with_image(|image| image.find("Fresh").is_none()),
+        "a refused call makes no tag"
+    );
     assert_eq!(plant.newest_instance(), Some(3), "and no instance");
     handle.stop();
 }
@@ -74,16 +107,26 @@ async fn what_is_refused_is_shown() {
 #[test]
 fn the_newest_executions_are_kept() {
     let mut records = Records::default();
-    assert_eq!((records.newest(), records.oldest(), records.by_instance(0)), (None, None, None));
+    assert_eq!(
+        (records.newest(), records.oldest(), records.by_instance(0)),
+        (None, None, None)
+    );
     for ticket in 1..=RECORDS as u64 + 10 {
         records.begin(Ticket(ticket));
         records.get_mut(Ticket(ticket)).expect("the newest").err = (ticket % 100) as i16;
     }
-    assert_eq!((records.oldest(), records.newest()), (Some(Ticket(11)), Some(Ticket(RECORDS as u64 + 10))));
+    assert_eq!(
+        (records.oldest(), records.newest()),
+        (Some(Ticket(11)), Some(Ticket(RECORDS as u64 + 10)))
+    );
     #[rustfmt::skip]
     let cases = [(0, None), (10, None), (11, Some(11)), (RECORDS as u32 + 10, Some(6)), (RECORDS as u32 + 11, None), (u32::MAX, None)];
     for (instance, err) in cases {
-        assert_eq!(records.by_instance(instance).map(|control| control.err), err, "{instance}");
+        assert_eq!(
+            records.by_instance(instance).map(|control| control.err),
+            err,
+            "{instance}"
+        );
     }
     assert!(records.get_mut(Ticket(10)).is_none() && records.get_mut(Ticket(5000)).is_none());
 }

@@ -18,7 +18,11 @@ pub(super) struct Output {
 
 impl Output {
     pub(super) fn create(path: &Path) -> io::Result<Self> {
-        Ok(Output { file: File::create(path)?, text: Vec::with_capacity(BUFFER + MARGIN), failed: None })
+        Ok(Output {
+            file: File::create(path)?,
+            text: Vec::with_capacity(BUFFER + MARGIN),
+            failed: None,
+        })
     }
 
     /// Writes what is left.
@@ -31,7 +35,12 @@ impl Output {
     pub(super) fn header(&mut self, machine: &Machine) {
         self.text.extend_from_slice(b"tick,time_s");
         for axis in &machine.axes {
-            for column in ["CommandPosition", "CommandVelocity", "CommandAcceleration", "ActualPosition"] {
+            for column in [
+                "CommandPosition",
+                "CommandVelocity",
+                "CommandAcceleration",
+                "ActualPosition",
+            ] {
                 self.text.push(b',');
                 self.text.extend_from_slice(axis.name.as_bytes());
                 self.text.push(b'.');
@@ -62,7 +71,11 @@ impl Output {
         number(text, time);
         // Names of tags and flags need no escapes.
         let line = (|| {
-            write!(text, ",\"tick\":{},\"tag\":\"{tag}\",\"instruction\":\"{}\"", event.tick, event.mnemonic)?;
+            write!(
+                text,
+                ",\"tick\":{},\"tag\":\"{tag}\",\"instruction\":\"{}\"",
+                event.tick, event.mnemonic
+            )?;
             for (key, flags) in [("set", event.set), ("clear", event.clear)] {
                 write!(text, ",\"{key}\":[")?;
                 for (place, flag) in Flag::in_word(flags).enumerate() {

@@ -62,11 +62,20 @@ pub(super) enum Wrong {
     #[error("line {line}: {error}")]
     Bind { line: usize, error: BindError },
     #[error("line {line}: {error}")]
-    Control { line: usize, error: arcline_controller::image::ControlError },
+    Control {
+        line: usize,
+        error: arcline_controller::image::ControlError,
+    },
     #[error("line {line}: {error}")]
-    Read { line: usize, error: arcline_controller::image::ReadError },
+    Read {
+        line: usize,
+        error: arcline_controller::image::ReadError,
+    },
     #[error("line {line}: {error}")]
-    Write { line: usize, error: arcline_controller::image::WriteError },
+    Write {
+        line: usize,
+        error: arcline_controller::image::WriteError,
+    },
 }
 
 /// What the program does at the next tick.
@@ -163,7 +172,10 @@ impl<'m> Runner<'m> {
     fn is_due(&self, tick: u64) -> bool {
         match &self.program {
             Program::Ready(_) => true,
-            Program::Watching => self.watched.iter().any(|(slot, shown)| self.controller.control(*slot) != *shown),
+            Program::Watching => self
+                .watched
+                .iter()
+                .any(|(slot, shown)| self.controller.control(*slot) != *shown),
             Program::Until(due) => tick >= *due,
             Program::Queued(call, _) => self.controller.has_room(call),
             Program::Ended => false,
@@ -209,11 +221,17 @@ impl<'m> Runner<'m> {
             Request::Read(path) => Next::Answer(Answer::Value(self.read(&path, tick, line)?)),
             Request::ReadArray(path) => {
                 self.show(tick);
-                let numbers = self.image.read_numbers(&path).map_err(|error| Wrong::Read { line, error })?;
+                let numbers = self
+                    .image
+                    .read_numbers(&path)
+                    .map_err(|error| Wrong::Read { line, error })?;
                 Next::Answer(Answer::Array(numbers))
             }
             Request::Write(path, value) => {
-                let edge = self.image.write_value(&path, value).map_err(|error| Wrong::Write { line, error })?;
+                let edge = self
+                    .image
+                    .write_value(&path, value)
+                    .map_err(|error| Wrong::Write { line, error })?;
                 self.edge(edge, line)?;
                 Next::Answer(Answer::Done)
             }
@@ -225,9 +243,7 @@ impl<'m> Runner<'m> {
                 self.execute(&call, line);
                 Next::Answer(Answer::Done)
             }
-            Request::NextTick if self.interpreter.is_waiting() && !self.reads_motion => {
-                Next::Pause(Program::Watching)
-            }
+            Request::NextTick if self.interpreter.is_waiting() && !self.reads_motion => Next::Pause(Program::Watching),
             Request::NextTick => Next::Pause(Program::Ready(Answer::Done)),
             Request::Delay(seconds) => {
                 let nanoseconds = (seconds * 1e9).round() as u64;
@@ -285,7 +301,10 @@ impl<'m> Runner<'m> {
         let line = call.line;
         let target = self.image.object(call.mnemonic.instruction().object, &call.target);
         let control = match &call.control {
-            Some(name) => self.image.control_slot(name).map_err(|error| Wrong::Control { line, error })?,
+            Some(name) => self
+                .image
+                .control_slot(name)
+                .map_err(|error| Wrong::Control { line, error })?,
             None => UNNAMED,
         };
         bind(call.mnemonic, target, control, &call.given, &self.image).map_err(|error| Wrong::Bind { line, error })
@@ -305,7 +324,11 @@ impl<'m> Runner<'m> {
         match edge {
             None => {}
             Some(Edge::Rising(id)) => {
-                let call = self.image.call_of(id).transpose().map_err(|error| Wrong::Bind { line, error })?;
+                let call = self
+                    .image
+                    .call_of(id)
+                    .transpose()
+                    .map_err(|error| Wrong::Bind { line, error })?;
                 if let Some(call) = call {
                     self.execute(&call, line);
                 }
@@ -334,7 +357,9 @@ impl<'m> Runner<'m> {
     /// Remembers the first error, and ends the program unless it is to go on.
     fn err(&mut self, control: ControlSlot, mnemonic: Mnemonic, ticket: Ticket, err: i16, exerr: i8) {
         if self.erred.is_none() {
-            let line = (ticket.0 as usize).checked_sub(1).and_then(|place| self.lines.get(place));
+            let line = (ticket.0 as usize)
+                .checked_sub(1)
+                .and_then(|place| self.lines.get(place));
             self.erred = Some(Erred {
                 tag: self.image.control_name(control).to_owned(),
                 mnemonic,

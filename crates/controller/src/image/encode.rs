@@ -94,7 +94,11 @@ impl Encoder {
             let layout = if *is_virtual { &self.virtual_ } else { &self.cip };
             layout.encode(axis, bytes);
         }
-        for (system, bytes) in snapshot.systems.iter().zip(bytes.iter_mut().skip(self.is_virtual.len())) {
+        for (system, bytes) in snapshot
+            .systems
+            .iter()
+            .zip(bytes.iter_mut().skip(self.is_virtual.len()))
+        {
             self.system.encode(system, bytes);
         }
         if let [group] = group {
@@ -116,8 +120,12 @@ impl Encoder {
     /// Attributes of the drives, which do not change.
     pub(super) fn constants(&self, machine: &Machine, bytes: &mut [Vec<u8>]) {
         let template = predefined::axis_cip_drive();
-        let bandwidth = template.member("PositionLoopBandwidth").map(|member| member.offset as usize);
-        let feedforward = template.member("VelocityFeedforwardGain").map(|member| member.offset as usize);
+        let bandwidth = template
+            .member("PositionLoopBandwidth")
+            .map(|member| member.offset as usize);
+        let feedforward = template
+            .member("VelocityFeedforwardGain")
+            .map(|member| member.offset as usize);
         for (axis, bytes) in machine.axes.iter().zip(bytes.iter_mut().skip(1)) {
             let layout = if axis.is_virtual() { &self.virtual_ } else { &self.cip };
             if let Some(offset) = layout.interpolation_time {
@@ -159,12 +167,14 @@ impl AxisLayout {
             ("InterpolatedActualPosition", Real(|axis| axis.actual[0])),
             ("InterpolatedCommandPosition", Real(|axis| axis.command[0])),
         ];
-        let places = fields.into_iter().filter_map(|(name, field)| {
-            template.member(name).map(|member| (member.offset as usize, field))
-        });
+        let places = fields
+            .into_iter()
+            .filter_map(|(name, field)| template.member(name).map(|member| (member.offset as usize, field)));
         AxisLayout {
             fields: places.collect(),
-            interpolation_time: template.member("InterpolationTime").map(|member| member.offset as usize),
+            interpolation_time: template
+                .member("InterpolationTime")
+                .map(|member| member.offset as usize),
         }
     }
 

@@ -65,6 +65,9 @@ pub enum ControlError {
         name: String,
     },
     /// Every slot is in use.
-    #[error("there is no room for another motion control tag, {} are in use", crate::CONTROL_SLOTS)]
+    #[error(
+        "there is no room for another motion control tag, {} are in use",
+        crate::CONTROL_SLOTS
+    )]
     NoRoom,
 }

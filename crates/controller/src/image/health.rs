@@ -81,8 +81,12 @@ impl Health {
         put("Ticks", 0, Value::Lint(self.ticks as i64));
         put("Overruns", 0, count(self.overruns));
         for (name, measured) in [("Lateness", &self.lateness), ("Compute", &self.compute)] {
-            let numbers =
-                [("Last", measured.last), ("Mean", measured.mean), ("P99", measured.p99()), ("Max", measured.max)];
+            let numbers = [
+                ("Last", measured.last),
+                ("Mean", measured.mean),
+                ("P99", measured.p99()),
+                ("Max", measured.max),
+            ];
             for (what, number) in numbers {
                 put(&format!("{name}{what}"), 0, Value::Real(number as f32));
             }
@@ -91,7 +95,10 @@ impl Health {
             }
         }
         let state = [self.fifo, self.memory_locked, self.core.is_some()];
-        let state = state.iter().enumerate().fold(0, |word, (bit, on)| word | i32::from(*on) << bit);
+        let state = state
+            .iter()
+            .enumerate()
+            .fold(0, |word, (bit, on)| word | i32::from(*on) << bit);
         put("State", 0, Value::Dint(state));
     }
 }

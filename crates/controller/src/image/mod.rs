@@ -20,7 +20,9 @@ use arcline_instruction_set::{
     BindError, Call, ControlSlot, Directory, Mnemonic, MotionControl, Object, bind, instruction_tag_defaults,
     instruction_tag_given, instruction_tag_target, instruction_tag_template, predefined,
 };
-use arcline_tag::{DataType, Elementary, Location, PathError, PathSegment, TagPath, TagType, Template, Value, write_string};
+use arcline_tag::{
+    DataType, Elementary, Location, PathError, PathSegment, TagPath, TagType, Template, Value, write_string,
+};
 
 use crate::machine::Machine;
 use crate::{CONTROL_SLOTS, Event, Snapshot, UNNAMED};
@@ -150,15 +152,26 @@ impl Image {
             encoder: encode::Encoder::new(machine),
             snapshot_tick: 0,
         };
-        image.add(&machine.group, TagType::scalar(predefined::motion_group()), TagKind::MotionGroup);
+        image.add(
+            &machine.group,
+            TagType::scalar(predefined::motion_group()),
+            TagKind::MotionGroup,
+        );
         for (place, axis) in (0..).zip(&machine.axes) {
-            let template =
-                if axis.is_virtual() { predefined::axis_virtual() } else { predefined::axis_cip_drive() };
+            let template = if axis.is_virtual() {
+                predefined::axis_virtual()
+            } else {
+                predefined::axis_cip_drive()
+            };
             image.add(&axis.name, TagType::scalar(template), TagKind::Axis(place));
         }
         for (place, system) in (0..).zip(&machine.systems) {
             let template = predefined::coordinate_system();
-            image.add(&system.name, TagType::scalar(template), TagKind::CoordinateSystem(place));
+            image.add(
+                &system.name,
+                TagType::scalar(template),
+                TagKind::CoordinateSystem(place),
+            );
         }
         for tag in instruction_tags {
             image.add_instruction(tag);
@@ -167,7 +180,11 @@ impl Image {
             image.add(&tag.name, tag.tag_type.clone(), TagKind::Plain);
         }
         if image.find(REAL_TIME_TAG).is_none() {
-            image.add(REAL_TIME_TAG, TagType::scalar(predefined::real_time()), TagKind::RealTime);
+            image.add(
+                REAL_TIME_TAG,
+                TagType::scalar(predefined::real_time()),
+                TagKind::RealTime,
+            );
         }
         image.add_template(&predefined::motion_instruction());
         image.initialise(machine);
@@ -192,7 +209,9 @@ impl Image {
 
     /// The bytes of a tag; empty when there is none of that id.
     pub fn bytes(&self, id: TagId) -> &[u8] {
-        index(id).and_then(|place| self.bytes.get(place)).map_or(&[], Vec::as_slice)
+        index(id)
+            .and_then(|place| self.bytes.get(place))
+            .map_or(&[], Vec::as_slice)
     }
 
     /// The structure types in use, by ascending template instance id.
@@ -217,7 +236,9 @@ impl Image {
     /// [`ReadError::NoSuchTag`], or what the path's rest is wrong about.
     pub fn locate(&self, path: &TagPath) -> Result<(TagId, Location), ReadError> {
         let name = path.tag().ok_or(PathError::Empty)?;
-        let tag = self.find(name).ok_or_else(|| ReadError::NoSuchTag { name: name.to_owned() })?;
+        let tag = self
+            .find(name)
+            .ok_or_else(|| ReadError::NoSuchTag { name: name.to_owned() })?;
         Ok((tag.id, self.locate_in(tag, path.rest())?))
     }
 
@@ -252,14 +273,19 @@ impl Image {
     /// As [`Image::read`].
     pub fn read_numbers(&self, path: &TagPath) -> Result<Vec<f64>, ReadError> {
         let (id, place) = self.locate(path)?;
-        let DataType::Elementary(kind) = place.data_type else { return Err(not_a_value(path, &place)) };
+        let DataType::Elementary(kind) = place.data_type else {
+            return Err(not_a_value(path, &place));
+        };
         if place.bit.is_some() {
             let value = value_at(self.bytes(id), &place).ok_or_else(|| not_a_value(path, &place))?;
             return Ok(vec![value.as_f64()]);
         }
         let bytes = self.bytes(id).get(place.offset..).unwrap_or_default();
         let elements = bytes.chunks_exact(kind.size()).take(place.elements as usize);
-        Ok(elements.filter_map(|bytes| Value::read(kind, bytes)).map(Value::as_f64).collect())
+        Ok(elements
+            .filter_map(|bytes| Value::read(kind, bytes))
+            .map(Value::as_f64)
+            .collect())
     }
 
     /// Whether clients may write these bytes of a tag.
@@ -272,7 +298,9 @@ impl Image {
         match tag.kind {
             TagKind::Plain => true,
             TagKind::Instruction(_) => {
-                let DataType::Structure(template) = &tag.tag_type.data_type else { return false };
+                let DataType::Structure(template) = &tag.tag_type.data_type else {
+                    return false;
+                };
                 let overlaps = |name: &str| {
                     template.member(name).is_some_and(|member| {
                         let from = member.offset as usize;
@@ -284,7 +312,9 @@ impl Image {
             }
             TagKind::Axis(_) => {
                 // "Settable" on its page, and the only such member.
-                let DataType::Structure(template) = &tag.tag_type.data_type else { return false };
+                let DataType::Structure(template) = &tag.tag_type.data_type else {
+                    return false;
+                };
                 template.member("InterpolationTime").is_some_and(|member| {
                     let from = member.offset as usize;
                     from <= offset && end <= from + member.size()
@@ -317,7 +347,9 @@ impl Image {
             self.check_write(id, offset, 1)?;
         }
         let out = self.member_bit(id, ENABLE_OUT);
-        let Some(bytes) = self.bytes_mut(id) else { return Err(WriteError::NoSuchTag) };
+        let Some(bytes) = self.bytes_mut(id) else {
+            return Err(WriteError::NoSuchTag);
+        };
         let before = bytes[offset] & mask != 0;
         put_bit(&mut bytes[offset], mask, on);
         if enable.is_none() {
@@ -342,7 +374,9 @@ impl Image {
         if let Some(bit) = place.bit {
             return self.write_bit(id, place.offset, bit, value.as_bool());
         }
-        let DataType::Elementary(kind) = place.data_type else { return Err(not_a_value(path, &place).into()) };
+        let DataType::Elementary(kind) = place.data_type else {
+            return Err(not_a_value(path, &place).into());
+        };
         let mut bytes = [0; 8];
         let bytes = &mut bytes[..kind.size()];
         value.convert(kind).write(bytes);
@@ -361,10 +395,16 @@ impl Image {
         let mut letters = name.chars();
         let starts = letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
         if !starts || !letters.all(|c| c.is_ascii_alphanumeric() || c == '_') || name.len() > MAX_NAME {
-            return Err(ControlError::NotAName { name: name.chars().take(MAX_NAME).collect() });
+            return Err(ControlError::NotAName {
+                name: name.chars().take(MAX_NAME).collect(),
+            });
         }
         let slot = self.free_slot().ok_or(ControlError::NoRoom)?;
-        let id = self.add(name, TagType::scalar(predefined::motion_instruction()), TagKind::MotionControl(slot));
+        let id = self.add(
+            name,
+            TagType::scalar(predefined::motion_instruction()),
+            TagKind::MotionControl(slot),
+        );
         self.controls.push((id, 0));
         Ok(slot)
     }
@@ -374,7 +414,9 @@ impl Image {
     /// # Errors
     /// A name of something else.
     pub fn known_control(&self, name: &str) -> Result<Option<ControlSlot>, ControlError> {
-        let (first, member) = name.split_once('.').map_or((name, None), |(first, rest)| (first, Some(rest)));
+        let (first, member) = name
+            .split_once('.')
+            .map_or((name, None), |(first, rest)| (first, Some(rest)));
         let wrong = || ControlError::NotAMotionControl { name: name.to_owned() };
         match (self.find(first).map(|tag| tag.kind), member) {
             (None, None) => Ok(None),
@@ -402,8 +444,13 @@ impl Image {
 
     /// Makes a slot show something.
     pub fn set_control(&mut self, slot: ControlSlot, control: MotionControl) {
-        let Some((id, offset)) = self.controls.get(slot.0 as usize).copied() else { return };
-        if let Some(place) = self.bytes_mut(id).and_then(|bytes| bytes.get_mut(offset..offset + MotionControl::SIZE)) {
+        let Some((id, offset)) = self.controls.get(slot.0 as usize).copied() else {
+            return;
+        };
+        if let Some(place) = self
+            .bytes_mut(id)
+            .and_then(|bytes| bytes.get_mut(offset..offset + MotionControl::SIZE))
+        {
             place.copy_from_slice(&control.to_bytes());
         }
     }
@@ -415,7 +462,9 @@ impl Image {
     /// A name among the operands that means nothing. `None`: not an instruction tag.
     pub fn call_of(&self, id: TagId) -> Option<Result<Call, BindError>> {
         let tag = self.tag(id)?;
-        let TagKind::Instruction(kind) = tag.kind else { return None };
+        let TagKind::Instruction(kind) = tag.kind else {
+            return None;
+        };
         let bytes = self.bytes(id);
         let target = instruction_tag_target(kind.mnemonic, bytes);
         let target = self.object(kind.mnemonic.instruction().object, &target);
@@ -475,16 +524,28 @@ impl Image {
         }
         self.bytes.push(vec![0; tag_type.size()]);
         self.names.entry(name.to_ascii_lowercase()).or_insert(id);
-        self.tags.push(Tag { id, name: name.to_owned(), tag_type, kind });
+        self.tags.push(Tag {
+            id,
+            name: name.to_owned(),
+            tag_type,
+            kind,
+        });
         id
     }
 
     fn add_instruction(&mut self, tag: &InstructionTag) {
         let Some(control) = self.free_slot() else { return };
         let template = instruction_tag_template(tag.mnemonic);
-        let place = template.member(MOTION_CONTROL).map_or(0, |member| member.offset as usize);
-        let target = template.member(tag.mnemonic.instruction().object.member()).map(|member| member.offset as usize);
-        let kind = TagKind::Instruction(InstructionKind { mnemonic: tag.mnemonic, control });
+        let place = template
+            .member(MOTION_CONTROL)
+            .map_or(0, |member| member.offset as usize);
+        let target = template
+            .member(tag.mnemonic.instruction().object.member())
+            .map(|member| member.offset as usize);
+        let kind = TagKind::Instruction(InstructionKind {
+            mnemonic: tag.mnemonic,
+            control,
+        });
         let id = self.add(&tag.name, TagType::scalar(template), kind);
         self.controls.push((id, place));
         if let Some(bytes) = self.bytes_mut(id) {
@@ -514,7 +575,9 @@ impl Image {
                 self.add_template(inner);
             }
         }
-        self.templates.entry(template.instance).or_insert_with(|| template.clone());
+        self.templates
+            .entry(template.instance)
+            .or_insert_with(|| template.clone());
     }
 
     fn bytes_mut(&mut self, id: TagId) -> Option<&mut Vec<u8>> {
@@ -525,7 +588,10 @@ impl Image {
         let size = self.bytes(id).len();
         let tag = self.tag(id).ok_or(WriteError::NoSuchTag)?;
         if offset.saturating_add(len) > size {
-            return Err(WriteError::BeyondEnd { name: tag.name.clone(), size });
+            return Err(WriteError::BeyondEnd {
+                name: tag.name.clone(),
+                size,
+            });
         }
         if !self.writable(id, offset, len) {
             return Err(WriteError::ReadOnly { name: tag.name.clone() });
@@ -563,7 +629,9 @@ impl Directory for Image {
 
     fn real_array(&self, name: &str) -> Option<u32> {
         let (id, place) = self.locate(&name.parse().ok()?).ok()?;
-        let offset = u32::try_from(place.offset / 4).ok().filter(|offset| *offset <= 0xFFFF)?;
+        let offset = u32::try_from(place.offset / 4)
+            .ok()
+            .filter(|offset| *offset <= 0xFFFF)?;
         let real = place.data_type == DataType::Elementary(Elementary::Real) && place.bit.is_none();
         let writable = self.writable(id, place.offset, 4 * place.elements as usize);
         (real && writable && id.0 <= 0xFFFF).then_some(id.0 << 16 | offset)
@@ -579,7 +647,9 @@ fn put_bit(byte: &mut u8, mask: u8, on: bool) {
 }
 
 fn value_at(bytes: &[u8], place: &Location) -> Option<Value> {
-    let DataType::Elementary(kind) = place.data_type else { return None };
+    let DataType::Elementary(kind) = place.data_type else {
+        return None;
+    };
     if let Some(bit) = place.bit {
         let byte = bytes.get(place.offset + usize::from(bit / 8))?;
         return Some(Value::Bool(byte & 1 << (bit % 8) != 0));
@@ -588,7 +658,10 @@ fn value_at(bytes: &[u8], place: &Location) -> Option<Value> {
 }
 
 fn not_a_value(path: &TagPath, place: &Location) -> ReadError {
-    ReadError::NotAValue { path: path.to_string(), data_type: place.data_type.name().to_owned() }
+    ReadError::NotAValue {
+        path: path.to_string(),
+        data_type: place.data_type.name().to_owned(),
+    }
 }
 
 const MOTION_CONTROL: &str = "MotionControl";

@@ -26,7 +26,10 @@ fn machine() -> Machine {
     Machine {
         period_ns: 1_000_000,
         group: "Motion".to_owned(),
-        axes: vec![axis("X", AxisKind::Servo(Drive::default())), axis("V", AxisKind::Virtual)],
+        axes: vec![
+            axis("X", AxisKind::Servo(Drive::default())),
+            axis("V", AxisKind::Virtual),
+        ],
         systems: vec![CoordinateSystem {
             name: "CS1".to_owned(),
             axes: vec![0, 1],
@@ -46,13 +49,20 @@ fn machine() -> Machine {
 }
 
 fn image() -> Image {
-    let instruction = InstructionTag { name: "Move1".to_owned(), mnemonic: Mnemonic::Mclm, target: "CS1".to_owned() };
+    let instruction = InstructionTag {
+        name: "Move1".to_owned(),
+        mnemonic: Mnemonic::Mclm,
+        target: "CS1".to_owned(),
+    };
     let plain = [
         ("Recipe", TagType::array(Elementary::Real, 16)),
         ("Count", TagType::scalar(Elementary::Int)),
         ("Label", TagType::scalar(arcline_tag::string_template())),
     ];
-    let plain = plain.map(|(name, tag_type)| PlainTag { name: name.to_owned(), tag_type });
+    let plain = plain.map(|(name, tag_type)| PlainTag {
+        name: name.to_owned(),
+        tag_type,
+    });
     Image::new(&machine(), &[instruction], &plain)
 }
 
@@ -61,7 +71,10 @@ fn path(text: &str) -> TagPath {
 }
 
 fn number(image: &Image, text: &str) -> f64 {
-    image.read(&path(text)).unwrap_or_else(|error| panic!("{text}: {error}")).as_f64()
+    image
+        .read(&path(text))
+        .unwrap_or_else(|error| panic!("{text}: {error}"))
+        .as_f64()
 }
 
 #[test]
@@ -85,7 +98,10 @@ fn every_tag_has_a_permanent_id_a_type_and_bytes() {
         }
     }
     assert_eq!(image.tags().len(), cases.len());
-    assert!(image.templates().any(|template| template.name == "ASCIISTRING82"), "the type of a member");
+    assert!(
+        image.templates().any(|template| template.name == "ASCIISTRING82"),
+        "the type of a member"
+    );
     assert!(image.tag(TagId(0)).is_none() && image.bytes(TagId(99)).is_empty());
 }
 
@@ -111,7 +127,10 @@ fn clients_write_what_is_theirs() {
         }
     }
     let count = image.find("Count").expect("a tag").id;
-    assert!(matches!(image.write(count, 1, &[0, 0]), Err(WriteError::BeyondEnd { size: 2, .. })));
+    assert!(matches!(
+        image.write(count, 1, &[0, 0]),
+        Err(WriteError::BeyondEnd { size: 2, .. })
+    ));
     let whole = image.find("Move1").expect("a tag").id;
     let bytes = image.bytes(whole).to_vec();
     assert!(image.write(whole, 0, &bytes).is_err(), "it holds MotionControl");
@@ -126,7 +145,11 @@ fn enable_in_has_edges_and_enable_out_follows() {
         (false, None), (true, Some(Edge::Rising(id))), (true, None), (false, Some(Edge::Falling(id))), (false, None),
     ];
     for (on, edge) in cases {
-        assert_eq!(image.write_value(&path("Move1.EnableIn"), Value::Bool(on)), Ok(edge), "{on}");
+        assert_eq!(
+            image.write_value(&path("Move1.EnableIn"), Value::Bool(on)),
+            Ok(edge),
+            "{on}"
+        );
         assert_eq!(number(&image, "Move1.EnableOut"), f64::from(u8::from(on)), "{on}");
     }
 }
@@ -142,9 +165,15 @@ fn an_instruction_tag_calls_with_what_it_holds() {
     assert_eq!((call.mnemonic, call.target), (Mnemonic::Mclm, Some(0)));
     let speed = Mnemonic::Mclm.instruction().operand("Speed").expect("an operand");
     assert_eq!(call.number(speed), 40.0);
-    assert!(call.arguments.iter().any(|argument| matches!(argument, Argument::Array(array) if array.as_slice()[1] == 12.5)));
+    assert!(
+        call.arguments
+            .iter()
+            .any(|argument| matches!(argument, Argument::Array(array) if array.as_slice()[1] == 12.5))
+    );
 
-    image.write_value(&path("Move1.CoordinateSystem.LEN"), Value::Dint(2)).expect("writable");
+    image
+        .write_value(&path("Move1.CoordinateSystem.LEN"), Value::Dint(2))
+        .expect("writable");
     let call = image.call_of(id).expect("an instruction tag").expect("it binds");
     assert_eq!(call.target, None, "there is no CS");
     assert!(image.call_of(TagId(1)).is_none());
@@ -158,7 +187,14 @@ fn motion_controls_are_found_or_made() {
     let made = image.control_slot("M1").expect("a new tag");
     assert_ne!(made, known);
     assert_eq!(image.control_slot("m1"), Ok(made));
-    assert_eq!((image.control_name(known), image.control_name(made), image.control_name(UNNAMED)), ("Move1", "M1", ""));
+    assert_eq!(
+        (
+            image.control_name(known),
+            image.control_name(made),
+            image.control_name(UNNAMED)
+        ),
+        ("Move1", "M1", "")
+    );
     assert_eq!(image.tags().last().map(|tag| tag.name.as_str()), Some("M1"));
     #[rustfmt::skip]
     let wrong = ["X", "CS1", "Count", "Move1.Speed", "", "1M", "M 1", "M1.PC", "Nothing.PC", "a_name_that_is_longer_than_forty_letters_"];
@@ -189,12 +225,19 @@ fn events_show_in_the_tag_that_owns_them() {
     };
     image.apply_event(&event(true, &[Flag::En, Flag::Dn, Flag::Ip], &[], 0));
     image.apply_event(&event(false, &[Flag::Pc], &[Flag::Ip], 0));
-    assert_eq!([number(&image, "Move1.IP"), number(&image, "Move1.MotionControl.PC")], [1.0, 0.0]);
+    assert_eq!(
+        [number(&image, "Move1.IP"), number(&image, "Move1.MotionControl.PC")],
+        [1.0, 0.0]
+    );
     image.apply_event(&event(true, &[Flag::Er], &[Flag::Ip], 54));
     #[rustfmt::skip]
     let cases = [("EN", 1.0), ("DN", 1.0), ("IP", 0.0), ("ER", 1.0), ("ERR", 54.0), ("EXERR", -1.0)];
     for (member, expected) in cases {
-        assert_eq!(number(&image, &format!("Move1.MotionControl.{member}")), expected, "{member}");
+        assert_eq!(
+            number(&image, &format!("Move1.MotionControl.{member}")),
+            expected,
+            "{member}"
+        );
     }
 }
 
@@ -218,7 +261,13 @@ fn snapshots_show_in_every_type() {
     snapshot.systems[0].motion_status = 0x40;
     snapshot.systems[0].actual = [1.25, 2.25, 0.0];
     image.apply_snapshot(&snapshot);
-    image.apply_health(&Health { ticks: 42, overruns: 1, overlapping: true, fifo: true, ..Health::default() });
+    image.apply_health(&Health {
+        ticks: 42,
+        overruns: 1,
+        overlapping: true,
+        fifo: true,
+        ..Health::default()
+    });
     #[rustfmt::skip]
     let cases = [
         ("X.CommandPosition", 1.5), ("V.CommandPosition", 1.5), ("X.ActualVelocity", -2.5), ("V.ActualVelocity", -2.5),
@@ -233,7 +282,10 @@ fn snapshots_show_in_every_type() {
         assert_eq!(number(&image, text), expected, "{text}");
     }
     assert_eq!(image.snapshot_tick(), 7);
-    assert_eq!(image.read_numbers(&path("CS1.ActualPosition[1]")), Ok(vec![2.25, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
+    assert_eq!(
+        image.read_numbers(&path("CS1.ActualPosition[1]")),
+        Ok(vec![2.25, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    );
     assert_eq!(image.read_numbers(&path("X.ServoActionStatus")), Ok(vec![1.0]));
 }
 
@@ -266,6 +318,8 @@ fn arrays_that_are_written_are_found_again() {
         let expected = expected.map(|(name, offset, elements)| (image.find(name).expect(name).id, offset, elements));
         assert_eq!(found, expected, "{text}");
     }
-    let tag = image.real_array("Move1.CalculatedData").and_then(|tag| image.written_array(tag));
+    let tag = image
+        .real_array("Move1.CalculatedData")
+        .and_then(|tag| image.written_array(tag));
     assert_eq!(tag.map(|(_, _, elements)| elements), Some(4));
 }

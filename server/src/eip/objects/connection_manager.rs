@@ -16,7 +16,9 @@ impl Class for ConnectionManager {
     }
 
     fn attribute(&self, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
-        self.0.attribute(id).map_or(Err(CipStatus::ATTRIBUTE_NOT_SUPPORTED), u16_value)
+        self.0
+            .attribute(id)
+            .map_or(Err(CipStatus::ATTRIBUTE_NOT_SUPPORTED), u16_value)
     }
 
     fn all(&self) -> &'static [u16] {

@@ -65,7 +65,11 @@ impl Extent {
     /// Instances 1 to `count`.
     fn dense(count: usize, last_attribute: u16) -> Self {
         let count = u32::try_from(count).unwrap_or(u32::MAX);
-        Self { highest: count, count, last_attribute }
+        Self {
+            highest: count,
+            count,
+            last_attribute,
+        }
     }
 }
 
@@ -76,7 +80,11 @@ trait Class {
 
     /// Why there is no such instance (1 or more), if there is none.
     fn check(&self, instance: u32) -> Result<(), CipStatus> {
-        if instance <= self.extent().highest { Ok(()) } else { Err(unknown()) }
+        if instance <= self.extent().highest {
+            Ok(())
+        } else {
+            Err(unknown())
+        }
     }
 
     /// The value of an attribute of an instance that exists: 0x14 if there is no such attribute.
@@ -109,18 +117,28 @@ pub(crate) fn serve(context: &Context<'_>, image: &Image, request: &Request, cod
         class::PROGRAM_NAME => with(&program_name::ProgramName(device.settings.identity.name())),
         class::SYMBOL => {
             let symbols = symbol::Symbols(image);
-            symbols.serve(context, request, target).unwrap_or_else(|| with(&symbols))
+            symbols
+                .serve(context, request, target)
+                .unwrap_or_else(|| with(&symbols))
         }
         class::TEMPLATE => {
             let templates = template::Templates(image);
-            templates.serve(context, request, target).unwrap_or_else(|| with(&templates))
+            templates
+                .serve(context, request, target)
+                .unwrap_or_else(|| with(&templates))
         }
         class::WALL_CLOCK => with(&wall_clock::WallClock(device)),
         class::CHANGE_DETECTION => with(&change_detection::ChangeDetection(image)),
-        class::TCP_IP => with(&tcp_ip_interface::TcpIpInterface { local: context.local, device }),
+        class::TCP_IP => with(&tcp_ip_interface::TcpIpInterface {
+            local: context.local,
+            device,
+        }),
         class::ETHERNET_LINK => with(&ethernet_link::EthernetLink),
         code => match Object::from_class_code(code) {
-            Some(object) => with(&motion_attributes::MotionObjects { object, machine: device.plant.machine() }),
+            Some(object) => with(&motion_attributes::MotionObjects {
+                object,
+                machine: device.plant.machine(),
+            }),
             None => Reply::error(request.service, unknown()),
         },
     }
@@ -128,15 +146,24 @@ pub(crate) fn serve(context: &Context<'_>, image: &Image, request: &Request, cod
 
 /// Answers a request for an execution (class 0x0303). The plant must not be held: the executions are behind its lock.
 pub(crate) fn serve_execution(context: &Context<'_>, request: &Request, target: &Target) -> Reply {
-    attributes(context, &motion_instruction::MotionInstructions(&context.device.plant), request, target)
+    attributes(
+        context,
+        &motion_instruction::MotionInstructions(&context.device.plant),
+        request,
+        target,
+    )
 }
 
 /// Answers a request for a name that is neither a tag service nor a motion service: attributes of the motion object of
 /// that name, or of the symbol.
 pub(crate) fn serve_named(context: &Context<'_>, image: &Image, request: &Request, target: &Target) -> Reply {
     let refuse = |status| Reply::error(request.service, status);
-    let Some(name) = target.first_symbol() else { return refuse(CipStatus::PATH_SEGMENT_ERROR.with(0)) };
-    let Some(tag) = image.find(name) else { return refuse(unknown()) };
+    let Some(name) = target.first_symbol() else {
+        return refuse(CipStatus::PATH_SEGMENT_ERROR.with(0));
+    };
+    let Some(tag) = image.find(name) else {
+        return refuse(unknown());
+    };
     if target.symbols.len() > 1 {
         return refuse(CipStatus::SERVICE_NOT_SUPPORTED);
     }
@@ -146,7 +173,11 @@ pub(crate) fn serve_named(context: &Context<'_>, image: &Image, request: &Reques
         TagKind::CoordinateSystem(place) => (Object::CoordinateSystem.class_code(), u32::from(place) + 1),
         _ => (class::SYMBOL, tag.id.0),
     };
-    let target = Target { class: Some(class), instance: Some(instance), ..Target::default() };
+    let target = Target {
+        class: Some(class),
+        instance: Some(instance),
+        ..Target::default()
+    };
     serve(context, image, request, class, &target)
 }
 
@@ -168,7 +199,9 @@ fn attributes(context: &Context<'_>, object: &dyn Class, request: &Request, targ
         },
         service::GET_ATTRIBUTE_LIST => return access.list(request, context.budget),
         service::SET_ATTRIBUTE_SINGLE => match target.attribute {
-            Some(id) => access.set_single(id, &request.data, context.transport).map(|()| Bytes::new()),
+            Some(id) => access
+                .set_single(id, &request.data, context.transport)
+                .map(|()| Bytes::new()),
             None => Err(CipStatus::PATH_SEGMENT_ERROR.with(0)),
         },
         service::SET_ATTRIBUTE_LIST => return access.set_list(request, context.budget),
@@ -181,7 +214,11 @@ fn attributes(context: &Context<'_>, object: &dyn Class, request: &Request, targ
 }
 
 fn bounded(reply: Reply, budget: usize) -> Reply {
-    if reply.len() > budget { Reply::error(reply.service, CipStatus::REPLY_TOO_LARGE) } else { reply }
+    if reply.len() > budget {
+        Reply::error(reply.service, CipStatus::REPLY_TOO_LARGE)
+    } else {
+        reply
+    }
 }
 
 /// Attributes of one instance, or of the class (instance 0).
@@ -192,7 +229,11 @@ struct Attributes<'a> {
 
 impl Attributes<'_> {
     fn value(&self, id: u16) -> Result<Bytes, CipStatus> {
-        if self.instance > 0 { self.object.attribute(self.instance, id) } else { self.class_value(id) }
+        if self.instance > 0 {
+            self.object.attribute(self.instance, id)
+        } else {
+            self.class_value(id)
+        }
     }
 
     /// Revision, highest instance, number of instances, no optional attributes, highest attributes.
@@ -211,7 +252,11 @@ impl Attributes<'_> {
     }
 
     fn all(&self) -> Result<Bytes, CipStatus> {
-        let ids = if self.instance > 0 { self.object.all() } else { &[1, 2, 3, 6, 7] };
+        let ids = if self.instance > 0 {
+            self.object.all()
+        } else {
+            &[1, 2, 3, 6, 7]
+        };
         if ids.is_empty() {
             return Err(CipStatus::SERVICE_NOT_SUPPORTED);
         }
@@ -246,7 +291,9 @@ impl Attributes<'_> {
     fn width(&self, id: u16) -> Result<usize, CipStatus> {
         match self.object.settable(id) {
             Some(width) if self.instance > 0 => Ok(width),
-            _ => Err(self.value(id).map_or_else(|status| status, |_| CipStatus::ATTRIBUTE_NOT_SETTABLE)),
+            _ => Err(self
+                .value(id)
+                .map_or_else(|status| status, |_| CipStatus::ATTRIBUTE_NOT_SETTABLE)),
         }
     }
 
@@ -269,7 +316,9 @@ impl Attributes<'_> {
         };
         let mut list = AttributeListReply::new(request.service);
         while values.left() > 0 {
-            let Some(id) = values.next_id() else { return refuse(CipStatus::NOT_ENOUGH_DATA) };
+            let Some(id) = values.next_id() else {
+                return refuse(CipStatus::NOT_ENOUGH_DATA);
+            };
             let width = match self.width(id) {
                 Ok(width) => width,
                 Err(status) => {
@@ -277,7 +326,9 @@ impl Attributes<'_> {
                     break;
                 }
             };
-            let Some(value) = values.value(width) else { return refuse(CipStatus::NOT_ENOUGH_DATA) };
+            let Some(value) = values.value(width) else {
+                return refuse(CipStatus::NOT_ENOUGH_DATA);
+            };
             list.push(id, self.set(id, value).map(|()| &[][..]));
         }
         list.finish(budget)

@@ -57,14 +57,22 @@ pub(crate) fn parse(
 ) -> Result<MotionRequest, CipStatus> {
     let (object, place) = find(context, image, target)?;
     let mnemonic = by_service(object.class_code(), request.service).ok_or(CipStatus::SERVICE_NOT_SUPPORTED)?;
-    let mut operands = operands(&request.data, context.transport).map_err(TypedError::status)?.into_iter();
+    let mut operands = operands(&request.data, context.transport)
+        .map_err(TypedError::status)?
+        .into_iter();
     let control = match operands.next() {
         Some(Typed::ShortString(name)) => name,
         Some(Typed::Numbers(..)) => return Err(CipStatus::INVALID_PARAMETER),
         None => return Err(CipStatus::NOT_ENOUGH_DATA),
     };
     let given = operands.map(given).collect();
-    Ok(MotionRequest { service: request.service, mnemonic, target: place, control, given })
+    Ok(MotionRequest {
+        service: request.service,
+        mnemonic,
+        target: place,
+        control,
+        given,
+    })
 }
 
 impl MotionRequest {
@@ -105,9 +113,17 @@ fn find(context: &Context<'_>, image: &Image, target: &Target) -> Result<(Object
     };
     let object = Object::from_class_code(class).ok_or_else(unknown)?;
     // Instance 0 is the class, which executes nothing.
-    let place = target.instance.unwrap_or(0).checked_sub(1).ok_or(CipStatus::SERVICE_NOT_SUPPORTED)?;
+    let place = target
+        .instance
+        .unwrap_or(0)
+        .checked_sub(1)
+        .ok_or(CipStatus::SERVICE_NOT_SUPPORTED)?;
     let place = u16::try_from(place).map_err(|_| unknown())?;
-    if usize::from(place) < count(context.device.plant.machine(), object) { Ok((object, place)) } else { Err(unknown()) }
+    if usize::from(place) < count(context.device.plant.machine(), object) {
+        Ok((object, place))
+    } else {
+        Err(unknown())
+    }
 }
 
 /// Operands; a route that a stock client leaves behind an unconnected message is not one of them.
@@ -118,7 +134,11 @@ fn operands(data: &[u8], transport: Transport) -> Result<Vec<Typed>, TypedError>
     }
     let stripped = [2, 4].into_iter().find_map(|length| {
         let (operands, route) = data.split_at_checked(data.len().checked_sub(length)?)?;
-        if is_stray_route(route) { decode_operands(operands).ok() } else { None }
+        if is_stray_route(route) {
+            decode_operands(operands).ok()
+        } else {
+            None
+        }
     });
     stripped.map_or(whole, Ok)
 }

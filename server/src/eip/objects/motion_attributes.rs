@@ -40,7 +40,10 @@ pub(super) fn count(machine: &Machine, object: Object) -> usize {
 impl Class for MotionObjects<'_> {
     fn extent(&self) -> Extent {
         let last = self.all().len();
-        Extent::dense(count(self.machine, self.object), u16::try_from(last).unwrap_or(u16::MAX))
+        Extent::dense(
+            count(self.machine, self.object),
+            u16::try_from(last).unwrap_or(u16::MAX),
+        )
     }
 
     fn attribute(&self, instance: u32, id: u16) -> Result<Bytes, CipStatus> {

@@ -25,15 +25,23 @@ pub(super) struct MotionInstructions<'a>(pub(super) &'a Plant);
 
 impl MotionInstructions<'_> {
     fn find(&self, instance: u32) -> Result<MotionControl, CipStatus> {
-        self.0.instruction_instance(instance).ok_or(CipStatus::OBJECT_DOES_NOT_EXIST)
+        self.0
+            .instruction_instance(instance)
+            .ok_or(CipStatus::OBJECT_DOES_NOT_EXIST)
     }
 }
 
 impl Class for MotionInstructions<'_> {
     fn extent(&self) -> Extent {
         let (oldest, newest) = (self.0.oldest_instance(), self.0.newest_instance());
-        let count = oldest.zip(newest).map_or(0, |(oldest, newest)| newest.wrapping_sub(oldest).wrapping_add(1));
-        Extent { highest: newest.unwrap_or(0), count, last_attribute: 7 }
+        let count = oldest
+            .zip(newest)
+            .map_or(0, |(oldest, newest)| newest.wrapping_sub(oldest).wrapping_add(1));
+        Extent {
+            highest: newest.unwrap_or(0),
+            count,
+            last_attribute: 7,
+        }
     }
 
     /// 0x16, whether it was dropped or never was.

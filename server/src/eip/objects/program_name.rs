@@ -15,7 +15,11 @@ impl Class for ProgramName<'_> {
 
     /// Attribute 1: `length u16, bytes`.
     fn attribute(&self, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
-        if id == 1 { Ok(long_string(self.0)) } else { no_attribute() }
+        if id == 1 {
+            Ok(long_string(self.0))
+        } else {
+            no_attribute()
+        }
     }
 
     fn all(&self) -> &'static [u16] {

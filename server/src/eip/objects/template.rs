@@ -30,14 +30,21 @@ impl Templates<'_> {
     }
 
     fn find(&self, instance: u32) -> Result<Arc<Template>, CipStatus> {
-        u16::try_from(instance).ok().and_then(|instance| self.0.template(instance)).ok_or_else(unknown)
+        u16::try_from(instance)
+            .ok()
+            .and_then(|instance| self.0.template(instance))
+            .ok_or_else(unknown)
     }
 }
 
 impl Class for Templates<'_> {
     fn extent(&self) -> Extent {
         let highest = self.0.templates().last().map_or(0, |template| template.instance.into());
-        Extent { highest, count: u32::try_from(self.0.templates().count()).unwrap_or(u32::MAX), last_attribute: 5 }
+        Extent {
+            highest,
+            count: u32::try_from(self.0.templates().count()).unwrap_or(u32::MAX),
+            last_attribute: 5,
+        }
     }
 
     fn check(&self, instance: u32) -> Result<(), CipStatus> {

@@ -1,0 +1,164 @@
+//! The tag list, the templates and the attributes of objects.
+
+use arcline_proto::cip::{Request, encode_attribute_ids, service};
+use arcline_proto::epath::{Epath, Segment};
+use arcline_proto::logix::{ReadTemplate, Symbol, TemplateAttributes};
+use bytes::Bytes;
+
+use super::*;
+
+/// Why, request, general and additional status, data if it matters.
+type Case = (&'static str, Request, (u8, u16), Option<&'static [u8]>);
+
+fn list(start: u32, attributes: &[u16]) -> Request {
+    let data = encode_attribute_ids(attributes);
+    Request::new(service::GET_INSTANCE_ATTRIBUTE_LIST, Epath::object(0x6B, start), data)
+}
+
+#[tokio::test]
+async fn the_tag_list_comes_in_pages_whatever_is_asked() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    let names: Vec<String> = bench
+        .device
+        .plant
+        .with_image(|i| i.tags().iter().map(|tag| tag.name.clone()).collect());
+    // pycomm3, pylogix, libplctag, st-ethernet-ip.
+    for attributes in [&[1, 2, 3, 5, 6, 8, 10][..], &[1, 2, 8], &[2, 7, 8, 1], &[1, 2]] {
+        let (mut got, mut start) = (Vec::new(), 0);
+        loop {
+            let reply = client.ask(&list(start, attributes)).await;
+            assert!(reply.len() <= 504, "the reply is bounded");
+            let page = Symbol::decode_list(&reply.data, attributes).expect("symbols");
+            start = page.last().expect("a symbol").instance + 1;
+            got.extend(page.into_iter().map(|symbol| symbol.name));
+            if reply.status.is_success() {
+                break;
+            }
+            assert_eq!(reply.status.general(), 0x06);
+        }
+        assert_eq!(got, names, "{attributes:?}");
+        let beyond = client.ask(&list(start, attributes)).await;
+        assert_eq!((beyond.status.general(), beyond.data.len()), (0, 0), "behind the last");
+    }
+    assert_eq!(
+        codes(client.ask(&list(0, &[1, 99])).await.status),
+        (0x14, 0),
+        "a width nobody knows"
+    );
+    let mut scoped = list(0, &[1, 2]);
+    scoped.path.0.insert(0, Segment::Symbol("Program:Main".into()));
+    assert_eq!(codes(client.ask(&scoped).await.status), (0x05, 0), "no such program");
+}
+
+#[tokio::test]
+async fn every_template_uploads() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    let mut connected = client.open(4000, 1).await;
+    let templates: Vec<_> = bench
+        .device
+        .plant
+        .with_image(|image| image.templates().cloned().collect());
+    assert!(templates.len() > 5, "there is something to upload");
+    for template in templates {
+        let path = Epath::object(0x6C, template.instance.into());
+        // pylogix asks for attribute 3 too.
+        let ask = Request::new(
+            service::GET_ATTRIBUTE_LIST,
+            path.clone(),
+            encode_attribute_ids(&[4, 3, 2, 1, 5]),
+        );
+        let reply = client.ask_connected(&mut connected, &ask).await;
+        let attributes = TemplateAttributes::decode(&reply.data).expect("attributes");
+        assert_eq!(
+            (attributes.handle, attributes.size),
+            (template.handle, template.size),
+            "{}",
+            template.name
+        );
+        let definition = template.definition();
+        let (mut got, wanted) = (Vec::<u8>::new(), 4 * attributes.definition_words as usize - 20);
+        while got.len() < wanted {
+            let read = ReadTemplate {
+                offset: got.len() as u32,
+                bytes: (wanted - got.len()) as u16,
+            };
+            let request = Request::new(service::READ_TAG, path.clone(), read.to_bytes());
+            let reply = client.ask_connected(&mut connected, &request).await;
+            assert!(
+                matches!(reply.status.general(), 0 | 6),
+                "{}: {}",
+                template.name,
+                reply.status
+            );
+            got.extend(&reply.data[..]);
+        }
+        assert_eq!(got[..], definition[..wanted], "{}", template.name);
+    }
+}
+
+#[tokio::test]
+async fn objects_answer_for_themselves() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    let single = |class, instance, attribute| {
+        Request::new(
+            service::GET_ATTRIBUTE_SINGLE,
+            Epath::attribute(class, instance, attribute),
+            Bytes::new(),
+        )
+    };
+    let all = |class, instance| {
+        Request::new(
+            service::GET_ATTRIBUTES_ALL,
+            Epath::object(class, instance),
+            Bytes::new(),
+        )
+    };
+    let named = |name| Request::new(service::GET_ATTRIBUTES_ALL, Epath::symbol(name), Bytes::new());
+    let set = |class, attribute, data: &'static [u8]| {
+        Request::new(
+            service::SET_ATTRIBUTE_SINGLE,
+            Epath::attribute(class, 1, attribute),
+            data,
+        )
+    };
+    #[rustfmt::skip]
+    let cases: Vec<Case> = vec![
+        ("vendor",                    single(0x01, 1, 1),  (0, 0),    Some(&[0xC1, 0xA2])),
+        ("no such attribute",         single(0x01, 1, 99), (0x14, 0), None),
+        ("no such instance",          single(0x01, 2, 1),  (0x05, 0), None),
+        ("no such class",             single(0x99, 1, 1),  (0x05, 0), None),
+        ("class revision",            single(0x01, 0, 1),  (0, 0),    Some(&[1, 0])),
+        ("the classes there are",     single(0x02, 1, 1),  (0, 0),    None),
+        ("program name",              all(0x64, 1),        (0, 0),    Some(b"\x05\0Bench")),
+        ("a reset is not offered",    Request::new(service::RESET, Epath::object(1, 1), Bytes::new()), (0x08, 0), None),
+        ("not settable",              set(0x01, 1, &[0, 0]), (0x0E, 0), None),
+        ("clock, too short",          set(0x8B, 6, &[0; 7]), (0x13, 0), None),
+        ("clock, too long",           set(0x8B, 6, &[0; 9]), (0x15, 0), None),
+        ("clock with a stray route",  set(0x8B, 6, &[1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0]), (0, 0), None),
+        ("where it is reached",       single(0xF5, 1, 5),  (0, 0),    None),
+        ("inactivity",                single(0xF5, 1, 13), (0, 0),    Some(&[120, 0])),
+        ("link",                      all(0xF6, 1),        (0, 0),    None),
+        ("changes",                   all(0xAC, 1),        (0, 0),    None),
+        ("coordinate systems",        single(0x302, 0, 3), (0, 0),    Some(&[4, 0])),
+        ("a system's name",           single(0x302, 1, 1), (0, 0),    Some(b"\x03CS1")),
+        ("a system's axes",           single(0x302, 2, 2), (0, 0),    Some(&[3, 0, 1, 0, 2, 0, 4, 0])),
+        ("a system beyond",           single(0x302, 5, 1), (0x05, 0), None),
+        ("an axis's units",           single(0x301, 1, 8), (0, 0),    Some(b"\x02mm")),
+        ("the group by name",         named("Motion"),     (0, 0),    None),
+        ("a system by name",          named("cs1"),        (0, 0),    None),
+        ("a tag by name",             named("aDint"),      (0, 0),    None),
+        ("nobody by name",            named("nobody"),     (0x05, 0), None),
+        ("an execution never made",   all(0x303, 1),       (0x16, 0), None),
+        ("executions",                single(0x303, 0, 3), (0, 0),    Some(&[0, 0])),
+    ];
+    for (why, request, expected, data) in cases {
+        let reply = client.ask(&request).await;
+        assert_eq!(codes(reply.status), expected, "{why}");
+        if let Some(data) = data {
+            assert_eq!(&reply.data[..], data, "{why}");
+        }
+    }
+}

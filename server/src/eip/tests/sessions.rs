@@ -1,0 +1,242 @@
+//! Sessions, discovery and connections.
+
+use std::net::SocketAddr;
+
+use arcline_proto::cip::{Request, service};
+use arcline_proto::cpf::{Item, Packet, decode_items};
+use arcline_proto::encap::{Command, EncapStatus, Frame, RegisterSession, SessionHandle};
+use arcline_proto::epath::Epath;
+use arcline_proto::identity::Identity;
+use arcline_tag::Elementary;
+use bytes::Bytes;
+use tokio::net::{TcpStream, UdpSocket};
+
+use super::*;
+use crate::eip::Listener;
+
+#[tokio::test]
+async fn registering_gives_a_handle_and_echoes_the_context() {
+    let client = Bench::new().client().await;
+    assert_ne!(client.session, SessionHandle(0));
+}
+
+#[tokio::test]
+async fn wrong_sessions_are_refused_and_the_stream_goes_on() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    let ask = |client: &Client| {
+        Frame::request(
+            Command::SEND_RR_DATA,
+            SessionHandle(client.session.0 ^ 1),
+            *b"context!",
+            Packet::unconnected(Bytes::from_static(&[1, 2, 0x20, 1, 0x24, 1])).to_bytes(),
+        )
+    };
+    #[rustfmt::skip]
+    let cases = [
+        ("another session's handle", ask(&client), EncapStatus::INVALID_SESSION),
+        ("a second registration",
+         Frame::request(Command::REGISTER_SESSION, client.session, *b"context!", RegisterSession::CURRENT.to_bytes()),
+         EncapStatus::INVALID_COMMAND),
+        ("an obsolete command", Frame::request(Command(0x72), client.session, *b"context!", Bytes::new()),
+         EncapStatus::INVALID_COMMAND),
+        ("no packet", Frame::request(Command::SEND_RR_DATA, client.session, *b"context!", Bytes::from_static(&[0; 5])),
+         EncapStatus::INCORRECT_DATA),
+    ];
+    for (why, frame, expected) in cases {
+        client.send(&frame.to_bytes()).await;
+        let reply = client.frame().await.expect("an answer");
+        assert_eq!(reply.header.status, expected, "{why}");
+        assert_eq!(&reply.header.context, b"context!", "{why}");
+    }
+    assert_eq!(client.read("aDint").await.data.len(), 4, "the session still works");
+}
+
+#[tokio::test]
+async fn a_frame_too_long_is_refused_and_the_stream_ends() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    let mut header = Frame::request(Command::SEND_RR_DATA, client.session, *b"context!", Bytes::new())
+        .to_bytes()
+        .to_vec();
+    header[2..4].copy_from_slice(&u16::MAX.to_le_bytes());
+    client.send(&header).await;
+    let reply = client.frame().await.expect("a refusal");
+    assert_eq!(reply.header.status, EncapStatus::INVALID_LENGTH);
+    assert_eq!(client.frame().await, None, "closed");
+}
+
+#[tokio::test(start_paused = true)]
+async fn silence_without_a_session_ends_the_connection() {
+    let bench = Bench::new();
+    let mut client = Client {
+        stream: bench.stream(),
+        buf: Default::default(),
+        session: SessionHandle(0),
+    };
+    let started = tokio::time::Instant::now();
+    let mut byte = [0];
+    let end = tokio::io::AsyncReadExt::read(&mut client.stream, &mut byte).await;
+    assert_eq!(end.expect("an end"), 0);
+    assert_eq!(started.elapsed().as_secs(), 30);
+}
+
+#[tokio::test]
+async fn many_requests_in_one_segment_are_answered_in_order() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    let mut all = Vec::new();
+    for k in 0..200_u64 {
+        let request = read("aDint", 1).to_bytes().expect("short");
+        let data = Packet::unconnected(request).to_bytes();
+        all.extend(Frame::request(Command::SEND_RR_DATA, client.session, k.to_le_bytes(), data).to_bytes());
+    }
+    client.send(&all).await;
+    for k in 0..200_u64 {
+        assert_eq!(client.frame().await.expect("an answer").header.context, k.to_le_bytes());
+    }
+}
+
+#[tokio::test]
+async fn connections_open_answer_and_close() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    let mut connected = client.open(4000, 1).await;
+    assert_eq!(bench.device.open_connections(), 1);
+    let identity = Request::new(service::GET_ATTRIBUTES_ALL, Epath::object(1, 1), Bytes::new());
+    let reply = client.ask_connected(&mut connected, &identity).await;
+    assert_eq!(Identity::decode_all(&reply.data).expect("an identity").name(), "Bench");
+    let twice = client.ask(&forward_open(4000, connected.key)).await;
+    assert_eq!(codes(twice.status), (0x01, 0x0100), "the same connection twice");
+    let large = client
+        .ask(&forward_open(
+            5000,
+            ConnectionKey {
+                serial: 9,
+                ..connected.key
+            },
+        ))
+        .await;
+    assert_eq!(large.status.additional(), [0x0109, 4002], "the size that would do");
+    assert!(client.close(&connected).await.status.is_success());
+    assert_eq!(
+        codes(client.close(&connected).await.status),
+        (0x01, 0x0107),
+        "closed already"
+    );
+    assert_eq!(bench.device.open_connections(), 0);
+    let counters = Request::new(service::GET_ATTRIBUTES_ALL, Epath::object(6, 1), Bytes::new());
+    let counters: Vec<u16> = client
+        .ask(&counters)
+        .await
+        .data
+        .chunks(2)
+        .map(|word| u16::from_le_bytes([word[0], word[1]]))
+        .collect();
+    assert_eq!(counters, [3, 0, 0, 2, 2, 0, 1, 0]);
+}
+
+#[tokio::test]
+async fn a_repeated_message_is_not_executed_again() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    let mut connected = client.open(500, 1).await;
+    let set = write("aDint", Elementary::Dint.into(), 1, &1_i32.to_le_bytes());
+    assert!(client.ask_connected(&mut connected, &set).await.status.is_success());
+    assert!(
+        client
+            .write("aDint", Elementary::Dint.into(), &2_i32.to_le_bytes())
+            .await
+            .is_success()
+    );
+    assert!(
+        client.repeat(&connected, &set).await.status.is_success(),
+        "the stored reply"
+    );
+    assert_eq!(&client.read("aDint").await.data[..], 2_i32.to_le_bytes());
+}
+
+#[tokio::test]
+async fn a_closed_stream_frees_its_connections() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    client.open(500, 1).await;
+    client.open(500, 2).await;
+    drop(client);
+    let gone = async {
+        while bench.device.open_connections() > 0 {
+            tokio::task::yield_now().await;
+        }
+    };
+    tokio::time::timeout(PATIENCE, gone).await.expect("freed");
+}
+
+#[tokio::test]
+async fn the_device_is_found_over_tcp_and_udp() {
+    let (plant, _thread) = plant();
+    let listener = Listener::bind(SocketAddr::from(([127, 0, 0, 1], 0)), plant, Settings::new("Found"))
+        .await
+        .expect("a port");
+    let address = listener.local_addr();
+    let server = tokio::spawn(listener.serve());
+    let ask = Frame::request(Command::LIST_IDENTITY, SessionHandle(0), *b"\x01\0finder", Bytes::new());
+
+    let mut stream = TcpStream::connect(address).await.expect("a connection");
+    stream.write_all(&ask.to_bytes()).await.expect("sent");
+    let mut over_tcp = vec![0; 24 + 2 + 4 + 33 + 6];
+    tokio::time::timeout(PATIENCE, stream.read_exact(&mut over_tcp))
+        .await
+        .expect("in time")
+        .expect("read");
+
+    let socket = UdpSocket::bind(("127.0.0.1", 0)).await.expect("a socket");
+    let whole = ask.to_bytes();
+    for cut in 0..whole.len() {
+        socket.send_to(&whole[..cut], address).await.expect("sent");
+    }
+    socket.send_to(&whole, address).await.expect("sent");
+    let mut over_udp = [0; 512];
+    let (length, _) = tokio::time::timeout(PATIENCE, socket.recv_from(&mut over_udp))
+        .await
+        .expect("in time")
+        .expect("read");
+
+    for reply in [&over_tcp[..], &over_udp[..length]] {
+        let items = decode_items(&Bytes::copy_from_slice(&reply[24..])).expect("items");
+        let [Item::Identity(item)] = items.as_slice() else {
+            panic!("one identity item, not {items:?}")
+        };
+        let (at, identity) = Identity::decode_item(item).expect("an identity");
+        assert_eq!((SocketAddr::from(at), identity.name()), (address, "Found"));
+    }
+    server.abort();
+}
+
+#[tokio::test]
+async fn a_crowd_waits_and_is_served_in_turn() {
+    let (plant, _thread) = plant();
+    let settings = Settings {
+        max_clients: 2,
+        ..Settings::new("Small")
+    };
+    let listener = Listener::bind(SocketAddr::from(([127, 0, 0, 1], 0)), plant, settings)
+        .await
+        .expect("a port");
+    let address = listener.local_addr();
+    let server = tokio::spawn(listener.serve());
+    let register = Frame::request(
+        Command::REGISTER_SESSION,
+        SessionHandle(0),
+        [0; 8],
+        RegisterSession::CURRENT.to_bytes(),
+    )
+    .to_bytes();
+    for round in 0..6 {
+        let mut stream = TcpStream::connect(address).await.expect("a connection");
+        stream.write_all(&register).await.expect("sent");
+        let mut reply = [0; 28];
+        let read = tokio::time::timeout(PATIENCE, stream.read_exact(&mut reply)).await;
+        assert!(read.expect("in time").is_ok(), "connection {round}");
+    }
+    server.abort();
+}
