@@ -36,13 +36,23 @@ fn nearest(points: &[[f64; 2]], to: [f64; 2]) -> f64 {
 /// The largest change of the velocity between two ticks, units/s².
 fn peak_acceleration(points: &[[f64; 2]], period: f64) -> f64 {
     let second = |p: &[[f64; 2]], k: usize| (p[2][k] - 2.0 * p[1][k] + p[0][k]) / (period * period);
-    points.windows(3).map(|p| second(p, 0).hypot(second(p, 1))).fold(0.0, f64::max)
+    points
+        .windows(3)
+        .map(|p| second(p, 0).hypot(second(p, 1)))
+        .fold(0.0, f64::max)
 }
 
 #[test]
 fn the_corner_is_missed_by_what_matched_ramps_leave() {
     // Matched trapezoids at a right angle miss the corner by Db/2 sin 45°, Db = v²/2d = 10 (motion-core §6.1).
-    for (termination, db) in [("3", 10.0), ("2", 0.5), ("6, 0, 0, 4", 4.0), ("6, 0, 0, 40", 10.0), ("6", 0.0), ("1", 0.0)] {
+    for (termination, db) in [
+        ("3", 10.0),
+        ("2", 0.5),
+        ("6, 0, 0, 4", 4.0),
+        ("6, 0, 0, 40", 10.0),
+        ("6", 0.0),
+        ("1", 0.0),
+    ] {
         let mut bench = Bench::replacing("coarse_update_period_ms = 1.0", "coarse_update_period_ms = 0.25");
         bench.execute(&line("M1", 100.0, 0.0, TRAPEZOID, termination));
         bench.execute(&line("M2", 100.0, 100.0, TRAPEZOID, "1"));
@@ -50,7 +60,10 @@ fn the_corner_is_missed_by_what_matched_ramps_leave() {
         let missed = nearest(&points, [100.0, 0.0]);
         // Below full braking both ramps meet at lower speeds; the distances keep the law.
         let expected = db / 2.0 * std::f64::consts::FRAC_1_SQRT_2;
-        assert!((missed - expected).abs() < 1e-3 * expected.max(1e-3), "{termination}: {missed}, not {expected}");
+        assert!(
+            (missed - expected).abs() < 1e-3 * expected.max(1e-3),
+            "{termination}: {missed}, not {expected}"
+        );
         assert_eq!(points.last(), Some(&[100.0, 100.0]), "{termination}: the end is exact");
         let peak = peak_acceleration(&points, 0.000_25);
         assert!(peak <= 2000.0 * 2.0_f64.sqrt() * 1.000_1, "{termination}: {peak}");
@@ -79,14 +92,26 @@ fn bits_at_the_transition_points_of_a_stop() {
         let waiting = cms::MOVE_PENDING_STATUS | cms::MOVE_PENDING_QUEUE_FULL_STATUS;
         let seen = waiting | cms::MOVE_TRANSITION_STATUS;
         bench.run(250);
-        assert_eq!((bench.bits("M1").as_str(), bench.bits("M2").as_str()), ("EN DN IP AC", "EN DN IP"), "TP1");
+        assert_eq!(
+            (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
+            ("EN DN IP AC", "EN DN IP"),
+            "TP1"
+        );
         assert_eq!(bench.system("XY").motion_status & seen, waiting);
         bench.until("M1", Flag::Pc);
         bench.run(220);
-        assert_eq!((bench.bits("M1").as_str(), bench.bits("M2").as_str()), ("EN DN PC", "EN DN IP AC"), "TP2");
+        assert_eq!(
+            (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
+            ("EN DN PC", "EN DN IP AC"),
+            "TP2"
+        );
         assert_eq!(bench.system("XY").motion_status & seen, 0);
         bench.until("M2", Flag::Pc);
-        assert_eq!((bench.bits("M1").as_str(), bench.bits("M2").as_str()), ("EN DN PC", "EN DN PC"), "TP3");
+        assert_eq!(
+            (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
+            ("EN DN PC", "EN DN PC"),
+            "TP3"
+        );
     }
 }
 
@@ -99,7 +124,11 @@ fn bits_at_the_transition_points_of_a_blend() {
         let waiting = cms::MOVE_PENDING_STATUS | cms::MOVE_PENDING_QUEUE_FULL_STATUS;
         let seen = waiting | cms::MOVE_TRANSITION_STATUS;
         bench.run(250);
-        assert_eq!((bench.bits("M1").as_str(), bench.bits("M2").as_str()), ("EN DN IP AC", "EN DN IP"), "TP1");
+        assert_eq!(
+            (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
+            ("EN DN IP AC", "EN DN IP"),
+            "TP1"
+        );
         assert_eq!(bench.system("XY").motion_status & seen, waiting);
         bench.until("M1", Flag::Pc);
         assert!(bench.position("X") < 100.0, "the blend begins before the end point");
@@ -107,8 +136,16 @@ fn bits_at_the_transition_points_of_a_blend() {
         assert!(bench.bits("M2").starts_with("EN DN IP AC"));
         let status = bench.system("XY").motion_status;
         assert_eq!(status & seen, cms::MOVE_TRANSITION_STATUS);
-        assert_eq!(status & (cms::ACCEL_STATUS | cms::DECEL_STATUS), 0, "neither during a blend");
-        assert_eq!(bench.call(&line("M3", 0.0, 100.0, S_CURVE, "1")), OK, "there is room again");
+        assert_eq!(
+            status & (cms::ACCEL_STATUS | cms::DECEL_STATUS),
+            0,
+            "neither during a blend"
+        );
+        assert_eq!(
+            bench.call(&line("M3", 0.0, 100.0, S_CURVE, "1")),
+            OK,
+            "there is room again"
+        );
         while bench.system("XY").motion_status & cms::MOVE_TRANSITION_STATUS != 0 {
             bench.tick();
         }
@@ -152,7 +189,10 @@ fn half_moves_bound_the_tolerance_in_a_sequence() {
         // The blend may be deferred so that both ramps end together; here they match, or the second is shorter.
         assert!(x >= begins_at - 1e-9, "{termination}: at {x}, not before {begins_at}");
         if second == 10.0 {
-            assert!(x < begins_at + 0.011, "{termination}: at {x}, not later than {begins_at}");
+            assert!(
+                x < begins_at + 0.011,
+                "{termination}: at {x}, not later than {begins_at}"
+            );
         }
     }
 }
@@ -190,10 +230,17 @@ fn collinear_moves_stay_on_the_line_and_change_speed_where_the_type_says() {
         let mut before = bench.axis("X").command;
         while bench.control("M2").has(Flag::Ip) {
             assert_eq!(bench.position("Y"), 0.0);
-            assert_eq!(bench.system("XY").motion_status & cms::MOVE_TRANSITION_STATUS, 0, "never off the path");
+            assert_eq!(
+                bench.system("XY").motion_status & cms::MOVE_TRANSITION_STATUS,
+                0,
+                "never off the path"
+            );
             bench.tick();
             let now = bench.axis("X").command;
-            assert!((now[1] - before[1]).abs() <= 2.000_001, "{termination}: a step in speed");
+            assert!(
+                (now[1] - before[1]).abs() <= 2.000_001,
+                "{termination}: a step in speed"
+            );
             if before[0] <= 100.0 && now[0] > 100.0 {
                 at_end = (before[1], now[1]);
             }
@@ -214,8 +261,14 @@ fn collinear_moves_stay_on_the_line_and_change_speed_where_the_type_says() {
         ("1", 200.0, 100.0, 100.0, 0.0),
     ] {
         let (x, v) = two(termination, v1, v2);
-        assert!((0.0..0.21).contains(&(x - completes)), "{termination} {v1} {v2}: completes at {x}, not {completes}");
-        assert!((v - speed).abs() < 2.1, "{termination} {v1} {v2}: {v} at the end, not {speed}");
+        assert!(
+            (0.0..0.21).contains(&(x - completes)),
+            "{termination} {v1} {v2}: completes at {x}, not {completes}"
+        );
+        assert!(
+            (v - speed).abs() < 2.1,
+            "{termination} {v1} {v2}: {v} at the end, not {speed}"
+        );
     }
 }
 
@@ -236,7 +289,10 @@ fn tangent_contours_keep_the_speed_and_corners_do_not() {
         bench.execute(&line("M2", 100.0, 100.0, S_CURVE, "1"));
         bench.until("M1", Flag::Pc);
         let points = record(&mut bench);
-        assert!(points.iter().all(|[x, _]| (x - 100.0).abs() < 1e-9), "the corner is not cut");
+        assert!(
+            points.iter().all(|[x, _]| (x - 100.0).abs() < 1e-9),
+            "the corner is not cut"
+        );
         assert!(bench.now() < 1400, "faster than a stop");
     }
 }
@@ -248,7 +304,10 @@ fn unconstrained_contours_overshoot_an_end_that_cannot_be_met() {
     bench.execute(&line("M2", 103.0, 0.0, TRAPEZOID, "1"));
     let points = record(&mut bench);
     let furthest = points.iter().map(|[x, _]| *x).fold(0.0, f64::max);
-    assert!((furthest - 110.0).abs() < 1e-2, "200 units/s need 10 units to stop: {furthest}");
+    assert!(
+        (furthest - 110.0).abs() < 1e-2,
+        "200 units/s need 10 units to stop: {furthest}"
+    );
     assert_eq!((bench.position("X"), bench.bits("M2").as_str()), (103.0, "EN DN PC"));
     let mut bench = Bench::new();
     bench.execute(&line("M1", 100.0, 0.0, TRAPEZOID, "4"));
@@ -266,10 +325,16 @@ fn a_merge_takes_over_at_once() {
         bench.run(500);
         let speed = bench.axis("X").command[1];
         bench.execute(&line("M3", 100.0, 200.0, profile, &format!("1, {merge}")));
-        assert_eq!((bench.bits("M1").as_str(), bench.bits("M2").as_str()), ("EN DN", "EN DN"));
+        assert_eq!(
+            (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
+            ("EN DN", "EN DN")
+        );
         assert_eq!(bench.bits("M3"), "EN DN IP AC");
         let points = record(&mut bench);
-        assert!(((points[1][0] - points[0][0]) / 0.001 - speed).abs() < 5.0, "the velocity is continuous");
+        assert!(
+            ((points[1][0] - points[0][0]) / 0.001 - speed).abs() < 5.0,
+            "the velocity is continuous"
+        );
         assert_eq!(points.last(), Some(&[100.0, 200.0]));
         assert!(peak_acceleration(&points, 0.001) <= 4000.0 * 1.05);
         assert_eq!(bench.bits("M3"), "EN DN PC");
@@ -283,7 +348,10 @@ fn a_merge_along_the_motion_keeps_its_speed() {
     bench.run(500);
     bench.execute("MCLM(XY, M2, 0, [300, 0], 100, 0, 2000, 0, 2000, 0, 1, 100, 100, 2, 1, CoordinatedMotion, Current)");
     bench.run(300);
-    assert!((bench.axis("X").command[1] - 200.0).abs() < 1e-9, "Merge Speed Current is the present speed");
+    assert!(
+        (bench.axis("X").command[1] - 200.0).abs() < 1e-9,
+        "Merge Speed Current is the present speed"
+    );
     bench.until("M2", Flag::Pc);
     assert_eq!(bench.position("X"), 300.0);
 }
@@ -344,7 +412,10 @@ fn every_update_period_gives_one_trajectory_through_a_sequence() {
     let reference = run("1.0", 4);
     for (period, every) in [("0.25", 16), ("4.0", 1), ("2.0", 2)] {
         for (a, b) in reference.iter().zip(run(period, every)) {
-            assert!((a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-9, "{period} ms: {a:?} {b:?}");
+            assert!(
+                (a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-9,
+                "{period} ms: {a:?} {b:?}"
+            );
         }
     }
 }
@@ -354,13 +425,19 @@ fn a_deep_queue_takes_what_it_is_configured_for() {
     let mut bench = Bench::replacing("name = \"XY\"", "name = \"XY\"\nqueue_depth = 20");
     for place in 0..21 {
         let tag = format!("M{place}");
-        assert_eq!(bench.call(&line(&tag, 10.0 * f64::from(place + 1), 0.0, S_CURVE, "4")), OK);
+        assert_eq!(
+            bench.call(&line(&tag, 10.0 * f64::from(place + 1), 0.0, S_CURVE, "4")),
+            OK
+        );
     }
     assert_eq!(bench.call(&line("M21", 0.0, 0.0, S_CURVE, "4")), (43, 0));
     let status = bench.system("XY").motion_status;
     assert_ne!(status & cms::MOVE_PENDING_QUEUE_FULL_STATUS, 0);
     bench.until("M0", Flag::Pc);
-    assert_eq!(bench.system("XY").motion_status & cms::MOVE_PENDING_QUEUE_FULL_STATUS, 0);
+    assert_eq!(
+        bench.system("XY").motion_status & cms::MOVE_PENDING_QUEUE_FULL_STATUS,
+        0
+    );
     bench.until("M20", Flag::Pc);
     assert_eq!(bench.position("X"), 210.0);
     // One profile over the whole length would take 1.25 s; a stop after each of the 21 pieces, 3 s.

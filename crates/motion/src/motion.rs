@@ -129,7 +129,10 @@ impl Motion {
     /// Whether nothing moves and nothing is under way that would end.
     pub fn at_rest(&self) -> bool {
         self.messages.is_empty()
-            && self.systems.iter().all(|system| !system.is_busy() && system.stop.is_none())
+            && self
+                .systems
+                .iter()
+                .all(|system| !system.is_busy() && system.stop.is_none())
             && self.axes.iter().all(|axis| !axis.in_motion())
     }
 
@@ -146,7 +149,12 @@ impl Motion {
         self.axes.iter().map(|axis| {
             let command = axis.command;
             let actual = axis.shown(axis.drive.actual().position);
-            [axis.shown(command.position), command.velocity, command.acceleration, actual]
+            [
+                axis.shown(command.position),
+                command.velocity,
+                command.acceleration,
+                actual,
+            ]
         })
     }
 
@@ -414,7 +422,11 @@ impl Motion {
 
     /// The commands stand exactly on the programmed end of the active move.
     fn set_end_position(&mut self, index: usize) {
-        let Some(end) = self.systems[index].planner.active().map(|running| running.motion.path.end()) else {
+        let Some(end) = self.systems[index]
+            .planner
+            .active()
+            .map(|running| running.motion.path.end())
+        else {
             return;
         };
         for place in 0..self.systems[index].description.axes.len() {
@@ -433,7 +445,10 @@ impl Motion {
         let Some(sample) = system.planner.sample(&self.clock) else {
             return;
         };
-        let length = system.planner.active().map_or(0.0, |running| running.motion.path.length());
+        let length = system
+            .planner
+            .active()
+            .map_or(0.0, |running| running.motion.path.length());
         system.in_transition = system.planner.in_transition(&self.clock);
         system.along = [sample.along.velocity.abs(), sample.along.position, length];
         for (place, axis) in system.description.axes.iter().enumerate() {

@@ -30,10 +30,22 @@ pub(crate) fn axis(axis: &Axis) -> AxisSnapshot {
             AxisState::Shutdown => 10,
         },
         cip_status: [
-            (axis.state == AxisState::Running, cip_axis_status::POWER_STRUCTURE_ENABLED_STATUS),
-            (axis.state == AxisState::Running, cip_axis_status::TRACKING_COMMAND_STATUS),
-            (axis.drive.error().abs() <= POSITION_LOCK_TOLERANCE, cip_axis_status::POSITION_LOCK_STATUS),
-            (actual.velocity.abs() <= STANDSTILL, cip_axis_status::VELOCITY_STANDSTILL_STATUS),
+            (
+                axis.state == AxisState::Running,
+                cip_axis_status::POWER_STRUCTURE_ENABLED_STATUS,
+            ),
+            (
+                axis.state == AxisState::Running,
+                cip_axis_status::TRACKING_COMMAND_STATUS,
+            ),
+            (
+                axis.drive.error().abs() <= POSITION_LOCK_TOLERANCE,
+                cip_axis_status::POSITION_LOCK_STATUS,
+            ),
+            (
+                actual.velocity.abs() <= STANDSTILL,
+                cip_axis_status::VELOCITY_STANDSTILL_STATUS,
+            ),
             (axis.state == AxisState::Shutdown, cip_axis_status::CIP_SHUTDOWN_STATUS),
         ]
         .into_iter()
@@ -66,8 +78,14 @@ fn motion_word(axis: &Axis) -> u32 {
         (rising < 0.0, motion_status::DECEL_STATUS),
         (braking, motion_status::STOPPING_STATUS),
         (axis.homed, motion_status::AXIS_HOMED_STATUS),
-        (matches!(axis.source, Source::System), motion_status::COORDINATED_MOTION_STATUS),
-        (axis.command.velocity.abs() > axis.dynamics.speed, motion_status::MAXIMUM_SPEED_EXCEEDED),
+        (
+            matches!(axis.source, Source::System),
+            motion_status::COORDINATED_MOTION_STATUS,
+        ),
+        (
+            axis.command.velocity.abs() > axis.dynamics.speed,
+            motion_status::MAXIMUM_SPEED_EXCEEDED,
+        ),
     ]
     .into_iter()
     .fold(0, with)
@@ -102,7 +120,10 @@ pub(crate) fn system(system: &System, axes: &[Axis]) -> SystemSnapshot {
     .into_iter()
     .fold(0, with);
     shown.motion_status = [
-        (on_path && system.shown_phase == Phase::Accelerating, motion::ACCEL_STATUS),
+        (
+            on_path && system.shown_phase == Phase::Accelerating,
+            motion::ACCEL_STATUS,
+        ),
         (
             system.stop.is_some() || (on_path && system.shown_phase == Phase::Decelerating),
             motion::DECEL_STATUS,
@@ -113,7 +134,10 @@ pub(crate) fn system(system: &System, axes: &[Axis]) -> SystemSnapshot {
         (moving, motion::MOVE_STATUS),
         (moving && system.in_transition, motion::MOVE_TRANSITION_STATUS),
         (pending, motion::MOVE_PENDING_STATUS),
-        (pending && system.planner.is_full(), motion::MOVE_PENDING_QUEUE_FULL_STATUS),
+        (
+            pending && system.planner.is_full(),
+            motion::MOVE_PENDING_QUEUE_FULL_STATUS,
+        ),
     ]
     .into_iter()
     .fold(0, with);

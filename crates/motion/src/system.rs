@@ -1,7 +1,7 @@
 //! One coordinate system: its planner, its stop, and what its status bits remember.
 
-use arcline_planner::geometry::Point;
 use arcline_planner::Planner;
+use arcline_planner::geometry::Point;
 use arcline_planner::profile::Phase;
 
 use crate::control::Execution;

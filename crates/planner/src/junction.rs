@@ -54,7 +54,10 @@ pub(crate) fn junction<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> J
             let tolerance = effective_tolerance(tolerance, first, second, blended);
             match (in_line, tolerance.is_finite()) {
                 (true, true) => Junction::Overtake { tolerance },
-                (true, false) => Junction::Pass { constrained: true, early: slower },
+                (true, false) => Junction::Pass {
+                    constrained: true,
+                    early: slower,
+                },
                 (false, _) => Junction::Blend { tolerance },
             }
         }
@@ -73,7 +76,11 @@ fn effective_tolerance<T>(tolerance: f64, first: &Move<T>, second: &Move<T>, ble
         return tolerance;
     }
     let before = if blended { 0.5 } else { 1.0 };
-    let after = if matches!(second.ending, Ending::Blend { .. }) { 0.5 } else { 1.0 };
+    let after = if matches!(second.ending, Ending::Blend { .. }) {
+        0.5
+    } else {
+        1.0
+    };
     tolerance
         .min(before * first.path.length())
         .min(after * second.path.length())
@@ -91,10 +98,12 @@ pub(crate) fn junction_speed<T>(
     let both = first.limits.speed.min(second.limits.speed);
     match junction {
         Junction::Rest | Junction::Blend { .. } => 0.0,
-        Junction::Overtake { tolerance } => first
-            .limits
-            .speed
-            .min(entry_speed(tolerance + second.path.length(), exit, &second.limits)),
+        Junction::Overtake { tolerance } => {
+            first
+                .limits
+                .speed
+                .min(entry_speed(tolerance + second.path.length(), exit, &second.limits))
+        }
         Junction::Pass { constrained, .. } => {
             let corner = corner_speed(&first.path, &second.path, corner_step);
             let stoppable = if constrained {
@@ -112,7 +121,10 @@ pub(crate) fn junction_speed<T>(
 pub(crate) fn joins<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> bool {
     let passes = matches!(
         junction(first, second, blended),
-        Junction::Pass { constrained: true, early: false }
+        Junction::Pass {
+            constrained: true,
+            early: false
+        }
     );
     passes && first.limits == second.limits && {
         let turn = second.path.start_tangent() - first.path.end_tangent();
@@ -126,7 +138,9 @@ fn corner_speed(first: &Path, second: &Path, corner_step: &Point) -> f64 {
         return f64::INFINITY;
     }
     let bounds = turn.iter().zip(corner_step.iter()).filter(|(turn, _)| **turn != 0.0);
-    bounds.map(|(turn, step)| step / turn.abs()).fold(f64::INFINITY, f64::min)
+    bounds
+        .map(|(turn, step)| step / turn.abs())
+        .fold(f64::INFINITY, f64::min)
 }
 
 fn collinear(first: &Path, second: &Path) -> bool {

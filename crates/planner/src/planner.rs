@@ -245,7 +245,11 @@ impl<T: Copy> Planner<T> {
                 }
             }
             _ => {
-                let from = if last.exit > 0.0 { passing(end) } else { State::default() };
+                let from = if last.exit > 0.0 {
+                    passing(end)
+                } else {
+                    State::default()
+                };
                 self.run(next, from, at, None, false, clock);
             }
         }
@@ -294,7 +298,11 @@ impl<T: Copy> Planner<T> {
     /// Brakes the active move on its path from the present tick on, and what still blends with it.
     pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
         self.hand_over_at = None;
-        let tracks = self.active.iter_mut().map(|running| &mut running.track).chain(&mut self.tail);
+        let tracks = self
+            .active
+            .iter_mut()
+            .map(|running| &mut running.track)
+            .chain(&mut self.tail);
         for track in tracks {
             let from = track.state(clock);
             track.replan(Profile::stop(from, limits), clock);
@@ -400,7 +408,11 @@ impl<T: Copy> Planner<T> {
         let mut exit = 0.0;
         for place in (from_place..seen).rev() {
             let second = &self.pending[place];
-            let first = if place == from_place { from } else { &self.pending[place - 1] };
+            let first = if place == from_place {
+                from
+            } else {
+                &self.pending[place - 1]
+            };
             let joined = junction(first, second, blended || place > 0);
             exit = junction_speed(first, second, joined, exit, &self.corner_step);
         }
@@ -443,11 +455,8 @@ impl<T: Copy> Planner<T> {
             Junction::Pass { early: true, .. } => brakes_from(&track.profile),
             Junction::Overtake { tolerance } => reaches(tolerance),
             Junction::Blend { tolerance } => {
-                let begins = brakes_from(&track.profile).max(if tolerance.is_finite() {
-                    reaches(tolerance)
-                } else {
-                    0.0
-                });
+                let begins =
+                    brakes_from(&track.profile).max(if tolerance.is_finite() { reaches(tolerance) } else { 0.0 });
                 let begins = begins.max(now);
                 let braking = track.profile.duration() - begins;
                 let rising = Profile::to_position(State::default(), next.path.length(), 0.0, &next.limits);

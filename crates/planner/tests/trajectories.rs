@@ -25,7 +25,12 @@ fn start(path: Path, limits: Limits, period_ns: u64) -> Planner<()> {
 
 fn stopping(path: Path, limits: Limits) -> Move<()> {
     let ending = Ending::Stop;
-    Move { path, limits, ending, data: () }
+    Move {
+        path,
+        limits,
+        ending,
+        data: (),
+    }
 }
 
 /// The instant at which the active move came to its end, if it has.
@@ -52,7 +57,10 @@ fn ramp(v: f64, a: f64, j: Option<f64>) -> (f64, f64) {
 
 /// Least time from rest to rest over a length, by bisection of the peak speed.
 fn rest_to_rest(length: f64, limits: &Limits) -> f64 {
-    let (ja, jd) = (limits.jerk.map(|jerk| jerk.acceleration), limits.jerk.map(|jerk| jerk.deceleration));
+    let (ja, jd) = (
+        limits.jerk.map(|jerk| jerk.acceleration),
+        limits.jerk.map(|jerk| jerk.deceleration),
+    );
     let ramps = |v: f64| (ramp(v, limits.acceleration, ja), ramp(v, limits.deceleration, jd));
     let (up, down) = ramps(limits.speed);
     if up.1 + down.1 <= length {
@@ -93,11 +101,14 @@ fn line() -> impl Strategy<Value = Path> {
 }
 
 fn arc() -> impl Strategy<Value = Path> {
-    let circle = (point(), point(), point(), 0..4).prop_filter_map("three points on a line", |(from, via, to, word)| {
-        let direction = Direction::from_word(word)?;
-        Arc::new(Dimension::Three, from, to, CirclePoint::Via(via), direction).ok()
-    });
-    circle.prop_filter("too large a circle", |arc| arc.radius() < 2000.0).prop_map(Path::Arc)
+    let circle =
+        (point(), point(), point(), 0..4).prop_filter_map("three points on a line", |(from, via, to, word)| {
+            let direction = Direction::from_word(word)?;
+            Arc::new(Dimension::Three, from, to, CirclePoint::Via(via), direction).ok()
+        });
+    circle
+        .prop_filter("too large a circle", |arc| arc.radius() < 2000.0)
+        .prop_map(Path::Arc)
 }
 
 fn path() -> impl Strategy<Value = Path> {

@@ -136,7 +136,10 @@ impl MoveLayout {
     fn verify_mode(&self, call: &Call) -> Result<(), MotionError> {
         let master = verify::is_master_driven(call.number(self.speed_units));
         let others = [self.accel_units, self.decel_units, self.jerk_units];
-        if others.iter().any(|units| verify::is_master_driven(call.number(*units)) != master) {
+        if others
+            .iter()
+            .any(|units| verify::is_master_driven(call.number(*units)) != master)
+        {
             return Err(MotionError::MdscUnitsConflict);
         }
         if (call.word(self.lock_direction) != 0) != master {
@@ -295,7 +298,11 @@ fn verify_conflicts(motion: &Motion, index: usize, merge: i32) -> Result<(), Mot
 pub(super) fn target_point(values: &[f64], start: &Point, incremental: bool) -> Point {
     let mut target = *start;
     for (place, (coordinate, value)) in target.iter_mut().zip(values).enumerate() {
-        *coordinate = if incremental { component(start, place) + value } else { *value };
+        *coordinate = if incremental {
+            component(start, place) + value
+        } else {
+            *value
+        };
     }
     target
 }
