@@ -30,8 +30,7 @@ impl Bench {
 
     /// A machine of a configuration at tick 0.
     pub fn with(config: &str) -> Self {
-        let project =
-            arcline_config::load(config, "bench.toml").expect("the configuration is valid");
+        let project = arcline_config::load(config, "bench.toml").expect("the configuration is valid");
         let mut controller = Controller::new(&project.machine);
         controller.begin_tick();
         Bench {
@@ -73,8 +72,7 @@ impl Bench {
         let control = *self.controls.entry(name).or_insert(free);
         let object = call.mnemonic.instruction().object;
         let target = self.object(object, &call.target);
-        let bound = bind(call.mnemonic, target, control, &call.given, self)
-            .unwrap_or_else(|error| panic!("{error}"));
+        let bound = bind(call.mnemonic, target, control, &call.given, self).unwrap_or_else(|error| panic!("{error}"));
         self.tickets += 1;
         self.controller.execute(Ticket(self.tickets), &bound)
     }
@@ -90,10 +88,7 @@ impl Bench {
         let events = &mut self.events;
         self.controller.end_tick(|event| {
             let name = controls.iter().find(|(_, slot)| **slot == event.control);
-            events.push((
-                name.map(|(name, _)| name.clone()).unwrap_or_default(),
-                *event,
-            ));
+            events.push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));
         });
         self.controller.begin_tick();
     }
@@ -136,9 +131,7 @@ impl Bench {
     pub fn control(&self, tag: &str) -> MotionControl {
         self.controls
             .get(tag)
-            .map_or_else(MotionControl::default, |slot| {
-                self.controller.control(*slot)
-            })
+            .map_or_else(MotionControl::default, |slot| self.controller.control(*slot))
     }
 
     /// The names of the bits that a tag shows, in the order EN DN ER IP AC PC ….
@@ -165,11 +158,7 @@ impl Bench {
 
     /// An axis at the present tick.
     pub fn axis(&self, axis: &str) -> arcline_controller::AxisSnapshot {
-        let index = self
-            .project
-            .machine
-            .axis(axis)
-            .expect("the machine has the axis");
+        let index = self.project.machine.axis(axis).expect("the machine has the axis");
         self.snapshot().axes[usize::from(index)]
     }
 

@@ -116,11 +116,7 @@ fn a_single_move_from_edge_to_completion() {
     bench.tick();
     assert_eq!(bench.bits("M1"), "EN DN IP AC ACCEL");
     bench.run(204);
-    assert_eq!(
-        bench.bits("M1"),
-        "EN DN IP AC",
-        "0.205 s: the ramp of 0.2 s is over"
-    );
+    assert_eq!(bench.bits("M1"), "EN DN IP AC", "0.205 s: the ramp of 0.2 s is over");
     assert_eq!(bench.axis("X").command[1], 200.0);
     bench.run(300);
     assert_eq!(
@@ -129,15 +125,12 @@ fn a_single_move_from_edge_to_completion() {
         "0.505 s: 0.5 s is where braking begins"
     );
     // 100 units at 200 units/s and two ramps of 0.2 s: 0.7 s.
-    assert_eq!(bench.until("M1", Flag::Pc), 195 + 0);
+    assert_eq!(bench.until("M1", Flag::Pc), 195);
     assert_eq!(bench.bits("M1"), "EN DN PC");
     assert_eq!(bench.axis("X").command, [100.0, 0.0, 0.0]);
     assert_eq!(bench.system("CS1").status & css::MOTION_STATUS, 0);
     bench.tick();
-    assert_eq!(
-        bench.axis("X").motion_status,
-        motion_status::AXIS_HOMED_STATUS
-    );
+    assert_eq!(bench.axis("X").motion_status, motion_status::AXIS_HOMED_STATUS);
     let changes: Vec<_> = bench
         .events
         .iter()
@@ -174,25 +167,15 @@ fn the_rung_and_the_enable_bit() {
     );
     bench.until("M1", Flag::Pc);
     assert_eq!(bench.bits("M1"), "DN PC");
-    assert_eq!(
-        bench.call("MCLM(CS1,M1,2,[9,0,0], 50,0,500,0,500,0)"),
-        (13, 2)
-    );
+    assert_eq!(bench.call("MCLM(CS1,M1,2,[9,0,0], 50,0,500,0,500,0)"), (13, 2));
     assert_eq!(bench.bits("M1"), "EN ER");
     bench.rung_false("M1");
-    assert_eq!(
-        (bench.bits("M1"), bench.control("M1").err),
-        ("ER".to_owned(), 13)
-    );
+    assert_eq!((bench.bits("M1"), bench.control("M1").err), ("ER".to_owned(), 13));
 
     bench.execute("MSF(X, F1)");
     bench.rung_false("F1");
     assert_eq!(bench.bits("F1"), "EN", "neither DN nor ER: EN stays");
-    assert_eq!(
-        bench.call("MSF(X, F1)"),
-        (3, 0),
-        "a new edge before DN or ER"
-    );
+    assert_eq!(bench.call("MSF(X, F1)"), (3, 0), "a new edge before DN or ER");
     bench.tick();
     assert_eq!(
         bench.bits("F1"),
@@ -240,21 +223,11 @@ fn actual_tolerance_waits_for_the_axis() {
         bench.tick();
     }
     bench.tick();
-    assert_eq!(
-        bench.bits("M1"),
-        "EN DN IP AC",
-        "the command is there, the axis is not"
-    );
+    assert_eq!(bench.bits("M1"), "EN DN IP AC", "the command is there, the axis is not");
     bench.until("M1", Flag::Pc);
     let left = 100.0 - bench.axis("X").actual[0];
-    assert!(
-        left > 0.0 && left <= 0.01,
-        "completed {left} before the end"
-    );
-    assert_ne!(
-        bench.system("CS1").motion_status & cms::ACTUAL_POS_TOLERANCE_STATUS,
-        0
-    );
+    assert!(left > 0.0 && left <= 0.01, "completed {left} before the end");
+    assert_ne!(bench.system("CS1").motion_status & cms::ACTUAL_POS_TOLERANCE_STATUS, 0);
     let mut strict = Bench::replacing("actual_tolerance = 0.01", "actual_tolerance = 0.0");
     assert_eq!(strict.call(&MOVE.replace("2, 1);", "2, 0);")), (51, 0));
     assert_eq!(strict.call(MOVE), OK);
@@ -274,14 +247,8 @@ fn speed_zero_waits_for_a_change_of_speed() {
     let mut bench = Bench::new();
     bench.execute(&MOVE.replace("200, 0", "0, 0"));
     bench.run(100);
-    assert_eq!(
-        (bench.bits("M1").as_str(), bench.position("X")),
-        ("EN DN IP AC", 0.0)
-    );
-    assert_eq!(
-        bench.call("MCCD(CS1, D1, CoordinatedMove, Yes, 200, 0, No)"),
-        OK
-    );
+    assert_eq!((bench.bits("M1").as_str(), bench.position("X")), ("EN DN IP AC", 0.0));
+    assert_eq!(bench.call("MCCD(CS1, D1, CoordinatedMove, Yes, 200, 0, No)"), OK);
     assert_eq!(bench.bits("D1"), "EN DN");
     bench.until("M1", Flag::Pc);
     assert_eq!(bench.position("X"), 100.0);
@@ -313,7 +280,10 @@ fn changing_dynamics_of_the_pending_move_too() {
     let mut bench = Bench::new();
     bench.execute(MOVE);
     bench.execute(NEXT);
-    assert_eq!(bench.call("MCCD(CS1, D1, 1, Yes, 50, 0, No, 0, 0, No, 0, 0, No, 0, No, 0, 0, ActiveAndPendingMotion)"), OK);
+    assert_eq!(
+        bench.call("MCCD(CS1, D1, 1, Yes, 50, 0, No, 0, 0, No, 0, 0, No, 0, No, 0, 0, ActiveAndPendingMotion)"),
+        OK
+    );
     bench.until("M1", Flag::Pc);
     bench.run(1000);
     assert_eq!(bench.axis("Y").command[1], 50.0);
@@ -341,9 +311,7 @@ fn a_stop_of_the_move_stays_on_the_path() {
         0
     );
     assert_eq!(
-        bench
-            .call("MCLM(CS1, M3, 0, [0, 0, 0], 200, 0, 2000, 0, 2000, 0)")
-            .0,
+        bench.call("MCLM(CS1, M3, 0, [0, 0, 0], 200, 0, 2000, 0, 2000, 0)").0,
         78
     );
     let from = bench.position("X");
@@ -354,15 +322,9 @@ fn a_stop_of_the_move_stays_on_the_path() {
     );
     assert_eq!(bench.bits("S1"), "EN DN PC");
     let (x, y) = (bench.position("X"), bench.position("Y"));
-    assert!(
-        (x / 60.0 - y / 80.0).abs() < 1e-12,
-        "{x}, {y} is on the line"
-    );
+    assert!((x / 60.0 - y / 80.0).abs() < 1e-12, "{x}, {y} is on the line");
     let ramp = (x - from) / 0.6;
-    assert!(
-        (ramp - 40.0).abs() < 1e-9,
-        "the ramp is 40 units long, not {ramp}"
-    );
+    assert!((ramp - 40.0).abs() < 1e-9, "the ramp is 40 units long, not {ramp}");
     assert_eq!(bench.system("CS1").status & css::MOTION_STATUS, 0);
     assert_eq!(bench.call(&MOVE.replace("M1", "M4")), OK);
 }
@@ -377,10 +339,7 @@ fn a_stop_of_all_brakes_every_axis_and_whole_moves_that_share_one() {
         (bench.bits("S1").as_str(), bench.bits("M1").as_str()),
         ("EN DN IP", "EN DN")
     );
-    assert_ne!(
-        bench.axis("S").motion_status & motion_status::STOPPING_STATUS,
-        0
-    );
+    assert_ne!(bench.axis("S").motion_status & motion_status::STOPPING_STATUS, 0);
     assert_eq!(
         bench.call("MCLM(CS2, M2, 1, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"),
         (78, 0)
@@ -394,10 +353,7 @@ fn a_stop_of_all_brakes_every_axis_and_whole_moves_that_share_one() {
             "{axis}"
         );
     }
-    assert_eq!(
-        bench.call("MCLM(CS2, M2, 1, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"),
-        OK
-    );
+    assert_eq!(bench.call("MCLM(CS2, M2, 1, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"), OK);
 }
 
 #[test]
@@ -427,10 +383,7 @@ fn coordinate_systems_that_share_an_axis_exclude_each_other() {
         bench.call("MCLM(CS2, M2, 0, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"),
         (52, 0)
     );
-    assert_eq!(
-        bench.call("MCLM(CS3, M3, 0, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"),
-        OK
-    );
+    assert_eq!(bench.call("MCLM(CS3, M3, 0, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"), OK);
 }
 
 #[test]
@@ -441,10 +394,7 @@ fn servo_off_and_on() {
     bench.execute("MSF(Y, F1)");
     assert_eq!(bench.bits("F1"), "EN");
     bench.tick();
-    assert_eq!(
-        (bench.bits("F1").as_str(), bench.axis("Y").status & on),
-        ("EN DN", 0)
-    );
+    assert_eq!((bench.bits("F1").as_str(), bench.axis("Y").status & on), ("EN DN", 0));
     assert_eq!(bench.system("CS1").axes_servo_on, 0b101);
     assert_eq!(bench.call(MOVE), (5, 1));
     assert_eq!(bench.call("MCCD(CS1, D1, 1, 1, 50, 0)"), (5, 1));
@@ -452,16 +402,9 @@ fn servo_off_and_on() {
     bench.execute("MSO(Y, O1)");
     assert_eq!(bench.bits("O1"), "EN");
     bench.tick();
-    assert_eq!(
-        (bench.bits("O1").as_str(), bench.axis("Y").status & on),
-        ("EN DN", on)
-    );
+    assert_eq!((bench.bits("O1").as_str(), bench.axis("Y").status & on), ("EN DN", on));
     assert_eq!(bench.call(MOVE), OK);
-    assert_eq!(
-        bench.call("MSO(A, O2)"),
-        (8, 0),
-        "a virtual axis has no drive"
-    );
+    assert_eq!(bench.call("MSO(A, O2)"), (8, 0), "a virtual axis has no drive");
     assert_eq!(bench.call("MSF(A, F2)"), (8, 0));
 }
 
@@ -476,16 +419,10 @@ fn servo_off_in_motion_ends_the_move_for_the_whole_system() {
         (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
         ("EN DN", "EN DN")
     );
-    assert_ne!(
-        bench.axis("X").motion_status & motion_status::STOPPING_STATUS,
-        0
-    );
+    assert_ne!(bench.axis("X").motion_status & motion_status::STOPPING_STATUS, 0);
     assert_eq!(bench.call("MSO(Y, O1)"), (22, 0), "the axis coasts");
     bench.run(5000);
-    assert_eq!(
-        (bench.axis("X").command[1], bench.axis("Y").actual[1]),
-        (0.0, 0.0)
-    );
+    assert_eq!((bench.axis("X").command[1], bench.axis("Y").actual[1]), (0.0, 0.0));
     assert_eq!(bench.call("MSO(Y, O1)"), OK);
     bench.tick();
     assert_eq!(bench.axis("Y").command[0], bench.axis("Y").actual[0]);
@@ -506,10 +443,7 @@ fn shutdown_and_its_reset() {
         axis_status::SHUTDOWN_STATUS
     );
     assert_eq!(
-        (
-            bench.system("CS1").axes_shutdown,
-            bench.system("CS1").status
-        ),
+        (bench.system("CS1").axes_shutdown, bench.system("CS1").status),
         (0b010, 0)
     );
     bench.until_rest();
@@ -532,11 +466,7 @@ fn shutdown_and_its_reset() {
         (bench.bits("D2").as_str(), bench.bits("M1").as_str()),
         ("EN DN", "EN DN")
     );
-    assert_eq!(
-        bench.axis("X").command[1],
-        0.0,
-        "the command stops in the same update"
-    );
+    assert_eq!(bench.axis("X").command[1], 0.0, "the command stops in the same update");
     assert_eq!(bench.system("CS1").status, css::SHUTDOWN_STATUS);
     bench.run(2000);
     assert_eq!(bench.call(MOVE), (7, 0));
@@ -561,33 +491,20 @@ fn a_shut_down_virtual_axis_is_ready_after_its_reset() {
     );
     bench.execute("MASR(A, R1)");
     bench.tick();
-    assert_eq!(
-        bench.call("MCLM(CS3, M1, 0, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"),
-        OK
-    );
+    assert_eq!(bench.call("MCLM(CS3, M1, 0, [1, 1, 1], 200, 0, 2000, 0, 2000, 0)"), OK);
 }
 
 #[test]
 fn everything_that_moves_must_be_stoppable() {
     for (from, to, call, expected) in [
-        (
-            "max_deceleration = 5000.0",
-            "max_deceleration = 0.0",
-            MOVE,
-            (54, -1),
-        ),
+        ("max_deceleration = 5000.0", "max_deceleration = 0.0", MOVE, (54, -1)),
         (
             "max_deceleration_jerk = 100000.0",
             "max_deceleration_jerk = 0.0",
             MOVE,
             (76, -1),
         ),
-        (
-            "max_deceleration = 10000.0",
-            "max_deceleration = 0.0",
-            MOVE,
-            (54, 0),
-        ),
+        ("max_deceleration = 10000.0", "max_deceleration = 0.0", MOVE, (54, 0)),
         (
             "max_deceleration_jerk = 200000.0",
             "max_deceleration_jerk = 0.0",
@@ -601,11 +518,7 @@ fn everything_that_moves_must_be_stoppable() {
             OK,
         ),
     ] {
-        assert_eq!(
-            Bench::replacing(from, to).call(call),
-            expected,
-            "{to}: {call}"
-        );
+        assert_eq!(Bench::replacing(from, to).call(call), expected, "{to}: {call}");
     }
 }
 
@@ -615,11 +528,7 @@ fn a_tag_used_again_shows_the_new_execution_only() {
     bench.execute(MOVE);
     bench.run(10);
     bench.execute(&NEXT.replace("M2", "M1"));
-    assert_eq!(
-        bench.bits("M1"),
-        "EN DN IP",
-        "the second waits behind the first"
-    );
+    assert_eq!(bench.bits("M1"), "EN DN IP", "the second waits behind the first");
     bench.run(690);
     assert_eq!(
         bench.bits("M1"),
@@ -628,15 +537,9 @@ fn a_tag_used_again_shows_the_new_execution_only() {
     );
     bench.until("M1", Flag::Pc);
     assert_eq!(bench.position("Y"), 100.0);
-    let detached: Vec<_> = bench
-        .events
-        .iter()
-        .filter(|(_, event)| !event.owner)
-        .collect();
+    let detached: Vec<_> = bench.events.iter().filter(|(_, event)| !event.owner).collect();
     assert!(
-        detached
-            .iter()
-            .any(|(_, event)| event.set == Flag::Pc.mask()),
+        detached.iter().any(|(_, event)| event.set == Flag::Pc.mask()),
         "its instance still reports"
     );
 }
@@ -649,10 +552,7 @@ fn command_tolerance_status() {
     while bench.position("X") < 99.4 {
         bench.tick();
     }
-    assert_eq!(
-        bench.system("CS1").motion_status & cms::COMMAND_POS_TOLERANCE_STATUS,
-        0
-    );
+    assert_eq!(bench.system("CS1").motion_status & cms::COMMAND_POS_TOLERANCE_STATUS, 0);
     while bench.position("X") < 99.6 {
         bench.tick();
     }

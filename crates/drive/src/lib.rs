@@ -196,7 +196,11 @@ mod tests {
                 drive.cycle(at_speed(k, period, 500.0), period);
             }
             let expected = 500.0 / (TAU * 40.0);
-            assert!((drive.error() - expected).abs() < 1e-9 * expected, "{} at {period} s", drive.error());
+            assert!(
+                (drive.error() - expected).abs() < 1e-9 * expected,
+                "{} at {period} s",
+                drive.error()
+            );
             assert!((drive.actual().velocity - 500.0).abs() < 1e-6);
         }
     }
@@ -219,7 +223,11 @@ mod tests {
         };
         let reference = run(0.000_25);
         for period in [0.001, 0.004, 0.025] {
-            assert!((run(period) - reference).abs() < 1e-12, "{period}: {} {reference}", run(period));
+            assert!(
+                (run(period) - reference).abs() < 1e-12,
+                "{period}: {} {reference}",
+                run(period)
+            );
         }
     }
 

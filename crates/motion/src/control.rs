@@ -143,7 +143,9 @@ impl Controls {
 
     /// What the tag shows.
     pub(crate) fn word(&self, slot: ControlSlot) -> MotionControl {
-        self.table.get(slot.0 as usize).map_or_else(MotionControl::default, |control| control.word)
+        self.table
+            .get(slot.0 as usize)
+            .map_or_else(MotionControl::default, |control| control.word)
     }
 
     /// Reports every change since the last call, in the order in which they began.

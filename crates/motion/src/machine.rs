@@ -59,12 +59,7 @@ impl Machine {
 
     /// Place of the transform of that name, case ignored.
     pub fn transform(&self, name: &str) -> Option<u16> {
-        place(
-            self.transforms
-                .iter()
-                .map(|transform| transform.name.as_str()),
-            name,
-        )
+        place(self.transforms.iter().map(|transform| transform.name.as_str()), name)
     }
 
     /// Whether the motion group has that name, case ignored.
@@ -235,11 +230,7 @@ pub struct Transform {
 /// The jerk maximum that stands for "100 % of time" at full speed and full rate: `rate² / speed`
 /// (axis-and-data-types.md §9.2), u/s³; what an absent jerk maximum is.
 pub fn default_jerk(speed: f64, rate: f64) -> f64 {
-    if speed > 0.0 {
-        rate * rate / speed
-    } else {
-        0.0
-    }
+    if speed > 0.0 { rate * rate / speed } else { 0.0 }
 }
 
 fn place<'a>(mut names: impl Iterator<Item = &'a str>, name: &str) -> Option<u16> {

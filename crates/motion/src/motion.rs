@@ -1,8 +1,9 @@
 //! The machine in motion: one tick after another.
 
 use arcline_instruction_set::{Call, Flag, MotionControl, MotionError, Object};
+use arcline_planner::geometry::Point;
 use arcline_planner::profile::Phase;
-use arcline_planner::{Clock, Instant};
+use arcline_planner::{Clock, Instant, Passage};
 
 use crate::axis::{Axis, AxisState, Source};
 use crate::control::{Controls, Event, Execution, Ticket};
@@ -11,7 +12,7 @@ use crate::machine::Machine;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::status;
 use crate::stop::AxisSet;
-use crate::system::{Activity, System, Termination, component};
+use crate::system::{Activity, System, component};
 
 /// Every axis and coordinate system of one motion group, and the instructions that move them.
 #[derive(Debug)]
@@ -49,7 +50,7 @@ impl Motion {
                 period_ns: machine.period_ns.max(1),
             },
             axes: machine.axes.iter().map(Axis::new).collect(),
-            systems: machine.systems.iter().map(System::new).collect(),
+            systems: systems(machine),
             controls: Controls::new(),
             layouts: Layouts::new(),
             messages: Vec::with_capacity(MESSAGES),
@@ -128,7 +129,10 @@ impl Motion {
     /// Whether nothing moves and nothing is under way that would end.
     pub fn at_rest(&self) -> bool {
         self.messages.is_empty()
-            && self.systems.iter().all(|system| !system.is_busy() && system.stop.is_none())
+            && self
+                .systems
+                .iter()
+                .all(|system| !system.is_busy() && system.stop.is_none())
             && self.axes.iter().all(|axis| !axis.in_motion())
     }
 
@@ -145,7 +149,12 @@ impl Motion {
         self.axes.iter().map(|axis| {
             let command = axis.command;
             let actual = axis.shown(axis.drive.actual().position);
-            [axis.shown(command.position), command.velocity, command.acceleration, actual]
+            [
+                axis.shown(command.position),
+                command.velocity,
+                command.acceleration,
+                actual,
+            ]
         })
     }
 
@@ -266,6 +275,16 @@ impl Motion {
         braking
     }
 
+    /// Ends all coordinated motion of a system at once for another one that takes the axes they share; the
+    /// rest of its axes brake.
+    pub(crate) fn abort_system_but(&mut self, index: usize, taker: usize) {
+        let mut taken = AxisSet::default();
+        for axis in &self.systems[taker].description.axes {
+            taken.insert(*axis);
+        }
+        self.abort_system(index, |axis| taken.contains(axis));
+    }
+
     /// Takes an axis out of every motion: the systems that move it are aborted, their other axes brake.
     pub(crate) fn leave(&mut self, axis: u16) {
         for index in 0..self.systems.len() {
@@ -307,25 +326,15 @@ impl Motion {
 
     fn advance_system(&mut self, index: usize) {
         for _ in 0..MAX_ENDS_PER_TICK {
-            let Some(reached) = self.systems[index].planner.reached(&self.clock) else {
-                break;
+            let at = match self.systems[index].planner.passage(&self.clock) {
+                None => break,
+                Some(Passage::HandOver(at)) => at,
+                Some(Passage::Reached(at)) => match self.reached(index, at) {
+                    Some(at) => at,
+                    None => break,
+                },
             };
-            if self.systems[index].activity == Activity::Stopping {
-                self.systems[index].planner.clear_active();
-                self.release_axes(index);
-                break;
-            }
-            let Some(active) = self.systems[index].planner.active().map(|running| running.motion.data) else {
-                break;
-            };
-            let completed = match active.termination {
-                Termination::NoSettle => Some(reached),
-                Termination::ActualTolerance => self.settled(index, reached),
-            };
-            let Some(completed) = completed else {
-                break;
-            };
-            self.complete(index, completed);
+            self.complete(index, at);
             if !self.systems[index].is_busy() {
                 break;
             }
@@ -335,14 +344,34 @@ impl Motion {
         }
     }
 
-    /// The active move is complete; the next one starts at the same instant.
-    fn complete(&mut self, index: usize, at: Instant) {
+    /// The command is at the programmed end, or where a stop has led it. The instant at which the active
+    /// move is complete, if it is.
+    fn reached(&mut self, index: usize, at: Instant) -> Option<Instant> {
+        if self.systems[index].activity == Activity::Stopping {
+            self.sample_system(index);
+            self.systems[index].planner.clear_active();
+            self.release_axes(index);
+            return None;
+        }
+        let active = self.systems[index].planner.active()?.motion.data;
+        if self.systems[index].planner.passes_on() {
+            return Some(at);
+        }
         self.set_end_position(index);
+        if active.termination.settles() {
+            self.settled(index, at)
+        } else {
+            Some(at)
+        }
+    }
+
+    /// The active move is complete; the next one becomes active at the same instant.
+    fn complete(&mut self, index: usize, at: Instant) {
         if let Some(active) = self.systems[index].planner.active_data().copied() {
             self.end_move(active.execution, Flag::Pc.mask());
-            self.systems[index].in_actual_tolerance = active.termination == Termination::ActualTolerance;
+            self.systems[index].in_actual_tolerance = active.termination.settles();
         }
-        let next = self.systems[index].planner.promote(at).copied();
+        let next = self.systems[index].planner.hand_over(at, &self.clock).copied();
         match next {
             Some(next) => {
                 let system = &mut self.systems[index];
@@ -352,7 +381,10 @@ impl Motion {
                 self.controls.write(next.execution, Flag::Ac.mask(), 0, self.clock.tick);
                 self.join_axes(index);
             }
-            None => self.release_axes(index),
+            None => {
+                self.systems[index].planner.clear_active();
+                self.release_axes(index);
+            }
         }
     }
 
@@ -383,13 +415,18 @@ impl Motion {
         let system = &mut self.systems[index];
         system.activity = Activity::Idle;
         system.shown_phase = Phase::Steady;
+        system.in_transition = false;
         system.along = [0.0; 3];
         system.stale = false;
     }
 
     /// The commands stand exactly on the programmed end of the active move.
     fn set_end_position(&mut self, index: usize) {
-        let Some(end) = self.systems[index].planner.active().map(|running| running.motion.path.end()) else {
+        let Some(end) = self.systems[index]
+            .planner
+            .active()
+            .map(|running| running.motion.path.end())
+        else {
             return;
         };
         for place in 0..self.systems[index].description.axes.len() {
@@ -408,7 +445,11 @@ impl Motion {
         let Some(sample) = system.planner.sample(&self.clock) else {
             return;
         };
-        let length = system.planner.active().map_or(0.0, |running| running.motion.path.length());
+        let length = system
+            .planner
+            .active()
+            .map_or(0.0, |running| running.motion.path.length());
+        system.in_transition = system.planner.in_transition(&self.clock);
         system.along = [sample.along.velocity.abs(), sample.along.position, length];
         for (place, axis) in system.description.axes.iter().enumerate() {
             let Some(axis) = self.axes.get_mut(usize::from(*axis)) else {
@@ -512,4 +553,21 @@ impl Motion {
             }
         }
     }
+}
+
+/// The coordinate systems of a machine. A corner may change the velocity of an axis by what its Maximum
+/// Acceleration allows within one update (spec/coordinated-instructions.md §7.5).
+fn systems(machine: &Machine) -> Vec<System> {
+    let step = |axis: &u16| {
+        let axis = machine.axes.get(usize::from(*axis));
+        axis.map_or(0.0, |axis| axis.max_acceleration * machine.period())
+    };
+    let system = |description: &crate::machine::CoordinateSystem| {
+        let mut corner_step = Point::zeros();
+        for (axis, own) in description.axes.iter().zip(corner_step.iter_mut()) {
+            *own = step(axis);
+        }
+        System::new(description, corner_step)
+    };
+    machine.systems.iter().map(system).collect()
 }

@@ -30,10 +30,22 @@ pub(crate) fn axis(axis: &Axis) -> AxisSnapshot {
             AxisState::Shutdown => 10,
         },
         cip_status: [
-            (axis.state == AxisState::Running, cip_axis_status::POWER_STRUCTURE_ENABLED_STATUS),
-            (axis.state == AxisState::Running, cip_axis_status::TRACKING_COMMAND_STATUS),
-            (axis.drive.error().abs() <= POSITION_LOCK_TOLERANCE, cip_axis_status::POSITION_LOCK_STATUS),
-            (actual.velocity.abs() <= STANDSTILL, cip_axis_status::VELOCITY_STANDSTILL_STATUS),
+            (
+                axis.state == AxisState::Running,
+                cip_axis_status::POWER_STRUCTURE_ENABLED_STATUS,
+            ),
+            (
+                axis.state == AxisState::Running,
+                cip_axis_status::TRACKING_COMMAND_STATUS,
+            ),
+            (
+                axis.drive.error().abs() <= POSITION_LOCK_TOLERANCE,
+                cip_axis_status::POSITION_LOCK_STATUS,
+            ),
+            (
+                actual.velocity.abs() <= STANDSTILL,
+                cip_axis_status::VELOCITY_STANDSTILL_STATUS,
+            ),
             (axis.state == AxisState::Shutdown, cip_axis_status::CIP_SHUTDOWN_STATUS),
         ]
         .into_iter()
@@ -66,8 +78,14 @@ fn motion_word(axis: &Axis) -> u32 {
         (rising < 0.0, motion_status::DECEL_STATUS),
         (braking, motion_status::STOPPING_STATUS),
         (axis.homed, motion_status::AXIS_HOMED_STATUS),
-        (matches!(axis.source, Source::System), motion_status::COORDINATED_MOTION_STATUS),
-        (axis.command.velocity.abs() > axis.dynamics.speed, motion_status::MAXIMUM_SPEED_EXCEEDED),
+        (
+            matches!(axis.source, Source::System),
+            motion_status::COORDINATED_MOTION_STATUS,
+        ),
+        (
+            axis.command.velocity.abs() > axis.dynamics.speed,
+            motion_status::MAXIMUM_SPEED_EXCEEDED,
+        ),
     ]
     .into_iter()
     .fold(0, with)
@@ -92,6 +110,7 @@ pub(crate) fn system(system: &System, axes: &[Axis]) -> SystemSnapshot {
         }
     }
     let moving = system.activity == Activity::Moving;
+    let on_path = moving && !system.in_transition;
     let pending = system.planner.pending().next().is_some();
     shown.status = [
         (system.shutdown, status::SHUTDOWN_STATUS),
@@ -101,17 +120,24 @@ pub(crate) fn system(system: &System, axes: &[Axis]) -> SystemSnapshot {
     .into_iter()
     .fold(0, with);
     shown.motion_status = [
-        (moving && system.shown_phase == Phase::Accelerating, motion::ACCEL_STATUS),
         (
-            system.stop.is_some() || (moving && system.shown_phase == Phase::Decelerating),
+            on_path && system.shown_phase == Phase::Accelerating,
+            motion::ACCEL_STATUS,
+        ),
+        (
+            system.stop.is_some() || (on_path && system.shown_phase == Phase::Decelerating),
             motion::DECEL_STATUS,
         ),
         (system.in_actual_tolerance, motion::ACTUAL_POS_TOLERANCE_STATUS),
         (system.in_command_tolerance, motion::COMMAND_POS_TOLERANCE_STATUS),
         (system.stop.is_some(), motion::STOPPING_STATUS),
         (moving, motion::MOVE_STATUS),
+        (moving && system.in_transition, motion::MOVE_TRANSITION_STATUS),
         (pending, motion::MOVE_PENDING_STATUS),
-        (pending && system.planner.is_full(), motion::MOVE_PENDING_QUEUE_FULL_STATUS),
+        (
+            pending && system.planner.is_full(),
+            motion::MOVE_PENDING_QUEUE_FULL_STATUS,
+        ),
     ]
     .into_iter()
     .fold(0, with);

@@ -34,7 +34,9 @@ impl AxisSet {
     }
 
     pub(crate) fn contains(&self, axis: u16) -> bool {
-        self.0.get(usize::from(axis / 64)).is_some_and(|word| word & (1 << (axis % 64)) != 0)
+        self.0
+            .get(usize::from(axis / 64))
+            .is_some_and(|word| word & (1 << (axis % 64)) != 0)
     }
 
     pub(crate) fn is_empty(&self) -> bool {

@@ -14,8 +14,8 @@ use crate::stop::Stop;
 pub(crate) enum Termination {
     /// Type 0: the command is at the target and the axes are within the Actual Tolerance.
     ActualTolerance,
-    /// Type 1: the command is at the target.
-    NoSettle,
+    /// Any other type: the command is at the target, or a successor has taken over as its ending tells.
+    Command,
 }
 
 /// What motion keeps with a move in the planner.
@@ -49,6 +49,8 @@ pub(crate) struct System {
     pub(crate) shown_phase: Phase,
     pub(crate) in_actual_tolerance: bool,
     pub(crate) in_command_tolerance: bool,
+    /// The active move blends with the end of the one before it, off the programmed path.
+    pub(crate) in_transition: bool,
     /// Speed along the path, units/s; distance gone and length of the active path, units.
     pub(crate) along: [f64; 3],
     /// Something happened since the commands of this tick were computed.
@@ -56,9 +58,10 @@ pub(crate) struct System {
 }
 
 impl System {
-    pub(crate) fn new(description: &CoordinateSystem) -> Self {
+    /// `corner_step`: the change of velocity of each axis that a corner may make at once, units/s (§7.5).
+    pub(crate) fn new(description: &CoordinateSystem, corner_step: Point) -> Self {
         System {
-            planner: Planner::new(description.queue_depth),
+            planner: Planner::new(description.queue_depth, corner_step),
             description: description.clone(),
             activity: Activity::Idle,
             stop: None,
@@ -66,6 +69,7 @@ impl System {
             shown_phase: Phase::Steady,
             in_actual_tolerance: false,
             in_command_tolerance: false,
+            in_transition: false,
             along: [0.0; 3],
             stale: false,
         }
@@ -83,6 +87,13 @@ impl System {
     /// Whether this system and another one have an axis in common; its place here.
     pub(crate) fn shared_axis(&self, other: &System) -> Option<usize> {
         self.description.axes.iter().position(|axis| other.has(*axis))
+    }
+}
+
+impl Termination {
+    /// Whether a type holds the command at the end until the axes have settled.
+    pub(crate) fn settles(self) -> bool {
+        self == Termination::ActualTolerance
     }
 }
 

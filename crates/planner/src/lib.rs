@@ -2,7 +2,8 @@
 //!
 //! A [`Move`] is a geometric path with the limits of its speed along it. A [`Planner`] holds the active
 //! move, the pending ones behind it, and evaluates the active one in closed form: nothing is integrated from
-//! tick to tick, so the trajectory is the same at every update period (spec/motion-core.md §1, §12).
+//! tick to tick, so the trajectory is the same at every update period (spec/motion-core.md §1, §12). How one
+//! move becomes the next stands in `junction`.
 //!
 //! Not here: instructions, status bits, axes, drives, and anything that knows what a tick does. Units:
 //! position units, seconds. Nothing here allocates after [`Planner::new`].
@@ -10,10 +11,15 @@
 #![forbid(unsafe_code)]
 
 mod clock;
+mod junction;
 mod planner;
+mod reach;
+mod track;
 
 pub use clock::{Clock, Instant};
-pub use planner::{Move, Planner, QueueFull, Running, Sample};
+pub use junction::Ending;
+pub use planner::{Momentum, Move, Passage, Planner, QueueFull, Running};
+pub use track::Sample;
 
 pub use arcline_geometry as geometry;
 pub use arcline_profile as profile;

@@ -1,10 +1,13 @@
-//! One coordinate system's active move and its queue.
+//! One coordinate system's active move, the end of the one before it, and its queue.
 
 use std::collections::VecDeque;
 
-use arcline_geometry::{Path, PathPoint, Point};
-use arcline_profile::{Limits, Phase, Profile, State};
+use arcline_geometry::{Path, Point};
+use arcline_profile::{Limits, Profile, State};
 
+use crate::junction::{Ending, Junction, braking, is_along, joins, junction, junction_speed};
+use crate::reach::{accelerates_until, brakes_from, exit_speed};
+use crate::track::{Approach, Residual, Sample, Track};
 use crate::{Clock, Instant};
 
 /// A path to travel and the limits along it. `T` is whatever the owner wants back with it.
@@ -14,6 +17,8 @@ pub struct Move<T> {
     pub path: Path,
     /// Limits of the speed along the path and of its derivatives.
     pub limits: Limits,
+    /// What happens at its end if it has a successor.
+    pub ending: Ending,
     /// The owner's own data.
     pub data: T,
 }
@@ -23,23 +28,31 @@ pub struct Move<T> {
 pub struct Running<T> {
     /// The move itself.
     pub motion: Move<T>,
-    profile: Profile,
-    start: Instant,
+    track: Track,
+    /// Speed with which the profile ends.
+    exit: f64,
+    /// Pending moves that the profile runs over too.
+    joined: usize,
+    /// Whether something blended into it.
+    blended: bool,
 }
 
-/// Where the system is at one instant.
+/// A point on the way of the active move that lies at or before the present tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Passage {
+    /// The successor is to become active: [`Planner::hand_over`].
+    HandOver(Instant),
+    /// The programmed end is reached and nothing has taken over.
+    Reached(Instant),
+}
+
+/// Velocity and acceleration with which a merge begins.
 #[derive(Clone, Copy, Debug)]
-pub struct Sample {
-    /// Position of the axes, position units.
-    pub position: Point,
-    /// Velocity of the axes, units/s.
+pub struct Momentum {
+    /// Velocity of the motion that is terminated, units/s.
     pub velocity: Point,
-    /// Acceleration of the axes, units/s².
+    /// Its acceleration, units/s².
     pub acceleration: Point,
-    /// State along the path: distance from its start, speed, tangential acceleration.
-    pub along: State,
-    /// What the speed along the path does.
-    pub phase: Phase,
 }
 
 /// The pending places are all taken.
@@ -50,17 +63,30 @@ pub struct QueueFull;
 #[derive(Debug)]
 pub struct Planner<T> {
     active: Option<Running<T>>,
+    /// The end of a move that the active one blends with.
+    tail: Option<Track>,
     pending: VecDeque<Move<T>>,
     depth: usize,
+    corner_step: Point,
+    /// Seconds after the active track's start at which the successor takes over before the programmed end.
+    hand_over_at: Option<f64>,
 }
 
+/// Pending moves that a junction speed looks at. Behind them the path is taken to end at rest, which is always
+/// possible, so the work of a tick is bounded.
+const LOOK_AHEAD: usize = 32;
+
 impl<T: Copy> Planner<T> {
-    /// A planner at rest with `depth` pending places. The only allocation.
-    pub fn new(depth: usize) -> Self {
+    /// A planner at rest with `depth` pending places. `corner_step`: the change of velocity that each axis may
+    /// make at once in a corner that is not tangent, units/s. The only allocation.
+    pub fn new(depth: usize, corner_step: Point) -> Self {
         Planner {
             active: None,
+            tail: None,
             pending: VecDeque::with_capacity(depth),
             depth,
+            corner_step,
+            hand_over_at: None,
         }
     }
 
@@ -79,7 +105,7 @@ impl<T: Copy> Planner<T> {
         self.pending.iter()
     }
 
-    /// The moves that wait, oldest first, to change.
+    /// The moves that wait, oldest first, to change; [`Planner::change_limits`] makes it take effect.
     pub fn pending_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
         self.pending.iter_mut()
     }
@@ -97,103 +123,377 @@ impl<T: Copy> Planner<T> {
     }
 
     /// Starts a move from rest at an instant, in place of whatever was active.
-    pub fn start(&mut self, motion: Move<T>, at: Instant) {
-        let profile = Profile::to_position(at_rest(0.0), motion.path.length(), 0.0, &motion.limits);
-        self.active = Some(Running {
-            motion,
-            profile,
-            start: at,
-        });
+    pub fn start(&mut self, motion: Move<T>, at: Instant, clock: &Clock) {
+        self.tail = None;
+        self.run(motion, State::default(), at, None, false, clock);
     }
 
-    /// Puts a move behind the last one.
+    /// Starts a move at the present tick out of another motion: a velocity along the new path is kept, any other
+    /// ramps out with the deceleration of the move (spec/coordinated-instructions.md §6.3).
+    pub fn merge(&mut self, motion: Move<T>, momentum: Momentum, clock: &Clock) {
+        self.tail = None;
+        let speed = momentum.velocity.norm();
+        if speed == 0.0 {
+            self.start(motion, clock.now(), clock);
+            return;
+        }
+        let direction = momentum.velocity / speed;
+        let from = State {
+            position: 0.0,
+            velocity: speed,
+            acceleration: if motion.limits.jerk.is_some() {
+                momentum.acceleration.dot(&direction)
+            } else {
+                0.0
+            },
+        };
+        let length = motion.path.length();
+        if length > 0.0 && is_along(&momentum.velocity, &motion.path.start_tangent()) {
+            self.run(motion, from, clock.now(), None, false, clock);
+            return;
+        }
+        let limits = braking(&motion.limits, speed);
+        let profile = if length > 0.0 {
+            Profile::stop(from, &limits)
+        } else {
+            Profile::to_position(from, 0.0, 0.0, &limits)
+        };
+        let residual = Residual {
+            direction,
+            profile,
+            start: clock.now(),
+        };
+        self.run(motion, State::default(), clock.now(), Some(residual), false, clock);
+    }
+
+    /// Puts a move behind the last one. What the active one does at its end may change with it.
     ///
     /// # Errors
     /// [`QueueFull`] when all pending places are taken.
-    pub fn enqueue(&mut self, motion: Move<T>) -> Result<(), QueueFull> {
+    pub fn enqueue(&mut self, motion: Move<T>, clock: &Clock) -> Result<(), QueueFull> {
         if self.is_full() {
             return Err(QueueFull);
         }
         self.pending.push_back(motion);
+        self.raise_exit(clock);
+        self.schedule(clock);
         Ok(())
     }
 
-    /// Ends the active move; the oldest pending one starts from rest at `at`.
-    pub fn promote(&mut self, at: Instant) -> Option<&mut T> {
-        self.active = None;
+    /// The next point on the way that lies at or before the present tick.
+    pub fn passage(&self, clock: &Clock) -> Option<Passage> {
+        let running = self.active.as_ref()?;
+        let elapsed = running.track.start.elapsed(clock);
+        let instant = |seconds: f64| running.track.start.after(seconds, clock);
+        if let Some(at) = self.hand_over_at
+            && elapsed >= at
+        {
+            return Some(Passage::HandOver(instant(at)));
+        }
+        if !running.track.profile.arrives() {
+            return None;
+        }
+        let mut end = running.track.duration(clock);
+        if let Some(tail) = &self.tail {
+            end = end.max(tail.duration(clock) + elapsed - tail.start.elapsed(clock));
+        }
+        (elapsed >= end).then(|| Passage::Reached(instant(end)))
+    }
+
+    /// Whether the active move goes over into its successor without rest.
+    pub fn passes_on(&self) -> bool {
+        self.active.is_some_and(|running| running.exit > 0.0) && !self.pending.is_empty()
+    }
+
+    /// The oldest pending move becomes active at an instant: from rest, blending, or at the speed of the junction.
+    pub fn hand_over(&mut self, at: Instant, clock: &Clock) -> Option<&mut T> {
+        let last = self.active.take();
+        let early = self.hand_over_at.take().is_some();
         let next = self.pending.pop_front()?;
-        self.start(next, at);
+        let Some(last) = last else {
+            self.start(next, at, clock);
+            return self.active_data();
+        };
+        if early && last.joined > 0 {
+            self.go_on(&last, next, clock);
+            return self.active_data();
+        }
+        let end = last.track.profile.end();
+        let joined = junction(&last.motion, &next, last.blended);
+        match joined {
+            Junction::Blend { .. } if early => {
+                self.tail = Some(last.track);
+                self.run(next, State::default(), at, None, true, clock);
+            }
+            Junction::Overtake { .. } if early => {
+                let since = at.elapsed(clock) - last.track.start.elapsed(clock);
+                let mut from = last.track.profile.at(-since);
+                from.position -= last.motion.path.length();
+                self.run(next, from, at, None, true, clock);
+                self.set_lead(last.motion.path);
+            }
+            Junction::Pass { .. } if early => {
+                let start = last.track.start.after(last.track.profile.duration(), clock);
+                let approach = Approach {
+                    path: last.motion.path,
+                    profile: last.track.profile,
+                    start: last.track.start,
+                };
+                self.run(next, passing(end), start, None, false, clock);
+                if let Some(running) = &mut self.active {
+                    running.track.approach = Some(approach);
+                }
+            }
+            _ => {
+                let from = if last.exit > 0.0 {
+                    passing(end)
+                } else {
+                    State::default()
+                };
+                self.run(next, from, at, None, false, clock);
+            }
+        }
         self.active_data()
     }
 
     /// Ends the active move and forgets it.
     pub fn clear_active(&mut self) -> Option<T> {
+        self.tail = None;
+        self.hand_over_at = None;
         self.active.take().map(|running| running.motion.data)
     }
 
     /// Takes the oldest pending move out of the queue.
     pub fn cancel_pending(&mut self) -> Option<T> {
+        self.hand_over_at = None;
         self.pending.pop_front().map(|waiting| waiting.data)
     }
 
-    /// The instant at which the active profile came to its end, if that is not after the present tick.
-    pub fn reached(&self, clock: &Clock) -> Option<Instant> {
-        let running = self.active.as_ref()?;
-        let elapsed = running.start.elapsed(clock);
-        let done = running.profile.arrives() && elapsed >= running.profile.duration();
-        done.then(|| running.start.after(running.profile.duration(), clock))
+    /// Whether two moves are superposed at the present tick.
+    pub fn in_transition(&self, clock: &Clock) -> bool {
+        self.tail
+            .is_some_and(|tail| tail.start.elapsed(clock) < tail.duration(clock))
     }
 
     /// Gives the active move new limits from the present tick on: the profile is planned again from the
     /// present state, in two stages when the end can no longer be met (spec/motion-core.md §5).
     pub fn change_limits(&mut self, limits: Limits, clock: &Clock) {
-        if let Some(running) = &mut self.active {
-            let from = running.profile.at(running.start.elapsed(clock));
-            running.motion.limits = limits;
-            running.profile = Profile::to_position_two_stage(from, running.motion.path.length(), &limits);
-            running.start = clock.now();
-        }
+        let Some(mut running) = self.active else {
+            return;
+        };
+        running.motion.limits = limits;
+        self.active = Some(running);
+        let from = running.track.state(clock);
+        let plan = self.plan(&running, from);
+        let profile = if plan.exit > 0.0 {
+            Profile::to_position(from, plan.target, plan.exit, &limits)
+        } else {
+            Profile::to_position_two_stage(from, plan.target, &limits)
+        };
+        running.follow(plan, profile, clock);
+        self.active = Some(running);
+        self.schedule(clock);
     }
 
-    /// Brakes the active move on its path from the present tick on. It ends where the ramp ends.
+    /// Brakes the active move on its path from the present tick on, and what still blends with it.
     pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
+        self.hand_over_at = None;
+        let tracks = self
+            .active
+            .iter_mut()
+            .map(|running| &mut running.track)
+            .chain(&mut self.tail);
+        for track in tracks {
+            let from = track.state(clock);
+            track.replan(Profile::stop(from, limits), clock);
+        }
         if let Some(running) = &mut self.active {
-            let from = running.profile.at(running.start.elapsed(clock));
-            running.profile = Profile::stop(from, limits);
-            running.start = clock.now();
+            running.exit = 0.0;
+            running.joined = 0;
         }
     }
 
-    /// Where the active move is at the present tick.
+    /// Where the coordinate system is at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
-        self.active.as_ref().map(|running| running.sample(clock))
+        let mut sample = self.active.as_ref()?.track.sample(clock);
+        if let Some(tail) = &self.tail {
+            let rest = tail.sample(clock);
+            sample.position += rest.position - tail.path.end();
+            sample.velocity += rest.velocity;
+            sample.acceleration += rest.acceleration;
+        }
+        Some(sample)
     }
-}
 
-impl<T: Copy> Running<T> {
-    fn sample(&self, clock: &Clock) -> Sample {
-        let elapsed = self.start.elapsed(clock);
-        let along = self.profile.at(elapsed);
-        let PathPoint {
-            position,
-            tangent,
-            curvature,
-            ..
-        } = self.motion.path.at(along.position);
-        Sample {
-            position,
-            velocity: tangent * along.velocity,
-            acceleration: tangent * along.acceleration + curvature * (along.velocity * along.velocity),
-            along,
-            phase: self.profile.phase(elapsed),
+    fn run(
+        &mut self,
+        motion: Move<T>,
+        from: State,
+        at: Instant,
+        residual: Option<Residual>,
+        blended: bool,
+        clock: &Clock,
+    ) {
+        let mut running = Running {
+            motion,
+            track: Track {
+                path: motion.path,
+                lead: None,
+                approach: None,
+                profile: Profile::rest(0.0),
+                start: at,
+                offset: 0.0,
+                residual,
+            },
+            exit: 0.0,
+            joined: 0,
+            blended,
+        };
+        let plan = self.plan(&running, from);
+        running.exit = plan.exit;
+        running.joined = plan.joined;
+        running.track.profile = Profile::to_position(from, plan.target, plan.exit, &motion.limits);
+        self.active = Some(running);
+        self.schedule(clock);
+    }
+
+    /// The next of several joined moves becomes active; the profile runs on.
+    fn go_on(&mut self, last: &Running<T>, next: Move<T>, clock: &Clock) {
+        let mut track = last.track;
+        track.offset += last.motion.path.length();
+        track.path = next.path;
+        track.lead = None;
+        self.active = Some(Running {
+            motion: next,
+            track,
+            exit: last.exit,
+            joined: last.joined - 1,
+            blended: false,
+        });
+        self.schedule(clock);
+    }
+
+    fn set_lead(&mut self, path: Path) {
+        if let Some(running) = &mut self.active {
+            running.track.lead = Some(path);
+        }
+    }
+
+    /// What the profile of a move that is in state `from` aims at.
+    fn plan(&self, running: &Running<T>, from: State) -> Plan {
+        let mut target = running.motion.path.length();
+        let mut joined = 0;
+        let mut first = &running.motion;
+        for second in self.pending.iter().take(LOOK_AHEAD) {
+            if !joins(first, second, joined > 0 || running.blended) {
+                break;
+            }
+            target += second.path.length();
+            joined += 1;
+            first = second;
+        }
+        let wanted = self.look_ahead(first, joined, running.blended);
+        let exit = if wanted > 0.0 {
+            wanted.min(exit_speed(from, target - from.position, &running.motion.limits))
+        } else {
+            0.0
+        };
+        Plan { target, exit, joined }
+    }
+
+    /// The speed that the junction behind a move allows, seen from the end of the queue. `place` is that of the
+    /// pending move behind it.
+    fn look_ahead(&self, from: &Move<T>, from_place: usize, blended: bool) -> f64 {
+        let seen = self.pending.len().min(from_place + LOOK_AHEAD);
+        let mut exit = 0.0;
+        for place in (from_place..seen).rev() {
+            let second = &self.pending[place];
+            let first = if place == from_place {
+                from
+            } else {
+                &self.pending[place - 1]
+            };
+            let joined = junction(first, second, blended || place > 0);
+            exit = junction_speed(first, second, joined, exit, &self.corner_step);
+        }
+        exit
+    }
+
+    /// After the queue has grown: the active move may end faster than it was planned to, or be joined.
+    fn raise_exit(&mut self, clock: &Clock) {
+        let Some(mut running) = self.active else {
+            return;
+        };
+        let from = running.track.state(clock);
+        let plan = self.plan(&running, from);
+        if plan.exit > running.exit || plan.joined > running.joined {
+            let profile = Profile::to_position(from, plan.target, plan.exit, &running.motion.limits);
+            running.follow(plan, profile, clock);
+            self.active = Some(running);
+        }
+    }
+
+    /// Finds when the successor takes over, if it does so before the programmed end.
+    fn schedule(&mut self, clock: &Clock) {
+        self.hand_over_at = None;
+        let (Some(running), Some(next)) = (&self.active, self.pending.front()) else {
+            return;
+        };
+        let track = &running.track;
+        if !track.profile.arrives() {
+            return;
+        }
+        let now = track.start.elapsed(clock);
+        let length = running.motion.path.length();
+        let reaches = |distance: f64| track.profile.time_at_position(length - distance).unwrap_or(0.0);
+        let mut at = match junction(&running.motion, next, running.blended) {
+            _ if running.joined > 0 => {
+                let end = track.offset + length;
+                track.profile.time_at_position(end).unwrap_or(track.profile.duration())
+            }
+            Junction::Rest | Junction::Pass { early: false, .. } => return,
+            Junction::Pass { early: true, .. } => brakes_from(&track.profile),
+            Junction::Overtake { tolerance } => reaches(tolerance),
+            Junction::Blend { tolerance } => {
+                let begins =
+                    brakes_from(&track.profile).max(if tolerance.is_finite() { reaches(tolerance) } else { 0.0 });
+                let begins = begins.max(now);
+                let braking = track.profile.duration() - begins;
+                let rising = Profile::to_position(State::default(), next.path.length(), 0.0, &next.limits);
+                begins + (braking - accelerates_until(&rising)).max(0.0)
+            }
+        };
+        if let Some(tail) = &self.tail {
+            // Two moves overlap at most: a third waits.
+            at = at.max(tail.duration(clock) + now - tail.start.elapsed(clock));
+        }
+        let at = at.max(now);
+        if at < track.duration(clock) {
+            self.hand_over_at = Some(at);
         }
     }
 }
 
-fn at_rest(position: f64) -> State {
-    State {
-        position,
-        velocity: 0.0,
-        acceleration: 0.0,
+/// What a profile aims at.
+#[derive(Clone, Copy, Debug)]
+struct Plan {
+    /// Distance from the start of the active path.
+    target: f64,
+    /// Speed there.
+    exit: f64,
+    /// Pending moves on the way.
+    joined: usize,
+}
+
+impl<T> Running<T> {
+    fn follow(&mut self, plan: Plan, profile: Profile, clock: &Clock) {
+        self.track.replan(profile, clock);
+        self.exit = plan.exit;
+        self.joined = plan.joined;
     }
+}
+
+/// The state in which a junction is passed, on the path behind it.
+fn passing(end: State) -> State {
+    State { position: 0.0, ..end }
 }

@@ -62,7 +62,10 @@ impl Layout {
         let rates = [
             (changes(self.change_accel), self.accel_units),
             (changes(self.change_decel), self.decel_units),
-            (changes(self.change_accel_jerk) || changes(self.change_decel_jerk), self.jerk_units),
+            (
+                changes(self.change_accel_jerk) || changes(self.change_decel_jerk),
+                self.jerk_units,
+            ),
         ];
         let mixed = |mode: bool| rates.iter().any(|(changed, units)| *changed && master(*units) != mode);
         if changes(self.change_speed) {

@@ -38,7 +38,12 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let layout = motion.layouts.mccm;
     let circle = motion.layouts.circle;
     moves::execute(motion, execution, call, &layout, 2, |motion, system, start| {
-        let rotary = |axis: &u16| motion.axes.get(usize::from(*axis)).is_some_and(|axis| axis.unwind.is_some());
+        let rotary = |axis: &u16| {
+            motion
+                .axes
+                .get(usize::from(*axis))
+                .is_some_and(|axis| axis.unwind.is_some())
+        };
         if system.description.axes.iter().any(rotary) {
             return Err(MotionError::FeatureNotSupported);
         }

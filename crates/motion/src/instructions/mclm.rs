@@ -56,7 +56,11 @@ mod tests {
             (10.0, 0.0, Some(350.0)),
             (10.0, 400.0, None),
         ] {
-            assert_eq!(rotary_distance(from, position, 360.0), distance, "from {from} to {position}");
+            assert_eq!(
+                rotary_distance(from, position, 360.0),
+                distance,
+                "from {from} to {position}"
+            );
         }
     }
 }

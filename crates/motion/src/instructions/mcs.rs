@@ -71,7 +71,11 @@ fn limits(motion: &Motion, index: usize, call: &Call) -> Result<Limits, MotionEr
     let system = &motion.systems[index];
     let description = &system.description;
     let deceleration = if call.word(layout.change_decel) == 1 {
-        in_units(call.number(layout.decel_rate), call.word(layout.decel_units), description.max_deceleration)
+        in_units(
+            call.number(layout.decel_rate),
+            call.word(layout.decel_units),
+            description.max_deceleration,
+        )
     } else {
         description.max_deceleration
     };
@@ -92,7 +96,10 @@ fn limits(motion: &Motion, index: usize, call: &Call) -> Result<Limits, MotionEr
     if is_s_curve(motion, index) {
         moves::positive(jerk, layout.decel_jerk)?;
     }
-    let active = system.planner.active().map(|running| running.motion.data.dynamics.limits());
+    let active = system
+        .planner
+        .active()
+        .map(|running| running.motion.data.dynamics.limits());
     Ok(Limits {
         speed: active.map_or(description.max_speed, |limits| limits.speed),
         // What is left of an acceleration is taken back at the move's own jerk or, where larger, the stop's.

@@ -1,13 +1,15 @@
 //! What MCLM and MCCM share: dynamics, termination, and the way into the queue.
 
-use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError, OperandIndex};
-use arcline_planner::Move;
+use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError, OperandIndex};
 use arcline_planner::geometry::{Path, Point};
+use arcline_planner::profile::Phase;
+use arcline_planner::{Ending, Momentum, Move};
 
 use super::place;
+use crate::axis::Axis;
 use crate::control::Execution;
 use crate::dynamics::{Dynamics, Jerks, Shape, in_units, jerk_in_units, reference_speed};
-use crate::machine::CoordinateSystem;
+use crate::machine::{AxisLimits, CoordinateSystem, Corner};
 use crate::motion::Motion;
 use crate::system::{Activity, Planned, System, Termination, component};
 use crate::verify;
@@ -29,6 +31,8 @@ pub(crate) struct MoveLayout {
     jerk_units: usize,
     termination_type: usize,
     merge: usize,
+    merge_speed: usize,
+    command_tolerance: usize,
     lock_direction: usize,
     event_distance: usize,
 }
@@ -39,6 +43,10 @@ pub(super) const INCREMENTAL: i32 = 1;
 const S_CURVE: i32 = 1;
 /// Merge: Disabled.
 const MERGE_DISABLED: i32 = 0;
+/// Merge: All Motion.
+const MERGE_ALL: i32 = 2;
+/// Merge Speed: Current.
+const CURRENT: i32 = 1;
 
 impl MoveLayout {
     pub(super) fn of(mnemonic: Mnemonic) -> Self {
@@ -58,6 +66,8 @@ impl MoveLayout {
             jerk_units: place("Jerk Units"),
             termination_type: place("Termination Type"),
             merge: place("Merge"),
+            merge_speed: place("Merge Speed"),
+            command_tolerance: place("Command Tolerance"),
             lock_direction: place("Lock Direction"),
             event_distance: place("Event Distance"),
         }
@@ -92,11 +102,44 @@ impl MoveLayout {
         Ok(dynamics)
     }
 
+    /// How the move completes, and what happens there if it has a successor.
+    fn termination(&self, call: &Call, system: &CoordinateSystem) -> Result<(Termination, Ending), MotionError> {
+        if system.axis_limits == AxisLimits::Enforce {
+            return Err(MotionError::FeatureNotSupported);
+        }
+        let word = call.word(self.termination_type);
+        let ending = match word {
+            0 if system.actual_tolerance <= 0.0 => return Err(MotionError::InvalidActualTolerance),
+            2 | 3 | 6 if system.corner == Corner::Precise => return Err(MotionError::FeatureNotSupported),
+            2 => Ending::Blend {
+                tolerance: system.command_tolerance,
+            },
+            3 => Ending::Blend {
+                tolerance: f64::INFINITY,
+            },
+            4 => Ending::Contour { constrained: true },
+            5 => Ending::Contour { constrained: false },
+            6 => Ending::Blend {
+                tolerance: call.number(self.command_tolerance),
+            },
+            _ => Ending::Stop,
+        };
+        let settles = if word == 0 {
+            Termination::ActualTolerance
+        } else {
+            Termination::Command
+        };
+        Ok((settles, ending))
+    }
+
     /// Step 6: one mode for all units, a lock direction of that mode, a link for a master driven move.
     fn verify_mode(&self, call: &Call) -> Result<(), MotionError> {
         let master = verify::is_master_driven(call.number(self.speed_units));
         let others = [self.accel_units, self.decel_units, self.jerk_units];
-        if others.iter().any(|units| verify::is_master_driven(call.number(*units)) != master) {
+        if others
+            .iter()
+            .any(|units| verify::is_master_driven(call.number(*units)) != master)
+        {
             return Err(MotionError::MdscUnitsConflict);
         }
         if (call.word(self.lock_direction) != 0) != master {
@@ -139,19 +182,29 @@ pub(super) fn execute(
     }
     let system = &motion.systems[index];
     verify::axes_ready(system, &motion.axes)?;
-    let dynamics = layout.dynamics(call, &system.description)?;
+    let mut dynamics = layout.dynamics(call, &system.description)?;
     verify::stoppable(system, &motion.axes, dynamics.is_s_curve())?;
-    let termination = termination(call.word(layout.termination_type), &system.description)?;
-    let start = start_point(motion, index);
+    let (termination, ending) = layout.termination(call, &system.description)?;
+    let merge = call.word(layout.merge);
+    let start = if merge == MERGE_DISABLED {
+        start_point(motion, index)
+    } else {
+        command(motion, index, |axis| axis.command.position)
+    };
     let path = path(motion, system, start)?;
-    verify_conflicts(motion, index)?;
-    if call.word(layout.merge) != MERGE_DISABLED && system.is_busy() {
-        return Err(MotionError::FeatureNotSupported);
-    }
+    verify_conflicts(motion, index, merge)?;
 
+    let momentum = Momentum {
+        velocity: command(motion, index, |axis| axis.command.velocity),
+        acceleration: command(motion, index, |axis| axis.command.acceleration),
+    };
+    if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && momentum.velocity.norm() > 0.0 {
+        dynamics.set_speed(momentum.velocity.norm());
+    }
     let planned = Move {
         path,
         limits: dynamics.limits(),
+        ending,
         data: Planned {
             execution,
             dynamics,
@@ -160,23 +213,53 @@ pub(super) fn execute(
     };
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
     let tick = motion.clock.tick;
-    let system = &mut motion.systems[index];
-    if system.is_busy() {
+    if merge == MERGE_DISABLED && motion.systems[index].is_busy() {
+        let system = &mut motion.systems[index];
         system
             .planner
-            .enqueue(planned)
+            .enqueue(planned, &motion.clock)
             .map_err(|_| MotionError::CoordinateSystemQueueFull)?;
         motion.controls.write(execution, accepted, 0, tick);
-    } else {
-        system.planner.start(planned, motion.clock.now());
-        system.activity = Activity::Moving;
-        system.in_actual_tolerance = false;
-        system.in_command_tolerance = false;
-        system.stale = true;
-        motion.join_axes(index);
-        motion.controls.write(execution, accepted | Flag::Ac.mask(), 0, tick);
+        return Ok(());
     }
+    if merge != MERGE_DISABLED {
+        terminate(motion, index, merge);
+    }
+    let system = &mut motion.systems[index];
+    system.planner.merge(planned, momentum, &motion.clock);
+    system.activity = Activity::Moving;
+    system.shown_phase = Phase::Steady;
+    system.in_actual_tolerance = false;
+    system.in_command_tolerance = false;
+    system.stale = true;
+    motion.join_axes(index);
+    motion.controls.write(execution, accepted | Flag::Ac.mask(), 0, tick);
     Ok(())
+}
+
+/// Ends what a merge takes over: the coordinated motion of this system and, for All Motion, of every other one
+/// that shares an axis. Axes that the new move does not take brake by themselves.
+fn terminate(motion: &mut Motion, index: usize, merge: i32) {
+    motion.cancel_pending(index);
+    motion.end_active(index);
+    motion.systems[index].planner.clear_active();
+    if merge != MERGE_ALL {
+        return;
+    }
+    for other in 0..motion.systems.len() {
+        if other != index && motion.systems[index].shared_axis(&motion.systems[other]).is_some() {
+            motion.abort_system_but(other, index);
+        }
+    }
+}
+
+/// A quantity of each axis of a coordinate system as a point.
+fn command(motion: &Motion, index: usize, quantity: impl Fn(&Axis) -> f64) -> Point {
+    let mut point = Point::zeros();
+    for (axis, coordinate) in motion.systems[index].description.axes.iter().zip(point.iter_mut()) {
+        *coordinate = motion.axes.get(usize::from(*axis)).map_or(0.0, &quantity);
+    }
+    point
 }
 
 /// The end of the last move in the queue, or where the axes are commanded to be.
@@ -187,47 +270,39 @@ fn start_point(motion: &Motion, index: usize) -> Point {
     } else {
         None
     };
-    queued.unwrap_or_else(|| {
-        let mut point = Point::zeros();
-        for (axis, coordinate) in system.description.axes.iter().zip(point.iter_mut()) {
-            *coordinate = motion.axes.get(usize::from(*axis)).map_or(0.0, |axis| axis.command.position);
-        }
-        point
-    })
+    queued.unwrap_or_else(|| command(motion, index, |axis| axis.command.position))
 }
 
 /// Step 11: the queue, a stop under way, another coordinate system that holds one of the axes.
-fn verify_conflicts(motion: &Motion, index: usize) -> Result<(), MotionError> {
+fn verify_conflicts(motion: &Motion, index: usize, merge: i32) -> Result<(), MotionError> {
     let system = &motion.systems[index];
-    if system.activity == Activity::Moving && system.planner.is_full() {
+    if merge == MERGE_DISABLED && system.activity == Activity::Moving && system.planner.is_full() {
         return Err(MotionError::CoordinateSystemQueueFull);
     }
     verify::not_stopping(system, &motion.axes)?;
+    if merge == MERGE_ALL {
+        return Ok(());
+    }
     for (other_index, other) in motion.systems.iter().enumerate() {
         if other_index != index
             && other.is_busy()
             && let Some(place) = system.shared_axis(other)
         {
-            return Err(MotionError::CoordinatedMotionInProcess(arcline_instruction_set::AxisIndex(place as u8)));
+            return Err(MotionError::CoordinatedMotionInProcess(AxisIndex(place as u8)));
         }
     }
     Ok(())
-}
-
-fn termination(word: i32, system: &CoordinateSystem) -> Result<Termination, MotionError> {
-    match word {
-        0 if system.actual_tolerance <= 0.0 => Err(MotionError::InvalidActualTolerance),
-        0 => Ok(Termination::ActualTolerance),
-        1 => Ok(Termination::NoSettle),
-        _ => Err(MotionError::FeatureNotSupported),
-    }
 }
 
 /// The operand's point, absolute or counted from the start; axes beyond the operand keep the start's.
 pub(super) fn target_point(values: &[f64], start: &Point, incremental: bool) -> Point {
     let mut target = *start;
     for (place, (coordinate, value)) in target.iter_mut().zip(values).enumerate() {
-        *coordinate = if incremental { component(start, place) + value } else { *value };
+        *coordinate = if incremental {
+            component(start, place) + value
+        } else {
+            *value
+        };
     }
     target
 }

@@ -1,0 +1,165 @@
+//! Where one move becomes the next (spec/coordinated-instructions.md §7).
+
+use arcline_geometry::{Path, Point};
+use arcline_profile::Limits;
+
+use crate::Move;
+use crate::reach::entry_speed;
+
+/// What happens at the end of a move that has a successor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ending {
+    /// The successor starts from rest (termination types 0 and 1).
+    Stop,
+    /// The successor is superposed on the rest of this move once the distance to go is within the tolerance and
+    /// braking has begun (types 2 and 6; type 3 with an infinite tolerance).
+    Blend {
+        /// Position units; [`f64::INFINITY`]: as soon as braking begins.
+        tolerance: f64,
+    },
+    /// The path is followed exactly and the speed kept as far as the corner allows (types 4 and 5).
+    Contour {
+        /// Whether the successor must be able to stop within its own length (type 4).
+        constrained: bool,
+    },
+}
+
+/// What joins two moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Junction {
+    /// Rest in between.
+    Rest,
+    /// Two lines in one direction and a tolerance: the successor's limits hold from there on.
+    Overtake { tolerance: f64 },
+    /// Superposition.
+    Blend { tolerance: f64 },
+    /// The junction is passed at a speed. `early`: the successor is active from where braking begins.
+    Pass { constrained: bool, early: bool },
+}
+
+/// Lines that differ less in direction are collinear: 0.1 degree.
+const COLLINEAR: f64 = 0.001_745_328_365_898_309;
+/// Tangents that differ less are equal: what floating point leaves of an exact tangent (motion-core §6.3).
+const TANGENT: f64 = 1e-6;
+
+/// How `first` goes over into `second`; `blended` tells that something blended into `first`.
+pub(crate) fn junction<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Junction {
+    if first.path.length() == 0.0 || second.path.length() == 0.0 {
+        return Junction::Rest;
+    }
+    let in_line = collinear(&first.path, &second.path);
+    let slower = second.limits.speed < first.limits.speed;
+    match first.ending {
+        Ending::Blend { tolerance } if tolerance > 0.0 => {
+            let tolerance = effective_tolerance(tolerance, first, second, blended);
+            match (in_line, tolerance.is_finite()) {
+                (true, true) => Junction::Overtake { tolerance },
+                (true, false) => Junction::Pass {
+                    constrained: true,
+                    early: slower,
+                },
+                (false, _) => Junction::Blend { tolerance },
+            }
+        }
+        Ending::Contour { constrained } => Junction::Pass {
+            constrained,
+            early: in_line && slower,
+        },
+        Ending::Stop | Ending::Blend { .. } => Junction::Rest,
+    }
+}
+
+/// The tolerance within the halves of the moves that may be blended at their other end too (§7.3). No Decel
+/// is not limited.
+fn effective_tolerance<T>(tolerance: f64, first: &Move<T>, second: &Move<T>, blended: bool) -> f64 {
+    if tolerance.is_infinite() {
+        return tolerance;
+    }
+    let before = if blended { 0.5 } else { 1.0 };
+    let after = if matches!(second.ending, Ending::Blend { .. }) {
+        0.5
+    } else {
+        1.0
+    };
+    tolerance
+        .min(before * first.path.length())
+        .min(after * second.path.length())
+}
+
+/// The highest speed at the junction of two moves, `exit` being the speed at the end of the second one.
+/// `corner_step` bounds the change of each axis's velocity there, units/s.
+pub(crate) fn junction_speed<T>(
+    first: &Move<T>,
+    second: &Move<T>,
+    junction: Junction,
+    exit: f64,
+    corner_step: &Point,
+) -> f64 {
+    let both = first.limits.speed.min(second.limits.speed);
+    match junction {
+        Junction::Rest | Junction::Blend { .. } => 0.0,
+        Junction::Overtake { tolerance } => {
+            first
+                .limits
+                .speed
+                .min(entry_speed(tolerance + second.path.length(), exit, &second.limits))
+        }
+        Junction::Pass { constrained, .. } => {
+            let corner = corner_speed(&first.path, &second.path, corner_step);
+            let stoppable = if constrained {
+                entry_speed(second.path.length(), exit, &second.limits)
+            } else {
+                f64::INFINITY
+            };
+            both.min(corner).min(stoppable)
+        }
+    }
+}
+
+/// Whether one profile can run over both moves: the path goes on without a corner, the limits are the same, and
+/// the second one is to be able to stop in time (motion-core §7).
+pub(crate) fn joins<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> bool {
+    let passes = matches!(
+        junction(first, second, blended),
+        Junction::Pass {
+            constrained: true,
+            early: false
+        }
+    );
+    passes && first.limits == second.limits && {
+        let turn = second.path.start_tangent() - first.path.end_tangent();
+        turn.norm() <= TANGENT || collinear(&first.path, &second.path)
+    }
+}
+
+fn corner_speed(first: &Path, second: &Path, corner_step: &Point) -> f64 {
+    let turn = second.start_tangent() - first.end_tangent();
+    if turn.norm() <= TANGENT || collinear(first, second) {
+        return f64::INFINITY;
+    }
+    let bounds = turn.iter().zip(corner_step.iter()).filter(|(turn, _)| **turn != 0.0);
+    bounds
+        .map(|(turn, step)| step / turn.abs())
+        .fold(f64::INFINITY, f64::min)
+}
+
+fn collinear(first: &Path, second: &Path) -> bool {
+    let (Path::Line(first), Path::Line(second)) = (first, second) else {
+        return false;
+    };
+    let (before, after) = (first.direction(), second.direction());
+    before.dot(&after) > 0.0 && before.cross(&after).norm() <= COLLINEAR
+}
+
+/// Whether a velocity runs along a tangent: the same sense, within the angle of collinear lines.
+pub(crate) fn is_along(velocity: &Point, tangent: &Point) -> bool {
+    velocity.dot(tangent) > 0.0 && velocity.cross(tangent).norm() <= COLLINEAR * velocity.norm()
+}
+
+/// The limits of a stop that ramps out a residual velocity.
+pub(crate) fn braking(limits: &Limits, speed: f64) -> Limits {
+    Limits {
+        speed: limits.speed.max(speed),
+        ..*limits
+    }
+}

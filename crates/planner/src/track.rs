@@ -1,0 +1,164 @@
+//! One path in execution: the geometry, the profile along it, and what is superposed.
+
+use arcline_geometry::{Path, PathPoint, Point};
+use arcline_profile::{Phase, Profile, State};
+
+use crate::{Clock, Instant};
+
+/// A path with the profile along it, from an instant on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Track {
+    pub(crate) path: Path,
+    /// What lies before the start of `path`: the end of a collinear predecessor.
+    pub(crate) lead: Option<Path>,
+    /// The predecessor's own way to the start of `path`, where the move became active before its end.
+    pub(crate) approach: Option<Approach>,
+    pub(crate) profile: Profile,
+    pub(crate) start: Instant,
+    /// Where on the profile the path begins: not at 0 when the profile runs over several joined paths.
+    pub(crate) offset: f64,
+    pub(crate) residual: Option<Residual>,
+}
+
+/// A predecessor that is still being interpolated to its end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Approach {
+    pub(crate) path: Path,
+    pub(crate) profile: Profile,
+    pub(crate) start: Instant,
+}
+
+/// A velocity of terminated motion that ramps out while its displacement is compensated in proportion to the
+/// distance gone on the path (spec/coordinated-instructions.md §6.3).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Residual {
+    pub(crate) direction: Point,
+    pub(crate) profile: Profile,
+    pub(crate) start: Instant,
+}
+
+/// Where a track, or a whole coordinate system, is at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// Position of the axes, position units.
+    pub position: Point,
+    /// Velocity of the axes, units/s.
+    pub velocity: Point,
+    /// Acceleration of the axes, units/s².
+    pub acceleration: Point,
+    /// State along the path: distance from its start, speed, tangential acceleration.
+    pub along: State,
+    /// What the speed along the path does.
+    pub phase: Phase,
+}
+
+impl Track {
+    pub(crate) fn sample(&self, clock: &Clock) -> Sample {
+        let elapsed = self.start.elapsed(clock);
+        if let (Some(approach), true) = (&self.approach, elapsed < 0.0) {
+            return approach.sample(clock);
+        }
+        let along = self.along(elapsed);
+        let phase = self.profile.phase(elapsed);
+        let mut sample = match &self.lead {
+            Some(lead) if along.position < 0.0 => at(lead, lead.length() + along.position, along, phase),
+            _ => at(&self.path, along.position, along, phase),
+        };
+        if let Some(residual) = &self.residual {
+            residual.add(&mut sample, self.path.length(), clock);
+        }
+        sample
+    }
+
+    /// State along the path at the present tick; before its start the distance is negative.
+    pub(crate) fn state(&self, clock: &Clock) -> State {
+        let elapsed = self.start.elapsed(clock);
+        match &self.approach {
+            Some(approach) if elapsed < 0.0 => {
+                let mut state = approach.profile.at(approach.start.elapsed(clock));
+                state.position -= approach.path.length();
+                state
+            }
+            _ => self.along(elapsed),
+        }
+    }
+
+    fn along(&self, elapsed: f64) -> State {
+        let mut along = self.profile.at(elapsed);
+        if self.offset != 0.0 {
+            along.position -= self.offset;
+            if elapsed >= self.profile.duration() && self.profile.end().velocity == 0.0 && self.ends_here() {
+                along.position = self.path.length();
+            }
+        }
+        along
+    }
+
+    /// Whether the profile's end is the end of the path, but for the rounding of the offset.
+    fn ends_here(&self) -> bool {
+        let length = self.path.length();
+        (self.profile.end().position - self.offset - length).abs() <= 1e-12 * (self.offset + length)
+    }
+
+    /// Runs another profile from the present tick on, beginning in the present state.
+    pub(crate) fn replan(&mut self, profile: Profile, clock: &Clock) {
+        if let (Some(approach), true) = (self.approach, self.start.elapsed(clock) < 0.0) {
+            self.lead = Some(approach.path);
+        }
+        self.approach = None;
+        self.offset = 0.0;
+        self.profile = profile;
+        self.start = clock.now();
+    }
+
+    /// Seconds after the start at which everything of this track has come to its end.
+    pub(crate) fn duration(&self, clock: &Clock) -> f64 {
+        let own = self.profile.duration();
+        self.residual.map_or(own, |residual| {
+            let head = self.start.elapsed(clock) - residual.start.elapsed(clock);
+            own.max(residual.profile.duration() - head)
+        })
+    }
+}
+
+impl Approach {
+    fn sample(&self, clock: &Clock) -> Sample {
+        let elapsed = self.start.elapsed(clock);
+        let along = self.profile.at(elapsed);
+        at(&self.path, along.position, along, self.profile.phase(elapsed))
+    }
+}
+
+impl Residual {
+    fn add(&self, sample: &mut Sample, length: f64, clock: &Clock) {
+        let State {
+            position,
+            velocity,
+            acceleration,
+        } = self.profile.at(self.start.elapsed(clock));
+        let share = if length > 0.0 {
+            self.profile.end().position / length
+        } else {
+            0.0
+        };
+        sample.position += self.direction * (position - share * sample.along.position);
+        sample.velocity += self.direction * (velocity - share * sample.along.velocity);
+        sample.acceleration += self.direction * (acceleration - share * sample.along.acceleration);
+    }
+}
+
+fn at(path: &Path, s: f64, along: State, phase: Phase) -> Sample {
+    let PathPoint {
+        position,
+        tangent,
+        curvature,
+        ..
+    } = path.at(s);
+    Sample {
+        position,
+        velocity: tangent * along.velocity,
+        acceleration: tangent * along.acceleration + curvature * (along.velocity * along.velocity),
+        along,
+        phase,
+    }
+}
