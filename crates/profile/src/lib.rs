@@ -15,6 +15,7 @@
 
 mod builder;
 mod limits;
+mod lookahead;
 mod peak;
 mod position;
 mod profile;
@@ -26,4 +27,5 @@ mod trapezoid;
 mod tests;
 
 pub use limits::{Jerk, Limits, jerk_from_percent_of_time, percent_of_time_from_jerk};
+pub use lookahead::{entry_speed, exit_speed, stop_distance};
 pub use profile::{Phase, Profile, State};

@@ -48,7 +48,10 @@ pub(crate) fn peak(v: f64, a: f64, distance: f64, vf: f64, limits: &SCurve) -> O
     if more < 0.0 {
         return None;
     }
-    let w = solve(&length, distance, more, most, low, limits);
+    let held = 1.0 / limits.acceleration + 1.0 / limits.deceleration;
+    // (1/sqrt(ja) + 1/sqrt(jd))^2, in terms that scale exactly.
+    let jerky = 1.0 / limits.jerk + 1.0 / limits.jerk_down + 2.0 / (limits.jerk * limits.jerk_down).sqrt();
+    let w = solve(&length, distance, guess(more, low, held, jerky).min(most), most);
     Some(Peak {
         up: up + w,
         top: low + w,
@@ -57,17 +60,35 @@ pub(crate) fn peak(v: f64, a: f64, distance: f64, vf: f64, limits: &SCurve) -> O
     })
 }
 
-/// Solves `length(w) = distance` for `0 <= w <= most`, `more` being what is left at `w = 0`.
-fn solve(length: &impl Fn(f64) -> (f64, f64), distance: f64, more: f64, most: f64, low: f64, limits: &SCurve) -> f64 {
-    // Each part of the length alone gives an upper bound of w. From above Newton is monotone, since
-    // the length is convex in y = sqrt(w).
-    let held = 1.0 / limits.acceleration + 1.0 / limits.deceleration;
+/// How far the speed can rise above `v + a^2/(2 ja)` over `distance` from `(v, a)`, `a >= 0`, with
+/// acceleration 0 at the end, and not above the limit; 0 if the distance is too short for any rise.
+pub(crate) fn rise_within(v: f64, a: f64, distance: f64, limits: &SCurve) -> f64 {
+    let relieved = a * a / (2.0 * limits.jerk);
+    let low = v + relieved;
+    let rise = Rise::new(v, a, limits);
+    let more = distance - rise.distance(relieved).0;
+    let most = limits.speed - low;
+    if more <= 0.0 || most <= 0.0 {
+        return 0.0;
+    }
+    let start = guess(more, low, 1.0 / limits.acceleration, 1.0 / limits.jerk).min(most);
+    solve(&|w: f64| rise.distance(relieved + w), distance, start, most)
+}
+
+/// About the rise above `low` that takes the distance `more`, rather too much. The distance of the
+/// parts with constant acceleration is `held (low w + w^2/2)`, that of those with jerk at least
+/// `sqrt(jerky w^3)`; each alone gives an upper bound.
+fn guess(more: f64, low: f64, held: f64, jerky: f64) -> f64 {
     let steady = 2.0 * more / (held * (low + (low * low + 2.0 * more / held).sqrt()));
-    // (1/sqrt(ja) + 1/sqrt(jd))^2, in terms that scale exactly.
-    let jerky = 1.0 / limits.jerk + 1.0 / limits.jerk_down + 2.0 / (limits.jerk * limits.jerk_down).sqrt();
     let jerked = libm::cbrt(more * more / jerky);
+    steady.min(jerked)
+}
+
+/// Solves `length(w) = distance` for `0 <= w <= most`, starting at `start`. From above Newton is
+/// monotone, since the length is convex in `y = sqrt(w)`.
+fn solve(length: &impl Fn(f64) -> (f64, f64), distance: f64, start: f64, most: f64) -> f64 {
     let (mut below, mut above) = (0.0, most);
-    let mut w = steady.min(jerked).min(most).max(0.0);
+    let mut w = start.max(0.0);
     for _ in 0..MAX_STEPS {
         if w <= 0.0 {
             break;

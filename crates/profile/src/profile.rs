@@ -173,7 +173,35 @@ impl Profile {
         if t >= self.duration || t < 0.0 || self.len == 0 {
             return Phase::Steady;
         }
-        let index = self.segment_at(t);
+        self.phase_of(self.segment_at(t))
+    }
+
+    /// The time (s) until which the motion speeds up from the start: the beginning of the cruise or of
+    /// the braking. 0 if it does not begin by speeding up. Real-time safe: one pass over the segments.
+    #[must_use]
+    pub fn accelerates_until(&self) -> f64 {
+        let rising = (0..self.len).take_while(|&index| self.phase_of(index) == Phase::Accelerating);
+        match rising.count() {
+            0 => 0.0,
+            count if count == self.len => self.duration,
+            count => self.times[count],
+        }
+    }
+
+    /// The time (s) from which the motion only slows down, to the end; the duration if it does not end
+    /// by slowing down. Real-time safe: one pass over the segments.
+    #[must_use]
+    pub fn brakes_from(&self) -> f64 {
+        let falling = (0..self.len)
+            .rev()
+            .take_while(|&index| self.phase_of(index) == Phase::Decelerating);
+        match falling.last() {
+            Some(index) => self.times[index],
+            None => self.duration,
+        }
+    }
+
+    fn phase_of(&self, index: usize) -> Phase {
         // No segment has a change of sign of v or a inside.
         let middle = self.segments[index].at(0.5 * self.length_of(index));
         let product = middle.velocity * middle.acceleration;

@@ -4,6 +4,8 @@
 use crate::builder::MAX_SEGMENTS;
 use crate::*;
 
+mod lookahead;
+
 /// SplitMix64: a case is found again from its number.
 #[derive(Clone)]
 struct Random(u64);

@@ -1,0 +1,174 @@
+//! Small tools of a look-ahead over a queue (motion-core §3.5, §7): how far, and how fast at most,
+//! between two places at which the acceleration is 0. Not plans: nothing here makes a profile.
+//!
+//! Units: position units and seconds; speeds along the direction of the move. Real-time safe:
+//! constant time but for one case of [`exit_speed`], which is bounded. What is not finite counts as 0.
+
+use crate::builder::Trial;
+use crate::limits::{Limits, SCurve, Shape, Trapezoid, sane};
+use crate::profile::State;
+use crate::ramp::{approach, ramp};
+use crate::{peak, root};
+
+/// Distance (units, at least 0) from `speed` with acceleration 0 to rest.
+#[must_use]
+pub fn stop_distance(speed: f64, limits: &Limits) -> f64 {
+    slowing_distance(sane(speed).abs(), 0.0, &limits.shape())
+}
+
+/// The largest speed from which `end_speed` can be reached within `length`, slowing down with
+/// acceleration 0 at both ends; `end_speed` for a length of 0. The speed limit is not read: the caller
+/// has its own bounds. Grows with `length`, but not always with `end_speed`: with limited jerk the last
+/// of the deceleration takes less way at a lower speed.
+///
+/// Rounded such that the way down is not longer than `length`.
+#[must_use]
+pub fn entry_speed(length: f64, end_speed: f64, limits: &Limits) -> f64 {
+    let (length, slow) = (sane(length).max(0.0), sane(end_speed).abs());
+    let shape = limits.shape();
+    let more = match &shape {
+        Shape::Trapezoid(limits) => gained(length, slow, limits.deceleration),
+        Shape::SCurve(limits) => gained_with_jerk(length, slow, limits.deceleration, limits.jerk_down),
+    };
+    rounded_down(slow + more, slow, |fast| slowing_distance(fast, slow, &shape) <= length)
+}
+
+/// The largest speed, at most `limits.speed`, that is reached with acceleration 0 exactly `length`
+/// ahead of `from` (which may accelerate, slow down or move away; a trapezoid's acceleration is not
+/// read). In the direction of positive positions; `from.position` is not read.
+///
+/// Where the way is too short even to bring the acceleration to 0, it is the speed that results when
+/// that is begun at once; where it is too short to come down to the speed limit, it is that limit.
+/// [`Profile::to_position`](crate::Profile::to_position) then ends with more than was asked, and the
+/// next move must brake.
+#[must_use]
+pub fn exit_speed(from: State, length: f64, limits: &Limits) -> f64 {
+    let length = sane(length).max(0.0);
+    let now = Trial {
+        x: 0.0,
+        v: sane(from.velocity),
+        a: sane(from.acceleration),
+    };
+    match limits.shape() {
+        Shape::Trapezoid(limits) => exit_by_trapezoid(now.v, length, &limits),
+        Shape::SCurve(limits) => exit_by_s_curve(now, length, &limits),
+    }
+}
+
+fn slowing_distance(fast: f64, slow: f64, shape: &Shape) -> f64 {
+    let dv = fast - slow;
+    match shape {
+        Shape::Trapezoid(limits) => 0.5 * dv * (fast + slow) / limits.deceleration,
+        Shape::SCurve(limits) => {
+            // As a plan computes it, to its last digit.
+            let mut trial = Trial {
+                x: 0.0,
+                v: fast,
+                a: 0.0,
+            };
+            ramp(&mut trial, slow, limits);
+            trial.x
+        }
+    }
+}
+
+/// By how much a speed above `slow` changes over `length` with a constant acceleration.
+fn gained(length: f64, slow: f64, acceleration: f64) -> f64 {
+    let square = 2.0 * acceleration * length;
+    if square > 0.0 {
+        square / (slow + (slow * slow + square).sqrt())
+    } else {
+        0.0
+    }
+}
+
+/// The same with acceleration 0 at both ends and limited jerk.
+fn gained_with_jerk(length: f64, slow: f64, acceleration: f64, jerk: f64) -> f64 {
+    if length <= 0.0 {
+        return 0.0;
+    }
+    let (time, dv) = (acceleration / jerk, acceleration * acceleration / jerk);
+    if length >= (2.0 * slow + dv) * time {
+        // Constant acceleration is reached: w^2 + b w = c. In this case c is at least half its minuend.
+        let b = 2.0 * slow + dv;
+        let c = 2.0 * (acceleration * length - slow * dv);
+        return 2.0 * c / (b + (b * b + 4.0 * c).sqrt());
+    }
+    // (2 slow + w) sqrt(w / jerk) = length with w = unit z^2: z^3 + p z = 1. Newton from above on a
+    // convex function; the start is at most 26 % too high, so that five steps reach rounding.
+    let unit = libm::cbrt(length * length * jerk);
+    let p = 2.0 * slow / unit;
+    let mut z = (1.0 / p).min(1.0);
+    for _ in 0..5 {
+        z = (1.0 + 2.0 * z * z * z) / (3.0 * z * z + p);
+    }
+    unit * z * z
+}
+
+fn exit_by_trapezoid(v: f64, length: f64, limits: &Trapezoid) -> f64 {
+    if v >= limits.speed {
+        return limits.speed;
+    }
+    let (slow, length) = if v < 0.0 {
+        (0.0, length + 0.5 * v * v / limits.deceleration)
+    } else {
+        (v, length)
+    };
+    let most = limits.acceleration;
+    let speed = (slow + gained(length, slow, most)).min(limits.speed);
+    rounded_down(speed, slow, |w| 0.5 * (w - slow) * (w + slow) / most <= length)
+}
+
+fn exit_by_s_curve(now: Trial, length: f64, limits: &SCurve) -> f64 {
+    let reach = |w: f64| {
+        let mut trial = now;
+        ramp(&mut trial, w, limits);
+        trial.x
+    };
+    let most = limits.speed;
+    let too_far = reach(most) - length;
+    if too_far <= 0.0 {
+        return most;
+    }
+    // Half the square of the acceleration: times the jerk, the velocity it takes to bring it to 0.
+    let spent = 0.5 * now.a * now.a;
+    let turns = now.v < 0.0 || (now.a < 0.0 && now.v * limits.jerk_down < spent);
+    if turns {
+        // The acceleration with which the motion passes through rest depends on the speed wanted,
+        // unless it is already too high.
+        let low = if now.a > 0.0 {
+            (spent + now.v * limits.jerk_down).max(0.0) / limits.jerk
+        } else {
+            0.0
+        };
+        let at_low = reach(low) - length;
+        if low >= most || at_low >= 0.0 {
+            return low.min(most);
+        }
+        let tolerance = 1e-14 * length.max(at_low.abs());
+        let more = root::solve(most - low, at_low, too_far, tolerance, |w| reach(low + w) - length);
+        return rounded_down(low + more, low, |w| reach(w) <= length);
+    }
+    let mut relieving = now;
+    if !approach(&mut relieving, most, limits) {
+        return most;
+    }
+    let low = relieving.v + relieving.a * relieving.a / (2.0 * limits.jerk);
+    let more = peak::rise_within(relieving.v, relieving.a, length - relieving.x, limits);
+    rounded_down((low + more).min(most), low, |w| reach(w) <= length)
+}
+
+/// Takes rounding errors of `speed` away, never below `least`.
+fn rounded_down(mut speed: f64, least: f64, fits: impl Fn(f64) -> bool) -> f64 {
+    let mut ulps = 1.0;
+    for _ in 0..ROUNDING_STEPS {
+        if speed <= least || fits(speed) {
+            break;
+        }
+        speed = (speed - ulps * (f64::EPSILON * speed)).max(least);
+        ulps *= 2.0;
+    }
+    speed
+}
+
+const ROUNDING_STEPS: usize = 8;
