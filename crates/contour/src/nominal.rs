@@ -1,0 +1,205 @@
+//! A first guess of the timing, only to place the nodes: dense where the motion will be slow.
+//!
+//! Speed bounds from curvature and its change, one backward and one forward pass with constant
+//! acceleration, and nodes at equal intervals of the resulting time. Seconds and position units.
+
+use crate::course::Course;
+use crate::rounding::{Smoothness, Stretch};
+use crate::{Bounds, Point};
+
+/// The curve as control points of a spline, evenly spaced in (nominal) time.
+#[derive(Clone, Debug)]
+pub(crate) struct Nodes {
+    pub(crate) points: Vec<Point>,
+    /// Arc length of the course that each node stands for, ascending.
+    pub(crate) progress: Vec<f64>,
+    /// Seconds from node to node.
+    pub(crate) spans: Vec<f64>,
+}
+
+struct Sample {
+    stretch: usize,
+    u: f64,
+    point: Point,
+    progress: f64,
+}
+
+/// `bounds[i]` belongs to piece `i` of the course.
+pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], smoothness: Smoothness) -> Nodes {
+    let samples = sample(course, stretches);
+    let count = samples.len();
+    let mut length = vec![0.0; count - 1];
+    let mut tangent = vec![Point::zeros(); count - 1];
+    for i in 0..count - 1 {
+        let d = samples[i + 1].point - samples[i].point;
+        length[i] = d.norm();
+        tangent[i] = d / length[i];
+    }
+    let mut curvature = vec![Point::zeros(); count];
+    for i in 1..count - 1 {
+        curvature[i] = (tangent[i] - tangent[i - 1]) * 2.0 / (length[i] + length[i - 1]);
+    }
+    // Squares of the speed at the samples.
+    let mut square = vec![f64::INFINITY; count];
+    let mut rate = vec![0.0; count - 1];
+    for i in 0..count - 1 {
+        let piece = course.piece_at(0.5 * (samples[i].progress + samples[i + 1].progress));
+        let bound = &bounds[piece];
+        let mut most = bound.speed * bound.speed;
+        rate[i] = bound.acceleration.min(bound.deceleration);
+        for axis in 0..3 {
+            let part = tangent[i][axis].abs();
+            most = most.min((bound.axes.speed[axis] / part).powi(2));
+            rate[i] = f64::min(rate[i], bound.axes.acceleration[axis] / part);
+        }
+        let turning = curvature[i].sup(&curvature[i + 1].abs()).sup(&curvature[i].abs());
+        for axis in 0..3 {
+            most = most.min(NORMAL_SHARE * bound.axes.acceleration[axis] / turning[axis]);
+        }
+        most = most.min(NORMAL_SHARE * bound.norm_acceleration() / turning.norm());
+        if smoothness == Smoothness::SCurve {
+            let change = (curvature[i + 1] - curvature[i]) / length[i];
+            let mut cubed = JERK_SHARE * bound.norm_jerk() / change.norm();
+            if let Some(jerk) = bound.axes.jerk {
+                for axis in 0..3 {
+                    cubed = cubed.min(JERK_SHARE * jerk[axis] / change[axis].abs());
+                }
+            }
+            most = most.min(libm::cbrt(cubed).powi(2));
+        }
+        square[i] = square[i].min(most);
+        square[i + 1] = square[i + 1].min(most);
+    }
+    (square[0], square[count - 1]) = (0.0, 0.0);
+    for i in (0..count - 1).rev() {
+        square[i] = square[i].min(square[i + 1] + 2.0 * TANGENT_SHARE * rate[i] * length[i]);
+    }
+    for i in 0..count - 1 {
+        square[i + 1] = square[i + 1].min(square[i] + 2.0 * TANGENT_SHARE * rate[i] * length[i]);
+    }
+    let mut times = vec![0.0; count];
+    for i in 0..count - 1 {
+        times[i + 1] = times[i] + 2.0 * length[i] / (square[i].sqrt() + square[i + 1].sqrt());
+    }
+    let total = times[count - 1];
+    let warp = Warp::new(total, rate[0] * TANGENT_SHARE, rate[count - 2] * TANGENT_SHARE, bounds, smoothness);
+    let whole = warp.stretched(total);
+    let intervals = (whole / NODE_TIME).ceil().clamp(MIN_NODES, MAX_NODES) as usize;
+    let mut nodes = Nodes {
+        points: Vec::with_capacity(intervals + 1),
+        progress: Vec::with_capacity(intervals + 1),
+        spans: vec![whole / intervals as f64; intervals],
+    };
+    let mut i = 0;
+    for k in 0..=intervals {
+        let time = warp.nominal(whole * k as f64 / intervals as f64);
+        while i + 2 < count && times[i + 1] < time {
+            i += 1;
+        }
+        let (v0, v1) = (square[i].sqrt(), square[i + 1].sqrt());
+        let (dt, t) = (times[i + 1] - times[i], time - times[i]);
+        let part = ((v0 + (v1 - v0) / dt * t / 2.0) * t / length[i]).clamp(0.0, 1.0);
+        let (here, next) = (&samples[i], &samples[i + 1]);
+        let begin = if here.stretch == next.stretch { here.u } else { 0.0 };
+        let u = begin + (next.u - begin) * part;
+        let point = stretches[next.stretch].at(course, u);
+        nodes.points.push(point);
+        nodes.progress.push(here.progress + (next.progress - here.progress) * part);
+    }
+    if let (Some(first), Some(last)) = (samples.first(), samples.last()) {
+        nodes.points[0] = first.point;
+        nodes.points[intervals] = last.point;
+        nodes.progress[intervals] = last.progress;
+    }
+    nodes
+}
+
+fn sample(course: &Course, stretches: &[Stretch]) -> Vec<Sample> {
+    let mut samples: Vec<Sample> = Vec::new();
+    let whole = course.length();
+    for (index, stretch) in stretches.iter().enumerate() {
+        let span = stretch.to - stretch.from;
+        let count = match &stretch.shape {
+            crate::rounding::Shape::Bezier(..) => 24,
+            crate::rounding::Shape::Piece(piece) => match &course.pieces[*piece] {
+                arcline_geometry::Path::Line(_) => (400.0 * span / whole).clamp(4.0, 200.0) as usize,
+                arcline_geometry::Path::Arc(arc) => (span / arc.radius() * 20.0).clamp(8.0, 1000.0) as usize,
+            },
+        };
+        for k in usize::from(!samples.is_empty())..=count {
+            let u = k as f64 / count as f64;
+            let point = stretch.at(course, u);
+            if samples.last().is_some_and(|last| (last.point - point).norm() <= 1e-12) {
+                continue;
+            }
+            samples.push(Sample {
+                stretch: index,
+                u,
+                point,
+                progress: stretch.from + span * u,
+            });
+        }
+    }
+    samples
+}
+
+/// An S-curve leaves rest with `s = j t³/6`, not `a t²/2`: the time near both ends is warped so that
+/// the nodes follow the cube, and the retiming has no singular start.
+struct Warp {
+    total: f64,
+    /// Acceleration over jerk at the start and at the end, seconds; 0: no warp.
+    ratios: [f64; 2],
+}
+
+impl Warp {
+    fn new(total: f64, first: f64, last: f64, bounds: &[Bounds], smoothness: Smoothness) -> Warp {
+        let ratio = |rate: f64, bound: Option<&Bounds>| match (smoothness, bound) {
+            (Smoothness::SCurve, Some(bound)) => (rate / bound.least_jerk()).min(total / 2.0),
+            _ => 0.0,
+        };
+        Warp {
+            total,
+            ratios: [ratio(first, bounds.first()), ratio(last, bounds.last())],
+        }
+    }
+
+    /// Warped time at a nominal one near one end.
+    fn stretch_end(ratio: f64, t: f64) -> f64 {
+        if t < 8.0 / 9.0 * ratio {
+            libm::cbrt(3.0 * ratio * t * t)
+        } else {
+            t + 4.0 / 9.0 * ratio
+        }
+    }
+
+    fn shrink_end(ratio: f64, t: f64) -> f64 {
+        if t < 4.0 / 3.0 * ratio {
+            (t * t * t / (3.0 * ratio)).sqrt()
+        } else {
+            t - 4.0 / 9.0 * ratio
+        }
+    }
+
+    fn stretched(&self, total: f64) -> f64 {
+        Warp::stretch_end(self.ratios[0], total / 2.0) + Warp::stretch_end(self.ratios[1], total / 2.0)
+    }
+
+    fn nominal(&self, t: f64) -> f64 {
+        let half = Warp::stretch_end(self.ratios[0], self.total / 2.0);
+        if t <= half {
+            Warp::shrink_end(self.ratios[0], t)
+        } else {
+            let rest = self.stretched(self.total) - t;
+            self.total - Warp::shrink_end(self.ratios[1], rest.max(0.0))
+        }
+    }
+}
+
+/// Nodes are a millisecond apart where the motion is short enough.
+const NODE_TIME: f64 = 0.001;
+const MIN_NODES: f64 = 160.0;
+const MAX_NODES: f64 = 16_000.0;
+/// Shares of the limits that the guess uses across and along the curve.
+const NORMAL_SHARE: f64 = 0.8;
+const TANGENT_SHARE: f64 = 0.9;
+const JERK_SHARE: f64 = 0.6;

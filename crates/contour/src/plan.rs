@@ -1,0 +1,336 @@
+//! From moves to a trajectory: sections from rest to rest, each rounded, timed and improved.
+
+use crate::course::Course;
+use crate::nominal::{Nodes, nodes};
+use crate::optimise::{self, Limits, Problem};
+use crate::rounding::{Smoothness, round};
+use crate::{AxisLimits, Bounds, ContourMove, Point, Trajectory};
+
+/// How much work a plan may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// Timing only, on corners rounded one by one.
+    Quick,
+    /// Timing and shape together.
+    Full,
+}
+
+/// Plans the moves from rest to rest; the last one ends exactly. Total: what cannot be rounded is
+/// stopped at. An empty list gives a trajectory of no duration at the origin.
+#[must_use]
+pub fn plan(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
+    plan_with(moves, limits, Effort::Full)
+}
+
+/// [`plan`] with a choice of how much work it may be.
+#[must_use]
+pub fn plan_with(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> Trajectory {
+    let start = moves.first().map_or(Point::zeros(), |first| first.path.start());
+    let mut whole = Trajectory::rest(start);
+    let mut section: Vec<ContourMove> = Vec::new();
+    for (index, next) in moves.iter().enumerate() {
+        section.push(*next);
+        let stops = moves.get(index + 1).is_none_or(|after| !can_pass(next, after));
+        if stops {
+            whole.append(plan_section(&section, limits, effort));
+            section.clear();
+        }
+    }
+    whole
+}
+
+/// Whether the joint between two moves can be passed without a stop.
+fn can_pass(before: &ContourMove, after: &ContourMove) -> bool {
+    if before.jerk.is_some() != after.jerk.is_some() {
+        return false;
+    }
+    let tangent = (before.path.end_tangent() - after.path.start_tangent()).norm() <= TANGENT;
+    tangent || before.tolerance > 0.0 || before.path.length() <= 0.0 || after.path.length() <= 0.0
+}
+
+fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> Trajectory {
+    let smoothness = if moves.iter().any(|m| m.jerk.is_some()) {
+        Smoothness::SCurve
+    } else {
+        Smoothness::Trapezoid
+    };
+    let long: Vec<&ContourMove> = moves.iter().filter(|m| m.path.length() > SHORTEST).collect();
+    let end = moves.last().map_or(Point::zeros(), |last| last.path.end());
+    if long.is_empty() {
+        let mut rest = Trajectory::rest(end);
+        rest.move_ends = vec![0.0; moves.len()];
+        return rest;
+    }
+    let course = Course::new(long.iter().map(|m| m.path).collect());
+    let bounds: Vec<Bounds> = long.iter().map(|m| bounds(m, limits, smoothness)).collect();
+    let tolerances: Vec<f64> = long.iter().map(|m| m.tolerance).collect();
+    let stretches = round(&course, &tolerances, smoothness);
+    let mut nodes = nodes(&course, &stretches, &bounds, smoothness);
+    let mut trajectory = Trajectory::rest(end);
+    let rounds: &[(f64, f64)] = match effort {
+        Effort::Quick => &[(1.0, 1000.0)],
+        Effort::Full => &[(1.0, 300.0), (30.0, 2000.0)],
+    };
+    let mut times = Vec::new();
+    for (index, &(first, last)) in rounds.iter().enumerate() {
+        if index > 0 {
+            nodes = resample(&trajectory, &times, &nodes);
+        }
+        let mut problem = problem(&course, &nodes, &bounds, &tolerances, effort);
+        problem.make_feasible();
+        problem.run(optimise::Effort {
+            first,
+            last,
+            factor: 5.0,
+            steps: 8,
+        });
+        let span = nodes.spans[0];
+        nodes.points = core::mem::take(&mut problem.points);
+        nodes.spans = problem.rates.iter().map(|b| span / b.sqrt()).collect();
+        (trajectory, times) = timed(&nodes, &bounds, &course);
+    }
+    trajectory.move_ends = move_ends(moves, &course, &nodes, &times, trajectory.duration());
+    trajectory.end = end;
+    trajectory
+}
+
+/// The spline through the nodes, slowed down or sped up as a whole so that no limit is exceeded,
+/// and the time of each node.
+fn timed(nodes: &Nodes, bounds: &[Bounds], course: &Course) -> (Trajectory, Vec<f64>) {
+    let trajectory = Trajectory::spline(&nodes.points, &nodes.spans);
+    let factor = excess(&trajectory, nodes, bounds, course);
+    if std::env::var("CONTOUR_TRACE").is_ok() {
+        eprintln!("excess {factor}");
+    }
+    let spans: Vec<f64> = nodes.spans.iter().map(|span| span * factor).collect();
+    let trajectory = Trajectory::spline(&nodes.points, &spans);
+    let times = trajectory.knots[1..=nodes.points.len()].iter().map(|k| k.time).collect();
+    (trajectory, times)
+}
+
+/// By what factor the trajectory must take longer to keep every limit; below 1 it may be shorter.
+fn excess(trajectory: &Trajectory, nodes: &Nodes, bounds: &[Bounds], course: &Course) -> f64 {
+    let mut factor = 0.0_f64;
+    let last = nodes.progress.len() - 1;
+    for (k, pair) in trajectory.knots.windows(2).enumerate() {
+        let (knot, next) = (&pair[0], &pair[1]);
+        let bound = &bounds[course.piece_at(nodes.progress[k.saturating_sub(1).min(last)])];
+        let middle = knot.at_middle(next.time);
+        for state in [&knot.state, &middle] {
+            factor = factor.max(state.velocity.norm() / bound.speed);
+            factor = factor.max((state.acceleration.norm() / bound.norm_acceleration()).sqrt());
+            for axis in 0..3 {
+                factor = factor.max(state.velocity[axis].abs() / bound.axes.speed[axis]);
+                factor = factor.max((state.acceleration[axis].abs() / bound.axes.acceleration[axis]).sqrt());
+            }
+        }
+        if bound.jerk.is_finite() {
+            factor = factor.max(libm::cbrt(knot.jerk.norm() / bound.jerk));
+        }
+        if let Some(jerk) = bound.axes.jerk {
+            for axis in 0..3 {
+                factor = factor.max(libm::cbrt(knot.jerk[axis].abs() / jerk[axis]));
+            }
+        }
+    }
+    if factor > 0.0 { factor } else { 1.0 }
+}
+
+/// The same curve with nodes at equal intervals of its time.
+fn resample(trajectory: &Trajectory, times: &[f64], nodes: &Nodes) -> Nodes {
+    let whole = trajectory.duration();
+    let intervals = nodes.spans.len();
+    let mut points = Vec::with_capacity(intervals + 1);
+    let mut progress = Vec::with_capacity(intervals + 1);
+    let mut i = 0;
+    for k in 0..=intervals {
+        let time = whole * k as f64 / intervals as f64;
+        points.push(trajectory.at(time).position);
+        while i + 2 < times.len() && times[i + 1] < time {
+            i += 1;
+        }
+        let part = ((time - times[i]) / (times[i + 1] - times[i])).clamp(0.0, 1.0);
+        progress.push(nodes.progress[i] + (nodes.progress[i + 1] - nodes.progress[i]) * part);
+    }
+    points[intervals] = trajectory.end;
+    Nodes {
+        points,
+        progress,
+        spans: vec![whole / intervals as f64; intervals],
+    }
+}
+
+fn problem<'a>(
+    course: &'a Course,
+    nodes: &Nodes,
+    bounds: &[Bounds],
+    tolerances: &[f64],
+    effort: Effort,
+) -> Problem<'a> {
+    let count = nodes.points.len();
+    let span = nodes.spans[0];
+    let pieces: Vec<usize> = nodes.progress.iter().map(|&s| course.piece_at(s)).collect();
+    let limits: Vec<Limits> = (0..count)
+        .map(|i| {
+            let mut limit = reciprocal(&bounds[pieces[i]], span);
+            for other in [i.saturating_sub(1), (i + 1).min(count - 1)] {
+                if pieces[other] != pieces[i] {
+                    limit = limit.stricter(&reciprocal(&bounds[pieces[other]], span));
+                }
+            }
+            limit
+        })
+        .collect();
+    let mut tangents = Vec::with_capacity(count);
+    let mut normals = Vec::with_capacity(count);
+    let mut tube = vec![0.0; count];
+    let mut feet = Vec::with_capacity(count);
+    let plane = plane_of(&nodes.points);
+    let mut tangent = course.pieces[0].start_tangent();
+    for i in 0..count {
+        let d = nodes.points[(i + 1).min(count - 1)] - nodes.points[i.saturating_sub(1)];
+        if d.norm() > 1e-12 {
+            tangent = d / d.norm();
+        }
+        tangents.push(tangent);
+        normals.push(across(&tangent, plane));
+        let (foot, piece) = course.foot(&nodes.points[i], pieces[i]);
+        feet.push(piece);
+        let tolerance = tolerance_at(course, tolerances, pieces[i], nodes.progress[i]);
+        let off = (foot - nodes.points[i]).norm();
+        let radius = (TUBE * tolerance).max((off * 1.001).min(0.998 * tolerance));
+        if i > 0 && i + 1 < count && off < radius {
+            tube[i] = radius;
+        }
+    }
+    let lateral = match effort {
+        Effort::Quick => 0,
+        Effort::Full if tube.iter().all(|&r| r <= 0.0) => 0,
+        Effort::Full => 1 + usize::from(plane.is_none()),
+    };
+    Problem {
+        course,
+        points: nodes.points.clone(),
+        limits,
+        normals,
+        tangents,
+        tube,
+        feet,
+        rates: vec![1.0; count - 1],
+        lateral,
+    }
+}
+
+/// The tolerance about the course at arc length `s`: that of the nearer corner of the piece.
+fn tolerance_at(course: &Course, tolerances: &[f64], piece: usize, s: f64) -> f64 {
+    let middle = 0.5 * (course.starts[piece] + course.starts[piece + 1]);
+    let (first, last) = (piece == 0, piece + 1 == course.pieces.len());
+    match () {
+        () if first && last => 0.0,
+        () if first => tolerances[piece],
+        () if last => tolerances[piece - 1],
+        () if s < middle => tolerances[piece - 1],
+        () => tolerances[piece],
+    }
+}
+
+/// The unit normal of the plane that holds all points, when they lie in one that is normal to an axis.
+fn plane_of(points: &[Point]) -> Option<Point> {
+    let first = points[0];
+    (0..3).rev().find(|&axis| points.iter().all(|p| p[axis] == first[axis])).map(|axis| {
+        let mut normal = Point::zeros();
+        normal[axis] = 1.0;
+        normal
+    })
+}
+
+/// Two unit vectors across a tangent, the first one in the plane if there is one.
+fn across(tangent: &Point, plane: Option<Point>) -> [Point; 2] {
+    let helper = plane.unwrap_or_else(|| {
+        let axis = tangent.abs().imin();
+        let mut unit = Point::zeros();
+        unit[axis] = 1.0;
+        unit
+    });
+    let first = helper.cross(tangent);
+    let first = first / first.norm().max(1e-300);
+    [first, tangent.cross(&first)]
+}
+
+fn bounds(one: &ContourMove, axes: &AxisLimits, smoothness: Smoothness) -> Bounds {
+    let scurve = smoothness == Smoothness::SCurve;
+    Bounds {
+        speed: one.speed,
+        acceleration: one.acceleration,
+        deceleration: one.deceleration,
+        jerk: one.jerk.filter(|_| scurve).unwrap_or(f64::INFINITY),
+        axes: AxisLimits {
+            jerk: axes.jerk.filter(|_| scurve),
+            ..*axes
+        },
+    }
+}
+
+fn reciprocal(bounds: &Bounds, span: f64) -> Limits {
+    let (second, third) = (span * span, span * span * span);
+    let inverse = |limit: Point, unit: f64| limit.map(|l| 1.0 / (l * MARGIN * unit));
+    let corner = bounds.axes.acceleration.norm();
+    let binds = bounds.acceleration.min(bounds.deceleration) < corner;
+    let jerk_corner = bounds.axes.jerk.map_or(f64::INFINITY, |jerk| jerk.norm());
+    let one = |limit: f64, unit: f64, on: bool| if on { 1.0 / (limit * MARGIN * unit) } else { 0.0 };
+    Limits {
+        speed: inverse(bounds.axes.speed, span),
+        acceleration: inverse(bounds.axes.acceleration, second),
+        jerk: bounds.axes.jerk.map_or(Point::zeros(), |jerk| inverse(jerk, third)),
+        vector_speed: one(bounds.speed, span, bounds.speed < bounds.axes.speed.norm()),
+        vector_acceleration: one(bounds.norm_acceleration(), second, binds),
+        vector_jerk: one(bounds.jerk, third, bounds.jerk < jerk_corner),
+        speeding_up: one(bounds.acceleration, second, binds),
+        slowing_down: one(bounds.deceleration, second, binds),
+    }
+}
+
+impl Limits {
+    fn stricter(&self, other: &Limits) -> Limits {
+        Limits {
+            speed: self.speed.sup(&other.speed),
+            acceleration: self.acceleration.sup(&other.acceleration),
+            jerk: self.jerk.sup(&other.jerk),
+            vector_speed: self.vector_speed.max(other.vector_speed),
+            vector_acceleration: self.vector_acceleration.max(other.vector_acceleration),
+            vector_jerk: self.vector_jerk.max(other.vector_jerk),
+            speeding_up: self.speeding_up.max(other.speeding_up),
+            slowing_down: self.slowing_down.max(other.slowing_down),
+        }
+    }
+}
+
+/// When each of `moves` ends: where the progress passes its end; moves without length end with the one before.
+fn move_ends(moves: &[ContourMove], course: &Course, nodes: &Nodes, times: &[f64], whole: f64) -> Vec<f64> {
+    let mut ends = Vec::with_capacity(moves.len());
+    let (mut piece, mut last) = (0, 0.0);
+    for one in moves {
+        if one.path.length() > SHORTEST {
+            piece += 1;
+            let s = course.starts[piece];
+            let k = nodes.progress.partition_point(|&p| p < s).clamp(1, times.len() - 1);
+            let (p0, p1) = (nodes.progress[k - 1], nodes.progress[k]);
+            let part = if p1 > p0 { ((s - p0) / (p1 - p0)).clamp(0.0, 1.0) } else { 1.0 };
+            last = times[k - 1] + (times[k] - times[k - 1]) * part;
+            if piece == course.pieces.len() {
+                last = whole;
+            }
+        }
+        ends.push(last);
+    }
+    ends
+}
+
+/// Tangents that differ by no more than this are equal (spec/motion-core.md §6.3).
+const TANGENT: f64 = 1e-6;
+/// Shorter moves are done at once, position units.
+const SHORTEST: f64 = 1e-9;
+/// Share of the tolerance that the nodes may use; the rest is for the curve between them.
+const TUBE: f64 = 0.985;
+/// Share of the limits that the optimisation uses; the rest is for its discretisation.
+const MARGIN: f64 = 1.0;

@@ -1,0 +1,235 @@
+//! A finished plan: where every axis is at every instant.
+//!
+//! Between knots the jerk of each axis is constant (a cubic spline in time), so position, velocity
+//! and acceleration are continuous and the limits can be checked exactly at the knots. Units:
+//! position units and seconds.
+
+use crate::Point;
+
+/// Position, velocity and acceleration of the axes at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// Position units.
+    pub position: Point,
+    /// Position units / s.
+    pub velocity: Point,
+    /// Position units / s².
+    pub acceleration: Point,
+}
+
+/// A planned motion from rest to rest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trajectory {
+    pub(crate) knots: Vec<Knot>,
+    /// When the motion passes the end of each move, ascending.
+    pub(crate) move_ends: Vec<f64>,
+    pub(crate) end: Point,
+}
+
+/// The state where a piece of constant jerk begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Knot {
+    pub(crate) time: f64,
+    pub(crate) state: State,
+    pub(crate) jerk: Point,
+}
+
+/// Extreme values of each axis over a whole trajectory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peaks {
+    /// Largest magnitude of the velocity of each axis.
+    pub velocity: Point,
+    /// Largest magnitude of the acceleration of each axis.
+    pub acceleration: Point,
+    /// Largest magnitude of the jerk of each axis.
+    pub jerk: Point,
+}
+
+impl Trajectory {
+    /// No motion: standing at a point.
+    #[must_use]
+    pub fn rest(at: Point) -> Trajectory {
+        Trajectory {
+            knots: Vec::new(),
+            move_ends: Vec::new(),
+            end: at,
+        }
+    }
+
+    /// Time from rest to rest in seconds.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.knots.last().map_or(0.0, |knot| knot.time)
+    }
+
+    /// The exact end position.
+    #[must_use]
+    pub fn end(&self) -> Point {
+        self.end
+    }
+
+    /// The state `t` seconds after the start: at rest before 0, at the exact end from
+    /// [`Trajectory::duration`] on. Real-time safe: a binary search over the knots.
+    #[must_use]
+    pub fn at(&self, t: f64) -> State {
+        let behind = self.knots.partition_point(|knot| knot.time <= t);
+        if behind >= self.knots.len() {
+            return State::rest(self.end);
+        }
+        let Some(knot) = behind.checked_sub(1).and_then(|index| self.knots.get(index)) else {
+            return State::rest(self.knots[0].state.position);
+        };
+        knot.at(t - knot.time)
+    }
+
+    /// The move that is being executed `t` seconds after the start: its place in the list that was
+    /// planned; the last one when all have ended. Real-time safe: a binary search.
+    #[must_use]
+    pub fn move_at(&self, t: f64) -> usize {
+        let ended = self.move_ends.partition_point(|&end| end <= t);
+        ended.min(self.move_ends.len().saturating_sub(1))
+    }
+
+    /// When the motion passes the end of a move (nearest point to a rounded corner), in seconds.
+    #[must_use]
+    pub fn move_end(&self, index: usize) -> Option<f64> {
+        self.move_ends.get(index).copied()
+    }
+
+    /// How many moves were planned.
+    #[must_use]
+    pub fn moves(&self) -> usize {
+        self.move_ends.len()
+    }
+
+    /// The largest velocities, accelerations and jerks, exact.
+    #[must_use]
+    pub fn peaks(&self) -> Peaks {
+        let mut peaks = Peaks {
+            velocity: Point::zeros(),
+            acceleration: Point::zeros(),
+            jerk: Point::zeros(),
+        };
+        for pair in self.knots.windows(2) {
+            let (knot, next) = (&pair[0], &pair[1]);
+            peaks.jerk = peaks.jerk.sup(&knot.jerk.abs());
+            peaks.acceleration = peaks.acceleration.sup(&knot.state.acceleration.abs());
+            peaks.velocity = peaks.velocity.sup(&knot.state.velocity.abs());
+            for axis in 0..3 {
+                // The velocity is extreme where the acceleration passes zero.
+                let turn = -knot.state.acceleration[axis] / knot.jerk[axis];
+                if turn > 0.0 && turn < next.time - knot.time {
+                    let there = knot.at(turn).velocity[axis].abs();
+                    peaks.velocity[axis] = peaks.velocity[axis].max(there);
+                }
+            }
+        }
+        peaks
+    }
+
+    /// Appends a motion that starts where this one ends.
+    pub(crate) fn append(&mut self, next: Trajectory) {
+        let shift = self.duration();
+        if !next.knots.is_empty() {
+            // The last knot is rest without length; the next trajectory's first takes its place.
+            self.knots.pop();
+        }
+        self.knots.extend(next.knots.into_iter().map(|knot| Knot {
+            time: knot.time + shift,
+            ..knot
+        }));
+        self.move_ends.extend(next.move_ends.into_iter().map(|end| end + shift));
+        self.end = next.end;
+    }
+
+    /// The cubic B-spline with control points `nodes`, the `i`-th of them at the `i`-th knot, whose
+    /// knots are `spans` seconds apart; it starts and ends at rest.
+    pub(crate) fn spline(nodes: &[Point], spans: &[f64]) -> Trajectory {
+        let count = nodes.len();
+        let (Some(&first), Some(&last)) = (nodes.first(), nodes.last()) else {
+            return Trajectory::rest(Point::zeros());
+        };
+        if count < 2 || spans.len() + 1 != count {
+            return Trajectory::rest(last);
+        }
+        let ends = spans.len() - 1;
+        let span = |i: isize| spans[i.clamp(0, ends as isize) as usize];
+        let node = |i: isize| if i <= 0 { first } else { nodes[(i as usize).min(count - 1)] };
+        let velocity = |i: isize| (node(i + 1) - node(i)) * 3.0 / (span(i - 1) + span(i) + span(i + 1));
+        let acceleration = |i: isize| (velocity(i) - velocity(i - 1)) * 2.0 / (span(i - 1) + span(i));
+        let mut knots = Vec::with_capacity(count + 2);
+        let mut time = 0.0;
+        let mut here = Point::zeros();
+        for i in -1..=count as isize {
+            let next = acceleration(i + 1);
+            // Velocity at the knot: the two neighbours weighted by the other's span.
+            let (before, behind) = (span(i - 1), span(i));
+            let at = (velocity(i - 1) * behind + velocity(i) * before) / (before + behind);
+            // Position: from the control point back by what the curve cuts.
+            let position = position_at_knot(
+                [node(i - 1), node(i), node(i + 1)],
+                [span(i - 2), before, behind, span(i + 1)],
+            );
+            let state = if i < 0 {
+                State::rest(first)
+            } else if i == count as isize {
+                State::rest(last)
+            } else {
+                State {
+                    position,
+                    velocity: at,
+                    acceleration: here,
+                }
+            };
+            let jerk = if i == count as isize { Point::zeros() } else { (next - here) / behind };
+            knots.push(Knot { time, state, jerk });
+            time += behind;
+            here = next;
+        }
+        Trajectory {
+            knots,
+            move_ends: Vec::new(),
+            end: last,
+        }
+    }
+}
+
+/// De Boor's formula at the middle knot: three control points, the four spans about them.
+fn position_at_knot(points: [Point; 3], spans: [f64; 4]) -> Point {
+    let [h0, h1, h2, h3] = spans;
+    let left = points[0] + (points[1] - points[0]) * ((h0 + h1) / (h0 + h1 + h2));
+    let right = points[1] + (points[2] - points[1]) * (h1 / (h1 + h2 + h3));
+    left + (right - left) * (h1 / (h1 + h2))
+}
+
+impl Knot {
+    /// The state half-way to the next knot.
+    pub(crate) fn at_middle(&self, next: f64) -> State {
+        self.at(0.5 * (next - self.time))
+    }
+
+    fn at(&self, u: f64) -> State {
+        let State {
+            position,
+            velocity,
+            acceleration,
+        } = self.state;
+        State {
+            position: position + (velocity + (acceleration / 2.0 + self.jerk * (u / 6.0)) * u) * u,
+            velocity: velocity + (acceleration + self.jerk * (u / 2.0)) * u,
+            acceleration: acceleration + self.jerk * u,
+        }
+    }
+}
+
+impl State {
+    /// Standing still at a point.
+    #[must_use]
+    pub fn rest(position: Point) -> State {
+        State {
+            position,
+            velocity: Point::zeros(),
+            acceleration: Point::zeros(),
+        }
+    }
+}
