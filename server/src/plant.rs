@@ -361,7 +361,10 @@ impl Records {
         if self.ring.len() == RECORDS {
             self.ring.pop_front();
         }
-        self.ring.push_back(MotionControl::default());
+        // An execution begins with EN, and no event repeats that when the tag's EN was set before.
+        let mut begun = MotionControl::default();
+        begun.set(Flag::En);
+        self.ring.push_back(begun);
         self.newest = ticket.0;
     }
 

@@ -121,6 +121,12 @@ fn a_move_to_its_end() {
     assert_eq!(read_numbers(at, &tags), [25.0, 20.0, 10.0]);
     let _ = arcline(at, &["arc", "XY", "25,40", "--center", "25,30", "--cw"]).expect(0);
     assert_eq!(read_numbers(at, &tags), [25.0, 40.0, 10.0]);
+    for why in ["a tag's first use", "its second use, with EN still set"] {
+        let again = arcline(at, &["--json", "move", "CS1", "5,0,0", "--relative", "--tag", "Again"]).expect(0);
+        let status = &again.objects()[0]["status"];
+        assert_eq!(*status, serde_json::json!(["EN", "DN", "PC"]), "{why}");
+    }
+    let _ = arcline(at, &["move", "CS1", "25,40,10"]).expect(0);
     let text = arcline(at, &["status"]).expect(0).stdout;
     assert!(text.contains("CS1") && text.contains("25.000"), "{text}");
 }
