@@ -1,15 +1,16 @@
 //! The joint optimisation of timing and shape by a barrier method.
 //!
 //! Unknown are, for every node `p[i] = reference + normals * offset`, its offset, and for every
-//! interval between nodes `b[i]`, the square of the rate at which it is run through (`1/b.sqrt()` is
-//! its time). Velocity, acceleration and jerk are divided differences:
+//! interval between nodes the logarithm of the time `h[i]` that it takes. The nodes are the control
+//! points of a cubic B-spline in time, and what is limited are the control points of its derivatives:
 //!
 //! ```text
-//! d[i] = p[i+1] - p[i]
-//! velocity[i]     = sqrt(b[i]) d[i]
-//! acceleration[i] = b[i] (3 d[i] - d[i-1])/4 + b[i-1] (d[i] - 3 d[i-1])/4      at node i
-//! jerk[i]         = sqrt(b[i]) (acceleration[i+1] - acceleration[i])           in interval i
+//! velocity[i]     = (p[i+1] - p[i]) 3 / (h[i-1] + h[i] + h[i+1])
+//! acceleration[i] = (velocity[i] - velocity[i-1]) 2 / (h[i-1] + h[i])      at node i
+//! jerk[i]         = (acceleration[i+1] - acceleration[i]) / h[i]           in interval i
 //! ```
+//!
+//! The spline lies within the hull of its control points, so the limits hold at every instant.
 //!
 //! Minimised is `t * time - sum of log(1 - (quantity / limit)²)` for growing `t`, by Gauss-Newton steps
 //! on a band matrix; a step that would leave the feasible set is shortened, so **every iterate keeps
@@ -47,7 +48,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) tube: Vec<f64>,
     /// The piece that is nearest to each node.
     pub(crate) feet: Vec<usize>,
-    pub(crate) rates: Vec<f64>,
+    pub(crate) spans: Vec<f64>,
     pub(crate) lateral: usize,
 }
 
@@ -61,14 +62,14 @@ pub(crate) struct Effort {
 }
 
 impl Problem<'_> {
-    /// Lowers all rates until every limit is kept with room to spare.
+    /// Lengthens all spans until every limit is kept with room to spare.
     pub(crate) fn make_feasible(&mut self) {
         for _ in 0..200 {
             if self.worst() < FEASIBLE {
                 return;
             }
-            for rate in &mut self.rates {
-                *rate *= 0.7;
+            for rate in &mut self.spans {
+                *rate *= 1.2;
             }
         }
     }
@@ -77,7 +78,7 @@ impl Problem<'_> {
     fn worst(&self) -> f64 {
         let mut worst = 0.0_f64;
         for i in -1..=self.intervals() {
-            self.for_each_quantity(i, &self.points, &self.rates, |q| {
+            self.for_each_quantity(i, &self.points, &self.spans, |q| {
                 for axis in 0..3 {
                     worst = worst.max((q.value[axis] * q.axes[axis]).abs());
                 }
@@ -93,62 +94,89 @@ impl Problem<'_> {
         self.points.len() as isize - 1
     }
 
-    fn rate(rates: &[f64], i: isize) -> f64 {
-        rates[i.clamp(0, rates.len() as isize - 1) as usize]
+    fn span(spans: &[f64], i: isize) -> f64 {
+        spans[i.clamp(0, spans.len() as isize - 1) as usize]
     }
 
     /// Velocity and jerk of interval `i` and the acceleration at node `i`, `-1 <= i <= intervals`.
     #[inline]
-    fn for_each_quantity(&self, i: isize, points: &[Point], rates: &[f64], mut each: impl FnMut(Quantity)) {
+    fn for_each_quantity(&self, i: isize, points: &[Point], spans: &[f64], mut each: impl FnMut(Quantity)) {
         let n = self.intervals();
         let node = |k: isize| points[k.clamp(0, n) as usize];
-        let b = |k: isize| Self::rate(rates, k);
+        let span = |k: isize| Self::span(spans, k);
         let limits = &self.limits[i.clamp(0, n) as usize];
-        let (p0, p1, p2, p3) = (node(i - 1), node(i), node(i + 1), node(i + 2));
-        let (d0, d1, d2) = (p1 - p0, p2 - p1, p3 - p2);
-        let (b0, b1, b2) = (b(i - 1), b(i), b(i + 1));
         let zero = Point::zeros();
         let none = (zero, 0.0, 0.0);
-        // Acceleration at node i and at node i + 1, with their derivatives by d and b.
-        let (at0, at1) = (d1 * 0.75 - d0 * 0.25, d1 * 0.25 - d0 * 0.75);
-        let (bt0, bt1) = (d2 * 0.75 - d1 * 0.25, d2 * 0.25 - d1 * 0.75);
-        let here = if i < 0 { zero } else { at0 * b1 + at1 * b0 };
-        let next = if i >= n { zero } else { bt0 * b2 + bt1 * b1 };
-        let (alpha0, gamma0) = if i < 0 { (0.0, 0.0) } else { (0.75 * b1 + 0.25 * b0, 0.25 * b1 + 0.75 * b0) };
-        let (alpha1, gamma1) = if i >= n { (0.0, 0.0) } else { (0.75 * b2 + 0.25 * b1, 0.25 * b2 + 0.75 * b1) };
-        let root = b1.sqrt();
+        // Index k stands for node or interval i - 2 + k.
+        let tau = [span(i - 2), span(i - 1), span(i), span(i + 1), span(i + 2)];
+        let p = [node(i - 1), node(i), node(i + 1), node(i + 2)];
+        // The velocities of the intervals k = 1, 2, 3.
+        let wide = [
+            3.0 / (tau[0] + tau[1] + tau[2]),
+            3.0 / (tau[1] + tau[2] + tau[3]),
+            3.0 / (tau[2] + tau[3] + tau[4]),
+        ];
+        let v = [(p[1] - p[0]) * wide[0], (p[2] - p[1]) * wide[1], (p[3] - p[2]) * wide[2]];
+        let fade = [v[0] * (-wide[0] / 3.0), v[1] * (-wide[1] / 3.0), v[2] * (-wide[2] / 3.0)];
         if i >= 0 && i < n {
             each(Quantity {
-                value: d1 * root,
-                by_rate: [zero, d1 * (0.5 / root), zero],
-                by_node: [0.0, -root, root, 0.0],
+                value: v[1],
+                by_span: [zero, fade[1] * tau[1], fade[1] * tau[2], fade[1] * tau[3], zero],
+                by_node: [0.0, -wide[1], wide[1], 0.0],
                 axes: limits.speed,
                 vector: limits.vector_speed,
                 along: none,
             });
         }
+        let (r0, r1) = (2.0 / (tau[1] + tau[2]), 2.0 / (tau[2] + tau[3]));
+        let here = (v[1] - v[0]) * r0;
+        let here_by = [
+            fade[0] * -r0,
+            (fade[1] - fade[0] - here * 0.5) * r0,
+            (fade[1] - fade[0] - here * 0.5) * r0,
+            fade[1] * r0,
+        ];
         if i >= 0 {
             each(Quantity {
                 value: here,
-                by_rate: [at1, at0, zero],
-                by_node: [gamma0, -alpha0 - gamma0, alpha0, 0.0],
+                by_span: [
+                    here_by[0] * tau[0],
+                    here_by[1] * tau[1],
+                    here_by[2] * tau[2],
+                    here_by[3] * tau[3],
+                    zero,
+                ],
+                by_node: [wide[0] * r0, -(wide[0] + wide[1]) * r0, wide[1] * r0, 0.0],
                 axes: limits.acceleration,
                 vector: limits.vector_acceleration,
                 along: (self.tangents[i as usize], limits.speeding_up, limits.slowing_down),
             });
         }
         if limits.jerk != zero || limits.vector_jerk > 0.0 {
-            let change = next - here;
-            let (here0, here1) = if i < 0 { (zero, zero) } else { (at1, at0) };
-            let (next1, next2) = if i >= n { (zero, zero) } else { (bt1, bt0) };
+            let next = (v[2] - v[1]) * r1;
+            let next_by = [
+                fade[1] * -r1,
+                (fade[2] - fade[1] - next * 0.5) * r1,
+                (fade[2] - fade[1] - next * 0.5) * r1,
+                fade[2] * r1,
+            ];
+            let inverse = 1.0 / tau[2];
+            let value = (next - here) * inverse;
+            let relative = [tau[0] * inverse, tau[1] * inverse, 1.0, tau[3] * inverse, tau[4] * inverse];
             each(Quantity {
-                value: change * root,
-                by_rate: [here0 * -root, change * (0.5 / root) + (next1 - here1) * root, next2 * root],
+                value,
+                by_span: [
+                    here_by[0] * -relative[0],
+                    (next_by[0] - here_by[1]) * relative[1],
+                    next_by[1] - here_by[2] - value,
+                    (next_by[2] - here_by[3]) * relative[3],
+                    next_by[3] * relative[4],
+                ],
                 by_node: [
-                    -root * gamma0,
-                    root * (gamma1 + alpha0 + gamma0),
-                    root * (-alpha1 - gamma1 - alpha0),
-                    root * alpha1,
+                    -wide[0] * r0 * inverse,
+                    (wide[1] * r1 + (wide[0] + wide[1]) * r0) * inverse,
+                    -((wide[1] + wide[2]) * r1 + wide[1] * r0) * inverse,
+                    wide[2] * r1 * inverse,
                 ],
                 axes: limits.jerk,
                 vector: limits.vector_jerk,
@@ -164,20 +192,19 @@ impl Problem<'_> {
     }
 
     /// The function to be minimised; infinite outside the feasible set.
-    fn merit(&self, t: f64, points: &[Point], rates: &[f64], feet: &mut [usize]) -> f64 {
+    fn merit(&self, t: f64, points: &[Point], spans: &[f64], feet: &mut [usize]) -> f64 {
         let mut sum = 0.0;
-        for (i, rate) in rates.iter().enumerate() {
+        for span in spans {
             // Negated so that a NaN ends here too.
-            if !(*rate > 0.0) {
+            if !(*span > 0.0) {
                 return f64::INFINITY;
             }
-            let _ = i;
-            sum += t / rate.sqrt();
+            sum += t * span;
         }
         for i in -1..=self.intervals() {
             let mut product = 1.0;
             let mut inside = true;
-            self.for_each_quantity(i, points, rates, |q| {
+            self.for_each_quantity(i, points, spans, |q| {
                 for axis in 0..3 {
                     let x = q.value[axis] * q.axes[axis];
                     let slack = 1.0 - x * x;
@@ -212,27 +239,27 @@ impl Problem<'_> {
         sum
     }
 
-    /// Improves `rates` and `points` in place; returns the number of steps taken.
+    /// Improves `spans` and `points` in place; returns the number of steps taken.
     pub(crate) fn run(&mut self, effort: Effort) -> usize {
         let count = self.points.len();
         let block = 1 + self.lateral;
-        let mut matrix = Banded::new(count * block, 4 * block - 1);
+        let mut matrix = Banded::new(count * block, 5 * block - 1);
         let mut right = vec![0.0; count * block];
         let mut offsets = vec![[0.0; 2]; count];
         let mut points = self.points.clone();
-        let mut rates = self.rates.clone();
+        let mut spans = self.spans.clone();
         let mut feet = self.feet.clone();
-        let (mut trial_offsets, mut trial_points, mut trial_rates) = (offsets.clone(), points.clone(), rates.clone());
+        let (mut trial_offsets, mut trial_points, mut trial_spans) = (offsets.clone(), points.clone(), spans.clone());
         let mut t = effort.first;
         let mut steps = 0;
         loop {
-            let mut value = self.merit(t, &points, &rates, &mut feet);
+            let mut value = self.merit(t, &points, &spans, &mut feet);
             if !value.is_finite() {
                 break;
             }
             let last = t >= effort.last;
             for _ in 0..effort.steps {
-                self.assemble(t, &points, &rates, &feet, &mut matrix, &mut right);
+                self.assemble(t, &points, &spans, &feet, &mut matrix, &mut right);
                 let gradient = right.clone();
                 matrix.solve(&mut right);
                 let decrement: f64 = -gradient.iter().zip(&right).map(|(g, s)| g * s).sum::<f64>();
@@ -243,11 +270,8 @@ impl Problem<'_> {
                 // `right` solved H x = -g with the sign turned in `assemble`; the slope is -|..|.
                 let slope = decrement;
                 let mut length = 1.0_f64;
-                for (i, rate) in rates.iter().enumerate() {
-                    let change = right[i * block];
-                    if change < -0.8 * rate {
-                        length = length.min(-0.8 * rate / change);
-                    }
+                for i in 0..spans.len() {
+                    length = length.min(MOST_CHANGE / right[i * block].abs());
                 }
                 let mut improved = false;
                 for _ in 0..24 {
@@ -256,13 +280,13 @@ impl Problem<'_> {
                             trial_offsets[i][k] = offsets[i][k] + length * right[i * block + 1 + k];
                         }
                     }
-                    for (i, rate) in trial_rates.iter_mut().enumerate() {
-                        *rate = rates[i] + length * right[i * block];
+                    for (i, span) in trial_spans.iter_mut().enumerate() {
+                        *span = spans[i] * libm::exp(length * right[i * block]);
                     }
                     if self.lateral > 0 {
                         self.place(&trial_offsets, &mut trial_points);
                     }
-                    let trial = self.merit(t, &trial_points, &trial_rates, &mut feet);
+                    let trial = self.merit(t, &trial_points, &trial_spans, &mut feet);
                     if trial <= value + 1e-4 * length * slope {
                         value = trial;
                         improved = true;
@@ -275,9 +299,9 @@ impl Problem<'_> {
                 }
                 core::mem::swap(&mut offsets, &mut trial_offsets);
                 core::mem::swap(&mut points, &mut trial_points);
-                core::mem::swap(&mut rates, &mut trial_rates);
+                core::mem::swap(&mut spans, &mut trial_spans);
                 if std::env::var("CONTOUR_TRACE").is_ok() {
-                    let time: f64 = rates.iter().map(|b| 1.0 / b.sqrt()).sum();
+                    let time: f64 = spans.iter().sum();
                     eprintln!("t {t:9.1} step {steps} time {time:.3} dec {decrement:.3e} len {length:.3}");
                 }
             }
@@ -287,7 +311,7 @@ impl Problem<'_> {
             t = (t * effort.factor).min(effort.last);
         }
         self.points = points;
-        self.rates = rates;
+        self.spans = spans;
         self.feet = feet;
         steps
     }
@@ -297,7 +321,7 @@ impl Problem<'_> {
         &self,
         t: f64,
         points: &[Point],
-        rates: &[f64],
+        spans: &[f64],
         feet: &[usize],
         matrix: &mut Banded,
         right: &mut [f64],
@@ -306,28 +330,27 @@ impl Problem<'_> {
         let n = self.intervals();
         matrix.clear();
         right.fill(0.0);
-        for (i, &rate) in rates.iter().enumerate() {
-            let power = 1.0 / (rate * rate.sqrt());
-            right[i * block] += 0.5 * t * power;
-            matrix.add(i * block, i * block, 0.75 * t * power / rate);
+        for (i, &span) in spans.iter().enumerate() {
+            right[i * block] -= t * span;
+            matrix.add(i * block, i * block, t * span);
         }
         let mut local = [0.0; MAX_LOCAL * MAX_LOCAL];
         let mut slopes = [0.0; MAX_LOCAL];
-        let size = 4 * block;
+        let size = 5 * block;
         for i in -1..=n {
             local.fill(0.0);
             slopes.fill(0.0);
-            let normal = |k: usize| &self.normals[(i - 1 + k as isize).clamp(0, n) as usize];
-            self.for_each_quantity(i, points, rates, |q| {
+            let normal = |k: usize| &self.normals[(i - 2 + k as isize).clamp(0, n) as usize];
+            self.for_each_quantity(i, points, spans, |q| {
                 // Rows of the Jacobian by axis.
                 let mut rows = [[0.0; MAX_LOCAL]; 3];
-                for k in 0..4 {
+                for k in 0..5 {
                     for axis in 0..3 {
-                        if k < 3 {
-                            rows[axis][k * block] = q.by_rate[k][axis];
-                        }
+                        rows[axis][k * block] = q.by_span[k][axis];
                         for side in 0..self.lateral {
-                            rows[axis][k * block + 1 + side] = q.by_node[k] * normal(k)[side][axis];
+                            if k > 0 {
+                                rows[axis][k * block + 1 + side] = q.by_node[k - 1] * normal(k)[side][axis];
+                            }
                         }
                     }
                 }
@@ -376,7 +399,7 @@ impl Problem<'_> {
             });
             // Into the band. Beyond the ends the rate is that of the end.
             let variable = |k: usize| -> Option<usize> {
-                let node = i - 1 + (k / block) as isize;
+                let node = i - 2 + (k / block) as isize;
                 if k % block == 0 {
                     Some(node.clamp(0, n - 1) as usize * block)
                 } else {
@@ -436,21 +459,23 @@ impl Problem<'_> {
     }
 }
 
-/// A vector that is limited, and what it depends on: rates of intervals `i-1..=i+1`, nodes `i-1..=i+2`.
+/// A vector that is limited, and what it depends on: spans of intervals `i-1..=i+1`, nodes `i-1..=i+2`.
 struct Quantity {
     value: Point,
-    by_rate: [Point; 3],
+    by_span: [Point; 5],
     by_node: [f64; 4],
     axes: Point,
     vector: f64,
     along: (Point, f64, f64),
 }
 
-/// Four nodes with one rate and two offsets each.
-const MAX_LOCAL: usize = 12;
+/// Five nodes with one span and two offsets each.
+const MAX_LOCAL: usize = 15;
 /// Where the barrier starts, as a share of the limits.
 const FEASIBLE: f64 = 0.7;
 /// Newton decrement per node at which a stage ends.
 const CONVERGED: f64 = 1e-3;
+/// The logarithm of a span changes by no more than this in one step.
+const MOST_CHANGE: f64 = 1.0;
 /// Relative lift of the diagonal.
 const REGULAR: f64 = 1e-9;

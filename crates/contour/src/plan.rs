@@ -69,7 +69,7 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> T
     let mut trajectory = Trajectory::rest(end);
     let rounds: &[(f64, f64)] = match effort {
         Effort::Quick => &[(1.0, 1000.0)],
-        Effort::Full => &[(1.0, 300.0), (30.0, 2000.0)],
+        Effort::Full => &[(1.0, 300.0), (5.0, 1000.0), (50.0, 2000.0)],
     };
     let mut times = Vec::new();
     for (index, &(first, last)) in rounds.iter().enumerate() {
@@ -86,8 +86,9 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> T
         });
         let span = nodes.spans[0];
         nodes.points = core::mem::take(&mut problem.points);
-        nodes.spans = problem.rates.iter().map(|b| span / b.sqrt()).collect();
-        (trajectory, times) = timed(&nodes, &bounds, &course);
+        nodes.spans = problem.spans.iter().map(|h| span * h).collect();
+        let finished = index + 1 == rounds.len();
+        (trajectory, times) = timed(&nodes, &bounds, &course, finished);
     }
     trajectory.move_ends = move_ends(moves, &course, &nodes, &times, trajectory.duration());
     trajectory.end = end;
@@ -96,13 +97,13 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> T
 
 /// The spline through the nodes, slowed down or sped up as a whole so that no limit is exceeded,
 /// and the time of each node.
-fn timed(nodes: &Nodes, bounds: &[Bounds], course: &Course) -> (Trajectory, Vec<f64>) {
+fn timed(nodes: &Nodes, bounds: &[Bounds], course: &Course, keep: bool) -> (Trajectory, Vec<f64>) {
     let trajectory = Trajectory::spline(&nodes.points, &nodes.spans);
     let factor = excess(&trajectory, nodes, bounds, course);
     if std::env::var("CONTOUR_TRACE").is_ok() {
         eprintln!("excess {factor}");
     }
-    let spans: Vec<f64> = nodes.spans.iter().map(|span| span * factor).collect();
+    let spans: Vec<f64> = nodes.spans.iter().map(|span| span * if keep { factor } else { 1.0 }).collect();
     let trajectory = Trajectory::spline(&nodes.points, &spans);
     let times = trajectory.knots[1..=nodes.points.len()].iter().map(|k| k.time).collect();
     (trajectory, times)
@@ -216,7 +217,7 @@ fn problem<'a>(
         tangents,
         tube,
         feet,
-        rates: vec![1.0; count - 1],
+        spans: vec![1.0; count - 1],
         lateral,
     }
 }
