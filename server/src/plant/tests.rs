@@ -104,6 +104,19 @@ async fn what_is_refused_is_shown() {
     handle.stop();
 }
 
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn every_execution_of_a_tag_begins_enabled() {
+    let (plant, handle) = Plant::start(&project()).expect("a thread");
+    for _ in 0..2 {
+        let executed = plant
+            .call(Mnemonic::Mcs, Some(0), Some("Again"), &[])
+            .await
+            .expect("a stop");
+        assert!(executed.control.has(Flag::En) && executed.control.has(Flag::Dn));
+    }
+    handle.stop();
+}
+
 #[test]
 fn the_newest_executions_are_kept() {
     let mut records = Records::default();
