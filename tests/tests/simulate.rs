@@ -1,0 +1,97 @@
+//! `simulate` from outside: the same bytes twice, and how much faster than real time.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use arcline_tests::{fixture, programs};
+
+/// Without and with a trace, on the default configuration at 1 ms, on one core.
+const TIMES_REAL_TIME: [f64; 2] = [2000.0, 200.0];
+
+/// The ten-minute program in a folder of its own; in a debug build its first twentieth.
+fn program(folder: &Path) -> PathBuf {
+    let text = fs::read_to_string(fixture("long/ten_minutes.st")).expect("a file of this package");
+    let loops = "FOR i := 1 TO 100 BY 1 DO";
+    assert!(text.contains(loops), "the program has its loop");
+    let text = if cfg!(debug_assertions) {
+        text.replace(loops, "FOR i := 1 TO 5 BY 1 DO")
+    } else {
+        text
+    };
+    let file = folder.join("program.st");
+    fs::write(&file, text).expect("the folder is writable");
+    file
+}
+
+/// Runs the program with `arguments`; returns how long that took.
+fn simulate(program: &Path, arguments: &[&Path]) -> Duration {
+    let began = Instant::now();
+    let run = Command::new(programs::arcline_server())
+        .arg("simulate")
+        .arg(program)
+        .args(arguments)
+        .output();
+    let run = run.expect("the server was just built");
+    let took = began.elapsed();
+    assert!(run.status.success(), "{run:?}");
+    took
+}
+
+#[test]
+fn two_runs_give_the_same_bytes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let program = program(folder.path());
+    let files: Vec<PathBuf> = ["1.csv", "1.jsonl", "2.csv", "2.jsonl"]
+        .iter()
+        .map(|name| folder.path().join(name))
+        .collect();
+    for run in files.chunks(2) {
+        simulate(
+            &program,
+            &[Path::new("--trace"), &run[0], Path::new("--events"), &run[1]],
+        );
+    }
+    let read = |file: &PathBuf| fs::read(file).expect("simulate has written it");
+    for kind in [0, 1] {
+        let (first, second) = (read(&files[kind]), read(&files[kind + 2]));
+        assert!(!first.is_empty());
+        assert!(first == second, "{:?} and {:?} differ", files[kind], files[kind + 2]);
+    }
+}
+
+#[test]
+fn faster_than_real_time() {
+    const TRIES: usize = 3;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let program = program(folder.path());
+    let trace = folder.path().join("trace.csv");
+    let with_trace = [Path::new("--trace"), &trace];
+    let runs: [&[&Path]; 2] = [&[], &with_trace];
+    let best = runs.map(|arguments| {
+        (0..TRIES)
+            .map(|_| simulate(&program, arguments))
+            .min()
+            .unwrap_or_default()
+    });
+    // One row for each tick of 1 ms, and the header.
+    let rows = fs::read(&trace)
+        .expect("simulate has written it")
+        .iter()
+        .filter(|byte| **byte == b'\n')
+        .count();
+    let simulated = (rows - 1) as f64 * 1e-3;
+    for (name, took, least) in [
+        ("no trace", best[0], TIMES_REAL_TIME[0]),
+        ("a trace", best[1], TIMES_REAL_TIME[1]),
+    ] {
+        let times = simulated / took.as_secs_f64();
+        println!("{simulated:.1} s simulated in {took:?} with {name}: {times:.0} times real time");
+        // A debug build is measured, not judged.
+        assert!(
+            cfg!(debug_assertions) || times > least,
+            "{times:.0} times real time with {name}, expected {least}"
+        );
+    }
+}
