@@ -140,9 +140,7 @@ impl Request {
             service: service & !service::REPLY,
             status,
         };
-        let words = reader
-            .u8()
-            .ok_or_else(|| fail(CipStatus::NOT_ENOUGH_DATA))?;
+        let words = reader.u8().ok_or_else(|| fail(CipStatus::NOT_ENOUGH_DATA))?;
         if service & service::REPLY != 0 {
             return Err(fail(CipStatus::SERVICE_NOT_SUPPORTED));
         }
@@ -290,13 +288,13 @@ pub fn split_multiple(data: &Bytes) -> Result<Vec<Result<Request, RequestError>>
 
 fn refuse_nesting(request: Request) -> Result<Request, RequestError> {
     use crate::epath::Segment;
-    let connection_manager = matches!(request.path.0.first(), Some(Segment::Class(id)) if *id == u32::from(class::CONNECTION_MANAGER));
+    let connection_manager =
+        matches!(request.path.0.first(), Some(Segment::Class(id)) if *id == u32::from(class::CONNECTION_MANAGER));
     let nests = match request.service {
         service::MULTIPLE_SERVICE_PACKET => true,
-        service::FORWARD_CLOSE
-        | service::UNCONNECTED_SEND
-        | service::FORWARD_OPEN
-        | service::LARGE_FORWARD_OPEN => connection_manager,
+        service::FORWARD_CLOSE | service::UNCONNECTED_SEND | service::FORWARD_OPEN | service::LARGE_FORWARD_OPEN => {
+            connection_manager
+        }
         _ => false,
     };
     if nests {
@@ -374,9 +372,7 @@ impl MultipleReplies {
     /// 0x11 if not even empty replies fit.
     pub fn new(count: usize, budget: usize) -> Result<Self, CipStatus> {
         let least = REPLY_HEAD + 2 + count * (2 + REPLY_HEAD);
-        let room = budget
-            .checked_sub(least)
-            .ok_or(CipStatus::REPLY_TOO_LARGE)?;
+        let room = budget.checked_sub(least).ok_or(CipStatus::REPLY_TOO_LARGE)?;
         Ok(Self {
             replies: Vec::new(),
             expected: count,
@@ -416,11 +412,7 @@ impl MultipleReplies {
         } else {
             CipStatus::SUCCESS
         };
-        Reply::with_status(
-            service::MULTIPLE_SERVICE_PACKET,
-            status,
-            join(&self.replies),
-        )
+        Reply::with_status(service::MULTIPLE_SERVICE_PACKET, status, join(&self.replies))
     }
 }
 

@@ -12,13 +12,12 @@ use std::time::Duration;
 
 use crate::cip::{CipStatus, Reply, Request, class, service};
 use crate::connection::{
-    ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters,
-    TRANSPORT_CLASS_3, TickTime, UnconnectedSend,
+    ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TRANSPORT_CLASS_3, TickTime,
+    UnconnectedSend,
 };
 use crate::cpf::{ConnectionId, CpfError, Item, Packet, decode_items};
 use crate::encap::{
-    Command, EncapStatus, Frame, FrameDecoder, FrameError, Header, MAX_DATA, RegisterSession,
-    SessionHandle,
+    Command, EncapStatus, Frame, FrameDecoder, FrameError, Header, MAX_DATA, RegisterSession, SessionHandle,
 };
 use crate::epath::{Epath, PathError, PortSegment, Segment};
 use crate::identity::Identity;
@@ -213,12 +212,7 @@ impl ClientSession {
     ///
     /// # Errors
     /// `NotRegistered`, `Path`, `Lost`.
-    pub fn request(
-        &mut self,
-        request: &Request,
-        route: Option<&Epath>,
-        now: Duration,
-    ) -> Result<Call, ClientError> {
+    pub fn request(&mut self, request: &Request, route: Option<&Epath>, now: Duration) -> Result<Call, ClientError> {
         self.check()?;
         let message = match route {
             None => request.to_bytes()?,
@@ -271,10 +265,7 @@ impl ClientSession {
     /// `NotRegistered`, `NotOpen`, `Path`, `Lost`.
     pub fn close(&mut self, connected: Connected, now: Duration) -> Result<Call, ClientError> {
         self.check()?;
-        let connection = self
-            .connections
-            .get(&connected.0)
-            .ok_or(ClientError::NotOpen)?;
+        let connection = self.connections.get(&connected.0).ok_or(ClientError::NotOpen)?;
         let close = ForwardClose {
             time: TickTime::DEFAULT,
             key: connected.0,
@@ -288,18 +279,10 @@ impl ClientSession {
     ///
     /// # Errors
     /// `NotRegistered`, `NotOpen`, `Path`, `Lost`.
-    pub fn request_connected(
-        &mut self,
-        on: Connected,
-        request: &Request,
-        now: Duration,
-    ) -> Result<Call, ClientError> {
+    pub fn request_connected(&mut self, on: Connected, request: &Request, now: Duration) -> Result<Call, ClientError> {
         self.check()?;
         let message = request.to_bytes()?;
-        let connection = self
-            .connections
-            .get_mut(&on.0)
-            .ok_or(ClientError::NotOpen)?;
+        let connection = self.connections.get_mut(&on.0).ok_or(ClientError::NotOpen)?;
         let call = Call(self.next);
         self.next += 1;
         connection.backlog.push_back((call, message));
@@ -413,12 +396,8 @@ impl ClientSession {
                 Wait::Register => self.registered(session, &frame.data),
                 Wait::Identity => Ok(Outcome::Identity(identity(&frame.data))),
                 Wait::Message => unconnected_reply(frame).map(Outcome::Reply),
-                Wait::Open { options } => {
-                    unconnected_reply(frame).and_then(|reply| self.opened(options, &reply))
-                }
-                Wait::Close { key } => {
-                    unconnected_reply(frame).and_then(|reply| self.closed(key, &reply))
-                }
+                Wait::Open { options } => unconnected_reply(frame).and_then(|reply| self.opened(options, &reply)),
+                Wait::Close { key } => unconnected_reply(frame).and_then(|reply| self.closed(key, &reply)),
                 Wait::Connected { key } => {
                     let outcome = connected_reply(frame).map(Outcome::Reply);
                     self.send_next(key);
@@ -445,12 +424,7 @@ impl ClientSession {
     fn send(&mut self, wait: Wait, command: Command, data: Bytes, now: Duration) -> Call {
         let call = Call(self.next);
         self.next += 1;
-        let frame = Frame::request(
-            command,
-            self.handle.unwrap_or_default(),
-            call.0.to_le_bytes(),
-            data,
-        );
+        let frame = Frame::request(command, self.handle.unwrap_or_default(), call.0.to_le_bytes(), data);
         self.transmits.push_back(frame.to_bytes());
         self.pending.insert(
             call,
@@ -487,28 +461,19 @@ impl ClientSession {
         connection.outstanding = Some(call);
         let packet = Packet::connected(connection.o_to_t_id, connection.sequence, &message);
         let handle = self.handle.unwrap_or_default();
-        let frame = Frame::request(
-            Command::SEND_UNIT_DATA,
-            handle,
-            call.0.to_le_bytes(),
-            packet.to_bytes(),
-        );
+        let frame = Frame::request(Command::SEND_UNIT_DATA, handle, call.0.to_le_bytes(), packet.to_bytes());
         self.transmits.push_back(frame.to_bytes());
     }
 
     /// By sender context; on a connection by its id and sequence count, since a target may not echo the context there.
     fn match_reply(&self, frame: &Frame) -> Option<Call> {
-        if frame.header.command == Command::SEND_UNIT_DATA
-            && frame.header.status == EncapStatus::SUCCESS
-        {
+        if frame.header.command == Command::SEND_UNIT_DATA && frame.header.status == EncapStatus::SUCCESS {
             let (id, sequence, _) = Packet::decode(&frame.data).ok()?.connected_message().ok()?;
             let connection = self
                 .connections
                 .values()
                 .find(|connection| connection.t_to_o_id == id)?;
-            return connection
-                .outstanding
-                .filter(|_| connection.sequence == sequence);
+            return connection.outstanding.filter(|_| connection.sequence == sequence);
         }
         let call = Call(u64::from_le_bytes(frame.header.context));
         self.pending
@@ -531,8 +496,7 @@ impl ClientSession {
         if !reply.status.is_success() {
             return Err(ClientError::Refused(reply.status));
         }
-        let opened =
-            ForwardOpenReply::decode(&reply.data).filter(|opened| opened.key == options.key);
+        let opened = ForwardOpenReply::decode(&reply.data).filter(|opened| opened.key == options.key);
         let opened = opened.ok_or(ClientError::Malformed(Command::SEND_RR_DATA))?;
         let mut path = options.route;
         path.0.extend(Epath::object(class::MESSAGE_ROUTER, 1).0);
@@ -594,8 +558,7 @@ fn connection_manager(code: u8, data: Bytes) -> Request {
 
 fn unconnected_reply(frame: &Frame) -> Result<Reply, ClientError> {
     let packet = Packet::decode(&frame.data)?;
-    Reply::decode(packet.unconnected_message()?)
-        .ok_or(ClientError::Malformed(Command::SEND_RR_DATA))
+    Reply::decode(packet.unconnected_message()?).ok_or(ClientError::Malformed(Command::SEND_RR_DATA))
 }
 
 fn connected_reply(frame: &Frame) -> Result<Reply, ClientError> {

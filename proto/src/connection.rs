@@ -49,10 +49,7 @@ pub struct TickTime {
 
 impl TickTime {
     /// 5.12 s.
-    pub const DEFAULT: Self = Self {
-        tick: 0x0A,
-        ticks: 5,
-    };
+    pub const DEFAULT: Self = Self { tick: 0x0A, ticks: 5 };
 
     /// The time meant.
     pub fn duration(self) -> Duration {
@@ -98,11 +95,7 @@ impl UnconnectedSend {
             .take(claimed)
             .ok_or_else(|| PathError::Size { claimed, present }.status())?;
         let route = Epath::decode(&data.slice_ref(route)).map_err(PathError::status)?;
-        Ok(Self {
-            time,
-            message,
-            route,
-        })
+        Ok(Self { time, message, route })
     }
 
     /// The data of the request.
@@ -229,10 +222,7 @@ impl NetworkParameters {
             ConnectionType::PointToPoint => 2,
             ConnectionType::Reserved => 3,
         };
-        (self.redundant_owner as u8) << 7
-            | connection_type << 5
-            | (self.priority & 3) << 2
-            | (self.variable as u8) << 1
+        (self.redundant_owner as u8) << 7 | connection_type << 5 | (self.priority & 3) << 2 | (self.variable as u8) << 1
     }
 }
 
@@ -284,8 +274,7 @@ impl ForwardOpen {
 
     /// Whether it reconfigures a connection instead of opening one.
     pub fn is_null(&self) -> bool {
-        self.o_to_t.connection_type == ConnectionType::Null
-            && self.t_to_o.connection_type == ConnectionType::Null
+        self.o_to_t.connection_type == ConnectionType::Null && self.t_to_o.connection_type == ConnectionType::Null
     }
 
     /// Reads the data of service 0x54, or of 0x5B if `large`. Surplus bytes are ignored.
@@ -300,8 +289,7 @@ impl ForwardOpen {
             key,
             status: CipStatus::NOT_ENOUGH_DATA,
         })?;
-        this.path =
-            read_path(&mut reader, data, false).map_err(|status| OpenError { key, status })?;
+        this.path = read_path(&mut reader, data, false).map_err(|status| OpenError { key, status })?;
         Ok(this)
     }
 
@@ -353,10 +341,7 @@ impl ForwardOpen {
         out.put_u32_le(self.t_to_o_id.0);
         self.key.write(&mut out);
         out.put_slice(&[self.multiplier, 0, 0, 0]);
-        for (rpi, parameters) in [
-            (self.o_to_t_rpi, self.o_to_t),
-            (self.t_to_o_rpi, self.t_to_o),
-        ] {
+        for (rpi, parameters) in [(self.o_to_t_rpi, self.o_to_t), (self.t_to_o_rpi, self.t_to_o)] {
             out.put_u32_le(rpi);
             if large {
                 out.put_u32_le(parameters.to_large());
@@ -430,11 +415,7 @@ impl ForwardOpenReply {
         out.put_u32_le(self.t_to_o_api);
         let words = u8::try_from(self.application.len() / 2).unwrap_or(u8::MAX);
         out.put_slice(&[words, 0]);
-        out.put_slice(
-            self.application
-                .get(..2 * usize::from(words))
-                .unwrap_or_default(),
-        );
+        out.put_slice(self.application.get(..2 * usize::from(words)).unwrap_or_default());
         out.freeze()
     }
 }
@@ -544,9 +525,6 @@ impl Counters {
 
     /// Get Attributes All: attributes 1 to 8.
     pub fn attributes_all(&self) -> Bytes {
-        self.0
-            .iter()
-            .flat_map(|counter| counter.to_le_bytes())
-            .collect()
+        self.0.iter().flat_map(|counter| counter.to_le_bytes()).collect()
     }
 }

@@ -220,11 +220,9 @@ pub fn decode_items(data: &Bytes) -> Result<Vec<Item>, CpfError> {
         let item = reader.u16().ok_or_else(|| truncated("an item type"))?;
         let claimed = usize::from(reader.u16().ok_or_else(|| truncated("an item length"))?);
         let present = reader.remaining();
-        let body = reader.take(claimed).ok_or(CpfError::Overrun {
-            item,
-            claimed,
-            present,
-        })?;
+        let body = reader
+            .take(claimed)
+            .ok_or(CpfError::Overrun { item, claimed, present })?;
         let item = Item::decode(item, data.slice_ref(body))?;
         if items.len() < MAX_ITEMS {
             items.push(item);
@@ -268,10 +266,7 @@ impl Packet {
         let mut data = BytesMut::with_capacity(2 + message.len());
         data.put_u16_le(sequence);
         data.put_slice(message);
-        let items = vec![
-            Item::ConnectedAddress(id),
-            Item::ConnectedData(data.freeze()),
-        ];
+        let items = vec![Item::ConnectedAddress(id), Item::ConnectedData(data.freeze())];
         Self {
             interface: 0,
             timeout: 0,
@@ -328,9 +323,7 @@ impl Packet {
         match self.items.as_slice() {
             [Item::ConnectedAddress(id), Item::ConnectedData(data), ..] => {
                 let mut reader = Reader::new(data);
-                let sequence = reader
-                    .u16()
-                    .ok_or(CpfError::Missing("the sequence count"))?;
+                let sequence = reader.u16().ok_or(CpfError::Missing("the sequence count"))?;
                 Ok((*id, sequence, data.slice_ref(reader.rest())))
             }
             [Item::ConnectedAddress(_), ..] => Err(CpfError::Missing("the connected data item")),

@@ -26,12 +26,7 @@ pub struct Answer {
 
 /// Answers a datagram that arrived on `local` (never 0.0.0.0). `None`: silence, also for everything that UDP does not
 /// offer and for every malformed datagram.
-pub fn answer(
-    datagram: &[u8],
-    identity: &Identity,
-    capability: u16,
-    local: SocketAddrV4,
-) -> Option<Answer> {
+pub fn answer(datagram: &[u8], identity: &Identity, capability: u16, local: SocketAddrV4) -> Option<Answer> {
     let request = FrameDecoder::default().decode_datagram(datagram)?;
     if request.header.status != EncapStatus::SUCCESS || request.header.options != 0 {
         return None;
@@ -51,12 +46,7 @@ pub fn answer(
 }
 
 /// The data of a List reply, over TCP or UDP; `None` for every other command.
-pub fn list_reply(
-    command: Command,
-    identity: &Identity,
-    capability: u16,
-    local: SocketAddrV4,
-) -> Option<Bytes> {
+pub fn list_reply(command: Command, identity: &Identity, capability: u16, local: SocketAddrV4) -> Option<Bytes> {
     match command {
         Command::LIST_IDENTITY => Some(identity.list_identity(local)),
         Command::LIST_SERVICES => {

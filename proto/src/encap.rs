@@ -162,12 +162,7 @@ impl Frame {
     /// A request frame.
     ///
     /// Data beyond [`MAX_DATA`] cannot be carried and is cut; no codec of this crate makes that much.
-    pub fn request(
-        command: Command,
-        session: SessionHandle,
-        context: SenderContext,
-        data: Bytes,
-    ) -> Self {
+    pub fn request(command: Command, session: SessionHandle, context: SenderContext, data: Bytes) -> Self {
         let header = Header {
             command,
             length: 0,

@@ -147,10 +147,7 @@ pub struct Epath(pub Vec<Segment>);
 impl Epath {
     /// Class and instance.
     pub fn object(class: u16, instance: u32) -> Self {
-        Self(vec![
-            Segment::Class(class.into()),
-            Segment::Instance(instance),
-        ])
+        Self(vec![Segment::Class(class.into()), Segment::Instance(instance)])
     }
 
     /// Class, instance and attribute.
@@ -217,8 +214,7 @@ impl Epath {
     /// [`PathError::TooDeep`] if it needs more than [`MAX_WORDS`]; nothing is appended then.
     pub fn encode_sized(&self, out: &mut BytesMut) -> Result<(), PathError> {
         let bytes = self.to_bytes();
-        let words =
-            u8::try_from(bytes.len() / 2).map_err(|_| PathError::TooDeep { limit: MAX_WORDS })?;
+        let words = u8::try_from(bytes.len() / 2).map_err(|_| PathError::TooDeep { limit: MAX_WORDS })?;
         out.put_u8(words);
         out.put_slice(&bytes);
         Ok(())
@@ -241,11 +237,7 @@ impl Epath {
 }
 
 /// `Ok(None)`: truncated.
-fn decode_segment(
-    kind: u8,
-    reader: &mut Reader<'_>,
-    bytes: &Bytes,
-) -> Result<Option<Segment>, PathError> {
+fn decode_segment(kind: u8, reader: &mut Reader<'_>, bytes: &Bytes) -> Result<Option<Segment>, PathError> {
     let unknown = PathError::Unknown { kind };
     Ok(match kind {
         0x01..=0x0E => reader.take(1).map(|link| port(kind.into(), link, bytes)),
@@ -370,9 +362,7 @@ fn encode_segment(segment: &Segment, out: &mut BytesMut) {
         }
         Segment::Port(PortSegment { port, link }) => {
             // The low nibble 0 is no port: port 0 has the extended form too.
-            let low = u8::try_from(*port)
-                .ok()
-                .filter(|port| (1..0x0F).contains(port));
+            let low = u8::try_from(*port).ok().filter(|port| (1..0x0F).contains(port));
             match (low, link.as_ref()) {
                 (Some(port), [link]) => out.put_slice(&[port, *link]),
                 (None, [link]) => {
@@ -395,9 +385,7 @@ fn encode_segment(segment: &Segment, out: &mut BytesMut) {
             kind: kind @ 0x50..,
             data,
         } => encode_words(*kind, data, out),
-        Segment::Network { kind, data } => {
-            out.put_slice(&[*kind, data.first().copied().unwrap_or_default()])
-        }
+        Segment::Network { kind, data } => out.put_slice(&[*kind, data.first().copied().unwrap_or_default()]),
         Segment::Data(data) => encode_words(0x80, data, out),
     }
 }
@@ -457,9 +445,7 @@ impl Target {
         for segment in &path.0 {
             match segment {
                 Segment::Class(id) if this.class.is_none() => this.class = Some(narrow(*id)?),
-                Segment::Instance(id) if this.class.is_some() && this.instance.is_none() => {
-                    this.instance = Some(*id)
-                }
+                Segment::Instance(id) if this.class.is_some() && this.instance.is_none() => this.instance = Some(*id),
                 Segment::Attribute(id) if this.class.is_some() && this.attribute.is_none() => {
                     this.attribute = Some(narrow(*id)?);
                 }
@@ -472,15 +458,9 @@ impl Target {
                     let names = split_symbol(name)?;
                     this.names().extend(names);
                 }
-                Segment::Key(_) | Segment::Port(_) | Segment::Network { .. } | Segment::Data(_) => {
-                }
+                Segment::Key(_) | Segment::Port(_) | Segment::Network { .. } | Segment::Data(_) => {}
             }
-            let symbols = |names: &[PathSegment]| {
-                names
-                    .iter()
-                    .filter(|n| matches!(n, PathSegment::Symbol(_)))
-                    .count()
-            };
+            let symbols = |names: &[PathSegment]| names.iter().filter(|n| matches!(n, PathSegment::Symbol(_))).count();
             if symbols(&this.symbols) + symbols(&this.members) > MAX_SYMBOLS {
                 return Err(PathError::TooDeep { limit: MAX_SYMBOLS });
             }

@@ -85,10 +85,7 @@ impl ReadTag {
     /// 0x13.
     pub fn decode(data: &[u8]) -> Result<Self, CipStatus> {
         let elements = Reader::new(data).u16().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
-        Ok(Self {
-            elements,
-            offset: 0,
-        })
+        Ok(Self { elements, offset: 0 })
     }
 
     /// Reads the data of service 0x52.
@@ -120,19 +117,9 @@ impl ReadTag {
     /// `element` is the size of one; for structures any multiple of 4 will do.
     ///
     /// 0xFF/0x2104 when the offset is beyond the data; 0x11 when not even one element fits.
-    pub fn reply(
-        self,
-        service: u8,
-        data_type: WireType,
-        element: usize,
-        all: &[u8],
-        budget: usize,
-    ) -> Reply {
+    pub fn reply(self, service: u8, data_type: WireType, element: usize, all: &[u8], budget: usize) -> Reply {
         let offset = usize::try_from(self.offset).unwrap_or(usize::MAX);
-        let Some(rest) = all
-            .get(offset..)
-            .filter(|rest| !rest.is_empty() || all.is_empty())
-        else {
+        let Some(rest) = all.get(offset..).filter(|rest| !rest.is_empty() || all.is_empty()) else {
             return Reply::error(
                 service,
                 CipStatus::GENERAL_ERROR.with(general_error::OFFSET_BEYOND_DATA),
@@ -149,10 +136,7 @@ impl ReadTag {
             WireType::Atomic(_) => element.max(4),
             WireType::Structure(_) => 4,
         };
-        match rest
-            .get(..room - room % unit)
-            .filter(|part| !part.is_empty())
-        {
+        match rest.get(..room - room % unit).filter(|part| !part.is_empty()) {
             Some(part) => {
                 out.put_slice(part);
                 Reply::with_status(service, CipStatus::PARTIAL_TRANSFER, out)
@@ -221,10 +205,7 @@ impl WriteTag {
         Self::decode_with(data, |reader| reader.u32()).ok_or(CipStatus::NOT_ENOUGH_DATA)
     }
 
-    fn decode_with(
-        data: &Bytes,
-        offset: impl FnOnce(&mut Reader<'_>) -> Option<u32>,
-    ) -> Option<Self> {
+    fn decode_with(data: &Bytes, offset: impl FnOnce(&mut Reader<'_>) -> Option<u32>) -> Option<Self> {
         let mut reader = Reader::new(data);
         let data_type = WireType::decode(&mut reader)?;
         let elements = reader.u16()?;
@@ -302,11 +283,7 @@ impl ReadModifyWrite {
         let mut out = BytesMut::with_capacity(18);
         out.put_u16_le(self.size.into());
         for mask in [self.or, self.and] {
-            out.put_slice(
-                mask.to_le_bytes()
-                    .get(..usize::from(self.size))
-                    .unwrap_or_default(),
-            );
+            out.put_slice(mask.to_le_bytes().get(..usize::from(self.size)).unwrap_or_default());
         }
         out.freeze()
     }
@@ -392,22 +369,14 @@ impl Symbol {
             1 => {
                 let length = u16::try_from(self.name.len()).unwrap_or(u16::MAX);
                 out.put_u16_le(length);
-                out.put_slice(
-                    self.name
-                        .as_bytes()
-                        .get(..usize::from(length))
-                        .unwrap_or_default(),
-                );
+                out.put_slice(self.name.as_bytes().get(..usize::from(length)).unwrap_or_default());
             }
             2 => out.put_u16_le(self.symbol_type),
             3 => out.put_u32_le(self.address),
             5 => out.put_u32_le(self.object_address),
             6 => out.put_u32_le(self.software_control),
             7 => out.put_u16_le(self.element_size),
-            8 => self
-                .dimensions
-                .iter()
-                .for_each(|dimension| out.put_u32_le(*dimension)),
+            8 => self.dimensions.iter().for_each(|dimension| out.put_u32_le(*dimension)),
             9 => out.put_u8(self.safety),
             10 => out.put_u8(self.access),
             11 => out.put_u8(self.usage),
@@ -470,10 +439,7 @@ pub fn instance_list_reply<'a>(
         return Reply::error(SERVICE, CipStatus::ATTRIBUTE_NOT_SUPPORTED);
     }
     let mut out = BytesMut::new();
-    for symbol in symbols
-        .into_iter()
-        .filter(|symbol| symbol.instance >= start)
-    {
+    for symbol in symbols.into_iter().filter(|symbol| symbol.instance >= start) {
         let mut entry = BytesMut::with_capacity(64);
         entry.put_u32_le(symbol.instance);
         for id in attributes {
@@ -584,9 +550,7 @@ impl ReadTemplate {
         let asked = rest.get(..usize::from(self.bytes)).unwrap_or(rest);
         let room = budget.saturating_sub(REPLY_HEAD);
         match asked.get(..room) {
-            Some([]) if !asked.is_empty() => {
-                Reply::error(service::READ_TAG, CipStatus::REPLY_TOO_LARGE)
-            }
+            Some([]) if !asked.is_empty() => Reply::error(service::READ_TAG, CipStatus::REPLY_TOO_LARGE),
             Some(part) if part.len() < asked.len() => Reply::with_status(
                 service::READ_TAG,
                 CipStatus::PARTIAL_TRANSFER,
@@ -626,9 +590,7 @@ pub enum TypedError {
         limit: usize,
     },
     /// 0x20: neither a number nor a name.
-    #[error(
-        "operand {operand} has type 0x{code:04X}, expected SINT, INT, DINT, LINT, REAL, LREAL or one SHORT_STRING"
-    )]
+    #[error("operand {operand} has type 0x{code:04X}, expected SINT, INT, DINT, LINT, REAL, LREAL or one SHORT_STRING")]
     WrongType {
         /// Counts from 0, the motion control tag.
         operand: usize,
@@ -658,9 +620,7 @@ pub fn decode_operands(data: &[u8]) -> Result<Vec<Typed>, TypedError> {
     let mut operands = Vec::new();
     while !reader.is_empty() {
         if operands.len() == MAX_OPERANDS {
-            return Err(TypedError::TooMuch {
-                limit: MAX_OPERANDS,
-            });
+            return Err(TypedError::TooMuch { limit: MAX_OPERANDS });
         }
         let operand = decode_operand(operands.len(), &mut reader)?;
         operands.push(operand);
@@ -688,16 +648,9 @@ fn decode_operand(operand: usize, reader: &mut Reader<'_>) -> Result<Typed, Type
     }
     if let Some(elementary) = elementary {
         let size = elementary.size();
-        let bytes = reader
-            .take(count * size)
-            .ok_or_else(|| little(4 + count * size))?;
-        let values: Option<Vec<Value>> = bytes
-            .chunks(size)
-            .map(|chunk| Value::read(elementary, chunk))
-            .collect();
-        return values
-            .map(|values| Typed::Numbers(elementary, values))
-            .ok_or(wrong);
+        let bytes = reader.take(count * size).ok_or_else(|| little(4 + count * size))?;
+        let values: Option<Vec<Value>> = bytes.chunks(size).map(|chunk| Value::read(elementary, chunk)).collect();
+        return values.map(|values| Typed::Numbers(elementary, values)).ok_or(wrong);
     }
     if count != 1 {
         return Err(wrong);
@@ -731,11 +684,7 @@ pub fn encode_operands(operands: &[Typed], out: &mut BytesMut) {
                 out.put_u16_le(1);
                 let length = u8::try_from(name.len()).unwrap_or(u8::MAX);
                 out.put_u8(length);
-                out.put_slice(
-                    name.as_bytes()
-                        .get(..usize::from(length))
-                        .unwrap_or_default(),
-                );
+                out.put_slice(name.as_bytes().get(..usize::from(length)).unwrap_or_default());
             }
         }
     }

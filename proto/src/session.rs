@@ -14,14 +14,14 @@ use std::time::Duration;
 
 use crate::cip::{CipStatus, Reply, Request, class, service};
 use crate::connection::{
-    self, ConnectionKey, ConnectionType, Count, ForwardClose, ForwardOpen, ForwardOpenReply,
-    NetworkParameters, UnconnectedSend,
+    self, ConnectionKey, ConnectionType, Count, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters,
+    UnconnectedSend,
 };
 use crate::cpf::{ConnectionId, Packet};
 use crate::discovery::list_reply;
 use crate::encap::{
-    Command, DEFAULT_LIMIT, EncapStatus, Frame, FrameDecoder, FrameError, Header, RegisterSession,
-    Service, SessionHandle,
+    Command, DEFAULT_LIMIT, EncapStatus, Frame, FrameDecoder, FrameError, Header, RegisterSession, Service,
+    SessionHandle,
 };
 use crate::epath::{Epath, Segment};
 use crate::identity::Identity;
@@ -168,10 +168,7 @@ enum Life {
     /// Waits for RegisterSession until then.
     Fresh { until: Duration },
     /// Registered; last heard of then.
-    Registered {
-        handle: SessionHandle,
-        heard: Duration,
-    },
+    Registered { handle: SessionHandle, heard: Duration },
     /// The socket is to be closed.
     Closed,
 }
@@ -307,12 +304,7 @@ impl ServerSession {
             Command::SEND_RR_DATA => self.send_rr_data(frame, now, host),
             Command::SEND_UNIT_DATA => self.send_unit_data(frame, now, host),
             command => {
-                let reply = match list_reply(
-                    command,
-                    host.identity(),
-                    self.settings.capability,
-                    self.local,
-                ) {
+                let reply = match list_reply(command, host.identity(), self.settings.capability, self.local) {
                     Some(data) => Frame::reply(header, data),
                     None => Frame::error(header, EncapStatus::INVALID_COMMAND),
                 };
@@ -330,10 +322,7 @@ impl ServerSession {
             .find(|slot| matches!(slot, Slot::Waiting { id: waiting, .. } if *waiting == id));
         let Some(slot) = found else { return false };
         let Slot::Waiting {
-            service,
-            header,
-            way,
-            ..
+            service, header, way, ..
         } = slot
         else {
             return false;
@@ -457,8 +446,7 @@ impl ServerSession {
         if let Err(status) = self.check_session(&header) {
             return self.push_ready(Frame::error(&header, status));
         }
-        let message =
-            Packet::decode(&frame.data).and_then(|packet| packet.unconnected_message().cloned());
+        let message = Packet::decode(&frame.data).and_then(|packet| packet.unconnected_message().cloned());
         match message {
             Ok(message) => {
                 let way = Way::Unconnected {
@@ -475,8 +463,7 @@ impl ServerSession {
         if let Err(status) = self.check_session(&header) {
             return self.push_ready(Frame::error(&header, status));
         }
-        let Ok((id, sequence, message)) =
-            Packet::decode(&frame.data).and_then(|packet| packet.connected_message())
+        let Ok((id, sequence, message)) = Packet::decode(&frame.data).and_then(|packet| packet.connected_message())
         else {
             return self.push_ready(Frame::error(&header, EncapStatus::INCORRECT_DATA));
         };
@@ -493,11 +480,7 @@ impl ServerSession {
                 let reply = Frame::reply(&header, stored.clone());
                 self.push_ready(reply);
             }
-            Some((last, None)) if *last == sequence => self.slots.push_back(Slot::Repeat {
-                header,
-                id,
-                sequence,
-            }),
+            Some((last, None)) if *last == sequence => self.slots.push_back(Slot::Repeat { header, id, sequence }),
             _ => {
                 connection.last = Some((sequence, None));
                 connection.in_flight += 1;
@@ -514,14 +497,7 @@ impl ServerSession {
     }
 
     /// Gives a message a place in the order of replies; answers it if the Connection Manager can.
-    fn message(
-        &mut self,
-        header: Header,
-        way: Way,
-        message: &Bytes,
-        now: Duration,
-        host: &mut dyn Host,
-    ) {
+    fn message(&mut self, header: Header, way: Way, message: &Bytes, now: Duration, host: &mut dyn Host) {
         let id = RequestId(self.next_id);
         self.next_id += 1;
         let transport = match way {
@@ -560,16 +536,12 @@ impl ServerSession {
         if request.service != service::UNCONNECTED_SEND || !is_connection_manager(&request.path) {
             return Ok(request);
         }
-        let send = UnconnectedSend::decode(&request.data)
-            .map_err(|status| Reply::error(request.service, status))?;
+        let send = UnconnectedSend::decode(&request.data).map_err(|status| Reply::error(request.service, status))?;
         self.check_route(&send.route.0)
             .map_err(|(code, left)| connection::route_refusal(code, left))?;
         let inner = Request::decode(&send.message).map_err(|error| error.reply())?;
         if inner.service == service::UNCONNECTED_SEND && is_connection_manager(&inner.path) {
-            return Err(Reply::error(
-                inner.service,
-                CipStatus::SERVICE_NOT_SUPPORTED,
-            ));
+            return Err(Reply::error(inner.service, CipStatus::SERVICE_NOT_SUPPORTED));
         }
         Ok(inner)
     }
@@ -599,19 +571,12 @@ impl ServerSession {
     }
 
     /// Opens and closes connections. `Err` is the reply, of success too; other requests pass.
-    fn manage_connections(
-        &mut self,
-        request: Request,
-        now: Duration,
-        host: &mut dyn Host,
-    ) -> Result<Request, Reply> {
+    fn manage_connections(&mut self, request: Request, now: Duration, host: &mut dyn Host) -> Result<Request, Reply> {
         if !is_connection_manager(&request.path) {
             return Ok(request);
         }
         match request.service {
-            service::FORWARD_OPEN | service::LARGE_FORWARD_OPEN => {
-                Err(self.forward_open(&request, now, host))
-            }
+            service::FORWARD_OPEN | service::LARGE_FORWARD_OPEN => Err(self.forward_open(&request, now, host)),
             service::FORWARD_CLOSE => Err(self.forward_close(&request, host)),
             _ => Ok(request),
         }
@@ -648,11 +613,7 @@ impl ServerSession {
         host: &mut dyn Host,
     ) -> Result<ForwardOpenReply, (CipStatus, u8)> {
         let fail = |code: u16| (CipStatus::connection(code), 0);
-        if let Some((id, known)) = self
-            .connections
-            .iter_mut()
-            .find(|(_, known)| known.key == open.key)
-        {
+        if let Some((id, known)) = self.connections.iter_mut().find(|(_, known)| known.key == open.key) {
             if !open.is_null() {
                 return Err(fail(extended::DUPLICATE));
             }
@@ -682,9 +643,7 @@ impl ServerSession {
         if self.connections.len() >= self.settings.max_connections || !host.acquire_connection() {
             return Err(fail(extended::OUT_OF_CONNECTIONS));
         }
-        let id = ConnectionId(nonzero(host, |id| {
-            !self.connections.contains_key(&ConnectionId(id))
-        }));
+        let id = ConnectionId(nonzero(host, |id| !self.connections.contains_key(&ConnectionId(id))));
         let o_to_t_api = open.o_to_t_rpi.max(MIN_API);
         let timeout = Duration::from_micros(u64::from(o_to_t_api) << (open.multiplier + 2));
         let connection = Connection {
@@ -788,8 +747,7 @@ impl ServerSession {
 
     /// Requests that wait are forgotten; what is ready in front of them still leaves.
     fn close(&mut self, reason: CloseReason, host: &mut dyn Host) {
-        if let (CloseReason::Frame(_), Some(Slot::Ready(refusal))) = (reason, self.slots.pop_back())
-        {
+        if let (CloseReason::Frame(_), Some(Slot::Ready(refusal))) = (reason, self.slots.pop_back()) {
             self.events.push_back(Event::Outgoing(refusal.to_bytes()));
         }
         self.slots.clear();
@@ -809,13 +767,9 @@ impl ServerSession {
             let frame = match slot {
                 Slot::Waiting { .. } => return,
                 Slot::Ready(frame) => Some(frame.clone()),
-                Slot::Repeat {
-                    header,
-                    id,
-                    sequence,
-                } => self
-                    .stored(*id, *sequence)
-                    .map(|data| Frame::reply(header, data)),
+                Slot::Repeat { header, id, sequence } => {
+                    self.stored(*id, *sequence).map(|data| Frame::reply(header, data))
+                }
             };
             self.slots.pop_front();
             if let Some(frame) = frame {
@@ -836,9 +790,7 @@ fn packet(way: &Way, reply: Bytes) -> Bytes {
     match way {
         Way::Unconnected { .. } => Packet::unconnected(reply).to_bytes(),
         Way::Connected {
-            t_to_o_id,
-            sequence,
-            ..
+            t_to_o_id, sequence, ..
         } => Packet::connected(*t_to_o_id, *sequence, &reply).to_bytes(),
     }
 }

@@ -53,9 +53,7 @@ impl CipStatus {
 
     /// The additional words.
     pub fn additional(&self) -> &[u16] {
-        self.words
-            .get(..usize::from(self.count))
-            .unwrap_or_default()
+        self.words.get(..usize::from(self.count)).unwrap_or_default()
     }
 
     /// Whether the general code is 0x00.
@@ -77,10 +75,7 @@ impl CipStatus {
             0xFF => general_error::TEXTS,
             _ => return None,
         };
-        table
-            .iter()
-            .find(|(code, _)| *code == word)
-            .map(|(_, text)| *text)
+        table.iter().find(|(code, _)| *code == word).map(|(_, text)| *text)
     }
 }
 

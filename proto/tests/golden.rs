@@ -3,18 +3,14 @@
 #![allow(clippy::unwrap_used)]
 
 use arcline_proto::cip::{self, CipStatus, Reply, Request};
-use arcline_proto::connection::{
-    ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, UnconnectedSend,
-};
+use arcline_proto::connection::{ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, UnconnectedSend};
 use arcline_proto::cpf::{ConnectionId, Item, Packet, decode_items, encode_items};
-use arcline_proto::encap::{
-    Command, Frame, FrameDecoder, Header, RegisterSession, Service, SessionHandle,
-};
+use arcline_proto::encap::{Command, Frame, FrameDecoder, Header, RegisterSession, Service, SessionHandle};
 use arcline_proto::epath::{Epath, Segment, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{
-    ReadModifyWrite, ReadReply, ReadTag, ReadTemplate, Symbol, TemplateAttributes, Typed,
-    TypedError, WireType, WriteTag, decode_operands, encode_operands,
+    ReadModifyWrite, ReadReply, ReadTag, ReadTemplate, Symbol, TemplateAttributes, Typed, TypedError, WireType,
+    WriteTag, decode_operands, encode_operands,
 };
 use arcline_tag::{Elementary, PathSegment, Value};
 use bytes::{Bytes, BytesMut};
@@ -27,10 +23,7 @@ fn hex(text: &str) -> Bytes {
         .map(|digit| u8::try_from(digit).unwrap())
         .collect();
     assert_eq!(digits.len() % 2, 0, "{text}");
-    digits
-        .chunks(2)
-        .map(|pair| pair[0] << 4 | pair[1])
-        .collect()
+    digits.chunks(2).map(|pair| pair[0] << 4 | pair[1]).collect()
 }
 
 /// Decodes every prefix too: none may panic.
@@ -93,16 +86,10 @@ fn register_session() {
         assert_eq!(decoder.decode(&mut buf), Ok(None), "cut at {end}");
         assert_eq!(buf.len(), end, "nothing is taken");
     }
-    let frame = decoder
-        .decode(&mut BytesMut::from(&bytes[..]))
-        .unwrap()
-        .unwrap();
+    let frame = decoder.decode(&mut BytesMut::from(&bytes[..])).unwrap().unwrap();
     assert_eq!(frame.header.command, Command::REGISTER_SESSION);
     assert_eq!(&frame.header.context, b"_pycomm_");
-    assert_eq!(
-        RegisterSession::decode(&frame.data),
-        Some(RegisterSession::CURRENT)
-    );
+    assert_eq!(RegisterSession::decode(&frame.data), Some(RegisterSession::CURRENT));
     // The reply: the same with the new handle.
     let header = Header {
         session: SessionHandle(0x5846_3f9d),
@@ -138,10 +125,8 @@ fn list_services() {
 #[test]
 fn list_identity() {
     // Address 127.0.0.1:44818, vendor 0x1337, type 0x0E, product 0x55, revision 33.11, status 0x3060, state 3.
-    let data = hex(
-        "0100 0c00 2c00 | 0100 | 0002 af12 7f000001 0000000000000000 |
-         3713 0e00 5500 210b 6030 01eeffc0 0a 5265664c6f6769782f41 03",
-    );
+    let data = hex("0100 0c00 2c00 | 0100 | 0002 af12 7f000001 0000000000000000 |
+         3713 0e00 5500 210b 6030 01eeffc0 0a 5265664c6f6769782f41 03");
     // The specification prints the port as af32, but 44818 is af12; only the length of the item is checked otherwise.
     let items = decode_items(&data).unwrap();
     let [Item::Identity(item)] = items.as_slice() else {
@@ -153,12 +138,7 @@ fn list_identity() {
     let (address, identity) = Identity::decode_item(item).unwrap();
     assert_eq!(address.to_string(), "127.0.0.1:44818");
     assert_eq!(
-        (
-            identity.vendor,
-            identity.major,
-            identity.minor,
-            identity.name()
-        ),
+        (identity.vendor, identity.major, identity.minor, identity.name()),
         (0x1337, 33, 11, "RefLogix/A")
     );
     assert_eq!(identity.list_identity(address), data);
@@ -167,18 +147,11 @@ fn list_identity() {
 #[test]
 fn write_with_the_request_repeated_behind_it() {
     // Speed := 2.5 by instance 0x12 of class 0x6B; then 2 bytes sequence and the whole request again.
-    let request =
-        request("4d 02 206b 2412 | ca00 0100 00002040 | 2c00 4d02206b2412ca00010000002040");
+    let request = request("4d 02 206b 2412 | ca00 0100 00002040 | 2c00 4d02206b2412ca00010000002040");
     assert_eq!(request.path, Epath::object(0x6B, 0x12));
     let write = WriteTag::decode(&request.data).unwrap();
-    assert_eq!(
-        (write.data_type, write.elements),
-        (WireType::from(Elementary::Real), 1)
-    );
-    assert_eq!(
-        Value::read(Elementary::Real, &write.data[..4]),
-        Some(Value::Real(2.5))
-    );
+    assert_eq!((write.data_type, write.elements), (WireType::from(Elementary::Real), 1));
+    assert_eq!(Value::read(Elementary::Real, &write.data[..4]), Some(Value::Real(2.5)));
     assert!(write.data.len() > 4, "surplus is kept apart, not refused");
     assert_eq!(reply("cd 00 00 00"), Reply::success(0x4D, Bytes::new()));
 }
@@ -187,10 +160,7 @@ fn write_with_the_request_repeated_behind_it() {
 fn unknown_tag() {
     // Read "NoTag", one element; 0x05 with one additional word 0.
     let request = request("4c 04 9105 4e6f546167 00 | 0100");
-    assert_eq!(
-        Target::new(&request.path).unwrap().first_symbol(),
-        Some("NoTag")
-    );
+    assert_eq!(Target::new(&request.path).unwrap().first_symbol(), Some("NoTag"));
     assert_eq!(
         reply("cc 00 05 01 0000").status,
         CipStatus::PATH_DESTINATION_UNKNOWN.with(0)
@@ -205,9 +175,7 @@ fn unconnected_send() {
     assert_eq!(send.time.duration().as_millis(), 5120);
     let inner = Request::decode(&send.message).unwrap();
     assert_eq!((inner.service, inner.path), (1, Epath::object(1, 1)));
-    assert!(
-        matches!(send.route.0.as_slice(), [Segment::Port(port)] if port.backplane_slot() == Some(0))
-    );
+    assert!(matches!(send.route.0.as_slice(), [Segment::Port(port)] if port.backplane_slot() == Some(0)));
     assert_eq!(send.to_bytes().unwrap(), request.data);
     let all = reply("81 00 00 00 | 3713 0e00 5500 210b 6030 01eeffc0 0a 5265664c6f6769782f41");
     let identity = Identity::decode_all(&all.data).unwrap();
@@ -238,17 +206,11 @@ fn large_forward_open() {
         (key, ConnectionId(0x5d03_6fff), 7)
     );
     assert_eq!(
-        (
-            open.o_to_t.size,
-            open.o_to_t.variable,
-            open.transport_class()
-        ),
+        (open.o_to_t.size, open.o_to_t.variable, open.transport_class()),
         (4000, true, 3)
     );
     assert_eq!(open.to_bytes(true).unwrap(), request.data);
-    let opened = reply(
-        "db 00 00 00 | 35e2034e | ff6f035d | 2704 | 0910 | 15190b8e | 01402000 | 01402000 | 00 00",
-    );
+    let opened = reply("db 00 00 00 | 35e2034e | ff6f035d | 2704 | 0910 | 15190b8e | 01402000 | 01402000 | 00 00");
     let decoded = ForwardOpenReply::decode(&opened.data).unwrap();
     assert_eq!(
         (decoded.o_to_t_id, decoded.o_to_t_api),
@@ -259,8 +221,7 @@ fn large_forward_open() {
 
 #[test]
 fn forward_close() {
-    let request =
-        request("4e 02 2006 2401 | 0a 05 | 2704 | 0910 | 15190b8e | 03 00 | 0100 2002 2401");
+    let request = request("4e 02 2006 2401 | 0a 05 | 2704 | 0910 | 15190b8e | 03 00 | 0100 2002 2401");
     let close = ForwardClose::decode(&request.data).unwrap();
     assert_eq!(close.to_bytes().unwrap(), request.data);
     assert_eq!(
@@ -281,25 +242,16 @@ fn connected_read() {
         .unwrap()
         .unwrap();
     for end in 0..frame.data.len() {
-        assert!(
-            Packet::decode(&frame.data.slice(..end)).is_err(),
-            "cut at {end}"
-        );
+        assert!(Packet::decode(&frame.data.slice(..end)).is_err(), "cut at {end}");
     }
-    let (id, sequence, message) = Packet::decode(&frame.data)
-        .unwrap()
-        .connected_message()
-        .unwrap();
+    let (id, sequence, message) = Packet::decode(&frame.data).unwrap().connected_message().unwrap();
     assert_eq!((id, sequence), (ConnectionId(0x4e03_e235), 16));
     let target = Target::new(&Request::decode(&message).unwrap().path).unwrap();
     assert_eq!((target.class, target.instance), (Some(0x6B), Some(0x11)));
     assert_eq!(target.members, [PathSegment::Element(3)]);
     let read = reply("cc 00 00 00 | c400 67000000");
     let read = ReadReply::decode(&read.data).unwrap();
-    assert_eq!(
-        Value::read(Elementary::Dint, &read.data),
-        Some(Value::Dint(103))
-    );
+    assert_eq!(Value::read(Elementary::Dint, &read.data), Some(Value::Dint(103)));
 }
 
 #[test]
@@ -328,10 +280,7 @@ fn read_modify_write() {
     let mut word = [1, 0, 0, 0];
     masks.apply(&mut word).unwrap();
     assert_eq!(word, [0x21, 0, 0, 0]);
-    assert_eq!(
-        masks.apply(&mut [0, 0]),
-        Err(CipStatus::INVALID_PARAMETER_VALUE)
-    );
+    assert_eq!(masks.apply(&mut [0, 0]), Err(CipStatus::INVALID_PARAMETER_VALUE));
     assert_eq!(
         ReadModifyWrite::decode(&hex("0300 000000 000000")),
         Err(CipStatus::INVALID_PARAMETER_VALUE)
@@ -350,11 +299,7 @@ fn multiple_service_packet() {
         .map(Result::unwrap)
         .collect();
     assert_eq!(
-        Target::new(&inner[0].path)
-            .unwrap()
-            .tag_path()
-            .unwrap()
-            .to_string(),
+        Target::new(&inner[0].path).unwrap().tag_path().unwrap().to_string(),
         "TestDINT[0]"
     );
     assert_eq!(cip::join_multiple(&inner).unwrap(), request.data);
@@ -377,19 +322,11 @@ fn browse() {
         "05000000 | 0800 5f5f537973546167 | c410 | 05100000 | 05200000 | 00000004 | 00000000 00000000 00000000 | 00",
     );
     for end in 1..bytes.len() {
-        assert_eq!(
-            Symbol::decode_list(&bytes[..end], &ids),
-            None,
-            "cut at {end}"
-        );
+        assert_eq!(Symbol::decode_list(&bytes[..end], &ids), None, "cut at {end}");
     }
     let symbols = Symbol::decode_list(&bytes, &ids).unwrap();
     assert_eq!(
-        (
-            symbols[0].instance,
-            symbols[0].name.as_str(),
-            symbols[0].symbol_type
-        ),
+        (symbols[0].instance, symbols[0].name.as_str(), symbols[0].symbol_type),
         (5, "__SysTag", 0x10C4)
     );
     let reply = arcline_proto::logix::instance_list_reply(&symbols, 0, &ids, 504);
@@ -418,11 +355,7 @@ fn browse() {
         ),
     ] {
         let target = Target::new(&request(text).path).unwrap();
-        assert_eq!(
-            (target.class, target.instance),
-            (Some(0x6B), Some(instance)),
-            "{why}"
-        );
+        assert_eq!((target.class, target.instance), (Some(0x6B), Some(instance)), "{why}");
         assert_eq!(target.first_symbol(), scope, "{why}");
     }
     // 25 00 0000 is instance 0 in the long form: equal to 24 00.
@@ -437,9 +370,8 @@ fn templates() {
     let asked = request("03 03 206c 2500 a201 | 0400 | 0400 0500 0200 0100");
     let ids = cip::decode_attribute_ids(&asked.data).unwrap();
     assert_eq!(ids, TemplateAttributes::IDS);
-    let expected = reply(
-        "83 00 00 00 | 0400 | 0400 0000 2d000000 | 0500 0000 80000000 | 0200 0000 0800 | 0100 0000 8877",
-    );
+    let expected =
+        reply("83 00 00 00 | 0400 | 0400 0000 2d000000 | 0500 0000 80000000 | 0200 0000 0800 | 0100 0000 8877");
     let attributes = TemplateAttributes::decode(&expected.data).unwrap();
     assert_eq!(
         attributes,
@@ -458,18 +390,14 @@ fn templates() {
     );
     // 35 bytes of the definition from offset 0: X REAL@0, Y REAL@4, "Vec2;nEAEA".
     let asked = request("4c 03 206c 2500 a101 | 00000000 | 2300");
-    let definition = hex(
-        "0000 ca00 00000000 | 0000 ca00 04000000 | 56656332 3b6e 4541 4541 00 | 5800 | 5900 | 0000000000",
-    );
+    let definition =
+        hex("0000 ca00 00000000 | 0000 ca00 04000000 | 56656332 3b6e 4541 4541 00 | 5800 | 5900 | 0000000000");
     let read = ReadTemplate::decode(&asked.data).unwrap();
     assert_eq!(
         read.reply(&definition, 504),
         Reply::success(0x4C, definition.slice(..35.min(definition.len())))
     );
-    assert_eq!(
-        read.reply(&definition, 20).status,
-        CipStatus::PARTIAL_TRANSFER
-    );
+    assert_eq!(read.reply(&definition, 20).status, CipStatus::PARTIAL_TRANSFER);
 }
 
 #[test]
@@ -484,10 +412,7 @@ fn wide_ids_and_attribute_lists() {
     // The wall clock's setters: two values of 8 and 1 bytes.
     let set = request("04 02 208b 2401 | 0200 | 0600 0102030405060708 0a00 00");
     let mut list = cip::AttributeListReader::new(&set.data).unwrap();
-    assert_eq!(
-        (list.next_id(), list.value(8).map(<[u8]>::len)),
-        (Some(6), Some(8))
-    );
+    assert_eq!((list.next_id(), list.value(8).map(<[u8]>::len)), (Some(6), Some(8)));
     assert_eq!(
         (list.next_id(), list.value(1), list.next_id()),
         (Some(10), Some(&[0][..]), None)
@@ -495,10 +420,7 @@ fn wide_ids_and_attribute_lists() {
     let mut answer = cip::AttributeListReply::new(4);
     answer.push(6, Ok(&[]));
     answer.push(10, Ok(&[]));
-    assert_eq!(
-        answer.finish(504),
-        reply("84 00 00 00 | 0200 | 0600 0000 0a00 0000")
-    );
+    assert_eq!(answer.finish(504), reply("84 00 00 00 | 0200 | 0600 0000 0a00 0000"));
 }
 
 #[test]
@@ -509,28 +431,15 @@ fn class_1_forward_open_and_datagram() {
          a0860100 | 2648 | a0860100 | 2248 | 01 | 04 | 2004 2497 2c96 2c64",
     );
     let open = ForwardOpen::decode(&request.data, false).unwrap();
+    assert_eq!((open.o_to_t.size, open.t_to_o.size, open.o_to_t_rpi), (38, 34, 100_000));
     assert_eq!(
-        (open.o_to_t.size, open.t_to_o.size, open.o_to_t_rpi),
-        (38, 34, 100_000)
-    );
-    assert_eq!(
-        (
-            open.transport_class(),
-            open.o_to_t.variable,
-            open.o_to_t.priority
-        ),
+        (open.transport_class(), open.o_to_t.variable, open.o_to_t.priority),
         (1, false, 2)
     );
-    assert_eq!(
-        Target::new(&open.path).unwrap().connection_points,
-        [0x96, 0x64]
-    );
+    assert_eq!(Target::new(&open.path).unwrap().connection_points, [0x96, 0x64]);
     // Reply items: null address, data, 0x8000 with port 2222.
-    let items =
-        hex("0300 0000 0000 b200 0400 d4000000 0080 1000 0002 08ae 00000000 0000000000000000");
-    assert!(
-        matches!(decode_items(&items).unwrap().as_slice(), [.., Item::SockaddrOToT(at)] if at.port() == 2222)
-    );
+    let items = hex("0300 0000 0000 b200 0400 d4000000 0080 1000 0002 08ae 00000000 0000000000000000");
+    assert!(matches!(decode_items(&items).unwrap().as_slice(), [.., Item::SockaddrOToT(at)] if at.port() == 2222));
     // T→O datagram: sequenced address, connected data.
     let items = hex("0200 0280 0800 01000100 01000000 b100 0400 0100 0001");
     let sequenced = Item::SequencedAddress {
@@ -554,26 +463,17 @@ fn motion_operands() {
     let mut out = BytesMut::new();
     encode_operands(&operands, &mut out);
     // SHORT_STRING × 1 "Move1"; DINT × 1; REAL × 2; SHORT_STRING × 1 "".
-    let bytes = hex(
-        "da00 0100 05 4d6f766531 | c400 0100 00000000 | ca00 0200 00001041 00000000 | da00 0100 00",
-    );
+    let bytes = hex("da00 0100 05 4d6f766531 | c400 0100 00000000 | ca00 0200 00001041 00000000 | da00 0100 00");
     assert_eq!(out, bytes);
     assert_eq!(decode_operands(&bytes).unwrap(), operands);
     for end in 0..bytes.len() {
         match decode_operands(&bytes[..end]) {
-            Ok(whole) => assert!(
-                [0, 10, 18, 30].contains(&end) && whole.len() < 4,
-                "cut at {end}"
-            ),
+            Ok(whole) => assert!([0, 10, 18, 30].contains(&end) && whole.len() < 4, "cut at {end}"),
             Err(error) => assert_eq!(error.status(), CipStatus::NOT_ENOUGH_DATA, "cut at {end}"),
         }
     }
     for (why, text, status) in [
-        (
-            "a structure",
-            "a002 ce0f 0100",
-            CipStatus::INVALID_PARAMETER,
-        ),
+        ("a structure", "a002 ce0f 0100", CipStatus::INVALID_PARAMETER),
         ("a BOOL", "c100 0100 01", CipStatus::INVALID_PARAMETER),
         (
             "a word beyond 8 bits",
@@ -587,16 +487,8 @@ fn motion_operands() {
             CipStatus::INVALID_PARAMETER,
         ),
         ("no elements", "c400 0000", CipStatus::NOT_ENOUGH_DATA),
-        (
-            "65535 announced",
-            "c500 ffff 00",
-            CipStatus::NOT_ENOUGH_DATA,
-        ),
-        (
-            "one byte behind",
-            "c400 0100 00000000 00",
-            CipStatus::NOT_ENOUGH_DATA,
-        ),
+        ("65535 announced", "c500 ffff 00", CipStatus::NOT_ENOUGH_DATA),
+        ("one byte behind", "c400 0100 00000000 00", CipStatus::NOT_ENOUGH_DATA),
     ] {
         assert_eq!(
             decode_operands(&hex(text)).map_err(TypedError::status),
@@ -647,10 +539,7 @@ fn paths() {
         let _ = Epath::decode(&bytes.slice(..end));
     }
     let deep: Bytes = (0..33).flat_map(|_| hex("9102 4142")).collect();
-    assert!(
-        Target::new(&Epath::decode(&deep).unwrap()).is_err(),
-        "33 names"
-    );
+    assert!(Target::new(&Epath::decode(&deep).unwrap()).is_err(), "33 names");
     for (why, text, general) in [
         ("path beyond the message", "4c 05 9101 4100", 0x26),
         ("no path size", "4c", 0x13),

@@ -6,16 +6,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use arcline_proto::cip::{CipStatus, Reply, Request};
-use arcline_proto::client::{
-    Call, ClientError, ClientSession, Connected, OpenOptions, Outcome, backplane,
-};
-use arcline_proto::connection::{
-    ConnectionKey, Count, Counters, ForwardOpen, NetworkParameters, UnconnectedSend,
-};
+use arcline_proto::client::{Call, ClientError, ClientSession, Connected, OpenOptions, Outcome, backplane};
+use arcline_proto::connection::{ConnectionKey, Count, Counters, ForwardOpen, NetworkParameters, UnconnectedSend};
 use arcline_proto::cpf::{ConnectionId, Packet};
-use arcline_proto::encap::{
-    Command, EncapStatus, Frame, FrameDecoder, Header, RegisterSession, SessionHandle,
-};
+use arcline_proto::encap::{Command, EncapStatus, Frame, FrameDecoder, Header, RegisterSession, SessionHandle};
 use arcline_proto::epath::{Epath, PortSegment, Segment};
 use arcline_proto::identity::Identity;
 use arcline_proto::session::{CloseReason, Event, Host, RequestId, ServerSession, Settings};
@@ -31,10 +25,7 @@ struct TestHost {
 
 impl Host for TestHost {
     fn random(&mut self) -> u32 {
-        self.drawn = self
-            .drawn
-            .wrapping_mul(1_664_525)
-            .wrapping_add(1_013_904_223);
+        self.drawn = self.drawn.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         self.drawn
     }
     fn acquire_connection(&mut self) -> bool {
@@ -77,11 +68,7 @@ impl Pair {
             counters: Counters::default(),
             identity,
         };
-        let server = ServerSession::new(
-            Arc::new(settings),
-            "127.0.0.1:44818".parse().unwrap(),
-            Duration::ZERO,
-        );
+        let server = ServerSession::new(Arc::new(settings), "127.0.0.1:44818".parse().unwrap(), Duration::ZERO);
         let client = ClientSession::new(Duration::from_secs(5));
         let (requests, sent) = (Vec::new(), Vec::new());
         Self {
@@ -114,9 +101,7 @@ impl Pair {
             self.collect();
             for bytes in self.sent.split_off(sent.min(self.sent.len())) {
                 moved = true;
-                self.client
-                    .handle_input(&mut BytesMut::from(&bytes[..]))
-                    .unwrap();
+                self.client.handle_input(&mut BytesMut::from(&bytes[..])).unwrap();
             }
             if !moved {
                 return;
@@ -146,15 +131,12 @@ impl Pair {
 
     fn answer_all(&mut self) {
         for (id, request, _) in std::mem::take(&mut self.requests) {
-            assert!(self.server.reply(
-                id,
-                &Reply::success(request.service, request.data.clone()),
-                self.now
-            ));
             assert!(
-                !self
-                    .server
-                    .reply(id, &Reply::success(1, Bytes::new()), self.now),
+                self.server
+                    .reply(id, &Reply::success(request.service, request.data.clone()), self.now)
+            );
+            assert!(
+                !self.server.reply(id, &Reply::success(1, Bytes::new()), self.now),
                 "answered once"
             );
         }
@@ -238,18 +220,12 @@ fn a_whole_conversation() {
         ("127.0.0.1:44818", "Arcline")
     );
     for route in [None, Some(backplane(0)), Some(Epath::default())] {
-        let call = pair
-            .client
-            .request(&read("A"), route.as_ref(), pair.now)
-            .unwrap();
+        let call = pair.client.request(&read("A"), route.as_ref(), pair.now).unwrap();
         assert_eq!(pair.outcome(call), echo(&read("A")), "{route:?}");
     }
     let connection = pair.open();
     assert_eq!((pair.server.connections(), pair.host.open), (1, 1));
-    let call = pair
-        .client
-        .request_connected(connection, &read("B"), pair.now)
-        .unwrap();
+    let call = pair.client.request_connected(connection, &read("B"), pair.now).unwrap();
     pair.drive();
     assert_eq!(
         pair.requests[0].2, 4000,
@@ -260,8 +236,7 @@ fn a_whole_conversation() {
     assert_eq!(pair.outcome(call), Outcome::Closed);
     assert_eq!((pair.server.connections(), pair.host.open), (0, 0));
     assert_eq!(
-        pair.client
-            .request_connected(connection, &read("B"), pair.now),
+        pair.client.request_connected(connection, &read("B"), pair.now),
         Err(ClientError::NotOpen)
     );
     pair.client.unregister();
@@ -274,11 +249,7 @@ fn a_whole_conversation() {
 fn routes_elsewhere_are_refused() {
     let mut pair = Pair::registered();
     for (why, segment, code) in [
-        (
-            "another slot",
-            Segment::Port(PortSegment::backplane(3)),
-            0x0312,
-        ),
+        ("another slot", Segment::Port(PortSegment::backplane(3)), 0x0312),
         (
             "another port",
             Segment::Port(PortSegment {
@@ -309,10 +280,7 @@ fn routes_elsewhere_are_refused() {
         route: backplane(0),
     };
     let nested = Request::new(0x52, Epath::object(6, 1), inner.to_bytes().unwrap());
-    let call = pair
-        .client
-        .request(&nested, Some(&backplane(0)), pair.now)
-        .unwrap();
+    let call = pair.client.request(&nested, Some(&backplane(0)), pair.now).unwrap();
     assert_eq!(
         pair.outcome(call),
         Outcome::Reply(Reply::error(0x52, CipStatus::SERVICE_NOT_SUPPORTED))
@@ -324,11 +292,7 @@ fn routes_elsewhere_are_refused() {
 fn pipelined_requests_are_answered_in_order() {
     let mut pair = Pair::registered();
     let calls: Vec<Call> = (0..5)
-        .map(|n| {
-            pair.client
-                .request(&read(&format!("T{n}")), None, pair.now)
-                .unwrap()
-        })
+        .map(|n| pair.client.request(&read(&format!("T{n}")), None, pair.now).unwrap())
         .collect();
     let mut coalesced = BytesMut::new();
     while let Some(bytes) = pair.client.poll_transmit() {
@@ -367,11 +331,7 @@ fn input_waits_while_too_much_is_unanswered() {
     pair.server.handle_input(&mut buf, pair.now, &mut pair.host);
     pair.collect();
     assert_eq!(
-        (
-            pair.requests.len(),
-            buf.is_empty(),
-            pair.server.wants_input()
-        ),
+        (pair.requests.len(), buf.is_empty(), pair.server.wants_input()),
         (2, false, false)
     );
     pair.answer_all();
@@ -382,11 +342,7 @@ fn input_waits_while_too_much_is_unanswered() {
 #[test]
 fn encapsulation_errors() {
     let mut pair = Pair::new();
-    let status = |replies: Vec<Frame>| {
-        replies
-            .first()
-            .map(|reply| (reply.header.status, reply.data.len()))
-    };
+    let status = |replies: Vec<Frame>| replies.first().map(|reply| (reply.header.status, reply.data.len()));
     let none = SessionHandle(0);
     let current = RegisterSession::CURRENT.to_bytes();
     let rr = Packet::unconnected(read("A").to_bytes().unwrap()).to_bytes();
@@ -404,9 +360,7 @@ fn encapsulation_errors() {
     for (why, command, data, expected) in before {
         let replies = pair.raw(&raw(command, none, data));
         assert!(
-            replies
-                .iter()
-                .all(|reply| &reply.header.context == b"context!"),
+            replies.iter().all(|reply| &reply.header.context == b"context!"),
             "{why}"
         );
         assert_eq!(status(replies), expected, "{why}");
@@ -423,11 +377,7 @@ fn encapsulation_errors() {
         ("address item missing",     Command::SEND_UNIT_DATA,     session, rr.clone(),                       Some((EncapStatus::INCORRECT_DATA, 0))),
     ];
     for (why, command, session, data, expected) in after {
-        assert_eq!(
-            status(pair.raw(&raw(command, session, data))),
-            expected,
-            "{why}"
-        );
+        assert_eq!(status(pair.raw(&raw(command, session, data))), expected, "{why}");
     }
     let mut dropped = raw(Command::LIST_IDENTITY, session, Bytes::new());
     dropped.header.status = EncapStatus(1);
@@ -440,10 +390,7 @@ fn encapsulation_errors() {
     assert_eq!(pair.raw(&dropped), [], "options in a request");
     assert_eq!(pair.closed, None, "the socket stays open through all of it");
     let long = raw(Command::SEND_RR_DATA, session, Bytes::from(vec![0; 9000]));
-    assert_eq!(
-        status(pair.raw(&long)),
-        Some((EncapStatus::INVALID_LENGTH, 0))
-    );
+    assert_eq!(status(pair.raw(&long)), Some((EncapStatus::INVALID_LENGTH, 0)));
     assert!(matches!(pair.closed, Some(CloseReason::Frame(_))));
 }
 
@@ -479,11 +426,7 @@ fn forward_open_refusals() {
             major,
             ..Default::default()
         };
-        Epath(vec![
-            Segment::Key(key),
-            Segment::Class(2),
-            Segment::Instance(1),
-        ])
+        Epath(vec![Segment::Key(key), Segment::Class(2), Segment::Instance(1)])
     };
     let mut null = NetworkParameters::explicit(0);
     null.connection_type = arcline_proto::connection::ConnectionType::Null;
@@ -551,29 +494,19 @@ fn forward_open_refusals() {
 fn duplicates_get_the_stored_reply() {
     let mut pair = Pair::registered();
     let connection = pair.open();
-    pair.client
-        .request_connected(connection, &read("A"), pair.now)
-        .unwrap();
+    pair.client.request_connected(connection, &read("A"), pair.now).unwrap();
     let bytes = pair.client.poll_transmit().unwrap();
     pair.input(&bytes);
     pair.input(&bytes);
     pair.collect();
-    assert_eq!(
-        pair.requests.len(),
-        1,
-        "executed once, also while it is not answered"
-    );
+    assert_eq!(pair.requests.len(), 1, "executed once, also while it is not answered");
     pair.answer_all();
     pair.collect();
     assert_eq!(pair.sent.len(), 2);
     assert_eq!(pair.sent[0], pair.sent[1]);
     pair.input(&bytes);
     pair.collect();
-    assert_eq!(
-        (pair.requests.len(), pair.sent.len()),
-        (0, 3),
-        "and afterwards"
-    );
+    assert_eq!((pair.requests.len(), pair.sent.len()), (0, 3), "and afterwards");
 }
 
 #[test]
@@ -582,10 +515,7 @@ fn watchdog_and_unknown_connections() {
     let connection = pair.open();
     // 2 s × 32, restarted by each request.
     pair.now = Duration::from_secs(60);
-    let call = pair
-        .client
-        .request_connected(connection, &read("A"), pair.now)
-        .unwrap();
+    let call = pair.client.request_connected(connection, &read("A"), pair.now).unwrap();
     assert_eq!(pair.outcome(call), echo(&read("A")));
     assert_eq!(pair.server.poll_timeout(), Some(Duration::from_secs(124)));
     pair.now = Duration::from_millis(123_999);
@@ -595,10 +525,7 @@ fn watchdog_and_unknown_connections() {
     pair.server.handle_timeout(pair.now, &mut pair.host);
     assert_eq!((pair.server.connections(), pair.host.open), (0, 0));
     assert_eq!(pair.host.counters.of(Count::ConnectionTimeouts), 1);
-    let call = pair
-        .client
-        .request_connected(connection, &read("A"), pair.now)
-        .unwrap();
+    let call = pair.client.request_connected(connection, &read("A"), pair.now).unwrap();
     pair.drive();
     assert_eq!(
         pair.closed,
@@ -606,8 +533,7 @@ fn watchdog_and_unknown_connections() {
         "the client notices at once"
     );
     assert_eq!(pair.server.unknown_connections(), 1);
-    pair.client
-        .handle_timeout(pair.now + Duration::from_secs(5));
+    pair.client.handle_timeout(pair.now + Duration::from_secs(5));
     let event = pair.client.poll_event().unwrap();
     assert_eq!(
         (event.call, event.outcome),
@@ -619,14 +545,12 @@ fn watchdog_and_unknown_connections() {
 fn silence_closes() {
     let mut pair = Pair::new();
     assert_eq!(pair.server.poll_timeout(), Some(Duration::from_secs(30)));
-    pair.server
-        .handle_timeout(Duration::from_secs(30), &mut pair.host);
+    pair.server.handle_timeout(Duration::from_secs(30), &mut pair.host);
     pair.collect();
     assert_eq!(pair.closed, Some(CloseReason::NotRegistered));
     let mut pair = Pair::registered();
     assert_eq!(pair.server.poll_timeout(), Some(Duration::from_secs(120)));
-    pair.server
-        .handle_timeout(Duration::from_secs(120), &mut pair.host);
+    pair.server.handle_timeout(Duration::from_secs(120), &mut pair.host);
     pair.collect();
     assert_eq!(pair.closed, Some(CloseReason::Inactive));
 }

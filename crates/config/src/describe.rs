@@ -52,21 +52,9 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         }
         write!(out, ", starts at {} {unit}", axis.start.position)?;
         if matches!(axis.kind, AxisKind::Servo(_)) {
-            write!(
-                out,
-                ", servo {}",
-                if axis.start.servo_on { "on" } else { "off" }
-            )?;
+            write!(out, ", servo {}", if axis.start.servo_on { "on" } else { "off" })?;
         }
-        writeln!(
-            out,
-            "{}",
-            if axis.start.homed {
-                ", homed"
-            } else {
-                ", not homed"
-            }
-        )?;
+        writeln!(out, "{}", if axis.start.homed { ", homed" } else { ", not homed" })?;
     }
     for system in &machine.systems {
         let axes: Vec<&str> = system
@@ -108,11 +96,7 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         )?;
     }
     for tag in instruction_tags {
-        writeln!(
-            out,
-            "instruction tag {}: {} on {}",
-            tag.tag, tag.mnemonic, tag.target
-        )?;
+        writeln!(out, "instruction tag {}: {} on {}", tag.tag, tag.mnemonic, tag.target)?;
     }
     for tag in tags {
         writeln!(out, "tag {}: {}", tag.name, TagTypeName(&tag.tag_type))?;

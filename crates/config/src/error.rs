@@ -89,9 +89,7 @@ pub enum Problem {
         suggestion: Option<String>,
     },
     /// A name that is taken already; names ignore case.
-    #[error(
-        "the name `{name}` is taken by line {line}, expected a name of its own (case is ignored)"
-    )]
+    #[error("the name `{name}` is taken by line {line}, expected a name of its own (case is ignored)")]
     Duplicate {
         /// The name.
         name: String,
@@ -124,19 +122,11 @@ fn suggest(suggestion: &Option<String>) -> String {
 }
 
 /// The candidate nearest to a word, when it is near enough to be a slip.
-pub(crate) fn nearest<'a>(
-    word: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<String> {
+pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let word = word.to_ascii_lowercase();
     candidates
         .into_iter()
-        .map(|candidate| {
-            (
-                strsim::jaro_winkler(&word, &candidate.to_ascii_lowercase()),
-                candidate,
-            )
-        })
+        .map(|candidate| (strsim::jaro_winkler(&word, &candidate.to_ascii_lowercase()), candidate))
         .filter(|(similarity, _)| *similarity >= 0.75)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate.to_owned())

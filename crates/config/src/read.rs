@@ -6,8 +6,8 @@ use std::net::{Ipv4Addr, SocketAddr};
 
 use arcline_instruction_set::{Mnemonic, Object};
 use arcline_motion::machine::{
-    Axis, AxisKind, AxisLimits, CoordinateSystem, Corner, Drive, MAX_AXES, MAX_PRIMARY_AXES,
-    MAX_QUEUE_DEPTH, MAX_SYSTEMS, MAX_TRANSFORMS, Machine, Start, Transform, Travel, default_jerk,
+    Axis, AxisKind, AxisLimits, CoordinateSystem, Corner, Drive, MAX_AXES, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH,
+    MAX_SYSTEMS, MAX_TRANSFORMS, Machine, Start, Transform, Travel, default_jerk,
 };
 use arcline_tag::{DataType, Elementary, TagType, string_template};
 use toml::de::DeTable;
@@ -68,11 +68,7 @@ fn server(root: &Section<'_>) -> Result<ServerConfig, ConfigError> {
         config.hmi = if hmi.value.eq_ignore_ascii_case("off") {
             None
         } else {
-            Some(
-                hmi.value
-                    .parse()
-                    .map_err(|_| section.refuse(&hmi, HMI, None))?,
-            )
+            Some(hmi.value.parse().map_err(|_| section.refuse(&hmi, HMI, None))?)
         };
     }
     Ok(config)
@@ -91,9 +87,7 @@ fn machine(root: &Section<'_>, names: &mut Taken) -> Result<Machine, ConfigError
             },
         )?,
     };
-    let period_ms = group
-        .number("coarse_update_period_ms", &PERIOD)?
-        .unwrap_or(1.0);
+    let period_ms = group.number("coarse_update_period_ms", &PERIOD)?.unwrap_or(1.0);
     // Within 250,000 and 32,000,000 by the rule: exact in both types.
     let period_ns = (period_ms * 1e6).round() as u64;
 
@@ -117,12 +111,7 @@ fn machine(root: &Section<'_>, names: &mut Taken) -> Result<Machine, ConfigError
         let system = coordinate_system(&section, &machine, names)?;
         machine.systems.push(system);
     }
-    for section in root.tables(
-        "transform",
-        TRANSFORM,
-        "tables, [[transform]]",
-        MAX_TRANSFORMS,
-    )? {
+    for section in root.tables("transform", TRANSFORM, "tables, [[transform]]", MAX_TRANSFORMS)? {
         let transform = transform(&section, &machine, names)?;
         machine.transforms.push(transform);
     }
@@ -136,11 +125,7 @@ fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, ConfigError> {
         None => return Err(section.missing("type", AXIS_TYPE)),
     };
     let units = match section.string("units", UNITS)? {
-        Some(units)
-            if units.value.len() <= MAX_UNITS && !units.value.chars().any(char::is_control) =>
-        {
-            units.value
-        }
+        Some(units) if units.value.len() <= MAX_UNITS && !units.value.chars().any(char::is_control) => units.value,
         Some(units) => return Err(section.refuse(&units, UNITS, None)),
         None => "Position Units".to_owned(),
     };
@@ -182,8 +167,7 @@ fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, ConfigError> {
 }
 
 fn travel(axis: &Section<'_>) -> Result<Option<Travel>, ConfigError> {
-    let (section, present) =
-        axis.table("travel", &["min", "max"], "{ min = NUMBER, max = NUMBER }")?;
+    let (section, present) = axis.table("travel", &["min", "max"], "{ min = NUMBER, max = NUMBER }")?;
     if !present {
         return Ok(None);
     }
@@ -201,11 +185,7 @@ fn travel(axis: &Section<'_>) -> Result<Option<Travel>, ConfigError> {
 }
 
 fn drive(axis: &Section<'_>) -> Result<Option<Drive>, ConfigError> {
-    let (section, present) = axis.table(
-        "drive",
-        DRIVE,
-        "a table such as { position_bandwidth_hz = 40.0 }",
-    )?;
+    let (section, present) = axis.table("drive", DRIVE, "a table such as { position_bandwidth_hz = 40.0 }")?;
     let default = Drive::default();
     let bandwidth = section.number("position_bandwidth_hz", &BANDWIDTH)?;
     let feedforward = section.number("velocity_feedforward", &SHARE)?;
@@ -218,15 +198,9 @@ fn drive(axis: &Section<'_>) -> Result<Option<Drive>, ConfigError> {
 }
 
 fn start(axis: &Section<'_>, unwind: Option<f64>) -> Result<Start, ConfigError> {
-    let (section, _) = axis.table(
-        "start",
-        START,
-        "a table such as { position = 0.0, servo_on = true }",
-    )?;
+    let (section, _) = axis.table("start", START, "a table such as { position = 0.0, servo_on = true }")?;
     let default = Start::default();
-    let position = section
-        .number("position", &ANY)?
-        .unwrap_or(default.position);
+    let position = section.number("position", &ANY)?.unwrap_or(default.position);
     if unwind.is_some_and(|turn| !(0.0..turn).contains(&position)) {
         let problem = Problem::Value {
             found: section.found("position"),
@@ -265,11 +239,7 @@ fn coordinate_system(
         Some(1) => Corner::Precise,
         _ => Corner::Logix,
     };
-    let axis_limits = match section.word(
-        "axis_limits",
-        &["ignore", "enforce"],
-        "\"ignore\" or \"enforce\"",
-    )? {
+    let axis_limits = match section.word("axis_limits", &["ignore", "enforce"], "\"ignore\" or \"enforce\"")? {
         Some(1) => AxisLimits::Enforce,
         _ => AxisLimits::Ignore,
     };
@@ -281,9 +251,7 @@ fn coordinate_system(
         max_deceleration: dynamics.deceleration,
         max_acceleration_jerk: dynamics.acceleration_jerk,
         max_deceleration_jerk: dynamics.deceleration_jerk,
-        actual_tolerance: section
-            .number("actual_tolerance", &NOT_NEGATIVE_LENGTH)?
-            .unwrap_or(0.0),
+        actual_tolerance: section.number("actual_tolerance", &NOT_NEGATIVE_LENGTH)?.unwrap_or(0.0),
         command_tolerance: section
             .number("command_tolerance", &NOT_NEGATIVE_LENGTH)?
             .unwrap_or(0.0),
@@ -295,11 +263,7 @@ fn coordinate_system(
     })
 }
 
-fn transform(
-    section: &Section<'_>,
-    machine: &Machine,
-    names: &mut Taken,
-) -> Result<Transform, ConfigError> {
+fn transform(section: &Section<'_>, machine: &Machine, names: &mut Taken) -> Result<Transform, ConfigError> {
     let name = required_name(section, "name", names)?;
     let system = |key| {
         let given = section
@@ -318,11 +282,7 @@ fn transform(
     if source == target {
         return Err(section.refuse(&given, "another coordinate system than `source`", None));
     }
-    Ok(Transform {
-        name,
-        source,
-        target,
-    })
+    Ok(Transform { name, source, target })
 }
 
 fn instruction_tags(
@@ -346,19 +306,12 @@ fn instruction_tags(
             let suggestion = nearest(&word.value, known.iter().map(String::as_str));
             return Err(section.refuse(&word, MNEMONIC, suggestion));
         };
-        let target = match (
-            mnemonic.instruction().object,
-            section.string("target", TARGET)?,
-        ) {
+        let target = match (mnemonic.instruction().object, section.string("target", TARGET)?) {
             (Object::MotionGroup, None) => machine.group.clone(),
             (_, None) => return Err(section.missing("target", TARGET)),
             (object, Some(given)) => target(&section, machine, object, &given)?,
         };
-        tags.push(InstructionTag {
-            tag,
-            mnemonic,
-            target,
-        });
+        tags.push(InstructionTag { tag, mnemonic, target });
     }
     Ok(tags)
 }
@@ -372,23 +325,13 @@ fn target(
 ) -> Result<String, ConfigError> {
     let (what, known): (_, Vec<&str>) = match object {
         Object::MotionGroup => ("motion group", vec![machine.group.as_str()]),
-        Object::Axis => (
-            "axis",
-            machine.axes.iter().map(|axis| axis.name.as_str()).collect(),
-        ),
+        Object::Axis => ("axis", machine.axes.iter().map(|axis| axis.name.as_str()).collect()),
         Object::CoordinateSystem => (
             "coordinate system",
-            machine
-                .systems
-                .iter()
-                .map(|system| system.name.as_str())
-                .collect(),
+            machine.systems.iter().map(|system| system.name.as_str()).collect(),
         ),
     };
-    match known
-        .iter()
-        .find(|name| name.eq_ignore_ascii_case(&given.value))
-    {
+    match known.iter().find(|name| name.eq_ignore_ascii_case(&given.value)) {
         Some(name) => Ok((*name).to_owned()),
         None => Err(unknown_name(section, given, what, known.iter().copied())),
     }
@@ -403,8 +346,8 @@ fn plain_tags(root: &Section<'_>, names: &mut Taken) -> Result<Vec<PlainTag>, Co
             .ok_or_else(|| section.missing("type", TAG_TYPE))?;
         let Some(tag_type) = tag_type(&word.value) else {
             let element = word.value.split('[').next().unwrap_or_default().trim();
-            let suggestion = nearest(element, TYPE_NAMES.iter().copied())
-                .filter(|name| !name.eq_ignore_ascii_case(element));
+            let suggestion =
+                nearest(element, TYPE_NAMES.iter().copied()).filter(|name| !name.eq_ignore_ascii_case(element));
             return Err(section.refuse(&word, TAG_TYPE, suggestion));
         };
         tags.push(PlainTag { name, tag_type });
@@ -424,9 +367,7 @@ fn tag_type(text: &str) -> Option<TagType> {
             (element.trim(), count)
         }
     };
-    let name = TYPE_NAMES
-        .iter()
-        .find(|name| name.eq_ignore_ascii_case(element))?;
+    let name = TYPE_NAMES.iter().find(|name| name.eq_ignore_ascii_case(element))?;
     if *name == "BOOL" && dimension > 0 {
         return Some(TagType::bool_array(dimension));
     }
@@ -462,10 +403,8 @@ impl Dynamics {
             speed,
             acceleration,
             deceleration,
-            acceleration_jerk: acceleration_jerk
-                .unwrap_or_else(|| default_jerk(speed, acceleration)),
-            deceleration_jerk: deceleration_jerk
-                .unwrap_or_else(|| default_jerk(speed, deceleration)),
+            acceleration_jerk: acceleration_jerk.unwrap_or_else(|| default_jerk(speed, acceleration)),
+            deceleration_jerk: deceleration_jerk.unwrap_or_else(|| default_jerk(speed, deceleration)),
         })
     }
 }
@@ -483,10 +422,7 @@ impl Taken {
         match self.0.insert(name.value.to_ascii_lowercase(), line) {
             None => Ok(name.value),
             Some(line) => {
-                let problem = Problem::Duplicate {
-                    name: name.value,
-                    line,
-                };
+                let problem = Problem::Duplicate { name: name.value, line };
                 Err(section.source.error(name.offset, name.key, problem))
             }
         }
@@ -500,14 +436,8 @@ fn is_name(text: &str) -> bool {
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-fn required_name(
-    section: &Section<'_>,
-    key: &'static str,
-    names: &mut Taken,
-) -> Result<String, ConfigError> {
-    let name = section
-        .string(key, NAME)?
-        .ok_or_else(|| section.missing(key, NAME))?;
+fn required_name(section: &Section<'_>, key: &'static str, names: &mut Taken) -> Result<String, ConfigError> {
+    let name = section.string(key, NAME)?.ok_or_else(|| section.missing(key, NAME))?;
     names.take(section, name)
 }
 
@@ -519,22 +449,14 @@ fn unknown_name<'n>(
 ) -> ConfigError {
     let suggestion = nearest(&given.value, known);
     let name = given.value.chars().take(60).collect();
-    let problem = Problem::UnknownName {
-        what,
-        name,
-        suggestion,
-    };
-    section
-        .source
-        .error(given.offset, given.key.clone(), problem)
+    let problem = Problem::UnknownName { what, name, suggestion };
+    section.source.error(given.offset, given.key.clone(), problem)
 }
 
 /// EtherNet/IP's own port.
-pub(crate) const DEFAULT_LISTEN: SocketAddr =
-    SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 44_818);
+pub(crate) const DEFAULT_LISTEN: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 44_818);
 /// The pages' port.
-pub(crate) const DEFAULT_HMI: SocketAddr =
-    SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 8080);
+pub(crate) const DEFAULT_HMI: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 8080);
 
 /// 4 MiB hold every axis, system and tag there can be many times over.
 const MAX_TEXT: usize = 4 << 20;
@@ -610,8 +532,7 @@ const PRIMARY_AXES: &str = "a list of 1 to 3 names of axes";
 const QUEUE_DEPTH: &str = "a whole number from 1 to 1000";
 const SYSTEM_NAME: &str = "the name of a coordinate system";
 const MNEMONIC: &str = "the mnemonic of a motion instruction such as \"MCLM\"";
-const TARGET: &str =
-    "the name of the coordinate system, axis or group that the instruction acts on";
+const TARGET: &str = "the name of the coordinate system, axis or group that the instruction acts on";
 const TAG_TYPE: &str = "BOOL, SINT, INT, DINT, LINT, USINT, UINT, UDINT, REAL, LREAL or STRING, \
      or an array of 1 to 65535 of them such as REAL[16]";
 

@@ -15,12 +15,7 @@ pub(crate) struct Source<'t> {
 }
 
 impl Source<'_> {
-    pub(crate) fn error(
-        &self,
-        offset: usize,
-        key: impl Into<String>,
-        problem: Problem,
-    ) -> ConfigError {
+    pub(crate) fn error(&self, offset: usize, key: impl Into<String>, problem: Problem) -> ConfigError {
         let before = self.text.get(..offset).unwrap_or(self.text);
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
         ConfigError {
@@ -138,9 +133,7 @@ impl<'t> Section<'t> {
                 count: items.len(),
                 limit,
             };
-            return Err(self
-                .source
-                .error(first_too_many.span().start, self.key(key), problem));
+            return Err(self.source.error(first_too_many.span().start, self.key(key), problem));
         }
         let mut sections = Vec::with_capacity(items.len());
         for (place, item) in items.iter().enumerate() {
@@ -218,10 +211,7 @@ impl<'t> Section<'t> {
         let Some(text) = self.string(key, expected)? else {
             return Ok(None);
         };
-        match words
-            .iter()
-            .position(|word| word.eq_ignore_ascii_case(&text.value))
-        {
+        match words.iter().position(|word| word.eq_ignore_ascii_case(&text.value)) {
             Some(place) => Ok(Some(place)),
             None => {
                 let suggestion = nearest(&text.value, words.iter().copied());
@@ -231,11 +221,7 @@ impl<'t> Section<'t> {
     }
 
     /// A finite number that the rule allows; whole numbers are numbers too.
-    pub(crate) fn number(
-        &self,
-        key: &'static str,
-        rule: &NumberRule,
-    ) -> Result<Option<f64>, ConfigError> {
+    pub(crate) fn number(&self, key: &'static str, rule: &NumberRule) -> Result<Option<f64>, ConfigError> {
         let Some(value) = self.find(key) else {
             return Ok(None);
         };
@@ -253,13 +239,8 @@ impl<'t> Section<'t> {
     }
 
     /// A number that must be there.
-    pub(crate) fn required_number(
-        &self,
-        key: &'static str,
-        rule: &NumberRule,
-    ) -> Result<f64, ConfigError> {
-        self.number(key, rule)?
-            .ok_or_else(|| self.missing(key, rule.expected))
+    pub(crate) fn required_number(&self, key: &'static str, rule: &NumberRule) -> Result<f64, ConfigError> {
+        self.number(key, rule)?.ok_or_else(|| self.missing(key, rule.expected))
     }
 
     /// A whole number within a range.
@@ -319,9 +300,7 @@ impl<'t> Section<'t> {
 
     /// The error of a key that is there but has a value that does not do.
     pub(crate) fn refuse_key(&self, key: &str, problem: Problem) -> ConfigError {
-        let offset = self
-            .find(key)
-            .map_or(self.offset, |value| value.span().start);
+        let offset = self.find(key).map_or(self.offset, |value| value.span().start);
         self.source.error(offset, self.key(key), problem)
     }
 
@@ -344,20 +323,14 @@ impl<'t> Section<'t> {
         }
     }
 
-    fn wrong(
-        &self,
-        key: &str,
-        value: &Spanned<DeValue<'_>>,
-        expected: &'static str,
-    ) -> ConfigError {
+    fn wrong(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &'static str) -> ConfigError {
         let found = self.source.excerpt(value.span());
         let problem = Problem::Value {
             found,
             expected,
             suggestion: None,
         };
-        self.source
-            .error(value.span().start, self.key(key), problem)
+        self.source.error(value.span().start, self.key(key), problem)
     }
 
     fn refuse_unknown_keys(&self, known: &'static [&'static str]) -> Result<(), ConfigError> {

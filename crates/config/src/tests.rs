@@ -16,10 +16,7 @@ fn the_default_is_what_the_contract_says() {
     );
 
     let machine = &project.machine;
-    assert_eq!(
-        (machine.group.as_str(), machine.period_ns),
-        ("Motion", 1_000_000)
-    );
+    assert_eq!((machine.group.as_str(), machine.period_ns), ("Motion", 1_000_000));
     let axes: Vec<_> = machine.axes.iter().map(|axis| axis.name.as_str()).collect();
     assert_eq!(axes, ["X", "Y", "Z", "S", "A", "B", "C"]);
     for (place, axis) in machine.axes.iter().enumerate() {
@@ -62,11 +59,7 @@ fn the_default_is_what_the_contract_says() {
     assert_eq!(systems, expected);
     for system in &machine.systems {
         assert_eq!(
-            (
-                system.max_speed,
-                system.max_acceleration,
-                system.max_deceleration
-            ),
+            (system.max_speed, system.max_acceleration, system.max_deceleration),
             (500.0, 5000.0, 5000.0)
         );
         assert_eq!(
@@ -74,17 +67,10 @@ fn the_default_is_what_the_contract_says() {
             (100_000.0, 100_000.0)
         );
         assert_eq!(
-            (
-                system.actual_tolerance,
-                system.command_tolerance,
-                system.queue_depth
-            ),
+            (system.actual_tolerance, system.command_tolerance, system.queue_depth),
             (0.01, 0.5, 1)
         );
-        assert_eq!(
-            (system.corner, system.axis_limits),
-            (Corner::Logix, AxisLimits::Ignore)
-        );
+        assert_eq!((system.corner, system.axis_limits), (Corner::Logix, AxisLimits::Ignore));
     }
     let transforms: Vec<_> = machine
         .transforms
@@ -110,11 +96,9 @@ fn the_default_is_what_the_contract_says() {
     assert!(project.tags.is_empty());
 }
 
-const AXIS: &str =
-    "[[axis]]\nname = \"X\"\ntype = \"servo\"\nmax_speed = 10\nmax_acceleration = 100\n";
+const AXIS: &str = "[[axis]]\nname = \"X\"\ntype = \"servo\"\nmax_speed = 10\nmax_acceleration = 100\n";
 const TURN: &str = "[[axis]]\nname = \"R\"\ntype = \"virtual\"\nmax_speed = 10\nmax_acceleration = 100\nunwind = 360\n";
-const SYSTEM: &str =
-    "[[coordinate_system]]\nname = \"CS\"\naxes = [\"x\"]\nmax_speed = 5\nmax_acceleration = 50\n";
+const SYSTEM: &str = "[[coordinate_system]]\nname = \"CS\"\naxes = [\"x\"]\nmax_speed = 5\nmax_acceleration = 50\n";
 
 #[test]
 fn everything_has_its_default() {
@@ -130,23 +114,14 @@ fn everything_has_its_default() {
     );
     assert_eq!(axis.kind, AxisKind::Servo(Drive::default()));
     let system = &project.machine.systems[0];
-    assert_eq!(
-        (system.axes.as_slice(), system.queue_depth),
-        (&[0u16][..], 1)
-    );
-    assert_eq!(
-        (system.actual_tolerance, system.command_tolerance),
-        (0.0, 0.0)
-    );
+    assert_eq!((system.axes.as_slice(), system.queue_depth), (&[0u16][..], 1));
+    assert_eq!((system.actual_tolerance, system.command_tolerance), (0.0, 0.0));
     assert_eq!(
         (project.machine.period_ns, project.machine.group.as_str()),
         (1_000_000, "Motion")
     );
     assert_eq!(project.server, crate::ServerConfig::default());
-    assert!(
-        load("", "empty.toml").is_ok(),
-        "an empty file is an empty machine"
-    );
+    assert!(load("", "empty.toml").is_ok(), "an empty file is an empty machine");
 }
 
 #[test]
@@ -167,17 +142,8 @@ fn everything_can_be_said() {
     assert_eq!(project.server.hmi, None);
     assert_eq!(project.machine.period_ns, 250_000);
     let axis = &project.machine.axes[0];
-    assert_eq!(
-        (axis.max_deceleration, axis.max_deceleration_jerk),
-        (0.0, 0.0)
-    );
-    assert_eq!(
-        axis.travel,
-        Some(Travel {
-            min: -5.0,
-            max: 15.5
-        })
-    );
+    assert_eq!((axis.max_deceleration, axis.max_deceleration_jerk), (0.0, 0.0));
+    assert_eq!(axis.travel, Some(Travel { min: -5.0, max: 15.5 }));
     assert_eq!(
         axis.start,
         Start {
@@ -193,10 +159,7 @@ fn everything_can_be_said() {
     };
     assert_eq!(axis.kind, AxisKind::Servo(drive));
     assert_eq!(
-        (
-            project.machine.axes[1].unwind,
-            project.machine.axes[1].start.position
-        ),
+        (project.machine.axes[1].unwind, project.machine.axes[1].start.position),
         (Some(360.0), 359.5)
     );
     let system = &project.machine.systems[0];

@@ -7,9 +7,7 @@
 use std::fmt;
 
 use crate::instruction::{Kind, Object};
-use crate::{
-    Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, Mnemonic, OperandIndex, RealArray,
-};
+use crate::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, Mnemonic, OperandIndex, RealArray};
 
 /// What was given for an operand.
 #[derive(Clone, PartialEq, Debug)]
@@ -85,9 +83,7 @@ pub enum BindError {
         operand: OperandIndex,
     },
     /// More operands than the faceplate has.
-    #[error(
-        "{mnemonic}: {given} operands behind target and motion control, expected at most {most}"
-    )]
+    #[error("{mnemonic}: {given} operands behind target and motion control, expected at most {most}")]
     TooMany {
         /// The instruction.
         mnemonic: Mnemonic,
@@ -281,8 +277,7 @@ impl Binder<'_> {
                 _ => Err(self.wrong_type(given, "the name of a REAL array tag, or 0")),
             },
             Kind::Reference(object) => match given {
-                Given::Word(name) | Given::Name(name) => match self.directory.object(*object, name)
-                {
+                Given::Word(name) | Given::Name(name) => match self.directory.object(*object, name) {
                     Some(index) => Ok(Argument::Object(index)),
                     None => Err(BindError::UnknownObject {
                         mnemonic: self.mnemonic,
@@ -295,17 +290,15 @@ impl Binder<'_> {
                 _ => Err(self.wrong_type(given, "the name of a motion object")),
             },
             Kind::Structure(type_name) => match given {
-                Given::Word(name) | Given::Name(name) => {
-                    match self.directory.structure(type_name, name) {
-                        Some(tag) => Ok(Argument::Tag(tag)),
-                        None => Err(BindError::UnknownTag {
-                            mnemonic: self.mnemonic,
-                            operand: self.operand,
-                            type_name,
-                            name: short(name),
-                        }),
-                    }
-                }
+                Given::Word(name) | Given::Name(name) => match self.directory.structure(type_name, name) {
+                    Some(tag) => Ok(Argument::Tag(tag)),
+                    None => Err(BindError::UnknownTag {
+                        mnemonic: self.mnemonic,
+                        operand: self.operand,
+                        type_name,
+                        name: short(name),
+                    }),
+                },
                 Given::Missing => Err(self.missing()),
                 _ => Err(self.wrong_type(given, "the name of a tag")),
             },
@@ -362,9 +355,7 @@ fn is_none(given: &Given) -> bool {
         Given::Missing => true,
         Given::Number(number) => *number == 0.0,
         Given::Integer(number) => *number == 0,
-        Given::Word(text) | Given::Name(text) => {
-            text.is_empty() || text.eq_ignore_ascii_case("none")
-        }
+        Given::Word(text) | Given::Name(text) => text.is_empty() || text.eq_ignore_ascii_case("none"),
         Given::Array(numbers) => numbers.is_empty(),
     }
 }
@@ -469,13 +460,7 @@ mod tests {
     /// Binds and verifies: `ok`, the operand out of range, or the message of what cannot be bound.
     fn outcome(name: &str, axes: usize, operands: &str) -> String {
         let mnemonic: Mnemonic = name.parse().expect("a mnemonic");
-        match bind(
-            mnemonic,
-            Some(0),
-            ControlSlot(0),
-            &given(operands),
-            &Machine,
-        ) {
+        match bind(mnemonic, Some(0), ControlSlot(0), &given(operands), &Machine) {
             Err(error) => error.to_string(),
             Ok(call) => match mnemonic.instruction().verify(&call, axes) {
                 Ok(()) => "ok".to_owned(),
@@ -485,8 +470,7 @@ mod tests {
     }
 
     const MCLM: &str = "0, [9,0,0], 50, 0, 500, 0, 500, 0, 1, 100, 100, 2, 0, 0, 0, 0, 0, 0, 0, 0";
-    const MCCM: &str =
-        "0, [9,0], 2, 5, 0, 50, 0, 500, 0, 500, 0, 1, 100, 100, 2, 0, 0, 0, 0, 0, 0, 0, 0";
+    const MCCM: &str = "0, [9,0], 2, 5, 0, 50, 0, 500, 0, 500, 0, 1, 100, 100, 2, 0, 0, 0, 0, 0, 0, 0, 0";
     const MCCD: &str = "1, 1, 50, 0, 1, 500, 0, 1, 500, 0, 1, 100, 1, 100, 2, 0";
     const MCS: &str = "0, 1, 500, 0, 1, 100, 2";
     const MAM: &str = "0, 9, 50, 0, 500, 0, 500, 0, 1, 100, 100, 2, 0, 0, 0, 0, 0, 0";
@@ -697,11 +681,7 @@ mod tests {
             ("MAPC", 1, "Master", "MAPC: operand 4 (Cam Profile) is missing"),
         ];
         for (name, axes, operands, expected) in cases {
-            assert_eq!(
-                outcome(name, axes, operands),
-                expected,
-                "{name}({operands})"
-            );
+            assert_eq!(outcome(name, axes, operands), expected, "{name}({operands})");
         }
     }
 
@@ -726,8 +706,7 @@ mod tests {
             assert_eq!(outcome(name, 3, operands), expected, "{name}({operands})");
         }
         let events = given(&with("MCLM", MCLM, &[(20, "[1,2,3,4,5,6,7,8,9,10]")]));
-        let error =
-            bind(Mnemonic::Mclm, Some(0), ControlSlot(0), &events, &Machine).expect_err("too long");
+        let error = bind(Mnemonic::Mclm, Some(0), ControlSlot(0), &events, &Machine).expect_err("too long");
         assert_eq!(error.operand(), Some(OperandIndex(20)));
     }
 
@@ -735,24 +714,11 @@ mod tests {
     fn the_call_of_the_seed_binds() {
         let operands = "0, [10,0], 2, 5, 0, 10, Unitspersec, 5, Unitspersec2, 5, Unitspersec2, Trapezoidal, 100.0, \
                         100.0, %ofTime, 0, CoordinatedMotion, Programmed, 0, 0, None, 0, 0";
-        let call = bind(
-            Mnemonic::Mccm,
-            Some(4),
-            ControlSlot(9),
-            &given(operands),
-            &Machine,
-        )
-        .expect("binds");
+        let call = bind(Mnemonic::Mccm, Some(4), ControlSlot(9), &given(operands), &Machine).expect("binds");
         assert_eq!((call.target, call.control), (Some(4), ControlSlot(9)));
         assert_eq!((call.number(7), call.word(16), call.word(18)), (10.0, 2, 1));
-        assert_eq!(
-            (call.array(3), call.array(5)),
-            (&[10.0, 0.0][..], &[5.0][..])
-        );
-        assert_eq!(
-            (call.argument(23), call.argument(24)),
-            (Argument::None, Argument::None)
-        );
+        assert_eq!((call.array(3), call.array(5)), (&[10.0, 0.0][..], &[5.0][..]));
+        assert_eq!((call.argument(23), call.argument(24)), (Argument::None, Argument::None));
         assert_eq!(call.instruction().verify(&call, 2), Ok(()));
     }
 
@@ -766,13 +732,9 @@ mod tests {
             &Machine,
         )
         .expect("binds");
-        assert_eq!(
-            (call.object(1), call.word(3), call.number(4)),
-            (Some(3), 1, 50.0)
-        );
+        assert_eq!((call.object(1), call.word(3), call.number(4)), (Some(3), 1, 50.0));
         let operands = given(&with("MCLM", MCLM, &[(20, "[5,1]"), (21, "Results")]));
-        let call =
-            bind(Mnemonic::Mclm, Some(0), ControlSlot(0), &operands, &Machine).expect("binds");
+        let call = bind(Mnemonic::Mclm, Some(0), ControlSlot(0), &operands, &Machine).expect("binds");
         assert_eq!((call.tag(21), call.array(20)), (Some(17), &[5.0, 1.0][..]));
     }
 
@@ -782,10 +744,8 @@ mod tests {
             any::<f64>().prop_map(Given::Number),
             (-2i64..8).prop_map(Given::Integer),
             any::<i64>().prop_map(Given::Integer),
-            prop::sample::select(vec![
-                "Master", "CS2", "None", "Yes", "S-curve", "%ofTime", "Results"
-            ])
-            .prop_map(|word| Given::Word(word.to_owned())),
+            prop::sample::select(vec!["Master", "CS2", "None", "Yes", "S-curve", "%ofTime", "Results"])
+                .prop_map(|word| Given::Word(word.to_owned())),
             ".{0,80}".prop_map(Given::Name),
             proptest::collection::vec(any::<f64>(), 0..20).prop_map(Given::Array),
         ]

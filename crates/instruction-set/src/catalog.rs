@@ -4,18 +4,11 @@
 //! Of Range" (13). Sources: spec/coordinated-instructions.md §12–§25, spec/axis-and-data-types.md §2–§4.
 
 use crate::enumerations::*;
-use crate::instruction::{
-    ArrayRule, Axes, Condition, Instruction, Kind, Object, Operand, Range, Timing,
-};
+use crate::instruction::{ArrayRule, Axes, Condition, Instruction, Kind, Object, Operand, Range, Timing};
 use crate::{Flag, Mnemonic, Words};
 
 /// Class 0x0300 in the order of the service codes.
-pub const MOTION_GROUP: &[Mnemonic] = &[
-    Mnemonic::Mgs,
-    Mnemonic::Mgsd,
-    Mnemonic::Mgsr,
-    Mnemonic::Mgsp,
-];
+pub const MOTION_GROUP: &[Mnemonic] = &[Mnemonic::Mgs, Mnemonic::Mgsd, Mnemonic::Mgsr, Mnemonic::Mgsp];
 
 /// Class 0x0301 in the order of the service codes.
 pub const AXIS: &[Mnemonic] = &[
@@ -56,14 +49,7 @@ const EN_DN_ER: &[Flag] = &[Flag::En, Flag::Dn, Flag::Er];
 const EN_DN_ER_IP: &[Flag] = &[Flag::En, Flag::Dn, Flag::Er, Flag::Ip];
 const EN_DN_ER_IP_AC: &[Flag] = &[Flag::En, Flag::Dn, Flag::Er, Flag::Ip, Flag::Ac];
 const EN_DN_ER_IP_PC: &[Flag] = &[Flag::En, Flag::Dn, Flag::Er, Flag::Ip, Flag::Pc];
-const JOG_BITS: &[Flag] = &[
-    Flag::En,
-    Flag::Dn,
-    Flag::Er,
-    Flag::Ip,
-    Flag::Ac,
-    Flag::TrackingMaster,
-];
+const JOG_BITS: &[Flag] = &[Flag::En, Flag::Dn, Flag::Er, Flag::Ip, Flag::Ac, Flag::TrackingMaster];
 const PATH_BITS: &[Flag] = &[
     Flag::En,
     Flag::Dn,
@@ -156,12 +142,7 @@ const fn units(name: &'static str, words: &'static Words) -> Operand {
 }
 
 const fn jerk(name: &'static str, units: u8) -> Operand {
-    number(
-        name,
-        Range::Jerk { units },
-        "in Jerk Units; used by an S-curve only",
-    )
-    .first(FULL_SCALE)
+    number(name, Range::Jerk { units }, "in Jerk Units; used by an S-curve only").first(FULL_SCALE)
 }
 
 const fn jerk_units(words: &'static Words) -> Operand {
@@ -176,8 +157,7 @@ const ACCEL_NOTE: &str = "in Accel Units";
 const DECEL_NOTE: &str = "in Decel Units";
 const LOCK_NOTE: &str = "master units; used when master driven";
 const EVENT_NOTE: &str = "distances before the end of the move, position units";
-const CALCULATED_NOTE: &str =
-    "receives seconds (master driven: master units) from the start to each event distance";
+const CALCULATED_NOTE: &str = "receives seconds (master driven: master units) from the start to each event distance";
 const CALCULATED_ELEMENTS: u16 = 4;
 
 const fn lock_position() -> Operand {
@@ -544,11 +524,7 @@ mod tests {
             (0x0301, 0x41),
             (0x0300, 0x36),
         ] {
-            assert_eq!(
-                by_service(class, service),
-                None,
-                "{class:#06x} {service:#04x}"
-            );
+            assert_eq!(by_service(class, service), None, "{class:#06x} {service:#04x}");
         }
     }
 
@@ -564,13 +540,9 @@ mod tests {
             assert_eq!(instruction.mnemonic, *mnemonic);
             assert!(instruction.operands.len() <= MAX_OPERANDS, "{mnemonic}");
             let kinds = instruction.operands.iter().map(|operand| &operand.kind);
-            assert!(
-                matches!(instruction.operands[0].kind, Kind::Target(object) if object == instruction.object)
-            );
+            assert!(matches!(instruction.operands[0].kind, Kind::Target(object) if object == instruction.object));
             assert_eq!(
-                kinds
-                    .filter(|kind| matches!(kind, Kind::MotionControl))
-                    .count(),
+                kinds.filter(|kind| matches!(kind, Kind::MotionControl)).count(),
                 1,
                 "{mnemonic}"
             );
@@ -637,11 +609,7 @@ mod tests {
         for (name, operands) in cases {
             let instruction = name.parse::<Mnemonic>().expect(name).instruction();
             for (place, member) in *operands {
-                assert_eq!(
-                    instruction.operands[*place].member(),
-                    *member,
-                    "{name} {place}"
-                );
+                assert_eq!(instruction.operands[*place].member(), *member, "{name} {place}");
             }
         }
     }

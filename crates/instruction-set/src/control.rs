@@ -82,9 +82,7 @@ impl Flag {
 
     /// The flags of a FLAGS word, in the order of [`Flag::ALL`].
     pub fn in_word(flags: u32) -> impl Iterator<Item = Flag> {
-        Self::ALL
-            .into_iter()
-            .filter(move |flag| flags & flag.mask() != 0)
+        Self::ALL.into_iter().filter(move |flag| flags & flag.mask() != 0)
     }
 }
 
@@ -124,8 +122,7 @@ impl MotionControl {
         let [state] = self.state.to_le_bytes();
         let [exerr] = self.exerr.to_le_bytes();
         [
-            f[0], f[1], f[2], f[3], e[0], e[1], status, state, s[0], s[1], s[2], s[3], exerr, 0, 0,
-            0,
+            f[0], f[1], f[2], f[3], e[0], e[1], status, state, s[0], s[1], s[2], s[3], exerr, 0, 0, 0,
         ]
     }
 
@@ -200,10 +197,7 @@ mod tests {
             ..MotionControl::default()
         };
         let bytes = control.to_bytes();
-        assert_eq!(
-            bytes,
-            [0, 0, 0, 0x10, 54, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0, 0, 0]
-        );
+        assert_eq!(bytes, [0, 0, 0, 0x10, 54, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0, 0, 0]);
     }
 
     proptest! {

@@ -2,9 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::instruction::{
-    ArrayRule, Axes, Condition, Instruction, Kind, Object, Operand, Range, services,
-};
+use crate::instruction::{ArrayRule, Axes, Condition, Instruction, Kind, Object, Operand, Range, services};
 use crate::{ERRORS, Words};
 
 /// docs/INSTRUCTIONS.md: every instruction with its operands.
@@ -15,12 +13,7 @@ pub fn instructions() -> String {
          None, Disabled, Programmed.\nErrors: see [ERRORS.md](ERRORS.md).\n",
     );
     for object in [Object::CoordinateSystem, Object::Axis, Object::MotionGroup] {
-        let _ = write!(
-            page,
-            "\n## Class {:#06x}: {}\n",
-            object.class_code(),
-            object.name()
-        );
+        let _ = write!(page, "\n## Class {:#06x}: {}\n", object.class_code(), object.name());
         for mnemonic in services(object) {
             instruction(&mut page, mnemonic.instruction());
         }
@@ -70,10 +63,7 @@ pub fn operand_type(kind: &Kind) -> String {
 pub fn operand_values(instruction: &Instruction, operand: &Operand) -> String {
     let values = match &operand.kind {
         Kind::Target(Object::CoordinateSystem) if instruction.axes != Axes::ANY => {
-            format!(
-                "{} to {} axes",
-                instruction.axes.least, instruction.axes.most
-            )
+            format!("{} to {} axes", instruction.axes.least, instruction.axes.most)
         }
         Kind::Word(words) => word_list(words),
         Kind::Number(range) | Kind::Integer(range) => range_text(instruction, *range),
@@ -166,11 +156,7 @@ fn condition(instruction: &Instruction, operand: u8, value: i32) -> String {
         Kind::Word(words) => words.word(value).map(|word| word.title.to_owned()),
         _ => None,
     };
-    format!(
-        "{} is {}",
-        operand.name,
-        word.unwrap_or_else(|| value.to_string())
-    )
+    format!("{} is {}", operand.name, word.unwrap_or_else(|| value.to_string()))
 }
 
 #[cfg(test)]
@@ -187,10 +173,7 @@ mod tests {
                 std::fs::write(&path, &page).expect("docs/ can be written");
             }
             let written = std::fs::read_to_string(&path).unwrap_or_default();
-            assert!(
-                written == page,
-                "docs/{name} is old: run the test with UPDATE_EXPECT=1"
-            );
+            assert!(written == page, "docs/{name} is old: run the test with UPDATE_EXPECT=1");
         }
     }
 }

@@ -342,9 +342,7 @@ pub fn describe(err: i16, exerr: i8, mnemonic: Option<Mnemonic>) -> String {
         Extended::Unused if exerr == 0 => String::new(),
         Extended::Operand => {
             let operands = mnemonic.map_or(&[][..], |mnemonic| mnemonic.instruction().operands);
-            let operand = usize::try_from(exerr)
-                .ok()
-                .and_then(|place| operands.get(place));
+            let operand = usize::try_from(exerr).ok().and_then(|place| operands.get(place));
             match operand {
                 Some(operand) => format!(", operand {exerr} ({})", operand.name),
                 None => format!(", operand {exerr}"),
@@ -366,25 +364,16 @@ mod tests {
     fn codes_ascend_and_read_back() {
         assert!(ERRORS.is_sorted_by(|a, b| a.err < b.err));
         for row in ERRORS {
-            let error =
-                MotionError::from_codes(row.err, 2).unwrap_or_else(|| panic!("{}", row.err));
+            let error = MotionError::from_codes(row.err, 2).unwrap_or_else(|| panic!("{}", row.err));
             assert_eq!(error.err(), row.err, "{}", row.name);
             assert_eq!(
                 error.exerr(),
-                if row.extended == Extended::Unused {
-                    0
-                } else {
-                    2
-                },
+                if row.extended == Extended::Unused { 0 } else { 2 },
                 "{}",
                 row.name
             );
             assert_eq!(error.name(), row.name);
-            assert!(
-                row.cause.ends_with('.') && row.remedy.ends_with('.'),
-                "{}",
-                row.name
-            );
+            assert!(row.cause.ends_with('.') && row.remedy.ends_with('.'), "{}", row.name);
         }
         for err in [-1, 0, 1, 2, 55, 60, 89, 92, 109, 146, 161, i16::MAX] {
             assert_eq!(MotionError::from_codes(err, 0), None, "{err}");

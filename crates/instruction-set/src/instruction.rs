@@ -177,10 +177,7 @@ impl Operand {
 
     /// Member of an instruction tag and name in Structured Text: no blanks, no slashes.
     pub fn member(&self) -> String {
-        self.name
-            .chars()
-            .filter(|c| !c.is_whitespace() && *c != '/')
-            .collect()
+        self.name.chars().filter(|c| !c.is_whitespace() && *c != '/').collect()
     }
 }
 
@@ -274,7 +271,5 @@ pub fn services(object: Object) -> &'static [Mnemonic] {
 /// The instruction that a CIP service executes.
 pub fn by_service(class: u16, service: u8) -> Option<Mnemonic> {
     let place = usize::from(service.checked_sub(FIRST_SERVICE)?);
-    services(Object::from_class_code(class)?)
-        .get(place)
-        .copied()
+    services(Object::from_class_code(class)?).get(place).copied()
 }

@@ -6,8 +6,8 @@
 use std::sync::{Arc, LazyLock};
 
 use arcline_tag::{
-    DataType, Elementary, Member, STRING_SIZE, Template, TemplateBuilder, Value, string_template,
-    string_text, write_string,
+    DataType, Elementary, Member, STRING_SIZE, Template, TemplateBuilder, Value, string_template, string_text,
+    write_string,
 };
 
 use crate::instruction::{ArrayRule, Kind};
@@ -35,10 +35,7 @@ pub fn instruction_tag_defaults(mnemonic: Mnemonic) -> Vec<u8> {
     let instruction = mnemonic.instruction();
     let template = instruction_tag_template(mnemonic);
     let mut bytes = vec![0; template.size as usize];
-    for operand in instruction
-        .given_operands()
-        .map(|place| &instruction.operands[place])
-    {
+    for operand in instruction.given_operands().map(|place| &instruction.operands[place]) {
         let Some(member) = member_of(&template, operand) else {
             continue;
         };
@@ -59,11 +56,7 @@ pub fn instruction_tag_target(mnemonic: Mnemonic, bytes: &[u8]) -> String {
 }
 
 /// Writes the target's name into the bytes of an instruction tag; `None` when it is too long.
-pub fn set_instruction_tag_target(
-    mnemonic: Mnemonic,
-    bytes: &mut [u8],
-    target: &str,
-) -> Option<()> {
+pub fn set_instruction_tag_target(mnemonic: Mnemonic, bytes: &mut [u8], target: &str) -> Option<()> {
     let template = instruction_tag_template(mnemonic);
     let member = template.member(mnemonic.instruction().object.member())?;
     write_string(bytes.get_mut(member.offset as usize..)?, target)
@@ -78,9 +71,7 @@ pub fn instruction_tag_given(mnemonic: Mnemonic, tag: &str, bytes: &[u8]) -> Vec
     let instruction = mnemonic.instruction();
     let template = instruction_tag_template(mnemonic);
     let mut events = true;
-    let operands = instruction
-        .given_operands()
-        .map(|place| &instruction.operands[place]);
+    let operands = instruction.given_operands().map(|place| &instruction.operands[place]);
     operands
         .map(|operand| {
             let Some(member) = member_of(&template, operand) else {
@@ -88,9 +79,7 @@ pub fn instruction_tag_given(mnemonic: Mnemonic, tag: &str, bytes: &[u8]) -> Vec
             };
             match operand.kind {
                 Kind::Target(_) | Kind::MotionControl => Given::Missing,
-                Kind::Word(_) | Kind::Integer(_) | Kind::Number(_) => {
-                    Given::Number(number_at(bytes, member, 0))
-                }
+                Kind::Word(_) | Kind::Integer(_) | Kind::Number(_) => Given::Number(number_at(bytes, member, 0)),
                 Kind::Array(_) => Given::Array(numbers_at(bytes, member)),
                 Kind::ArrayOrNone => {
                     let numbers = numbers_at(bytes, member);
@@ -118,10 +107,7 @@ fn build(instruction: &Instruction) -> Arc<Template> {
     .member("EnableOut", Elementary::Bool)
     .member(instruction.object.member(), string_template())
     .member("MotionControl", predefined::motion_instruction());
-    for operand in instruction
-        .given_operands()
-        .map(|place| &instruction.operands[place])
-    {
+    for operand in instruction.given_operands().map(|place| &instruction.operands[place]) {
         let name = operand.member();
         builder = match operand.kind {
             Kind::Target(_) | Kind::MotionControl => builder,
@@ -130,9 +116,7 @@ fn build(instruction: &Instruction) -> Arc<Template> {
             Kind::Array(ArrayRule::PerAxis | ArrayRule::PerAxisUnless { .. }) => {
                 builder.array(name, Elementary::Real, MAX_ELEMENTS as u16)
             }
-            Kind::Array(ArrayRule::AtLeast(least)) => {
-                builder.array(name, Elementary::Real, u16::from(least))
-            }
+            Kind::Array(ArrayRule::AtLeast(least)) => builder.array(name, Elementary::Real, u16::from(least)),
             Kind::ArrayOrNone => builder.array(name, Elementary::Real, EVENT_ELEMENTS),
             Kind::WrittenArray(elements) => builder.array(name, Elementary::Real, elements),
             Kind::Reference(_) | Kind::Structure(_) => builder.member(name, string_template()),
@@ -200,9 +184,7 @@ mod tests {
         ];
         for (mnemonic, name, kind, dimension) in cases {
             let template = instruction_tag_template(mnemonic);
-            let member = template
-                .member(name)
-                .unwrap_or_else(|| panic!("{mnemonic} {name}"));
+            let member = template.member(name).unwrap_or_else(|| panic!("{mnemonic} {name}"));
             assert_eq!(
                 (member.data_type.name(), member.dimension),
                 (kind, dimension),
@@ -219,15 +201,8 @@ mod tests {
             assert_eq!(template.instance, FIRST_INSTANCE + k as u16, "{mnemonic}");
             // Old clients do not fragment structures of more than 500 bytes; the rare ones with frames do not fit.
             let frames = matches!(mnemonic, Mnemonic::Mcto | Mnemonic::Mctpo);
-            assert!(
-                frames || template.size <= 500,
-                "{mnemonic}: {} bytes",
-                template.size
-            );
-            assert_eq!(
-                instruction_tag_defaults(*mnemonic).len(),
-                template.size as usize
-            );
+            assert!(frames || template.size <= 500, "{mnemonic}: {} bytes", template.size);
+            assert_eq!(instruction_tag_defaults(*mnemonic).len(), template.size as usize);
         }
     }
 

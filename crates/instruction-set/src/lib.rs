@@ -21,16 +21,13 @@ mod words;
 pub use bind::{BindError, Directory, Given, bind};
 pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray};
 pub use control::{Flag, MotionControl};
-pub use error::{
-    AxisIndex, Culprit, Detail, ERRORS, ErrorText, Extended, MotionError, OperandIndex, describe,
-};
+pub use error::{AxisIndex, Culprit, Detail, ERRORS, ErrorText, Extended, MotionError, OperandIndex, describe};
 pub use instruction::{
-    ArrayRule, Axes, Condition, FIRST_SERVICE, Instruction, Kind, Object, Operand, Range, Timing,
-    by_service, services,
+    ArrayRule, Axes, Condition, FIRST_SERVICE, Instruction, Kind, Object, Operand, Range, Timing, by_service, services,
 };
 pub use instruction_tag::{
-    instruction_tag_defaults, instruction_tag_given, instruction_tag_target,
-    instruction_tag_template, set_instruction_tag_target,
+    instruction_tag_defaults, instruction_tag_given, instruction_tag_target, instruction_tag_template,
+    set_instruction_tag_target,
 };
 pub use mnemonic::{Mnemonic, UnknownMnemonic};
 pub use words::{Word, Words, list as enumerations, normalized};

@@ -91,8 +91,6 @@ impl FromStr for Mnemonic {
         let found = Self::ALL
             .iter()
             .find(|mnemonic| mnemonic.name().eq_ignore_ascii_case(text));
-        found.copied().ok_or_else(|| UnknownMnemonic {
-            name: text.to_owned(),
-        })
+        found.copied().ok_or_else(|| UnknownMnemonic { name: text.to_owned() })
     }
 }

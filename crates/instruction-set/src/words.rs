@@ -37,10 +37,7 @@ impl Words {
 
     /// The word of a value, reserved ones included.
     pub fn word(&self, value: i32) -> Option<&'static Word> {
-        self.words
-            .iter()
-            .chain(self.reserved)
-            .find(|word| word.value == value)
+        self.words.iter().chain(self.reserved).find(|word| word.value == value)
     }
 
     /// Whether the value is legal. Real-time.
@@ -251,12 +248,7 @@ mod tests {
             (&TRANSFORM_DIRECTION, "inverselftarmmirror", 3), (&TRANSFORM_DIRECTION, "inverseleftarmmirror", 3),
         ];
         for (words, text, value) in cases {
-            assert_eq!(
-                words.parse_word(text),
-                Some(*value),
-                "{}: {text}",
-                words.name
-            );
+            assert_eq!(words.parse_word(text), Some(*value), "{}: {text}", words.name);
         }
     }
 
@@ -280,25 +272,11 @@ mod tests {
                 );
                 for keyword in word.keywords {
                     assert_eq!(*keyword, normalized(keyword), "{}", words.name);
-                    assert_eq!(
-                        words.parse_word(keyword),
-                        Some(word.value),
-                        "{}: {keyword}",
-                        words.name
-                    );
+                    assert_eq!(words.parse_word(keyword), Some(word.value), "{}: {keyword}", words.name);
                 }
-                assert_eq!(
-                    words.contains(word.value),
-                    words.words.contains(word),
-                    "{}",
-                    words.name
-                );
+                assert_eq!(words.contains(word.value), words.words.contains(word), "{}", words.name);
             }
-            assert!(
-                words.words.is_sorted_by_key(|word| word.value),
-                "{}",
-                words.name
-            );
+            assert!(words.words.is_sorted_by_key(|word| word.value), "{}", words.name);
         }
     }
 

@@ -99,10 +99,7 @@ impl Path {
 
     /// How many indices are popped.
     pub(crate) fn computed(&self) -> usize {
-        self.parts
-            .iter()
-            .filter(|part| **part == Part::Computed)
-            .count()
+        self.parts.iter().filter(|part| **part == Part::Computed).count()
     }
 
     /// The name, when the path is nothing else.

@@ -34,9 +34,7 @@ impl SyntaxError {
             line: before.bytes().filter(|byte| *byte == b'\n').count() + 1,
             column: column + 1,
             problem: Box::new(problem),
-            excerpt: excerpt
-                .map(|c| if c.is_control() { ' ' } else { c })
-                .collect(),
+            excerpt: excerpt.map(|c| if c.is_control() { ' ' } else { c }).collect(),
             caret: column - skipped,
         }
     }
@@ -44,11 +42,7 @@ impl SyntaxError {
 
 impl fmt::Display for SyntaxError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "line {}, column {}: {}",
-            self.line, self.column, self.problem
-        )?;
+        writeln!(f, "line {}, column {}: {}", self.line, self.column, self.problem)?;
         writeln!(f, "  {}", self.excerpt)?;
         write!(f, "  {:width$}^", "", width = self.caret)
     }
@@ -163,16 +157,9 @@ pub(crate) fn suggest(suggestion: &Option<String>) -> String {
 }
 
 /// The candidate nearest to a word, when it is near enough to be a slip.
-pub(crate) fn nearest<S: AsRef<str>>(
-    word: &str,
-    candidates: impl IntoIterator<Item = S>,
-) -> Option<String> {
+pub(crate) fn nearest<S: AsRef<str>>(word: &str, candidates: impl IntoIterator<Item = S>) -> Option<String> {
     // A slip of the pen is short; no need to compare a text of kilobytes.
-    let word: String = word
-        .chars()
-        .take(60)
-        .collect::<String>()
-        .to_ascii_lowercase();
+    let word: String = word.chars().take(60).collect::<String>().to_ascii_lowercase();
     candidates
         .into_iter()
         .map(|candidate| {

@@ -154,9 +154,7 @@ impl Interpreter {
     fn accept(&mut self, answer: Answer) -> Result<Option<Request>, RuntimeProblem> {
         let pending = std::mem::replace(&mut self.pending, Pending::Ended);
         match (pending, answer) {
-            (Pending::Start, Answer::Start) | (Pending::Write | Pending::Call(_), Answer::Done) => {
-                Ok(None)
-            }
+            (Pending::Start, Answer::Start) | (Pending::Write | Pending::Call(_), Answer::Done) => Ok(None),
             (Pending::Value, Answer::Value(Value::Bool(truth))) => {
                 self.stack.push(Cell::Bool(truth));
                 Ok(None)
@@ -183,9 +181,7 @@ impl Interpreter {
                 Ok(Some(Request::Call(call)))
             }
             (Pending::Ended, _) => Ok(Some(Request::End)),
-            (pending, _) => Err(RuntimeProblem::Answer {
-                asked: pending.name(),
-            }),
+            (pending, _) => Err(RuntimeProblem::Answer { asked: pending.name() }),
         }
     }
 
@@ -257,11 +253,7 @@ impl Interpreter {
                     if step == 0.0 || step.is_nan() {
                         return Err(RuntimeProblem::Step { step });
                     }
-                    let goes_on = if step > 0.0 {
-                        value <= limit
-                    } else {
-                        value >= limit
-                    };
+                    let goes_on = if step > 0.0 { value <= limit } else { value >= limit };
                     self.stack.push(Cell::Bool(goes_on));
                 }
                 Op::Tick => return Ok(self.ask(Pending::Time, Request::NextTick)),
@@ -276,9 +268,7 @@ impl Interpreter {
                     let number = self.pop_number()?;
                     self.given.push(Given::Number(number));
                 }
-                Op::GiveWord(word) => self
-                    .given
-                    .push(Given::Word(self.program.words[word as usize].clone())),
+                Op::GiveWord(word) => self.given.push(Given::Word(self.program.words[word as usize].clone())),
                 Op::GiveName(path) => {
                     let path = self.path(path)?;
                     self.given.push(Given::Name(path.to_string()));
@@ -331,10 +321,7 @@ impl Interpreter {
     /// The path with its computed indices, which are popped.
     fn path(&mut self, path: u32) -> Result<TagPath, RuntimeProblem> {
         let path = &self.program.paths[path as usize];
-        let mut computed = self
-            .stack
-            .split_off(self.stack.len() - path.computed())
-            .into_iter();
+        let mut computed = self.stack.split_off(self.stack.len() - path.computed()).into_iter();
         let mut segments = Vec::with_capacity(path.parts.len());
         for part in &path.parts {
             segments.push(match part {
@@ -409,12 +396,9 @@ impl Cell {
 
 fn binary(operator: Binary, left: Cell, right: Cell) -> Result<Cell, RuntimeProblem> {
     let number = |of: fn(f64, f64) -> f64| Ok(Cell::Number(of(left.number()?, right.number()?)));
-    let comparison =
-        |of: fn(&f64, &f64) -> bool| Ok(Cell::Bool(of(&left.comparable(), &right.comparable())));
+    let comparison = |of: fn(&f64, &f64) -> bool| Ok(Cell::Bool(of(&left.comparable(), &right.comparable())));
     let logic = |bits: fn(i64, i64) -> i64, truth: fn(bool, bool) -> bool| match (left, right) {
-        (Cell::Number(left), Cell::Number(right)) => {
-            Ok(Cell::Number(bits(integer(left)?, integer(right)?) as f64))
-        }
+        (Cell::Number(left), Cell::Number(right)) => Ok(Cell::Number(bits(integer(left)?, integer(right)?) as f64)),
         _ => Ok(Cell::Bool(truth(left.holds(), right.holds()))),
     };
     match operator {
@@ -436,8 +420,6 @@ fn binary(operator: Binary, left: Cell, right: Cell) -> Result<Cell, RuntimeProb
 }
 
 fn integer(number: f64) -> Result<i64, RuntimeProblem> {
-    let whole = Value::Lreal(number)
-        .to_integer()
-        .filter(|_| number.fract() == 0.0);
+    let whole = Value::Lreal(number).to_integer().filter(|_| number.fract() == 0.0);
     whole.ok_or(RuntimeProblem::NotAnInteger { value: number })
 }

@@ -56,11 +56,7 @@ pub(crate) struct Lexer<'t> {
 
 impl<'t> Lexer<'t> {
     pub(crate) fn new(text: &'t str) -> Self {
-        Self {
-            text,
-            at: 0,
-            line: 1,
-        }
+        Self { text, at: 0, line: 1 }
     }
 
     /// The next token; behind the last one, [`Kind::End`] for good.
@@ -129,8 +125,7 @@ impl<'t> Lexer<'t> {
 
 /// Longer signs first.
 const SIGNS: &[&str] = &[
-    ":=", "<>", "<=", ">=", "=", "<", ">", "+", "-", "*", "/", "&", "(", ")", "[", "]", ",", ";",
-    ".", "%",
+    ":=", "<>", "<=", ">=", "=", "<", ">", "+", "-", "*", "/", "&", "(", ")", "[", "]", ",", ";", ".", "%",
 ];
 
 fn name_length(text: &str) -> usize {
@@ -140,9 +135,7 @@ fn name_length(text: &str) -> usize {
     };
     let length = part(text);
     match text[length..].strip_prefix(':') {
-        Some(rest) if rest.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_') => {
-            length + 1 + part(rest)
-        }
+        Some(rest) if rest.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_') => length + 1 + part(rest),
         _ => length,
     }
 }
@@ -184,14 +177,9 @@ pub(crate) fn number(text: &str) -> Option<f64> {
     let plain: String = text.chars().filter(|c| *c != '_').collect();
     match plain.split_once('#') {
         Some((radix, digits)) => {
-            let radix: u32 = radix
-                .parse()
-                .ok()
-                .filter(|radix| matches!(radix, 2 | 8 | 10 | 16))?;
+            let radix: u32 = radix.parse().ok().filter(|radix| matches!(radix, 2 | 8 | 10 | 16))?;
             // IEC 61131-3 writes bit patterns this way, so 64 bits are the most there can be.
-            u64::from_str_radix(digits, radix)
-                .ok()
-                .map(|whole| whole as f64)
+            u64::from_str_radix(digits, radix).ok().map(|whole| whole as f64)
         }
         None => plain.parse().ok().filter(|number: &f64| number.is_finite()),
     }

@@ -24,10 +24,7 @@ pub(crate) fn program(text: &str) -> Result<Program, SyntaxError> {
 /// Reads one call, with or without `;`.
 pub(crate) fn call(text: &str) -> Result<Program, SyntaxError> {
     let mut parser = Parser::new(text)?;
-    let name = parser.expect_kind(
-        Kind::Name,
-        "an instruction call such as MCS(CS1, Stop1, All)",
-    )?;
+    let name = parser.expect_kind(Kind::Name, "an instruction call such as MCS(CS1, Stop1, All)")?;
     parser.call(name)?;
     if parser.peek.is(";") {
         parser.advance()?;
@@ -97,9 +94,7 @@ impl<'t> Parser<'t> {
         self.deeper()?;
         loop {
             let token = self.peek;
-            if token.kind == Kind::End && ends.is_empty()
-                || ends.iter().any(|end| token.is_word(end))
-            {
+            if token.kind == Kind::End && ends.is_empty() || ends.iter().any(|end| token.is_word(end)) {
                 break;
             }
             if token.is(";") {
@@ -323,24 +318,17 @@ impl<'t> Parser<'t> {
             match &operand.kind {
                 OperandKind::Target(object) => {
                     let token = self.expect_kind(Kind::Name, object_name(*object))?;
-                    self.uses(
-                        token.offset,
-                        Meaning::Object(*object, token.text.to_owned()),
-                    );
+                    self.uses(token.offset, Meaning::Object(*object, token.text.to_owned()));
                     statement.target = token.text.to_owned();
                 }
                 OperandKind::MotionControl => {
-                    let token =
-                        self.expect_kind(Kind::Name, "the name of the motion control tag")?;
+                    let token = self.expect_kind(Kind::Name, "the name of the motion control tag")?;
                     let path = self.path(token)?;
                     if self.program.paths[path as usize].computed() > 0 {
-                        return Err(
-                            self.unexpected(&token, "a motion control tag without computed index")
-                        );
+                        return Err(self.unexpected(&token, "a motion control tag without computed index"));
                     }
                     self.uses(token.offset, Meaning::Control(path));
-                    statement.control =
-                        Some(self.program.paths[path as usize].sample().to_string());
+                    statement.control = Some(self.program.paths[path as usize].sample().to_string());
                 }
                 kind => self.operand(mnemonic, place, kind)?,
             }
@@ -367,34 +355,21 @@ impl<'t> Parser<'t> {
         Ok(())
     }
 
-    fn operand(
-        &mut self,
-        mnemonic: Mnemonic,
-        place: usize,
-        kind: &'static OperandKind,
-    ) -> Result<(), SyntaxError> {
+    fn operand(&mut self, mnemonic: Mnemonic, place: usize, kind: &'static OperandKind) -> Result<(), SyntaxError> {
         match kind {
             OperandKind::Word(words) => return self.word_operand(mnemonic, place, words),
             OperandKind::Reference(object) if self.peek.kind == Kind::Name => {
                 let token = self.peek;
                 self.advance()?;
-                self.uses(
-                    token.offset,
-                    Meaning::Object(*object, token.text.to_owned()),
-                );
-                let path = self.add_path(
-                    vec![Part::Fixed(PathSegment::Symbol(token.text.to_owned()))],
-                    token,
-                );
+                self.uses(token.offset, Meaning::Object(*object, token.text.to_owned()));
+                let path = self.add_path(vec![Part::Fixed(PathSegment::Symbol(token.text.to_owned()))], token);
                 self.emit(Op::GiveName(path));
                 return Ok(());
             }
             OperandKind::Array(_) | OperandKind::ArrayOrNone if self.peek.is("[") => {
                 return self.array();
             }
-            OperandKind::ArrayOrNone | OperandKind::WrittenArray(_)
-                if self.peek.is_word("None") =>
-            {
+            OperandKind::ArrayOrNone | OperandKind::WrittenArray(_) if self.peek.is_word("None") => {
                 self.advance()?;
                 self.emit(Op::Number(0.0));
                 self.emit(Op::GiveNumber);
@@ -405,9 +380,7 @@ impl<'t> Parser<'t> {
         let start = self.peek;
         let shape = self.expression()?;
         let op = match (kind, shape) {
-            (OperandKind::Array(_) | OperandKind::ArrayOrNone, Shape::Path(path)) => {
-                Op::GiveRead(path)
-            }
+            (OperandKind::Array(_) | OperandKind::ArrayOrNone, Shape::Path(path)) => Op::GiveRead(path),
             (OperandKind::WrittenArray(_) | OperandKind::Structure(_), Shape::Path(path)) => {
                 // The instruction writes or keeps the tag itself: a variable of the program does not do.
                 self.program.uses.pop();
@@ -444,12 +417,7 @@ impl<'t> Parser<'t> {
     }
 
     /// An enumeration word in any spelling; what is none is an expression.
-    fn word_operand(
-        &mut self,
-        mnemonic: Mnemonic,
-        place: usize,
-        words: &'static Words,
-    ) -> Result<(), SyntaxError> {
+    fn word_operand(&mut self, mnemonic: Mnemonic, place: usize, words: &'static Words) -> Result<(), SyntaxError> {
         /// `% of Time Master Driven` is the longest word there is, in tokens.
         const LONGEST: usize = 8;
         let start = self.peek;
@@ -457,8 +425,7 @@ impl<'t> Parser<'t> {
         let mut text = String::new();
         let mut count = 0;
         while count <= LONGEST
-            && (matches!(token.kind, Kind::Name | Kind::Number)
-                || ["%", "-", "/"].iter().any(|sign| token.is(sign)))
+            && (matches!(token.kind, Kind::Name | Kind::Number) || ["%", "-", "/"].iter().any(|sign| token.is(sign)))
         {
             text.push_str(token.text);
             count += 1;
@@ -579,14 +546,10 @@ impl<'t> Parser<'t> {
                     Kind::Name => PathSegment::Symbol(token.text.to_owned()),
                     Kind::Number => {
                         let bit = token.text.parse().ok().filter(|bit| *bit < 64);
-                        PathSegment::Bit(
-                            bit.ok_or_else(|| self.unexpected(&token, "a bit from 0 to 63"))?,
-                        )
+                        PathSegment::Bit(bit.ok_or_else(|| self.unexpected(&token, "a bit from 0 to 63"))?)
                     }
                     _ => {
-                        return Err(
-                            self.unexpected(&token, "the name of a member or the number of a bit")
-                        );
+                        return Err(self.unexpected(&token, "the name of a member or the number of a bit"));
                     }
                 }));
             } else if self.peek.is("[") {
@@ -612,9 +575,7 @@ impl<'t> Parser<'t> {
                 ));
             }
         }
-        if self.last_end - name.offset > 4 * TagPath::MAX_LENGTH
-            || name.text.len() > TagPath::MAX_LENGTH
-        {
+        if self.last_end - name.offset > 4 * TagPath::MAX_LENGTH || name.text.len() > TagPath::MAX_LENGTH {
             let error = PathError::TooLong {
                 length: self.last_end - name.offset,
             };
@@ -634,8 +595,7 @@ impl<'t> Parser<'t> {
         match self.program.ops[before..] {
             [Op::Number(value)] => {
                 self.program.ops.pop();
-                let index = if value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value)
-                {
+                let index = if value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value) {
                     value as u32
                 } else {
                     return Err(self.unexpected(&token, "a whole number, 0 or more"));
@@ -665,11 +625,7 @@ impl<'t> Parser<'t> {
 
     fn uses(&mut self, offset: usize, meaning: Meaning) {
         let word = self.word.clone();
-        self.program.uses.push(Use {
-            offset,
-            meaning,
-            word,
-        });
+        self.program.uses.push(Use { offset, meaning, word });
     }
 
     fn emit(&mut self, op: Op) -> usize {
@@ -693,18 +649,14 @@ impl<'t> Parser<'t> {
     fn deeper(&mut self) -> Result<(), SyntaxError> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
-            return Err(self.error(
-                self.peek.offset,
-                SyntaxProblem::TooDeep { limit: MAX_DEPTH },
-            ));
+            return Err(self.error(self.peek.offset, SyntaxProblem::TooDeep { limit: MAX_DEPTH }));
         }
         Ok(())
     }
 
     fn number(&self, token: &Token<'_>) -> Result<f64, SyntaxError> {
         let found = || token.text.chars().take(60).collect();
-        number(token.text)
-            .ok_or_else(|| self.error(token.offset, SyntaxProblem::Number { found: found() }))
+        number(token.text).ok_or_else(|| self.error(token.offset, SyntaxProblem::Number { found: found() }))
     }
 
     fn advance(&mut self) -> Result<(), SyntaxError> {
@@ -727,11 +679,7 @@ impl<'t> Parser<'t> {
         self.advance()
     }
 
-    fn expect_kind(
-        &mut self,
-        kind: Kind,
-        expected: &'static str,
-    ) -> Result<Token<'t>, SyntaxError> {
+    fn expect_kind(&mut self, kind: Kind, expected: &'static str) -> Result<Token<'t>, SyntaxError> {
         let token = self.peek;
         if token.kind != kind {
             return Err(self.unexpected(&token, expected));
@@ -756,11 +704,7 @@ impl<'t> Parser<'t> {
 }
 
 /// The error of a word that an operand does not have. `tags`: names that could stand there too.
-pub(crate) fn unknown_word(
-    text: &str,
-    word: &WordPlace,
-    tags: impl Iterator<Item = String>,
-) -> SyntaxError {
+pub(crate) fn unknown_word(text: &str, word: &WordPlace, tags: impl Iterator<Item = String>) -> SyntaxError {
     let operand = word.mnemonic.instruction().operands.get(word.place);
     let words = match operand.map(|operand| &operand.kind) {
         Some(OperandKind::Word(words)) => words.words,

@@ -141,10 +141,7 @@ impl Program {
             let Some(name) = path.plain_name().map(str::to_ascii_lowercase) else {
                 continue;
             };
-            if variables.contains_key(&name)
-                || controls.contains(&name)
-                || names.is_tag(&path.sample())
-            {
+            if variables.contains_key(&name) || controls.contains(&name) || names.is_tag(&path.sample()) {
                 continue;
             }
             variables.insert(name, self.variables);
@@ -156,12 +153,7 @@ impl Program {
         }
     }
 
-    fn check_use(
-        &self,
-        one: &Use,
-        names: &dyn Names,
-        controls: &BTreeSet<String>,
-    ) -> Result<(), SyntaxError> {
+    fn check_use(&self, one: &Use, names: &dyn Names, controls: &BTreeSet<String>) -> Result<(), SyntaxError> {
         let error = |problem| Err(SyntaxError::new(&self.text, one.offset, problem));
         let (path, may_be_variable) = match &one.meaning {
             Meaning::Object(object, name) => {
@@ -187,10 +179,7 @@ impl Program {
             Meaning::Read(path) | Meaning::Assigned(path) => (&self.paths[*path as usize], true),
         };
         let sample = path.sample();
-        if may_be_variable && path.variable.is_some()
-            || names.is_tag(&sample)
-            || is_control(&sample, controls)
-        {
+        if may_be_variable && path.variable.is_some() || names.is_tag(&sample) || is_control(&sample, controls) {
             return Ok(());
         }
         if let Some(word) = &one.word {
@@ -205,11 +194,7 @@ impl Program {
             .chain(self.control_tags().map(str::to_owned));
         let suggestion = nearest(sample.tag().unwrap_or_default(), known)
             // The tag is there, its member is not: its own name would be no help.
-            .filter(|name| {
-                !sample
-                    .tag()
-                    .is_some_and(|tag| tag.eq_ignore_ascii_case(name))
-            });
+            .filter(|name| !sample.tag().is_some_and(|tag| tag.eq_ignore_ascii_case(name)));
         error(SyntaxProblem::UnknownTag {
             path: sample.to_string(),
             suggestion,

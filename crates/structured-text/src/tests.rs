@@ -19,10 +19,9 @@ impl Names for Machine {
     }
 
     fn is_tag(&self, path: &TagPath) -> bool {
-        self.tags().iter().any(|known| {
-            path.tag()
-                .is_some_and(|tag| tag.eq_ignore_ascii_case(known))
-        })
+        self.tags()
+            .iter()
+            .any(|known| path.tag().is_some_and(|tag| tag.eq_ignore_ascii_case(known)))
     }
 
     fn objects(&self, object: Object) -> Vec<String> {
@@ -44,9 +43,7 @@ impl Names for Machine {
 /// Answers a program from a table of numbers and prints what it asks for, one line a request.
 fn trace(text: &str, tags: &[(&str, f64)], limit: usize) -> String {
     let mut program = Program::parse(text).unwrap_or_else(|error| panic!("{error}"));
-    program
-        .check(&Machine)
-        .unwrap_or_else(|error| panic!("{error}"));
+    program.check(&Machine).unwrap_or_else(|error| panic!("{error}"));
     let mut tags: BTreeMap<String, f64> = tags
         .iter()
         .map(|(name, value)| (name.to_ascii_lowercase(), *value))
@@ -112,10 +109,7 @@ fn trace(text: &str, tags: &[(&str, f64)], limit: usize) -> String {
 /// The value that an expression has.
 fn value(expression: &str) -> String {
     let out = trace(&format!("Recipe := {expression};"), &[("Count", 7.0)], 100);
-    out.lines()
-        .next()
-        .unwrap_or_default()
-        .replace("Recipe := ", "")
+    out.lines().next().unwrap_or_default().replace("Recipe := ", "")
 }
 
 #[test]
@@ -187,11 +181,7 @@ fn programs_ask_in_order() {
     ];
     for (why, text, expected) in cases {
         let limit = if why.starts_with("WAIT") { 6 } else { 100 };
-        assert_eq!(
-            trace(text, &[("Count", 7.0)], limit),
-            expected,
-            "{why}: {text}"
-        );
+        assert_eq!(trace(text, &[("Count", 7.0)], limit), expected, "{why}: {text}");
     }
 }
 
@@ -285,22 +275,14 @@ fn a_full_queue_repeats_the_call() {
 #[test]
 fn a_wrong_answer_is_the_drivers_fault() {
     let mut interpreter = Interpreter::new(Program::parse("DELAY(1);").expect("a delay"));
-    let error = interpreter
-        .resume(Answer::Done)
-        .expect_err("nothing was asked");
-    assert_eq!(
-        error.problem,
-        RuntimeProblem::Answer {
-            asked: "nothing yet"
-        }
-    );
+    let error = interpreter.resume(Answer::Done).expect_err("nothing was asked");
+    assert_eq!(error.problem, RuntimeProblem::Answer { asked: "nothing yet" });
     assert_eq!(interpreter.resume(Answer::Start), Ok(Request::End));
 }
 
 #[test]
 fn calls_are_listed() {
-    let program =
-        Program::parse("MSO(x, m1);\n  MCS (CS1, S1, All, No);mso(Y, M1);").expect("calls");
+    let program = Program::parse("MSO(x, m1);\n  MCS (CS1, S1, All, No);mso(Y, M1);").expect("calls");
     let calls: Vec<_> = program.calls().collect();
     assert_eq!(calls.len(), 3);
     assert_eq!(
@@ -313,10 +295,7 @@ fn calls_are_listed() {
         .iter()
         .map(|operand| (operand.name, operand.text.as_str()))
         .collect();
-    assert_eq!(
-        operands[2..],
-        [("Stop Type", "All"), ("Change Decel", "No")]
-    );
+    assert_eq!(operands[2..], [("Stop Type", "All"), ("Change Decel", "No")]);
     assert_eq!(program.control_tags().collect::<Vec<_>>(), ["m1", "S1"]);
 }
 
@@ -341,8 +320,7 @@ fn the_seeds_lines() {
             true
         }
         fn is_tag(&self, path: &TagPath) -> bool {
-            path.tag()
-                .is_some_and(|tag| tag.to_ascii_lowercase().starts_with("my"))
+            path.tag().is_some_and(|tag| tag.to_ascii_lowercase().starts_with("my"))
         }
     }
     let lines = [
@@ -351,9 +329,7 @@ fn the_seeds_lines() {
         "MCS (myMcsCoordinateSystem, myMcsMotionControl, All, Yes, myMcsDecelRate, Unitspersec2, Yes, 100.0, % of Time);",
     ];
     let mut program = Program::parse(&lines.join("\n")).unwrap_or_else(|error| panic!("{error}"));
-    program
-        .check(&Anything)
-        .unwrap_or_else(|error| panic!("{error}"));
+    program.check(&Anything).unwrap_or_else(|error| panic!("{error}"));
     let mut interpreter = Interpreter::new(program);
     let mut answer = Answer::Start;
     let mut given = Vec::new();

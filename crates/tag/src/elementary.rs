@@ -144,10 +144,7 @@ mod tests {
     fn codes_and_names_are_unique_and_read_back() {
         for kind in Elementary::ALL {
             assert_eq!(Elementary::from_code(kind.code()), Some(kind));
-            assert_eq!(
-                Elementary::from_name(&kind.name().to_lowercase()),
-                Some(kind)
-            );
+            assert_eq!(Elementary::from_name(&kind.name().to_lowercase()), Some(kind));
         }
         for code in [0x00, 0xA0, 0xC0, 0xCC, 0xD0, 0xD5, 0xDA, 0xFF] {
             assert_eq!(Elementary::from_code(code), None, "code {code:#04x}");

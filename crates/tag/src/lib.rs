@@ -16,7 +16,7 @@ pub use elementary::Elementary;
 pub use path::{PathError, PathSegment, TagPath};
 pub use tag_type::{Location, TagType};
 pub use template::{
-    DataType, Member, STRING_CAPACITY, STRING_HANDLE, STRING_INSTANCE, STRING_SIZE, Template,
-    TemplateBuilder, string_template, string_text, write_string,
+    DataType, Member, STRING_CAPACITY, STRING_HANDLE, STRING_INSTANCE, STRING_SIZE, Template, TemplateBuilder,
+    string_template, string_text, write_string,
 };
 pub use value::Value;

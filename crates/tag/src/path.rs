@@ -48,10 +48,7 @@ pub enum PathError {
     #[error("the tag path is empty")]
     Empty,
     /// Longer than [`TagPath::MAX_LENGTH`].
-    #[error(
-        "the tag path has {length} characters, at most {} are read",
-        TagPath::MAX_LENGTH
-    )]
+    #[error("the tag path has {length} characters, at most {} are read", TagPath::MAX_LENGTH)]
     TooLong {
         /// Length in bytes.
         length: usize,
@@ -143,9 +140,7 @@ impl FromStr for TagPath {
                     let position = scanner.at;
                     let bit = scanner.number()?;
                     let bit = u8::try_from(bit).ok().filter(|bit| *bit < 64);
-                    segments.push(PathSegment::Bit(
-                        bit.ok_or(PathError::NumberTooLarge { position })?,
-                    ));
+                    segments.push(PathSegment::Bit(bit.ok_or(PathError::NumberTooLarge { position })?));
                 }
                 '.' => segments.push(PathSegment::Symbol(scanner.name()?)),
                 '[' => loop {
@@ -225,10 +220,7 @@ impl Scanner<'_> {
     /// A letter or underscore, then letters, digits, underscores and colons.
     fn name(&mut self) -> Result<String, PathError> {
         let start = self.at;
-        if !self
-            .peek()
-            .is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
-        {
+        if !self.peek().is_some_and(|c| c.is_ascii_alphabetic() || c == '_') {
             return Err(self.unexpected());
         }
         while self

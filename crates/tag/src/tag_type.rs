@@ -68,9 +68,7 @@ impl TagType {
 
     /// Size in bytes of all elements.
     pub fn size(&self) -> usize {
-        self.data_type
-            .size()
-            .saturating_mul(self.elements() as usize)
+        self.data_type.size().saturating_mul(self.elements() as usize)
     }
 
     /// The symbol type word (spec/ethernet-ip.md §10): bit 15 structure, bits 14–13 number of dimensions, then the
@@ -227,16 +225,9 @@ mod tests {
         ];
         for (text, offset, name, elements, bit) in cases {
             let path: TagPath = text.parse().unwrap_or_else(|e| panic!("{text}: {e}"));
-            let place = machine
-                .locate(path.rest())
-                .unwrap_or_else(|e| panic!("{text}: {e}"));
+            let place = machine.locate(path.rest()).unwrap_or_else(|e| panic!("{text}: {e}"));
             assert_eq!(
-                (
-                    place.offset,
-                    place.data_type.name(),
-                    place.elements,
-                    place.bit
-                ),
+                (place.offset, place.data_type.name(), place.elements, place.bit),
                 (offset, name, elements, bit),
                 "{text}"
             );
@@ -281,10 +272,7 @@ mod tests {
             ])
             .expect("inside");
         assert_eq!((place.offset, place.elements), (2 * 23, 1));
-        assert_eq!(
-            (grid.elements(), grid.size(), grid.symbol_type()),
-            (24, 48, 0x60C3)
-        );
+        assert_eq!((grid.elements(), grid.size(), grid.symbol_type()), (24, 48, 0x60C3));
     }
 
     #[test]
@@ -298,10 +286,8 @@ mod tests {
 
     fn segment() -> impl Strategy<Value = PathSegment> {
         prop_oneof![
-            prop::sample::select(vec![
-                "Id", "Cells", "Name", "On", "Count", "P", "LEN", "DATA", "?"
-            ])
-            .prop_map(|name| PathSegment::Symbol(name.to_owned())),
+            prop::sample::select(vec!["Id", "Cells", "Name", "On", "Count", "P", "LEN", "DATA", "?"])
+                .prop_map(|name| PathSegment::Symbol(name.to_owned())),
             (0u32..100).prop_map(PathSegment::Element),
             any::<u32>().prop_map(PathSegment::Element),
             (0u8..64).prop_map(PathSegment::Bit),

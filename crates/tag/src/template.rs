@@ -179,11 +179,7 @@ impl Template {
             for byte in text.bytes() {
                 crc ^= u16::from(byte);
                 for _ in 0..8 {
-                    crc = if crc & 1 == 0 {
-                        crc >> 1
-                    } else {
-                        (crc >> 1) ^ 0xA001
-                    };
+                    crc = if crc & 1 == 0 { crc >> 1 } else { (crc >> 1) ^ 0xA001 };
                 }
             }
         };
@@ -248,12 +244,7 @@ impl TemplateBuilder {
     }
 
     /// Adds a one-dimensional array at its natural alignment, at least 4.
-    pub fn array(
-        self,
-        name: impl Into<String>,
-        data_type: impl Into<DataType>,
-        dimension: u16,
-    ) -> Self {
+    pub fn array(self, name: impl Into<String>, data_type: impl Into<DataType>, dimension: u16) -> Self {
         self.natural(name.into(), data_type.into(), dimension)
     }
 
@@ -313,9 +304,7 @@ impl TemplateBuilder {
     }
 
     fn natural(self, name: String, data_type: DataType, dimension: u16) -> Self {
-        let alignment = data_type
-            .alignment()
-            .max(if dimension == 0 { 1 } else { 4 });
+        let alignment = data_type.alignment().max(if dimension == 0 { 1 } else { 4 });
         let offset = self.end.next_multiple_of(alignment);
         let member = Member {
             name,
@@ -333,11 +322,7 @@ impl TemplateBuilder {
             Some((offset, used)) if used < 8 => (offset, used),
             _ => {
                 let offset = self.end;
-                let host = format!(
-                    "ZZZZZZZZZZ{}{}",
-                    self.template.name,
-                    self.template.members.len()
-                );
+                let host = format!("ZZZZZZZZZZ{}{}", self.template.name, self.template.members.len());
                 self = self.push(Member {
                     name: host,
                     data_type: Elementary::Sint.into(),
@@ -391,9 +376,7 @@ pub fn string_template() -> Arc<Template> {
 
 /// The text in the bytes of a STRING; a length beyond the data is cut, bytes that are not UTF-8 are replaced.
 pub fn string_text(bytes: &[u8]) -> String {
-    let length = bytes
-        .first_chunk()
-        .map_or(0, |length| i32::from_le_bytes(*length));
+    let length = bytes.first_chunk().map_or(0, |length| i32::from_le_bytes(*length));
     let data = bytes.get(4..).unwrap_or_default();
     let length = usize::try_from(length)
         .unwrap_or(0)
@@ -459,20 +442,10 @@ mod tests {
     #[test]
     fn the_string_is_what_clients_look_for() {
         let string = string_template();
-        assert_eq!(
-            (string.size, string.handle, string.instance),
-            (88, 0x0FCE, 0xFCE)
-        );
+        assert_eq!((string.size, string.handle, string.instance), (88, 0x0FCE, 0xFCE));
         let data = string.member("data").expect("DATA");
-        assert_eq!(
-            (data.offset, data.dimension, data.type_word()),
-            (4, 82, 0x20C2)
-        );
-        assert!(
-            string
-                .definition_bytes()
-                .ends_with(b"ASCIISTRING82\0LEN\0DATA\0")
-        );
+        assert_eq!((data.offset, data.dimension, data.type_word()), (4, 82, 0x20C2));
+        assert!(string.definition_bytes().ends_with(b"ASCIISTRING82\0LEN\0DATA\0"));
     }
 
     #[test]
@@ -496,9 +469,7 @@ mod tests {
             ("L", 16, None), ("N", 24, None), ("A", 32, None), ("Last", 35, Some(0)),
         ];
         for (name, offset, bit) in cases {
-            let member = template
-                .member(name)
-                .unwrap_or_else(|| panic!("member {name}"));
+            let member = template.member(name).unwrap_or_else(|| panic!("member {name}"));
             assert_eq!((member.offset, member.bit), (offset, bit), "{name}");
             assert_eq!(member.hidden, name.starts_with("ZZZZ"), "{name}");
         }

@@ -80,12 +80,7 @@ fn member(builder: TemplateBuilder, line: &str) -> Option<TemplateBuilder> {
         }
         scalar => (scalar, 0),
     };
-    let mut builder = builder.member_at(
-        words.next()?,
-        Elementary::from_name(kind)?,
-        dimension,
-        offset,
-    );
+    let mut builder = builder.member_at(words.next()?, Elementary::from_name(kind)?, dimension, offset);
     for bit in words {
         let (bit, name) = bit.split_once(':')?;
         builder = builder.bit_at(name, offset, bit.parse().ok()?);
@@ -129,47 +124,22 @@ mod tests {
                 .member(name)
                 .or_else(|| template.member(&name.replace("FL", "")));
             let member = member.unwrap_or_else(|| panic!("{} {name}", template.name));
-            assert_eq!(
-                (member.offset, member.bit),
-                (offset, bit),
-                "{} {name}",
-                template.name
-            );
+            assert_eq!((member.offset, member.bit), (offset, bit), "{} {name}", template.name);
         }
     }
 
     #[test]
     fn words_fill_the_types_without_gap_or_overlap() {
-        for template in all()
-            .into_iter()
-            .filter(|template| template.name != "ASCIISTRING82")
-        {
+        for template in all().into_iter().filter(|template| template.name != "ASCIISTRING82") {
             let mut end = 0;
-            for member in template
-                .members
-                .iter()
-                .filter(|member| member.bit.is_none())
-            {
-                assert_eq!(
-                    member.offset as usize, end,
-                    "{} {}",
-                    template.name, member.name
-                );
+            for member in template.members.iter().filter(|member| member.bit.is_none()) {
+                assert_eq!(member.offset as usize, end, "{} {}", template.name, member.name);
                 end += member.size();
             }
             assert_eq!(end, template.size as usize, "{}", template.name);
             assert!(!template.is_user_type());
-            for member in template
-                .members
-                .iter()
-                .filter(|member| member.bit.is_some())
-            {
-                assert!(
-                    member.offset < template.size,
-                    "{} {}",
-                    template.name,
-                    member.name
-                );
+            for member in template.members.iter().filter(|member| member.bit.is_some()) {
+                assert!(member.offset < template.size, "{} {}", template.name, member.name);
             }
         }
     }
@@ -194,11 +164,7 @@ mod tests {
             (real_time(),          "ComputeHistogram",       real_time_offset::COMPUTE_HISTOGRAM),
         ];
         for (template, name, offset) in offsets {
-            assert_eq!(
-                template.member(name).expect(name).offset as usize,
-                offset,
-                "{name}"
-            );
+            assert_eq!(template.member(name).expect(name).offset as usize, offset, "{name}");
         }
         #[rustfmt::skip]
         let bits = [
@@ -218,11 +184,7 @@ mod tests {
             let template = motion_instruction();
             let name = flag.name();
             let member = template.member(name).expect(name);
-            assert_eq!(
-                8 * member.offset as u8 + member.bit.expect(name),
-                flag.bit(),
-                "{flag}"
-            );
+            assert_eq!(8 * member.offset as u8 + member.bit.expect(name), flag.bit(), "{flag}");
         }
     }
 
