@@ -67,6 +67,18 @@ impl Bounds {
         self.jerk
     }
 
+    /// The same without limits of jerk.
+    pub(crate) fn without_jerk(&self) -> Bounds {
+        Bounds {
+            jerk: f64::INFINITY,
+            axes: AxisLimits {
+                jerk: None,
+                ..self.axes
+            },
+            ..*self
+        }
+    }
+
     /// The least jerk limit of all.
     pub(crate) fn least_jerk(&self) -> f64 {
         self.axes.jerk.map_or(self.jerk, |axes| self.jerk.min(axes.min()))

@@ -84,7 +84,7 @@ pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], s
     let total = times[count - 1];
     let warp = Warp::new(total, rate[0] * TANGENT_SHARE, rate[count - 2] * TANGENT_SHARE, bounds, smoothness);
     let whole = warp.stretched(total);
-    let intervals = (whole / NODE_TIME).ceil().clamp(MIN_NODES, MAX_NODES) as usize;
+    let intervals = intervals(whole);
     let mut nodes = Nodes {
         points: Vec::with_capacity(intervals + 1),
         progress: Vec::with_capacity(intervals + 1),
@@ -112,6 +112,11 @@ pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], s
         nodes.progress[intervals] = last.progress;
     }
     nodes
+}
+
+/// How many nodes a motion of so many seconds gets.
+pub(crate) fn intervals(seconds: f64) -> usize {
+    (seconds / NODE_TIME).ceil().clamp(MIN_NODES, MAX_NODES) as usize
 }
 
 fn sample(course: &Course, stretches: &[Stretch]) -> Vec<Sample> {
@@ -145,14 +150,14 @@ fn sample(course: &Course, stretches: &[Stretch]) -> Vec<Sample> {
 
 /// An S-curve leaves rest with `s = j t³/6`, not `a t²/2`: the time near both ends is warped so that
 /// the nodes follow the cube, and the retiming has no singular start.
-struct Warp {
+pub(crate) struct Warp {
     total: f64,
     /// Acceleration over jerk at the start and at the end, seconds; 0: no warp.
     ratios: [f64; 2],
 }
 
 impl Warp {
-    fn new(total: f64, first: f64, last: f64, bounds: &[Bounds], smoothness: Smoothness) -> Warp {
+    pub(crate) fn new(total: f64, first: f64, last: f64, bounds: &[Bounds], smoothness: Smoothness) -> Warp {
         let ratio = |rate: f64, bound: Option<&Bounds>| match (smoothness, bound) {
             (Smoothness::SCurve, Some(bound)) => (rate / bound.least_jerk()).min(total / 2.0),
             _ => 0.0,
@@ -180,11 +185,11 @@ impl Warp {
         }
     }
 
-    fn stretched(&self, total: f64) -> f64 {
+    pub(crate) fn stretched(&self, total: f64) -> f64 {
         Warp::stretch_end(self.ratios[0], total / 2.0) + Warp::stretch_end(self.ratios[1], total / 2.0)
     }
 
-    fn nominal(&self, t: f64) -> f64 {
+    pub(crate) fn nominal(&self, t: f64) -> f64 {
         let half = Warp::stretch_end(self.ratios[0], self.total / 2.0);
         if t <= half {
             Warp::shrink_end(self.ratios[0], t)

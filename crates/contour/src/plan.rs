@@ -1,7 +1,7 @@
 //! From moves to a trajectory: sections from rest to rest, each rounded, timed and improved.
 
 use crate::course::Course;
-use crate::nominal::{Nodes, nodes};
+use crate::nominal::{Nodes, Warp, intervals, nodes};
 use crate::optimise::{self, Limits, Problem};
 use crate::rounding::{Smoothness, round};
 use crate::{AxisLimits, Bounds, ContourMove, Point, Trajectory};
@@ -64,35 +64,72 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> T
     let course = Course::new(long.iter().map(|m| m.path).collect());
     let bounds: Vec<Bounds> = long.iter().map(|m| bounds(m, limits, smoothness)).collect();
     let tolerances: Vec<f64> = long.iter().map(|m| m.tolerance).collect();
-    let stretches = round(&course, &tolerances, smoothness);
-    let mut nodes = nodes(&course, &stretches, &bounds, smoothness);
+    // An S-curve starts from the trapezoid's shape: without jerk limits the optimisation is not stiff.
+    let free: Vec<Bounds> = bounds.iter().map(Bounds::without_jerk).collect();
+    let stretches = round(&course, &tolerances, Smoothness::Trapezoid);
+    let mut nodes = nodes(&course, &stretches, &free, Smoothness::Trapezoid);
     let mut trajectory = Trajectory::rest(end);
-    let rounds: &[(f64, f64)] = match effort {
-        Effort::Quick => &[(1.0, 1000.0)],
-        Effort::Full => &[(1.0, 300.0), (5.0, 1000.0), (50.0, 2000.0)],
-    };
+    let rounds = rounds(smoothness, effort);
     let mut times = Vec::new();
-    for (index, &(first, last)) in rounds.iter().enumerate() {
+    for (index, round) in rounds.iter().enumerate() {
+        let limited = if round.jerk { &bounds } else { &free };
         if index > 0 {
-            nodes = resample(&trajectory, &times, &nodes);
+            let warped = if round.jerk && !rounds[index - 1].jerk {
+                Smoothness::SCurve
+            } else {
+                Smoothness::Trapezoid
+            };
+            nodes = resample(&trajectory, &times, &nodes, &bounds, warped);
         }
-        let mut problem = problem(&course, &nodes, &bounds, &tolerances, effort);
+        let mut problem = problem(&course, &nodes, limited, &tolerances, effort);
         problem.make_feasible();
         problem.run(optimise::Effort {
-            first,
-            last,
+            first: round.first,
+            last: round.last,
             factor: 5.0,
-            steps: 8,
+            steps: round.steps,
         });
         let span = nodes.spans[0];
         nodes.points = core::mem::take(&mut problem.points);
         nodes.spans = problem.spans.iter().map(|h| span * h).collect();
         let finished = index + 1 == rounds.len();
-        (trajectory, times) = timed(&nodes, &bounds, &course, finished);
+        (trajectory, times) = timed(&nodes, limited, &course, finished);
     }
     trajectory.move_ends = move_ends(moves, &course, &nodes, &times, trajectory.duration());
     trajectory.end = end;
     trajectory
+}
+
+/// One run of the optimisation.
+struct Round {
+    jerk: bool,
+    first: f64,
+    last: f64,
+    steps: usize,
+}
+
+fn rounds(smoothness: Smoothness, effort: Effort) -> Vec<Round> {
+    let round = |jerk, first, last, steps| Round {
+        jerk,
+        first,
+        last,
+        steps,
+    };
+    match (smoothness, effort) {
+        (Smoothness::Trapezoid, Effort::Quick) => vec![round(false, 1.0, 1000.0, 8)],
+        (Smoothness::Trapezoid, Effort::Full) => vec![
+            round(false, 1.0, 300.0, 8),
+            round(false, 5.0, 1000.0, 8),
+            round(false, 50.0, 2000.0, 8),
+        ],
+        (Smoothness::SCurve, Effort::Quick) => vec![round(false, 1.0, 30.0, 8), round(true, 1.0, 1000.0, 8)],
+        (Smoothness::SCurve, Effort::Full) => vec![
+            round(false, 1.0, 30.0, 8),
+            round(true, 1.0, 300.0, 12),
+            round(true, 5.0, 1000.0, 8),
+            round(true, 50.0, 2000.0, 8),
+        ],
+    }
 }
 
 /// The spline through the nodes, slowed down or sped up as a whole so that no limit is exceeded,
@@ -137,15 +174,29 @@ fn excess(trajectory: &Trajectory, nodes: &Nodes, bounds: &[Bounds], course: &Co
     if factor > 0.0 { factor } else { 1.0 }
 }
 
-/// The same curve with nodes at equal intervals of its time.
-fn resample(trajectory: &Trajectory, times: &[f64], nodes: &Nodes) -> Nodes {
-    let whole = trajectory.duration();
-    let intervals = nodes.spans.len();
+/// The same curve with nodes at equal intervals of its time, warped at its ends for an S-curve.
+fn resample(
+    trajectory: &Trajectory,
+    times: &[f64],
+    nodes: &Nodes,
+    bounds: &[Bounds],
+    smoothness: Smoothness,
+) -> Nodes {
+    let rate = |bound: Option<&Bounds>| bound.map_or(f64::INFINITY, |b| b.axes.acceleration.min().min(b.acceleration));
+    let warp = Warp::new(
+        trajectory.duration(),
+        rate(bounds.first()),
+        rate(bounds.last()),
+        bounds,
+        smoothness,
+    );
+    let whole = warp.stretched(trajectory.duration());
+    let intervals = intervals(whole);
     let mut points = Vec::with_capacity(intervals + 1);
     let mut progress = Vec::with_capacity(intervals + 1);
     let mut i = 0;
     for k in 0..=intervals {
-        let time = whole * k as f64 / intervals as f64;
+        let time = warp.nominal(whole * k as f64 / intervals as f64);
         points.push(trajectory.at(time).position);
         while i + 2 < times.len() && times[i + 1] < time {
             i += 1;
@@ -153,6 +204,7 @@ fn resample(trajectory: &Trajectory, times: &[f64], nodes: &Nodes) -> Nodes {
         let part = ((time - times[i]) / (times[i + 1] - times[i])).clamp(0.0, 1.0);
         progress.push(nodes.progress[i] + (nodes.progress[i + 1] - nodes.progress[i]) * part);
     }
+    points[0] = nodes.points[0];
     points[intervals] = trajectory.end;
     Nodes {
         points,
