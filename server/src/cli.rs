@@ -1,6 +1,7 @@
 //! The command line of `arcline-server` (spec/contract.md §1). What the commands do is in `run`, `simulate` and
 //! `arcline-config`.
 
+use std::io::IsTerminal as _;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -156,6 +157,7 @@ fn log() {
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
         .init();
 }
 
