@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use arcline_geometry::{Path, Point};
-use arcline_profile::{Limits, Profile, State};
+use arcline_profile::{Jerk, Limits, Profile, State};
 
 use crate::junction::{Ending, Junction, braking, is_along, joins, junction, junction_speed};
 use crate::reach::{accelerates_until, brakes_from, exit_speed};
@@ -158,11 +158,7 @@ impl<T: Copy> Planner<T> {
         } else {
             Profile::to_position(from, 0.0, 0.0, &limits)
         };
-        let residual = Residual {
-            direction,
-            profile,
-            start: clock.now(),
-        };
+        let residual = Residual::new(direction, profile, clock.now(), &motion.path);
         self.run(motion, State::default(), clock.now(), Some(residual), false, clock);
     }
 
@@ -282,7 +278,7 @@ impl<T: Copy> Planner<T> {
             return;
         };
         running.motion.limits = limits;
-        self.active = Some(running);
+        let limits = running.limits();
         let from = running.track.state(clock);
         let plan = self.plan(&running, from);
         let profile = if plan.exit > 0.0 {
@@ -352,7 +348,7 @@ impl<T: Copy> Planner<T> {
         let plan = self.plan(&running, from);
         running.exit = plan.exit;
         running.joined = plan.joined;
-        running.track.profile = Profile::to_position(from, plan.target, plan.exit, &motion.limits);
+        running.track.profile = Profile::to_position(from, plan.target, plan.exit, &running.limits());
         self.active = Some(running);
         self.schedule(clock);
     }
@@ -383,6 +379,14 @@ impl<T: Copy> Planner<T> {
     fn plan(&self, running: &Running<T>, from: State) -> Plan {
         let mut target = running.motion.path.length();
         let mut joined = 0;
+        if running.track.residual.is_some() {
+            // Its compensation moves with the speed along the path, so the path ends at rest.
+            return Plan {
+                target,
+                exit: 0.0,
+                joined,
+            };
+        }
         let mut first = &running.motion;
         for second in self.pending.iter().take(LOOK_AHEAD) {
             if !joins(first, second, joined > 0 || running.blended) {
@@ -427,7 +431,7 @@ impl<T: Copy> Planner<T> {
         let from = running.track.state(clock);
         let plan = self.plan(&running, from);
         if plan.exit > running.exit || plan.joined > running.joined {
-            let profile = Profile::to_position(from, plan.target, plan.exit, &running.motion.limits);
+            let profile = Profile::to_position(from, plan.target, plan.exit, &running.limits());
             running.follow(plan, profile, clock);
             self.active = Some(running);
         }
@@ -486,6 +490,23 @@ struct Plan {
 }
 
 impl<T> Running<T> {
+    /// The limits that the profile along the path keeps.
+    fn limits(&self) -> Limits {
+        let limits = self.motion.limits;
+        match &self.track.residual {
+            Some(residual) if residual.pace < 1.0 => Limits {
+                speed: limits.speed * residual.pace,
+                acceleration: limits.acceleration * residual.pace,
+                deceleration: limits.deceleration * residual.pace,
+                jerk: limits.jerk.map(|jerk| Jerk {
+                    acceleration: jerk.acceleration * residual.pace,
+                    deceleration: jerk.deceleration * residual.pace,
+                }),
+            },
+            _ => limits,
+        }
+    }
+
     fn follow(&mut self, plan: Plan, profile: Profile, clock: &Clock) {
         self.track.replan(profile, clock);
         self.exit = plan.exit;

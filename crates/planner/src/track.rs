@@ -35,6 +35,9 @@ pub(crate) struct Residual {
     pub(crate) direction: Point,
     pub(crate) profile: Profile,
     pub(crate) start: Instant,
+    /// Share of the move's limits that its own profile may use, so that path and compensation together keep
+    /// them: at most 1.
+    pub(crate) pace: f64,
 }
 
 /// Where a track, or a whole coordinate system, is at one instant.
@@ -130,6 +133,22 @@ impl Approach {
 }
 
 impl Residual {
+    /// A residual ramped out beside a path. The compensation makes the way longer than the path where it
+    /// leads away from the target; the path is then travelled so much slower.
+    pub(crate) fn new(direction: Point, profile: Profile, start: Instant, path: &Path) -> Self {
+        let (length, total) = (path.length(), profile.end().position);
+        let way = match path {
+            Path::Line(line) => (line.end() - line.start() - direction * total).norm(),
+            Path::Arc(_) => length + total.abs(),
+        };
+        Residual {
+            direction,
+            profile,
+            start,
+            pace: if way > length { length / way } else { 1.0 },
+        }
+    }
+
     fn add(&self, sample: &mut Sample, length: f64, clock: &Clock) {
         let State {
             position,
