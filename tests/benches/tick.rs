@@ -1,0 +1,61 @@
+//! The cost of a tick: one coordinate system in a blend, and a large machine in which everything moves.
+#![allow(missing_docs)]
+
+use std::fmt::Write;
+use std::hint::black_box;
+
+use arcline_tests::bench::Bench;
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+
+/// Two moves on CS1, sampled where they are superposed.
+fn in_a_blend() -> Bench {
+    let mut bench = Bench::new();
+    let dynamics = "10, 0, 1, 0, 1, 0, 1, 100, 100, 2, 3";
+    bench.execute(&format!("MCLM(CS1, M1, 0, [1000, 500, 200], {dynamics})"));
+    bench.execute(&format!("MCLM(CS1, M2, 0, [1000, 1500, 700], {dynamics})"));
+    while bench.system("CS1").motion_status & (1 << 7) == 0 {
+        bench.run(100);
+    }
+    bench
+}
+
+/// 256 axes, four to each of 64 machines of which three move together.
+fn large() -> Bench {
+    let mut config = String::from("[motion_group]\nname = \"Motion\"\n");
+    let limits = "max_speed = 1000.0\nmax_acceleration = 10000.0";
+    for axis in 0..256 {
+        let _ = writeln!(
+            config,
+            "[[axis]]\nname = \"A{axis}\"\ntype = \"servo\"\nunits = \"mm\"\n{limits}"
+        );
+        config.push_str("drive = { velocity_feedforward = 0.5 }\n");
+    }
+    for system in 0..64 {
+        let [x, y, z] = [0, 1, 2].map(|axis| format!("\"A{}\"", 4 * system + axis));
+        let _ = writeln!(
+            config,
+            "[[coordinate_system]]\nname = \"CS{system}\"\ntype = \"cartesian\""
+        );
+        let _ = writeln!(config, "axes = [{x}, {y}, {z}]\n{limits}\nactual_tolerance = 0.01");
+    }
+    let mut bench = Bench::with(&config);
+    for system in 0..64 {
+        let call =
+            format!("MCLM(CS{system}, M{system}, 0, [1e9, 5e8, 2e8], 500, 0, 100, 0, 100, 0, 1, 100, 100, 2, 1)");
+        assert_eq!(bench.call(&call), (0, 0));
+    }
+    bench
+}
+
+fn tick(criterion: &mut Criterion) {
+    criterion.bench_function("tick, three axes in a blend", |bencher| {
+        bencher.iter_batched_ref(in_a_blend, |bench| black_box(bench).run(100), BatchSize::LargeInput);
+    });
+    let mut bench = large();
+    criterion.bench_function("tick, 256 axes in 64 moving systems", |bencher| {
+        bencher.iter(|| black_box(&mut bench).tick());
+    });
+}
+
+criterion_group!(benches, tick);
+criterion_main!(benches);
