@@ -1,6 +1,6 @@
 //! Tests of the whole: what no single crate can test.
 //!
-//! This library is their common ground. It runs Structured Text on a controller tick by tick ([`bench`]), finds
+//! This library is their common ground. It runs Structured Text on a controller tick by tick ([`mod@bench`]), finds
 //! the programs ([`programs`]), runs a server for the length of a test ([`server`]), runs Python scripts with
 //! clients from PyPI ([`python`]) and records what goes over the loopback interface ([`capture`]). It holds no
 //! tests and knows nothing of motion; the tests are in `tests/tests`.

@@ -298,7 +298,7 @@ pub(crate) struct Tags {
 
 #[derive(Args, Debug)]
 pub(crate) struct Read {
-    /// Such as X.ActualPosition, Move1.Position[0], Word.5
+    /// Such as `X.ActualPosition`, `Move1.Position[0]`, `Word.5`
     #[arg(value_name = "TAG", required = true)]
     pub(crate) tags: Vec<String>,
 }
@@ -307,7 +307,7 @@ pub(crate) struct Read {
 pub(crate) struct Write {
     /// Such as Move1.Speed
     pub(crate) tag: String,
-    /// A number, true or false, a text, or [1,2,3]
+    /// A number, true or false, a text, or `[1,2,3]`
     #[arg(allow_hyphen_values = true, value_parser = Input::from_str)]
     pub(crate) value: Input,
 }
