@@ -32,22 +32,25 @@ impl Sink for Trial {
         self.a
     }
 
-    #[inline]
+    #[inline(always)]
     fn push(&mut self, time: f64, jerk: f64) {
         if time > 0.0 {
             let half = 0.5 * jerk * time;
-            self.x += time * (self.v + time * (0.5 * self.a + half / 3.0));
+            self.x += time * (self.v + time * (0.5 * self.a + half * THIRD));
             self.v += time * (self.a + half);
             self.a += time * jerk;
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn set(&mut self, velocity: f64, acceleration: f64) {
         self.v = velocity;
         self.a = acceleration;
     }
 }
+
+/// Multiplied, since a division takes three times as long.
+const THIRD: f64 = 1.0 / 3.0;
 
 /// Collects the segments of a profile. Works in a mirrored frame (`sign` -1) where displacement
 /// starts at 0, so that mirrored plans are mirror images bit for bit.
@@ -180,7 +183,7 @@ impl Sink for Builder<'_> {
         self.now.a
     }
 
-    #[inline]
+    #[inline(always)]
     fn push(&mut self, time: f64, jerk: f64) {
         // What the clock cannot tell from nothing moves the state, but is no segment.
         if self.time + time > self.time && self.len < MAX_SEGMENTS {
@@ -198,7 +201,7 @@ impl Sink for Builder<'_> {
         self.now.push(time, jerk);
     }
 
-    #[inline]
+    #[inline(always)]
     fn set(&mut self, velocity: f64, acceleration: f64) {
         self.now.set(velocity, acceleration);
     }

@@ -14,6 +14,7 @@
 #![forbid(unsafe_code)]
 
 mod builder;
+mod early;
 mod limits;
 mod lookahead;
 mod peak;

@@ -40,10 +40,33 @@ pub fn percent_of_time_from_jerk(speed: f64, acceleration: f64, jerk: f64) -> f6
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SCurve {
     pub(crate) speed: f64,
-    pub(crate) acceleration: f64,
-    pub(crate) deceleration: f64,
+    /// While speeding up.
+    pub(crate) up: Side,
+    /// While slowing down.
+    pub(crate) down: Side,
+}
+
+/// Acceleration and jerk of one sign of speeding up, and what a plan would divide by again and again.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Side {
+    /// Largest acceleration.
+    pub(crate) most: f64,
     pub(crate) jerk: f64,
-    pub(crate) jerk_down: f64,
+    /// `1 / most`
+    pub(crate) per_most: f64,
+    /// `1 / jerk`
+    pub(crate) per_jerk: f64,
+}
+
+impl Side {
+    fn new(most: f64, jerk: f64) -> Side {
+        Side {
+            most,
+            jerk,
+            per_most: 1.0 / most,
+            per_jerk: 1.0 / jerk,
+        }
+    }
 }
 
 /// Limits of a trapezoid, sane as those of [`SCurve`].
@@ -72,17 +95,15 @@ impl Limits {
         let Some(jerk) = self.jerk else {
             return trapezoid;
         };
-        let most = (acceleration / SHORTEST_RISE).min(LARGEST_JERK);
-        let most_down = (deceleration / SHORTEST_RISE).min(LARGEST_JERK);
+        let most = (acceleration * FASTEST_RISE).min(LARGEST_JERK);
+        let most_down = (deceleration * FASTEST_RISE).min(LARGEST_JERK);
         if jerk.acceleration > most && jerk.deceleration > most_down {
             return trapezoid;
         }
         Shape::SCurve(SCurve {
             speed,
-            acceleration,
-            deceleration,
-            jerk: sane_limit(jerk.acceleration).min(most).max(SMALLEST),
-            jerk_down: sane_limit(jerk.deceleration).min(most_down).max(SMALLEST),
+            up: Side::new(acceleration, sane_limit(jerk.acceleration).min(most).max(SMALLEST)),
+            down: Side::new(deceleration, sane_limit(jerk.deceleration).min(most_down).max(SMALLEST)),
         })
     }
 }
@@ -107,7 +128,7 @@ fn sane_limit(value: f64) -> f64 {
 /// Magnitudes whose products of all that a plan multiplies stay finite.
 const LARGEST: f64 = 1e30;
 const SMALLEST: f64 = 1e-30;
-/// An acceleration reached within this time (s) is a trapezoid's (motion-core §4).
-const SHORTEST_RISE: f64 = 1e-9;
+/// An acceleration reached within the inverse of this (s) is a trapezoid's (motion-core §4).
+const FASTEST_RISE: f64 = 1e9;
 /// Jerk above this is a trapezoid's (motion-core §4).
 const LARGEST_JERK: f64 = 1e15;

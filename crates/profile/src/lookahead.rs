@@ -5,7 +5,7 @@
 //! constant time but for one case of [`exit_speed`], which is bounded. What is not finite counts as 0.
 
 use crate::builder::Trial;
-use crate::limits::{Limits, SCurve, Shape, Trapezoid, sane};
+use crate::limits::{Limits, SCurve, Shape, Side, Trapezoid, sane};
 use crate::profile::State;
 use crate::ramp::{approach, ramp};
 use crate::{peak, root};
@@ -28,7 +28,7 @@ pub fn entry_speed(length: f64, end_speed: f64, limits: &Limits) -> f64 {
     let shape = limits.shape();
     let more = match &shape {
         Shape::Trapezoid(limits) => gained(length, slow, limits.deceleration),
-        Shape::SCurve(limits) => gained_with_jerk(length, slow, limits.deceleration, limits.jerk_down),
+        Shape::SCurve(limits) => gained_with_jerk(length, slow, &limits.down),
     };
     rounded_down(slow + more, slow, |fast| slowing_distance(fast, slow, &shape) <= length)
 }
@@ -83,20 +83,21 @@ fn gained(length: f64, slow: f64, acceleration: f64) -> f64 {
 }
 
 /// The same with acceleration 0 at both ends and limited jerk.
-fn gained_with_jerk(length: f64, slow: f64, acceleration: f64, jerk: f64) -> f64 {
+fn gained_with_jerk(length: f64, slow: f64, side: &Side) -> f64 {
     if length <= 0.0 {
         return 0.0;
     }
-    let (time, dv) = (acceleration / jerk, acceleration * acceleration / jerk);
+    let time = side.most * side.per_jerk;
+    let dv = side.most * time;
     if length >= (2.0 * slow + dv) * time {
         // Constant acceleration is reached: w^2 + b w = c. In this case c is at least half its minuend.
         let b = 2.0 * slow + dv;
-        let c = 2.0 * (acceleration * length - slow * dv);
+        let c = 2.0 * (side.most * length - slow * dv);
         return 2.0 * c / (b + (b * b + 4.0 * c).sqrt());
     }
     // (2 slow + w) sqrt(w / jerk) = length with w = unit z^2: z^3 + p z = 1. Newton from above on a
     // convex function; the start is at most 26 % too high, so that five steps reach rounding.
-    let unit = libm::cbrt(length * length * jerk);
+    let unit = libm::cbrt(length * length * side.jerk);
     let p = 2.0 * slow / unit;
     let mut z = (1.0 / p).min(1.0);
     for _ in 0..5 {
@@ -132,12 +133,12 @@ fn exit_by_s_curve(now: Trial, length: f64, limits: &SCurve) -> f64 {
     }
     // Half the square of the acceleration: times the jerk, the velocity it takes to bring it to 0.
     let spent = 0.5 * now.a * now.a;
-    let turns = now.v < 0.0 || (now.a < 0.0 && now.v * limits.jerk_down < spent);
+    let turns = now.v < 0.0 || (now.a < 0.0 && now.v * limits.down.jerk < spent);
     if turns {
         // The acceleration with which the motion passes through rest depends on the speed wanted,
         // unless it is already too high.
         let low = if now.a > 0.0 {
-            (spent + now.v * limits.jerk_down).max(0.0) / limits.jerk
+            (spent + now.v * limits.down.jerk).max(0.0) / limits.up.jerk
         } else {
             0.0
         };
@@ -153,7 +154,7 @@ fn exit_by_s_curve(now: Trial, length: f64, limits: &SCurve) -> f64 {
     if !approach(&mut relieving, most, limits) {
         return most;
     }
-    let low = relieving.v + relieving.a * relieving.a / (2.0 * limits.jerk);
+    let low = relieving.v + relieving.a * relieving.a / (2.0 * limits.up.jerk);
     let more = peak::rise_within(relieving.v, relieving.a, length - relieving.x, limits);
     rounded_down((low + more).min(most), low, |w| reach(w) <= length)
 }

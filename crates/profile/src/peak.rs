@@ -3,7 +3,7 @@
 //! One unknown, the peak speed. Every distance here is a closed form of it, so this one solve is all
 //! that most profiles need. Units: position units, seconds; all velocities in the direction of the move.
 
-use crate::limits::SCurve;
+use crate::limits::{SCurve, Side};
 
 /// A rise by `up`, a cruise at `top` for `cruise` seconds, a fall by `down`.
 #[derive(Clone, Copy, Debug)]
@@ -21,36 +21,37 @@ pub(crate) struct Peak {
 /// `MAX_STEPS` Newton steps.
 pub(crate) fn peak(v: f64, a: f64, distance: f64, vf: f64, limits: &SCurve) -> Option<Peak> {
     // The peak is `low + w`; w is the unknown, and not the speed, to keep the digits of short ramps.
-    let relieved = a * a / (2.0 * limits.jerk);
+    let relieved = 0.5 * a * a * limits.up.per_jerk;
     let (low, up, down) = if v + relieved >= vf {
         (v + relieved, relieved, v + relieved - vf)
     } else {
         (vf, vf - v, 0.0)
     };
-    let rise = Rise::new(v, a, limits);
-    let length = |w: f64| {
-        let (x1, d1) = rise.distance(up + w);
-        let (x2, d2) = ramp(vf, down + w, limits.deceleration, limits.jerk_down);
-        (x1 + x2, d1 + d2)
-    };
+    let rise = Rise::new(v, a, &limits.up);
     let most = (limits.speed - low).max(0.0);
-    let at_most = length(most).0;
-    if at_most <= distance {
+    let top = limits.speed.max(low);
+    let left = distance - rise.distance(up + most) - ramp(vf, down + most, &limits.down);
+    if left >= 0.0 {
         return Some(Peak {
             up: up + most,
-            top: limits.speed.max(low),
-            cruise: (distance - at_most) / limits.speed.max(low),
+            top,
+            cruise: left / top,
             down: down + most,
         });
     }
-    let at_least = length(0.0).0;
-    let more = distance - at_least;
+    let more = distance - rise.distance(up) - ramp(vf, down, &limits.down);
     if more < 0.0 {
         return None;
     }
-    let held = 1.0 / limits.acceleration + 1.0 / limits.deceleration;
+    let held = limits.up.per_most + limits.down.per_most;
     // (1/sqrt(ja) + 1/sqrt(jd))^2, in terms that scale exactly.
-    let jerky = 1.0 / limits.jerk + 1.0 / limits.jerk_down + 2.0 / (limits.jerk * limits.jerk_down).sqrt();
+    let (one, other) = (limits.up.per_jerk, limits.down.per_jerk);
+    let jerky = one + other + 2.0 * (one * other).sqrt();
+    let length = |w: f64| {
+        let (x1, d1) = rise.distance_and_slope(up + w);
+        let (x2, d2) = ramp_and_slope(vf, down + w, &limits.down);
+        (x1 + x2, d1 + d2)
+    };
     let w = solve(&length, distance, guess(more, low, held, jerky).min(most), most);
     Some(Peak {
         up: up + w,
@@ -63,23 +64,23 @@ pub(crate) fn peak(v: f64, a: f64, distance: f64, vf: f64, limits: &SCurve) -> O
 /// How far the speed can rise above `v + a^2/(2 ja)` over `distance` from `(v, a)`, `a >= 0`, with
 /// acceleration 0 at the end, and not above the limit; 0 if the distance is too short for any rise.
 pub(crate) fn rise_within(v: f64, a: f64, distance: f64, limits: &SCurve) -> f64 {
-    let relieved = a * a / (2.0 * limits.jerk);
+    let relieved = 0.5 * a * a * limits.up.per_jerk;
     let low = v + relieved;
-    let rise = Rise::new(v, a, limits);
-    let more = distance - rise.distance(relieved).0;
+    let rise = Rise::new(v, a, &limits.up);
+    let more = distance - rise.distance(relieved);
     let most = limits.speed - low;
     if more <= 0.0 || most <= 0.0 {
         return 0.0;
     }
-    let start = guess(more, low, 1.0 / limits.acceleration, 1.0 / limits.jerk).min(most);
-    solve(&|w: f64| rise.distance(relieved + w), distance, start, most)
+    let start = guess(more, low, limits.up.per_most, limits.up.per_jerk).min(most);
+    solve(&|w: f64| rise.distance_and_slope(relieved + w), distance, start, most)
 }
 
 /// About the rise above `low` that takes the distance `more`, rather too much. The distance of the
 /// parts with constant acceleration is `held (low w + w^2/2)`, that of those with jerk at least
 /// `sqrt(jerky w^3)`; each alone gives an upper bound.
 fn guess(more: f64, low: f64, held: f64, jerky: f64) -> f64 {
-    let steady = 2.0 * more / (held * (low + (low * low + 2.0 * more / held).sqrt()));
+    let steady = 2.0 * more / (held * low + (held * (held * low * low + 2.0 * more)).sqrt());
     let jerked = libm::cbrt(more * more / jerky);
     steady.min(jerked)
 }
@@ -113,94 +114,102 @@ fn solve(length: &impl Fn(f64) -> (f64, f64), distance: f64, start: f64, most: f
     w
 }
 
-/// Distance of a ramp between `slow` and `slow + dv` with acceleration 0 at both ends, and its
-/// derivative by `dv`.
-pub(crate) fn ramp(slow: f64, dv: f64, acceleration: f64, jerk: f64) -> (f64, f64) {
-    let (time, by_dv) = ramp_time(dv, acceleration, jerk);
+/// Distance of a ramp between `slow` and `slow + dv` with acceleration 0 at both ends.
+#[inline(always)]
+pub(crate) fn ramp(slow: f64, dv: f64, side: &Side) -> f64 {
+    (slow + 0.5 * dv) * ramp_time(dv, side).0
+}
+
+/// The same, and its derivative by `dv > 0`.
+#[inline(always)]
+pub(crate) fn ramp_and_slope(slow: f64, dv: f64, side: &Side) -> (f64, f64) {
+    let (time, by_dv) = ramp_time(dv, side);
     let mean = slow + 0.5 * dv;
     (mean * time, 0.5 * time + mean * by_dv)
 }
 
-fn ramp_time(dv: f64, acceleration: f64, jerk: f64) -> (f64, f64) {
-    if dv * jerk >= acceleration * acceleration {
-        (dv / acceleration + acceleration / jerk, 1.0 / acceleration)
+/// Duration of a ramp over `dv` with acceleration 0 at both ends, and its derivative by `dv > 0`.
+#[inline(always)]
+pub(crate) fn ramp_time(dv: f64, side: &Side) -> (f64, f64) {
+    let rise = side.most * side.per_jerk;
+    if dv >= side.most * rise {
+        (dv * side.per_most + rise, side.per_most)
     } else {
-        let peak = (dv * jerk).sqrt();
-        (2.0 * peak / jerk, 1.0 / peak)
+        let half = (dv * side.per_jerk).sqrt();
+        (2.0 * half, half / dv)
     }
 }
 
 /// The way up from `(v, a)` with one trapezoid of acceleration.
-enum Rise {
+enum Rise<'a> {
     /// The later part of a ramp that began with acceleration 0 at a lower speed.
     Ramp {
         from: f64,
         before: f64,
         raised: f64,
-        acceleration: f64,
-        jerk: f64,
+        side: &'a Side,
     },
     /// The acceleration is above its limit and is lowered first.
-    Lowered {
-        spent: f64,
-        v: f64,
-        x: f64,
-        acceleration: f64,
-        jerk: f64,
-    },
+    Lowered { spent: f64, v: f64, x: f64, side: &'a Side },
 }
 
-impl Rise {
-    fn new(v: f64, a: f64, limits: &SCurve) -> Rise {
-        let (acceleration, jerk) = (limits.acceleration, limits.jerk);
-        if a <= acceleration {
-            let time = a / jerk;
+impl Rise<'_> {
+    #[inline]
+    fn new(v: f64, a: f64, side: &Side) -> Rise<'_> {
+        if a <= side.most {
+            let time = a * side.per_jerk;
             let raised = 0.5 * a * time;
             let from = v - raised;
             Rise::Ramp {
                 from,
-                before: time * (from + raised / 3.0),
+                before: time * (from + raised * (1.0 / 3.0)),
                 raised,
-                acceleration,
-                jerk,
+                side,
             }
         } else {
-            let time = (a - acceleration) / jerk;
+            let time = (a - side.most) * side.per_jerk;
             Rise::Lowered {
-                spent: a * a / (2.0 * jerk),
-                v: v + time * 0.5 * (a + acceleration),
-                x: time * (v + time * (0.5 * a - jerk * time / 6.0)),
-                acceleration,
-                jerk,
+                spent: 0.5 * a * a * side.per_jerk,
+                v: v + time * 0.5 * (a + side.most),
+                x: time * (v + time * (0.5 * a - side.jerk * time * (1.0 / 6.0))),
+                side,
             }
         }
     }
 
-    /// Distance until the speed has risen by `dv` and the acceleration is 0, and its derivative.
-    fn distance(&self, dv: f64) -> (f64, f64) {
+    /// Distance until the speed has risen by `dv` and the acceleration is 0.
+    #[inline]
+    fn distance(&self, dv: f64) -> f64 {
         match *self {
             Rise::Ramp {
                 from,
                 before,
                 raised,
-                acceleration,
-                jerk,
+                side,
+            } => ramp(from, dv + raised, side) - before,
+            Rise::Lowered { .. } => self.distance_and_slope(dv).0,
+        }
+    }
+
+    /// The same, and its derivative.
+    #[inline]
+    fn distance_and_slope(&self, dv: f64) -> (f64, f64) {
+        match *self {
+            Rise::Ramp {
+                from,
+                before,
+                raised,
+                side,
             } => {
-                let (x, slope) = ramp(from, dv + raised, acceleration, jerk);
+                let (x, slope) = ramp_and_slope(from, dv + raised, side);
                 (x - before, slope)
             }
-            Rise::Lowered {
-                spent,
-                v,
-                x,
-                acceleration,
-                jerk,
-            } => {
-                let held = (dv - spent).max(0.0) / acceleration;
-                let released = acceleration / jerk;
-                let v2 = v + acceleration * held;
-                let length = x + 0.5 * (v + v2) * held + released * (v2 + acceleration * released / 3.0);
-                (length, v2 / acceleration + released)
+            Rise::Lowered { spent, v, x, side } => {
+                let held = (dv - spent).max(0.0) * side.per_most;
+                let released = side.most * side.per_jerk;
+                let v2 = v + side.most * held;
+                let length = x + 0.5 * (v + v2) * held + released * (v2 + side.most * released * (1.0 / 3.0));
+                (length, v2 * side.per_most + released)
             }
         }
     }

@@ -10,8 +10,8 @@ use crate::builder::{Builder, Sink, Trial};
 use crate::limits::SCurve;
 use crate::peak::{self, Peak};
 use crate::profile::{Profile, State};
-use crate::ramp::{approach, ramp, rise_by};
-use crate::root;
+use crate::ramp::{approach, change_by, ramp};
+use crate::{early, root};
 
 pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, limits: &SCurve) {
     let from = &profile.start();
@@ -20,6 +20,10 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
     }
     let end_speed = end_speed.clamp(-limits.speed, limits.speed);
     let x = target - from.position;
+    if end_speed == 0.0 && x.abs() > farthest_stop(from, limits) {
+        let sign = x.signum();
+        return forward(profile, sign, sign * x, target, 0.0, limits);
+    }
     let x0 = ramp_displacement(from, end_speed, limits);
     let near = nearness(from, target, x, x0);
     if (x - x0).abs() <= near {
@@ -80,7 +84,7 @@ fn forward(profile: &mut Profile, sign: f64, x: f64, target: f64, end_speed: f64
     let found = if from_above {
         // The up-run came down to the limit from above; nothing is left of it.
         let down = limits.speed - end_speed;
-        let cruise = x - run_up - peak::ramp(end_speed, down, limits.deceleration, limits.jerk_down).0;
+        let cruise = x - run_up - peak::ramp(end_speed, down, &limits.down);
         (cruise >= 0.0).then_some(Peak {
             up: 0.0,
             top: limits.speed,
@@ -93,12 +97,54 @@ fn forward(profile: &mut Profile, sign: f64, x: f64, target: f64, end_speed: f64
     match found {
         Some(peak) => run(&mut builder, &peak, end_speed, limits),
         None => {
-            leave_early(&mut builder, x, end_speed, limits);
+            if end_speed != 0.0 || !leave_for_rest(&mut builder, x, limits) {
+                leave_early(&mut builder, x, end_speed, limits);
+            }
             ramp(&mut builder, end_speed, limits);
         }
     }
     builder.finish(end, true)
 }
+
+/// As [`leave_early`] for an end at rest, where the part to be left has a closed form; else false.
+fn leave_for_rest(builder: &mut Builder<'_>, x: f64, limits: &SCurve) -> bool {
+    let Some(last) = builder.len.checked_sub(1) else {
+        return false;
+    };
+    let side = &limits.down;
+    let (state, jerk) = builder.segment(last);
+    if state.v > 0.0 && state.a < 0.0 && jerk > 0.0 {
+        let left = early::relaxed_to(&state, x, side);
+        builder.rewind(last, state);
+        builder.push((-state.a - left) * side.per_jerk, side.jerk);
+        return true;
+    }
+    let c = builder.acceleration();
+    if builder.velocity() != 0.0 || c <= 0.0 {
+        return false;
+    }
+    let braking = |&index: &usize| {
+        let state = builder.segment(index).0;
+        state.v < 0.0 && (0.0..=side.most).contains(&state.a)
+    };
+    let Some(first) = (0..=last).find(braking) else {
+        return false;
+    };
+    let state = builder.segment(first).0;
+    let (v, b) = (-state.v, state.a);
+    if v < LEAST_SHARE * b * b * side.per_jerk {
+        return false;
+    }
+    let c = early::passed_with(v, b, x - state.x, c, limits);
+    builder.rewind(first, state);
+    change_by(builder, v, b, c, 1.0, side);
+    builder.set(0.0, c);
+    true
+}
+
+/// Below this share of the velocity change that its deceleration implies, a velocity has too few digits
+/// for differences of closed forms.
+const LEAST_SHARE: f64 = 1e-3;
 
 /// Rewinds the builder to the instant from which the ramp to `end_speed` ends at `x`.
 fn leave_early(builder: &mut Builder<'_>, x: f64, end_speed: f64, limits: &SCurve) {
@@ -141,22 +187,13 @@ fn leave_early(builder: &mut Builder<'_>, x: f64, end_speed: f64, limits: &SCurv
 }
 
 /// Up, along, down.
+#[inline(always)]
 fn run(builder: &mut Builder<'_>, peak: &Peak, end_speed: f64, limits: &SCurve) {
     let acceleration = builder.acceleration();
-    rise_by(builder, acceleration, peak.up, 1.0, limits);
+    change_by(builder, peak.up, acceleration, 0.0, 1.0, &limits.up);
     builder.set(peak.top, 0.0);
     builder.push(peak.cruise, 0.0);
-    let (most, j) = (limits.deceleration, limits.jerk_down);
-    let largest = (peak.down * j).sqrt();
-    if largest <= most {
-        builder.push(largest / j, -j);
-        builder.push(largest / j, j);
-    } else {
-        builder.push(most / j, -j);
-        builder.set(builder.velocity(), -most);
-        builder.push(peak.down / most - most / j, 0.0);
-        builder.push(most / j, j);
-    }
+    change_by(builder, peak.down, 0.0, 0.0, -1.0, &limits.down);
     builder.set(end_speed, 0.0);
 }
 
@@ -170,6 +207,19 @@ fn stop(profile: &mut Profile, target: f64, limits: &SCurve) {
     };
     builder.finish(end, end.position == target)
 }
+
+/// No stop from here ends farther away than this, to either side: the largest speed it can have times
+/// the longest it can take.
+fn farthest_stop(from: &State, limits: &SCurve) -> f64 {
+    let (up, down) = (&limits.up, &limits.down);
+    let relieving = from.acceleration.abs() * up.per_jerk.max(down.per_jerk);
+    let fastest = from.velocity.abs() + 0.5 * from.acceleration.abs() * relieving;
+    let longest = 2.0 * relieving + fastest * down.per_most + down.most * down.per_jerk;
+    MARGIN * fastest * longest
+}
+
+/// Above 1 by more than rounding.
+const MARGIN: f64 = 1.0 + 1e-9;
 
 fn ramp_displacement(from: &State, velocity: f64, limits: &SCurve) -> f64 {
     let mut trial = Trial {

@@ -287,7 +287,7 @@ impl Segment {
             acceleration,
         } = self.state;
         State {
-            position: position + u * (velocity + u * (0.5 * acceleration + u * (self.jerk / 6.0))),
+            position: position + u * (velocity + u * (0.5 * acceleration + u * (self.jerk * SIXTH))),
             velocity: velocity + u * (acceleration + u * (0.5 * self.jerk)),
             acceleration: acceleration + u * self.jerk,
         }
@@ -326,6 +326,9 @@ impl Segment {
         u
     }
 }
+
+/// Multiplied, since a division takes three times as long.
+const SIXTH: f64 = 1.0 / 6.0;
 
 fn sane_state(state: &State) -> State {
     State {

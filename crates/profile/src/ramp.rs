@@ -5,7 +5,7 @@
 //! brought to 0 at once.
 
 use crate::builder::Sink;
-use crate::limits::SCurve;
+use crate::limits::{SCurve, Side};
 
 /// From the sink's state to velocity `vt` with acceleration 0: at most nine segments.
 pub(crate) fn ramp<S: Sink>(sink: &mut S, vt: f64, limits: &SCurve) {
@@ -17,6 +17,7 @@ pub(crate) fn ramp<S: Sink>(sink: &mut S, vt: f64, limits: &SCurve) {
 /// All of [`ramp`] but its last rise: runs until what is left is to speed up towards `vt` (in the
 /// direction of `vt`) with one trapezoid of acceleration, and returns true; returns false when the
 /// ramp ended without such a rise.
+#[inline(always)]
 pub(crate) fn approach<S: Sink>(sink: &mut S, vt: f64, limits: &SCurve) -> bool {
     // Every pass but the last ends with v = 0 or a = 0; five is the most there are.
     for _ in 0..MAX_PASSES {
@@ -31,11 +32,11 @@ pub(crate) fn approach<S: Sink>(sink: &mut S, vt: f64, limits: &SCurve) -> bool 
         let sign = if mirrored { -1.0 } else { 1.0 };
         let (v, a, vt) = (sign * v, sign * a, sign * vt);
         if a > 0.0 || (a == 0.0 && vt >= v) {
-            let vz = v + a * a / (2.0 * limits.jerk);
+            let vz = v + 0.5 * a * a * limits.up.per_jerk;
             if vt >= vz - SNAP * vz {
                 return true;
             }
-            sink.push(a / limits.jerk, -sign * limits.jerk);
+            sink.push(a * limits.up.per_jerk, -sign * limits.up.jerk);
             sink.set(sign * vz, 0.0);
         } else if slow_down(sink, v, -a, vt, sign, limits) {
             return false;
@@ -49,94 +50,92 @@ fn rise<S: Sink>(sink: &mut S, vt: f64, limits: &SCurve) {
     let (v, a) = (sink.velocity(), sink.acceleration());
     let mirrored = if v != 0.0 { v < 0.0 } else { vt < 0.0 };
     let sign = if mirrored { -1.0 } else { 1.0 };
-    rise_by(sink, sign * a, (vt - v).abs(), sign, limits);
+    change_by(sink, (vt - v).abs(), sign * a, 0.0, sign, &limits.up);
     sink.set(vt, 0.0);
 }
 
-/// Speeds up by `dv` from acceleration `a >= 0` to 0, in the frame mirrored by `sign`.
-pub(crate) fn rise_by<S: Sink>(sink: &mut S, a: f64, dv: f64, sign: f64, limits: &SCurve) {
-    let (most, j) = (limits.acceleration, limits.jerk);
+/// Changes the velocity by `dv` in the direction `sign`, from acceleration `a` to `c` (both at least 0,
+/// in that direction), with one trapezoid of acceleration, which is in reach.
+#[inline(always)]
+pub(crate) fn change_by<S: Sink>(sink: &mut S, dv: f64, a: f64, c: f64, sign: f64, side: &Side) {
+    let &Side {
+        most,
+        jerk,
+        per_most,
+        per_jerk,
+    } = side;
     if a > most {
-        sink.push((a - most) / j, -sign * j);
+        sink.push((a - most) * per_jerk, -sign * jerk);
         sink.set(sink.velocity(), sign * most);
-        sink.push((dv - a * a / (2.0 * j)) / most, 0.0);
-        sink.push(most / j, -sign * j);
+        sink.push((dv - 0.5 * (a * a - c * c) * per_jerk) * per_most, 0.0);
+        sink.push((most - c) * per_jerk, -sign * jerk);
         return;
     }
-    let peak = (j * dv + 0.5 * a * a).sqrt().max(a);
-    if peak <= most {
-        sink.push((peak - a) / j, sign * j);
-        sink.push(peak / j, -sign * j);
+    let peak_squared = jerk * dv + 0.5 * (a * a + c * c);
+    if peak_squared <= most * most {
+        let peak = peak_squared.max(0.0).sqrt().max(a).max(c);
+        sink.push((peak - a) * per_jerk, sign * jerk);
+        sink.push((peak - c) * per_jerk, -sign * jerk);
     } else {
-        sink.push((most - a) / j, sign * j);
+        sink.push((most - a) * per_jerk, sign * jerk);
         sink.set(sink.velocity(), sign * most);
-        sink.push((dv - (2.0 * most * most - a * a) / (2.0 * j)) / most, 0.0);
-        sink.push(most / j, -sign * j);
+        sink.push((dv - (most * most - 0.5 * (a * a + c * c)) * per_jerk) * per_most, 0.0);
+        sink.push((most - c) * per_jerk, -sign * jerk);
     }
 }
 
 /// One pass with `v >= 0`, deceleration `b >= 0`, mirrored by `sign`. True when the ramp is done.
+#[inline(always)]
 fn slow_down<S: Sink>(sink: &mut S, v: f64, b: f64, vt: f64, sign: f64, limits: &SCurve) -> bool {
-    let (most, j) = (limits.deceleration, limits.jerk_down);
-    let relieved = b * b / (2.0 * j);
-    let (e, c);
+    let side = &limits.down;
+    let relieved = 0.5 * b * b * side.per_jerk;
     if vt >= 0.0 {
         let above = v - relieved - vt;
         let slack = SNAP * (v + relieved);
         if v < relieved - slack {
             // Speed must pass 0 whatever is done.
-            cross(sink, v, b, sign, j);
+            cross(sink, v, b, sign, side.jerk);
             return false;
         }
         if above < -slack {
-            sink.push(b / j, sign * j);
+            sink.push(b * side.per_jerk, sign * side.jerk);
             sink.set(sign * (v - relieved).max(0.0), 0.0);
             return false;
         }
-        (e, c) = (vt, 0.0);
-    } else {
-        (e, c) = (0.0, limits.acceleration.min(most).min((-2.0 * limits.jerk * vt).sqrt()));
+        change_by(sink, v - vt, b, 0.0, -sign, side);
+        sink.set(sign * vt, 0.0);
+        return true;
     }
-    let dv = v - e;
-    if b > most {
-        let held = dv - (b * b - c * c) / (2.0 * j);
-        if held < 0.0 && vt < 0.0 {
-            cross(sink, v, b, sign, j);
+    // The acceleration with which the motion passes through rest: legal on both sides of it, and
+    // not such that `vt` is overshot.
+    let most = limits.up.most.min(side.most);
+    let square = -2.0 * limits.up.jerk * vt;
+    let c = if square < most * most { square.sqrt() } else { most };
+    if b > side.most {
+        if v < 0.5 * (b * b - c * c) * side.per_jerk {
+            cross(sink, v, b, sign, side.jerk);
             return false;
         }
-        sink.push((b - most) / j, sign * j);
-        sink.set(sink.velocity(), -sign * most);
-        sink.push(held / most, 0.0);
-        sink.push((most - c) / j, sign * j);
     } else {
-        let peak_squared = j * dv + 0.5 * (b * b + c * c);
         let largest = b.max(c);
-        if vt < 0.0 && peak_squared < largest * largest {
+        if side.jerk * v + 0.5 * (b * b + c * c) < largest * largest {
             if b >= c {
-                cross(sink, v, b, sign, j);
+                cross(sink, v, b, sign, side.jerk);
             } else {
-                let last = (b * b + 2.0 * j * v).sqrt();
-                sink.push(2.0 * v / (b + last), -sign * j);
+                let last = (b * b + 2.0 * side.jerk * v).sqrt();
+                sink.push(2.0 * v / (b + last), -sign * side.jerk);
                 sink.set(0.0, -sign * last);
             }
             return false;
         }
-        let peak = peak_squared.max(0.0).sqrt().max(largest);
-        if peak <= most {
-            sink.push((peak - b) / j, -sign * j);
-            sink.push((peak - c) / j, sign * j);
-        } else {
-            sink.push((most - b) / j, -sign * j);
-            sink.set(sink.velocity(), -sign * most);
-            sink.push((dv - (2.0 * most * most - b * b - c * c) / (2.0 * j)) / most, 0.0);
-            sink.push((most - c) / j, sign * j);
-        }
     }
-    sink.set(sign * e, if c == 0.0 { 0.0 } else { -sign * c });
-    vt >= 0.0
+    change_by(sink, v, b, c, -sign, side);
+    sink.set(0.0, if c == 0.0 { 0.0 } else { -sign * c });
+    false
 }
 
 /// Relaxes the deceleration `b` until the velocity is 0.
+#[inline(always)]
 fn cross<S: Sink>(sink: &mut S, v: f64, b: f64, sign: f64, j: f64) {
     let left = (b * b - 2.0 * j * v).max(0.0).sqrt();
     sink.push(2.0 * v / (b + left), sign * j);
