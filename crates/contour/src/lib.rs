@@ -12,6 +12,7 @@ mod nominal;
 mod optimise;
 mod plan;
 mod rounding;
+mod share;
 mod trajectory;
 
 pub use arcline_geometry::{Path, Point};

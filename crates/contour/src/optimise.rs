@@ -19,7 +19,7 @@
 
 use crate::Point;
 use crate::banded::Banded;
-use crate::course::Course;
+use crate::course::{Course, nearest};
 
 /// Reciprocals of the limits at one node, 0 where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +46,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) tangents: Vec<Point>,
     /// Radius of the tube at each node; 0: the node stays where it is.
     pub(crate) tube: Vec<f64>,
+    /// The same between a node and the one before it.
+    pub(crate) ridges: Vec<f64>,
     /// The piece that is nearest to each node.
     pub(crate) feet: Vec<usize>,
     pub(crate) spans: Vec<f64>,
@@ -185,6 +187,27 @@ impl Problem<'_> {
         }
     }
 
+    /// Where the line between the knots `k - 1` and `k` crosses from the piece nearest to one to the
+    /// piece nearest to the other: farther from the course than both where a corner lies between.
+    fn ridge(&self, before: Point, point: Point, feet: &[usize], k: usize) -> Option<Ridge> {
+        if k < 2 || feet[k - 1] == feet[k] || self.tube[k - 1] <= 0.0 {
+            return None;
+        }
+        let distance = |piece: usize, q: &Point| (nearest(&self.course.pieces[piece], q) - q).norm();
+        let here = distance(feet[k], &before) - distance(feet[k - 1], &before);
+        let there = distance(feet[k - 1], &point) - distance(feet[k], &point);
+        if !(here > 0.0 && there > 0.0) {
+            return None;
+        }
+        let part = here / (here + there);
+        let at = before + (point - before) * part;
+        Some(Ridge {
+            off: at - nearest(&self.course.pieces[feet[k]], &at),
+            part,
+            weight: 4.0 * part * (1.0 - part),
+        })
+    }
+
     fn place(&self, offsets: &[[f64; 2]], points: &mut [Point]) {
         for (i, point) in points.iter_mut().enumerate() {
             *point = self.points[i] + self.normals[i][0] * offsets[i][0] + self.normals[i][1] * offsets[i][1];
@@ -201,6 +224,7 @@ impl Problem<'_> {
             }
             sum += t * span;
         }
+        let mut before = points[0];
         for i in -1..=self.intervals() {
             let mut product = 1.0;
             let mut inside = true;
@@ -225,11 +249,21 @@ impl Problem<'_> {
             });
             if self.lateral > 0 && i >= 0 && self.tube[i as usize] > 0.0 {
                 let k = i as usize;
-                let (foot, piece) = self.course.foot(&points[k], feet[k]);
+                let point = on_curve(points, k);
+                let (foot, piece) = self.course.foot(&point, feet[k]);
                 feet[k] = piece;
-                let slack = 1.0 - (points[k] - foot).norm_squared() / (self.tube[k] * self.tube[k]);
+                let slack = 1.0 - (point - foot).norm_squared() / (self.tube[k] * self.tube[k]);
                 inside &= slack > 0.0;
                 product *= slack;
+                if let Some(ridge) = self.ridge(before, point, feet, k) {
+                    let radius = self.ridges[k];
+                    let slack = 1.0 - ridge.off.norm_squared() / (radius * radius);
+                    inside &= slack > 0.0;
+                    if slack > 0.0 {
+                        sum -= ridge.weight * libm::log(slack);
+                    }
+                }
+                before = point;
             }
             if !inside {
                 return f64::INFINITY;
@@ -252,7 +286,21 @@ impl Problem<'_> {
         let (mut trial_offsets, mut trial_points, mut trial_spans) = (offsets.clone(), points.clone(), spans.clone());
         let mut t = effort.first;
         let mut steps = 0;
+        let target = self.tube.clone();
+        self.ridges = target.clone();
         loop {
+            // Where the start is outside, the tube is wider and closes in from stage to stage.
+            for k in (1..count - 1).filter(|&k| target[k] > 0.0) {
+                let point = on_curve(&points, k);
+                let (foot, piece) = self.course.foot(&point, feet[k]);
+                feet[k] = piece;
+                self.tube[k] = target[k].max(WIDEN * (point - foot).norm());
+            }
+            for k in (2..count - 1).filter(|&k| target[k] > 0.0) {
+                let ridge = self.ridge(on_curve(&points, k - 1), on_curve(&points, k), &feet, k);
+                let off = ridge.map_or(0.0, |ridge| ridge.off.norm());
+                self.ridges[k] = target[k].max(WIDEN * off);
+            }
             let mut value = self.merit(t, &points, &spans, &mut feet);
             if !value.is_finite() {
                 break;
@@ -314,6 +362,35 @@ impl Problem<'_> {
         self.spans = spans;
         self.feet = feet;
         steps
+    }
+
+    /// Adds the barrier of one point of the curve, a weighted sum of the nodes from `first` on.
+    #[expect(clippy::too_many_arguments, reason = "all of them are one constraint")]
+    fn add_tube(
+        &self,
+        matrix: &mut Banded,
+        right: &mut [f64],
+        first: usize,
+        weights: &[f64],
+        off: Point,
+        radius: f64,
+        factor: f64,
+    ) {
+        let block = 1 + self.lateral;
+        let scale = 2.0 / (radius * radius - off.norm_squared());
+        for r in 0..weights.len() * self.lateral {
+            let (row_node, row_side) = (first + r / self.lateral, r % self.lateral);
+            let row = row_node * block + 1 + row_side;
+            let row_normal = self.normals[row_node][row_side] * weights[r / self.lateral];
+            let part = row_normal.dot(&off);
+            right[row] -= factor * scale * part;
+            for c in 0..=r {
+                let (node, side) = (first + c / self.lateral, c % self.lateral);
+                let normal = self.normals[node][side] * weights[c / self.lateral];
+                let value = scale * row_normal.dot(&normal) + scale * scale * part * normal.dot(&off);
+                matrix.add(row, node * block + 1 + side, factor * value);
+            }
+        }
     }
 
     /// The Gauss-Newton matrix and minus the gradient.
@@ -423,29 +500,35 @@ impl Problem<'_> {
                 }
             }
         }
-        for k in 0..points.len() {
+        for k in 1..points.len() - 1 {
             if self.lateral == 0 {
                 break;
             }
             let tube = self.tube[k];
             if tube <= 0.0 {
-                for side in 0..self.lateral {
-                    matrix.fix(k * block + 1 + side);
-                    right[k * block + 1 + side] = 0.0;
-                }
                 continue;
             }
-            let (foot, _) = self.course.foot(&points[k], feet[k]);
-            let off = points[k] - foot;
-            let scale = 2.0 / (tube * tube - off.norm_squared());
+            // The curve at the knot depends on three nodes; the ends are never in a tube.
+            let point = on_curve(points, k);
+            let off = point - self.course.foot(&point, feet[k]).0;
+            self.add_tube(matrix, right, k - 1, &[KNOT[0], KNOT[1], KNOT[2]], off, tube, 1.0);
+            if k >= 2
+                && let Some(ridge) = self.ridge(on_curve(points, k - 1), point, feet, k)
+            {
+                let (old, new) = (1.0 - ridge.part, ridge.part);
+                let weights = [
+                    KNOT[0] * old,
+                    KNOT[1] * old + KNOT[0] * new,
+                    KNOT[2] * old + KNOT[1] * new,
+                    KNOT[2] * new,
+                ];
+                self.add_tube(matrix, right, k - 2, &weights, ridge.off, self.ridges[k], ridge.weight);
+            }
+        }
+        for k in (0..points.len()).filter(|&k| self.tube[k] <= 0.0) {
             for side in 0..self.lateral {
-                let part = self.normals[k][side].dot(&off);
-                right[k * block + 1 + side] -= scale * part;
-                for other in 0..=side {
-                    let cross = part * self.normals[k][other].dot(&off);
-                    let own = if other == side { scale } else { 0.0 };
-                    matrix.add(k * block + 1 + side, k * block + 1 + other, own + scale * scale * cross);
-                }
+                matrix.fix(k * block + 1 + side);
+                right[k * block + 1 + side] = 0.0;
             }
         }
         // The last node has no interval behind it.
@@ -458,6 +541,23 @@ impl Problem<'_> {
         }
     }
 }
+
+/// A point between two knots that is equally far from the pieces nearest to them.
+struct Ridge {
+    off: Point,
+    /// Where between the knots it is, 0 to 1.
+    part: f64,
+    /// Vanishes where the ridge meets a knot, which has its own barrier.
+    weight: f64,
+}
+
+/// The curve at knot `k`, `0 < k < count - 1` (for even spans; the tube leaves room for uneven ones).
+pub(crate) fn on_curve(points: &[Point], k: usize) -> Point {
+    points[k - 1] * KNOT[0] + points[k] * KNOT[1] + points[k + 1] * KNOT[2]
+}
+
+/// Weights of the nodes about a knot.
+const KNOT: [f64; 3] = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
 
 /// A vector that is limited, and what it depends on: spans of intervals `i-1..=i+1`, nodes `i-1..=i+2`.
 struct Quantity {
@@ -475,6 +575,8 @@ const MAX_LOCAL: usize = 15;
 const FEASIBLE: f64 = 0.7;
 /// Newton decrement per node at which a stage ends.
 const CONVERGED: f64 = 1e-3;
+/// Room that a point outside the tube is given.
+const WIDEN: f64 = 1.005;
 /// The logarithm of a span changes by no more than this in one step.
 const MOST_CHANGE: f64 = 1.0;
 /// Relative lift of the diagonal.

@@ -4,6 +4,7 @@ use crate::course::Course;
 use crate::nominal::{Nodes, Warp, intervals, nodes};
 use crate::optimise::{self, Limits, Problem};
 use crate::rounding::{Smoothness, round};
+use crate::share::{Share, tolerance_at};
 use crate::{AxisLimits, Bounds, ContourMove, Point, Trajectory};
 
 /// How much work a plan may be.
@@ -71,6 +72,7 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> T
     let mut trajectory = Trajectory::rest(end);
     let rounds = rounds(smoothness, effort);
     let mut times = Vec::new();
+    let mut share = Share::new();
     for (index, round) in rounds.iter().enumerate() {
         let limited = if round.jerk { &bounds } else { &free };
         if index > 0 {
@@ -81,7 +83,8 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> T
             };
             nodes = resample(&trajectory, &times, &nodes, &bounds, warped);
         }
-        let mut problem = problem(&course, &nodes, limited, &tolerances, effort);
+        let shares: Vec<f64> = nodes.progress.iter().map(|&s| share.at(s)).collect();
+        let mut problem = problem(&course, &nodes, limited, &tolerances, effort, &shares);
         problem.make_feasible();
         problem.run(optimise::Effort {
             first: round.first,
@@ -92,8 +95,14 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> T
         let span = nodes.spans[0];
         nodes.points = core::mem::take(&mut problem.points);
         nodes.spans = problem.spans.iter().map(|h| span * h).collect();
-        let finished = index + 1 == rounds.len();
-        (trajectory, times) = timed(&nodes, limited, &course, finished);
+        (trajectory, times) = timed(&nodes, limited, &course, round.last_one);
+        let worst = share.tighten(&trajectory, &nodes, &course, &tolerances);
+        if std::env::var("CONTOUR_TRACE").is_ok() {
+            eprintln!("excess deviation {worst}");
+        }
+        if round.last_one && worst <= 1.0 {
+            break;
+        }
     }
     trajectory.move_ends = move_ends(moves, &course, &nodes, &times, trajectory.duration());
     trajectory.end = end;
@@ -106,30 +115,38 @@ struct Round {
     first: f64,
     last: f64,
     steps: usize,
+    /// The result may be the final one.
+    last_one: bool,
 }
 
 fn rounds(smoothness: Smoothness, effort: Effort) -> Vec<Round> {
-    let round = |jerk, first, last, steps| Round {
+    let round = |jerk, first, last, steps, last_one| Round {
         jerk,
         first,
         last,
         steps,
+        last_one,
     };
-    match (smoothness, effort) {
-        (Smoothness::Trapezoid, Effort::Quick) => vec![round(false, 1.0, 1000.0, 8)],
-        (Smoothness::Trapezoid, Effort::Full) => vec![
-            round(false, 1.0, 300.0, 8),
-            round(false, 5.0, 1000.0, 8),
-            round(false, 50.0, 2000.0, 8),
-        ],
-        (Smoothness::SCurve, Effort::Quick) => vec![round(false, 1.0, 30.0, 8), round(true, 1.0, 1000.0, 8)],
+    let mut rounds = match (smoothness, effort) {
+        (Smoothness::Trapezoid, Effort::Quick) => vec![round(false, 1.0, 1000.0, 8, true)],
+        (Smoothness::Trapezoid, Effort::Full) => {
+            vec![round(false, 1.0, 300.0, 8, false), round(false, 5.0, 1000.0, 8, false)]
+        }
+        (Smoothness::SCurve, Effort::Quick) => {
+            vec![round(false, 1.0, 30.0, 8, false), round(true, 1.0, 1000.0, 8, true)]
+        }
         (Smoothness::SCurve, Effort::Full) => vec![
-            round(false, 1.0, 30.0, 8),
-            round(true, 1.0, 300.0, 12),
-            round(true, 5.0, 1000.0, 8),
-            round(true, 50.0, 2000.0, 8),
+            round(false, 1.0, 30.0, 8, false),
+            round(true, 1.0, 300.0, 12, false),
+            round(true, 5.0, 1000.0, 8, false),
         ],
+    };
+    if effort == Effort::Full {
+        for _ in 0..REPAIRS {
+            rounds.push(round(smoothness == Smoothness::SCurve, 10.0, 2000.0, 8, true));
+        }
     }
+    rounds
 }
 
 /// The spline through the nodes, slowed down or sped up as a whole so that no limit is exceeded,
@@ -206,6 +223,14 @@ fn resample(
     }
     points[0] = nodes.points[0];
     points[intervals] = trajectory.end;
+    // Control points whose curve passes through the points (to the fourth order).
+    let through: Vec<Point> = points
+        .windows(3)
+        .map(|p| p[1] - (p[2] - p[1] * 2.0 + p[0]) / 6.0)
+        .collect();
+    if let Some(inner) = points.get_mut(3..intervals.saturating_sub(2)) {
+        inner.copy_from_slice(&through[2..intervals - 3]);
+    }
     Nodes {
         points,
         progress,
@@ -219,6 +244,7 @@ fn problem<'a>(
     bounds: &[Bounds],
     tolerances: &[f64],
     effort: Effort,
+    share: &[f64],
 ) -> Problem<'a> {
     let count = nodes.points.len();
     let span = nodes.spans[0];
@@ -237,7 +263,6 @@ fn problem<'a>(
     let mut tangents = Vec::with_capacity(count);
     let mut normals = Vec::with_capacity(count);
     let mut tube = vec![0.0; count];
-    let mut feet = Vec::with_capacity(count);
     let plane = plane_of(&nodes.points);
     let mut tangent = course.pieces[0].start_tangent();
     for i in 0..count {
@@ -247,13 +272,12 @@ fn problem<'a>(
         }
         tangents.push(tangent);
         normals.push(across(&tangent, plane));
-        let (foot, piece) = course.foot(&nodes.points[i], pieces[i]);
-        feet.push(piece);
         let tolerance = tolerance_at(course, tolerances, pieces[i], nodes.progress[i]);
-        let off = (foot - nodes.points[i]).norm();
-        let radius = (TUBE * tolerance).max((off * 1.001).min(0.998 * tolerance));
-        if i > 0 && i + 1 < count && off < radius {
-            tube[i] = radius;
+        if i > 0 && i + 1 < count && tolerance > 0.0 {
+            // It leaves and arrives along the programmed direction: the tube opens as a cone.
+            let s = nodes.progress[i];
+            let radius = (share[i] * tolerance).min(CONE * s.min(course.length() - s));
+            tube[i] = if radius > SHORTEST { radius } else { 0.0 };
         }
     }
     let lateral = match effort {
@@ -268,22 +292,10 @@ fn problem<'a>(
         normals,
         tangents,
         tube,
-        feet,
+        ridges: Vec::new(),
+        feet: pieces,
         spans: vec![1.0; count - 1],
         lateral,
-    }
-}
-
-/// The tolerance about the course at arc length `s`: that of the nearer corner of the piece.
-fn tolerance_at(course: &Course, tolerances: &[f64], piece: usize, s: f64) -> f64 {
-    let middle = 0.5 * (course.starts[piece] + course.starts[piece + 1]);
-    let (first, last) = (piece == 0, piece + 1 == course.pieces.len());
-    match () {
-        () if first && last => 0.0,
-        () if first => tolerances[piece],
-        () if last => tolerances[piece - 1],
-        () if s < middle => tolerances[piece - 1],
-        () => tolerances[piece],
     }
 }
 
@@ -383,7 +395,9 @@ fn move_ends(moves: &[ContourMove], course: &Course, nodes: &Nodes, times: &[f64
 const TANGENT: f64 = 1e-6;
 /// Shorter moves are done at once, position units.
 const SHORTEST: f64 = 1e-9;
-/// Share of the tolerance that the nodes may use; the rest is for the curve between them.
-const TUBE: f64 = 0.985;
+/// How fast the tube opens at the ends of the course.
+const CONE: f64 = 0.25;
+/// How often the tube is tightened where the result is outside.
+const REPAIRS: usize = 5;
 /// Share of the limits that the optimisation uses; the rest is for its discretisation.
 const MARGIN: f64 = 1.0;
