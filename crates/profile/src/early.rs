@@ -69,12 +69,14 @@ fn solve(mut below: f64, mut above: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
             above = at;
         }
         let newton = at - error / slope;
-        let inside = (newton - below) * (newton - above) < 0.0;
-        let next = if inside { newton } else { 0.5 * (below + above) };
-        let step = (next - at).abs();
-        at = next;
-        // Quadratic convergence: the step after this one is below rounding.
-        if step <= 1e-9 * at && inside || (above - below).abs() <= 2e-16 * above.max(below) {
+        let (low, high) = (below.min(above), below.max(above));
+        // Quadratic convergence: the step after one so small is below rounding.
+        if (newton - at).abs() <= 1e-9 * at {
+            return newton.clamp(low, high);
+        }
+        let inside = newton > low && newton < high;
+        at = if inside { newton } else { 0.5 * (below + above) };
+        if high - low <= 2e-16 * high {
             break;
         }
     }
