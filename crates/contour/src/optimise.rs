@@ -187,6 +187,35 @@ impl Problem<'_> {
         }
     }
 
+    /// Narrows the tube to the target, but leaves room where the curve is outside: some of what there
+    /// was, or where that is infinite, a share of the distance. Returns whether anything changed.
+    fn narrow(&mut self, target: &[f64], points: &[Point], feet: &mut [usize], room: f64) -> bool {
+        let mut changed = false;
+        let narrowed = |old: f64, target: f64, off: f64| {
+            let slack = if old.is_finite() { 0.5 * (old - off) } else { room * off };
+            target.max(off + slack).min(old)
+        };
+        for k in 1..points.len() - 1 {
+            if target[k] <= 0.0 {
+                continue;
+            }
+            if self.tube[k] > target[k] {
+                let point = on_curve(points, k);
+                let (foot, piece) = self.course.foot(&point, self.feet[k]);
+                feet[k] = piece;
+                self.tube[k] = narrowed(self.tube[k], target[k], (point - foot).norm());
+                changed = true;
+            }
+            if k >= 2 && self.ridges[k] > target[k] {
+                let ridge = self.ridge(on_curve(points, k - 1), on_curve(points, k), feet, k);
+                let off = ridge.map_or(0.0, |ridge| ridge.off.norm());
+                self.ridges[k] = narrowed(self.ridges[k], target[k], off);
+                changed = true;
+            }
+        }
+        changed
+    }
+
     /// Where the line between the knots `k - 1` and `k` crosses from the piece nearest to one to the
     /// piece nearest to the other: farther from the course than both where a corner lies between.
     fn ridge(&self, before: Point, point: Point, feet: &[usize], k: usize) -> Option<Ridge> {
@@ -202,7 +231,7 @@ impl Problem<'_> {
         let part = here / (here + there);
         let at = before + (point - before) * part;
         Some(Ridge {
-            off: at - nearest(&self.course.pieces[feet[k]], &at),
+            off: at - self.course.foot(&at, self.feet[k]).0,
             part,
             weight: 4.0 * part * (1.0 - part),
         })
@@ -211,6 +240,36 @@ impl Problem<'_> {
     fn place(&self, offsets: &[[f64; 2]], points: &mut [Point]) {
         for (i, point) in points.iter_mut().enumerate() {
             *point = self.points[i] + self.normals[i][0] * offsets[i][0] + self.normals[i][1] * offsets[i][1];
+        }
+    }
+
+    /// The least slack of what is limited at each node.
+    fn slacks(&self, points: &[Point], spans: &[f64], feet: &mut [usize], slacks: &mut [f64]) {
+        slacks.fill(f64::INFINITY);
+        let mut before = points[0];
+        for i in -1..=self.intervals() {
+            let mut least = f64::INFINITY;
+            self.for_each_quantity(i, points, spans, |q| {
+                for axis in 0..3 {
+                    let x = q.value[axis] * q.axes[axis];
+                    least = least.min(1.0 - x * x);
+                }
+                least = least.min(1.0 - q.value.norm_squared() * q.vector * q.vector);
+                let along = q.along.0.dot(&q.value);
+                least = least.min(1.0 - along * q.along.1).min(1.0 + along * q.along.2);
+            });
+            let k = i.max(0) as usize;
+            if self.lateral > 0 && i >= 0 && self.tube[k] > 0.0 {
+                let point = on_curve(points, k);
+                let (foot, piece) = self.course.foot(&point, self.feet[k]);
+                feet[k] = piece;
+                least = least.min(1.0 - (point - foot).norm_squared() / (self.tube[k] * self.tube[k]));
+                if let Some(ridge) = self.ridge(before, point, feet, k) {
+                    least = least.min(1.0 - ridge.off.norm_squared() / (self.ridges[k] * self.ridges[k]));
+                }
+                before = point;
+            }
+            slacks[k] = slacks[k].min(least);
         }
     }
 
@@ -250,7 +309,7 @@ impl Problem<'_> {
             if self.lateral > 0 && i >= 0 && self.tube[i as usize] > 0.0 {
                 let k = i as usize;
                 let point = on_curve(points, k);
-                let (foot, piece) = self.course.foot(&point, feet[k]);
+                let (foot, piece) = self.course.foot(&point, self.feet[k]);
                 feet[k] = piece;
                 let slack = 1.0 - (point - foot).norm_squared() / (self.tube[k] * self.tube[k]);
                 inside &= slack > 0.0;
@@ -286,28 +345,34 @@ impl Problem<'_> {
         let (mut trial_offsets, mut trial_points, mut trial_spans) = (offsets.clone(), points.clone(), spans.clone());
         let mut t = effort.first;
         let mut steps = 0;
+        let (mut slack, mut trial_slack) = (vec![0.0; count], vec![0.0; count]);
+        let (mut wanted, mut lengths) = (vec![1.0; count], vec![1.0; count]);
         let target = self.tube.clone();
         self.ridges = target.clone();
+        self.tube.fill(f64::INFINITY);
+        self.ridges[2..].fill(f64::INFINITY);
+        for k in (0..count).filter(|&k| target[k] <= 0.0) {
+            self.tube[k] = 0.0;
+        }
+        self.narrow(&target, &points, &mut feet, WIDEN);
         loop {
-            // Where the start is outside, the tube is wider and closes in from stage to stage.
-            for k in (1..count - 1).filter(|&k| target[k] > 0.0) {
-                let point = on_curve(&points, k);
-                let (foot, piece) = self.course.foot(&point, feet[k]);
-                feet[k] = piece;
-                self.tube[k] = target[k].max(WIDEN * (point - foot).norm());
-            }
-            for k in (2..count - 1).filter(|&k| target[k] > 0.0) {
-                let ridge = self.ridge(on_curve(&points, k - 1), on_curve(&points, k), &feet, k);
-                let off = ridge.map_or(0.0, |ridge| ridge.off.norm());
-                self.ridges[k] = target[k].max(WIDEN * off);
-            }
             let mut value = self.merit(t, &points, &spans, &mut feet);
             if !value.is_finite() {
                 break;
             }
             let last = t >= effort.last;
             for _ in 0..effort.steps {
-                self.assemble(t, &points, &spans, &feet, &mut matrix, &mut right);
+                // Where the start is outside, the tube is wider and closes in from step to step.
+                let before = (self.tube.clone(), self.ridges.clone());
+                if self.narrow(&target, &points, &mut feet, WIDEN) {
+                    let narrowed = self.merit(t, &points, &spans, &mut feet);
+                    if narrowed.is_finite() {
+                        value = narrowed;
+                    } else {
+                        (self.tube, self.ridges) = before;
+                    }
+                }
+                self.assemble(t, &points, &spans, &mut feet, &mut matrix, &mut right);
                 let gradient = right.clone();
                 matrix.solve(&mut right);
                 let decrement: f64 = -gradient.iter().zip(&right).map(|(g, s)| g * s).sum::<f64>();
@@ -315,32 +380,52 @@ impl Problem<'_> {
                 if !decrement.is_finite() || -decrement < CONVERGED * count as f64 {
                     break;
                 }
-                // `right` solved H x = -g with the sign turned in `assemble`; the slope is -|..|.
-                let slope = decrement;
-                let mut length = 1.0_f64;
-                for i in 0..spans.len() {
-                    length = length.min(MOST_CHANGE / right[i * block].abs());
+                // Where a step would leave the feasible set it is shortened, there and about there.
+                self.slacks(&points, &spans, &mut feet, &mut slack);
+                for (i, length) in wanted.iter_mut().enumerate() {
+                    *length = (MOST_CHANGE / right[i * block].abs()).min(1.0);
                 }
-                let mut improved = false;
-                for _ in 0..24 {
+                let mut step = |lengths: &[f64], feet: &mut [usize], trial_slack: &mut [f64]| {
                     for i in 0..count {
                         for k in 0..self.lateral {
-                            trial_offsets[i][k] = offsets[i][k] + length * right[i * block + 1 + k];
+                            trial_offsets[i][k] = offsets[i][k] + lengths[i] * right[i * block + 1 + k];
                         }
                     }
                     for (i, span) in trial_spans.iter_mut().enumerate() {
-                        *span = spans[i] * libm::exp(length * right[i * block]);
+                        *span = spans[i] * libm::exp(lengths[i] * right[i * block]);
                     }
                     if self.lateral > 0 {
                         self.place(&trial_offsets, &mut trial_points);
                     }
-                    let trial = self.merit(t, &trial_points, &trial_spans, &mut feet);
-                    if trial <= value + 1e-4 * length * slope {
+                    self.slacks(&trial_points, &trial_spans, feet, trial_slack);
+                    self.merit(t, &trial_points, &trial_spans, feet)
+                };
+                let mut improved = false;
+                for attempt in 0..24 {
+                    smooth_lengths(&wanted, &mut lengths);
+                    let trial = step(&lengths, &mut feet, &mut trial_slack);
+                    let expected: f64 = (0..right.len())
+                        .map(|k| -gradient[k] * right[k] * lengths[k / block])
+                        .sum();
+                    if trial <= value + 1e-4 * expected {
                         value = trial;
                         improved = true;
                         break;
                     }
-                    length *= 0.6;
+                    let mut local = false;
+                    if attempt < 16 {
+                        for i in 0..count {
+                            if trial_slack[i] < NEARER * slack[i] {
+                                wanted[i] *= 0.5;
+                                local = true;
+                            }
+                        }
+                    }
+                    if !local {
+                        for length in &mut wanted {
+                            *length *= 0.5;
+                        }
+                    }
                 }
                 if !improved {
                     break;
@@ -350,7 +435,7 @@ impl Problem<'_> {
                 core::mem::swap(&mut spans, &mut trial_spans);
                 if std::env::var("CONTOUR_TRACE").is_ok() {
                     let time: f64 = spans.iter().sum();
-                    eprintln!("t {t:9.1} step {steps} time {time:.3} dec {decrement:.3e} len {length:.3}");
+                    eprintln!("t {t:9.1} step {steps} time {time:.3} dec {decrement:.3e} len {:.3} least {:.4}", lengths.iter().sum::<f64>() / count as f64, lengths.iter().fold(1.0, |a: f64, b| a.min(*b)));
                 }
             }
             if last {
@@ -360,7 +445,6 @@ impl Problem<'_> {
         }
         self.points = points;
         self.spans = spans;
-        self.feet = feet;
         steps
     }
 
@@ -399,7 +483,7 @@ impl Problem<'_> {
         t: f64,
         points: &[Point],
         spans: &[f64],
-        feet: &[usize],
+        feet: &mut [usize],
         matrix: &mut Banded,
         right: &mut [f64],
     ) {
@@ -510,7 +594,9 @@ impl Problem<'_> {
             }
             // The curve at the knot depends on three nodes; the ends are never in a tube.
             let point = on_curve(points, k);
-            let off = point - self.course.foot(&point, feet[k]).0;
+            let (foot, piece) = self.course.foot(&point, self.feet[k]);
+            feet[k] = piece;
+            let off = point - foot;
             self.add_tube(matrix, right, k - 1, &[KNOT[0], KNOT[1], KNOT[2]], off, tube, 1.0);
             if k >= 2
                 && let Some(ridge) = self.ridge(on_curve(points, k - 1), point, feet, k)
@@ -538,6 +624,41 @@ impl Problem<'_> {
         for row in 0..right.len() {
             let lift = REGULAR * matrix.diagonal(row);
             matrix.add(row, row, lift);
+        }
+    }
+}
+
+/// Step lengths by node that are nowhere above the wanted ones and change slowly from node to node:
+/// a kink in them would be a jerk.
+fn smooth_lengths(wanted: &[f64], lengths: &mut [f64]) {
+    let count = wanted.len();
+    if wanted.iter().all(|&w| w >= 1.0) {
+        lengths.fill(1.0);
+        return;
+    }
+    // The least within reach, from blocks: a little wider than needed.
+    let blocks: Vec<f64> = wanted
+        .chunks(REACH)
+        .map(|chunk| chunk.iter().copied().fold(f64::INFINITY, f64::min))
+        .collect();
+    for (i, length) in lengths.iter_mut().enumerate() {
+        let block = i / REACH;
+        let near = &blocks[block.saturating_sub(1)..(block + 2).min(blocks.len())];
+        *length = near.iter().copied().fold(f64::INFINITY, f64::min);
+    }
+    // Two moving averages, together no wider than the reach.
+    for _ in 0..2 {
+        let half = REACH / 2;
+        let mut sums = Vec::with_capacity(count + 1);
+        let mut sum = 0.0;
+        sums.push(0.0);
+        for &length in lengths.iter() {
+            sum += length;
+            sums.push(sum);
+        }
+        for (i, length) in lengths.iter_mut().enumerate() {
+            let (from, to) = (i.saturating_sub(half), (i + half + 1).min(count));
+            *length = (sums[to] - sums[from]) / (to - from) as f64;
         }
     }
 }
@@ -575,8 +696,12 @@ const MAX_LOCAL: usize = 15;
 const FEASIBLE: f64 = 0.7;
 /// Newton decrement per node at which a stage ends.
 const CONVERGED: f64 = 1e-3;
-/// Room that a point outside the tube is given.
-const WIDEN: f64 = 1.005;
+/// How many nodes a shortened step is spread over to either side.
+const REACH: usize = 48;
+/// A step that leaves less than this share of a slack is shortened.
+const NEARER: f64 = 0.03;
+/// Room that a point outside the tube is given, as a share of its distance.
+const WIDEN: f64 = 0.02;
 /// The logarithm of a span changes by no more than this in one step.
 const MOST_CHANGE: f64 = 1.0;
 /// Relative lift of the diagonal.
