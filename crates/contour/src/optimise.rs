@@ -44,12 +44,10 @@ pub(crate) struct Problem<'a> {
     pub(crate) limits: Vec<Limits>,
     pub(crate) normals: Vec<[Point; 2]>,
     pub(crate) tangents: Vec<Point>,
-    /// Radius of the tube at each node; 0: the node stays where it is.
-    pub(crate) tube: Vec<f64>,
-    /// The same between a node and the one before it.
-    pub(crate) ridges: Vec<f64>,
-    /// The piece that is nearest to each node.
-    pub(crate) feet: Vec<usize>,
+    /// What keeps the curve near the course.
+    pub(crate) tube: Vec<TubeRow>,
+    /// Nodes that stay where they are.
+    pub(crate) fixed: Vec<bool>,
     pub(crate) spans: Vec<f64>,
     pub(crate) lateral: usize,
 }
@@ -187,54 +185,23 @@ impl Problem<'_> {
         }
     }
 
-    /// Narrows the tube to the target, but leaves room where the curve is outside: some of what there
-    /// was, or where that is infinite, a share of the distance. Returns whether anything changed.
-    fn narrow(&mut self, target: &[f64], points: &[Point], feet: &mut [usize], room: f64) -> bool {
+    /// Narrows the tube to its target, but leaves room where the curve is outside: some of what there
+    /// was, or where that is infinite, a share of the distance.
+    fn narrow(&mut self, points: &[Point]) -> bool {
+        let mut tube = core::mem::take(&mut self.tube);
         let mut changed = false;
-        let narrowed = |old: f64, target: f64, off: f64| {
-            let slack = if old.is_finite() { 0.5 * (old - off) } else { room * off };
-            target.max(off + slack).min(old)
-        };
-        for k in 1..points.len() - 1 {
-            if target[k] <= 0.0 {
-                continue;
-            }
-            if self.tube[k] > target[k] {
-                let point = on_curve(points, k);
-                let (foot, piece) = self.course.foot(&point, self.feet[k]);
-                feet[k] = piece;
-                self.tube[k] = narrowed(self.tube[k], target[k], (point - foot).norm());
-                changed = true;
-            }
-            if k >= 2 && self.ridges[k] > target[k] {
-                let ridge = self.ridge(on_curve(points, k - 1), on_curve(points, k), feet, k);
-                let off = ridge.map_or(0.0, |ridge| ridge.off.norm());
-                self.ridges[k] = narrowed(self.ridges[k], target[k], off);
-                changed = true;
-            }
+        for row in tube.iter_mut().filter(|row| row.radius > row.target) {
+            let off = row.off(self.course, points).norm();
+            let slack = if row.radius.is_finite() {
+                0.5 * (row.radius - off)
+            } else {
+                WIDEN * off
+            };
+            row.radius = row.target.max(off + slack).min(row.radius);
+            changed = true;
         }
+        self.tube = tube;
         changed
-    }
-
-    /// Where the line between the knots `k - 1` and `k` crosses from the piece nearest to one to the
-    /// piece nearest to the other: farther from the course than both where a corner lies between.
-    fn ridge(&self, before: Point, point: Point, feet: &[usize], k: usize) -> Option<Ridge> {
-        if k < 2 || feet[k - 1] == feet[k] || self.tube[k - 1] <= 0.0 {
-            return None;
-        }
-        let distance = |piece: usize, q: &Point| (nearest(&self.course.pieces[piece], q) - q).norm();
-        let here = distance(feet[k], &before) - distance(feet[k - 1], &before);
-        let there = distance(feet[k - 1], &point) - distance(feet[k], &point);
-        if !(here > 0.0 && there > 0.0) {
-            return None;
-        }
-        let part = here / (here + there);
-        let at = before + (point - before) * part;
-        Some(Ridge {
-            off: at - self.course.foot(&at, self.feet[k]).0,
-            part,
-            weight: 4.0 * part * (1.0 - part),
-        })
     }
 
     fn place(&self, offsets: &[[f64; 2]], points: &mut [Point]) {
@@ -244,9 +211,8 @@ impl Problem<'_> {
     }
 
     /// The least slack of what is limited at each node.
-    fn slacks(&self, points: &[Point], spans: &[f64], feet: &mut [usize], slacks: &mut [f64]) {
+    fn slacks(&self, points: &[Point], spans: &[f64], slacks: &mut [f64]) {
         slacks.fill(f64::INFINITY);
-        let mut before = points[0];
         for i in -1..=self.intervals() {
             let mut least = f64::INFINITY;
             self.for_each_quantity(i, points, spans, |q| {
@@ -259,22 +225,18 @@ impl Problem<'_> {
                 least = least.min(1.0 - along * q.along.1).min(1.0 + along * q.along.2);
             });
             let k = i.max(0) as usize;
-            if self.lateral > 0 && i >= 0 && self.tube[k] > 0.0 {
-                let point = on_curve(points, k);
-                let (foot, piece) = self.course.foot(&point, self.feet[k]);
-                feet[k] = piece;
-                least = least.min(1.0 - (point - foot).norm_squared() / (self.tube[k] * self.tube[k]));
-                if let Some(ridge) = self.ridge(before, point, feet, k) {
-                    least = least.min(1.0 - ridge.off.norm_squared() / (self.ridges[k] * self.ridges[k]));
-                }
-                before = point;
-            }
             slacks[k] = slacks[k].min(least);
+        }
+        if self.lateral > 0 {
+            for row in &self.tube {
+                let slack = row.slack(self.course, points);
+                slacks[row.first + 1] = slacks[row.first + 1].min(slack);
+            }
         }
     }
 
     /// The function to be minimised; infinite outside the feasible set.
-    fn merit(&self, t: f64, points: &[Point], spans: &[f64], feet: &mut [usize]) -> f64 {
+    fn merit(&self, t: f64, points: &[Point], spans: &[f64]) -> f64 {
         let mut sum = 0.0;
         for span in spans {
             // Negated so that a NaN ends here too.
@@ -283,7 +245,6 @@ impl Problem<'_> {
             }
             sum += t * span;
         }
-        let mut before = points[0];
         for i in -1..=self.intervals() {
             let mut product = 1.0;
             let mut inside = true;
@@ -306,28 +267,19 @@ impl Problem<'_> {
                     product *= up * down;
                 }
             });
-            if self.lateral > 0 && i >= 0 && self.tube[i as usize] > 0.0 {
-                let k = i as usize;
-                let point = on_curve(points, k);
-                let (foot, piece) = self.course.foot(&point, self.feet[k]);
-                feet[k] = piece;
-                let slack = 1.0 - (point - foot).norm_squared() / (self.tube[k] * self.tube[k]);
-                inside &= slack > 0.0;
-                product *= slack;
-                if let Some(ridge) = self.ridge(before, point, feet, k) {
-                    let radius = self.ridges[k];
-                    let slack = 1.0 - ridge.off.norm_squared() / (radius * radius);
-                    inside &= slack > 0.0;
-                    if slack > 0.0 {
-                        sum -= ridge.weight * libm::log(slack);
-                    }
-                }
-                before = point;
-            }
             if !inside {
                 return f64::INFINITY;
             }
             sum -= libm::log(product);
+        }
+        if self.lateral > 0 {
+            for row in &self.tube {
+                let slack = row.slack(self.course, points);
+                if !(slack > 0.0) {
+                    return f64::INFINITY;
+                }
+                sum -= libm::log(slack);
+            }
         }
         sum
     }
@@ -341,38 +293,27 @@ impl Problem<'_> {
         let mut offsets = vec![[0.0; 2]; count];
         let mut points = self.points.clone();
         let mut spans = self.spans.clone();
-        let mut feet = self.feet.clone();
         let (mut trial_offsets, mut trial_points, mut trial_spans) = (offsets.clone(), points.clone(), spans.clone());
         let mut t = effort.first;
         let mut steps = 0;
         let (mut slack, mut trial_slack) = (vec![0.0; count], vec![0.0; count]);
         let (mut wanted, mut lengths) = (vec![1.0; count], vec![1.0; count]);
-        let target = self.tube.clone();
-        self.ridges = target.clone();
-        self.tube.fill(f64::INFINITY);
-        self.ridges[2..].fill(f64::INFINITY);
-        for k in (0..count).filter(|&k| target[k] <= 0.0) {
-            self.tube[k] = 0.0;
+        for row in &mut self.tube {
+            row.radius = f64::INFINITY;
         }
-        self.narrow(&target, &points, &mut feet, WIDEN);
+        self.narrow(&points);
         loop {
-            let mut value = self.merit(t, &points, &spans, &mut feet);
+            let mut value = self.merit(t, &points, &spans);
             if !value.is_finite() {
                 break;
             }
             let last = t >= effort.last;
             for _ in 0..effort.steps {
                 // Where the start is outside, the tube is wider and closes in from step to step.
-                let before = (self.tube.clone(), self.ridges.clone());
-                if self.narrow(&target, &points, &mut feet, WIDEN) {
-                    let narrowed = self.merit(t, &points, &spans, &mut feet);
-                    if narrowed.is_finite() {
-                        value = narrowed;
-                    } else {
-                        (self.tube, self.ridges) = before;
-                    }
+                if self.narrow(&points) {
+                    value = self.merit(t, &points, &spans);
                 }
-                self.assemble(t, &points, &spans, &mut feet, &mut matrix, &mut right);
+                self.assemble(t, &points, &spans, &mut matrix, &mut right);
                 let gradient = right.clone();
                 matrix.solve(&mut right);
                 let decrement: f64 = -gradient.iter().zip(&right).map(|(g, s)| g * s).sum::<f64>();
@@ -381,11 +322,11 @@ impl Problem<'_> {
                     break;
                 }
                 // Where a step would leave the feasible set it is shortened, there and about there.
-                self.slacks(&points, &spans, &mut feet, &mut slack);
+                self.slacks(&points, &spans, &mut slack);
                 for (i, length) in wanted.iter_mut().enumerate() {
                     *length = (MOST_CHANGE / right[i * block].abs()).min(1.0);
                 }
-                let mut step = |lengths: &[f64], feet: &mut [usize], trial_slack: &mut [f64]| {
+                let mut step = |lengths: &[f64], trial_slack: &mut [f64]| {
                     for i in 0..count {
                         for k in 0..self.lateral {
                             trial_offsets[i][k] = offsets[i][k] + lengths[i] * right[i * block + 1 + k];
@@ -397,13 +338,13 @@ impl Problem<'_> {
                     if self.lateral > 0 {
                         self.place(&trial_offsets, &mut trial_points);
                     }
-                    self.slacks(&trial_points, &trial_spans, feet, trial_slack);
-                    self.merit(t, &trial_points, &trial_spans, feet)
+                    self.slacks(&trial_points, &trial_spans, trial_slack);
+                    self.merit(t, &trial_points, &trial_spans)
                 };
                 let mut improved = false;
                 for attempt in 0..24 {
                     smooth_lengths(&wanted, &mut lengths);
-                    let trial = step(&lengths, &mut feet, &mut trial_slack);
+                    let trial = step(&lengths, &mut trial_slack);
                     let expected: f64 = (0..right.len())
                         .map(|k| -gradient[k] * right[k] * lengths[k / block])
                         .sum();
@@ -448,31 +389,25 @@ impl Problem<'_> {
         steps
     }
 
-    /// Adds the barrier of one point of the curve, a weighted sum of the nodes from `first` on.
-    #[expect(clippy::too_many_arguments, reason = "all of them are one constraint")]
-    fn add_tube(
-        &self,
-        matrix: &mut Banded,
-        right: &mut [f64],
-        first: usize,
-        weights: &[f64],
-        off: Point,
-        radius: f64,
-        factor: f64,
-    ) {
+    /// Adds the barrier of one point of the curve.
+    fn add_tube(&self, matrix: &mut Banded, right: &mut [f64], tube: &TubeRow, off: Point) {
         let block = 1 + self.lateral;
-        let scale = 2.0 / (radius * radius - off.norm_squared());
-        for r in 0..weights.len() * self.lateral {
-            let (row_node, row_side) = (first + r / self.lateral, r % self.lateral);
+        let scale = 2.0 / (tube.radius * tube.radius - off.norm_squared());
+        for r in 0..4 * self.lateral {
+            let (row_node, row_side) = (tube.first + r / self.lateral, r % self.lateral);
+            let weight = tube.weights[r / self.lateral];
+            if weight == 0.0 {
+                continue;
+            }
             let row = row_node * block + 1 + row_side;
-            let row_normal = self.normals[row_node][row_side] * weights[r / self.lateral];
+            let row_normal = self.normals[row_node][row_side] * weight;
             let part = row_normal.dot(&off);
-            right[row] -= factor * scale * part;
+            right[row] -= scale * part;
             for c in 0..=r {
-                let (node, side) = (first + c / self.lateral, c % self.lateral);
-                let normal = self.normals[node][side] * weights[c / self.lateral];
+                let (node, side) = (tube.first + c / self.lateral, c % self.lateral);
+                let normal = self.normals[node][side] * tube.weights[c / self.lateral];
                 let value = scale * row_normal.dot(&normal) + scale * scale * part * normal.dot(&off);
-                matrix.add(row, node * block + 1 + side, factor * value);
+                matrix.add(row, node * block + 1 + side, value);
             }
         }
     }
@@ -483,7 +418,6 @@ impl Problem<'_> {
         t: f64,
         points: &[Point],
         spans: &[f64],
-        feet: &mut [usize],
         matrix: &mut Banded,
         right: &mut [f64],
     ) {
@@ -584,37 +518,15 @@ impl Problem<'_> {
                 }
             }
         }
-        for k in 1..points.len() - 1 {
-            if self.lateral == 0 {
-                break;
+        if self.lateral > 0 {
+            for row in &self.tube {
+                self.add_tube(matrix, right, row, row.off(self.course, points));
             }
-            let tube = self.tube[k];
-            if tube <= 0.0 {
-                continue;
-            }
-            // The curve at the knot depends on three nodes; the ends are never in a tube.
-            let point = on_curve(points, k);
-            let (foot, piece) = self.course.foot(&point, self.feet[k]);
-            feet[k] = piece;
-            let off = point - foot;
-            self.add_tube(matrix, right, k - 1, &[KNOT[0], KNOT[1], KNOT[2]], off, tube, 1.0);
-            if k >= 2
-                && let Some(ridge) = self.ridge(on_curve(points, k - 1), point, feet, k)
-            {
-                let (old, new) = (1.0 - ridge.part, ridge.part);
-                let weights = [
-                    KNOT[0] * old,
-                    KNOT[1] * old + KNOT[0] * new,
-                    KNOT[2] * old + KNOT[1] * new,
-                    KNOT[2] * new,
-                ];
-                self.add_tube(matrix, right, k - 2, &weights, ridge.off, self.ridges[k], ridge.weight);
-            }
-        }
-        for k in (0..points.len()).filter(|&k| self.tube[k] <= 0.0) {
-            for side in 0..self.lateral {
-                matrix.fix(k * block + 1 + side);
-                right[k * block + 1 + side] = 0.0;
+            for k in (0..points.len()).filter(|&k| self.fixed[k]) {
+                for side in 0..self.lateral {
+                    matrix.fix(k * block + 1 + side);
+                    right[k * block + 1 + side] = 0.0;
+                }
             }
         }
         // The last node has no interval behind it.
@@ -663,21 +575,51 @@ fn smooth_lengths(wanted: &[f64], lengths: &mut [f64]) {
     }
 }
 
-/// A point between two knots that is equally far from the pieces nearest to them.
-struct Ridge {
-    off: Point,
-    /// Where between the knots it is, 0 to 1.
-    part: f64,
-    /// Vanishes where the ridge meets a knot, which has its own barrier.
-    weight: f64,
+/// A point of the curve that must be near one piece of the course: a knot, or the point between two
+/// knots that stands for a joint and must be near both its pieces. As every piece's tube is convex
+/// (a line's, and nearly an arc's), the curve between the points is inside too.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TubeRow {
+    /// The point is a weighted sum of four nodes from this one on.
+    first: usize,
+    weights: [f64; 4],
+    piece: usize,
+    target: f64,
+    radius: f64,
 }
 
-/// The curve at knot `k`, `0 < k < count - 1` (for even spans; the tube leaves room for uneven ones).
-pub(crate) fn on_curve(points: &[Point], k: usize) -> Point {
-    points[k - 1] * KNOT[0] + points[k] * KNOT[1] + points[k + 1] * KNOT[2]
+impl TubeRow {
+    /// The curve at a part of the way from knot `k` to the next, `0 < k`, `k + 2 < count`.
+    pub(crate) fn new(k: usize, part: f64, piece: usize, radius: f64) -> TubeRow {
+        let (here, next) = (1.0 - part, part);
+        TubeRow {
+            first: k - 1,
+            weights: [
+                KNOT[0] * here,
+                KNOT[1] * here + KNOT[0] * next,
+                KNOT[2] * here + KNOT[1] * next,
+                KNOT[2] * next,
+            ],
+            piece,
+            target: radius,
+            radius,
+        }
+    }
+
+    /// From the nearest point of the piece.
+    fn off(&self, course: &Course, points: &[Point]) -> Point {
+        let p = &points[self.first..self.first + 4];
+        let w = &self.weights;
+        let at = p[0] * w[0] + p[1] * w[1] + p[2] * w[2] + p[3] * w[3];
+        at - nearest(&course.pieces[self.piece], &at)
+    }
+
+    fn slack(&self, course: &Course, points: &[Point]) -> f64 {
+        1.0 - self.off(course, points).norm_squared() / (self.radius * self.radius)
+    }
 }
 
-/// Weights of the nodes about a knot.
+/// Weights of the nodes about a knot (for even spans; the tube leaves room for uneven ones).
 const KNOT: [f64; 3] = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
 
 /// A vector that is limited, and what it depends on: spans of intervals `i-1..=i+1`, nodes `i-1..=i+2`.
