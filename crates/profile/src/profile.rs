@@ -132,7 +132,7 @@ impl Profile {
     }
 
     /// The state `t` seconds after the start. Before 0 the start state; from the duration on the end
-    /// state, whose velocity goes on. Real-time safe: one pass over at most 16 start times.
+    /// state, whose velocity goes on. Real-time safe: one pass over at most 14 start times.
     #[must_use]
     pub fn at(&self, t: f64) -> State {
         if t >= self.duration {
@@ -226,7 +226,7 @@ impl Profile {
         (more >= 0.0 && more.is_finite()).then_some(self.duration + more)
     }
 
-    /// Start times of the segments, for plots and tests: at most 16, ascending.
+    /// Start times of the segments, for plots and tests: at most 14, ascending.
     #[must_use]
     pub fn segment_times(&self) -> &[f64] {
         &self.times[..self.len]
