@@ -1,8 +1,8 @@
 //! From moves to a trajectory: sections from rest to rest, each rounded, timed and improved.
 
-use crate::course::Course;
+use crate::course::{Course, along};
 use crate::nominal::{Nodes, Warp, intervals, nodes};
-use crate::optimise::{self, Limits, Problem};
+use crate::optimise::{self, Limits, Problem, TubeRow};
 use crate::rounding::{Smoothness, round};
 use crate::share::{Share, tolerance_at};
 use crate::{AxisLimits, Bounds, ContourMove, Point, Trajectory};
@@ -82,6 +82,7 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> T
                 Smoothness::Trapezoid
             };
             nodes = resample(&trajectory, &times, &nodes, &bounds, warped);
+            project(&course, &mut nodes);
         }
         let shares: Vec<f64> = nodes.progress.iter().map(|&s| share.at(s)).collect();
         let mut problem = problem(&course, &nodes, limited, &tolerances, effort, &shares);
@@ -238,13 +239,31 @@ fn resample(
     }
 }
 
+/// Sets the progress of every node to that of the nearest point of the course, ascending.
+fn project(course: &Course, nodes: &mut Nodes) {
+    let mut least = 0.0;
+    for (point, progress) in nodes.points.iter().zip(&mut nodes.progress) {
+        let (_, piece) = course.foot(point, course.piece_at(*progress));
+        let along = course.starts[piece] + along(&course.pieces[piece], point);
+        least = f64::max(least, along);
+        *progress = least;
+    }
+    let whole = course.length();
+    for progress in &mut nodes.progress {
+        *progress = progress.min(whole);
+    }
+    if let Some(last) = nodes.progress.last_mut() {
+        *last = whole;
+    }
+}
+
 fn problem<'a>(
     course: &'a Course,
     nodes: &Nodes,
     bounds: &[Bounds],
     tolerances: &[f64],
     effort: Effort,
-    share: &[f64],
+    shares: &[f64],
 ) -> Problem<'a> {
     let count = nodes.points.len();
     let span = nodes.spans[0];
@@ -262,7 +281,7 @@ fn problem<'a>(
         .collect();
     let mut tangents = Vec::with_capacity(count);
     let mut normals = Vec::with_capacity(count);
-    let mut tube = vec![0.0; count];
+    let mut radii = Vec::with_capacity(count);
     let plane = plane_of(&nodes.points);
     let mut tangent = course.pieces[0].start_tangent();
     for i in 0..count {
@@ -273,16 +292,29 @@ fn problem<'a>(
         tangents.push(tangent);
         normals.push(across(&tangent, plane));
         let tolerance = tolerance_at(course, tolerances, pieces[i], nodes.progress[i]);
-        if i > 0 && i + 1 < count && tolerance > 0.0 {
-            // It leaves and arrives along the programmed direction: the tube opens as a cone.
-            let s = nodes.progress[i];
-            let radius = (share[i] * tolerance).min(CONE * s.min(course.length() - s));
-            tube[i] = if radius > SHORTEST { radius } else { 0.0 };
+        // It leaves and arrives along the programmed direction: the tube opens as a cone.
+        let s = nodes.progress[i];
+        let radius = (shares[i] * tolerance).min(CONE * s.min(course.length() - s));
+        radii.push(if i < 2 || i + 3 > count { 0.0 } else { radius });
+    }
+    let fixed: Vec<bool> = radii.iter().map(|&r| r <= SHORTEST).collect();
+    let mut tube = Vec::new();
+    for i in (0..count).filter(|&i| !fixed[i]) {
+        tube.push(TubeRow::new(i, 0.0, pieces[i], radii[i]));
+        if fixed[i + 1] {
+            continue;
+        }
+        for joint in pieces[i] + 1..=pieces[i + 1] {
+            let (here, next) = (nodes.progress[i], nodes.progress[i + 1]);
+            let part = ((course.starts[joint] - here) / (next - here)).clamp(0.0, 1.0);
+            let radius = radii[i].min(radii[i + 1]);
+            tube.push(TubeRow::new(i, part, joint - 1, radius));
+            tube.push(TubeRow::new(i, part, joint, radius));
         }
     }
     let lateral = match effort {
         Effort::Quick => 0,
-        Effort::Full if tube.iter().all(|&r| r <= 0.0) => 0,
+        Effort::Full if tube.is_empty() => 0,
         Effort::Full => 1 + usize::from(plane.is_none()),
     };
     Problem {
@@ -292,8 +324,7 @@ fn problem<'a>(
         normals,
         tangents,
         tube,
-        ridges: Vec::new(),
-        feet: pieces,
+        fixed,
         spans: vec![1.0; count - 1],
         lateral,
     }

@@ -1,4 +1,4 @@
-//! The run towards the limit left before it speeds up (motion-core §3.4, step 5), to end at rest.
+//! The run towards the limit left before it speeds up (motion-core §3.4, step 5).
 //!
 //! Two things can be left: the relaxing of a deceleration (stop relaxing while some is left, and slow
 //! down again), and the braking of a motion away from the target (pass through rest with less
@@ -12,8 +12,9 @@ use crate::limits::{SCurve, Side};
 use crate::peak::{ramp_and_slope, ramp_time};
 
 /// While relaxing from `state` (`v > 0`, `a < 0`): the deceleration at which to stop relaxing, so that
-/// slowing down again from there ends at rest at `x`.
-pub(crate) fn relaxed_to(state: &Trial, x: f64, side: &Side) -> f64 {
+/// slowing down again from there ends at `x` with speed `vf`, which is not above the speed without any
+/// deceleration left.
+pub(crate) fn relaxed_to(state: &Trial, x: f64, vf: f64, side: &Side) -> f64 {
     let (v, b) = (state.v, -state.a);
     let j = side.per_jerk;
     let most = b.min(side.most);
@@ -21,22 +22,23 @@ pub(crate) fn relaxed_to(state: &Trial, x: f64, side: &Side) -> f64 {
         let (time, time_left) = ((b - left) * j, left * j);
         let v1 = v - 0.5 * time * (b + left);
         let relaxing = time * (v - time * (2.0 * b + left) * (1.0 / 6.0));
-        // The stop from there is the later part of one from a higher speed and acceleration 0.
+        // The ramp from there is the later part of one from a higher speed and acceleration 0.
         let from = v1 + 0.5 * left * time_left;
         let before = time_left * (from - left * time_left * (1.0 / 6.0));
-        let (stop, slope) = ramp_and_slope(0.0, from, side);
+        let (ramp, slope) = ramp_and_slope(vf, from - vf, side);
         let by_left = 2.0 * time_left * slope - j * (v1 + from) - 1.5 * time_left * time_left;
-        (state.x + relaxing - before + stop - x, by_left)
+        (state.x + relaxing - before + ramp - x, by_left)
     };
     solve(most, 0.0, miss)
 }
 
 /// While moving away with speed `v > 0` and deceleration `0 <= b <= most`, `x` ahead of the place: the
 /// acceleration, at most `c`, with which to pass through rest, so that the motion then levels off, slows
-/// down and ends at rest at `x`.
-pub(crate) fn passed_with(v: f64, b: f64, x: f64, c: f64, limits: &SCurve) -> f64 {
+/// down and ends at `x` with speed `vf`.
+pub(crate) fn passed_with(v: f64, b: f64, x: f64, vf: f64, c: f64, limits: &SCurve) -> f64 {
     let (j, j_up) = (limits.down.per_jerk, limits.up.per_jerk);
-    let least = (b * b - 2.0 * limits.down.jerk * v).max(0.0).sqrt();
+    let forced = b * b - 2.0 * limits.down.jerk * v;
+    let least = forced.max(2.0 * limits.up.jerk * vf).max(0.0).sqrt();
     // The braking is a part of a ramp with acceleration 0 at both ends.
     let from = v + 0.5 * b * b * j;
     let before = b * j * (from - b * b * j * (1.0 / 6.0));
@@ -47,10 +49,10 @@ pub(crate) fn passed_with(v: f64, b: f64, x: f64, c: f64, limits: &SCurve) -> f6
         let braking = mean * time - before + c * c * c * j * j * (1.0 / 3.0);
         let braking_by_c = c * j * (mean * by_dv - 0.5 * time + c * j);
         let gained = 0.5 * c * c * j_up;
-        let (stop, slope) = ramp_and_slope(0.0, gained, &limits.down);
+        let (ramp, slope) = ramp_and_slope(vf, gained - vf, &limits.down);
         let levelling = c * c * c * j_up * j_up * (1.0 / 3.0);
         (
-            levelling + stop - braking - x,
+            levelling + ramp - braking - x,
             c * j_up * (slope + c * j_up) - braking_by_c,
         )
     };

@@ -104,7 +104,7 @@ fn forward(profile: &mut Profile, sign: f64, x: f64, target: f64, end_speed: f64
     match found {
         Some(peak) => run(&mut builder, &peak, end_speed, limits),
         None => {
-            if end_speed != 0.0 || !leave_for_rest(&mut builder, x, limits) {
+            if !leave_in_closed_form(&mut builder, x, end_speed, limits) {
                 leave_early(&mut builder, x, end_speed, limits);
             }
             ramp(&mut builder, end_speed, limits);
@@ -113,15 +113,15 @@ fn forward(profile: &mut Profile, sign: f64, x: f64, target: f64, end_speed: f64
     builder.finish(end, true)
 }
 
-/// As [`leave_early`] for an end at rest, where the part to be left has a closed form; else false.
-fn leave_for_rest(builder: &mut Builder<'_>, x: f64, limits: &SCurve) -> bool {
+/// As [`leave_early`], where the part to be left has a closed form (which is nearly always); else false.
+fn leave_in_closed_form(builder: &mut Builder<'_>, x: f64, end_speed: f64, limits: &SCurve) -> bool {
     let Some(last) = builder.len.checked_sub(1) else {
         return false;
     };
     let side = &limits.down;
     let (state, jerk) = builder.segment(last);
     if state.v > 0.0 && state.a < 0.0 && jerk > 0.0 {
-        let left = early::relaxed_to(&state, x, side);
+        let left = early::relaxed_to(&state, x, end_speed, side);
         builder.rewind(last, state);
         builder.push((-state.a - left) * side.per_jerk, side.jerk);
         return true;
@@ -142,7 +142,7 @@ fn leave_for_rest(builder: &mut Builder<'_>, x: f64, limits: &SCurve) -> bool {
     if v < LEAST_SHARE * b * b * side.per_jerk {
         return false;
     }
-    let c = early::passed_with(v, b, x - state.x, c, limits);
+    let c = early::passed_with(v, b, x - state.x, end_speed, c, limits);
     builder.rewind(first, state);
     change_by(builder, v, b, c, 1.0, side);
     builder.set(0.0, c);
