@@ -374,10 +374,6 @@ impl Problem<'_> {
                 core::mem::swap(&mut offsets, &mut trial_offsets);
                 core::mem::swap(&mut points, &mut trial_points);
                 core::mem::swap(&mut spans, &mut trial_spans);
-                if std::env::var("CONTOUR_TRACE").is_ok() {
-                    let time: f64 = spans.iter().sum();
-                    eprintln!("t {t:9.1} step {steps} time {time:.3} dec {decrement:.3e} len {:.3} least {:.4}", lengths.iter().sum::<f64>() / count as f64, lengths.iter().fold(1.0, |a: f64, b| a.min(*b)));
-                }
             }
             if last {
                 break;

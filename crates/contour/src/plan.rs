@@ -5,7 +5,8 @@ use crate::nominal::{Nodes, Warp, intervals, nodes};
 use crate::optimise::{self, Limits, Problem, TubeRow};
 use crate::rounding::{Smoothness, round};
 use crate::share::{Share, tolerance_at};
-use crate::{AxisLimits, Bounds, ContourMove, Point, Trajectory};
+use crate::straight::straight;
+use crate::{AxisLimits, Bounds, ContourMove, Path, Point, Trajectory};
 
 /// How much work a plan may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +50,8 @@ fn can_pass(before: &ContourMove, after: &ContourMove) -> bool {
     tangent || before.tolerance > 0.0 || before.path.length() <= 0.0 || after.path.length() <= 0.0
 }
 
+/// Plans one section, as well as it can be done: what is outside the tube or the limits is planned
+/// again with less freedom, at last with a stop at every joint.
 fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> Trajectory {
     let smoothness = if moves.iter().any(|m| m.jerk.is_some()) {
         Smoothness::SCurve
@@ -57,6 +60,16 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> T
     };
     let long: Vec<&ContourMove> = moves.iter().filter(|m| m.path.length() > SHORTEST).collect();
     let end = moves.last().map_or(Point::zeros(), |last| last.path.end());
+    if let [one] = long.as_slice()
+        && let Path::Line(line) = &one.path
+    {
+        let mut trajectory = straight(line, &bounds(one, limits, smoothness));
+        let before = moves.iter().take_while(|m| m.path.length() <= SHORTEST).count();
+        trajectory.move_ends = vec![0.0; before];
+        trajectory.move_ends.resize(moves.len(), trajectory.duration());
+        trajectory.end = end;
+        return trajectory;
+    }
     if long.is_empty() {
         let mut rest = Trajectory::rest(end);
         rest.move_ends = vec![0.0; moves.len()];
@@ -65,49 +78,110 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> T
     let course = Course::new(long.iter().map(|m| m.path).collect());
     let bounds: Vec<Bounds> = long.iter().map(|m| bounds(m, limits, smoothness)).collect();
     let tolerances: Vec<f64> = long.iter().map(|m| m.tolerance).collect();
-    // An S-curve starts from the trapezoid's shape: without jerk limits the optimisation is not stiff.
-    let free: Vec<Bounds> = bounds.iter().map(Bounds::without_jerk).collect();
-    let stretches = round(&course, &tolerances, Smoothness::Trapezoid);
-    let mut nodes = nodes(&course, &stretches, &free, Smoothness::Trapezoid);
-    let mut trajectory = Trajectory::rest(end);
-    let rounds = rounds(smoothness, effort);
-    let mut times = Vec::new();
-    let mut share = Share::new();
-    for (index, round) in rounds.iter().enumerate() {
-        let limited = if round.jerk { &bounds } else { &free };
-        if index > 0 {
-            let warped = if round.jerk && !rounds[index - 1].jerk {
-                Smoothness::SCurve
-            } else {
-                Smoothness::Trapezoid
-            };
-            nodes = resample(&trajectory, &times, &nodes, &bounds, warped);
-            project(&course, &mut nodes);
-        }
-        let shares: Vec<f64> = nodes.progress.iter().map(|&s| share.at(s)).collect();
-        let mut problem = problem(&course, &nodes, limited, &tolerances, effort, &shares);
-        problem.make_feasible();
-        problem.run(optimise::Effort {
-            first: round.first,
-            last: round.last,
-            factor: 5.0,
-            steps: round.steps,
-        });
-        let span = nodes.spans[0];
-        nodes.points = core::mem::take(&mut problem.points);
-        nodes.spans = problem.spans.iter().map(|h| span * h).collect();
-        (trajectory, times) = timed(&nodes, limited, &course, round.last_one);
-        let worst = share.tighten(&trajectory, &nodes, &course, &tolerances);
-        if std::env::var("CONTOUR_TRACE").is_ok() {
-            eprintln!("excess deviation {worst}");
-        }
-        if round.last_one && worst <= 1.0 {
-            break;
+    let section = Section {
+        moves,
+        course,
+        bounds,
+        tolerances,
+        smoothness,
+    };
+    let efforts: &[Effort] = match effort {
+        Effort::Full => &[Effort::Full, Effort::Quick],
+        Effort::Quick => &[Effort::Quick],
+    };
+    for &effort in efforts {
+        if let Some(trajectory) = section.plan(effort) {
+            return trajectory;
         }
     }
-    trajectory.move_ends = move_ends(moves, &course, &nodes, &times, trajectory.duration());
-    trajectory.end = end;
-    trajectory
+    if long.len() == 1 {
+        return section.crawl();
+    }
+    let mut whole = Trajectory::rest(moves[0].path.start());
+    for one in moves {
+        whole.append(plan_section(core::slice::from_ref(one), limits, effort));
+    }
+    whole
+}
+
+/// Moves from rest to rest without a stop between them.
+struct Section<'a> {
+    moves: &'a [ContourMove],
+    course: Course,
+    bounds: Vec<Bounds>,
+    tolerances: Vec<f64>,
+    smoothness: Smoothness,
+}
+
+impl Section<'_> {
+    fn plan(&self, effort: Effort) -> Option<Trajectory> {
+        let Section {
+            course,
+            bounds,
+            tolerances,
+            smoothness,
+            ..
+        } = self;
+        let smoothness = *smoothness;
+        // An S-curve starts from the trapezoid's shape: without jerk limits the optimisation is not stiff.
+        let free: Vec<Bounds> = bounds.iter().map(Bounds::without_jerk).collect();
+        let stretches = round(course, tolerances, Smoothness::Trapezoid);
+        let mut nodes = nodes(course, &stretches, &free, Smoothness::Trapezoid);
+        let rounds = rounds(smoothness, effort);
+        let mut share = Share::new();
+        let mut last: Option<(Trajectory, Vec<f64>)> = None;
+        let mut warped = Smoothness::Trapezoid;
+        for (index, round) in rounds.iter().enumerate() {
+            let limited = if round.jerk { bounds } else { &free };
+            if let Some((trajectory, times)) = &last {
+                let warp = if round.jerk { core::mem::replace(&mut warped, Smoothness::Trapezoid) } else { Smoothness::Trapezoid };
+                nodes = resample(trajectory, times, &nodes, bounds, warp);
+                project(course, &mut nodes);
+            }
+            if !round.jerk {
+                warped = smoothness;
+            }
+            let shares: Vec<f64> = nodes.progress.iter().map(|&s| share.at(s)).collect();
+            let mut problem = problem(course, &nodes, limited, tolerances, effort, &shares);
+            problem.make_feasible();
+            problem.run(optimise::Effort {
+                first: round.first,
+                last: round.last,
+                factor: 5.0,
+                steps: round.steps,
+            });
+            let span = nodes.spans[0];
+            nodes.points = core::mem::take(&mut problem.points);
+            nodes.spans = problem.spans.iter().map(|h| span * h).collect();
+            let (trajectory, times) = timed(&nodes, limited, course, round.last_one);
+            if !trajectory.duration().is_finite() {
+                return None;
+            }
+            let worst = share.tighten(&trajectory, &nodes, course, tolerances);
+            if round.last_one && worst <= 1.0 {
+                return Some(self.finish(trajectory, &nodes, &times));
+            }
+            if index + 3 >= rounds.len() {
+                share.narrow(worst);
+            }
+            last = Some((trajectory, times));
+        }
+        None
+    }
+
+    fn finish(&self, mut trajectory: Trajectory, nodes: &Nodes, times: &[f64]) -> Trajectory {
+        trajectory.move_ends = move_ends(self.moves, &self.course, nodes, times, trajectory.duration());
+        trajectory.end = self.moves.last().map_or(trajectory.end, |last| last.path.end());
+        trajectory
+    }
+
+    /// The last resort for a single curve: the nominal timing, as slow as the limits ask for.
+    fn crawl(&self) -> Trajectory {
+        let stretches = round(&self.course, &self.tolerances, Smoothness::Trapezoid);
+        let nodes = nodes(&self.course, &stretches, &self.bounds, self.smoothness);
+        let (trajectory, times) = timed(&nodes, &self.bounds, &self.course, true);
+        self.finish(trajectory, &nodes, &times)
+    }
 }
 
 /// One run of the optimisation.
@@ -155,9 +229,6 @@ fn rounds(smoothness: Smoothness, effort: Effort) -> Vec<Round> {
 fn timed(nodes: &Nodes, bounds: &[Bounds], course: &Course, keep: bool) -> (Trajectory, Vec<f64>) {
     let trajectory = Trajectory::spline(&nodes.points, &nodes.spans);
     let factor = excess(&trajectory, nodes, bounds, course);
-    if std::env::var("CONTOUR_TRACE").is_ok() {
-        eprintln!("excess {factor}");
-    }
     let spans: Vec<f64> = nodes.spans.iter().map(|span| span * if keep { factor } else { 1.0 }).collect();
     let trajectory = Trajectory::spline(&nodes.points, &spans);
     let times = trajectory.knots[1..=nodes.points.len()].iter().map(|k| k.time).collect();
