@@ -41,6 +41,7 @@
 mod client;
 mod discover;
 mod error;
+mod feed_override;
 mod input;
 mod link;
 mod motion;

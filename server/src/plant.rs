@@ -68,6 +68,8 @@ struct State {
     backlog: VecDeque<Command>,
     records: Records,
     lost: u64,
+    /// The overrides that the controller has been sent, percent.
+    overrides: Vec<f32>,
 }
 
 impl Plant {
@@ -87,8 +89,10 @@ impl Plant {
 
     /// A plant on rings whose other ends somebody else serves. Nothing drains them but reads.
     pub fn new(project: &Project, link: Link) -> Plant {
+        let image = image_of(project);
         let state = State {
-            image: image_of(project),
+            overrides: image.feed_overrides().collect(),
+            image,
             link,
             began: false,
             next_ticket: 1,
@@ -136,7 +140,7 @@ impl Plant {
         (result, edges)
     }
 
-    /// Executes the instruction tags whose `EnableIn` rose, with the operands they hold now, in order, and waits until
+    /// Sends what writes brought about. Executes the instruction tags whose `EnableIn` rose, with the operands they hold now, in order, and waits until
     /// each shows DN or ER, at most [`ANSWER_WITHIN`]. Those whose `EnableIn` fell have a false rung.
     pub async fn fire(&self, edges: Vec<Edge>) {
         if edges.is_empty() {
@@ -317,8 +321,27 @@ impl State {
         }
     }
 
+    /// Tells the controller which overrides have changed.
+    fn send_overrides(&mut self) {
+        let overrides: Vec<f32> = self.image.feed_overrides().collect();
+        for ((system, now), sent) in (0..)
+            .zip(&overrides)
+            .zip(std::mem::replace(&mut self.overrides, overrides.clone()))
+        {
+            if *now != sent {
+                self.push(Command::Override {
+                    system,
+                    rate: f64::from(*now) / 100.0,
+                });
+            }
+        }
+    }
+
     fn edge(&mut self, edge: Edge) -> Option<oneshot::Receiver<()>> {
-        let (Edge::Rising(id) | Edge::Falling(id)) = edge;
+        let (Edge::Rising(id) | Edge::Falling(id)) = edge else {
+            self.send_overrides();
+            return None;
+        };
         let TagKind::Instruction(kind) = self.image.tag(id)?.kind else {
             return None;
         };

@@ -84,6 +84,13 @@ impl Bench {
         self.controller.rung_false(self.controls[tag]);
     }
 
+    /// Takes a share of the programmed speeds of a coordinate system's moves now; 0 holds.
+    pub fn set_override(&mut self, system: &str, share: f64) {
+        let index = self.project.machine.system(system);
+        let index = index.expect("the machine has the coordinate system");
+        self.controller.set_override(index, share);
+    }
+
     /// Ends the present tick and begins the next one.
     pub fn tick(&mut self) {
         let controls = &self.controls;

@@ -59,6 +59,18 @@ pub(crate) enum Command {
     /// Change the dynamics of the running move (MCCD)
     #[command(after_help = "Example: arcline change CS1 --speed 20%")]
     Change(Change),
+    /// Set the feed override of a coordinate system: percent of the programmed speeds, 0 to 200
+    #[command(
+        after_help = "Holds for its active, pending and later moves until it is changed; 0 holds them on their path.\n\
+        Example: arcline override CS1 50%"
+    )]
+    Override(Override),
+    /// Hold the moves of a coordinate system: at rest on their path, still active (override 0)
+    #[command(after_help = "Example: arcline hold CS1")]
+    Hold(System),
+    /// Go on after a hold, with the override that there was before it
+    #[command(after_help = "Example: arcline resume CS1")]
+    Resume(System),
     /// Stop coordinate systems (MCS); all of them when none is named
     #[command(after_help = "Example: arcline stop CS1 --type move")]
     Stop(Stop),
@@ -251,6 +263,40 @@ pub(crate) struct Stop {
     /// What to stop
     #[arg(long = "type", value_enum, default_value = "all")]
     pub(crate) kind: StopType,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Override {
+    /// The coordinate system
+    #[arg(value_name = "CS")]
+    pub(crate) system: String,
+    /// Percent of the programmed speeds, 0 to 200
+    #[arg(value_name = "PERCENT[%]", allow_hyphen_values = true)]
+    pub(crate) percent: Percent,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct System {
+    /// The coordinate system
+    #[arg(value_name = "CS")]
+    pub(crate) system: String,
+}
+
+/// A percentage of the programmed speeds.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct Percent(pub(crate) f64);
+
+impl FromStr for Percent {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let digits = text.trim();
+        let digits = digits.strip_suffix('%').unwrap_or(digits);
+        number(digits)
+            .filter(|percent| (0.0..=200.0).contains(percent))
+            .map(Self)
+            .ok_or_else(|| format!("{text:?} is not a percentage from 0 to 200, expected such as 50 or 50%"))
+    }
 }
 
 #[derive(ValueEnum, Clone, Copy, PartialEq, Debug)]

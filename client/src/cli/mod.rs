@@ -4,6 +4,7 @@
 //! programs that do not parse); 3 no connection, or it was lost; 130 interrupted with Ctrl-C.
 
 mod args;
+mod feed_override;
 mod moves;
 mod output;
 mod programs;
@@ -103,6 +104,9 @@ async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
         Command::Move(command) => moves::line(&client, command, output).await,
         Command::Arc(command) => moves::arc(&client, command, output).await,
         Command::Change(command) => moves::change(&client, command, output).await,
+        Command::Override(command) => feed_override::set(&client, &command, output).await,
+        Command::Hold(command) => feed_override::hold(&client, &command, output).await,
+        Command::Resume(command) => feed_override::resume(&client, &command, output).await,
         Command::Stop(command) => moves::stop(&client, command, output).await,
         Command::Servo(command) => moves::servo(&client, command, output).await,
         Command::Status(command) => status::status(&client, &command.names, output).await,

@@ -1,5 +1,6 @@
 //! `status` and `identify`: the machine and the server at a glance.
 
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use serde_json::{Value as Json, json};
@@ -11,6 +12,8 @@ use super::{Failure, Output};
 
 /// Tag of the real-time thread.
 const REAL_TIME: &str = "RealTime";
+/// Tag of the feed overrides.
+const FEED_OVERRIDE: &str = "FeedOverride";
 
 /// What is shown of an object: a row of its table, and a JSON object.
 struct Shown {
@@ -68,12 +71,13 @@ pub(crate) async fn status(client: &Client, names: &[String], output: &Output) -
     let asked = |tag: &Tag| names.is_empty() || names.iter().any(|name| name.eq_ignore_ascii_case(&tag.name));
     let shown: Vec<(Tag, Kind)> = shown.into_iter().filter(|(tag, _)| asked(tag)).collect();
     let paths: Vec<&str> = shown.iter().map(|(tag, _)| tag.name.as_str()).collect();
+    let overrides = overrides(client).await?;
     let mut rows = Vec::new();
     for ((tag, kind), reading) in shown.iter().zip(client.read_many(&paths).await?) {
         let reading = reading?;
         rows.push(match kind {
             Kind::Axis => axis(tag, &reading),
-            Kind::System => system(tag, &reading),
+            Kind::System => system(tag, &reading, overrides.get(&tag.name).copied()),
             Kind::Group => group(tag, &reading),
             Kind::RealTime => real_time(tag, &reading),
         });
@@ -95,6 +99,17 @@ pub(crate) async fn status(client: &Client, names: &[String], output: &Output) -
     }
     output.result(tables.join("\n\n"), || Json::Null);
     Ok(())
+}
+
+/// The feed override of every coordinate system, percent; none where the server has no such tag.
+async fn overrides(client: &Client) -> Result<BTreeMap<String, f64>, Failure> {
+    let values = match client.read(FEED_OVERRIDE).await {
+        Ok(reading) => reading.numbers().unwrap_or_default(),
+        Err(error) if error.is_connection() => return Err(error.into()),
+        Err(_) => Vec::new(),
+    };
+    let systems = client.objects(Object::CoordinateSystem).await?;
+    Ok(systems.into_iter().zip(values).collect())
 }
 
 fn kind(tag: &Tag) -> Option<Kind> {
@@ -172,7 +187,7 @@ fn axis(tag: &Tag, reading: &Reading) -> Shown {
     }
 }
 
-fn system(tag: &Tag, reading: &Reading) -> Shown {
+fn system(tag: &Tag, reading: &Reading, percent: Option<f64>) -> Shown {
     let position = reading
         .member("ActualPosition")
         .and_then(Reading::numbers)
@@ -197,12 +212,17 @@ fn system(tag: &Tag, reading: &Reading) -> Shown {
     } else {
         "not ready"
     };
-    let state = or(format!("{motion} {faults}").trim().to_owned(), otherwise);
+    let mut state = or(format!("{motion} {faults}").trim().to_owned(), otherwise);
+    match percent {
+        Some(0.0) => state.push_str(", held"),
+        Some(percent) if percent != 100.0 => state.push_str(&format!(", override {percent}%")),
+        _ => {}
+    }
     // At most three axes; the others are unused and 0.
     let shown: Vec<String> = position.iter().take(3).map(|axis| fixed(*axis)).collect();
     let object = json!({
         "kind": "coordinate system", "name": tag.name, "position": position, "ready": reading.flag("ReadyStatus"),
-        "state": state, "faults": faults.split_whitespace().collect::<Vec<_>>(),
+        "state": state, "faults": faults.split_whitespace().collect::<Vec<_>>(), "override": percent,
     });
     Shown {
         kind: Kind::System,

@@ -14,6 +14,13 @@ pub enum Command {
     Call(Ticket, Call),
     /// The rung condition of the instruction with this motion control tag is false.
     RungFalse(ControlSlot),
+    /// Take a share of the programmed speeds of a coordinate system's moves, 0 to 2; 0 holds.
+    Override {
+        /// Index of the coordinate system.
+        system: u16,
+        /// The share.
+        rate: f64,
+    },
     /// Stop all motion of every coordinate system in a controlled way: what a shutdown of the process needs.
     StopAll,
 }
@@ -98,6 +105,7 @@ impl Controller {
                     port.answer(ticket, control);
                 }
                 Some(Command::RungFalse(control)) => self.rung_false(control),
+                Some(Command::Override { system, rate }) => self.set_override(system, rate),
                 Some(Command::StopAll) => self.stop_all(),
                 None => break,
             }
@@ -134,6 +142,11 @@ impl Controller {
     /// A false rung condition. Real-time.
     pub fn rung_false(&mut self, control: ControlSlot) {
         self.motion.rung_false(control);
+    }
+
+    /// Takes a share of the programmed speeds of a coordinate system's moves: see [`Motion::set_override`]. Real-time.
+    pub fn set_override(&mut self, system: u16, rate: f64) {
+        self.motion.set_override(system, rate);
     }
 
     /// Stops everything that moves, every axis by itself. Real-time.

@@ -24,7 +24,7 @@ pub struct AxisSnapshot {
 }
 
 /// One coordinate system: the words of its tag (spec/axis-and-data-types.md §8.3).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SystemSnapshot {
     /// CoordinateSystemStatus.
     pub status: u32,
@@ -42,4 +42,23 @@ pub struct SystemSnapshot {
     pub path_position: f64,
     /// Length of the active path, units; 0 when nothing is active.
     pub path_length: f64,
+    /// Share of the programmed speeds, 0 to 2.
+    pub feed_override: f64,
+}
+
+impl Default for SystemSnapshot {
+    /// At rest at 0, with an override of 1.
+    fn default() -> Self {
+        SystemSnapshot {
+            status: 0,
+            motion_status: 0,
+            axes_shutdown: 0,
+            axes_servo_on: 0,
+            actual: [0.0; 3],
+            path_speed: 0.0,
+            path_position: 0.0,
+            path_length: 0.0,
+            feed_override: 1.0,
+        }
+    }
 }

@@ -97,6 +97,7 @@ pub(crate) fn system(system: &System, axes: &[Axis]) -> SystemSnapshot {
         path_speed: system.along[0],
         path_position: system.along[1],
         path_length: system.along[2],
+        feed_override: system.feed_override,
         ..SystemSnapshot::default()
     };
     for (place, axis) in system.description.axes.iter().enumerate() {

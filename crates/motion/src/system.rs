@@ -58,6 +58,8 @@ pub(crate) struct System {
     pub(crate) in_transition: bool,
     /// Speed along the path, units/s; distance gone and length of the active path, units.
     pub(crate) along: [f64; 3],
+    /// Share of the programmed speeds of all coordinated moves; 0 holds.
+    pub(crate) feed_override: f64,
     /// Something happened since the commands of this tick were computed.
     pub(crate) stale: bool,
 }
@@ -79,6 +81,7 @@ impl System {
             in_command_tolerance: false,
             in_transition: false,
             along: [0.0; 3],
+            feed_override: 1.0,
             stale: false,
         }
     }

@@ -3,13 +3,13 @@
 //! Planning a contour is not bounded, so it is done elsewhere: the queue says which moves are to be planned
 //! ([`ContourQueue::batch`]), gets a finished [`Trajectory`] back ([`ContourQueue::install`]) and evaluates it. A stop
 //! slows down the pace at which the trajectory's own time runs, so it never leaves the path
-//! (spec/motion-core.md §10.3). Nothing here allocates or frees: trajectories are handed back.
+//! (spec/motion-core.md §10.3), and so does an override below 100 %. Nothing here allocates or frees: trajectories are handed back.
 
 use std::collections::VecDeque;
 
 use arcline_contour::{ContourMove, Trajectory};
 use arcline_geometry::Point;
-use arcline_profile::{Limits, Phase, Profile, State, stop_distance};
+use arcline_profile::{Jerk, Limits, Phase, Profile, State, stop_distance};
 
 use crate::{Clock, Ending, Instant, Move, QueueFull, Sample};
 
@@ -21,6 +21,10 @@ pub struct ContourQueue<T> {
     run: Option<Run>,
     asked: bool,
     generation: u32,
+    /// The override: share of the programmed speeds.
+    rate: f64,
+    /// Share of the programmed speeds that the contour was planned with: at least 1.
+    scale: f64,
 }
 
 /// A trajectory in execution.
@@ -32,6 +36,20 @@ struct Run {
     /// The trajectory's own time, seconds, as a function of time.
     pace: Profile,
     start: Instant,
+    /// Share of the programmed speeds in the plan.
+    scale: f64,
+    /// Share of the speed, at most 1, that an instruction has asked for besides the override.
+    share: f64,
+    course: Course,
+}
+
+/// What a pace of 0 means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Course {
+    /// A hold: it goes on when the pace rises again.
+    Travelling,
+    /// The end.
+    Stopping,
 }
 
 /// What lies at or before the present tick.
@@ -52,6 +70,8 @@ impl<T: Copy> ContourQueue<T> {
             run: None,
             asked: false,
             generation: 0,
+            rate: 1.0,
+            scale: 1.0,
         }
     }
 
@@ -101,6 +121,7 @@ impl<T: Copy> ContourQueue<T> {
         if self.asked || self.run.is_some() || self.moves.is_empty() {
             return None;
         }
+        self.scale = self.rate.max(1.0);
         for (place, motion) in self.moves.iter().enumerate() {
             let (tolerance, last) = match motion.ending {
                 Ending::Stop => (0.0, true),
@@ -113,7 +134,7 @@ impl<T: Copy> ContourQueue<T> {
             };
             take(ContourMove {
                 path: motion.path,
-                speed: motion.limits.speed,
+                speed: motion.limits.speed * self.scale,
                 acceleration: motion.limits.acceleration,
                 deceleration: motion.limits.deceleration,
                 jerk: motion.limits.jerk.map(|jerk| jerk.acceleration.min(jerk.deceleration)),
@@ -142,16 +163,21 @@ impl<T: Copy> ContourQueue<T> {
             return Err(trajectory);
         }
         self.asked = false;
+        // It begins at rest, so its pace may be anything.
+        let pace = (self.rate / self.scale).min(1.0);
         let running = State {
             position: 0.0,
-            velocity: 1.0,
+            velocity: pace,
             acceleration: 0.0,
         };
         self.run = Some(Run {
-            pace: Profile::to_velocity(running, 1.0, &unit_limits(1.0)),
+            pace: Profile::to_velocity(running, pace, &unit_limits(1.0)),
             trajectory,
             passed: 0,
             start: clock.now(),
+            scale: self.scale,
+            share: 1.0,
+            course: Course::Travelling,
         });
         Ok(())
     }
@@ -172,7 +198,7 @@ impl<T: Copy> ContourQueue<T> {
     pub fn passage(&self, clock: &Clock) -> Option<ContourPassage> {
         let run = self.run.as_ref()?;
         let now = run.pace.at(run.start.elapsed(clock));
-        if now.velocity == 0.0 && now.acceleration == 0.0 {
+        if run.course == Course::Stopping && now.velocity == 0.0 && now.acceleration == 0.0 {
             return Some(ContourPassage::End);
         }
         if now.position >= run.trajectory.duration() {
@@ -191,6 +217,67 @@ impl<T: Copy> ContourQueue<T> {
         self.moves.pop_front()
     }
 
+    /// The moves that are not on the trajectory yet, to change.
+    pub fn unplanned_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
+        let planned = self.run.as_ref().map_or(0, |run| run.trajectory.moves() - run.passed);
+        self.moves.iter_mut().skip(planned)
+    }
+
+    /// Takes an override: a share of the programmed speeds, 0 holds. A trajectory in execution is slowed down, but
+    /// never made faster than it was planned; later ones are planned for it.
+    pub fn set_rate(&mut self, rate: f64, clock: &Clock) {
+        self.rate = rate;
+        self.change_pace(clock);
+    }
+
+    /// Takes a share of the planned speed for the trajectory in execution, at most 1; 0 pauses.
+    pub fn set_share(&mut self, share: f64, clock: &Clock) {
+        if let Some(run) = &mut self.run {
+            run.share = share.clamp(0.0, 1.0);
+        }
+        self.change_pace(clock);
+    }
+
+    /// Brings the pace to what override and share ask for, with half of the rates of the moves on the trajectory
+    /// at most, wherever on it that happens: the trajectory has its own accelerations besides.
+    fn change_pace(&mut self, clock: &Clock) {
+        let Some(run) = self.run.as_mut().filter(|run| run.course == Course::Travelling) else {
+            return;
+        };
+        let left = run.trajectory.moves() - run.passed;
+        let (mut rate, mut jerk) = (f64::INFINITY, f64::INFINITY);
+        let mut s_curve = false;
+        let speed = |motion: &Move<T>| (motion.limits.speed * run.scale).max(f64::MIN_POSITIVE);
+        let top = self
+            .moves
+            .iter()
+            .take(left)
+            .map(speed)
+            .fold(f64::MIN_POSITIVE, f64::max);
+        for Limits {
+            acceleration,
+            deceleration,
+            jerk: own,
+            ..
+        } in self.moves.iter().take(left).map(|motion| motion.limits)
+        {
+            rate = rate.min(0.5 * acceleration.min(deceleration) / top);
+            if let Some(own) = own {
+                s_curve = true;
+                jerk = jerk.min(0.5 * own.acceleration.min(own.deceleration) / top);
+            }
+        }
+        let mut limits = unit_limits(rate);
+        limits.jerk = s_curve.then_some(Jerk {
+            acceleration: jerk,
+            deceleration: jerk,
+        });
+        let now = run.pace.at(run.start.elapsed(clock));
+        let target = (self.rate / run.scale).min(1.0) * run.share;
+        run.pace = Profile::to_velocity(now, target, &limits);
+        run.start = clock.now();
+    }
+
     /// Brakes on the path from the present tick on. The moves are the caller's to end.
     pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
         let Some(run) = &mut self.run else {
@@ -203,11 +290,12 @@ impl<T: Copy> ContourQueue<T> {
             speed: 1.0,
             acceleration: rate(limits.deceleration),
             deceleration: rate(limits.deceleration),
-            jerk: limits.jerk.map(|jerk| arcline_profile::Jerk {
+            jerk: limits.jerk.map(|jerk| Jerk {
                 acceleration: rate(jerk.deceleration),
                 deceleration: rate(jerk.deceleration),
             }),
         };
+        run.course = Course::Stopping;
         run.pace = Profile::stop(now, &limits);
         run.start = clock.now();
     }

@@ -75,6 +75,8 @@ pub struct Planner<T> {
 /// Pending moves that a junction speed looks at. Behind them the path is taken to end at rest, which is always
 /// possible, so the work of a tick is bounded.
 const LOOK_AHEAD: usize = 32;
+/// How far behind its end, as a share of a path, a stop on it may seem to be by rounding.
+const STOP_ROUNDING: f64 = 1e-12;
 
 impl<T: Copy> Planner<T> {
     /// A planner at rest with `depth` pending places. `corner_step`: the change of velocity that each axis may
@@ -282,7 +284,7 @@ impl<T: Copy> Planner<T> {
         let from = running.track.state(clock);
         let plan = self.plan(&running, from);
         let profile = if plan.exit > 0.0 {
-            Profile::to_position(from, plan.target, plan.exit, &limits)
+            Profile::to_position(from, plan.target, plan.exit, &plan.limits(limits))
         } else {
             Profile::to_position_two_stage(from, plan.target, &limits)
         };
@@ -348,7 +350,8 @@ impl<T: Copy> Planner<T> {
         let plan = self.plan(&running, from);
         running.exit = plan.exit;
         running.joined = plan.joined;
-        running.track.profile = Profile::to_position(from, plan.target, plan.exit, &running.limits());
+        let limits = plan.limits(running.limits());
+        running.track.profile = Profile::to_position(from, plan.target, plan.exit, &limits);
         self.active = Some(running);
         self.schedule(clock);
     }
@@ -400,9 +403,29 @@ impl<T: Copy> Planner<T> {
         let exit = if wanted > 0.0 {
             wanted.min(exit_speed(from, target - from.position, &running.motion.limits))
         } else {
-            0.0
+            self.unavoidable_exit(first, joined, running, from, target)
         };
         Plan { target, exit, joined }
+    }
+
+    /// The speed at the end of a path that is to be held, but too late for that: what braking leaves there. The
+    /// moves behind it brake on, so that a hold stays on the path.
+    fn unavoidable_exit(&self, last: &Move<T>, joined: usize, running: &Running<T>, from: State, target: f64) -> f64 {
+        let Some(next) = self.pending.get(joined) else {
+            return 0.0;
+        };
+        let passable = matches!(
+            junction(last, next, joined > 0 || running.blended),
+            Junction::Pass { .. } | Junction::Overtake { .. }
+        );
+        if !passable || running.motion.limits.speed > 0.0 {
+            return 0.0;
+        }
+        let stop = Profile::stop(from, &running.motion.limits);
+        if stop.end().position <= target + STOP_ROUNDING * target.abs() {
+            return 0.0;
+        }
+        stop.time_at_position(target).map_or(0.0, |time| stop.at(time).velocity)
     }
 
     /// The speed that the junction behind a move allows, seen from the end of the queue. `place` is that of the
@@ -431,7 +454,7 @@ impl<T: Copy> Planner<T> {
         let from = running.track.state(clock);
         let plan = self.plan(&running, from);
         if plan.exit > running.exit || plan.joined > running.joined {
-            let profile = Profile::to_position(from, plan.target, plan.exit, &running.limits());
+            let profile = Profile::to_position(from, plan.target, plan.exit, &plan.limits(running.limits()));
             running.follow(plan, profile, clock);
             self.active = Some(running);
         }
@@ -444,7 +467,9 @@ impl<T: Copy> Planner<T> {
             return;
         };
         let track = &running.track;
-        if !track.profile.arrives() {
+        // A pause may end behind the active path where the profile runs over several.
+        let paused = !track.profile.arrives();
+        if paused && running.joined == 0 {
             return;
         }
         let now = track.start.elapsed(clock);
@@ -453,7 +478,11 @@ impl<T: Copy> Planner<T> {
         let mut at = match junction(&running.motion, next, running.blended) {
             _ if running.joined > 0 => {
                 let end = track.offset + length;
-                track.profile.time_at_position(end).unwrap_or(track.profile.duration())
+                match track.profile.time_at_position(end) {
+                    Some(at) => at,
+                    None if paused => return,
+                    None => track.profile.duration(),
+                }
             }
             Junction::Rest | Junction::Pass { early: false, .. } => return,
             Junction::Pass { early: true, .. } => brakes_from(&track.profile),
@@ -487,6 +516,16 @@ struct Plan {
     exit: f64,
     /// Pending moves on the way.
     joined: usize,
+}
+
+impl Plan {
+    /// The limits for a profile that ends at the exit speed, which may be above that of a move that is held.
+    fn limits(&self, limits: Limits) -> Limits {
+        Limits {
+            speed: limits.speed.max(self.exit),
+            ..limits
+        }
+    }
 }
 
 impl<T> Running<T> {

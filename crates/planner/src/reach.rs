@@ -39,7 +39,16 @@ pub(crate) fn exit_speed(from: State, length: f64, limits: &Limits) -> f64 {
     if distance(limits.speed) <= length {
         return limits.speed;
     }
-    let (mut low, mut high) = (0.0, limits.speed);
+    // Slower than what is left when the acceleration is ramped out takes a longer way again.
+    let released = limits.jerk.map_or(0.0, |jerk| {
+        let jerk = if from.acceleration > 0.0 {
+            jerk.acceleration
+        } else {
+            jerk.deceleration
+        };
+        from.acceleration * from.acceleration.abs() / (2.0 * jerk)
+    });
+    let (mut low, mut high) = ((from.velocity + released).clamp(0.0, limits.speed), limits.speed);
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
         if distance(middle) <= length {

@@ -38,7 +38,7 @@ pub(crate) struct Context<'a> {
 pub(crate) enum Memory<'a> {
     /// Nothing is written.
     Read(&'a Image),
-    /// Writes, and the edges of `EnableIn` that they made.
+    /// Writes, and the edges that they made.
     Write(&'a mut Image, &'a mut Vec<Edge>),
 }
 
@@ -142,7 +142,8 @@ impl Router {
 
     /// Runs `work` on the tag memory, for writing only if one of the requests writes, then executes the edges it made.
     async fn with_memory(&self, requests: &[Request], work: impl FnOnce(&mut Memory<'_>)) {
-        if requests.iter().any(|request| tags::is_write(request.service)) {
+        let writes = |request: &Request| tags::is_write(request.service) || objects::is_set(request.service);
+        if requests.iter().any(writes) {
             let ((), edges) = self
                 .device
                 .plant
@@ -193,8 +194,8 @@ fn answer<'r>(context: &Context<'_>, memory: &mut Memory<'_>, request: &'r Reque
         // An object within the scope of a name: there are no programs.
         Some(_) if !target.symbols.is_empty() => Reply::error(request.service, tags::unknown()),
         Some(class::SYMBOL) if tags::is_tag_service(request.service) => tags::serve(context, memory, request, &target),
-        Some(class) => objects::serve(context, memory.image(), request, class, &target),
+        Some(class) => objects::serve(context, memory, request, class, &target),
         None if tags::is_tag_service(request.service) => tags::serve(context, memory, request, &target),
-        None => objects::serve_named(context, memory.image(), request, &target),
+        None => objects::serve_named(context, memory, request, &target),
     })
 }

@@ -263,7 +263,7 @@ impl<'m> Runner<'m> {
         match tag.map(|tag| tag.kind) {
             Some(TagKind::MotionControl(slot)) => self.watch(slot),
             Some(TagKind::Instruction(kind)) => self.watch(kind.control),
-            Some(TagKind::Plain) => {}
+            Some(TagKind::Plain | TagKind::FeedOverride) => {}
             Some(_) => {
                 self.reads_motion = true;
                 self.show(tick);
@@ -326,6 +326,12 @@ impl<'m> Runner<'m> {
     fn edge(&mut self, edge: Option<Edge>, line: usize) -> Result<(), Wrong> {
         match edge {
             None => {}
+            Some(Edge::FeedOverride) => {
+                for (system, percent) in (0..).zip(self.image.feed_overrides()) {
+                    self.controller.set_override(system, f64::from(percent) / 100.0);
+                }
+                self.shown = None;
+            }
             Some(Edge::Rising(id)) => {
                 let call = self
                     .image

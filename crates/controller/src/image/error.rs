@@ -25,7 +25,7 @@ pub enum ReadError {
 }
 
 /// Why a write was refused. Nothing was written then.
-#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum WriteError {
     /// No tag of that id.
     #[error("there is no such tag")]
@@ -43,6 +43,18 @@ pub enum WriteError {
     ReadOnly {
         /// The tag.
         name: String,
+    },
+    /// A number that the tag cannot hold.
+    #[error("{name} cannot be {value}, expected {low} to {high}")]
+    OutOfRange {
+        /// The tag.
+        name: String,
+        /// The number.
+        value: f32,
+        /// The least it can hold.
+        low: f32,
+        /// The most.
+        high: f32,
     },
     /// The path leads nowhere.
     #[error(transparent)]

@@ -9,6 +9,7 @@
 
 mod encode;
 mod error;
+mod feed_override;
 mod health;
 #[cfg(test)]
 mod tests;
@@ -28,6 +29,7 @@ use crate::machine::Machine;
 use crate::{CONTROL_SLOTS, Event, Snapshot, UNNAMED};
 
 pub use error::{ControlError, ReadError, WriteError};
+pub use feed_override::{FEED_OVERRIDE_PERCENT, FEED_OVERRIDE_TAG};
 pub use health::{Health, Measured, REAL_TIME_TAG};
 
 /// Symbol instance id of a tag: from 1, never used for another tag while the process runs.
@@ -60,6 +62,8 @@ pub enum TagKind {
     Plain,
     /// The health of the real-time thread.
     RealTime,
+    /// The feed override of every coordinate system.
+    FeedOverride,
 }
 
 /// The fixed part of an instruction tag.
@@ -88,7 +92,7 @@ impl Tag {
     /// Whether clients may write at least a part of it.
     pub fn access(&self) -> Access {
         match self.kind {
-            TagKind::Instruction(_) | TagKind::Plain => Access::ReadWrite,
+            TagKind::Instruction(_) | TagKind::Plain | TagKind::FeedOverride => Access::ReadWrite,
             _ => Access::ReadOnly,
         }
     }
@@ -114,13 +118,15 @@ pub struct PlainTag {
     pub tag_type: TagType,
 }
 
-/// `EnableIn` of an instruction tag changed.
+/// A write that the controller is to know of: `EnableIn` of an instruction tag changed, or an override was written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Edge {
     /// False to true: the instruction executes.
     Rising(TagId),
     /// True to false.
     Falling(TagId),
+    /// The tag `FeedOverride` was written: [`Image::feed_overrides`].
+    FeedOverride,
 }
 
 /// Every tag of a machine.
@@ -134,6 +140,8 @@ pub struct Image {
     controls: Vec<(TagId, usize)>,
     encoder: encode::Encoder,
     snapshot_tick: u64,
+    /// The last override of each coordinate system that was not 0, percent.
+    before_hold: Vec<f32>,
 }
 
 /// Longest name of a tag that a client may create, characters.
@@ -151,6 +159,7 @@ impl Image {
             controls: Vec::new(),
             encoder: encode::Encoder::new(machine),
             snapshot_tick: 0,
+            before_hold: vec![feed_override::AS_PROGRAMMED; machine.systems.len()],
         };
         image.add(
             &machine.group,
@@ -186,6 +195,7 @@ impl Image {
                 TagKind::RealTime,
             );
         }
+        image.add_feed_override(machine);
         image.add_template(&predefined::motion_instruction());
         image.initialise(machine);
         image.apply_snapshot(&Snapshot::new(machine));
@@ -296,7 +306,7 @@ impl Image {
             return false;
         }
         match tag.kind {
-            TagKind::Plain => true,
+            TagKind::Plain | TagKind::FeedOverride => true,
             TagKind::Instruction(_) => {
                 let DataType::Structure(template) = &tag.tag_type.data_type else {
                     return false;
@@ -330,6 +340,9 @@ impl Image {
     /// Nothing is written when there is no such tag, or a byte of it is beyond its end or read-only.
     pub fn write(&mut self, id: TagId, offset: usize, data: &[u8]) -> Result<Option<Edge>, WriteError> {
         self.check_write(id, offset, data.len())?;
+        if self.tag(id).is_some_and(|tag| tag.kind == TagKind::FeedOverride) {
+            return self.write_feed_override(id, offset, data);
+        }
         if let Some(bytes) = self.bytes_mut(id) {
             bytes[offset..offset + data.len()].copy_from_slice(data);
         }
@@ -345,6 +358,10 @@ impl Image {
         let enable = self.enable_in(id).filter(|enable| *enable == (offset, mask));
         if enable.is_none() {
             self.check_write(id, offset, 1)?;
+        }
+        if let Some(tag) = self.tag(id).filter(|tag| tag.kind == TagKind::FeedOverride) {
+            // A REAL has no bits.
+            return Err(WriteError::ReadOnly { name: tag.name.clone() });
         }
         let out = self.member_bit(id, ENABLE_OUT);
         let Some(bytes) = self.bytes_mut(id) else {
@@ -533,6 +550,21 @@ impl Image {
         id
     }
 
+    /// The tag of the overrides, where there is something to override and the name is free.
+    fn add_feed_override(&mut self, machine: &Machine) {
+        let systems = machine.systems.len() as u32;
+        if systems == 0 || self.find(FEED_OVERRIDE_TAG).is_some() {
+            return;
+        }
+        let tag_type = TagType::array(DataType::Elementary(Elementary::Real), systems);
+        let id = self.add(FEED_OVERRIDE_TAG, tag_type, TagKind::FeedOverride);
+        if let Some(bytes) = self.bytes_mut(id) {
+            bytes
+                .chunks_exact_mut(4)
+                .for_each(|element| element.copy_from_slice(&feed_override::AS_PROGRAMMED.to_le_bytes()));
+        }
+    }
+
     fn add_instruction(&mut self, tag: &InstructionTag) {
         let Some(control) = self.free_slot() else { return };
         let template = instruction_tag_template(tag.mnemonic);
@@ -633,7 +665,8 @@ impl Directory for Image {
             .ok()
             .filter(|offset| *offset <= 0xFFFF)?;
         let real = place.data_type == DataType::Elementary(Elementary::Real) && place.bit.is_none();
-        let writable = self.writable(id, place.offset, 4 * place.elements as usize);
+        let for_instructions = self.tag(id)?.kind != TagKind::FeedOverride;
+        let writable = for_instructions && self.writable(id, place.offset, 4 * place.elements as usize);
         (real && writable && id.0 <= 0xFFFF).then_some(id.0 << 16 | offset)
     }
 }

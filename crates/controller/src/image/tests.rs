@@ -85,6 +85,7 @@ fn every_tag_has_a_permanent_id_a_type_and_bytes() {
         ("Motion", 1, "MOTION_GROUP", 88), ("X", 2, "AXIS_CIP_DRIVE", 1040), ("V", 3, "AXIS_VIRTUAL", 132),
         ("CS1", 4, "COORDINATE_SYSTEM", 104), ("Move1", 5, "MCLM", 368), ("Recipe", 6, "REAL", 64),
         ("Count", 7, "INT", 2), ("Label", 8, "STRING", 88), ("RealTime", 9, "REAL_TIME", 240),
+        ("FeedOverride", 10, "REAL", 4),
     ];
     for (name, id, data_type, size) in cases {
         let tag = image.find(&name.to_uppercase()).unwrap_or_else(|| panic!("{name}"));
@@ -322,4 +323,40 @@ fn arrays_that_are_written_are_found_again() {
         .real_array("Move1.CalculatedData")
         .and_then(|tag| image.written_array(tag));
     assert_eq!(tag.map(|(_, _, elements)| elements), Some(4));
+}
+
+#[test]
+fn an_override_is_written_in_percent_and_within_its_range() {
+    let mut image = image();
+    assert_eq!(image.feed_overrides().collect::<Vec<_>>(), [100.0]);
+    #[rustfmt::skip]
+    let cases = [
+        // why,          value,         taken, shown,  before a hold
+        ("half",         50.0,          true,  50.0,   50.0),
+        ("a hold",       0.0,           true,  0.0,    50.0),
+        ("below",        -0.5,          false, 0.0,    50.0),
+        ("above",        200.5,         false, 0.0,    50.0),
+        ("no number",    f64::NAN,      false, 0.0,    50.0),
+        ("infinite",     f64::INFINITY, false, 0.0,    50.0),
+        ("the most",     200.0,         true,  200.0,  200.0),
+    ];
+    for (why, value, taken, shown, before) in cases {
+        let result = image.write_value(&path("FeedOverride[0]"), Value::Lreal(value));
+        match result {
+            Ok(edge) => assert_eq!((edge, taken), (Some(Edge::FeedOverride), true), "{why}"),
+            Err(error) => assert!(
+                !taken && matches!(error, WriteError::OutOfRange { .. }),
+                "{why}: {error}"
+            ),
+        }
+        assert_eq!(image.feed_overrides().collect::<Vec<_>>(), [shown], "{why}");
+        assert_eq!(image.feed_override_before_hold(0), Some(before), "{why}");
+    }
+    assert_eq!(image.set_feed_override(0, 25.0), Ok(Some(Edge::FeedOverride)));
+    assert!(image.set_feed_override(1, 25.0).is_err(), "no such coordinate system");
+    assert_eq!(number(&image, "FeedOverride"), 25.0);
+    assert!(
+        image.real_array("FeedOverride").is_none(),
+        "not for instructions to write"
+    );
 }

@@ -118,16 +118,19 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     layout.verify_mode(call)?;
     verify::axes_ready(&motion.systems[index], &motion.axes)?;
     let system = &mut motion.systems[index];
-    if system.contour.is_some() && system.activity == Activity::Moving {
-        return Err(MotionError::FeatureNotSupported);
-    }
-    let active = match (system.activity, system.planner.active_data()) {
-        (Activity::Moving, Some(active)) => *active,
+    let active = match (system.activity, system.active()) {
+        (Activity::Moving, Some(active)) => active,
         (Activity::Stopping, _) => return verify::not_stopping(system, &motion.axes),
         _ => return Err(MotionError::IllegalDynamicChange),
     };
     verify::stoppable(system, &motion.axes, active.dynamics.is_s_curve())?;
     let dynamics = layout.change(call, &system.description, active.dynamics)?;
+    if system.contour.is_some() {
+        change_contour(motion, index, call, active.dynamics.speed, dynamics.speed)?;
+        motion.done(execution);
+        return Ok(());
+    }
+    let share = system.feed_override;
     if call.word(layout.scope) == ACTIVE_AND_PENDING {
         for waiting in system.planner.pending() {
             layout.change(call, &system.description, waiting.data.dynamics)?;
@@ -135,14 +138,44 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         let description = &system.description;
         for waiting in system.planner.pending_mut() {
             waiting.data.dynamics = layout.change(call, description, waiting.data.dynamics)?;
-            waiting.limits = waiting.data.dynamics.limits();
+            waiting.limits = waiting.data.dynamics.overridden(share);
         }
     }
     if let Some(active) = system.planner.active_data() {
         active.dynamics = dynamics;
     }
-    system.planner.change_limits(dynamics.limits(), &motion.clock);
+    system.planner.change_limits(dynamics.overridden(share), &motion.clock);
     system.stale = true;
     motion.done(execution);
+    Ok(())
+}
+
+/// On a planned contour a new speed is a pace, at most the planned one; everything else is for the moves that have not
+/// been planned yet.
+fn change_contour(
+    motion: &mut Motion,
+    index: usize,
+    call: &Call,
+    programmed: f64,
+    speed: f64,
+) -> Result<(), MotionError> {
+    let layout = motion.layouts.mccd;
+    let system = &mut motion.systems[index];
+    let Some(contour) = &mut system.contour else {
+        return Ok(());
+    };
+    if call.word(layout.scope) == ACTIVE_AND_PENDING {
+        for waiting in contour.unplanned_mut() {
+            layout.change(call, &system.description, waiting.data.dynamics)?;
+        }
+        for waiting in contour.unplanned_mut() {
+            waiting.data.dynamics = layout.change(call, &system.description, waiting.data.dynamics)?;
+            waiting.limits = waiting.data.dynamics.limits();
+        }
+    }
+    if call.word(layout.change_speed) == 1 && programmed > 0.0 {
+        contour.set_share(speed / programmed, &motion.clock);
+        system.stale = true;
+    }
     Ok(())
 }

@@ -203,7 +203,11 @@ pub(super) fn execute(
     }
     let planned = Move {
         path,
-        limits: dynamics.limits(),
+        // Contours are planned for the override when their turn comes.
+        limits: match &motion.systems[index] {
+            system if system.contour.is_some() => dynamics.limits(),
+            system => dynamics.overridden(system.feed_override),
+        },
         ending,
         data: Planned {
             execution,

@@ -18,7 +18,9 @@ mod tcp_ip_interface;
 mod template;
 mod wall_clock;
 
-use arcline_controller::image::{Image, TagKind};
+use std::cell::RefCell;
+
+use arcline_controller::image::TagKind;
 use arcline_instruction_set::Object;
 use arcline_proto::cip::{
     self, AttributeListReader, AttributeListReply, CipStatus, Reply, Request, class, is_stray_route, service,
@@ -27,7 +29,7 @@ use arcline_proto::epath::Target;
 use arcline_proto::session::Transport;
 use bytes::{BufMut, Bytes, BytesMut};
 
-use super::router::Context;
+use super::router::{Context, Memory};
 use super::tags::unknown;
 
 /// Every class that answers, ascending: the Message Router's object list.
@@ -107,7 +109,14 @@ trait Class {
 }
 
 /// Answers a request for a class other than [`EXECUTION`].
-pub(crate) fn serve(context: &Context<'_>, image: &Image, request: &Request, code: u16, target: &Target) -> Reply {
+pub(crate) fn serve(
+    context: &Context<'_>,
+    memory: &mut Memory<'_>,
+    request: &Request,
+    code: u16,
+    target: &Target,
+) -> Reply {
+    let image = memory.image();
     let device = context.device;
     let with = |object: &dyn Class| attributes(context, object, request, target);
     match code {
@@ -135,12 +144,35 @@ pub(crate) fn serve(context: &Context<'_>, image: &Image, request: &Request, cod
         }),
         class::ETHERNET_LINK => with(&ethernet_link::EthernetLink),
         code => match Object::from_class_code(code) {
-            Some(object) => with(&motion_attributes::MotionObjects {
-                object,
-                machine: device.plant.machine(),
-            }),
+            Some(object) => {
+                let objects = motion_attributes::MotionObjects {
+                    object,
+                    machine: device.plant.machine(),
+                    image,
+                    overrides: RefCell::default(),
+                };
+                let reply = with(&objects);
+                write_overrides(memory, &objects.overrides.take());
+                reply
+            }
             None => Reply::error(request.service, unknown()),
         },
+    }
+}
+
+/// Whether a request may set an attribute.
+pub(crate) const fn is_set(code: u8) -> bool {
+    matches!(code, service::SET_ATTRIBUTE_SINGLE | service::SET_ATTRIBUTE_LIST)
+}
+
+/// Overrides that were set as attributes are in range: they are written like the tag.
+fn write_overrides(memory: &mut Memory<'_>, overrides: &[(u16, f32)]) {
+    let Memory::Write(image, edges) = memory else { return };
+    for (system, percent) in overrides {
+        match image.set_feed_override(*system, *percent) {
+            Ok(edge) => edges.extend(edge),
+            Err(error) => tracing::warn!(%error, "an override was not written"),
+        }
     }
 }
 
@@ -156,12 +188,12 @@ pub(crate) fn serve_execution(context: &Context<'_>, request: &Request, target: 
 
 /// Answers a request for a name that is neither a tag service nor a motion service: attributes of the motion object of
 /// that name, or of the symbol.
-pub(crate) fn serve_named(context: &Context<'_>, image: &Image, request: &Request, target: &Target) -> Reply {
+pub(crate) fn serve_named(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request, target: &Target) -> Reply {
     let refuse = |status| Reply::error(request.service, status);
     let Some(name) = target.first_symbol() else {
         return refuse(CipStatus::PATH_SEGMENT_ERROR.with(0));
     };
-    let Some(tag) = image.find(name) else {
+    let Some(tag) = memory.image().find(name) else {
         return refuse(unknown());
     };
     if target.symbols.len() > 1 {
@@ -178,7 +210,7 @@ pub(crate) fn serve_named(context: &Context<'_>, image: &Image, request: &Reques
         instance: Some(instance),
         ..Target::default()
     };
-    serve(context, image, request, class, &target)
+    serve(context, memory, request, class, &target)
 }
 
 /// The attribute services (CIP Vol. 1, appendix A), for the class itself (instance 0 or none) and its instances.

@@ -1,5 +1,5 @@
-//! Attributes of the motion objects, classes 0x0300 to 0x0302: names, members, limits. What changes while the machine
-//! runs is in the tags.
+//! Attributes of the motion objects, classes 0x0300 to 0x0302: names, members, limits, the feed override. What else
+//! changes while the machine runs is in the tags.
 //!
 //! | attribute | Motion Group | Axis | Coordinate System |
 //! |---|---|---|---|
@@ -12,9 +12,16 @@
 //! | 7 | | maximum deceleration jerk | maximum deceleration jerk |
 //! | 8 | | position units, SHORT_STRING | actual position tolerance, LREAL |
 //! | 9 | | | command position tolerance, LREAL |
+//! | 10 | | | feed override, REAL, percent, 0 to 200; can be set |
+//! | 11 | | | the last feed override that was not 0, REAL, percent |
+//!
+//! Attribute 10 is the coordinate system's element of the tag `FeedOverride`. A value out of range is refused with 0x09.
 //!
 //! Position units of the axis, per second, per second², per second³. Get Attributes All returns all of them in order.
 
+use std::cell::RefCell;
+
+use arcline_controller::image::{FEED_OVERRIDE_PERCENT, Image};
 use arcline_controller::machine::{Axis, CoordinateSystem, Machine};
 use arcline_instruction_set::Object;
 use arcline_proto::cip::CipStatus;
@@ -26,6 +33,9 @@ use crate::eip::tags::unknown;
 pub(super) struct MotionObjects<'a> {
     pub(super) object: Object,
     pub(super) machine: &'a Machine,
+    pub(super) image: &'a Image,
+    /// Overrides that were set, for the tag memory: place of the coordinate system and percent.
+    pub(super) overrides: RefCell<Vec<(u16, f32)>>,
 }
 
 /// Objects of a kind; instances count from 1.
@@ -51,7 +61,15 @@ impl Class for MotionObjects<'_> {
         match self.object {
             Object::MotionGroup => group(self.machine, id),
             Object::Axis => axis(self.machine.axes.get(place).ok_or_else(unknown)?, id),
-            Object::CoordinateSystem => system(self.machine.systems.get(place).ok_or_else(unknown)?, id),
+            Object::CoordinateSystem => {
+                let described = self.machine.systems.get(place).ok_or_else(unknown)?;
+                let place = u16::try_from(place).map_err(|_| unknown())?;
+                match id {
+                    FEED_OVERRIDE => real_value(self.image.feed_overrides().nth(place.into())),
+                    BEFORE_HOLD => real_value(self.image.feed_override_before_hold(place)),
+                    id => system(described, id),
+                }
+            }
         }
     }
 
@@ -59,8 +77,22 @@ impl Class for MotionObjects<'_> {
         match self.object {
             Object::MotionGroup => &[1, 2, 3],
             Object::Axis => &[1, 2, 3, 4, 5, 6, 7, 8],
-            Object::CoordinateSystem => &[1, 2, 3, 4, 5, 6, 7, 8, 9],
+            Object::CoordinateSystem => &[1, 2, 3, 4, 5, 6, 7, 8, 9, FEED_OVERRIDE, BEFORE_HOLD],
         }
+    }
+
+    fn settable(&self, id: u16) -> Option<usize> {
+        (self.object == Object::CoordinateSystem && id == FEED_OVERRIDE).then_some(4)
+    }
+
+    fn set(&self, instance: u32, _id: u16, value: &[u8]) -> Result<(), CipStatus> {
+        let percent = f32::from_le_bytes(*value.first_chunk().ok_or(CipStatus::NOT_ENOUGH_DATA)?);
+        if !FEED_OVERRIDE_PERCENT.contains(&percent) {
+            return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
+        }
+        let place = u16::try_from(instance.wrapping_sub(1)).map_err(|_| unknown())?;
+        self.overrides.borrow_mut().push((place, percent));
+        Ok(())
     }
 }
 
@@ -101,6 +133,19 @@ fn system(system: &CoordinateSystem, id: u16) -> Result<Bytes, CipStatus> {
         _ => no_attribute(),
     }
 }
+
+/// 0x14 where there is none: the tag's name is taken by another one.
+fn real_value(value: Option<f32>) -> Result<Bytes, CipStatus> {
+    match value {
+        Some(value) => Ok(Bytes::copy_from_slice(&value.to_le_bytes())),
+        None => no_attribute(),
+    }
+}
+
+/// Attribute of a coordinate system: its feed override.
+const FEED_OVERRIDE: u16 = 10;
+/// Attribute of a coordinate system: the override that a hold has replaced.
+const BEFORE_HOLD: u16 = 11;
 
 /// Places of axes as `count UINT, instance UINT × count`; the machine has few enough.
 fn instances(places: impl Iterator<Item = u16>) -> Bytes {

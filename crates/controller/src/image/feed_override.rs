@@ -1,0 +1,74 @@
+//! The tag `FeedOverride`: REAL, an element for each coordinate system in configuration order, in percent.
+//!
+//! The tag is the only place of an override outside the controller: whatever sets one writes it, and the caller
+//! sends the controller what came of it ([`Edge::FeedOverride`]).
+
+use super::{Edge, Image, TagId, TagKind, WriteError};
+
+/// Name of the tag.
+pub const FEED_OVERRIDE_TAG: &str = "FeedOverride";
+/// What an override may be, percent.
+pub const FEED_OVERRIDE_PERCENT: std::ops::RangeInclusive<f32> = 0.0..=200.0;
+/// The first value: as programmed.
+pub(super) const AS_PROGRAMMED: f32 = 100.0;
+/// Bytes of an element.
+const SIZE: usize = 4;
+
+impl Image {
+    /// The override of every coordinate system, in percent, in configuration order.
+    pub fn feed_overrides(&self) -> impl Iterator<Item = f32> {
+        let tag = self.tags().iter().find(|tag| tag.kind == TagKind::FeedOverride);
+        elements(tag.map_or(&[], |tag| self.bytes(tag.id)))
+    }
+
+    /// The last override of a coordinate system that was not 0, in percent: what resuming goes back to.
+    pub fn feed_override_before_hold(&self, system: u16) -> Option<f32> {
+        self.before_hold.get(usize::from(system)).copied()
+    }
+
+    /// Sets the override of a coordinate system, in percent.
+    ///
+    /// # Errors
+    /// [`WriteError::OutOfRange`] outside of 0 to 200; [`WriteError::NoSuchTag`] when there is no such system.
+    pub fn set_feed_override(&mut self, system: u16, percent: f32) -> Result<Option<Edge>, WriteError> {
+        let tag = self.tags().iter().find(|tag| tag.kind == TagKind::FeedOverride);
+        let id = tag.ok_or(WriteError::NoSuchTag)?.id;
+        self.write(id, SIZE * usize::from(system), &percent.to_le_bytes())
+    }
+
+    /// Writes bytes of the tag, if every element is then in range.
+    pub(super) fn write_feed_override(
+        &mut self,
+        id: TagId,
+        offset: usize,
+        data: &[u8],
+    ) -> Result<Option<Edge>, WriteError> {
+        let mut next = self.bytes(id).to_vec();
+        if let Some(place) = next.get_mut(offset..offset.saturating_add(data.len())) {
+            place.copy_from_slice(data);
+        }
+        if let Some(value) = elements(&next).find(|value| !FEED_OVERRIDE_PERCENT.contains(value)) {
+            return Err(WriteError::OutOfRange {
+                name: FEED_OVERRIDE_TAG.to_owned(),
+                value,
+                low: *FEED_OVERRIDE_PERCENT.start(),
+                high: *FEED_OVERRIDE_PERCENT.end(),
+            });
+        }
+        for (kept, value) in self.before_hold.iter_mut().zip(elements(&next)) {
+            if value > 0.0 {
+                *kept = value;
+            }
+        }
+        if let Some(bytes) = self.bytes_mut(id) {
+            bytes.copy_from_slice(&next);
+        }
+        Ok(Some(Edge::FeedOverride))
+    }
+}
+
+fn elements(bytes: &[u8]) -> impl Iterator<Item = f32> {
+    bytes
+        .chunks_exact(SIZE)
+        .filter_map(|bytes| bytes.first_chunk().copied().map(f32::from_le_bytes))
+}

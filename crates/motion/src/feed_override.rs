@@ -1,0 +1,47 @@
+//! The feed override of a coordinate system: a share of the programmed speed of every coordinated move.
+
+use arcline_planner::Clock;
+
+use crate::motion::Motion;
+use crate::system::{Activity, System};
+
+/// Largest override: twice the programmed speed.
+pub const MAX_OVERRIDE: f64 = 2.0;
+
+impl Motion {
+    /// Takes a share of the programmed speeds, 0 to [`MAX_OVERRIDE`], for the coordinated moves of a system: those
+    /// that are active and pending and all later ones. Accelerations and jerks stay as programmed. 0 holds the
+    /// active move, at rest on its path. Of no effect on a stop that is under way. Anything that is not a
+    /// number, and a system that does not exist, changes nothing. Real-time.
+    pub fn set_override(&mut self, system: u16, share: f64) {
+        let clock = self.clock;
+        if let Some(system) = self.systems.get_mut(usize::from(system))
+            && !share.is_nan()
+        {
+            system.set_override(share.clamp(0.0, MAX_OVERRIDE), &clock);
+        }
+    }
+}
+
+impl System {
+    fn set_override(&mut self, share: f64, clock: &Clock) {
+        if self.feed_override == share {
+            return;
+        }
+        self.feed_override = share;
+        if let Some(contour) = &mut self.contour {
+            contour.set_rate(share, clock);
+        }
+        if self.activity != Activity::Moving {
+            return;
+        }
+        for waiting in self.planner.pending_mut() {
+            waiting.limits = waiting.data.dynamics.overridden(share);
+        }
+        if let Some(active) = self.planner.active_data() {
+            let limits = active.dynamics.overridden(share);
+            self.planner.change_limits(limits, clock);
+        }
+        self.stale = true;
+    }
+}
