@@ -242,14 +242,17 @@ fn excess(trajectory: &Trajectory, nodes: &Nodes, bounds: &[Bounds], course: &Co
     for (k, pair) in trajectory.knots.windows(2).enumerate() {
         let (knot, next) = (&pair[0], &pair[1]);
         let bound = &bounds[course.piece_at(nodes.progress[k.saturating_sub(1).min(last)])];
-        let middle = knot.at_middle(next.time);
-        for state in [&knot.state, &middle] {
-            factor = factor.max(state.velocity.norm() / bound.speed);
-            factor = factor.max((state.acceleration.norm() / bound.norm_acceleration()).sqrt());
+        // Velocity is a parabola between knots: inside the hull of its Bezier points.
+        let middle = knot.state.velocity + knot.state.acceleration * (0.5 * (next.time - knot.time));
+        for velocity in [knot.state.velocity, middle] {
+            factor = factor.max(velocity.norm() / bound.speed);
             for axis in 0..3 {
-                factor = factor.max(state.velocity[axis].abs() / bound.axes.speed[axis]);
-                factor = factor.max((state.acceleration[axis].abs() / bound.axes.acceleration[axis]).sqrt());
+                factor = factor.max(velocity[axis].abs() / bound.axes.speed[axis]);
             }
+        }
+        factor = factor.max((knot.state.acceleration.norm() / bound.norm_acceleration()).sqrt());
+        for axis in 0..3 {
+            factor = factor.max((knot.state.acceleration[axis].abs() / bound.axes.acceleration[axis]).sqrt());
         }
         if bound.jerk.is_finite() {
             factor = factor.max(libm::cbrt(knot.jerk.norm() / bound.jerk));
