@@ -82,7 +82,13 @@ pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], s
         times[i + 1] = times[i] + 2.0 * length[i] / (square[i].sqrt() + square[i + 1].sqrt());
     }
     let total = times[count - 1];
-    let warp = Warp::new(total, rate[0] * TANGENT_SHARE, rate[count - 2] * TANGENT_SHARE, bounds, smoothness);
+    let warp = Warp::new(
+        total,
+        rate[0] * TANGENT_SHARE,
+        rate[count - 2] * TANGENT_SHARE,
+        bounds,
+        smoothness,
+    );
     let whole = warp.stretched(total);
     let intervals = intervals(whole);
     let mut nodes = Nodes {
@@ -104,7 +110,9 @@ pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], s
         let u = begin + (next.u - begin) * part;
         let point = stretches[next.stretch].at(course, u);
         nodes.points.push(point);
-        nodes.progress.push(here.progress + (next.progress - here.progress) * part);
+        nodes
+            .progress
+            .push(here.progress + (next.progress - here.progress) * part);
     }
     if let (Some(first), Some(last)) = (samples.first(), samples.last()) {
         nodes.points[0] = first.point;

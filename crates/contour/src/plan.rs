@@ -134,7 +134,11 @@ impl Section<'_> {
         for (index, round) in rounds.iter().enumerate() {
             let limited = if round.jerk { bounds } else { &free };
             if let Some((trajectory, times)) = &last {
-                let warp = if round.jerk { core::mem::replace(&mut warped, Smoothness::Trapezoid) } else { Smoothness::Trapezoid };
+                let warp = if round.jerk {
+                    core::mem::replace(&mut warped, Smoothness::Trapezoid)
+                } else {
+                    Smoothness::Trapezoid
+                };
                 nodes = resample(trajectory, times, &nodes, bounds, warp);
                 project(course, &mut nodes);
             }
@@ -229,9 +233,16 @@ fn rounds(smoothness: Smoothness, effort: Effort) -> Vec<Round> {
 fn timed(nodes: &Nodes, bounds: &[Bounds], course: &Course, keep: bool) -> (Trajectory, Vec<f64>) {
     let trajectory = Trajectory::spline(&nodes.points, &nodes.spans);
     let factor = excess(&trajectory, nodes, bounds, course);
-    let spans: Vec<f64> = nodes.spans.iter().map(|span| span * if keep { factor } else { 1.0 }).collect();
+    let spans: Vec<f64> = nodes
+        .spans
+        .iter()
+        .map(|span| span * if keep { factor } else { 1.0 })
+        .collect();
     let trajectory = Trajectory::spline(&nodes.points, &spans);
-    let times = trajectory.knots[1..=nodes.points.len()].iter().map(|k| k.time).collect();
+    let times = trajectory.knots[1..=nodes.points.len()]
+        .iter()
+        .map(|k| k.time)
+        .collect();
     (trajectory, times)
 }
 
@@ -267,13 +278,7 @@ fn excess(trajectory: &Trajectory, nodes: &Nodes, bounds: &[Bounds], course: &Co
 }
 
 /// The same curve with nodes at equal intervals of its time, warped at its ends for an S-curve.
-fn resample(
-    trajectory: &Trajectory,
-    times: &[f64],
-    nodes: &Nodes,
-    bounds: &[Bounds],
-    smoothness: Smoothness,
-) -> Nodes {
+fn resample(trajectory: &Trajectory, times: &[f64], nodes: &Nodes, bounds: &[Bounds], smoothness: Smoothness) -> Nodes {
     let rate = |bound: Option<&Bounds>| bound.map_or(f64::INFINITY, |b| b.axes.acceleration.min().min(b.acceleration));
     let warp = Warp::new(
         trajectory.duration(),
@@ -407,11 +412,14 @@ fn problem<'a>(
 /// The unit normal of the plane that holds all points, when they lie in one that is normal to an axis.
 fn plane_of(points: &[Point]) -> Option<Point> {
     let first = points[0];
-    (0..3).rev().find(|&axis| points.iter().all(|p| p[axis] == first[axis])).map(|axis| {
-        let mut normal = Point::zeros();
-        normal[axis] = 1.0;
-        normal
-    })
+    (0..3)
+        .rev()
+        .find(|&axis| points.iter().all(|p| p[axis] == first[axis]))
+        .map(|axis| {
+            let mut normal = Point::zeros();
+            normal[axis] = 1.0;
+            normal
+        })
 }
 
 /// Two unit vectors across a tangent, the first one in the plane if there is one.
@@ -485,7 +493,11 @@ fn move_ends(moves: &[ContourMove], course: &Course, nodes: &Nodes, times: &[f64
             let s = course.starts[piece];
             let k = nodes.progress.partition_point(|&p| p < s).clamp(1, times.len() - 1);
             let (p0, p1) = (nodes.progress[k - 1], nodes.progress[k]);
-            let part = if p1 > p0 { ((s - p0) / (p1 - p0)).clamp(0.0, 1.0) } else { 1.0 };
+            let part = if p1 > p0 {
+                ((s - p0) / (p1 - p0)).clamp(0.0, 1.0)
+            } else {
+                1.0
+            };
             last = times[k - 1] + (times[k] - times[k - 1]) * part;
             if piece == course.pieces.len() {
                 last = whole;

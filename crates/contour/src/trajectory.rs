@@ -154,7 +154,13 @@ impl Trajectory {
         }
         let ends = spans.len() - 1;
         let span = |i: isize| spans[i.clamp(0, ends as isize) as usize];
-        let node = |i: isize| if i <= 0 { first } else { nodes[(i as usize).min(count - 1)] };
+        let node = |i: isize| {
+            if i <= 0 {
+                first
+            } else {
+                nodes[(i as usize).min(count - 1)]
+            }
+        };
         let velocity = |i: isize| (node(i + 1) - node(i)) * 3.0 / (span(i - 1) + span(i) + span(i + 1));
         let acceleration = |i: isize| (velocity(i) - velocity(i - 1)) * 2.0 / (span(i - 1) + span(i));
         let mut knots = Vec::with_capacity(count + 2);
@@ -181,7 +187,11 @@ impl Trajectory {
                     acceleration: here,
                 }
             };
-            let jerk = if i == count as isize { Point::zeros() } else { (next - here) / behind };
+            let jerk = if i == count as isize {
+                Point::zeros()
+            } else {
+                (next - here) / behind
+            };
             knots.push(Knot { time, state, jerk });
             time += behind;
             here = next;
