@@ -1,7 +1,7 @@
 //! From moves to a trajectory: sections from rest to rest, each rounded, timed and improved.
 
 use crate::course::{Course, along};
-use crate::nominal::{Nodes, Warp, intervals, nodes};
+use crate::nominal::{Nodes, Warp, grid, nodes, sites};
 use crate::optimise::{self, Limits, Problem, TubeRow};
 use crate::rounding::{Smoothness, round};
 use crate::share::{Share, tolerance_at};
@@ -165,7 +165,8 @@ impl Section<'_> {
             if round.last_one && worst <= 1.0 {
                 return Some(self.finish(trajectory, &nodes, &times));
             }
-            if index + 3 >= rounds.len() {
+            // The first repair is local; then the whole tube gives way.
+            if index + REPAIRS > rounds.len() {
                 share.narrow(worst);
             }
             last = Some((trajectory, times));
@@ -288,12 +289,21 @@ fn resample(trajectory: &Trajectory, times: &[f64], nodes: &Nodes, bounds: &[Bou
         smoothness,
     );
     let whole = warp.stretched(trajectory.duration());
-    let intervals = intervals(whole);
+    let mut busy: Vec<(f64, f64)> = Vec::new();
+    for pair in trajectory.knots.windows(2) {
+        let (here, next) = (&pair[0], &pair[1]);
+        let most = here.state.acceleration.norm().max(next.state.acceleration.norm());
+        if most > IDLE * rate(bounds.first()).min(rate(bounds.last())) {
+            busy.push((warp.warped(here.time), warp.warped(next.time)));
+        }
+    }
+    let grid = grid(whole, &busy);
+    let intervals = grid.len() - 1;
     let mut points = Vec::with_capacity(intervals + 1);
     let mut progress = Vec::with_capacity(intervals + 1);
     let mut i = 0;
-    for k in 0..=intervals {
-        let time = warp.nominal(whole * k as f64 / intervals as f64);
+    for at in sites(&grid) {
+        let time = warp.nominal(at);
         points.push(trajectory.at(time).position);
         while i + 2 < times.len() && times[i + 1] < time {
             i += 1;
@@ -314,7 +324,7 @@ fn resample(trajectory: &Trajectory, times: &[f64], nodes: &Nodes, bounds: &[Bou
     Nodes {
         points,
         progress,
-        spans: vec![whole / intervals as f64; intervals],
+        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
     }
 }
 
@@ -404,7 +414,7 @@ fn problem<'a>(
         tangents,
         tube,
         fixed,
-        spans: vec![1.0; count - 1],
+        spans: nodes.spans.iter().map(|h| h / span).collect(),
         lateral,
     }
 }
@@ -514,6 +524,8 @@ const TANGENT: f64 = 1e-6;
 const SHORTEST: f64 = 1e-9;
 /// How fast the tube opens at the ends of the course.
 const CONE: f64 = 0.25;
+/// Share of the acceleration limit below which nothing happens.
+const IDLE: f64 = 1e-3;
 /// How often the tube is tightened where the result is outside.
 const REPAIRS: usize = 5;
 /// Share of the limits that the optimisation uses; the rest is for its discretisation.

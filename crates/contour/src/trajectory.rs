@@ -102,6 +102,12 @@ impl Trajectory {
         self.move_ends.len()
     }
 
+    /// How many pieces of constant jerk it is made of.
+    #[must_use]
+    pub fn pieces(&self) -> usize {
+        self.knots.len().saturating_sub(1)
+    }
+
     /// The largest velocities, accelerations and jerks, exact.
     #[must_use]
     pub fn peaks(&self) -> Peaks {
@@ -127,8 +133,9 @@ impl Trajectory {
         peaks
     }
 
-    /// Appends a motion that starts where this one ends.
-    pub(crate) fn append(&mut self, next: Trajectory) {
+    /// Appends a motion that starts where this one ends, both at rest there. The moves of the other
+    /// one are numbered on from the moves of this one.
+    pub fn append(&mut self, next: Trajectory) {
         let shift = self.duration();
         if !next.knots.is_empty() {
             // The last knot is rest without length; the next trajectory's first takes its place.

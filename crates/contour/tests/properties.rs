@@ -192,6 +192,30 @@ fn a_reversal_and_moves_without_length_are_planned() {
 }
 
 #[test]
+fn long_slow_legs_cost_no_more_nodes_than_short_ones() {
+    let (a, b, c) = (
+        Point::zeros(),
+        Point::new(5000.0, 0.0, 0.0),
+        Point::new(5000.0, 5000.0, 0.0),
+    );
+    for jerk in [false, true] {
+        let moves = [Path::line(a, b), Path::line(b, c)].map(|path| ContourMove {
+            speed: 50.0,
+            ..contour_move(path, 0.05, jerk)
+        });
+        let limits = limits(jerk);
+        let trajectory = plan(&moves, &limits);
+        let stops: f64 = moves.iter().map(|one| plan(&[*one], &limits).duration()).sum();
+        assert!(
+            trajectory.duration() < stops && trajectory.duration() > 199.9,
+            "{} {stops}",
+            trajectory.duration()
+        );
+        assert!(trajectory.pieces() < 4000, "{} pieces", trajectory.pieces());
+    }
+}
+
+#[test]
 fn a_corner_without_tolerance_is_a_stop() {
     let (a, b, c) = (Point::zeros(), Point::new(20.0, 0.0, 0.0), Point::new(20.0, 20.0, 0.0));
     let moves = [
