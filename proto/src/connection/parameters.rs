@@ -1,5 +1,5 @@
 //! Network connection parameters: how the packets of one direction are addressed and how large they are (CIP Vol. 1,
-//! 3-5.5.1.1).
+//! 3-5; spec/ethernet-ip.md §7).
 //!
 //! Codecs of the 16-bit and the 32-bit form; which values are granted is [`crate::session`]'s business. Sizes are in bytes.
 

@@ -5,22 +5,26 @@
 //! come of each call. A class 3 connection has one message outstanding; further ones wait inside. `now` is the time since
 //! any fixed moment.
 
+mod error;
+mod options;
+
 use bytes::{Bytes, BytesMut};
 use std::collections::{BTreeMap, VecDeque};
 use std::net::SocketAddrV4;
 use std::time::Duration;
 
-use crate::cip::{CipStatus, Reply, Request, class, service};
+use crate::cip::{Reply, Request, class, service};
 use crate::connection::{
     ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TRANSPORT_CLASS_3, TickTime,
     UnconnectedSend,
 };
-use crate::cpf::{ConnectionId, CpfError, Item, Packet, decode_items};
-use crate::encap::{
-    Command, EncapStatus, Frame, FrameDecoder, FrameError, Header, MAX_DATA, RegisterSession, SessionHandle,
-};
-use crate::epath::{Epath, PathError, PortSegment, Segment};
+use crate::cpf::{ConnectionId, Item, Packet, decode_items};
+use crate::encap::{Command, EncapStatus, Frame, FrameDecoder, Header, MAX_DATA, RegisterSession, SessionHandle};
+use crate::epath::Epath;
 use crate::identity::Identity;
+
+pub use error::ClientError;
+pub use options::{OpenOptions, backplane};
 
 /// Names something asked; never repeats in a session.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -52,46 +56,6 @@ pub enum Outcome {
     Failed(ClientError),
 }
 
-/// Why something failed.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
-pub enum ClientError {
-    /// The peer refused the frame.
-    #[error("{command} refused: {status}")]
-    Encapsulation {
-        /// What was asked.
-        command: Command,
-        /// Why not.
-        status: EncapStatus,
-    },
-    /// The peer misbehaves: its stream cannot be read.
-    #[error(transparent)]
-    Frame(#[from] FrameError),
-    /// The peer misbehaves: its packet cannot be read.
-    #[error(transparent)]
-    Packet(#[from] CpfError),
-    /// The peer misbehaves: its reply cannot be read.
-    #[error("the reply to {0} cannot be read")]
-    Malformed(Command),
-    /// The connection was not opened or not closed.
-    #[error("connection refused: {0}")]
-    Refused(CipStatus),
-    /// No reply in time.
-    #[error("no reply in time")]
-    TimedOut,
-    /// The session was lost before the reply.
-    #[error("the connection was lost before the reply")]
-    Lost,
-    /// We were called wrongly: the path cannot be encoded.
-    #[error(transparent)]
-    Path(#[from] PathError),
-    /// We were called wrongly: no such connection is open.
-    #[error("no such connection is open")]
-    NotOpen,
-    /// We were called wrongly: there is no session yet.
-    #[error("no session is registered")]
-    NotRegistered,
-}
-
 /// A call and what has come of it.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ClientEvent {
@@ -99,42 +63,6 @@ pub struct ClientEvent {
     pub call: Call,
     /// What has come of it.
     pub outcome: Outcome,
-}
-
-/// How a connection is opened.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct OpenOptions {
-    /// Names the connection; unique among those of this originator.
-    pub key: ConnectionKey,
-    /// Where the target's messages are addressed to; chosen by us, not zero.
-    pub t_to_o_id: ConnectionId,
-    /// Connection size in both directions, bytes; beyond 511 it takes a Large Forward Open.
-    pub size: u16,
-    /// Requested interval, µs.
-    pub rpi: u32,
-    /// Timeout multiplier code, 0-7.
-    pub multiplier: u8,
-    /// The way to the Message Router.
-    pub route: Epath,
-}
-
-impl OpenOptions {
-    /// 4002 bytes through backplane slot 0, 2 s × 32.
-    pub fn new(key: ConnectionKey, t_to_o_id: ConnectionId) -> Self {
-        Self {
-            key,
-            t_to_o_id,
-            size: 4002,
-            rpi: 2_000_000,
-            multiplier: 3,
-            route: backplane(0),
-        }
-    }
-}
-
-/// The route through the backplane to `slot`: `01 ss`.
-pub fn backplane(slot: u8) -> Epath {
-    Epath(vec![Segment::Port(PortSegment::backplane(slot))])
 }
 
 /// What a reply is awaited for.

@@ -6,6 +6,9 @@
 //! the order of the answers. `now` is the time since any fixed moment; it never runs backwards. Random numbers, shared
 //! limits and counters are the [`Host`]'s.
 
+mod host;
+mod settings;
+
 use bytes::{Bytes, BytesMut};
 use std::collections::{BTreeMap, VecDeque};
 use std::net::SocketAddrV4;
@@ -19,13 +22,13 @@ use crate::connection::{
 };
 use crate::cpf::{ConnectionId, Packet};
 use crate::discovery::list_reply;
-use crate::encap::{
-    Command, DEFAULT_LIMIT, EncapStatus, Frame, FrameDecoder, FrameError, Header, RegisterSession, Service,
-    SessionHandle,
-};
+use crate::encap::{Command, EncapStatus, Frame, FrameDecoder, FrameError, Header, RegisterSession, SessionHandle};
 use crate::epath::{Epath, Segment};
-use crate::identity::Identity;
 use crate::status::connection as extended;
+
+pub use host::Host;
+use host::nonzero;
+pub use settings::{Settings, Slots, UnknownConnection};
 
 /// The smallest connection size that is of any use: a sequence count, a reply's head and some data.
 pub const MIN_CONNECTION_SIZE: u16 = 16;
@@ -33,81 +36,6 @@ pub const MIN_CONNECTION_SIZE: u16 = 16;
 const MIN_API: u32 = 10_000;
 /// The longest time to the first message of a connection is at least this.
 const FIRST_MESSAGE: Duration = Duration::from_secs(10);
-
-/// What a session shares with the others of its server.
-pub trait Host {
-    /// An unpredictable number, for session handles and connection ids. Zero is asked again; so is one that this session
-    /// uses. Values should not repeat among live sessions.
-    fn random(&mut self) -> u32;
-    /// Whether one more class 3 connection may open; counts it if so.
-    fn acquire_connection(&mut self) -> bool;
-    /// `count` connections have gone.
-    fn release_connections(&mut self, count: usize);
-    /// Counts for the Connection Manager's attributes.
-    fn count(&mut self, count: Count);
-    /// Who the device is at present.
-    fn identity(&self) -> &Identity;
-}
-
-/// Which routes lead to this controller, besides the empty one.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Slots {
-    /// Any slot of the backplane.
-    Any,
-    /// These slots of the backplane.
-    Only(Vec<u8>),
-}
-
-/// What to do with a class 3 message for a connection this socket does not have.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum UnknownConnection {
-    /// Close the socket, so that the client notices at once.
-    Close,
-    /// Ignore it, as the specification has it; the client waits for its timeout.
-    Ignore,
-}
-
-/// Limits and settings of a session (spec/ethernet-ip.md §18).
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Settings {
-    /// Bytes accepted behind an encapsulation header.
-    pub frame_limit: usize,
-    /// Class 3 connections of one session.
-    pub max_connections: usize,
-    /// Largest connection size granted, bytes with the sequence count.
-    pub max_connection_size: u16,
-    /// Longest router reply to an unconnected message, bytes.
-    pub unconnected_reply_limit: usize,
-    /// Requests that may be unanswered before no more input is taken.
-    pub max_pending: usize,
-    /// Time for the first RegisterSession.
-    pub register_timeout: Duration,
-    /// Silence after which the socket is closed (TCP/IP object, attribute 13); `None`: never.
-    pub inactivity: Option<Duration>,
-    /// Routes to this controller.
-    pub slots: Slots,
-    /// Messages for connections that are not there.
-    pub unknown_connection: UnknownConnection,
-    /// Capability word of ListServices.
-    pub capability: u16,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            frame_limit: DEFAULT_LIMIT,
-            max_connections: 32,
-            max_connection_size: 4002,
-            unconnected_reply_limit: 504,
-            max_pending: 64,
-            register_timeout: Duration::from_secs(30),
-            inactivity: Some(Duration::from_secs(120)),
-            slots: Slots::Only(vec![0]),
-            unknown_connection: UnknownConnection::Close,
-            capability: Service::TCP,
-        }
-    }
-}
 
 /// Names a request that waits for its answer; never repeats in a session.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -808,13 +736,4 @@ fn open_reply(id: ConnectionId, connection: &Connection) -> ForwardOpenReply {
 
 fn is_connection_manager(path: &Epath) -> bool {
     path.is_object(class::CONNECTION_MANAGER, 1)
-}
-
-/// A number that is not zero and that `free` accepts; a host that always draws the same gets it counted up.
-fn nonzero(host: &mut dyn Host, free: impl Fn(u32) -> bool) -> u32 {
-    let mut number = host.random();
-    while number == 0 || !free(number) {
-        number = number.wrapping_add(1).wrapping_add(host.random() & 0xFFFF);
-    }
-    number
 }
