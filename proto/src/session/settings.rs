@@ -4,16 +4,8 @@
 
 use std::time::Duration;
 
+use super::Slots;
 use crate::encap::{DEFAULT_LIMIT, Service};
-
-/// Which routes lead to this controller, besides the empty one.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Slots {
-    /// Any slot of the backplane.
-    Any,
-    /// These slots of the backplane.
-    Only(Vec<u8>),
-}
 
 /// What to do with a class 3 message for a connection this socket does not have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
