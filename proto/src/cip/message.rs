@@ -66,12 +66,7 @@ impl Request {
         if service & service::REPLY != 0 {
             return Err(fail(CipStatus::SERVICE_NOT_SUPPORTED));
         }
-        let claimed = 2 * usize::from(words);
-        let present = reader.remaining();
-        let path = reader
-            .take(claimed)
-            .ok_or_else(|| fail(PathError::Size { claimed, present }.status()))?;
-        let path = Epath::decode(&message.slice_ref(path)).map_err(|error| fail(error.status()))?;
+        let path = Epath::read(words, &mut reader, message).map_err(|error| fail(error.status()))?;
         Ok(Self {
             service,
             path,

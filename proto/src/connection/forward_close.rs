@@ -39,7 +39,7 @@ impl ForwardClose {
     /// The path is too long.
     pub fn to_bytes(&self) -> Result<Bytes, PathError> {
         let mut out = BytesMut::with_capacity(24);
-        out.put_slice(&[self.time.tick, self.time.ticks]);
+        self.time.write(&mut out);
         self.key.write(&mut out);
         encode_reserved_path(&self.path, &mut out)?;
         Ok(out.freeze())

@@ -120,7 +120,7 @@ impl ForwardOpen {
     /// The path is too long.
     pub fn to_bytes(&self, large: bool) -> Result<Bytes, PathError> {
         let mut out = BytesMut::with_capacity(64);
-        out.put_slice(&[self.time.tick, self.time.ticks]);
+        self.time.write(&mut out);
         out.put_u32_le(self.o_to_t_id.0);
         out.put_u32_le(self.t_to_o_id.0);
         self.key.write(&mut out);

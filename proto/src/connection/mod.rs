@@ -73,6 +73,10 @@ impl TickTime {
             ticks: reader.u8()?,
         })
     }
+
+    fn write(self, out: &mut BytesMut) {
+        out.put_slice(&[self.tick, self.ticks]);
+    }
 }
 
 /// The refusal of a Forward Open or Close: the connection's name, then the remaining path size.
@@ -85,25 +89,17 @@ pub fn refusal(service: u8, key: ConnectionKey, status: CipStatus, remaining_wor
 
 /// `size u8, reserved u8, path`.
 fn encode_reserved_path(path: &Epath, out: &mut BytesMut) -> Result<(), PathError> {
-    let mut sized = BytesMut::new();
-    path.encode_sized(&mut sized)?;
-    let (words, path) = sized
-        .split_first()
-        .map(|(words, path)| (*words, path))
-        .unwrap_or_default();
+    let (words, path) = path.to_sized_bytes()?;
     out.put_slice(&[words, 0]);
-    out.put_slice(path);
+    out.put_slice(&path);
     Ok(())
 }
 
+/// `size u8`, with `reserved` another byte, `path`: the other direction.
 fn read_path(reader: &mut Reader<'_>, data: &Bytes, reserved: bool) -> Result<Epath, CipStatus> {
-    let claimed = 2 * usize::from(reader.u8().ok_or(CipStatus::NOT_ENOUGH_DATA)?);
+    let words = reader.u8().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
     if reserved {
         reader.u8().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
     }
-    let present = reader.remaining();
-    let path = reader
-        .take(claimed)
-        .ok_or_else(|| PathError::Size { claimed, present }.status())?;
-    Epath::decode(&data.slice_ref(path)).map_err(PathError::status)
+    Epath::read(words, reader, data).map_err(PathError::status)
 }

@@ -33,13 +33,9 @@ impl UnconnectedSend {
         if length % 2 == 1 {
             let _pad = reader.u8();
         }
-        let claimed = 2 * usize::from(reader.u8().unwrap_or_default());
+        let words = reader.u8().unwrap_or_default();
         let _reserved = reader.u8();
-        let present = reader.remaining();
-        let route = reader
-            .take(claimed)
-            .ok_or_else(|| PathError::Size { claimed, present }.status())?;
-        let route = Epath::decode(&data.slice_ref(route)).map_err(PathError::status)?;
+        let route = Epath::read(words, &mut reader, data).map_err(PathError::status)?;
         Ok(Self { time, message, route })
     }
 
@@ -53,7 +49,7 @@ impl UnconnectedSend {
         };
         let length = u16::try_from(self.message.len()).map_err(|_| too_long)?;
         let mut out = BytesMut::new();
-        out.put_slice(&[self.time.tick, self.time.ticks]);
+        self.time.write(&mut out);
         out.put_u16_le(length);
         out.put_slice(&self.message);
         out.put_bytes(0, usize::from(length % 2));

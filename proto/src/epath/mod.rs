@@ -146,8 +146,7 @@ impl Epath {
     /// # Errors
     /// [`PathError::TooDeep`] if it needs more than [`MAX_WORDS`]; nothing is appended then.
     pub fn encode_sized(&self, out: &mut BytesMut) -> Result<(), PathError> {
-        let bytes = self.to_bytes();
-        let words = u8::try_from(bytes.len() / 2).map_err(|_| PathError::TooDeep { limit: MAX_WORDS })?;
+        let (words, bytes) = self.to_sized_bytes()?;
         out.put_u8(words);
         out.put_slice(&bytes);
         Ok(())
@@ -158,13 +157,24 @@ impl Epath {
         matches!(self.0.as_slice(), [Segment::Class(c), Segment::Instance(i)] if *c == u32::from(class) && *i == instance)
     }
 
-    /// Takes the leading port segments off: route and rest.
-    pub fn split_route(&self) -> (&[Segment], &[Segment]) {
-        let ports = self
-            .0
-            .iter()
-            .take_while(|segment| matches!(segment, Segment::Port(_)))
-            .count();
-        self.0.split_at(ports)
+    /// Reads a path of `words` 16-bit words off the front of `reader`, which is somewhere in `bytes`.
+    ///
+    /// # Errors
+    /// As [`Self::decode`]; [`PathError::Size`] if fewer bytes are left.
+    pub(crate) fn read(words: u8, reader: &mut Reader<'_>, bytes: &Bytes) -> Result<Self, PathError> {
+        let claimed = 2 * usize::from(words);
+        let present = reader.remaining();
+        let path = reader.take(claimed).ok_or(PathError::Size { claimed, present })?;
+        Self::decode(&bytes.slice_ref(path))
+    }
+
+    /// The path's length in words, and its bytes.
+    ///
+    /// # Errors
+    /// As [`Self::encode_sized`].
+    pub(crate) fn to_sized_bytes(&self) -> Result<(u8, Bytes), PathError> {
+        let bytes = self.to_bytes();
+        let words = u8::try_from(bytes.len() / 2).map_err(|_| PathError::TooDeep { limit: MAX_WORDS })?;
+        Ok((words, bytes))
     }
 }

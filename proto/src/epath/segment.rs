@@ -5,7 +5,7 @@
 use bytes::{BufMut, Bytes, BytesMut};
 
 use super::PathError;
-use crate::wire::Reader;
+use crate::wire::{Reader, counted};
 
 /// One segment of a path.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -152,11 +152,7 @@ fn long_port<'a>(kind: u8, reader: &mut Reader<'a>) -> Option<(u16, &'a [u8])> {
     } else {
         u16::from(kind & 0x0F)
     };
-    let link = reader.take(length)?;
-    if length % 2 == 1 {
-        reader.u8()?;
-    }
-    Some((number, link))
+    Some((number, padded(length, reader)?))
 }
 
 fn electronic_key(reader: &mut Reader<'_>) -> Option<ElectronicKey> {
@@ -176,11 +172,14 @@ fn words<'a>(reader: &mut Reader<'a>) -> Option<&'a [u8]> {
 
 fn symbol<'a>(reader: &mut Reader<'a>) -> Option<&'a [u8]> {
     let length = usize::from(reader.u8()?);
-    let name = reader.take(length)?;
-    if length % 2 == 1 {
-        reader.u8()?;
-    }
-    Some(name)
+    padded(length, reader)
+}
+
+/// `length` bytes, and one more if that is odd.
+fn padded<'a>(length: usize, reader: &mut Reader<'a>) -> Option<&'a [u8]> {
+    let bytes = reader.take(length)?;
+    reader.take(length % 2)?;
+    Some(bytes)
 }
 
 pub(super) fn encode_segment(segment: &Segment, out: &mut BytesMut) {
@@ -249,10 +248,4 @@ fn encode_words(kind: u8, data: &[u8], out: &mut BytesMut) {
     let words = u8::try_from(data.len() / 2).unwrap_or(u8::MAX);
     out.put_slice(&[kind, words]);
     out.put_slice(data.get(..2 * usize::from(words)).unwrap_or_default());
-}
-
-/// As much as a length byte can count.
-fn counted(bytes: &[u8]) -> (u8, &[u8]) {
-    let length = u8::try_from(bytes.len()).unwrap_or(u8::MAX);
-    (length, bytes.get(..usize::from(length)).unwrap_or(bytes))
 }

@@ -65,7 +65,7 @@ impl Symbol {
 
     /// Reads one entry of a Get Instance Attribute List reply whose request named `attributes` in this order. Attributes
     /// that were not asked for stay at their default; `None` if the entry is cut or an attribute is unknown.
-    pub fn decode_entry(reader: &mut Reader<'_>, attributes: &[u16]) -> Option<Self> {
+    fn decode_entry(reader: &mut Reader<'_>, attributes: &[u16]) -> Option<Self> {
         let mut this = Self {
             instance: reader.u32()?,
             ..Self::default()

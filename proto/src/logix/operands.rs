@@ -8,7 +8,7 @@ use bytes::{BufMut, BytesMut};
 
 use super::{SHORT_STRING, WireType};
 use crate::cip::CipStatus;
-use crate::wire::Reader;
+use crate::wire::{Reader, counted};
 
 /// Operands accepted in one motion service; more are [`TypedError::TooMuch`].
 pub const MAX_OPERANDS: usize = 64;
@@ -134,9 +134,9 @@ pub fn encode_operands(operands: &[Typed], out: &mut BytesMut) {
             Typed::ShortString(name) => {
                 out.put_u16_le(SHORT_STRING);
                 out.put_u16_le(1);
-                let length = u8::try_from(name.len()).unwrap_or(u8::MAX);
+                let (length, name) = counted(name.as_bytes());
                 out.put_u8(length);
-                out.put_slice(name.as_bytes().get(..usize::from(length)).unwrap_or_default());
+                out.put_slice(name);
             }
         }
     }

@@ -138,7 +138,7 @@ fn check_size(parameters: NetworkParameters, most: u16) -> Result<(), (CipStatus
     }
 }
 
-/// [ports] [electronic key] Message Router; network segments are passed over.
+/// `[ports] [electronic key] Message Router`; network segments are passed over.
 fn check_connection_path(path: &Epath, settings: &Settings, host: &dyn Host) -> Result<(), (CipStatus, u8)> {
     let (mut route, mut application) = (Vec::new(), Vec::new());
     for segment in &path.0 {
