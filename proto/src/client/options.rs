@@ -2,7 +2,8 @@
 //!
 //! Not the connection itself. Intervals are in microseconds, sizes in bytes.
 
-use crate::connection::ConnectionKey;
+use crate::cip::class;
+use crate::connection::{ConnectionKey, ForwardOpen, NetworkParameters, TRANSPORT_CLASS_3, TickTime};
 use crate::cpf::ConnectionId;
 use crate::epath::{Epath, PortSegment, Segment};
 
@@ -33,6 +34,35 @@ impl OpenOptions {
             rpi: 2_000_000,
             multiplier: 3,
             route: backplane(0),
+        }
+    }
+
+    /// Whether the size takes a Large Forward Open.
+    pub(super) const fn is_large(&self) -> bool {
+        self.size > NetworkParameters::MAX_SMALL
+    }
+
+    /// The connection path: the route, then the Message Router.
+    pub(super) fn path(&self) -> Epath {
+        let mut path = self.route.clone();
+        path.0.extend(Epath::object(class::MESSAGE_ROUTER, 1).0);
+        path
+    }
+
+    /// What the target is asked.
+    pub(super) fn forward_open(&self) -> ForwardOpen {
+        ForwardOpen {
+            time: TickTime::DEFAULT,
+            o_to_t_id: ConnectionId(0),
+            t_to_o_id: self.t_to_o_id,
+            key: self.key,
+            multiplier: self.multiplier,
+            o_to_t_rpi: self.rpi,
+            o_to_t: NetworkParameters::explicit(self.size),
+            t_to_o_rpi: self.rpi,
+            t_to_o: NetworkParameters::explicit(self.size),
+            transport: TRANSPORT_CLASS_3,
+            path: self.path(),
         }
     }
 }

@@ -1,11 +1,46 @@
-//! Why something a client asked for has failed, and whose fault it is.
+//! What has come of something a client asked for: its reply, or why there is none and whose fault that is.
 //!
 //! Not the status of a reply that has come: that is in the reply.
 
-use crate::cip::CipStatus;
+use std::net::SocketAddrV4;
+
+use super::{Call, Connected};
+use crate::cip::{CipStatus, Reply};
 use crate::cpf::CpfError;
 use crate::encap::{Command, EncapStatus, FrameError};
 use crate::epath::PathError;
+use crate::identity::Identity;
+
+/// A call and what has come of it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ClientEvent {
+    /// What was asked.
+    pub call: Call,
+    /// What has come of it.
+    pub outcome: Outcome,
+}
+
+/// What has come of a call.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Outcome {
+    /// The session is registered.
+    Registered,
+    /// Who answers, and at which address it says it listens; `None` if the reply holds no identity.
+    Identity(Option<(SocketAddrV4, Identity)>),
+    /// A CIP reply, whatever its status.
+    Reply(Reply),
+    /// A connection is open.
+    Opened {
+        /// For [`ClientSession::request_connected`](super::ClientSession::request_connected).
+        connection: Connected,
+        /// The longest router request and reply it carries, bytes.
+        budget: usize,
+    },
+    /// A connection is closed.
+    Closed,
+    /// It failed.
+    Failed(ClientError),
+}
 
 /// Why something failed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
