@@ -53,7 +53,8 @@ impl Connections {
         match self.try_open(&open, settings, now, host) {
             Ok(reply) => Reply::success(request.service, reply.to_bytes()),
             Err((status, left)) => {
-                let resource = status == CipStatus::connection(extended::OUT_OF_CONNECTIONS);
+                let resource = status == CipStatus::connection(extended::OUT_OF_CONNECTIONS)
+                    || status == CipStatus::RESOURCE_UNAVAILABLE;
                 host.count(if resource {
                     Count::OpenResourceRejects
                 } else {
@@ -99,10 +100,15 @@ impl Connections {
             }
             check_size(parameters, settings.max_connection_size)?;
         }
-        if self.len() >= settings.max_connections || !host.acquire_connection() {
+        if self.len() >= settings.max_connections {
             return Err(fail(extended::OUT_OF_CONNECTIONS));
         }
-        let id = ConnectionId(nonzero(host, |id| !self.contains(ConnectionId(id))));
+        let id = nonzero(host, |id| !self.contains(ConnectionId(id)))
+            .map(ConnectionId)
+            .ok_or((CipStatus::RESOURCE_UNAVAILABLE, 0))?;
+        if !host.acquire_connection() {
+            return Err(fail(extended::OUT_OF_CONNECTIONS));
+        }
         let connection = Connection::new(open, now);
         let reply = connection.reply(id);
         self.insert(id, connection);

@@ -263,17 +263,16 @@ impl ServerSession {
         let reply = match (self.life, RegisterSession::decode(&frame.data)) {
             (Life::Registered { .. }, _) => Frame::error(header, EncapStatus::INVALID_COMMAND),
             (_, None) => Frame::error(header, EncapStatus::INVALID_LENGTH),
-            (_, Some(RegisterSession::CURRENT)) => {
-                let handle = SessionHandle(nonzero(host, |_| true));
-                self.life = Life::Registered { handle, heard: now };
-                Frame::reply(
-                    &Header {
-                        session: handle,
-                        ..*header
-                    },
-                    RegisterSession::CURRENT.to_bytes(),
-                )
-            }
+            (_, Some(RegisterSession::CURRENT)) => match nonzero(host, |_| true).map(SessionHandle) {
+                Some(session) => {
+                    self.life = Life::Registered {
+                        handle: session,
+                        heard: now,
+                    };
+                    Frame::reply(&Header { session, ..*header }, RegisterSession::CURRENT.to_bytes())
+                }
+                None => Frame::error(header, EncapStatus::NO_MEMORY),
+            },
             (_, Some(_)) => {
                 let mut reply = Frame::reply(header, RegisterSession::CURRENT.to_bytes());
                 reply.header.status = EncapStatus::UNSUPPORTED_VERSION;
