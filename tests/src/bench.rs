@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use arcline_config::Project;
-use arcline_controller::{Controller, Event, Snapshot, Ticket};
+use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket};
 use arcline_instruction_set::{ControlSlot, Directory, Flag, MotionControl, Object, bind};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
 
@@ -13,6 +13,7 @@ use arcline_structured_text::{Answer, Interpreter, Program, Request};
 pub struct Bench {
     project: Project,
     controller: Controller,
+    contour: ContourRequest,
     controls: BTreeMap<String, ControlSlot>,
     tickets: u64,
     /// Every event so far, with the name of its tag.
@@ -36,6 +37,7 @@ impl Bench {
         Bench {
             project,
             controller,
+            contour: ContourRequest::new(),
             controls: BTreeMap::new(),
             tickets: 0,
             events: Vec::new(),
@@ -86,6 +88,7 @@ impl Bench {
     pub fn tick(&mut self) {
         let controls = &self.controls;
         let events = &mut self.events;
+        self.controller.plan_contours(&mut self.contour);
         self.controller.end_tick(|event| {
             let name = controls.iter().find(|(_, slot)| **slot == event.control);
             events.push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));

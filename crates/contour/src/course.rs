@@ -72,13 +72,37 @@ pub(crate) fn nearest(piece: &Path, q: &Point) -> Point {
     }
 }
 
+/// The arc length of the point of a piece that is nearest to `q`.
+pub(crate) fn along(piece: &Path, q: &Point) -> f64 {
+    match piece {
+        Path::Line(line) => (q - line.start()).dot(&line.direction()).clamp(0.0, line.length()),
+        Path::Arc(arc) => {
+            let angle = angle_of(arc, q);
+            if angle <= arc.sweep() {
+                arc.length() * angle / arc.sweep()
+            } else if (q - arc.start()).norm_squared() <= (q - arc.end()).norm_squared() {
+                0.0
+            } else {
+                arc.length()
+            }
+        }
+    }
+}
+
+/// The angle about the centre of an arc from its start, 0 to 2 pi.
+fn angle_of(arc: &Arc, q: &Point) -> f64 {
+    let e1 = (arc.start() - arc.center()) / arc.radius();
+    let e2 = arc.normal().cross(&e1);
+    let from_center = q - arc.center();
+    let angle = libm::atan2(from_center.dot(&e2), from_center.dot(&e1));
+    if angle < 0.0 { angle + core::f64::consts::TAU } else { angle }
+}
+
 fn nearest_on_arc(arc: &Arc, q: &Point) -> Point {
     let normal = arc.normal();
     let e1 = (arc.start() - arc.center()) / arc.radius();
     let e2 = normal.cross(&e1);
-    let from_center = q - arc.center();
-    let angle = libm::atan2(from_center.dot(&e2), from_center.dot(&e1));
-    let angle = if angle < 0.0 { angle + core::f64::consts::TAU } else { angle };
+    let angle = angle_of(arc, q);
     if angle <= arc.sweep() {
         let radius = arc.radius() + (arc.end_radius() - arc.radius()) * angle / arc.sweep();
         let (sin, cos) = libm::sincos(angle);

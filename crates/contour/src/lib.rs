@@ -13,6 +13,7 @@ mod optimise;
 mod plan;
 mod rounding;
 mod share;
+mod straight;
 mod trajectory;
 
 pub use arcline_geometry::{Path, Point};

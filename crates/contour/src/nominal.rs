@@ -203,7 +203,7 @@ impl Warp {
 /// Nodes are a millisecond apart where the motion is short enough.
 const NODE_TIME: f64 = 0.001;
 const MIN_NODES: f64 = 160.0;
-const MAX_NODES: f64 = 16_000.0;
+const MAX_NODES: f64 = 24_000.0;
 /// Shares of the limits that the guess uses across and along the curve.
 const NORMAL_SHARE: f64 = 0.8;
 const TANGENT_SHARE: f64 = 0.9;

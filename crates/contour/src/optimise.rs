@@ -44,12 +44,10 @@ pub(crate) struct Problem<'a> {
     pub(crate) limits: Vec<Limits>,
     pub(crate) normals: Vec<[Point; 2]>,
     pub(crate) tangents: Vec<Point>,
-    /// Radius of the tube at each node; 0: the node stays where it is.
-    pub(crate) tube: Vec<f64>,
-    /// The same between a node and the one before it.
-    pub(crate) ridges: Vec<f64>,
-    /// The piece that is nearest to each node.
-    pub(crate) feet: Vec<usize>,
+    /// What keeps the curve near the course.
+    pub(crate) tube: Vec<TubeRow>,
+    /// Nodes that stay where they are.
+    pub(crate) fixed: Vec<bool>,
     pub(crate) spans: Vec<f64>,
     pub(crate) lateral: usize,
 }
@@ -187,25 +185,23 @@ impl Problem<'_> {
         }
     }
 
-    /// Where the line between the knots `k - 1` and `k` crosses from the piece nearest to one to the
-    /// piece nearest to the other: farther from the course than both where a corner lies between.
-    fn ridge(&self, before: Point, point: Point, feet: &[usize], k: usize) -> Option<Ridge> {
-        if k < 2 || feet[k - 1] == feet[k] || self.tube[k - 1] <= 0.0 {
-            return None;
+    /// Narrows the tube to its target, but leaves room where the curve is outside: some of what there
+    /// was, or where that is infinite, a share of the distance.
+    fn narrow(&mut self, points: &[Point]) -> bool {
+        let mut tube = core::mem::take(&mut self.tube);
+        let mut changed = false;
+        for row in tube.iter_mut().filter(|row| row.radius > row.target) {
+            let off = row.off(self.course, points).norm();
+            let slack = if row.radius.is_finite() {
+                0.5 * (row.radius - off)
+            } else {
+                WIDEN * off
+            };
+            row.radius = row.target.max(off + slack).min(row.radius);
+            changed = true;
         }
-        let distance = |piece: usize, q: &Point| (nearest(&self.course.pieces[piece], q) - q).norm();
-        let here = distance(feet[k], &before) - distance(feet[k - 1], &before);
-        let there = distance(feet[k - 1], &point) - distance(feet[k], &point);
-        if !(here > 0.0 && there > 0.0) {
-            return None;
-        }
-        let part = here / (here + there);
-        let at = before + (point - before) * part;
-        Some(Ridge {
-            off: at - nearest(&self.course.pieces[feet[k]], &at),
-            part,
-            weight: 4.0 * part * (1.0 - part),
-        })
+        self.tube = tube;
+        changed
     }
 
     fn place(&self, offsets: &[[f64; 2]], points: &mut [Point]) {
@@ -214,8 +210,33 @@ impl Problem<'_> {
         }
     }
 
+    /// The least slack of what is limited at each node.
+    fn slacks(&self, points: &[Point], spans: &[f64], slacks: &mut [f64]) {
+        slacks.fill(f64::INFINITY);
+        for i in -1..=self.intervals() {
+            let mut least = f64::INFINITY;
+            self.for_each_quantity(i, points, spans, |q| {
+                for axis in 0..3 {
+                    let x = q.value[axis] * q.axes[axis];
+                    least = least.min(1.0 - x * x);
+                }
+                least = least.min(1.0 - q.value.norm_squared() * q.vector * q.vector);
+                let along = q.along.0.dot(&q.value);
+                least = least.min(1.0 - along * q.along.1).min(1.0 + along * q.along.2);
+            });
+            let k = i.max(0) as usize;
+            slacks[k] = slacks[k].min(least);
+        }
+        if self.lateral > 0 {
+            for row in &self.tube {
+                let slack = row.slack(self.course, points);
+                slacks[row.first + 1] = slacks[row.first + 1].min(slack);
+            }
+        }
+    }
+
     /// The function to be minimised; infinite outside the feasible set.
-    fn merit(&self, t: f64, points: &[Point], spans: &[f64], feet: &mut [usize]) -> f64 {
+    fn merit(&self, t: f64, points: &[Point], spans: &[f64]) -> f64 {
         let mut sum = 0.0;
         for span in spans {
             // Negated so that a NaN ends here too.
@@ -224,7 +245,6 @@ impl Problem<'_> {
             }
             sum += t * span;
         }
-        let mut before = points[0];
         for i in -1..=self.intervals() {
             let mut product = 1.0;
             let mut inside = true;
@@ -247,28 +267,19 @@ impl Problem<'_> {
                     product *= up * down;
                 }
             });
-            if self.lateral > 0 && i >= 0 && self.tube[i as usize] > 0.0 {
-                let k = i as usize;
-                let point = on_curve(points, k);
-                let (foot, piece) = self.course.foot(&point, feet[k]);
-                feet[k] = piece;
-                let slack = 1.0 - (point - foot).norm_squared() / (self.tube[k] * self.tube[k]);
-                inside &= slack > 0.0;
-                product *= slack;
-                if let Some(ridge) = self.ridge(before, point, feet, k) {
-                    let radius = self.ridges[k];
-                    let slack = 1.0 - ridge.off.norm_squared() / (radius * radius);
-                    inside &= slack > 0.0;
-                    if slack > 0.0 {
-                        sum -= ridge.weight * libm::log(slack);
-                    }
-                }
-                before = point;
-            }
             if !inside {
                 return f64::INFINITY;
             }
             sum -= libm::log(product);
+        }
+        if self.lateral > 0 {
+            for row in &self.tube {
+                let slack = row.slack(self.course, points);
+                if !(slack > 0.0) {
+                    return f64::INFINITY;
+                }
+                sum -= libm::log(slack);
+            }
         }
         sum
     }
@@ -282,32 +293,27 @@ impl Problem<'_> {
         let mut offsets = vec![[0.0; 2]; count];
         let mut points = self.points.clone();
         let mut spans = self.spans.clone();
-        let mut feet = self.feet.clone();
         let (mut trial_offsets, mut trial_points, mut trial_spans) = (offsets.clone(), points.clone(), spans.clone());
         let mut t = effort.first;
         let mut steps = 0;
-        let target = self.tube.clone();
-        self.ridges = target.clone();
+        let (mut slack, mut trial_slack) = (vec![0.0; count], vec![0.0; count]);
+        let (mut wanted, mut lengths) = (vec![1.0; count], vec![1.0; count]);
+        for row in &mut self.tube {
+            row.radius = f64::INFINITY;
+        }
+        self.narrow(&points);
         loop {
-            // Where the start is outside, the tube is wider and closes in from stage to stage.
-            for k in (1..count - 1).filter(|&k| target[k] > 0.0) {
-                let point = on_curve(&points, k);
-                let (foot, piece) = self.course.foot(&point, feet[k]);
-                feet[k] = piece;
-                self.tube[k] = target[k].max(WIDEN * (point - foot).norm());
-            }
-            for k in (2..count - 1).filter(|&k| target[k] > 0.0) {
-                let ridge = self.ridge(on_curve(&points, k - 1), on_curve(&points, k), &feet, k);
-                let off = ridge.map_or(0.0, |ridge| ridge.off.norm());
-                self.ridges[k] = target[k].max(WIDEN * off);
-            }
-            let mut value = self.merit(t, &points, &spans, &mut feet);
+            let mut value = self.merit(t, &points, &spans);
             if !value.is_finite() {
                 break;
             }
             let last = t >= effort.last;
             for _ in 0..effort.steps {
-                self.assemble(t, &points, &spans, &feet, &mut matrix, &mut right);
+                // Where the start is outside, the tube is wider and closes in from step to step.
+                if self.narrow(&points) {
+                    value = self.merit(t, &points, &spans);
+                }
+                self.assemble(t, &points, &spans, &mut matrix, &mut right);
                 let gradient = right.clone();
                 matrix.solve(&mut right);
                 let decrement: f64 = -gradient.iter().zip(&right).map(|(g, s)| g * s).sum::<f64>();
@@ -315,32 +321,52 @@ impl Problem<'_> {
                 if !decrement.is_finite() || -decrement < CONVERGED * count as f64 {
                     break;
                 }
-                // `right` solved H x = -g with the sign turned in `assemble`; the slope is -|..|.
-                let slope = decrement;
-                let mut length = 1.0_f64;
-                for i in 0..spans.len() {
-                    length = length.min(MOST_CHANGE / right[i * block].abs());
+                // Where a step would leave the feasible set it is shortened, there and about there.
+                self.slacks(&points, &spans, &mut slack);
+                for (i, length) in wanted.iter_mut().enumerate() {
+                    *length = (MOST_CHANGE / right[i * block].abs()).min(1.0);
                 }
-                let mut improved = false;
-                for _ in 0..24 {
+                let mut step = |lengths: &[f64], trial_slack: &mut [f64]| {
                     for i in 0..count {
                         for k in 0..self.lateral {
-                            trial_offsets[i][k] = offsets[i][k] + length * right[i * block + 1 + k];
+                            trial_offsets[i][k] = offsets[i][k] + lengths[i] * right[i * block + 1 + k];
                         }
                     }
                     for (i, span) in trial_spans.iter_mut().enumerate() {
-                        *span = spans[i] * libm::exp(length * right[i * block]);
+                        *span = spans[i] * libm::exp(lengths[i] * right[i * block]);
                     }
                     if self.lateral > 0 {
                         self.place(&trial_offsets, &mut trial_points);
                     }
-                    let trial = self.merit(t, &trial_points, &trial_spans, &mut feet);
-                    if trial <= value + 1e-4 * length * slope {
+                    self.slacks(&trial_points, &trial_spans, trial_slack);
+                    self.merit(t, &trial_points, &trial_spans)
+                };
+                let mut improved = false;
+                for attempt in 0..24 {
+                    smooth_lengths(&wanted, &mut lengths);
+                    let trial = step(&lengths, &mut trial_slack);
+                    let expected: f64 = (0..right.len())
+                        .map(|k| -gradient[k] * right[k] * lengths[k / block])
+                        .sum();
+                    if trial <= value + 1e-4 * expected {
                         value = trial;
                         improved = true;
                         break;
                     }
-                    length *= 0.6;
+                    let mut local = false;
+                    if attempt < 16 {
+                        for i in 0..count {
+                            if trial_slack[i] < NEARER * slack[i] {
+                                wanted[i] *= 0.5;
+                                local = true;
+                            }
+                        }
+                    }
+                    if !local {
+                        for length in &mut wanted {
+                            *length *= 0.5;
+                        }
+                    }
                 }
                 if !improved {
                     break;
@@ -348,10 +374,6 @@ impl Problem<'_> {
                 core::mem::swap(&mut offsets, &mut trial_offsets);
                 core::mem::swap(&mut points, &mut trial_points);
                 core::mem::swap(&mut spans, &mut trial_spans);
-                if std::env::var("CONTOUR_TRACE").is_ok() {
-                    let time: f64 = spans.iter().sum();
-                    eprintln!("t {t:9.1} step {steps} time {time:.3} dec {decrement:.3e} len {length:.3}");
-                }
             }
             if last {
                 break;
@@ -360,35 +382,28 @@ impl Problem<'_> {
         }
         self.points = points;
         self.spans = spans;
-        self.feet = feet;
         steps
     }
 
-    /// Adds the barrier of one point of the curve, a weighted sum of the nodes from `first` on.
-    #[expect(clippy::too_many_arguments, reason = "all of them are one constraint")]
-    fn add_tube(
-        &self,
-        matrix: &mut Banded,
-        right: &mut [f64],
-        first: usize,
-        weights: &[f64],
-        off: Point,
-        radius: f64,
-        factor: f64,
-    ) {
+    /// Adds the barrier of one point of the curve.
+    fn add_tube(&self, matrix: &mut Banded, right: &mut [f64], tube: &TubeRow, off: Point) {
         let block = 1 + self.lateral;
-        let scale = 2.0 / (radius * radius - off.norm_squared());
-        for r in 0..weights.len() * self.lateral {
-            let (row_node, row_side) = (first + r / self.lateral, r % self.lateral);
+        let scale = 2.0 / (tube.radius * tube.radius - off.norm_squared());
+        for r in 0..4 * self.lateral {
+            let (row_node, row_side) = (tube.first + r / self.lateral, r % self.lateral);
+            let weight = tube.weights[r / self.lateral];
+            if weight == 0.0 {
+                continue;
+            }
             let row = row_node * block + 1 + row_side;
-            let row_normal = self.normals[row_node][row_side] * weights[r / self.lateral];
+            let row_normal = self.normals[row_node][row_side] * weight;
             let part = row_normal.dot(&off);
-            right[row] -= factor * scale * part;
+            right[row] -= scale * part;
             for c in 0..=r {
-                let (node, side) = (first + c / self.lateral, c % self.lateral);
-                let normal = self.normals[node][side] * weights[c / self.lateral];
+                let (node, side) = (tube.first + c / self.lateral, c % self.lateral);
+                let normal = self.normals[node][side] * tube.weights[c / self.lateral];
                 let value = scale * row_normal.dot(&normal) + scale * scale * part * normal.dot(&off);
-                matrix.add(row, node * block + 1 + side, factor * value);
+                matrix.add(row, node * block + 1 + side, value);
             }
         }
     }
@@ -399,7 +414,6 @@ impl Problem<'_> {
         t: f64,
         points: &[Point],
         spans: &[f64],
-        feet: &[usize],
         matrix: &mut Banded,
         right: &mut [f64],
     ) {
@@ -500,35 +514,15 @@ impl Problem<'_> {
                 }
             }
         }
-        for k in 1..points.len() - 1 {
-            if self.lateral == 0 {
-                break;
+        if self.lateral > 0 {
+            for row in &self.tube {
+                self.add_tube(matrix, right, row, row.off(self.course, points));
             }
-            let tube = self.tube[k];
-            if tube <= 0.0 {
-                continue;
-            }
-            // The curve at the knot depends on three nodes; the ends are never in a tube.
-            let point = on_curve(points, k);
-            let off = point - self.course.foot(&point, feet[k]).0;
-            self.add_tube(matrix, right, k - 1, &[KNOT[0], KNOT[1], KNOT[2]], off, tube, 1.0);
-            if k >= 2
-                && let Some(ridge) = self.ridge(on_curve(points, k - 1), point, feet, k)
-            {
-                let (old, new) = (1.0 - ridge.part, ridge.part);
-                let weights = [
-                    KNOT[0] * old,
-                    KNOT[1] * old + KNOT[0] * new,
-                    KNOT[2] * old + KNOT[1] * new,
-                    KNOT[2] * new,
-                ];
-                self.add_tube(matrix, right, k - 2, &weights, ridge.off, self.ridges[k], ridge.weight);
-            }
-        }
-        for k in (0..points.len()).filter(|&k| self.tube[k] <= 0.0) {
-            for side in 0..self.lateral {
-                matrix.fix(k * block + 1 + side);
-                right[k * block + 1 + side] = 0.0;
+            for k in (0..points.len()).filter(|&k| self.fixed[k]) {
+                for side in 0..self.lateral {
+                    matrix.fix(k * block + 1 + side);
+                    right[k * block + 1 + side] = 0.0;
+                }
             }
         }
         // The last node has no interval behind it.
@@ -542,21 +536,86 @@ impl Problem<'_> {
     }
 }
 
-/// A point between two knots that is equally far from the pieces nearest to them.
-struct Ridge {
-    off: Point,
-    /// Where between the knots it is, 0 to 1.
-    part: f64,
-    /// Vanishes where the ridge meets a knot, which has its own barrier.
-    weight: f64,
+/// Step lengths by node that are nowhere above the wanted ones and change slowly from node to node:
+/// a kink in them would be a jerk.
+fn smooth_lengths(wanted: &[f64], lengths: &mut [f64]) {
+    let count = wanted.len();
+    if wanted.iter().all(|&w| w >= 1.0) {
+        lengths.fill(1.0);
+        return;
+    }
+    // The least within reach, from blocks: a little wider than needed.
+    let blocks: Vec<f64> = wanted
+        .chunks(REACH)
+        .map(|chunk| chunk.iter().copied().fold(f64::INFINITY, f64::min))
+        .collect();
+    for (i, length) in lengths.iter_mut().enumerate() {
+        let block = i / REACH;
+        let near = &blocks[block.saturating_sub(1)..(block + 2).min(blocks.len())];
+        *length = near.iter().copied().fold(f64::INFINITY, f64::min);
+    }
+    // Two moving averages, together no wider than the reach.
+    for _ in 0..2 {
+        let half = REACH / 2;
+        let mut sums = Vec::with_capacity(count + 1);
+        let mut sum = 0.0;
+        sums.push(0.0);
+        for &length in lengths.iter() {
+            sum += length;
+            sums.push(sum);
+        }
+        for (i, length) in lengths.iter_mut().enumerate() {
+            let (from, to) = (i.saturating_sub(half), (i + half + 1).min(count));
+            *length = (sums[to] - sums[from]) / (to - from) as f64;
+        }
+    }
 }
 
-/// The curve at knot `k`, `0 < k < count - 1` (for even spans; the tube leaves room for uneven ones).
-pub(crate) fn on_curve(points: &[Point], k: usize) -> Point {
-    points[k - 1] * KNOT[0] + points[k] * KNOT[1] + points[k + 1] * KNOT[2]
+/// A point of the curve that must be near one piece of the course: a knot, or the point between two
+/// knots that stands for a joint and must be near both its pieces. As every piece's tube is convex
+/// (a line's, and nearly an arc's), the curve between the points is inside too.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TubeRow {
+    /// The point is a weighted sum of four nodes from this one on.
+    first: usize,
+    weights: [f64; 4],
+    piece: usize,
+    target: f64,
+    radius: f64,
 }
 
-/// Weights of the nodes about a knot.
+impl TubeRow {
+    /// The curve at a part of the way from knot `k` to the next, `0 < k`, `k + 2 < count`.
+    pub(crate) fn new(k: usize, part: f64, piece: usize, radius: f64) -> TubeRow {
+        let (here, next) = (1.0 - part, part);
+        TubeRow {
+            first: k - 1,
+            weights: [
+                KNOT[0] * here,
+                KNOT[1] * here + KNOT[0] * next,
+                KNOT[2] * here + KNOT[1] * next,
+                KNOT[2] * next,
+            ],
+            piece,
+            target: radius,
+            radius,
+        }
+    }
+
+    /// From the nearest point of the piece.
+    fn off(&self, course: &Course, points: &[Point]) -> Point {
+        let p = &points[self.first..self.first + 4];
+        let w = &self.weights;
+        let at = p[0] * w[0] + p[1] * w[1] + p[2] * w[2] + p[3] * w[3];
+        at - nearest(&course.pieces[self.piece], &at)
+    }
+
+    fn slack(&self, course: &Course, points: &[Point]) -> f64 {
+        1.0 - self.off(course, points).norm_squared() / (self.radius * self.radius)
+    }
+}
+
+/// Weights of the nodes about a knot (for even spans; the tube leaves room for uneven ones).
 const KNOT: [f64; 3] = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
 
 /// A vector that is limited, and what it depends on: spans of intervals `i-1..=i+1`, nodes `i-1..=i+2`.
@@ -575,8 +634,12 @@ const MAX_LOCAL: usize = 15;
 const FEASIBLE: f64 = 0.7;
 /// Newton decrement per node at which a stage ends.
 const CONVERGED: f64 = 1e-3;
-/// Room that a point outside the tube is given.
-const WIDEN: f64 = 1.005;
+/// How many nodes a shortened step is spread over to either side.
+const REACH: usize = 48;
+/// A step that leaves less than this share of a slack is shortened.
+const NEARER: f64 = 0.03;
+/// Room that a point outside the tube is given, as a share of its distance.
+const WIDEN: f64 = 0.02;
 /// The logarithm of a span changes by no more than this in one step.
 const MOST_CHANGE: f64 = 1.0;
 /// Relative lift of the diagonal.

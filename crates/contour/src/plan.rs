@@ -1,11 +1,12 @@
 //! From moves to a trajectory: sections from rest to rest, each rounded, timed and improved.
 
-use crate::course::Course;
+use crate::course::{Course, along};
 use crate::nominal::{Nodes, Warp, intervals, nodes};
-use crate::optimise::{self, Limits, Problem};
+use crate::optimise::{self, Limits, Problem, TubeRow};
 use crate::rounding::{Smoothness, round};
 use crate::share::{Share, tolerance_at};
-use crate::{AxisLimits, Bounds, ContourMove, Point, Trajectory};
+use crate::straight::straight;
+use crate::{AxisLimits, Bounds, ContourMove, Path, Point, Trajectory};
 
 /// How much work a plan may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +50,8 @@ fn can_pass(before: &ContourMove, after: &ContourMove) -> bool {
     tangent || before.tolerance > 0.0 || before.path.length() <= 0.0 || after.path.length() <= 0.0
 }
 
+/// Plans one section, as well as it can be done: what is outside the tube or the limits is planned
+/// again with less freedom, at last with a stop at every joint.
 fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> Trajectory {
     let smoothness = if moves.iter().any(|m| m.jerk.is_some()) {
         Smoothness::SCurve
@@ -57,6 +60,16 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> T
     };
     let long: Vec<&ContourMove> = moves.iter().filter(|m| m.path.length() > SHORTEST).collect();
     let end = moves.last().map_or(Point::zeros(), |last| last.path.end());
+    if let [one] = long.as_slice()
+        && let Path::Line(line) = &one.path
+    {
+        let mut trajectory = straight(line, &bounds(one, limits, smoothness));
+        let before = moves.iter().take_while(|m| m.path.length() <= SHORTEST).count();
+        trajectory.move_ends = vec![0.0; before];
+        trajectory.move_ends.resize(moves.len(), trajectory.duration());
+        trajectory.end = end;
+        return trajectory;
+    }
     if long.is_empty() {
         let mut rest = Trajectory::rest(end);
         rest.move_ends = vec![0.0; moves.len()];
@@ -65,48 +78,110 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> T
     let course = Course::new(long.iter().map(|m| m.path).collect());
     let bounds: Vec<Bounds> = long.iter().map(|m| bounds(m, limits, smoothness)).collect();
     let tolerances: Vec<f64> = long.iter().map(|m| m.tolerance).collect();
-    // An S-curve starts from the trapezoid's shape: without jerk limits the optimisation is not stiff.
-    let free: Vec<Bounds> = bounds.iter().map(Bounds::without_jerk).collect();
-    let stretches = round(&course, &tolerances, Smoothness::Trapezoid);
-    let mut nodes = nodes(&course, &stretches, &free, Smoothness::Trapezoid);
-    let mut trajectory = Trajectory::rest(end);
-    let rounds = rounds(smoothness, effort);
-    let mut times = Vec::new();
-    let mut share = Share::new();
-    for (index, round) in rounds.iter().enumerate() {
-        let limited = if round.jerk { &bounds } else { &free };
-        if index > 0 {
-            let warped = if round.jerk && !rounds[index - 1].jerk {
-                Smoothness::SCurve
-            } else {
-                Smoothness::Trapezoid
-            };
-            nodes = resample(&trajectory, &times, &nodes, &bounds, warped);
-        }
-        let shares: Vec<f64> = nodes.progress.iter().map(|&s| share.at(s)).collect();
-        let mut problem = problem(&course, &nodes, limited, &tolerances, effort, &shares);
-        problem.make_feasible();
-        problem.run(optimise::Effort {
-            first: round.first,
-            last: round.last,
-            factor: 5.0,
-            steps: round.steps,
-        });
-        let span = nodes.spans[0];
-        nodes.points = core::mem::take(&mut problem.points);
-        nodes.spans = problem.spans.iter().map(|h| span * h).collect();
-        (trajectory, times) = timed(&nodes, limited, &course, round.last_one);
-        let worst = share.tighten(&trajectory, &nodes, &course, &tolerances);
-        if std::env::var("CONTOUR_TRACE").is_ok() {
-            eprintln!("excess deviation {worst}");
-        }
-        if round.last_one && worst <= 1.0 {
-            break;
+    let section = Section {
+        moves,
+        course,
+        bounds,
+        tolerances,
+        smoothness,
+    };
+    let efforts: &[Effort] = match effort {
+        Effort::Full => &[Effort::Full, Effort::Quick],
+        Effort::Quick => &[Effort::Quick],
+    };
+    for &effort in efforts {
+        if let Some(trajectory) = section.plan(effort) {
+            return trajectory;
         }
     }
-    trajectory.move_ends = move_ends(moves, &course, &nodes, &times, trajectory.duration());
-    trajectory.end = end;
-    trajectory
+    if long.len() == 1 {
+        return section.crawl();
+    }
+    let mut whole = Trajectory::rest(moves[0].path.start());
+    for one in moves {
+        whole.append(plan_section(core::slice::from_ref(one), limits, effort));
+    }
+    whole
+}
+
+/// Moves from rest to rest without a stop between them.
+struct Section<'a> {
+    moves: &'a [ContourMove],
+    course: Course,
+    bounds: Vec<Bounds>,
+    tolerances: Vec<f64>,
+    smoothness: Smoothness,
+}
+
+impl Section<'_> {
+    fn plan(&self, effort: Effort) -> Option<Trajectory> {
+        let Section {
+            course,
+            bounds,
+            tolerances,
+            smoothness,
+            ..
+        } = self;
+        let smoothness = *smoothness;
+        // An S-curve starts from the trapezoid's shape: without jerk limits the optimisation is not stiff.
+        let free: Vec<Bounds> = bounds.iter().map(Bounds::without_jerk).collect();
+        let stretches = round(course, tolerances, Smoothness::Trapezoid);
+        let mut nodes = nodes(course, &stretches, &free, Smoothness::Trapezoid);
+        let rounds = rounds(smoothness, effort);
+        let mut share = Share::new();
+        let mut last: Option<(Trajectory, Vec<f64>)> = None;
+        let mut warped = Smoothness::Trapezoid;
+        for (index, round) in rounds.iter().enumerate() {
+            let limited = if round.jerk { bounds } else { &free };
+            if let Some((trajectory, times)) = &last {
+                let warp = if round.jerk { core::mem::replace(&mut warped, Smoothness::Trapezoid) } else { Smoothness::Trapezoid };
+                nodes = resample(trajectory, times, &nodes, bounds, warp);
+                project(course, &mut nodes);
+            }
+            if !round.jerk {
+                warped = smoothness;
+            }
+            let shares: Vec<f64> = nodes.progress.iter().map(|&s| share.at(s)).collect();
+            let mut problem = problem(course, &nodes, limited, tolerances, effort, &shares);
+            problem.make_feasible();
+            problem.run(optimise::Effort {
+                first: round.first,
+                last: round.last,
+                factor: 5.0,
+                steps: round.steps,
+            });
+            let span = nodes.spans[0];
+            nodes.points = core::mem::take(&mut problem.points);
+            nodes.spans = problem.spans.iter().map(|h| span * h).collect();
+            let (trajectory, times) = timed(&nodes, limited, course, round.last_one);
+            if !trajectory.duration().is_finite() {
+                return None;
+            }
+            let worst = share.tighten(&trajectory, &nodes, course, tolerances);
+            if round.last_one && worst <= 1.0 {
+                return Some(self.finish(trajectory, &nodes, &times));
+            }
+            if index + 3 >= rounds.len() {
+                share.narrow(worst);
+            }
+            last = Some((trajectory, times));
+        }
+        None
+    }
+
+    fn finish(&self, mut trajectory: Trajectory, nodes: &Nodes, times: &[f64]) -> Trajectory {
+        trajectory.move_ends = move_ends(self.moves, &self.course, nodes, times, trajectory.duration());
+        trajectory.end = self.moves.last().map_or(trajectory.end, |last| last.path.end());
+        trajectory
+    }
+
+    /// The last resort for a single curve: the nominal timing, as slow as the limits ask for.
+    fn crawl(&self) -> Trajectory {
+        let stretches = round(&self.course, &self.tolerances, Smoothness::Trapezoid);
+        let nodes = nodes(&self.course, &stretches, &self.bounds, self.smoothness);
+        let (trajectory, times) = timed(&nodes, &self.bounds, &self.course, true);
+        self.finish(trajectory, &nodes, &times)
+    }
 }
 
 /// One run of the optimisation.
@@ -154,9 +229,6 @@ fn rounds(smoothness: Smoothness, effort: Effort) -> Vec<Round> {
 fn timed(nodes: &Nodes, bounds: &[Bounds], course: &Course, keep: bool) -> (Trajectory, Vec<f64>) {
     let trajectory = Trajectory::spline(&nodes.points, &nodes.spans);
     let factor = excess(&trajectory, nodes, bounds, course);
-    if std::env::var("CONTOUR_TRACE").is_ok() {
-        eprintln!("excess {factor}");
-    }
     let spans: Vec<f64> = nodes.spans.iter().map(|span| span * if keep { factor } else { 1.0 }).collect();
     let trajectory = Trajectory::spline(&nodes.points, &spans);
     let times = trajectory.knots[1..=nodes.points.len()].iter().map(|k| k.time).collect();
@@ -170,14 +242,17 @@ fn excess(trajectory: &Trajectory, nodes: &Nodes, bounds: &[Bounds], course: &Co
     for (k, pair) in trajectory.knots.windows(2).enumerate() {
         let (knot, next) = (&pair[0], &pair[1]);
         let bound = &bounds[course.piece_at(nodes.progress[k.saturating_sub(1).min(last)])];
-        let middle = knot.at_middle(next.time);
-        for state in [&knot.state, &middle] {
-            factor = factor.max(state.velocity.norm() / bound.speed);
-            factor = factor.max((state.acceleration.norm() / bound.norm_acceleration()).sqrt());
+        // Velocity is a parabola between knots: inside the hull of its Bezier points.
+        let middle = knot.state.velocity + knot.state.acceleration * (0.5 * (next.time - knot.time));
+        for velocity in [knot.state.velocity, middle] {
+            factor = factor.max(velocity.norm() / bound.speed);
             for axis in 0..3 {
-                factor = factor.max(state.velocity[axis].abs() / bound.axes.speed[axis]);
-                factor = factor.max((state.acceleration[axis].abs() / bound.axes.acceleration[axis]).sqrt());
+                factor = factor.max(velocity[axis].abs() / bound.axes.speed[axis]);
             }
+        }
+        factor = factor.max((knot.state.acceleration.norm() / bound.norm_acceleration()).sqrt());
+        for axis in 0..3 {
+            factor = factor.max((knot.state.acceleration[axis].abs() / bound.axes.acceleration[axis]).sqrt());
         }
         if bound.jerk.is_finite() {
             factor = factor.max(libm::cbrt(knot.jerk.norm() / bound.jerk));
@@ -238,13 +313,31 @@ fn resample(
     }
 }
 
+/// Sets the progress of every node to that of the nearest point of the course, ascending.
+fn project(course: &Course, nodes: &mut Nodes) {
+    let mut least = 0.0;
+    for (point, progress) in nodes.points.iter().zip(&mut nodes.progress) {
+        let (_, piece) = course.foot(point, course.piece_at(*progress));
+        let along = course.starts[piece] + along(&course.pieces[piece], point);
+        least = f64::max(least, along);
+        *progress = least;
+    }
+    let whole = course.length();
+    for progress in &mut nodes.progress {
+        *progress = progress.min(whole);
+    }
+    if let Some(last) = nodes.progress.last_mut() {
+        *last = whole;
+    }
+}
+
 fn problem<'a>(
     course: &'a Course,
     nodes: &Nodes,
     bounds: &[Bounds],
     tolerances: &[f64],
     effort: Effort,
-    share: &[f64],
+    shares: &[f64],
 ) -> Problem<'a> {
     let count = nodes.points.len();
     let span = nodes.spans[0];
@@ -262,7 +355,7 @@ fn problem<'a>(
         .collect();
     let mut tangents = Vec::with_capacity(count);
     let mut normals = Vec::with_capacity(count);
-    let mut tube = vec![0.0; count];
+    let mut radii = Vec::with_capacity(count);
     let plane = plane_of(&nodes.points);
     let mut tangent = course.pieces[0].start_tangent();
     for i in 0..count {
@@ -273,16 +366,29 @@ fn problem<'a>(
         tangents.push(tangent);
         normals.push(across(&tangent, plane));
         let tolerance = tolerance_at(course, tolerances, pieces[i], nodes.progress[i]);
-        if i > 0 && i + 1 < count && tolerance > 0.0 {
-            // It leaves and arrives along the programmed direction: the tube opens as a cone.
-            let s = nodes.progress[i];
-            let radius = (share[i] * tolerance).min(CONE * s.min(course.length() - s));
-            tube[i] = if radius > SHORTEST { radius } else { 0.0 };
+        // It leaves and arrives along the programmed direction: the tube opens as a cone.
+        let s = nodes.progress[i];
+        let radius = (shares[i] * tolerance).min(CONE * s.min(course.length() - s));
+        radii.push(if i < 2 || i + 3 > count { 0.0 } else { radius });
+    }
+    let fixed: Vec<bool> = radii.iter().map(|&r| r <= SHORTEST).collect();
+    let mut tube = Vec::new();
+    for i in (0..count).filter(|&i| !fixed[i]) {
+        tube.push(TubeRow::new(i, 0.0, pieces[i], radii[i]));
+        if fixed[i + 1] {
+            continue;
+        }
+        for joint in pieces[i] + 1..=pieces[i + 1] {
+            let (here, next) = (nodes.progress[i], nodes.progress[i + 1]);
+            let part = ((course.starts[joint] - here) / (next - here)).clamp(0.0, 1.0);
+            let radius = radii[i].min(radii[i + 1]);
+            tube.push(TubeRow::new(i, part, joint - 1, radius));
+            tube.push(TubeRow::new(i, part, joint, radius));
         }
     }
     let lateral = match effort {
         Effort::Quick => 0,
-        Effort::Full if tube.iter().all(|&r| r <= 0.0) => 0,
+        Effort::Full if tube.is_empty() => 0,
         Effort::Full => 1 + usize::from(plane.is_none()),
     };
     Problem {
@@ -292,8 +398,7 @@ fn problem<'a>(
         normals,
         tangents,
         tube,
-        ridges: Vec::new(),
-        feet: pieces,
+        fixed,
         spans: vec![1.0; count - 1],
         lateral,
     }

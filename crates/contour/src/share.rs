@@ -11,11 +11,15 @@ use crate::nominal::Nodes;
 pub(crate) struct Share {
     /// Where it is less than usual: from, to, share.
     tightened: Vec<(f64, f64, f64)>,
+    usual: f64,
 }
 
 impl Share {
     pub(crate) fn new() -> Share {
-        Share { tightened: Vec::new() }
+        Share {
+            tightened: Vec::new(),
+            usual: USUAL,
+        }
     }
 
     /// The share at arc length `s`.
@@ -23,7 +27,16 @@ impl Share {
         let next = self.tightened.partition_point(|entry| entry.1 < s);
         match self.tightened.get(next) {
             Some(&(from, _, share)) if from <= s => share,
-            _ => USUAL,
+            _ => self.usual,
+        }
+    }
+
+    /// Narrows the whole tube in proportion to what was measured.
+    pub(crate) fn narrow(&mut self, worst: f64) {
+        let factor = (TARGET / worst).min(1.0);
+        self.usual *= factor;
+        for entry in &mut self.tightened {
+            entry.2 *= factor;
         }
     }
 
@@ -59,7 +72,7 @@ impl Share {
             if quotient > INSIDE {
                 let before = nodes.progress[i.saturating_sub(1)];
                 let behind = nodes.progress[(i + 2).min(last)];
-                let now = old.iter().find(|e| e.0 <= s && s <= e.1).map_or(USUAL, |e| e.2);
+                let now = old.iter().find(|e| e.0 <= s && s <= e.1).map_or(self.usual, |e| e.2);
                 noted.push((before, behind, now * TARGET / quotient));
             }
         }

@@ -203,11 +203,6 @@ fn position_at_knot(points: [Point; 3], spans: [f64; 4]) -> Point {
 }
 
 impl Knot {
-    /// The state half-way to the next knot.
-    pub(crate) fn at_middle(&self, next: f64) -> State {
-        self.at(0.5 * (next - self.time))
-    }
-
     fn at(&self, u: f64) -> State {
         let State {
             position,

@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::{Call, ControlSlot, MotionControl};
 use arcline_motion::machine::Machine;
-use arcline_motion::{Event, Motion, Ticket};
+use arcline_motion::{ContourRequest, Event, Motion, Ticket, Trajectory};
 
 use crate::snapshot::Snapshot;
 
@@ -31,6 +31,34 @@ pub trait Port {
     fn snapshot(&mut self) -> Option<&mut Snapshot>;
     /// The snapshot is filled.
     fn publish(&mut self);
+    /// An empty request for the planning of a contour; `None`: no request can be taken now.
+    fn contour_request(&mut self) -> Option<&mut ContourRequest> {
+        None
+    }
+    /// The request is filled.
+    fn submit_contour(&mut self) {}
+    /// The next contour that has been planned.
+    fn planned_contour(&mut self) -> Option<PlannedContour> {
+        None
+    }
+    /// Takes a trajectory to free it outside the tick.
+    ///
+    /// # Errors
+    /// The trajectory, when it cannot be taken now: it is offered again.
+    fn retire(&mut self, trajectory: Box<Trajectory>) -> Result<(), Box<Trajectory>> {
+        Err(trajectory)
+    }
+}
+
+/// The answer to a [`ContourRequest`].
+#[derive(Debug)]
+pub struct PlannedContour {
+    /// Index of the coordinate system.
+    pub system: u16,
+    /// The generation of the request.
+    pub generation: u32,
+    /// The plan.
+    pub trajectory: Box<Trajectory>,
 }
 
 /// A machine under control. `tick` is the only time there is, so a run can be repeated exactly.
@@ -40,6 +68,8 @@ pub struct Controller {
     next_tick: u64,
 }
 
+/// Planned contours that one tick takes.
+const MAX_CONTOURS_PER_TICK: usize = 4;
 /// Commands that one tick takes; the rest wait for the next one.
 pub const MAX_COMMANDS_PER_TICK: usize = 64;
 
@@ -57,6 +87,10 @@ impl Controller {
     /// Real-time: no allocation, lock, I/O, log or clock; bounded by the machine and [`MAX_COMMANDS_PER_TICK`].
     pub fn tick(&mut self, port: &mut impl Port) {
         self.begin_tick();
+        for _ in 0..MAX_CONTOURS_PER_TICK {
+            let Some(planned) = port.planned_contour() else { break };
+            self.install_contour(planned);
+        }
         for _ in 0..MAX_COMMANDS_PER_TICK {
             match port.next_command() {
                 Some(Command::Call(ticket, call)) => {
@@ -66,6 +100,17 @@ impl Controller {
                 Some(Command::RungFalse(control)) => self.rung_false(control),
                 Some(Command::StopAll) => self.stop_all(),
                 None => break,
+            }
+        }
+        if let Some(request) = port.contour_request()
+            && self.next_contour(request)
+        {
+            port.submit_contour();
+        }
+        while let Some(trajectory) = self.motion.retired_contour() {
+            if let Err(trajectory) = port.retire(trajectory) {
+                self.motion.keep_retired(trajectory);
+                break;
             }
         }
         self.end_tick(|event| port.event(event));
@@ -94,6 +139,33 @@ impl Controller {
     /// Stops everything that moves, every axis by itself. Real-time.
     pub fn stop_all(&mut self) {
         self.motion.stop_all();
+    }
+
+    /// Fills a request for the next contour that is to be planned; false when there is none. Real-time.
+    pub fn next_contour(&mut self, request: &mut ContourRequest) -> bool {
+        self.motion.next_contour(request)
+    }
+
+    /// Begins to travel a planned contour at the present tick, if it is still wanted. Real-time.
+    pub fn install_contour(&mut self, planned: PlannedContour) {
+        let PlannedContour {
+            system,
+            generation,
+            trajectory,
+        } = planned;
+        self.motion.install_contour(system, generation, trajectory);
+    }
+
+    /// Plans every contour that waits for it, here and now. Not bounded: for a virtual clock.
+    pub fn plan_contours(&mut self, request: &mut ContourRequest) {
+        while self.next_contour(request) {
+            self.install_contour(PlannedContour {
+                system: request.system,
+                generation: request.generation,
+                trajectory: request.plan(),
+            });
+        }
+        while self.motion.retired_contour().is_some() {}
     }
 
     /// Closes the tick and reports what changed, in order. Real-time as far as `report` is.

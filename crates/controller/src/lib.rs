@@ -9,6 +9,8 @@ mod controller;
 pub mod image;
 mod snapshot;
 
-pub use arcline_motion::{AxisSnapshot, CONTROL_SLOTS, Event, SystemSnapshot, Ticket, UNNAMED, machine};
-pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, Port};
+pub use arcline_motion::{
+    AxisSnapshot, CONTROL_SLOTS, ContourRequest, Event, SystemSnapshot, Ticket, Trajectory, UNNAMED, machine,
+};
+pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port};
 pub use snapshot::Snapshot;

@@ -10,6 +10,7 @@
 #![forbid(unsafe_code)]
 
 mod axis;
+mod contour;
 mod control;
 mod dynamics;
 mod instructions;
@@ -21,6 +22,8 @@ mod stop;
 mod system;
 mod verify;
 
+pub use arcline_planner::precise::Trajectory;
+pub use contour::ContourRequest;
 pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};
 pub use motion::Motion;
 pub use snapshot::{AxisSnapshot, SystemSnapshot};

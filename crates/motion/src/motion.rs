@@ -2,6 +2,7 @@
 
 use arcline_instruction_set::{Call, Flag, MotionControl, MotionError, Object};
 use arcline_planner::geometry::Point;
+use arcline_planner::precise::{AxisLimits, Trajectory};
 use arcline_planner::profile::Phase;
 use arcline_planner::{Clock, Instant, Passage};
 
@@ -22,6 +23,8 @@ pub struct Motion {
     pub(crate) systems: Vec<System>,
     pub(crate) controls: Controls,
     pub(crate) layouts: Layouts,
+    /// Trajectories that are no longer needed, to be freed outside the tick.
+    pub(crate) retired: Vec<Box<Trajectory>>,
     messages: Vec<Message>,
 }
 
@@ -35,7 +38,7 @@ struct Message {
 }
 
 /// Moves of one coordinate system that can end within one tick; the rest end in the next one.
-const MAX_ENDS_PER_TICK: usize = 64;
+pub(crate) const MAX_ENDS_PER_TICK: usize = 64;
 /// Messages under way at once; one more is done at once.
 const MESSAGES: usize = 1024;
 /// Bisections of a settling time: to the last bit of a period.
@@ -53,6 +56,7 @@ impl Motion {
             systems: systems(machine),
             controls: Controls::new(),
             layouts: Layouts::new(),
+            retired: Vec::with_capacity(2 * machine.systems.len()),
             messages: Vec::with_capacity(MESSAGES),
         }
     }
@@ -123,7 +127,7 @@ impl Motion {
             return true;
         }
         let system = call.target.and_then(|index| self.systems.get(usize::from(index)));
-        system.is_none_or(|system| !system.is_busy() || !system.planner.is_full())
+        system.is_none_or(|system| !system.is_busy() || !system.is_full())
     }
 
     /// Whether nothing moves and nothing is under way that would end.
@@ -232,6 +236,9 @@ impl Motion {
 
     /// Cancels every pending move of a coordinate system.
     pub(crate) fn cancel_pending(&mut self, index: usize) {
+        if self.systems[index].contour.is_some() {
+            self.cancel_pending_contour(index);
+        }
         while let Some(cancelled) = self.systems[index].planner.cancel_pending() {
             self.end_move(cancelled.execution, 0);
         }
@@ -240,7 +247,7 @@ impl Motion {
     /// Ends the active move's instruction; the path is left to the caller.
     pub(crate) fn end_active(&mut self, index: usize) {
         if self.systems[index].activity == Activity::Moving
-            && let Some(active) = self.systems[index].planner.active_data().copied()
+            && let Some(active) = self.systems[index].take_active()
         {
             self.end_move(active.execution, 0);
         }
@@ -255,6 +262,7 @@ impl Motion {
         }
         self.cancel_pending(index);
         self.end_active(index);
+        self.retire_contour(index);
         let s_curve = self.systems[index]
             .planner
             .clear_active()
@@ -325,6 +333,10 @@ impl Motion {
     }
 
     fn advance_system(&mut self, index: usize) {
+        if self.systems[index].contour.is_some() {
+            self.advance_contour(index);
+            return;
+        }
         for _ in 0..MAX_ENDS_PER_TICK {
             let at = match self.systems[index].planner.passage(&self.clock) {
                 None => break,
@@ -359,7 +371,8 @@ impl Motion {
         }
         self.set_end_position(index);
         if active.termination.settles() {
-            self.settled(index, at)
+            let end = self.systems[index].planner.active()?.motion.path.end();
+            self.settled(index, &end, at)
         } else {
             Some(at)
         }
@@ -399,7 +412,7 @@ impl Motion {
     }
 
     /// Everything the system moved stands; nothing is active any more.
-    fn release_axes(&mut self, index: usize) {
+    pub(crate) fn release_axes(&mut self, index: usize) {
         self.rest_system(index);
         for place in 0..self.systems[index].description.axes.len() {
             let axis = self.systems[index].description.axes[place];
@@ -411,7 +424,7 @@ impl Motion {
         }
     }
 
-    fn rest_system(&mut self, index: usize) {
+    pub(crate) fn rest_system(&mut self, index: usize) {
         let system = &mut self.systems[index];
         system.activity = Activity::Idle;
         system.shown_phase = Phase::Steady;
@@ -422,17 +435,17 @@ impl Motion {
 
     /// The commands stand exactly on the programmed end of the active move.
     fn set_end_position(&mut self, index: usize) {
-        let Some(end) = self.systems[index]
-            .planner
-            .active()
-            .map(|running| running.motion.path.end())
-        else {
-            return;
-        };
+        if let Some(end) = self.systems[index].active_end() {
+            self.hold_at(index, &end);
+        }
+    }
+
+    /// The commands stand exactly on a point.
+    pub(crate) fn hold_at(&mut self, index: usize, end: &Point) {
         for place in 0..self.systems[index].description.axes.len() {
             let axis = self.systems[index].description.axes[place];
             if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
-                axis.command.position = component(&end, place);
+                axis.command.position = component(end, place);
                 axis.release();
                 axis.source = Source::System;
             }
@@ -440,9 +453,13 @@ impl Motion {
     }
 
     /// Commands of a system's axes at the present tick, and ACCEL and DECEL of its active instruction.
-    fn sample_system(&mut self, index: usize) {
+    pub(crate) fn sample_system(&mut self, index: usize) {
         let system = &mut self.systems[index];
-        let Some(sample) = system.planner.sample(&self.clock) else {
+        let sample = match &system.contour {
+            Some(contour) => contour.sample(&self.clock),
+            None => system.planner.sample(&self.clock),
+        };
+        let Some(sample) = sample else {
             return;
         };
         let length = system
@@ -468,7 +485,7 @@ impl Motion {
                 Phase::Decelerating => (Flag::Decel.mask(), Flag::Accel.mask()),
                 Phase::Steady => (0, Flag::Accel.mask() | Flag::Decel.mask()),
             };
-            if let Some(active) = system.planner.active_data().copied() {
+            if let Some(active) = system.active() {
                 self.controls.write(active.execution, set, clear, self.clock.tick);
             }
         }
@@ -476,16 +493,15 @@ impl Motion {
 
     /// The instant at which the axes came within the Actual Tolerance of the end that the command reached
     /// before the present tick: found inside the tick, so that a successor's start does not depend on the period.
-    fn settled(&self, index: usize, reached: Instant) -> Option<Instant> {
+    pub(crate) fn settled(&self, index: usize, end: &Point, reached: Instant) -> Option<Instant> {
         let system = &self.systems[index];
-        let end = system.planner.active()?.motion.path.end();
         let period = self.clock.period();
         let mut drives = [arcline_drive::Drive::ideal(0.0); crate::machine::MAX_PRIMARY_AXES];
         for ((place, axis), drive) in system.description.axes.iter().enumerate().zip(&mut drives) {
             *drive = self.axes.get(usize::from(*axis))?.drive;
             drive.cycle(
                 arcline_drive::Motion {
-                    position: component(&end, place),
+                    position: component(end, place),
                     velocity: 0.0,
                     acceleration: 0.0,
                 },
@@ -541,8 +557,7 @@ impl Motion {
             if system.activity != Activity::Moving {
                 continue;
             }
-            if let Some(running) = system.planner.active() {
-                let end = running.motion.path.end();
+            if let Some(end) = system.active_end() {
                 let axes = &self.axes;
                 let squares = system.description.axes.iter().enumerate().map(|(place, axis)| {
                     let command = axes.get(usize::from(*axis)).map_or(0.0, |axis| axis.command.position);
@@ -567,7 +582,30 @@ fn systems(machine: &Machine) -> Vec<System> {
         for (axis, own) in description.axes.iter().zip(corner_step.iter_mut()) {
             *own = step(axis);
         }
-        System::new(description, corner_step)
+        System::new(description, corner_step, enforced(machine, description))
     };
     machine.systems.iter().map(system).collect()
+}
+
+/// What planned contours of a coordinate system keep of the limits of its axes.
+fn enforced(machine: &Machine, system: &crate::machine::CoordinateSystem) -> AxisLimits {
+    let unlimited = Point::repeat(f64::INFINITY);
+    let mut limits = AxisLimits {
+        speed: unlimited,
+        acceleration: unlimited,
+        jerk: None,
+    };
+    if system.axis_limits == crate::machine::AxisLimits::Ignore {
+        return limits;
+    }
+    let mut jerk = unlimited;
+    for (place, axis) in system.axes.iter().enumerate() {
+        if let Some(axis) = machine.axes.get(usize::from(*axis)) {
+            limits.speed[place] = axis.max_speed;
+            limits.acceleration[place] = axis.max_acceleration.min(axis.max_deceleration);
+            jerk[place] = axis.max_acceleration_jerk.min(axis.max_deceleration_jerk);
+        }
+    }
+    limits.jerk = Some(jerk);
+    limits
 }

@@ -111,7 +111,7 @@ pub(crate) fn system(system: &System, axes: &[Axis]) -> SystemSnapshot {
     }
     let moving = system.activity == Activity::Moving;
     let on_path = moving && !system.in_transition;
-    let pending = system.planner.pending().next().is_some();
+    let pending = system.has_pending();
     shown.status = [
         (system.shutdown, status::SHUTDOWN_STATUS),
         (shown.axes_shutdown == 0, status::READY_STATUS),
@@ -134,10 +134,7 @@ pub(crate) fn system(system: &System, axes: &[Axis]) -> SystemSnapshot {
         (moving, motion::MOVE_STATUS),
         (moving && system.in_transition, motion::MOVE_TRANSITION_STATUS),
         (pending, motion::MOVE_PENDING_STATUS),
-        (
-            pending && system.planner.is_full(),
-            motion::MOVE_PENDING_QUEUE_FULL_STATUS,
-        ),
+        (pending && system.is_full(), motion::MOVE_PENDING_QUEUE_FULL_STATUS),
     ]
     .into_iter()
     .fold(0, with);

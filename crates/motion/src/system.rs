@@ -1,12 +1,13 @@
 //! One coordinate system: its planner, its stop, and what its status bits remember.
 
-use arcline_planner::Planner;
 use arcline_planner::geometry::Point;
+use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::Phase;
+use arcline_planner::{ContourQueue, Planner};
 
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
-use crate::machine::CoordinateSystem;
+use crate::machine::{AxisLimits as Limits, CoordinateSystem, Corner};
 use crate::stop::Stop;
 
 /// When a move is complete (spec/coordinated-instructions.md §7.1).
@@ -42,6 +43,10 @@ pub(crate) enum Activity {
 pub(crate) struct System {
     pub(crate) description: CoordinateSystem,
     pub(crate) planner: Planner<Planned>,
+    /// In place of the planner where moves are travelled as planned contours.
+    pub(crate) contour: Option<ContourQueue<Planned>>,
+    /// What contours keep of the axes' own limits.
+    pub(crate) axis_limits: AxisLimits,
     pub(crate) activity: Activity,
     pub(crate) stop: Option<Stop>,
     pub(crate) shutdown: bool,
@@ -59,8 +64,11 @@ pub(crate) struct System {
 
 impl System {
     /// `corner_step`: the change of velocity of each axis that a corner may make at once, units/s (§7.5).
-    pub(crate) fn new(description: &CoordinateSystem, corner_step: Point) -> Self {
+    pub(crate) fn new(description: &CoordinateSystem, corner_step: Point, axis_limits: AxisLimits) -> Self {
+        let contours = description.corner == Corner::Precise || description.axis_limits == Limits::Enforce;
         System {
+            contour: contours.then(|| ContourQueue::new(description.queue_depth)),
+            axis_limits,
             planner: Planner::new(description.queue_depth, corner_step),
             description: description.clone(),
             activity: Activity::Idle,
@@ -72,6 +80,56 @@ impl System {
             in_transition: false,
             along: [0.0; 3],
             stale: false,
+        }
+    }
+
+    /// Whether every pending place is taken.
+    pub(crate) fn is_full(&self) -> bool {
+        match &self.contour {
+            Some(contour) => contour.is_full(),
+            None => self.planner.is_full(),
+        }
+    }
+
+    /// Whether a move waits behind the active one.
+    pub(crate) fn has_pending(&self) -> bool {
+        match &self.contour {
+            Some(contour) => contour.moves().nth(usize::from(contour.is_running())).is_some(),
+            None => self.planner.pending().next().is_some(),
+        }
+    }
+
+    /// The active instruction, while it moves the axes.
+    pub(crate) fn active(&mut self) -> Option<Planned> {
+        match &self.contour {
+            Some(contour) if contour.is_running() => contour.moves().next().map(|motion| motion.data),
+            Some(_) => None,
+            None => self.planner.active_data().copied(),
+        }
+    }
+
+    /// The active instruction, taken out of a contour whose path goes on without it.
+    pub(crate) fn take_active(&mut self) -> Option<Planned> {
+        match &mut self.contour {
+            Some(contour) => contour.pop().map(|motion| motion.data),
+            None => self.planner.active_data().copied(),
+        }
+    }
+
+    /// Programmed end point of the active move.
+    pub(crate) fn active_end(&self) -> Option<Point> {
+        match &self.contour {
+            Some(contour) if contour.is_running() => contour.moves().next().map(|motion| motion.path.end()),
+            Some(_) => None,
+            None => self.planner.active().map(|running| running.motion.path.end()),
+        }
+    }
+
+    /// Programmed end point of the last move in the queue.
+    pub(crate) fn last_end(&self) -> Option<Point> {
+        match &self.contour {
+            Some(contour) => contour.moves().last().map(|motion| motion.path.end()),
+            None => self.planner.last_end(),
         }
     }
 

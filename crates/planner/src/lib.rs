@@ -11,15 +11,18 @@
 #![forbid(unsafe_code)]
 
 mod clock;
+mod contour;
 mod junction;
 mod planner;
 mod reach;
 mod track;
 
 pub use clock::{Clock, Instant};
+pub use contour::{ContourPassage, ContourQueue};
 pub use junction::Ending;
 pub use planner::{Momentum, Move, Passage, Planner, QueueFull, Running};
 pub use track::Sample;
 
+pub use arcline_contour as precise;
 pub use arcline_geometry as geometry;
 pub use arcline_profile as profile;

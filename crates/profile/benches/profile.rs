@@ -7,7 +7,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use arcline_profile::{Jerk, Limits, Profile, State};
+use arcline_profile::{Jerk, Limits, Profile, State, entry_speed, exit_speed};
 use criterion::{Criterion, criterion_group, criterion_main};
 use rsruckig::prelude::*;
 
@@ -71,7 +71,7 @@ fn plan(c: &mut Criterion) {
     group.bench_function("S-curve", |b| {
         b.iter(|| {
             for case in &cases {
-                black_box(Profile::to_position(case.from, case.target, 0.0, &case.limits));
+                black_box(&Profile::to_position(case.from, case.target, 0.0, &case.limits));
             }
         });
     });
@@ -82,7 +82,7 @@ fn plan(c: &mut Criterion) {
                     jerk: None,
                     ..case.limits
                 };
-                black_box(Profile::to_position(case.from, case.target, 0.0, &limits));
+                black_box(&Profile::to_position(case.from, case.target, 0.0, &limits));
             }
         });
     });
@@ -103,35 +103,72 @@ fn plan(c: &mut Criterion) {
             }
         });
     });
-    // The best of several runs of each single plan, so that interrupts do not count.
-    let mut ours = Vec::new();
-    let mut theirs = Vec::new();
-    for case in &cases {
-        let best = |run: &mut dyn FnMut()| {
-            let once = |run: &mut dyn FnMut()| {
-                let start = Instant::now();
-                for _ in 0..10 {
-                    run();
-                }
-                start.elapsed().as_nanos() as f64 / 10.0
+    c.bench_function("1000 entry and exit speeds", |b| {
+        b.iter(|| {
+            for case in &cases {
+                black_box(entry_speed(case.target.abs(), case.from.velocity.abs(), &case.limits));
+                black_box(exit_speed(case.from, case.target.abs(), &case.limits));
+            }
+        });
+    });
+    quantiles(&cases, &mut solver, &mut trajectory);
+}
+
+/// The best of several runs of each single plan, so that interrupts do not count; the three planners
+/// take turns, so that the clock's frequency is the same for all.
+fn quantiles(cases: &[Case], solver: &mut Ruckig<1, ThrowErrorHandler>, trajectory: &mut Trajectory<1>) {
+    let mut best = vec![[f64::INFINITY; 3]; cases.len()];
+    for _ in 0..40 {
+        for (case, best) in cases.iter().zip(&mut best) {
+            let trapezoid = Limits {
+                jerk: None,
+                ..case.limits
             };
-            (0..10).map(|_| once(run)).fold(f64::INFINITY, f64::min)
-        };
-        ours.push(best(&mut || {
-            black_box(Profile::to_position(case.from, case.target, 0.0, &case.limits));
-        }));
-        theirs.push(best(&mut || {
-            let _ = black_box(solver.calculate(&case.input, &mut trajectory));
-        }));
+            let times = [
+                time(|| {
+                    black_box(&Profile::to_position(case.from, case.target, 0.0, &case.limits));
+                }),
+                time(|| {
+                    black_box(&Profile::to_position(case.from, case.target, 0.0, &trapezoid));
+                }),
+                time(|| {
+                    let _ = black_box(solver.calculate(&case.input, trajectory));
+                }),
+            ];
+            for (best, time) in best.iter_mut().zip(times) {
+                *best = best.min(time);
+            }
+        }
     }
-    for (name, times) in [("S-curve", &mut ours), ("rsruckig", &mut theirs)] {
+    let sorted = |which: usize| {
+        let mut times: Vec<f64> = best.iter().map(|best| best[which]).collect();
         times.sort_by(f64::total_cmp);
-        let mean = times.iter().sum::<f64>() / times.len() as f64;
+        times
+    };
+    let mean = |times: &[f64]| times.iter().sum::<f64>() / times.len() as f64;
+    let theirs = sorted(2);
+    println!("single plans, and their share of rsruckig's:");
+    for (name, which) in [("S-curve", 0), ("trapezoid", 1), ("rsruckig", 2)] {
+        let times = sorted(which);
         println!(
-            "{name}: mean {mean:.0} ns, median {:.0}, p99 {:.0}, most {:.0}",
-            times[500], times[990], times[999]
+            "{name:10} mean {:4.0} ns ({:.2}), median {:4.0}, p99 {:4.0} ({:.2}), most {:4.0}",
+            mean(&times),
+            mean(&times) / mean(&theirs),
+            times[500],
+            times[990],
+            times[990] / theirs[990],
+            times[999]
         );
     }
+}
+
+/// Nanoseconds for one run, as the mean of ten.
+fn time(mut run: impl FnMut()) -> f64 {
+    let start = Instant::now();
+    for _ in 0..10 {
+        run();
+    }
+    start.elapsed().as_nanos() as f64 / 10.0
 }
 
 criterion_group!(benches, plan);

@@ -75,6 +75,10 @@ pub(crate) struct Trapezoid {
     pub(crate) speed: f64,
     pub(crate) acceleration: f64,
     pub(crate) deceleration: f64,
+    /// `1 / acceleration`
+    pub(crate) per_acceleration: f64,
+    /// `1 / deceleration`
+    pub(crate) per_deceleration: f64,
 }
 
 pub(crate) enum Shape {
@@ -91,6 +95,8 @@ impl Limits {
             speed,
             acceleration,
             deceleration,
+            per_acceleration: 1.0 / acceleration,
+            per_deceleration: 1.0 / deceleration,
         });
         let Some(jerk) = self.jerk else {
             return trapezoid;

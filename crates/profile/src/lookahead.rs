@@ -121,42 +121,43 @@ fn exit_by_trapezoid(v: f64, length: f64, limits: &Trapezoid) -> f64 {
 }
 
 fn exit_by_s_curve(now: Trial, length: f64, limits: &SCurve) -> f64 {
+    let most = limits.speed;
+    let mut rising = now;
+    if !approach(&mut rising, most, limits) {
+        return most;
+    }
     let reach = |w: f64| {
         let mut trial = now;
         ramp(&mut trial, w, limits);
         trial.x
     };
-    let most = limits.speed;
-    let too_far = reach(most) - length;
-    if too_far <= 0.0 {
-        return most;
+    let fits = |w: f64| reach(w) <= length;
+    let low = (rising.v + 0.5 * rising.a * rising.a * limits.up.per_jerk).min(most);
+    if let Some(more) = peak::rise_within(rising.v, rising.a, length - rising.x, limits) {
+        return rounded_down((low + more).min(most), low, fits);
     }
-    // Half the square of the acceleration: times the jerk, the velocity it takes to bring it to 0.
+    // Half the square of the acceleration: over the jerk, the velocity it takes to bring it to 0.
     let spent = 0.5 * now.a * now.a;
     let turns = now.v < 0.0 || (now.a < 0.0 && now.v * limits.down.jerk < spent);
-    if turns {
-        // The acceleration with which the motion passes through rest depends on the speed wanted,
-        // unless it is already too high.
-        let low = if now.a > 0.0 {
-            (spent + now.v * limits.down.jerk).max(0.0) / limits.up.jerk
-        } else {
-            0.0
-        };
-        let at_low = reach(low) - length;
-        if low >= most || at_low >= 0.0 {
-            return low.min(most);
-        }
-        let tolerance = 1e-14 * length.max(at_low.abs());
-        let more = root::solve(most - low, at_low, too_far, tolerance, |w| reach(low + w) - length);
-        return rounded_down(low + more, low, |w| reach(w) <= length);
+    if !turns {
+        return low;
     }
-    let mut relieving = now;
-    if !approach(&mut relieving, most, limits) {
-        return most;
+    // The acceleration with which the motion passes through rest depends on the speed wanted, unless
+    // it is already too high.
+    let least = if now.a > 0.0 {
+        (spent + now.v * limits.down.jerk).max(0.0) * limits.up.per_jerk
+    } else {
+        0.0
+    };
+    let (at_least, at_low) = (reach(least) - length, reach(low) - length);
+    if least >= low || at_least >= 0.0 {
+        return least.min(low);
     }
-    let low = relieving.v + relieving.a * relieving.a / (2.0 * limits.up.jerk);
-    let more = peak::rise_within(relieving.v, relieving.a, length - relieving.x, limits);
-    rounded_down((low + more).min(most), low, |w| reach(w) <= length)
+    let tolerance = 1e-14 * length.max(at_least.abs());
+    let more = root::solve(low - least, at_least, at_low.max(0.0), tolerance, |w| {
+        reach(least + w) - length
+    });
+    rounded_down(least + more, least, fits)
 }
 
 /// Takes rounding errors of `speed` away, never below `least`.

@@ -62,18 +62,22 @@ pub(crate) fn peak(v: f64, a: f64, distance: f64, vf: f64, limits: &SCurve) -> O
 }
 
 /// How far the speed can rise above `v + a^2/(2 ja)` over `distance` from `(v, a)`, `a >= 0`, with
-/// acceleration 0 at the end, and not above the limit; 0 if the distance is too short for any rise.
-pub(crate) fn rise_within(v: f64, a: f64, distance: f64, limits: &SCurve) -> f64 {
+/// acceleration 0 at the end, and not above the limit; `None` if the distance is too short for any rise.
+pub(crate) fn rise_within(v: f64, a: f64, distance: f64, limits: &SCurve) -> Option<f64> {
     let relieved = 0.5 * a * a * limits.up.per_jerk;
     let low = v + relieved;
     let rise = Rise::new(v, a, &limits.up);
+    let most = (limits.speed - low).max(0.0);
+    if rise.distance(relieved + most) <= distance {
+        return Some(most);
+    }
     let more = distance - rise.distance(relieved);
-    let most = limits.speed - low;
-    if more <= 0.0 || most <= 0.0 {
-        return 0.0;
+    if more < 0.0 {
+        return None;
     }
     let start = guess(more, low, limits.up.per_most, limits.up.per_jerk).min(most);
-    solve(&|w: f64| rise.distance_and_slope(relieved + w), distance, start, most)
+    let length = |w: f64| rise.distance_and_slope(relieved + w);
+    Some(solve(&length, distance, start, most))
 }
 
 /// About the rise above `low` that takes the distance `more`, rather too much. The distance of the

@@ -24,7 +24,14 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
         let sign = x.signum();
         return forward(profile, sign, sign * x, target, 0.0, limits);
     }
-    let x0 = ramp_displacement(from, end_speed, limits);
+    let mut x0 = if end_speed == 0.0 {
+        stop_displacement(from, limits)
+    } else {
+        ramp_displacement(from, end_speed, limits)
+    };
+    if (x - x0).abs() <= CLOSE * x.abs().max(x0.abs()) {
+        x0 = ramp_displacement(from, end_speed, limits);
+    }
     let near = nearness(from, target, x, x0);
     if (x - x0).abs() <= near {
         let mut builder = Builder::new(profile, 1.0);
@@ -208,18 +215,53 @@ fn stop(profile: &mut Profile, target: f64, limits: &SCurve) {
     builder.finish(end, end.position == target)
 }
 
-/// No stop from here ends farther away than this, to either side: the largest speed it can have times
-/// the longest it can take.
+/// No stop from here ends farther away than this, to either side: the acceleration is brought to 0 at
+/// most twice (the motion passes through rest between), and what is left is less than a stop from the
+/// largest speed there can be.
 fn farthest_stop(from: &State, limits: &SCurve) -> f64 {
-    let (up, down) = (&limits.up, &limits.down);
-    let relieving = from.acceleration.abs() * up.per_jerk.max(down.per_jerk);
+    let relieving = from.acceleration.abs() * limits.up.per_jerk.max(limits.down.per_jerk);
     let fastest = from.velocity.abs() + 0.5 * from.acceleration.abs() * relieving;
-    let longest = 2.0 * relieving + fastest * down.per_most + down.most * down.per_jerk;
-    MARGIN * fastest * longest
+    MARGIN * fastest * (2.0 * relieving + 0.5 * peak::ramp_time(fastest, &limits.down).0)
 }
 
 /// Above 1 by more than rounding.
 const MARGIN: f64 = 1.0 + 1e-9;
+
+/// Displacement of the stop from here in closed form, to a few digits less than [`ramp_displacement`].
+fn stop_displacement(from: &State, limits: &SCurve) -> f64 {
+    let (up, down) = (&limits.up, &limits.down);
+    let mirrored = from.velocity < 0.0 || (from.velocity == 0.0 && from.acceleration < 0.0);
+    let sign = if mirrored { -1.0 } else { 1.0 };
+    let (v, a) = (sign * from.velocity, sign * from.acceleration);
+    // From (v, a) with a >= 0: level off, then stop.
+    let levelled = |v: f64, a: f64| {
+        let time = a * up.per_jerk;
+        let gained = a * time;
+        time * (v + gained * (1.0 / 3.0)) + peak::ramp(0.0, v + 0.5 * gained, down)
+    };
+    if a >= 0.0 {
+        return sign * levelled(v, a);
+    }
+    let b = -a;
+    let relaxing = b * down.per_jerk;
+    let relieved = 0.5 * b * relaxing;
+    if v < relieved {
+        // Relax until the motion passes through rest, then level off on the other side.
+        let left = (b * b - 2.0 * down.jerk * v).max(0.0).sqrt();
+        let time = 2.0 * v / (b + left);
+        let out = time * (v - time * (2.0 * b + left) * (1.0 / 6.0));
+        return sign * (out - levelled(0.0, left));
+    }
+    if b > down.most {
+        return ramp_displacement(from, 0.0, limits);
+    }
+    // The later part of a stop from a higher speed and acceleration 0.
+    let higher = v + relieved;
+    sign * (peak::ramp(0.0, higher, down) - relaxing * (higher - relieved * (1.0 / 3.0)))
+}
+
+/// Relative difference of displacements below which every digit of them counts.
+const CLOSE: f64 = 1e-6;
 
 fn ramp_displacement(from: &State, velocity: f64, limits: &SCurve) -> f64 {
     let mut trial = Trial {

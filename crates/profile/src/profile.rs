@@ -74,47 +74,30 @@ impl Profile {
     ///
     /// Real-time safe: at most 64 evaluations of at most nine segments.
     #[must_use]
+    #[inline]
     pub fn to_position(from: State, target: f64, end_speed: f64, limits: &Limits) -> Profile {
-        let (from, target, end_speed) = (sane_state(&from), sane_position(target), sane(end_speed));
         let mut profile = Profile::unplanned(from);
-        match limits.shape() {
-            Shape::SCurve(limits) => position::to_position(&mut profile, target, end_speed, &limits),
-            Shape::Trapezoid(limits) => trapezoid::to_position(&mut profile, target, end_speed, &limits),
-        }
+        profile.plan_to_position(from, target, end_speed, limits);
         profile
     }
 
     /// As [`Profile::to_position`] to rest, but where the target is overshot, in two stages: first the
     /// stop, then a move back from rest (motion-core §5.2: after a change of dynamics).
     #[must_use]
+    #[inline]
     pub fn to_position_two_stage(from: State, target: f64, limits: &Limits) -> Profile {
-        let (from, target) = (sane_state(&from), sane_position(target));
         let mut profile = Profile::unplanned(from);
-        match limits.shape() {
-            Shape::SCurve(limits) => position::to_position_two_stage(&mut profile, target, &limits),
-            // Braking to rest, then a move from rest, is what a trapezoid does anyway.
-            Shape::Trapezoid(limits) => trapezoid::to_position(&mut profile, target, 0.0, &limits),
-        }
+        profile.plan_in_two_stages(from, target, limits);
         profile
     }
 
     /// From `from` to a velocity (signed), which is kept after the duration (motion-core §3.3).
     /// `limits.speed` is not read.
     #[must_use]
+    #[inline]
     pub fn to_velocity(from: State, velocity: f64, limits: &Limits) -> Profile {
-        let (from, velocity) = (sane_state(&from), sane(velocity));
         let mut profile = Profile::unplanned(from);
-        let mut builder = Builder::new(&mut profile, 1.0);
-        match limits.shape() {
-            Shape::SCurve(limits) => ramp::ramp(&mut builder, velocity, &limits),
-            Shape::Trapezoid(limits) => trapezoid::ramp(&mut builder, velocity, &limits),
-        }
-        let end = State {
-            velocity,
-            acceleration: 0.0,
-            ..builder.state()
-        };
-        builder.finish(end, true);
+        profile.plan_to_velocity(from, velocity, limits);
         profile
     }
 
@@ -149,7 +132,7 @@ impl Profile {
     }
 
     /// The state `t` seconds after the start. Before 0 the start state; from the duration on the end
-    /// state, whose velocity goes on. Real-time safe: one pass over at most 16 start times.
+    /// state, whose velocity goes on. Real-time safe: one pass over at most 14 start times.
     #[must_use]
     pub fn at(&self, t: f64) -> State {
         if t >= self.duration {
@@ -240,15 +223,69 @@ impl Profile {
             return Some(self.duration);
         }
         let more = (s - self.end.position) / self.end.velocity;
-        (more >= 0.0 && more.is_finite()).then_some(self.duration + more)
+        if more >= 0.0 && more.is_finite() {
+            return Some(self.duration + more);
+        }
+        // Beyond a turning point or the end by rounding, as a sample may be.
+        let turns = self.segments.iter().zip(&self.times).take(self.len);
+        let (mut nearest, mut when) = ((s - self.end.position).abs(), self.duration);
+        let mut largest = self.end.position.abs();
+        for (segment, &time) in turns {
+            let position = segment.state.position;
+            largest = largest.max(position.abs());
+            if (s - position).abs() < nearest {
+                (nearest, when) = ((s - position).abs(), time);
+            }
+        }
+        (nearest <= ROUNDING * largest).then_some(when)
     }
 
-    /// Start times of the segments, for plots and tests: at most 16, ascending.
+    /// Start times of the segments, for plots and tests: at most 14, ascending.
     #[must_use]
     pub fn segment_times(&self) -> &[f64] {
         &self.times[..self.len]
     }
 
+    // The plans work in place and their callers are inlined: a profile is too large to be copied for
+    // nothing. Each of them finishes the profile.
+
+    fn plan_to_position(&mut self, from: State, target: f64, end_speed: f64, limits: &Limits) {
+        let (target, end_speed) = (sane_position(target), sane(end_speed));
+        self.start = sane_state(&from);
+        match limits.shape() {
+            Shape::SCurve(limits) => position::to_position(self, target, end_speed, &limits),
+            Shape::Trapezoid(limits) => trapezoid::to_position(self, target, end_speed, &limits),
+        }
+    }
+
+    fn plan_in_two_stages(&mut self, from: State, target: f64, limits: &Limits) {
+        let target = sane_position(target);
+        self.start = sane_state(&from);
+        match limits.shape() {
+            Shape::SCurve(limits) => position::to_position_two_stage(self, target, &limits),
+            // Braking to rest, then a move from rest, is what a trapezoid does anyway.
+            Shape::Trapezoid(limits) => trapezoid::to_position(self, target, 0.0, &limits),
+        }
+    }
+
+    fn plan_to_velocity(&mut self, from: State, velocity: f64, limits: &Limits) {
+        let velocity = sane(velocity);
+        self.start = sane_state(&from);
+        let mut builder = Builder::new(self, 1.0);
+        match limits.shape() {
+            Shape::SCurve(limits) => ramp::ramp(&mut builder, velocity, &limits),
+            Shape::Trapezoid(limits) => trapezoid::ramp(&mut builder, velocity, &limits),
+        }
+        let end = State {
+            velocity,
+            acceleration: 0.0,
+            ..builder.state()
+        };
+        builder.finish(end, true);
+    }
+
+    /// Room for a plan from `start`.
+    #[inline]
     fn unplanned(start: State) -> Profile {
         Profile {
             times: [0.0; MAX_SEGMENTS],
@@ -326,6 +363,9 @@ impl Segment {
         u
     }
 }
+
+/// Relative error of a sampled position.
+const ROUNDING: f64 = 4e-15;
 
 /// Multiplied, since a division takes three times as long.
 const SIXTH: f64 = 1.0 / 6.0;

@@ -11,6 +11,7 @@ use crate::profile::{Profile, State};
 pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, limits: &Trapezoid) {
     let from = &profile.start();
     let (accel, decel) = (limits.acceleration, limits.deceleration);
+    let (per_accel, per_decel) = (limits.per_acceleration, limits.per_deceleration);
     if limits.speed == 0.0 {
         let mut builder = Builder::new(profile, 1.0);
         ramp(&mut builder, 0.0, limits);
@@ -23,7 +24,7 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
     }
     let end_speed = end_speed.clamp(-limits.speed, limits.speed);
     let x = target - from.position;
-    let x0 = from.velocity * from.velocity.abs() / (2.0 * decel);
+    let x0 = 0.5 * from.velocity * from.velocity.abs() * per_decel;
     let end = State {
         position: target,
         velocity: end_speed,
@@ -41,15 +42,15 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
     };
     let (x, vf) = (sign * x, sign * end_speed);
     let mut builder = Builder::new(profile, sign);
-    turn(&mut builder, decel);
+    turn(&mut builder, limits);
     let v0 = builder.velocity();
     let left = x - builder.now.x;
     // Squares as products: no digits lost between like speeds.
     let excess = (v0 - vf) * (v0 + vf);
     let least = if excess > 0.0 {
-        excess / (2.0 * decel)
+        0.5 * excess * per_decel
     } else {
-        -excess / (2.0 * accel)
+        -0.5 * excess * per_accel
     };
     if left < least && vf > 0.0 && least - left > nearness(from, target, left, least) {
         let mut builder = Builder::new(profile, sign);
@@ -61,17 +62,17 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
     }
     let v = limits.speed;
     if v0 > v {
-        let far = ((v0 - v) * (v0 + v) + (v - vf) * (v + vf)) / (2.0 * decel);
-        hold(&mut builder, (v0 - v) / decel, -decel, v);
+        let far = 0.5 * ((v0 - v) * (v0 + v) + (v - vf) * (v + vf)) * per_decel;
+        hold(&mut builder, (v0 - v) * per_decel, -decel, v);
         hold(&mut builder, (left - far) / v, 0.0, v);
-        hold(&mut builder, (v - vf) / decel, -decel, vf);
+        hold(&mut builder, (v - vf) * per_decel, -decel, vf);
         return builder.finish(end, true);
     }
-    let far = (v - v0) * (v + v0) / (2.0 * accel) + (v - vf) * (v + vf) / (2.0 * decel);
+    let far = 0.5 * ((v - v0) * (v + v0) * per_accel + (v - vf) * (v + vf) * per_decel);
     if far <= left {
-        hold(&mut builder, (v - v0) / accel, accel, v);
+        hold(&mut builder, (v - v0) * per_accel, accel, v);
         hold(&mut builder, (left - far) / v, 0.0, v);
-        hold(&mut builder, (v - vf) / decel, -decel, vf);
+        hold(&mut builder, (v - vf) * per_decel, -decel, vf);
         return builder.finish(end, true);
     }
     // Differences of squares of the peak with entry and exit speed.
@@ -79,10 +80,10 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
     let above_exit = decel * (2.0 * accel * left + excess).max(0.0) / (accel + decel);
     let vp = (above_entry + v0 * v0).sqrt();
     if above_entry > 0.0 {
-        hold(&mut builder, above_entry / (vp + v0) / accel, accel, vp);
+        hold(&mut builder, above_entry / (vp + v0) * per_accel, accel, vp);
     }
     if above_exit > 0.0 {
-        hold(&mut builder, above_exit / (vp + vf) / decel, -decel, vf);
+        hold(&mut builder, above_exit / (vp + vf) * per_decel, -decel, vf);
     }
     builder.finish(end, true)
 }
@@ -97,20 +98,20 @@ pub(crate) fn ramp(builder: &mut Builder<'_>, vt: f64, limits: &Trapezoid) {
     let v = sign * builder.velocity();
     let vt = sign * vt;
     if v < 0.0 {
-        hold(builder, -v / limits.deceleration, sign * limits.deceleration, 0.0);
+        hold(builder, -v * limits.per_deceleration, sign * limits.deceleration, 0.0);
     }
     let v = v.max(0.0);
     if v < vt {
         hold(
             builder,
-            (vt - v) / limits.acceleration,
+            (vt - v) * limits.per_acceleration,
             sign * limits.acceleration,
             sign * vt,
         );
     } else {
         hold(
             builder,
-            (v - vt) / limits.deceleration,
+            (v - vt) * limits.per_deceleration,
             -sign * limits.deceleration,
             sign * vt,
         );
@@ -119,10 +120,10 @@ pub(crate) fn ramp(builder: &mut Builder<'_>, vt: f64, limits: &Trapezoid) {
 }
 
 /// Brakes a motion in the negative direction to rest.
-fn turn(builder: &mut Builder<'_>, decel: f64) {
+fn turn(builder: &mut Builder<'_>, limits: &Trapezoid) {
     let v = builder.velocity();
     if v < 0.0 {
-        hold(builder, -v / decel, decel, 0.0);
+        hold(builder, -v * limits.per_deceleration, limits.deceleration, 0.0);
     }
 }
 

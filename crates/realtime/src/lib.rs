@@ -7,11 +7,13 @@
 
 #![deny(unsafe_code)]
 
+mod contour;
 mod meter;
 mod rings;
 mod schedule;
 mod thread;
 
+pub use contour::Planning;
 pub use meter::Meter;
 pub use rings::{Answer, COMMANDS, EVENTS, Link, Rings, link};
 pub use schedule::{Report, Shortfall};

@@ -4,9 +4,10 @@
 use std::sync::Arc;
 
 use arcline_controller::machine::Machine;
-use arcline_controller::{Command, Event, Port, Snapshot, Ticket};
+use arcline_controller::{Command, ContourRequest, Event, PlannedContour, Port, Snapshot, Ticket, Trajectory};
 use arcline_instruction_set::MotionControl;
 
+use crate::contour::{self, Contours, Planning};
 use crate::meter::Meter;
 
 /// Commands that can wait for the controller.
@@ -41,6 +42,8 @@ pub struct Link {
     pub snapshots: triple_buffer::Output<Snapshot>,
     /// The thread's measurements.
     pub meter: Arc<Meter>,
+    /// What a thread beside the controller plans contours with, where the machine has some.
+    pub planning: Option<Planning>,
 }
 
 /// The controller's ends.
@@ -54,6 +57,7 @@ pub struct Rings {
     /// The tick that runs or comes next.
     pub(crate) tick: u64,
     stop: Stop,
+    contours: Option<Contours>,
 }
 
 /// How far a stop has come.
@@ -74,6 +78,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
     let (events, event_receiver) = rtrb::RingBuffer::new(EVENTS);
     let (snapshots, snapshot_output) = triple_buffer::triple_buffer(&Snapshot::new(machine));
     let meter = Arc::new(Meter::default());
+    let (contours, planning) = contour::link(machine).unzip();
     let rings = Rings {
         commands,
         answers,
@@ -82,6 +87,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         meter: meter.clone(),
         tick: 0,
         stop: Stop::No,
+        contours,
     };
     let link = Link {
         commands: command_sender,
@@ -89,6 +95,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         events: event_receiver,
         snapshots: snapshot_output,
         meter,
+        planning,
     };
     (rings, link)
 }
@@ -140,5 +147,26 @@ impl Port for Rings {
 
     fn publish(&mut self) {
         self.snapshots.publish();
+    }
+
+    fn contour_request(&mut self) -> Option<&mut ContourRequest> {
+        self.contours.as_mut()?.request()
+    }
+
+    fn submit_contour(&mut self) {
+        if let Some(contours) = &mut self.contours {
+            contours.submit();
+        }
+    }
+
+    fn planned_contour(&mut self) -> Option<PlannedContour> {
+        self.contours.as_mut()?.planned()
+    }
+
+    fn retire(&mut self, trajectory: Box<Trajectory>) -> Result<(), Box<Trajectory>> {
+        match &mut self.contours {
+            Some(contours) => contours.retire(trajectory),
+            None => Err(trajectory),
+        }
     }
 }

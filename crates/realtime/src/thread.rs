@@ -87,7 +87,7 @@ impl Drop for Handle {
 /// # Errors
 /// When the system has no thread left.
 pub fn spawn(machine: &Machine, options: Options) -> Result<(Link, Handle), SpawnError> {
-    let (rings, link) = link(machine);
+    let (rings, mut link) = link(machine);
     let controller = Controller::new(machine);
     let stop = Arc::new(AtomicBool::new(false));
     let period = machine.period_ns.max(1);
@@ -105,6 +105,13 @@ pub fn spawn(machine: &Machine, options: Options) -> Result<(Link, Handle), Spaw
             run(controller, rings, period, &options, &asked);
         })
         .map_err(SpawnError)?;
+    if let Some(mut planning) = link.planning.take() {
+        let over = stop.clone();
+        std::thread::Builder::new()
+            .name("arcline-contour".to_owned())
+            .spawn(move || planning.run(&over))
+            .map_err(SpawnError)?;
+    }
     let report = report.recv().unwrap_or_default();
     if !report.shortfalls.is_empty() {
         let shortfalls: Vec<String> = report.shortfalls.iter().map(ToString::to_string).collect();

@@ -4,7 +4,7 @@ use std::fmt;
 
 use arcline_controller::image::{Edge, Image, TagKind};
 use arcline_controller::machine::Machine;
-use arcline_controller::{Controller, Event, Snapshot, Ticket, UNNAMED};
+use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket, UNNAMED};
 use arcline_instruction_set::{
     BindError, Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, Object, bind, describe, predefined,
 };
@@ -104,6 +104,7 @@ pub(super) struct Runner<'m> {
     /// Lines of the calls, by ticket.
     lines: Vec<usize>,
     snapshot: Snapshot,
+    contour: ContourRequest,
     /// The tick whose state the image shows.
     shown: Option<u64>,
     /// What the WAIT has read so far: the slots and what they showed.
@@ -126,6 +127,7 @@ impl<'m> Runner<'m> {
             program: Program::Ready(Answer::Start),
             lines: Vec::new(),
             snapshot: Snapshot::new(machine),
+            contour: ContourRequest::new(),
             shown: None,
             watched: Vec::new(),
             reads_motion: false,
@@ -148,6 +150,7 @@ impl<'m> Runner<'m> {
             if self.is_due(tick) {
                 self.advance(tick);
             }
+            self.controller.plan_contours(&mut self.contour);
             self.controller.end_tick(|event| self.events.push(*event));
             if !self.events.is_empty() {
                 self.take_events(events.as_deref_mut(), time(tick));

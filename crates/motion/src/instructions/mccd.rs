@@ -118,6 +118,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     layout.verify_mode(call)?;
     verify::axes_ready(&motion.systems[index], &motion.axes)?;
     let system = &mut motion.systems[index];
+    if system.contour.is_some() && system.activity == Activity::Moving {
+        return Err(MotionError::FeatureNotSupported);
+    }
     let active = match (system.activity, system.planner.active_data()) {
         (Activity::Moving, Some(active)) => *active,
         (Activity::Stopping, _) => return verify::not_stopping(system, &motion.axes),

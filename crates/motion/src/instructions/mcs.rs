@@ -115,6 +115,9 @@ fn limits(motion: &Motion, index: usize, call: &Call) -> Result<Limits, MotionEr
 }
 
 fn is_s_curve(motion: &Motion, index: usize) -> bool {
+    if let Some(contour) = &motion.systems[index].contour {
+        return contour.moves().any(|planned| planned.data.dynamics.is_s_curve());
+    }
     let active = motion.systems[index].planner.active();
     active.is_some_and(|running| running.motion.data.dynamics.is_s_curve())
 }
@@ -126,7 +129,10 @@ fn stop_move(motion: &mut Motion, index: usize, limits: &Limits) {
     let system = &mut motion.systems[index];
     if system.is_busy() {
         system.activity = Activity::Stopping;
-        system.planner.stop(limits, &motion.clock);
+        match &mut system.contour {
+            Some(contour) => contour.stop(limits, &motion.clock),
+            None => system.planner.stop(limits, &motion.clock),
+        }
         system.stale = true;
     }
 }

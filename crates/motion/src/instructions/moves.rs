@@ -104,13 +104,13 @@ impl MoveLayout {
 
     /// How the move completes, and what happens there if it has a successor.
     fn termination(&self, call: &Call, system: &CoordinateSystem) -> Result<(Termination, Ending), MotionError> {
-        if system.axis_limits == AxisLimits::Enforce {
+        let word = call.word(self.termination_type);
+        let superposed = matches!(word, 2 | 3 | 6) && system.corner == Corner::Logix;
+        if superposed && system.axis_limits == AxisLimits::Enforce {
             return Err(MotionError::FeatureNotSupported);
         }
-        let word = call.word(self.termination_type);
         let ending = match word {
             0 if system.actual_tolerance <= 0.0 => return Err(MotionError::InvalidActualTolerance),
-            2 | 3 | 6 if system.corner == Corner::Precise => return Err(MotionError::FeatureNotSupported),
             2 => Ending::Blend {
                 tolerance: system.command_tolerance,
             },
@@ -213,6 +213,14 @@ pub(super) fn execute(
     };
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
     let tick = motion.clock.tick;
+    if motion.systems[index].contour.is_some() {
+        if merge != MERGE_DISABLED && motion.systems[index].is_busy() {
+            return Err(MotionError::FeatureNotSupported);
+        }
+        motion.queue_contour(index, planned)?;
+        motion.controls.write(execution, accepted, 0, tick);
+        return Ok(());
+    }
     if merge == MERGE_DISABLED && motion.systems[index].is_busy() {
         let system = &mut motion.systems[index];
         system
@@ -266,7 +274,7 @@ fn command(motion: &Motion, index: usize, quantity: impl Fn(&Axis) -> f64) -> Po
 fn start_point(motion: &Motion, index: usize) -> Point {
     let system = &motion.systems[index];
     let queued = if system.activity == Activity::Moving {
-        system.planner.last_end()
+        system.last_end()
     } else {
         None
     };
@@ -276,7 +284,7 @@ fn start_point(motion: &Motion, index: usize) -> Point {
 /// Step 11: the queue, a stop under way, another coordinate system that holds one of the axes.
 fn verify_conflicts(motion: &Motion, index: usize, merge: i32) -> Result<(), MotionError> {
     let system = &motion.systems[index];
-    if merge == MERGE_DISABLED && system.activity == Activity::Moving && system.planner.is_full() {
+    if merge == MERGE_DISABLED && system.activity == Activity::Moving && system.is_full() {
         return Err(MotionError::CoordinateSystemQueueFull);
     }
     verify::not_stopping(system, &motion.axes)?;

@@ -1,0 +1,199 @@
+//! Coordinate systems whose moves are travelled as planned contours: between the queue of moves and the
+//! planning, which is done outside the tick.
+
+use arcline_instruction_set::{Flag, MotionError};
+use arcline_planner::geometry::Point;
+use arcline_planner::precise::{AxisLimits, ContourMove, Trajectory};
+use arcline_planner::profile::Phase;
+use arcline_planner::{ContourPassage, Move};
+
+use crate::motion::{MAX_ENDS_PER_TICK, Motion};
+use crate::system::{Activity, Planned};
+
+/// Moves that are to be planned as one contour.
+#[derive(Clone, Debug)]
+pub struct ContourRequest {
+    /// Index of the coordinate system.
+    pub system: u16,
+    /// Tells this request from others of the same system.
+    pub generation: u32,
+    /// The moves, from rest to rest.
+    pub moves: Vec<ContourMove>,
+    /// Limits of the axes that are kept.
+    pub limits: AxisLimits,
+}
+
+impl ContourRequest {
+    /// Room for the longest queue that can be configured, so that a tick can fill it without allocating.
+    pub fn new() -> Self {
+        ContourRequest {
+            system: 0,
+            generation: 0,
+            moves: Vec::with_capacity(crate::machine::MAX_QUEUE_DEPTH + 1),
+            limits: AxisLimits {
+                speed: Point::zeros(),
+                acceleration: Point::zeros(),
+                jerk: None,
+            },
+        }
+    }
+
+    /// Plans the contour. Not bounded: outside the tick.
+    pub fn plan(&self) -> Box<Trajectory> {
+        Box::new(arcline_planner::precise::plan(&self.moves, &self.limits))
+    }
+}
+
+impl Default for ContourRequest {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Motion {
+    /// Fills a request for the next contour that is to be planned; false when there is none. Real-time.
+    pub fn next_contour(&mut self, request: &mut ContourRequest) -> bool {
+        for (index, system) in self.systems.iter_mut().enumerate() {
+            let Some(contour) = system.contour.as_mut().filter(|_| system.activity == Activity::Moving) else {
+                continue;
+            };
+            request.moves.clear();
+            if let Some(generation) = contour.batch(&self.clock, |motion| request.moves.push(motion)) {
+                request.system = index as u16;
+                request.generation = generation;
+                request.limits = system.axis_limits;
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Begins to travel a planned contour at the present tick, if it is still wanted. Real-time.
+    pub fn install_contour(&mut self, system: u16, generation: u32, trajectory: Box<Trajectory>) {
+        let index = usize::from(system);
+        let contour = self.systems.get_mut(index).and_then(|system| system.contour.as_mut());
+        let installed = match contour {
+            Some(contour) => contour.install(generation, trajectory, &self.clock),
+            None => Err(trajectory),
+        };
+        if let Err(unwanted) = installed {
+            self.retired.push(unwanted);
+            return;
+        }
+        self.systems[index].stale = true;
+        self.activate(index);
+        self.join_axes(index);
+    }
+
+    /// A trajectory that is no longer needed, to be freed outside the tick. Real-time.
+    pub fn retired_contour(&mut self) -> Option<Box<Trajectory>> {
+        self.retired.pop()
+    }
+
+    /// Keeps a trajectory that could not be freed yet.
+    pub fn keep_retired(&mut self, trajectory: Box<Trajectory>) {
+        self.retired.push(trajectory);
+    }
+
+    /// Queues a move of a system that travels planned contours.
+    pub(crate) fn queue_contour(&mut self, index: usize, planned: Move<Planned>) -> Result<(), MotionError> {
+        let system = &mut self.systems[index];
+        let Some(contour) = &mut system.contour else {
+            return Err(MotionError::InvalidPlannerState);
+        };
+        contour
+            .push(planned, &self.clock)
+            .map_err(|_| MotionError::CoordinateSystemQueueFull)?;
+        if system.activity == Activity::Idle {
+            system.activity = Activity::Moving;
+            system.in_actual_tolerance = false;
+            system.in_command_tolerance = false;
+        }
+        Ok(())
+    }
+
+    /// Ends every pending move; where no trajectory is travelled yet, every move.
+    pub(crate) fn cancel_pending_contour(&mut self, index: usize) {
+        while let Some(cancelled) = self.systems[index]
+            .contour
+            .as_mut()
+            .and_then(|contour| contour.pop_pending())
+        {
+            self.end_move(cancelled.data.execution, 0);
+        }
+        let contour = self.systems[index].contour.as_ref();
+        if contour.is_some_and(|contour| !contour.is_running()) {
+            self.retire_contour(index);
+            self.rest_system(index);
+        }
+    }
+
+    /// Forgets a contour; its trajectory is freed elsewhere.
+    pub(crate) fn retire_contour(&mut self, index: usize) {
+        let contour = self.systems[index].contour.as_mut();
+        let trajectory = contour.and_then(|contour| contour.clear());
+        self.retired.extend(trajectory);
+    }
+
+    /// Moves of a contour that end by the present tick, and the end of it.
+    pub(crate) fn advance_contour(&mut self, index: usize) {
+        for _ in 0..MAX_ENDS_PER_TICK {
+            let Some(contour) = &mut self.systems[index].contour else {
+                return;
+            };
+            match contour.passage(&self.clock) {
+                None => break,
+                Some(ContourPassage::Next) => {
+                    if let Some(passed) = contour.pass() {
+                        self.end_move(passed.data.execution, Flag::Pc.mask());
+                        self.activate(index);
+                    }
+                }
+                Some(ContourPassage::End) => {
+                    self.sample_system(index);
+                    self.end_contour(index);
+                    return;
+                }
+            }
+        }
+        self.sample_system(index);
+    }
+
+    /// The trajectory is at its end, or a stop on it is.
+    fn end_contour(&mut self, index: usize) {
+        let system = &mut self.systems[index];
+        let (end, active) = (system.active_end(), system.active());
+        let (Some(end), Some(active), false) = (end, active, system.activity == Activity::Stopping) else {
+            self.retire_contour(index);
+            self.release_axes(index);
+            return;
+        };
+        self.hold_at(index, &end);
+        if active.termination.settles() && self.settled(index, &end, self.clock.now()).is_none() {
+            return;
+        }
+        self.end_move(active.execution, Flag::Pc.mask());
+        let mut more = false;
+        if let Some(contour) = &mut self.systems[index].contour {
+            contour.pass();
+            self.retired.extend(contour.finish());
+            more = contour.moves().next().is_some();
+        }
+        self.release_axes(index);
+        let system = &mut self.systems[index];
+        system.in_actual_tolerance = active.termination.settles();
+        if more {
+            system.activity = Activity::Moving;
+        }
+    }
+
+    fn activate(&mut self, index: usize) {
+        let system = &mut self.systems[index];
+        system.shown_phase = Phase::Steady;
+        system.in_actual_tolerance = false;
+        system.in_command_tolerance = false;
+        if let Some(next) = system.active() {
+            self.controls.write(next.execution, Flag::Ac.mask(), 0, self.clock.tick);
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Planning contours beside the real-time thread: requests out, trajectories in, old ones out to be freed.
+//!
+//! A request is a buffer that goes round: the tick fills it, the planning thread reads it and sends it back
+//! empty, so neither side makes one while motion runs.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use arcline_controller::machine::{AxisLimits, Corner, Machine};
+use arcline_controller::{ContourRequest, PlannedContour, Trajectory};
+
+/// Requests under way at once.
+const REQUESTS: usize = 2;
+/// Trajectories that can wait to be taken or freed.
+const TRAJECTORIES: usize = 64;
+/// How often the planning thread looks for work: nothing in the tick may wake it.
+const PAUSE: Duration = Duration::from_millis(1);
+
+/// The controller's ends.
+#[derive(Debug)]
+pub(crate) struct Contours {
+    free: rtrb::Consumer<Box<ContourRequest>>,
+    asked: rtrb::Producer<Box<ContourRequest>>,
+    planned: rtrb::Consumer<PlannedContour>,
+    retired: rtrb::Producer<Box<Trajectory>>,
+    filling: Option<Box<ContourRequest>>,
+}
+
+/// The planning thread's ends.
+#[derive(Debug)]
+pub struct Planning {
+    free: rtrb::Producer<Box<ContourRequest>>,
+    asked: rtrb::Consumer<Box<ContourRequest>>,
+    planned: rtrb::Producer<PlannedContour>,
+    retired: rtrb::Consumer<Box<Trajectory>>,
+}
+
+/// Both ends, if the machine has a coordinate system that travels planned contours.
+pub(crate) fn link(machine: &Machine) -> Option<(Contours, Planning)> {
+    let plans = |system: &arcline_controller::machine::CoordinateSystem| {
+        system.corner == Corner::Precise || system.axis_limits == AxisLimits::Enforce
+    };
+    if !machine.systems.iter().any(plans) {
+        return None;
+    }
+    let (mut free, empty) = rtrb::RingBuffer::new(REQUESTS);
+    let (asked, requests) = rtrb::RingBuffer::new(REQUESTS);
+    let (planned, plans) = rtrb::RingBuffer::new(TRAJECTORIES);
+    let (retired, old) = rtrb::RingBuffer::new(TRAJECTORIES);
+    for _ in 0..REQUESTS {
+        // The ring was made for as many.
+        let _ = free.push(Box::new(ContourRequest::new()));
+    }
+    let contours = Contours {
+        free: empty,
+        asked,
+        planned: plans,
+        retired,
+        filling: None,
+    };
+    let planning = Planning {
+        free,
+        asked: requests,
+        planned,
+        retired: old,
+    };
+    Some((contours, planning))
+}
+
+impl Contours {
+    pub(crate) fn request(&mut self) -> Option<&mut ContourRequest> {
+        if self.filling.is_none() {
+            self.filling = self.free.pop().ok();
+        }
+        self.filling.as_deref_mut()
+    }
+
+    pub(crate) fn submit(&mut self) {
+        if let Some(request) = self.filling.take() {
+            // There are as many places as requests.
+            let _ = self.asked.push(request);
+        }
+    }
+
+    pub(crate) fn planned(&mut self) -> Option<PlannedContour> {
+        self.planned.pop().ok()
+    }
+
+    pub(crate) fn retire(&mut self, trajectory: Box<Trajectory>) -> Result<(), Box<Trajectory>> {
+        self.retired
+            .push(trajectory)
+            .map_err(|rtrb::PushError::Full(trajectory)| trajectory)
+    }
+}
+
+impl Planning {
+    /// Plans one request, if one waits, and frees what is no longer needed. Returns whether there was one.
+    pub fn step(&mut self) -> bool {
+        while self.retired.pop().is_ok() {}
+        let Ok(request) = self.asked.pop() else {
+            return false;
+        };
+        let planned = PlannedContour {
+            system: request.system,
+            generation: request.generation,
+            trajectory: request.plan(),
+        };
+        // Each system has one plan under way at most, so there is room for it and for the empty request.
+        let _ = self.planned.push(planned);
+        let _ = self.free.push(request);
+        true
+    }
+
+    pub(crate) fn run(&mut self, over: &AtomicBool) {
+        while !over.load(Ordering::Acquire) {
+            if !self.step() {
+                std::thread::sleep(PAUSE);
+            }
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! Coordinate systems with `corner = "precise"` or `axis_limits = "enforce"`: their moves are planned as contours.
+#![allow(missing_docs)]
+
+use arcline_instruction_set::Flag;
+use arcline_instruction_set::predefined::coordinate_motion_status as cms;
+use arcline_tests::bench::{Bench, OK};
+
+/// XY with precise corners, enforced limits of its axes and a queue of 20.
+fn precise() -> Bench {
+    Bench::replacing(
+        "name = \"XY\"",
+        "name = \"XY\"\nqueue_depth = 20\ncorner = \"precise\"\naxis_limits = \"enforce\"",
+    )
+}
+
+fn line(tag: &str, x: f64, y: f64, termination: &str) -> String {
+    format!("MCLM(XY, {tag}, 0, [{x}, {y}], 200, 0, 5000, 0, 5000, 0, 1, 100000, 100000, 0, {termination})")
+}
+
+/// Three sides of a square, rounded within 0.1 at two corners.
+fn three_sides(bench: &mut Bench) {
+    bench.execute(&line("M1", 50.0, 0.0, "6, 0, 0, 0.1"));
+    bench.execute(&line("M2", 50.0, 50.0, "6, 0, 0, 0.1"));
+    bench.execute(&line("M3", 0.0, 50.0, "1"));
+}
+
+fn distance_to_path(x: f64, y: f64) -> f64 {
+    let segment = |p: [f64; 2], q: [f64; 2]| {
+        let (dx, dy) = (q[0] - p[0], q[1] - p[1]);
+        let t = (((x - p[0]) * dx + (y - p[1]) * dy) / (dx * dx + dy * dy)).clamp(0.0, 1.0);
+        (x - p[0] - t * dx).hypot(y - p[1] - t * dy)
+    };
+    let sides = [
+        [[0.0, 0.0], [50.0, 0.0]],
+        [[50.0, 0.0], [50.0, 50.0]],
+        [[50.0, 50.0], [0.0, 50.0]],
+    ];
+    sides.iter().map(|[p, q]| segment(*p, *q)).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn corners_are_rounded_within_the_tolerance_and_the_end_is_exact() {
+    let mut bench = precise();
+    three_sides(&mut bench);
+    assert_eq!(bench.bits("M1"), "EN DN IP", "planned at the end of this update");
+    bench.tick();
+    assert_eq!(bench.bits("M1"), "EN DN IP AC ACCEL");
+    assert_eq!(bench.bits("M2"), "EN DN IP");
+    assert_ne!(bench.system("XY").motion_status & cms::MOVE_PENDING_STATUS, 0);
+    let mut last = [bench.axis("X").command, bench.axis("Y").command];
+    let mut order = Vec::new();
+    while bench.system("XY").status & 4 != 0 {
+        bench.tick();
+        let now = [bench.axis("X").command, bench.axis("Y").command];
+        assert!(distance_to_path(now[0][0], now[1][0]) <= 0.1 * 1.001, "{:?}", now);
+        for (before, after) in last.iter().zip(&now) {
+            let acceleration = (after[1] - before[1]) / 0.001;
+            assert!(acceleration.abs() <= 10_000.0 * 1.001, "{acceleration}");
+        }
+        last = now;
+        for tag in ["M1", "M2", "M3"] {
+            if bench.control(tag).has(Flag::Pc) && !order.contains(&tag) {
+                order.push(tag);
+            }
+        }
+    }
+    assert_eq!(order, ["M1", "M2", "M3"]);
+    assert_eq!((bench.position("X"), bench.position("Y")), (0.0, 50.0));
+    assert_eq!(last[0][1].hypot(last[1][1]), 0.0);
+    // A stop at each corner would take 3 · (0.25 + 0.09) s.
+    assert!(bench.now() < 950, "{} ms", bench.now());
+}
+
+#[test]
+fn moves_that_come_one_by_one_become_one_contour() {
+    let mut bench = precise();
+    for (place, (x, y)) in [(20.0, 0.0), (20.0, 20.0), (0.0, 20.0), (0.0, 0.0)].into_iter().enumerate() {
+        bench.execute(&line(&format!("M{place}"), x, y, "6, 0, 0, 0.1"));
+        bench.run(4);
+    }
+    assert_eq!((bench.bits("M0").as_str(), bench.position("X")), ("EN DN IP", 0.0));
+    bench.run(8);
+    assert!(bench.control("M0").has(Flag::Ac));
+    bench.until("M0", Flag::Pc);
+    assert!(bench.system("XY").path_speed > 1.0, "no stop at the corner");
+    bench.until("M3", Flag::Pc);
+    assert_eq!((bench.position("X"), bench.position("Y")), (0.0, 0.0));
+}
+
+#[test]
+fn a_stop_stays_on_the_path_and_ends_every_move() {
+    let mut bench = precise();
+    three_sides(&mut bench);
+    bench.run(260);
+    bench.execute("MCS(XY, S1, CoordinatedMove, Yes, 2000, 0, Yes, 20000, Unitspersec3)");
+    for tag in ["M1", "M2", "M3"] {
+        assert!(!bench.control(tag).has(Flag::Ip), "{tag}: {}", bench.bits(tag));
+    }
+    assert_eq!(bench.bits("S1"), "EN DN IP");
+    while !bench.control("S1").has(Flag::Pc) {
+        bench.tick();
+        assert!(distance_to_path(bench.position("X"), bench.position("Y")) <= 0.1 * 1.001);
+    }
+    assert_eq!((bench.axis("X").command[1], bench.axis("Y").command[1]), (0.0, 0.0));
+    assert_eq!(bench.call(&line("M4", 0.0, 0.0, "1")), OK);
+    bench.until("M4", Flag::Pc);
+    assert_eq!((bench.position("X"), bench.position("Y")), (0.0, 0.0));
+}
+
+#[test]
+fn cancelled_before_they_are_planned() {
+    let mut bench = precise();
+    three_sides(&mut bench);
+    bench.execute("MCS(XY, S1, CoordinatedMove)");
+    bench.until("S1", Flag::Pc);
+    assert_eq!((bench.bits("M1").as_str(), bench.position("X")), ("EN DN", 0.0));
+    assert_eq!(bench.call("MCSD(XY, D1)"), OK);
+}
+
+#[test]
+fn shutdown_ends_a_contour_at_once() {
+    let mut bench = precise();
+    three_sides(&mut bench);
+    bench.run(200);
+    assert_eq!(bench.call("MCSD(XY, D1)"), OK);
+    assert_eq!(
+        (bench.bits("M1").as_str(), bench.bits("M3").as_str()),
+        ("EN DN", "EN DN")
+    );
+    assert_eq!(bench.axis("X").command[1], 0.0);
+    bench.until_rest();
+}
+
+#[test]
+fn a_queue_that_is_full_says_so_and_goes_on() {
+    let mut bench = precise();
+    for place in 0..21 {
+        let (x, y) = if place % 2 == 0 {
+            (10.0, f64::from(place))
+        } else {
+            (0.0, f64::from(place))
+        };
+        assert_eq!(bench.call(&line(&format!("M{place}"), x, y, "6, 0, 0, 0.05")), OK);
+    }
+    assert_eq!(bench.call(&line("M21", 0.0, 0.0, "1")), (43, 0));
+    bench.until("M0", Flag::Pc);
+    assert_eq!(bench.call(&line("M21", 0.0, 0.0, "1")), OK);
+    bench.until("M21", Flag::Pc);
+    assert_eq!((bench.position("X"), bench.position("Y")), (0.0, 0.0));
+}
+
+#[test]
+fn every_update_period_gives_one_contour() {
+    let run = |period_ms: &str, every: u64| {
+        let config = arcline_config::DEFAULT
+            .replacen(
+                "name = \"XY\"",
+                "name = \"XY\"\nqueue_depth = 20\ncorner = \"precise\"",
+                1,
+            )
+            .replacen(
+                "coarse_update_period_ms = 1.0",
+                &format!("coarse_update_period_ms = {period_ms}"),
+                1,
+            );
+        let mut bench = Bench::with(&config);
+        three_sides(&mut bench);
+        (0..200)
+            .map(|_| {
+                bench.run(every);
+                [bench.position("X"), bench.position("Y")]
+            })
+            .collect::<Vec<_>>()
+    };
+    let reference = run("1.0", 4);
+    for (period, every) in [("0.25", 16), ("4.0", 1)] {
+        for (a, b) in reference.iter().zip(run(period, every)) {
+            assert!(
+                (a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-9,
+                "{period} ms: {a:?} {b:?}"
+            );
+        }
+    }
+}
