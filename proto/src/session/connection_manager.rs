@@ -19,6 +19,7 @@ use crate::status::connection as extended;
 
 /// The smallest connection size that is of any use: a sequence count, a reply's head and some data.
 pub const MIN_CONNECTION_SIZE: u16 = 16;
+
 impl Connections {
     /// Opens and closes connections. `Err` is the reply, of success too; other requests pass.
     pub(super) fn manage(
