@@ -5,6 +5,7 @@
 
 mod args;
 mod moves;
+mod operands;
 mod output;
 mod programs;
 mod status;

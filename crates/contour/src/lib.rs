@@ -5,6 +5,10 @@
 //! allocates and iterates: it belongs outside the tick. It knows no update period: the result is a
 //! function of time. Units: position units and seconds.
 #![forbid(unsafe_code)]
+#![allow(
+    clippy::needless_range_loop,
+    reason = "axes, nodes and band rows are indexed side by side"
+)]
 
 mod banded;
 mod course;

@@ -116,8 +116,16 @@ impl Problem<'_> {
             3.0 / (tau[1] + tau[2] + tau[3]),
             3.0 / (tau[2] + tau[3] + tau[4]),
         ];
-        let v = [(p[1] - p[0]) * wide[0], (p[2] - p[1]) * wide[1], (p[3] - p[2]) * wide[2]];
-        let fade = [v[0] * (-wide[0] / 3.0), v[1] * (-wide[1] / 3.0), v[2] * (-wide[2] / 3.0)];
+        let v = [
+            (p[1] - p[0]) * wide[0],
+            (p[2] - p[1]) * wide[1],
+            (p[3] - p[2]) * wide[2],
+        ];
+        let fade = [
+            v[0] * (-wide[0] / 3.0),
+            v[1] * (-wide[1] / 3.0),
+            v[2] * (-wide[2] / 3.0),
+        ];
         if i >= 0 && i < n {
             each(Quantity {
                 value: v[1],
@@ -162,7 +170,13 @@ impl Problem<'_> {
             ];
             let inverse = 1.0 / tau[2];
             let value = (next - here) * inverse;
-            let relative = [tau[0] * inverse, tau[1] * inverse, 1.0, tau[3] * inverse, tau[4] * inverse];
+            let relative = [
+                tau[0] * inverse,
+                tau[1] * inverse,
+                1.0,
+                tau[3] * inverse,
+                tau[4] * inverse,
+            ];
             each(Quantity {
                 value,
                 by_span: [
@@ -239,8 +253,7 @@ impl Problem<'_> {
     fn merit(&self, t: f64, points: &[Point], spans: &[f64]) -> f64 {
         let mut sum = 0.0;
         for span in spans {
-            // Negated so that a NaN ends here too.
-            if !(*span > 0.0) {
+            if span.is_nan() || *span <= 0.0 {
                 return f64::INFINITY;
             }
             sum += t * span;
@@ -275,7 +288,7 @@ impl Problem<'_> {
         if self.lateral > 0 {
             for row in &self.tube {
                 let slack = row.slack(self.course, points);
-                if !(slack > 0.0) {
+                if slack.is_nan() || slack <= 0.0 {
                     return f64::INFINITY;
                 }
                 sum -= libm::log(slack);
@@ -409,14 +422,7 @@ impl Problem<'_> {
     }
 
     /// The Gauss-Newton matrix and minus the gradient.
-    fn assemble(
-        &self,
-        t: f64,
-        points: &[Point],
-        spans: &[f64],
-        matrix: &mut Banded,
-        right: &mut [f64],
-    ) {
+    fn assemble(&self, t: f64, points: &[Point], spans: &[f64], matrix: &mut Banded, right: &mut [f64]) {
         let block = 1 + self.lateral;
         let n = self.intervals();
         matrix.clear();
@@ -491,7 +497,7 @@ impl Problem<'_> {
             // Into the band. Beyond the ends the rate is that of the end.
             let variable = |k: usize| -> Option<usize> {
                 let node = i - 2 + (k / block) as isize;
-                if k % block == 0 {
+                if k.is_multiple_of(block) {
                     Some(node.clamp(0, n - 1) as usize * block)
                 } else {
                     (node >= 0 && node <= n).then(|| node as usize * block + k % block)

@@ -1,7 +1,7 @@
 //! From moves to a trajectory: sections from rest to rest, each rounded, timed and improved.
 
 use crate::course::{Course, along};
-use crate::nominal::{Nodes, Warp, intervals, nodes};
+use crate::nominal::{Nodes, Warp, grid, nodes, sites};
 use crate::optimise::{self, Limits, Problem, TubeRow};
 use crate::rounding::{Smoothness, round};
 use crate::share::{Share, tolerance_at};
@@ -134,7 +134,11 @@ impl Section<'_> {
         for (index, round) in rounds.iter().enumerate() {
             let limited = if round.jerk { bounds } else { &free };
             if let Some((trajectory, times)) = &last {
-                let warp = if round.jerk { core::mem::replace(&mut warped, Smoothness::Trapezoid) } else { Smoothness::Trapezoid };
+                let warp = if round.jerk {
+                    core::mem::replace(&mut warped, Smoothness::Trapezoid)
+                } else {
+                    Smoothness::Trapezoid
+                };
                 nodes = resample(trajectory, times, &nodes, bounds, warp);
                 project(course, &mut nodes);
             }
@@ -161,7 +165,8 @@ impl Section<'_> {
             if round.last_one && worst <= 1.0 {
                 return Some(self.finish(trajectory, &nodes, &times));
             }
-            if index + 3 >= rounds.len() {
+            // The first repair is local; then the whole tube gives way.
+            if index + REPAIRS > rounds.len() {
                 share.narrow(worst);
             }
             last = Some((trajectory, times));
@@ -229,9 +234,16 @@ fn rounds(smoothness: Smoothness, effort: Effort) -> Vec<Round> {
 fn timed(nodes: &Nodes, bounds: &[Bounds], course: &Course, keep: bool) -> (Trajectory, Vec<f64>) {
     let trajectory = Trajectory::spline(&nodes.points, &nodes.spans);
     let factor = excess(&trajectory, nodes, bounds, course);
-    let spans: Vec<f64> = nodes.spans.iter().map(|span| span * if keep { factor } else { 1.0 }).collect();
+    let spans: Vec<f64> = nodes
+        .spans
+        .iter()
+        .map(|span| span * if keep { factor } else { 1.0 })
+        .collect();
     let trajectory = Trajectory::spline(&nodes.points, &spans);
-    let times = trajectory.knots[1..=nodes.points.len()].iter().map(|k| k.time).collect();
+    let times = trajectory.knots[1..=nodes.points.len()]
+        .iter()
+        .map(|k| k.time)
+        .collect();
     (trajectory, times)
 }
 
@@ -267,13 +279,7 @@ fn excess(trajectory: &Trajectory, nodes: &Nodes, bounds: &[Bounds], course: &Co
 }
 
 /// The same curve with nodes at equal intervals of its time, warped at its ends for an S-curve.
-fn resample(
-    trajectory: &Trajectory,
-    times: &[f64],
-    nodes: &Nodes,
-    bounds: &[Bounds],
-    smoothness: Smoothness,
-) -> Nodes {
+fn resample(trajectory: &Trajectory, times: &[f64], nodes: &Nodes, bounds: &[Bounds], smoothness: Smoothness) -> Nodes {
     let rate = |bound: Option<&Bounds>| bound.map_or(f64::INFINITY, |b| b.axes.acceleration.min().min(b.acceleration));
     let warp = Warp::new(
         trajectory.duration(),
@@ -283,12 +289,21 @@ fn resample(
         smoothness,
     );
     let whole = warp.stretched(trajectory.duration());
-    let intervals = intervals(whole);
+    let mut busy: Vec<(f64, f64)> = Vec::new();
+    for pair in trajectory.knots.windows(2) {
+        let (here, next) = (&pair[0], &pair[1]);
+        let most = here.state.acceleration.norm().max(next.state.acceleration.norm());
+        if most > IDLE * rate(bounds.first()).min(rate(bounds.last())) {
+            busy.push((warp.warped(here.time), warp.warped(next.time)));
+        }
+    }
+    let grid = grid(whole, &busy);
+    let intervals = grid.len() - 1;
     let mut points = Vec::with_capacity(intervals + 1);
     let mut progress = Vec::with_capacity(intervals + 1);
     let mut i = 0;
-    for k in 0..=intervals {
-        let time = warp.nominal(whole * k as f64 / intervals as f64);
+    for at in sites(&grid) {
+        let time = warp.nominal(at);
         points.push(trajectory.at(time).position);
         while i + 2 < times.len() && times[i + 1] < time {
             i += 1;
@@ -309,7 +324,7 @@ fn resample(
     Nodes {
         points,
         progress,
-        spans: vec![whole / intervals as f64; intervals],
+        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
     }
 }
 
@@ -399,7 +414,7 @@ fn problem<'a>(
         tangents,
         tube,
         fixed,
-        spans: vec![1.0; count - 1],
+        spans: nodes.spans.iter().map(|h| h / span).collect(),
         lateral,
     }
 }
@@ -407,11 +422,14 @@ fn problem<'a>(
 /// The unit normal of the plane that holds all points, when they lie in one that is normal to an axis.
 fn plane_of(points: &[Point]) -> Option<Point> {
     let first = points[0];
-    (0..3).rev().find(|&axis| points.iter().all(|p| p[axis] == first[axis])).map(|axis| {
-        let mut normal = Point::zeros();
-        normal[axis] = 1.0;
-        normal
-    })
+    (0..3)
+        .rev()
+        .find(|&axis| points.iter().all(|p| p[axis] == first[axis]))
+        .map(|axis| {
+            let mut normal = Point::zeros();
+            normal[axis] = 1.0;
+            normal
+        })
 }
 
 /// Two unit vectors across a tangent, the first one in the plane if there is one.
@@ -485,7 +503,11 @@ fn move_ends(moves: &[ContourMove], course: &Course, nodes: &Nodes, times: &[f64
             let s = course.starts[piece];
             let k = nodes.progress.partition_point(|&p| p < s).clamp(1, times.len() - 1);
             let (p0, p1) = (nodes.progress[k - 1], nodes.progress[k]);
-            let part = if p1 > p0 { ((s - p0) / (p1 - p0)).clamp(0.0, 1.0) } else { 1.0 };
+            let part = if p1 > p0 {
+                ((s - p0) / (p1 - p0)).clamp(0.0, 1.0)
+            } else {
+                1.0
+            };
             last = times[k - 1] + (times[k] - times[k - 1]) * part;
             if piece == course.pieces.len() {
                 last = whole;
@@ -502,6 +524,8 @@ const TANGENT: f64 = 1e-6;
 const SHORTEST: f64 = 1e-9;
 /// How fast the tube opens at the ends of the course.
 const CONE: f64 = 0.25;
+/// Share of the acceleration limit below which nothing happens.
+const IDLE: f64 = 1e-3;
 /// How often the tube is tightened where the result is outside.
 const REPAIRS: usize = 5;
 /// Share of the limits that the optimisation uses; the rest is for its discretisation.

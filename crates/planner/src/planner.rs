@@ -3,10 +3,9 @@
 use std::collections::VecDeque;
 
 use arcline_geometry::{Path, Point};
-use arcline_profile::{Jerk, Limits, Profile, State};
+use arcline_profile::{Jerk, Limits, Profile, State, exit_speed};
 
 use crate::junction::{Ending, Junction, braking, is_along, joins, junction, junction_speed};
-use crate::reach::{accelerates_until, brakes_from, exit_speed};
 use crate::track::{Approach, Residual, Sample, Track};
 use crate::{Clock, Instant};
 
@@ -456,15 +455,15 @@ impl<T: Copy> Planner<T> {
                 track.profile.time_at_position(end).unwrap_or(track.profile.duration())
             }
             Junction::Rest | Junction::Pass { early: false, .. } => return,
-            Junction::Pass { early: true, .. } => brakes_from(&track.profile),
+            Junction::Pass { early: true, .. } => track.profile.brakes_from(),
             Junction::Overtake { tolerance } => reaches(tolerance),
             Junction::Blend { tolerance } => {
                 let begins =
-                    brakes_from(&track.profile).max(if tolerance.is_finite() { reaches(tolerance) } else { 0.0 });
+                    track.profile.brakes_from().max(if tolerance.is_finite() { reaches(tolerance) } else { 0.0 });
                 let begins = begins.max(now);
                 let braking = track.profile.duration() - begins;
                 let rising = Profile::to_position(State::default(), next.path.length(), 0.0, &next.limits);
-                begins + (braking - accelerates_until(&rising)).max(0.0)
+                begins + (braking - rising.accelerates_until()).max(0.0)
             }
         };
         if let Some(tail) = &self.tail {
