@@ -16,9 +16,12 @@ mod nominal;
 mod optimise;
 mod plan;
 mod rounding;
+mod setup;
 mod share;
+mod steps;
 mod straight;
 mod trajectory;
+mod tube;
 
 pub use arcline_geometry::{Path, Point};
 pub use plan::{Effort, plan, plan_with};
