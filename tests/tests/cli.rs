@@ -223,3 +223,49 @@ fn servers_end_in_a_controlled_way() {
     let (status, log) = server.terminate();
     assert!(status.success(), "{status:?}: {log}");
 }
+
+#[test]
+fn override_hold_and_resume() {
+    let server = Server::start();
+    let at = server.address();
+    let speed = || read_numbers(at, &["X.CommandVelocity"])[0];
+    let reaches = |wanted: f64| {
+        eventually(&format!("speed {wanted}"), Duration::from_secs(20), || {
+            ((speed() - wanted).abs() < 1e-3).then_some(())
+        });
+    };
+    let shown = || arcline(at, &["--json", "status", "CS1"]).expect(0).objects()[0]["override"].clone();
+    assert_eq!(shown(), 100.0);
+    let _ = arcline(at, &["move", "CS1", "100000,0,0", "--speed", "100", "--no-wait"]).expect(0);
+    reaches(100.0);
+    assert_eq!(
+        arcline(at, &["override", "CS1", "50%"]).expect(0).stdout,
+        "CS1 at 50% of the programmed speed\n"
+    );
+    reaches(50.0);
+    assert_eq!(arcline(at, &["hold", "cs1"]).expect(0).stdout, "cs1 held\n");
+    reaches(0.0);
+    let status = arcline(at, &["status", "CS1"]).expect(0).stdout;
+    assert!(status.contains("moving, held"), "{status}");
+    let resumed = arcline(at, &["--json", "resume", "CS1"]).expect(0).objects();
+    assert_eq!(resumed[0]["override"], 50.0, "as before the hold");
+    reaches(50.0);
+    assert!(
+        arcline(at, &["status", "CS1"])
+            .expect(0)
+            .stdout
+            .contains("override 50%"),
+        "what is not as programmed is shown"
+    );
+    for (arguments, message) in [
+        (&["override", "CS1", "201"], "from 0 to 200"),
+        (&["override", "CS1", "-1"], "from 0 to 200"),
+        (&["override", "CS7", "50"], "CS7"),
+    ] {
+        let refused = arcline(at, arguments);
+        assert_eq!(refused.code, Some(2), "{refused:?}");
+        assert!(refused.stderr.contains(message), "{refused:?}");
+    }
+    let _ = arcline(at, &["stop"]).expect(0);
+    assert_eq!(shown(), 50.0, "kept until it is changed");
+}

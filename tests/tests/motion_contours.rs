@@ -72,6 +72,25 @@ fn corners_are_rounded_within_the_tolerance_and_the_end_is_exact() {
 }
 
 #[test]
+fn moves_that_come_one_by_one_become_one_contour() {
+    let mut bench = precise();
+    for (place, (x, y)) in [(20.0, 0.0), (20.0, 20.0), (0.0, 20.0), (0.0, 0.0)]
+        .into_iter()
+        .enumerate()
+    {
+        bench.execute(&line(&format!("M{place}"), x, y, "6, 0, 0, 0.1"));
+        bench.run(4);
+    }
+    assert_eq!((bench.bits("M0").as_str(), bench.position("X")), ("EN DN IP", 0.0));
+    bench.run(8);
+    assert!(bench.control("M0").has(Flag::Ac));
+    bench.until("M0", Flag::Pc);
+    assert!(bench.system("XY").path_speed > 1.0, "no stop at the corner");
+    bench.until("M3", Flag::Pc);
+    assert_eq!((bench.position("X"), bench.position("Y")), (0.0, 0.0));
+}
+
+#[test]
 fn a_stop_stays_on_the_path_and_ends_every_move() {
     let mut bench = precise();
     three_sides(&mut bench);

@@ -378,3 +378,37 @@ fn a_change_of_the_speed_on_a_contour_is_a_pace() {
     assert!(top <= SPEED * 1.001, "never faster than planned: {top}");
     assert_eq!((bench.position("X"), bench.position("Y")), (50.0, 50.0));
 }
+
+#[test]
+fn a_short_move_that_is_faster_than_the_one_before_it_is_passed_at_speed() {
+    let mut bench = deep();
+    for (tag, x, speed) in [("M0", 20.0, 90), ("M1", 22.0, 100), ("M2", 60.0, 90)] {
+        let call = format!(
+            "MCLM(XY, {tag}, 0, [{x}, {}], {speed}, 0, {RATE}, 0, {RATE}, 0, 1, {JERK}, {JERK}, 0, 4)",
+            0.5 * x
+        );
+        assert_eq!(bench.call(&call), OK);
+    }
+    bench.until("M0", Flag::Pc);
+    while !bench.control("M1").has(Flag::Pc) {
+        bench.tick();
+        assert!(speed(&bench) > 89.0, "{}", speed(&bench));
+    }
+}
+
+#[test]
+fn a_held_move_can_be_stopped() {
+    for mut bench in [Bench::new(), precise()] {
+        bench.execute(&line("M", 100.0, 50.0, "1"));
+        bench.run(300);
+        bench.set_override("XY", 0.0);
+        bench.run(300);
+        bench.execute("MCS(XY, S, CoordinatedMove)");
+        bench.run(2);
+        assert_eq!(
+            (bench.bits("S").as_str(), bench.bits("M").as_str()),
+            ("EN DN PC", "EN DN")
+        );
+        bench.until_rest();
+    }
+}

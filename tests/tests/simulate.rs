@@ -95,3 +95,38 @@ fn faster_than_real_time() {
         );
     }
 }
+
+#[test]
+fn a_program_sets_the_override() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("program.st");
+    let run = |text: &str| {
+        fs::write(&file, text).expect("the folder is writable");
+        let trace = folder.path().join("trace.csv");
+        let run = Command::new(programs::arcline_server())
+            .args([Path::new("simulate"), &file, Path::new("--trace"), &trace])
+            .output()
+            .expect("the server was just built");
+        let rows = fs::read_to_string(&trace).map_or(0, |trace| trace.lines().count());
+        (
+            run.status.code(),
+            String::from_utf8_lossy(&run.stderr).into_owned(),
+            rows,
+        )
+    };
+    let program = "MCLM(CS1, M, 0, [100, 0, 0], 100, 0, 2000, 0, 2000, 0, 1, 50000, 50000, 0, 1);";
+    let (code, errors, whole) = run(program);
+    assert_eq!(code, Some(0), "{errors}");
+    let (code, errors, half) = run(&format!("FeedOverride[0] := 50; {program}"));
+    assert_eq!(code, Some(0), "{errors}");
+    assert!(
+        half > whole * 9 / 5 && half < whole * 2,
+        "{half} rows instead of {whole}"
+    );
+    let (code, errors, _) = run("FeedOverride[0] := 201;");
+    assert_ne!(code, Some(0));
+    assert!(
+        errors.contains("FeedOverride cannot be 201, expected 0 to 200"),
+        "{errors}"
+    );
+}

@@ -6,6 +6,7 @@
 mod args;
 mod feed_override;
 mod moves;
+mod operands;
 mod output;
 mod programs;
 mod status;

@@ -58,7 +58,7 @@ impl Motion {
                 continue;
             };
             request.moves.clear();
-            if let Some(generation) = contour.batch(|motion| request.moves.push(motion)) {
+            if let Some(generation) = contour.batch(&self.clock, |motion| request.moves.push(motion)) {
                 request.system = index as u16;
                 request.generation = generation;
                 request.limits = system.axis_limits;
@@ -102,7 +102,7 @@ impl Motion {
             return Err(MotionError::InvalidPlannerState);
         };
         contour
-            .push(planned)
+            .push(planned, &self.clock)
             .map_err(|_| MotionError::CoordinateSystemQueueFull)?;
         if system.activity == Activity::Idle {
             system.activity = Activity::Moving;

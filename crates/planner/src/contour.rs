@@ -21,6 +21,8 @@ pub struct ContourQueue<T> {
     run: Option<Run>,
     asked: bool,
     generation: u32,
+    /// When the last move was queued.
+    grown: Option<Instant>,
     /// The override: share of the programmed speeds.
     rate: f64,
     /// Share of the programmed speeds that the contour was planned with: at least 1.
@@ -70,6 +72,7 @@ impl<T: Copy> ContourQueue<T> {
             run: None,
             asked: false,
             generation: 0,
+            grown: None,
             rate: 1.0,
             scale: 1.0,
         }
@@ -107,18 +110,24 @@ impl<T: Copy> ContourQueue<T> {
     ///
     /// # Errors
     /// [`QueueFull`] when all places are taken.
-    pub fn push(&mut self, motion: Move<T>) -> Result<(), QueueFull> {
+    pub fn push(&mut self, motion: Move<T>, clock: &Clock) -> Result<(), QueueFull> {
         if self.is_full() {
             return Err(QueueFull);
         }
+        self.grown = Some(clock.now());
         self.moves.push_back(motion);
         Ok(())
     }
 
     /// The moves that are to be planned now, as one contour from rest to rest: up to the first that ends in a
-    /// stop. Asks once; the plan is expected with the generation that is returned.
-    pub fn batch(&mut self, mut take: impl FnMut(ContourMove)) -> Option<u32> {
+    /// stop. Where none does and there is room for more, the queue is given a moment to grow. Asks once; the plan
+    /// is expected with the generation that is returned.
+    pub fn batch(&mut self, clock: &Clock, mut take: impl FnMut(ContourMove)) -> Option<u32> {
         if self.asked || self.run.is_some() || self.moves.is_empty() {
+            return None;
+        }
+        let open = !self.is_full() && self.moves.iter().all(|motion| motion.ending != Ending::Stop);
+        if open && self.grown.is_some_and(|grown| grown.elapsed(clock) < GATHER) {
             return None;
         }
         self.scale = self.rate.max(1.0);
@@ -326,6 +335,9 @@ impl<T: Copy> ContourQueue<T> {
         })
     }
 }
+
+/// How long a contour without an end waits for another move, seconds: clients send them one by one.
+const GATHER: f64 = 0.01;
 
 /// How far from a corner superposition without a tolerance would pass it: what No Decel may round by
 /// (spec/motion-core.md §6.1; the lower bound, which holds for S-curves too).

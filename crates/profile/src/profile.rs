@@ -223,7 +223,21 @@ impl Profile {
             return Some(self.duration);
         }
         let more = (s - self.end.position) / self.end.velocity;
-        (more >= 0.0 && more.is_finite()).then_some(self.duration + more)
+        if more >= 0.0 && more.is_finite() {
+            return Some(self.duration + more);
+        }
+        // Beyond a turning point or the end by rounding, as a sample may be.
+        let turns = self.segments.iter().zip(&self.times).take(self.len);
+        let (mut nearest, mut when) = ((s - self.end.position).abs(), self.duration);
+        let mut largest = self.end.position.abs();
+        for (segment, &time) in turns {
+            let position = segment.state.position;
+            largest = largest.max(position.abs());
+            if (s - position).abs() < nearest {
+                (nearest, when) = ((s - position).abs(), time);
+            }
+        }
+        (nearest <= ROUNDING * largest).then_some(when)
     }
 
     /// Start times of the segments, for plots and tests: at most 14, ascending.
@@ -349,6 +363,9 @@ impl Segment {
         u
     }
 }
+
+/// Relative error of a sampled position.
+const ROUNDING: f64 = 4e-15;
 
 /// Multiplied, since a division takes three times as long.
 const SIXTH: f64 = 1.0 / 6.0;

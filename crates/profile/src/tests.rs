@@ -716,7 +716,9 @@ fn times_of_positions_and_phases() {
         let profile = Profile::to_position(from, target, 0.0, &limits);
         let t = random.unit() * profile.duration();
         let s = profile.at(t).position;
-        let found = profile.time_at_position(s).expect("passed");
+        let found = profile
+            .time_at_position(s)
+            .unwrap_or_else(|| panic!("case {case}: {t} {s:?} {profile:?}"));
         // Near rest the position stands still to rounding while time goes on.
         assert!(found <= t + 1e-5 * profile.duration(), "case {case}");
         let there = profile.at(found).position;

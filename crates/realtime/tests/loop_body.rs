@@ -126,6 +126,45 @@ fn a_tick_allocates_nothing_and_is_whole_when_it_is_published() {
 }
 
 #[test]
+fn contours_are_planned_beside_the_tick_and_freed_there() {
+    let mut machine = machine(1_000_000);
+    machine.systems[0].queue_depth = 10;
+    machine.systems[0].corner = arcline_controller::machine::Corner::Precise;
+    let (mut rings, mut link) = link(&machine);
+    let mut planning = link
+        .planning
+        .take()
+        .expect("the machine has a precise coordinate system");
+    let mut controller = Controller::new(&machine);
+    for round in 0..3u64 {
+        for place in 1..=2 {
+            let ticket = 2 * round + place;
+            let mut call = line(
+                ControlSlot(ticket as u32),
+                [10.0 * ticket as f64, 5.0 * (ticket % 3) as f64],
+            );
+            if place == 1 {
+                // Command Tolerance Programmed, 0.5 units.
+                for (name, number) in [("Termination Type", 6.0), ("Command Tolerance", 0.5)] {
+                    let operand = call.mnemonic.instruction().operand(name).expect(name);
+                    call.arguments[operand] = Argument::Number(number);
+                }
+            }
+            link.commands.push(Command::Call(Ticket(ticket), call)).expect("room");
+        }
+        assert_no_alloc(|| step(&mut controller, &mut rings));
+        assert!(planning.step(), "the tick has asked for a plan");
+        for _ in 0..1000 {
+            assert_no_alloc(|| step(&mut controller, &mut rings));
+        }
+        assert!(!planning.step(), "one request, one plan");
+        link.snapshots.update();
+        let ends = [20.0, 40.0, 60.0][round as usize];
+        assert_eq!(link.snapshots.output_buffer().axes[0].command, [ends, 0.0, 0.0]);
+    }
+}
+
+#[test]
 fn the_thread_ticks_counts_and_stops_what_moves() {
     let machine = machine(250_000);
     let (mut link, handle) = spawn(&machine, Options::default()).expect("a thread");

@@ -143,3 +143,31 @@ fn the_newest_executions_are_kept() {
     }
     assert!(records.get_mut(Ticket(10)).is_none() && records.get_mut(Ticket(5000)).is_none());
 }
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn an_override_holds_and_resumes() {
+    let (plant, handle) = Plant::start(&project()).expect("a thread");
+    let held = write(
+        &plant,
+        &[
+            ("FeedOverride[0]", 0.0),
+            ("Move1.Position[0]", 20.0),
+            ("Move1.EnableIn", 1.0),
+        ],
+    );
+    plant.fire(held).await;
+    assert_eq!(
+        ["IP", "AC", "PC"].map(|bit| number(&plant, &format!("Move1.{bit}"))),
+        [1.0, 1.0, 0.0]
+    );
+    let ticks = plant.health().ticks;
+    while plant.health().ticks < ticks + 100 {
+        tokio::task::yield_now().await;
+    }
+    assert_eq!(number(&plant, "X.CommandPosition"), 0.0, "held");
+    let resumed = write(&plant, &[("FeedOverride[0]", 100.0)]);
+    plant.fire(resumed).await;
+    wait(&plant, "Move1.PC").await;
+    assert_eq!(number(&plant, "X.CommandPosition"), 20.0);
+    handle.stop();
+}

@@ -3,7 +3,10 @@
 //! The tag is the only place of an override outside the controller: whatever sets one writes it, and the caller
 //! sends the controller what came of it ([`Edge::FeedOverride`]).
 
+use arcline_tag::{DataType, Elementary, TagType};
+
 use super::{Edge, Image, TagId, TagKind, WriteError};
+use crate::machine::Machine;
 
 /// Name of the tag.
 pub const FEED_OVERRIDE_TAG: &str = "FeedOverride";
@@ -34,6 +37,21 @@ impl Image {
         let tag = self.tags().iter().find(|tag| tag.kind == TagKind::FeedOverride);
         let id = tag.ok_or(WriteError::NoSuchTag)?.id;
         self.write(id, SIZE * usize::from(system), &percent.to_le_bytes())
+    }
+
+    /// The tag of the overrides, where there is something to override and the name is free.
+    pub(super) fn add_feed_override(&mut self, machine: &Machine) {
+        let systems = machine.systems.len() as u32;
+        if systems == 0 || self.find(FEED_OVERRIDE_TAG).is_some() {
+            return;
+        }
+        let tag_type = TagType::array(DataType::Elementary(Elementary::Real), systems);
+        let id = self.add(FEED_OVERRIDE_TAG, tag_type, TagKind::FeedOverride);
+        if let Some(bytes) = self.bytes_mut(id) {
+            bytes
+                .chunks_exact_mut(SIZE)
+                .for_each(|element| element.copy_from_slice(&AS_PROGRAMMED.to_le_bytes()));
+        }
     }
 
     /// Writes bytes of the tag, if every element is then in range.

@@ -1,6 +1,7 @@
 //! The tag memory: names, paths, who may write, edges, and what events and snapshots make of it.
 
-use arcline_instruction_set::{Argument, Flag};
+use arcline_instruction_set::{Argument, Directory, Flag, Mnemonic};
+use arcline_tag::{Elementary, TagPath, Value};
 
 use super::*;
 use crate::machine::{Axis, AxisKind, CoordinateSystem, Drive, Start};

@@ -3,6 +3,7 @@
 use arcline_proto::cip::{Request, encode_attribute_ids, service};
 use arcline_proto::epath::{Epath, Segment};
 use arcline_proto::logix::{ReadTemplate, Symbol, TemplateAttributes};
+use arcline_tag::Elementary;
 use bytes::Bytes;
 
 use super::*;
@@ -161,4 +162,77 @@ async fn objects_answer_for_themselves() {
             assert_eq!(&reply.data[..], data, "{why}");
         }
     }
+}
+
+#[tokio::test]
+async fn an_override_is_set_as_an_attribute_or_a_tag() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    let get = |attribute| {
+        Request::new(
+            service::GET_ATTRIBUTE_SINGLE,
+            Epath::attribute(0x302, 2, attribute),
+            Bytes::new(),
+        )
+    };
+    let set = |instance, value: &[u8]| {
+        Request::new(
+            service::SET_ATTRIBUTE_SINGLE,
+            Epath::attribute(0x302, instance, 10),
+            Bytes::copy_from_slice(value),
+        )
+    };
+    let real = |value: f32| value.to_le_bytes();
+    let tag = |value: f32| write("FeedOverride[1]", Elementary::Real.into(), 1, &real(value));
+    #[rustfmt::skip]
+    let cases = [
+        // why,                       request,                       status, override, before the hold
+        ("as it starts",              get(10),                       (0, 0),    100.0, 100.0),
+        ("as an attribute",           set(2, &real(50.0)),           (0, 0),    50.0,  50.0),
+        ("another system's",          set(1, &real(10.0)),           (0, 0),    50.0,  50.0),
+        ("a hold",                    set(2, &real(0.0)),            (0, 0),    0.0,   50.0),
+        ("too much",                  set(2, &real(200.1)),          (0x09, 0), 0.0,   50.0),
+        ("below zero",                set(2, &real(-1.0)),           (0x09, 0), 0.0,   50.0),
+        ("no number",                 set(2, &real(f32::NAN)),       (0x09, 0), 0.0,   50.0),
+        ("too short",                 set(2, &[0, 0]),               (0x13, 0), 0.0,   50.0),
+        ("too long",                  set(2, &[0; 5]),               (0x15, 0), 0.0,   50.0),
+        ("a system beyond",           set(5, &real(50.0)),           (0x05, 0), 0.0,   50.0),
+        ("as a tag",                  tag(150.0),                    (0, 0),    150.0, 150.0),
+        ("as a tag, too much",        tag(201.0),                    (0x20, 0), 150.0, 150.0),
+        ("as a tag, no number",       tag(f32::NAN),                 (0x20, 0), 150.0, 150.0),
+    ];
+    for (why, request, status, percent, before) in cases {
+        let reply = client.ask(&request).await;
+        assert_eq!(codes(reply.status), status, "{why}");
+        assert_eq!(client.ask(&get(10)).await.data[..], real(percent), "{why}");
+        assert_eq!(client.ask(&get(11)).await.data[..], real(before), "{why}");
+        assert_eq!(client.read("FeedOverride[1]").await.data[..], real(percent), "{why}");
+    }
+    assert_eq!(client.read("FeedOverride[0]").await.data[..], real(10.0));
+    let both = client
+        .ask(&write(
+            "FeedOverride",
+            Elementary::Real.into(),
+            2,
+            &[real(20.0), real(300.0)].concat(),
+        ))
+        .await;
+    assert_eq!(codes(both.status), (0x20, 0));
+    assert_eq!(
+        client.read("FeedOverride[0]").await.data[..],
+        real(10.0),
+        "none of them is written"
+    );
+    let reply = client
+        .ask(&Request::new(
+            service::SET_ATTRIBUTE_SINGLE,
+            Epath::attribute(0x302, 1, 11),
+            Bytes::from_static(&[0; 4]),
+        ))
+        .await;
+    assert_eq!(
+        codes(reply.status),
+        (0x0E, 0),
+        "what a hold has replaced is not settable"
+    );
 }

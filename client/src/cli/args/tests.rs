@@ -1,0 +1,152 @@
+use arcline_client::Mnemonic;
+
+use super::help::instructions;
+use super::*;
+
+fn parse(line: &str) -> Result<Command, clap::Error> {
+    let words = line.split_whitespace();
+    let matches = command().try_get_matches_from(std::iter::once("arcline").chain(words))?;
+    <Arguments as clap::FromArgMatches>::from_arg_matches(&matches).map(|arguments| arguments.command)
+}
+
+#[test]
+fn the_command_is_consistent_and_every_help_has_an_example() {
+    command().debug_assert();
+    for sub in command().get_subcommands() {
+        let help = sub.get_after_help().map(ToString::to_string).unwrap_or_default();
+        assert!(help.contains("Example: arcline "), "{}", sub.get_name());
+    }
+}
+
+#[test]
+fn moves_parse() {
+    #[rustfmt::skip]
+    let cases = [
+        // why,                        arguments,                           position,                speed
+        ("a plain move",               "move CS1 100,50,0",                 vec![100.0, 50.0, 0.0],  None),
+        ("negative first",             "move CS1 -10,0,-5 --relative",      vec![-10.0, 0.0, -5.0],  None),
+        ("flags in front",             "move CS1 --relative -10,0",         vec![-10.0, 0.0],        None),
+        ("free of flags behind --",    "move --speed 50% -- CS1 -1,-2",     vec![-1.0, -2.0],        Some(Rate::Percent(50.0))),
+        ("units",                      "move CS1 1,2 --speed 12.5",         vec![1.0, 2.0],          Some(Rate::Units(12.5))),
+        ("a speed that will err",      "move CS1 1,2 --speed -5",           vec![1.0, 2.0],          Some(Rate::Units(-5.0))),
+        ("one axis",                   "move L 7",                          vec![7.0],               None),
+        ("brackets",                   "move L [7,8]",                      vec![7.0, 8.0],          None),
+    ];
+    for (why, line, position, speed) in cases {
+        let Ok(Command::Move(command)) = parse(line) else {
+            panic!("{why}: {line}: {:?}", parse(line))
+        };
+        assert_eq!(
+            (command.position.0, command.dynamics.speed),
+            (position, speed),
+            "{why}: {line}"
+        );
+    }
+}
+
+#[test]
+fn words_or_numbers_for_termination_and_merge() {
+    for (line, termination, merge) in [
+        ("move CS1 1,2 --termination NoSettle", Some(1), None),
+        (
+            "move CS1 1,2 --termination no-settle --merge allmotion",
+            Some(1),
+            Some(2),
+        ),
+        ("move CS1 1,2 --termination 6 --merge 1", Some(6), Some(1)),
+    ] {
+        let Ok(Command::Move(command)) = parse(line) else {
+            panic!("{line}")
+        };
+        assert_eq!(
+            (command.dynamics.termination, command.dynamics.merge),
+            (termination, merge),
+            "{line}"
+        );
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    #[rustfmt::skip]
+    let cases = [
+        ("no position",           "move CS1"),
+        ("not a number",          "move CS1 a,b"),
+        ("not finite",            "move CS1 inf,0"),
+        ("an unknown word",       "move CS1 1,2 --termination Smooth"),
+        ("no such number",        "move CS1 1,2 --termination 9"),
+        ("an unknown flag",       "move CS1 1,2 --fast"),
+        ("an arc without circle", "arc XY 1,2"),
+        ("two circles",           "arc XY 1,2 --via 1,1 --radius 3"),
+        ("two directions",        "arc XY 1,2 --radius 3 --cw --ccw"),
+        ("nothing to change",     "change CS1"),
+        ("no axis",               "servo on"),
+        ("axes and all",          "servo on X --all"),
+        ("neither on nor off",    "servo X"),
+        ("nothing to read",       "read"),
+        ("a later command",       "jog X 5"),
+        ("no command",            ""),
+    ];
+    for (why, line) in cases {
+        let error = parse(line).expect_err(why);
+        assert_eq!(error.exit_code(), 2, "{why}: {line}");
+    }
+}
+
+#[test]
+fn the_others_parse() {
+    for line in [
+        "exec MSO(X,M1)",
+        "exec --no-wait MSO(X,M1)",
+        "run a.st --queue-full error --keep-going",
+        "arc XY 100,0 --center -50,0 --ccw --full",
+        "arc CS1 1,2,3 --via -1,-2,-3 --longest",
+        "arc XY 1,0 --radius -5",
+        "arc XY 0,0 --center-offset 5,0",
+        "change CS1 --speed 20% --pending",
+        "stop",
+        "stop CS1 --type move",
+        "servo on X Y",
+        "servo off --all",
+        "status",
+        "status X CS1 --json",
+        "tags",
+        "tags Move*",
+        "read A B[1]",
+        "write A -5",
+        "write A [1,-2]",
+        "identify",
+        "identify --broadcast 10.0.0.255",
+        "--server h:1 status",
+    ] {
+        assert!(parse(line).is_ok(), "{line}: {:?}", parse(line).err());
+    }
+}
+
+#[test]
+fn values_to_write_are_read_as_what_they_are() {
+    for (line, expected) in [
+        ("write A -5", Input::Integer(-5)),
+        ("write A 1.5", Input::Number(1.5)),
+        ("write A [1,2]", vec![1_i64, 2].into()),
+        ("write A true", Input::Bool(true)),
+        ("write A CS1", "CS1".into()),
+    ] {
+        let Ok(Command::Write(command)) = parse(line) else {
+            panic!("{line}")
+        };
+        assert_eq!(command.value, expected, "{line}");
+    }
+}
+
+#[test]
+fn the_help_of_exec_comes_from_the_catalogue() {
+    let text = instructions();
+    for mnemonic in Mnemonic::ALL {
+        assert!(text.contains(&format!("  {mnemonic}(")), "{mnemonic}");
+    }
+    assert!(
+        text.contains("TerminationType: ActualTolerance (0), NoSettle (1)"),
+        "{text}"
+    );
+}

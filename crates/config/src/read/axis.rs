@@ -1,0 +1,150 @@
+//! An `[[axis]]` table.
+
+use arcline_motion::machine::{Axis, AxisKind, Drive, Start, Travel};
+
+use super::NOT_NEGATIVE_LENGTH;
+use super::dynamics::Dynamics;
+use super::names::{Taken, required_name};
+use crate::error::{ConfigError, Problem};
+use crate::section::{NumberRule, Section};
+
+pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, ConfigError> {
+    let name = required_name(section, "name", names)?;
+    let servo = match section.word("type", &["servo", "virtual"], AXIS_TYPE)? {
+        Some(place) => place == 0,
+        None => return Err(section.missing("type", AXIS_TYPE)),
+    };
+    let units = match section.string("units", UNITS)? {
+        Some(units) if units.value.len() <= MAX_UNITS && !units.value.chars().any(char::is_control) => units.value,
+        Some(units) => return Err(section.refuse(&units, UNITS, None)),
+        None => "Position Units".to_owned(),
+    };
+    let dynamics = Dynamics::read(section)?;
+    let unwind = section.number("unwind", &POSITIVE_LENGTH)?;
+    let travel = travel(section)?;
+    if travel.is_some() && unwind.is_some() {
+        let problem = Problem::Conflict {
+            other: "unwind",
+            reason: "a rotary axis has no soft limits",
+        };
+        return Err(section.refuse_key("travel", problem));
+    }
+    let drive = drive(section)?;
+    let kind = match (servo, drive) {
+        (true, drive) => AxisKind::Servo(drive.unwrap_or_default()),
+        (false, None) => AxisKind::Virtual,
+        (false, Some(_)) => {
+            let problem = Problem::Conflict {
+                other: "type = \"virtual\"",
+                reason: "only a servo has a drive",
+            };
+            return Err(section.refuse_key("drive", problem));
+        }
+    };
+    Ok(Axis {
+        name,
+        kind,
+        units,
+        max_speed: dynamics.speed,
+        max_acceleration: dynamics.acceleration,
+        max_deceleration: dynamics.deceleration,
+        max_acceleration_jerk: dynamics.acceleration_jerk,
+        max_deceleration_jerk: dynamics.deceleration_jerk,
+        travel,
+        unwind,
+        start: start(section, unwind)?,
+    })
+}
+
+fn travel(axis: &Section<'_>) -> Result<Option<Travel>, ConfigError> {
+    let (section, present) = axis.table("travel", &["min", "max"], "{ min = NUMBER, max = NUMBER }")?;
+    if !present {
+        return Ok(None);
+    }
+    let min = section.required_number("min", &ANY)?;
+    let max = section.required_number("max", &ANY)?;
+    if min >= max {
+        let problem = Problem::Value {
+            found: section.found("max"),
+            expected: "a number above `min`",
+            suggestion: None,
+        };
+        return Err(section.refuse_key("max", problem));
+    }
+    Ok(Some(Travel { min, max }))
+}
+
+fn drive(axis: &Section<'_>) -> Result<Option<Drive>, ConfigError> {
+    let (section, present) = axis.table("drive", DRIVE, "a table such as { position_bandwidth_hz = 40.0 }")?;
+    let default = Drive::default();
+    let bandwidth = section.number("position_bandwidth_hz", &BANDWIDTH)?;
+    let feedforward = section.number("velocity_feedforward", &SHARE)?;
+    let tolerance = section.number("position_error_tolerance", &NOT_NEGATIVE_LENGTH)?;
+    Ok(present.then(|| Drive {
+        position_bandwidth_hz: bandwidth.unwrap_or(default.position_bandwidth_hz),
+        velocity_feedforward: feedforward.unwrap_or(default.velocity_feedforward),
+        position_error_tolerance: tolerance.unwrap_or(default.position_error_tolerance),
+    }))
+}
+
+fn start(axis: &Section<'_>, unwind: Option<f64>) -> Result<Start, ConfigError> {
+    let (section, _) = axis.table("start", START, "a table such as { position = 0.0, servo_on = true }")?;
+    let default = Start::default();
+    let position = section.number("position", &ANY)?.unwrap_or(default.position);
+    if unwind.is_some_and(|turn| !(0.0..turn).contains(&position)) {
+        let problem = Problem::Value {
+            found: section.found("position"),
+            expected: "a number from 0 to below `unwind`",
+            suggestion: None,
+        };
+        return Err(section.refuse_key("position", problem));
+    }
+    Ok(Start {
+        position,
+        servo_on: section.boolean("servo_on")?.unwrap_or(default.servo_on),
+        homed: section.boolean("homed")?.unwrap_or(default.homed),
+    })
+}
+
+/// Longest label, bytes.
+const MAX_UNITS: usize = 40;
+
+pub(super) const AXIS: &[&str] = &[
+    "name",
+    "type",
+    "units",
+    "max_speed",
+    "max_acceleration",
+    "max_deceleration",
+    "max_acceleration_jerk",
+    "max_deceleration_jerk",
+    "travel",
+    "unwind",
+    "start",
+    "drive",
+];
+const START: &[&str] = &["position", "servo_on", "homed"];
+const DRIVE: &[&str] = &[
+    "position_bandwidth_hz",
+    "velocity_feedforward",
+    "position_error_tolerance",
+];
+const UNITS: &str = "a label of up to 40 bytes such as \"mm\"";
+const AXIS_TYPE: &str = "\"servo\" or \"virtual\"";
+
+const POSITIVE_LENGTH: NumberRule = NumberRule {
+    expected: "a number above 0 (position units)",
+    holds: |x| x > 0.0,
+};
+const BANDWIDTH: NumberRule = NumberRule {
+    expected: "a number above 0, at most 10000 (Hz)",
+    holds: |x| x > 0.0 && x <= 10_000.0,
+};
+const SHARE: NumberRule = NumberRule {
+    expected: "a number from 0 to 1",
+    holds: |x| (0.0..=1.0).contains(&x),
+};
+const ANY: NumberRule = NumberRule {
+    expected: "a finite number (position units)",
+    holds: |_| true,
+};

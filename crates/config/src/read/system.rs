@@ -1,0 +1,101 @@
+//! `[[coordinate_system]]` and `[[transform]]` tables: what stands on axes and systems that are there already.
+
+use arcline_motion::machine::{
+    AxisLimits, CoordinateSystem, Corner, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, Machine, Transform,
+};
+
+use super::NOT_NEGATIVE_LENGTH;
+use super::dynamics::Dynamics;
+use super::names::{Taken, required_name, unknown_name};
+use crate::error::ConfigError;
+use crate::section::Section;
+
+pub(super) fn coordinate_system(
+    section: &Section<'_>,
+    machine: &Machine,
+    names: &mut Taken,
+) -> Result<CoordinateSystem, ConfigError> {
+    let name = required_name(section, "name", names)?;
+    section.word("type", &["cartesian"], "\"cartesian\"")?;
+    let mut axes = Vec::new();
+    for axis in section.strings("axes", PRIMARY_AXES, 1..=MAX_PRIMARY_AXES)? {
+        let Some(place) = machine.axis(&axis.value) else {
+            let known = machine.axes.iter().map(|axis| axis.name.as_str());
+            return Err(unknown_name(section, &axis, "axis", known));
+        };
+        if axes.contains(&place) {
+            return Err(section.refuse(&axis, "each axis once", None));
+        }
+        axes.push(place);
+    }
+    let dynamics = Dynamics::read(section)?;
+    let corner = match section.word("corner", &["logix", "precise"], "\"logix\" or \"precise\"")? {
+        Some(1) => Corner::Precise,
+        _ => Corner::Logix,
+    };
+    let axis_limits = match section.word("axis_limits", &["ignore", "enforce"], "\"ignore\" or \"enforce\"")? {
+        Some(1) => AxisLimits::Enforce,
+        _ => AxisLimits::Ignore,
+    };
+    Ok(CoordinateSystem {
+        name,
+        axes,
+        max_speed: dynamics.speed,
+        max_acceleration: dynamics.acceleration,
+        max_deceleration: dynamics.deceleration,
+        max_acceleration_jerk: dynamics.acceleration_jerk,
+        max_deceleration_jerk: dynamics.deceleration_jerk,
+        actual_tolerance: section.number("actual_tolerance", &NOT_NEGATIVE_LENGTH)?.unwrap_or(0.0),
+        command_tolerance: section
+            .number("command_tolerance", &NOT_NEGATIVE_LENGTH)?
+            .unwrap_or(0.0),
+        queue_depth: section
+            .integer("queue_depth", 1..=MAX_QUEUE_DEPTH, QUEUE_DEPTH)?
+            .unwrap_or(1),
+        corner,
+        axis_limits,
+    })
+}
+
+pub(super) fn transform(section: &Section<'_>, machine: &Machine, names: &mut Taken) -> Result<Transform, ConfigError> {
+    let name = required_name(section, "name", names)?;
+    let system = |key| {
+        let given = section
+            .string(key, SYSTEM_NAME)?
+            .ok_or_else(|| section.missing(key, SYSTEM_NAME))?;
+        match machine.system(&given.value) {
+            Some(place) => Ok((place, given)),
+            None => {
+                let known = machine.systems.iter().map(|system| system.name.as_str());
+                Err(unknown_name(section, &given, "coordinate system", known))
+            }
+        }
+    };
+    let (source, _) = system("source")?;
+    let (target, given) = system("target")?;
+    if source == target {
+        return Err(section.refuse(&given, "another coordinate system than `source`", None));
+    }
+    Ok(Transform { name, source, target })
+}
+
+pub(super) const COORDINATE_SYSTEM: &[&str] = &[
+    "name",
+    "type",
+    "axes",
+    "max_speed",
+    "max_acceleration",
+    "max_deceleration",
+    "max_acceleration_jerk",
+    "max_deceleration_jerk",
+    "actual_tolerance",
+    "command_tolerance",
+    "queue_depth",
+    "corner",
+    "axis_limits",
+];
+pub(super) const TRANSFORM: &[&str] = &["name", "source", "target"];
+
+const PRIMARY_AXES: &str = "a list of 1 to 3 names of axes";
+const QUEUE_DEPTH: &str = "a whole number from 1 to 1000";
+const SYSTEM_NAME: &str = "the name of a coordinate system";

@@ -1,0 +1,68 @@
+//! Names for instructions: objects and arrays among the tags, and the call that an instruction tag is.
+
+use arcline_instruction_set::{
+    BindError, Call, Directory, Object, bind, instruction_tag_given, instruction_tag_target,
+};
+use arcline_tag::{DataType, Elementary};
+
+use super::{Image, TagId, TagKind};
+
+impl Image {
+    /// The instruction of an instruction tag with the target and operands that it holds now. A target that does
+    /// not exist gives a call without one, which errs with 13, 0 as it does from everywhere.
+    ///
+    /// # Errors
+    /// A name among the operands that means nothing. `None`: not an instruction tag.
+    pub fn call_of(&self, id: TagId) -> Option<Result<Call, BindError>> {
+        let tag = self.tag(id)?;
+        let TagKind::Instruction(kind) = tag.kind else {
+            return None;
+        };
+        let bytes = self.bytes(id);
+        let target = instruction_tag_target(kind.mnemonic, bytes);
+        let target = self.object(kind.mnemonic.instruction().object, &target);
+        let given = instruction_tag_given(kind.mnemonic, &tag.name, bytes);
+        Some(bind(kind.mnemonic, target, kind.control, &given, self))
+    }
+
+    /// Where a REAL array that an instruction writes stands: `tag` is what [`Directory::real_array`] gave.
+    /// Tag, byte offset and number of elements.
+    pub fn written_array(&self, tag: u32) -> Option<(TagId, usize, usize)> {
+        let (id, offset) = (TagId(tag >> 16), (tag & 0xFFFF) as usize * 4);
+        let tag = self.tag(id)?;
+        let end = match &tag.tag_type.data_type {
+            DataType::Structure(template) => {
+                let member = template.members.iter().find(|member| {
+                    let from = member.offset as usize;
+                    (from..from + member.size()).contains(&offset) && member.dimension > 0
+                })?;
+                member.offset as usize + member.size()
+            }
+            DataType::Elementary(_) => tag.tag_type.size(),
+        };
+        Some((id, offset, end.checked_sub(offset)? / 4))
+    }
+}
+
+impl Directory for Image {
+    fn object(&self, object: Object, name: &str) -> Option<u16> {
+        match (self.find(name)?.kind, object) {
+            (TagKind::MotionGroup, Object::MotionGroup) => Some(0),
+            (TagKind::Axis(place), Object::Axis) | (TagKind::CoordinateSystem(place), Object::CoordinateSystem) => {
+                Some(place)
+            }
+            _ => None,
+        }
+    }
+
+    fn real_array(&self, name: &str) -> Option<u32> {
+        let (id, place) = self.locate(&name.parse().ok()?).ok()?;
+        let offset = u32::try_from(place.offset / 4)
+            .ok()
+            .filter(|offset| *offset <= 0xFFFF)?;
+        let real = place.data_type == DataType::Elementary(Elementary::Real) && place.bit.is_none();
+        let for_instructions = self.tag(id)?.kind != TagKind::FeedOverride;
+        let writable = for_instructions && self.writable(id, place.offset, 4 * place.elements as usize);
+        (real && writable && id.0 <= 0xFFFF).then_some(id.0 << 16 | offset)
+    }
+}

@@ -1,0 +1,84 @@
+//! Reading: from a path to a place in a tag, and to the values there.
+
+use arcline_tag::{DataType, Location, PathError, PathSegment, TagPath, Value};
+
+use super::{Image, MOTION_CONTROL, ReadError, Tag, TagId, TagKind};
+
+impl Image {
+    /// Where a path leads. A status bit of an instruction tag is found without naming `MotionControl`:
+    /// `Move1.PC` is `Move1.MotionControl.PC`.
+    ///
+    /// # Errors
+    /// [`ReadError::NoSuchTag`], or what the path's rest is wrong about.
+    pub fn locate(&self, path: &TagPath) -> Result<(TagId, Location), ReadError> {
+        let name = path.tag().ok_or(PathError::Empty)?;
+        let tag = self
+            .find(name)
+            .ok_or_else(|| ReadError::NoSuchTag { name: name.to_owned() })?;
+        Ok((tag.id, self.locate_in(tag, path.rest())?))
+    }
+
+    /// Where the segments behind a tag's name lead.
+    ///
+    /// # Errors
+    /// Names the member, index or bit that does not exist.
+    pub fn locate_in(&self, tag: &Tag, rest: &[PathSegment]) -> Result<Location, PathError> {
+        let found = tag.tag_type.locate(rest);
+        match (&found, tag.kind) {
+            (Err(PathError::NoSuchMember { .. }), TagKind::Instruction(_)) => {
+                let mut inner = vec![PathSegment::Symbol(MOTION_CONTROL.to_owned())];
+                inner.extend_from_slice(rest);
+                tag.tag_type.locate(&inner).or(found)
+            }
+            _ => found,
+        }
+    }
+
+    /// The value at a path: of an array its first element from there on.
+    ///
+    /// # Errors
+    /// [`ReadError::NotAValue`] for a structure, else see [`Image::locate`].
+    pub fn read(&self, path: &TagPath) -> Result<Value, ReadError> {
+        let (id, place) = self.locate(path)?;
+        value_at(self.bytes(id), &place).ok_or_else(|| not_a_value(path, &place))
+    }
+
+    /// The numbers from a path to the end of its array.
+    ///
+    /// # Errors
+    /// As [`Image::read`].
+    pub fn read_numbers(&self, path: &TagPath) -> Result<Vec<f64>, ReadError> {
+        let (id, place) = self.locate(path)?;
+        let DataType::Elementary(kind) = place.data_type else {
+            return Err(not_a_value(path, &place));
+        };
+        if place.bit.is_some() {
+            let value = value_at(self.bytes(id), &place).ok_or_else(|| not_a_value(path, &place))?;
+            return Ok(vec![value.as_f64()]);
+        }
+        let bytes = self.bytes(id).get(place.offset..).unwrap_or_default();
+        let elements = bytes.chunks_exact(kind.size()).take(place.elements as usize);
+        Ok(elements
+            .filter_map(|bytes| Value::read(kind, bytes))
+            .map(Value::as_f64)
+            .collect())
+    }
+}
+
+fn value_at(bytes: &[u8], place: &Location) -> Option<Value> {
+    let DataType::Elementary(kind) = place.data_type else {
+        return None;
+    };
+    if let Some(bit) = place.bit {
+        let byte = bytes.get(place.offset + usize::from(bit / 8))?;
+        return Some(Value::Bool(byte & 1 << (bit % 8) != 0));
+    }
+    Value::read(kind, bytes.get(place.offset..)?)
+}
+
+pub(super) fn not_a_value(path: &TagPath, place: &Location) -> ReadError {
+    ReadError::NotAValue {
+        path: path.to_string(),
+        data_type: place.data_type.name().to_owned(),
+    }
+}

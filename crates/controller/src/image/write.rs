@@ -1,0 +1,148 @@
+//! Writing: what clients may write, and the edges of `EnableIn` that come of it.
+
+use arcline_tag::{DataType, TagPath, Value};
+
+use super::read::not_a_value;
+use super::{Edge, Image, MOTION_CONTROL, TagId, TagKind, WriteError};
+
+impl Image {
+    /// Whether clients may write these bytes of a tag.
+    pub fn writable(&self, id: TagId, offset: usize, len: usize) -> bool {
+        let end = offset.saturating_add(len);
+        let Some(tag) = self.tag(id) else { return false };
+        if end > self.bytes(id).len() {
+            return false;
+        }
+        match tag.kind {
+            TagKind::Plain | TagKind::FeedOverride => true,
+            TagKind::Instruction(_) => {
+                let DataType::Structure(template) = &tag.tag_type.data_type else {
+                    return false;
+                };
+                let overlaps = |name: &str| {
+                    template.member(name).is_some_and(|member| {
+                        let from = member.offset as usize;
+                        offset < from + member.size() && from < end
+                    })
+                };
+                // The host byte of EnableIn holds EnableOut too: it is written bit by bit.
+                !overlaps(MOTION_CONTROL) && !overlaps(ENABLE_OUT)
+            }
+            TagKind::Axis(_) => {
+                // "Settable" on its page, and the only such member.
+                let DataType::Structure(template) = &tag.tag_type.data_type else {
+                    return false;
+                };
+                template.member("InterpolationTime").is_some_and(|member| {
+                    let from = member.offset as usize;
+                    from <= offset && end <= from + member.size()
+                })
+            }
+            _ => false,
+        }
+    }
+
+    /// Writes bytes of a tag.
+    ///
+    /// # Errors
+    /// Nothing is written when there is no such tag, or a byte of it is beyond its end or read-only.
+    pub fn write(&mut self, id: TagId, offset: usize, data: &[u8]) -> Result<Option<Edge>, WriteError> {
+        self.check_write(id, offset, data.len())?;
+        if self.tag(id).is_some_and(|tag| tag.kind == TagKind::FeedOverride) {
+            return self.write_feed_override(id, offset, data);
+        }
+        if let Some(bytes) = self.bytes_mut(id) {
+            bytes[offset..offset + data.len()].copy_from_slice(data);
+        }
+        Ok(None)
+    }
+
+    /// Writes a bit of a tag: a BOOL member, or bit 0 to 63 of an integer at `offset`.
+    ///
+    /// # Errors
+    /// As [`Image::write`].
+    pub fn write_bit(&mut self, id: TagId, offset: usize, bit: u8, on: bool) -> Result<Option<Edge>, WriteError> {
+        let (offset, mask) = (offset + usize::from(bit / 8), 1u8 << (bit % 8));
+        let enable = self.enable_in(id).filter(|enable| *enable == (offset, mask));
+        if enable.is_none() {
+            self.check_write(id, offset, 1)?;
+        }
+        if let Some(tag) = self.tag(id).filter(|tag| tag.kind == TagKind::FeedOverride) {
+            // A REAL has no bits.
+            return Err(WriteError::ReadOnly { name: tag.name.clone() });
+        }
+        let out = self.member_bit(id, ENABLE_OUT);
+        let Some(bytes) = self.bytes_mut(id) else {
+            return Err(WriteError::NoSuchTag);
+        };
+        let before = bytes[offset] & mask != 0;
+        put_bit(&mut bytes[offset], mask, on);
+        if enable.is_none() {
+            return Ok(None);
+        }
+        if let Some((offset, mask)) = out {
+            put_bit(&mut bytes[offset], mask, on);
+        }
+        Ok(match (before, on) {
+            (false, true) => Some(Edge::Rising(id)),
+            (true, false) => Some(Edge::Falling(id)),
+            _ => None,
+        })
+    }
+
+    /// Writes a value at a path, converted to the type that is there.
+    ///
+    /// # Errors
+    /// As [`Image::locate`] and [`Image::write`].
+    pub fn write_value(&mut self, path: &TagPath, value: Value) -> Result<Option<Edge>, WriteError> {
+        let (id, place) = self.locate(path)?;
+        if let Some(bit) = place.bit {
+            return self.write_bit(id, place.offset, bit, value.as_bool());
+        }
+        let DataType::Elementary(kind) = place.data_type else {
+            return Err(not_a_value(path, &place).into());
+        };
+        let mut bytes = [0; 8];
+        let bytes = &mut bytes[..kind.size()];
+        value.convert(kind).write(bytes);
+        self.write(id, place.offset, bytes)
+    }
+
+    fn check_write(&self, id: TagId, offset: usize, len: usize) -> Result<(), WriteError> {
+        let size = self.bytes(id).len();
+        let tag = self.tag(id).ok_or(WriteError::NoSuchTag)?;
+        if offset.saturating_add(len) > size {
+            return Err(WriteError::BeyondEnd {
+                name: tag.name.clone(),
+                size,
+            });
+        }
+        if !self.writable(id, offset, len) {
+            return Err(WriteError::ReadOnly { name: tag.name.clone() });
+        }
+        Ok(())
+    }
+
+    fn enable_in(&self, id: TagId) -> Option<(usize, u8)> {
+        self.member_bit(id, ENABLE_IN)
+    }
+
+    /// Byte and mask of a BOOL of an instruction tag.
+    fn member_bit(&self, id: TagId, name: &str) -> Option<(usize, u8)> {
+        let tag = self.tag(id)?;
+        match (&tag.tag_type.data_type, tag.kind) {
+            (DataType::Structure(template), TagKind::Instruction(_)) => {
+                let member = template.member(name)?;
+                Some((member.offset as usize, 1 << member.bit?))
+            }
+            _ => None,
+        }
+    }
+}
+
+fn put_bit(byte: &mut u8, mask: u8, on: bool) {
+    *byte = if on { *byte | mask } else { *byte & !mask };
+}
+
+const ENABLE_IN: &str = "EnableIn";
+const ENABLE_OUT: &str = "EnableOut";

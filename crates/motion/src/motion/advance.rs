@@ -1,0 +1,225 @@
+//! Coordinate systems from one tick to the next: ends of moves and stops that lie before it, set-points, tolerances.
+//!
+//! Real-time: no allocation; bounded by the axes and coordinate systems and by [`MAX_ENDS_PER_TICK`]. Positions are
+//! position units, times seconds.
+
+use arcline_instruction_set::Flag;
+use arcline_planner::geometry::Point;
+use arcline_planner::profile::Phase;
+use arcline_planner::{Instant, Passage};
+
+use super::Motion;
+use crate::axis::{Axis, Source};
+use crate::system::{Activity, component};
+
+impl Motion {
+    pub(super) fn advance_system(&mut self, index: usize) {
+        if self.systems[index].contour.is_some() {
+            self.advance_contour(index);
+            return;
+        }
+        for _ in 0..MAX_ENDS_PER_TICK {
+            let at = match self.systems[index].planner.passage(&self.clock) {
+                None => break,
+                Some(Passage::HandOver(at)) => at,
+                Some(Passage::Reached(at)) => match self.reached(index, at) {
+                    Some(at) => at,
+                    None => break,
+                },
+            };
+            self.complete(index, at);
+            if !self.systems[index].is_busy() {
+                break;
+            }
+        }
+        if self.systems[index].is_busy() {
+            self.sample_system(index);
+        }
+    }
+
+    /// The command is at the programmed end, or where a stop has led it. The instant at which the active
+    /// move is complete, if it is.
+    fn reached(&mut self, index: usize, at: Instant) -> Option<Instant> {
+        if self.systems[index].activity == Activity::Stopping {
+            self.sample_system(index);
+            self.systems[index].planner.clear_active();
+            self.release_axes(index);
+            return None;
+        }
+        let active = self.systems[index].planner.active()?.motion.data;
+        if self.systems[index].planner.passes_on() {
+            return Some(at);
+        }
+        self.set_end_position(index);
+        if active.termination.settles() {
+            let end = self.systems[index].planner.active()?.motion.path.end();
+            self.settled(index, &end, at)
+        } else {
+            Some(at)
+        }
+    }
+
+    /// The active move is complete; the next one becomes active at the same instant.
+    fn complete(&mut self, index: usize, at: Instant) {
+        if let Some(active) = self.systems[index].planner.active_data().copied() {
+            self.end_move(active.execution, Flag::Pc.mask());
+            self.systems[index].in_actual_tolerance = active.termination.settles();
+        }
+        let next = self.systems[index].planner.hand_over(at, &self.clock).copied();
+        match next {
+            Some(next) => {
+                let system = &mut self.systems[index];
+                system.shown_phase = Phase::Steady;
+                system.in_actual_tolerance = false;
+                system.in_command_tolerance = false;
+                self.controls.write(next.execution, Flag::Ac.mask(), 0, self.clock.tick);
+                self.join_axes(index);
+            }
+            None => {
+                self.systems[index].planner.clear_active();
+                self.release_axes(index);
+            }
+        }
+    }
+
+    /// The commands stand exactly on the programmed end of the active move.
+    fn set_end_position(&mut self, index: usize) {
+        if let Some(end) = self.systems[index].active_end() {
+            self.hold_at(index, &end);
+        }
+    }
+
+    /// The commands stand exactly on a point.
+    pub(crate) fn hold_at(&mut self, index: usize, end: &Point) {
+        for place in 0..self.systems[index].description.axes.len() {
+            let axis = self.systems[index].description.axes[place];
+            if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
+                axis.command.position = component(end, place);
+                axis.release();
+                axis.source = Source::System;
+            }
+        }
+    }
+
+    /// Commands of a system's axes at the present tick, and ACCEL and DECEL of its active instruction.
+    pub(crate) fn sample_system(&mut self, index: usize) {
+        let system = &mut self.systems[index];
+        let sample = match &system.contour {
+            Some(contour) => contour.sample(&self.clock),
+            None => system.planner.sample(&self.clock),
+        };
+        let Some(sample) = sample else {
+            return;
+        };
+        let length = system
+            .planner
+            .active()
+            .map_or(0.0, |running| running.motion.path.length());
+        system.in_transition = system.planner.in_transition(&self.clock);
+        system.along = [sample.along.velocity.abs(), sample.along.position, length];
+        for (place, axis) in system.description.axes.iter().enumerate() {
+            let Some(axis) = self.axes.get_mut(usize::from(*axis)) else {
+                continue;
+            };
+            axis.command = arcline_drive::Motion {
+                position: component(&sample.position, place),
+                velocity: component(&sample.velocity, place),
+                acceleration: component(&sample.acceleration, place),
+            };
+        }
+        if system.activity == Activity::Moving && sample.phase != system.shown_phase {
+            system.shown_phase = sample.phase;
+            let (set, clear) = match sample.phase {
+                Phase::Accelerating => (Flag::Accel.mask(), Flag::Decel.mask()),
+                Phase::Decelerating => (Flag::Decel.mask(), Flag::Accel.mask()),
+                Phase::Steady => (0, Flag::Accel.mask() | Flag::Decel.mask()),
+            };
+            if let Some(active) = system.active() {
+                self.controls.write(active.execution, set, clear, self.clock.tick);
+            }
+        }
+    }
+
+    /// The instant at which the axes came within the Actual Tolerance of the end that the command reached
+    /// before the present tick: found inside the tick, so that a successor's start does not depend on the period.
+    pub(crate) fn settled(&self, index: usize, end: &Point, reached: Instant) -> Option<Instant> {
+        let system = &self.systems[index];
+        let period = self.clock.period();
+        let mut drives = [arcline_drive::Drive::ideal(0.0); crate::machine::MAX_PRIMARY_AXES];
+        for ((place, axis), drive) in system.description.axes.iter().enumerate().zip(&mut drives) {
+            *drive = self.axes.get(usize::from(*axis))?.drive;
+            drive.cycle(
+                arcline_drive::Motion {
+                    position: component(end, place),
+                    velocity: 0.0,
+                    acceleration: 0.0,
+                },
+                period,
+            );
+        }
+        let distance = |before: f64| {
+            let squares = drives.iter().map(|drive| {
+                let error = drive.error_before(before);
+                error * error
+            });
+            squares.sum::<f64>().sqrt()
+        };
+        let tolerance = system.description.actual_tolerance;
+        if distance(0.0) > tolerance {
+            return None;
+        }
+        let available = reached.elapsed(&self.clock).min(period);
+        if distance(available) <= tolerance {
+            let early = reached.elapsed(&self.clock) - available;
+            return Some(reached.after(early, &self.clock));
+        }
+        let (mut inside, mut outside) = (0.0, available);
+        for _ in 0..SETTLING_BISECTIONS {
+            let middle = 0.5 * (inside + outside);
+            if distance(middle) <= tolerance {
+                inside = middle;
+            } else {
+                outside = middle;
+            }
+        }
+        Some(reached.after(reached.elapsed(&self.clock) - inside, &self.clock))
+    }
+
+    pub(super) fn finish_stop(&mut self, index: usize) {
+        let system = &self.systems[index];
+        let Some(stop) = system.stop else {
+            return;
+        };
+        let braking = |(place, axis): (usize, &Axis)| {
+            stop.braking.contains(place as u16) && matches!(axis.source, Source::Braking { .. })
+        };
+        if system.is_busy() || (!stop.braking.is_empty() && self.axes.iter().enumerate().any(braking)) {
+            return;
+        }
+        self.systems[index].stop = None;
+        self.controls
+            .write(stop.execution, Flag::Pc.mask(), Flag::Ip.mask(), self.clock.tick);
+    }
+
+    pub(super) fn update_tolerances(&mut self) {
+        for system in &mut self.systems {
+            if system.activity != Activity::Moving {
+                continue;
+            }
+            if let Some(end) = system.active_end() {
+                let axes = &self.axes;
+                let squares = system.description.axes.iter().enumerate().map(|(place, axis)| {
+                    let command = axes.get(usize::from(*axis)).map_or(0.0, |axis| axis.command.position);
+                    let left = command - component(&end, place);
+                    left * left
+                });
+                system.in_command_tolerance = squares.sum::<f64>().sqrt() < system.description.command_tolerance;
+            }
+        }
+    }
+}
+
+/// Moves of one coordinate system that can end within one tick; the rest end in the next one.
+pub(crate) const MAX_ENDS_PER_TICK: usize = 64;
+/// Bisections of a settling time: to the last bit of a period.
+const SETTLING_BISECTIONS: u32 = 60;

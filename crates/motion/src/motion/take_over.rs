@@ -1,0 +1,121 @@
+//! Who moves an axis: coordinated moves take their axes, and what is aborted lets go of them.
+//!
+//! Real-time: no allocation; bounded by the axes, the coordinate systems and the depth of their queues.
+
+use arcline_instruction_set::Flag;
+use arcline_planner::profile::Phase;
+
+use super::Motion;
+use crate::axis::Source;
+use crate::stop::AxisSet;
+use crate::system::Activity;
+
+impl Motion {
+    /// Cancels every pending move of a coordinate system.
+    pub(crate) fn cancel_pending(&mut self, index: usize) {
+        if self.systems[index].contour.is_some() {
+            self.cancel_pending_contour(index);
+        }
+        while let Some(cancelled) = self.systems[index].planner.cancel_pending() {
+            self.end_move(cancelled.execution, 0);
+        }
+    }
+
+    /// Ends the active move's instruction; the path is left to the caller.
+    pub(crate) fn end_active(&mut self, index: usize) {
+        if self.systems[index].activity == Activity::Moving
+            && let Some(active) = self.systems[index].take_active()
+        {
+            self.end_move(active.execution, 0);
+        }
+    }
+
+    /// Ends a running stop's instruction without PC.
+    pub(crate) fn end_stop(&mut self, index: usize) {
+        if let Some(stop) = self.systems[index].stop.take() {
+            self.controls.write(stop.execution, 0, Flag::Ip.mask(), self.clock.tick);
+        }
+    }
+
+    /// Ends all coordinated motion of a system at once. Its axes brake by themselves, but for those that
+    /// `hold` says stand or are without torque. Returns the axes that brake.
+    pub(crate) fn abort_system(&mut self, index: usize, hold: impl Fn(u16) -> bool) -> AxisSet {
+        let mut braking = AxisSet::default();
+        if !self.systems[index].is_busy() {
+            return braking;
+        }
+        self.cancel_pending(index);
+        self.end_active(index);
+        self.retire_contour(index);
+        let s_curve = self.systems[index]
+            .planner
+            .clear_active()
+            .is_some_and(|active| active.dynamics.is_s_curve());
+        self.rest_system(index);
+        for place in 0..self.systems[index].description.axes.len() {
+            let axis = self.systems[index].description.axes[place];
+            let Some(state) = self.axes.get_mut(usize::from(axis)) else {
+                continue;
+            };
+            if hold(axis) {
+                state.release();
+            } else {
+                state.brake(s_curve, self.clock.now());
+                braking.insert(axis);
+            }
+        }
+        braking
+    }
+
+    /// Ends all coordinated motion of a system at once for another one that takes the axes they share; the
+    /// rest of its axes brake.
+    pub(crate) fn abort_system_but(&mut self, index: usize, taker: usize) {
+        let mut taken = AxisSet::default();
+        for axis in &self.systems[taker].description.axes {
+            taken.insert(*axis);
+        }
+        self.abort_system(index, |axis| taken.contains(axis));
+    }
+
+    /// Takes an axis out of every motion: the systems that move it are aborted, their other axes brake.
+    pub(crate) fn leave(&mut self, axis: u16) {
+        for index in 0..self.systems.len() {
+            if self.systems[index].has(axis) {
+                self.end_stop(index);
+                self.abort_system(index, |other| other == axis);
+            }
+        }
+    }
+
+    /// Takes the axes of a system into its coordinated move.
+    pub(crate) fn join_axes(&mut self, index: usize) {
+        for place in 0..self.systems[index].description.axes.len() {
+            let axis = self.systems[index].description.axes[place];
+            if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
+                axis.join();
+            }
+        }
+    }
+
+    /// Everything the system moved stands; nothing is active any more.
+    pub(crate) fn release_axes(&mut self, index: usize) {
+        self.rest_system(index);
+        for place in 0..self.systems[index].description.axes.len() {
+            let axis = self.systems[index].description.axes[place];
+            if let Some(axis) = self.axes.get_mut(usize::from(axis))
+                && matches!(axis.source, Source::System)
+            {
+                axis.release();
+            }
+        }
+    }
+
+    pub(crate) fn rest_system(&mut self, index: usize) {
+        let system = &mut self.systems[index];
+        system.activity = Activity::Idle;
+        system.shown_phase = Phase::Steady;
+        system.in_transition = false;
+        system.along = [0.0; 3];
+        system.stale = false;
+    }
+}

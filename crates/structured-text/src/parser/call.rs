@@ -1,0 +1,215 @@
+//! Instruction calls: which operand takes which form is the catalogue's matter, and ranges are that of the
+//! instruction when it executes.
+
+use arcline_instruction_set::{Kind as OperandKind, Mnemonic, Object, Words};
+use arcline_tag::PathSegment;
+
+use super::expression::Shape;
+use super::{Parser, place_of};
+use crate::code::{Meaning, Op, Part, WordPlace};
+use crate::error::{SyntaxError, SyntaxProblem, nearest};
+use crate::lexer::{Kind, Token};
+use crate::program::{CallStatement, OperandText};
+
+impl<'t> Parser<'t> {
+    /// Everything behind the name, which must be a mnemonic.
+    pub(super) fn call(&mut self, name: Token<'t>) -> Result<(), SyntaxError> {
+        let Ok(mnemonic) = name.text.parse::<Mnemonic>() else {
+            let known = Mnemonic::ALL.iter().map(ToString::to_string);
+            let suggestion = nearest(name.text, known);
+            let name_text = name.text.chars().take(60).collect();
+            let problem = SyntaxProblem::UnknownInstruction {
+                name: name_text,
+                suggestion,
+            };
+            return Err(self.error(name.offset, problem));
+        };
+        self.expect("(", "`(` behind the instruction")?;
+        let operands = mnemonic.instruction().operands;
+        let before = self.text.get(..name.offset).unwrap_or_default();
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        let mut statement = CallStatement {
+            mnemonic,
+            target: String::new(),
+            control: None,
+            operands: Vec::new(),
+            line: name.line as usize,
+            column: before[line_start..].chars().count() + 1,
+        };
+        let mut place = 0;
+        loop {
+            let start = self.peek;
+            let Some(operand) = operands.get(place) else {
+                let problem = SyntaxProblem::TooManyOperands {
+                    mnemonic,
+                    limit: operands.len(),
+                };
+                return Err(self.error(start.offset, problem));
+            };
+            match &operand.kind {
+                OperandKind::Target(object) => {
+                    let token = self.expect_kind(Kind::Name, object_name(*object))?;
+                    self.uses(token.offset, Meaning::Object(*object, token.text.to_owned()));
+                    statement.target = token.text.to_owned();
+                }
+                OperandKind::MotionControl => {
+                    let token = self.expect_kind(Kind::Name, "the name of the motion control tag")?;
+                    let path = self.path(token)?;
+                    if self.program.paths[path as usize].computed() > 0 {
+                        return Err(self.unexpected(&token, "a motion control tag without computed index"));
+                    }
+                    self.uses(token.offset, Meaning::Control(path));
+                    statement.control = Some(self.program.paths[path as usize].sample().to_string());
+                }
+                kind => self.operand(mnemonic, place, kind)?,
+            }
+            statement.operands.push(OperandText {
+                name: operand.name,
+                text: self
+                    .text
+                    .get(start.offset..self.last_end)
+                    .unwrap_or_default()
+                    .to_owned(),
+                offset: start.offset,
+            });
+            place += 1;
+            if self.peek.is(",") {
+                self.advance()?;
+            } else {
+                self.expect(")", "`,` or `)` behind the operand")?;
+                break;
+            }
+        }
+        let place = place_of(self.program.calls.len());
+        self.program.calls.push(statement);
+        self.emit(Op::Call(place));
+        Ok(())
+    }
+
+    fn operand(&mut self, mnemonic: Mnemonic, place: usize, kind: &'static OperandKind) -> Result<(), SyntaxError> {
+        match kind {
+            OperandKind::Word(words) => return self.word_operand(mnemonic, place, words),
+            OperandKind::Reference(object) if self.peek.kind == Kind::Name => {
+                let token = self.peek;
+                self.advance()?;
+                self.uses(token.offset, Meaning::Object(*object, token.text.to_owned()));
+                let path = self.add_path(vec![Part::Fixed(PathSegment::Symbol(token.text.to_owned()))], token);
+                self.emit(Op::GiveName(path));
+                return Ok(());
+            }
+            OperandKind::Array(_) | OperandKind::ArrayOrNone if self.peek.is("[") => {
+                return self.array();
+            }
+            OperandKind::ArrayOrNone | OperandKind::WrittenArray(_) if self.peek.is_word("None") => {
+                self.advance()?;
+                self.emit(Op::Number(0.0));
+                self.emit(Op::GiveNumber);
+                return Ok(());
+            }
+            _ => {}
+        }
+        let start = self.peek;
+        let shape = self.expression()?;
+        let op = match (kind, shape) {
+            (OperandKind::Array(_) | OperandKind::ArrayOrNone, Shape::Path(path)) => Op::GiveRead(path),
+            (OperandKind::WrittenArray(_) | OperandKind::Structure(_), Shape::Path(path)) => {
+                // The instruction writes or keeps the tag itself: a variable of the program does not do.
+                self.program.uses.pop();
+                self.uses(start.offset, Meaning::Written(path));
+                Op::GiveName(path)
+            }
+            _ => {
+                self.emit(Op::GiveNumber);
+                return Ok(());
+            }
+        };
+        // The path itself goes into the call instead of its value.
+        self.program.ops.pop();
+        self.emit(op);
+        Ok(())
+    }
+
+    /// `[a, b, …]`
+    fn array(&mut self) -> Result<(), SyntaxError> {
+        self.advance()?;
+        let mut count = 0;
+        loop {
+            self.expression()?;
+            count += 1;
+            if self.peek.is(",") {
+                self.advance()?;
+            } else {
+                self.expect("]", "`,` or `]`")?;
+                break;
+            }
+        }
+        self.emit(Op::GiveArray(count));
+        Ok(())
+    }
+
+    /// An enumeration word in any spelling; what is none is an expression.
+    fn word_operand(&mut self, mnemonic: Mnemonic, place: usize, words: &'static Words) -> Result<(), SyntaxError> {
+        /// `% of Time Master Driven` is the longest word there is, in tokens.
+        const LONGEST: usize = 8;
+        let start = self.peek;
+        let (mut lexer, mut token) = (self.lexer, self.peek);
+        let mut text = String::new();
+        let mut count = 0;
+        while count <= LONGEST
+            && (matches!(token.kind, Kind::Name | Kind::Number) || ["%", "-", "/"].iter().any(|sign| token.is(sign)))
+        {
+            text.push_str(token.text);
+            count += 1;
+            token = lexer.next()?;
+        }
+        let named = text.contains(|c: char| c.is_ascii_alphabetic());
+        let context = WordPlace {
+            mnemonic,
+            place,
+            text: text.chars().take(60).collect(),
+            offset: start.offset,
+        };
+        if named && (token.is(",") || token.is(")")) && words.parse_word(&text).is_some() {
+            for _ in 0..count {
+                self.advance()?;
+            }
+            let word = place_of(self.program.words.len());
+            self.program.words.push(text);
+            self.emit(Op::GiveWord(word));
+            return Ok(());
+        }
+        if start.is("%") {
+            return Err(unknown_word(self.text, &context, std::iter::empty()));
+        }
+        self.word = named.then_some(context);
+        self.expression()?;
+        self.word = None;
+        self.emit(Op::GiveNumber);
+        Ok(())
+    }
+}
+
+/// The error of a word that an operand does not have. `tags`: names that could stand there too.
+pub(crate) fn unknown_word(text: &str, word: &WordPlace, tags: impl Iterator<Item = String>) -> SyntaxError {
+    let operand = word.mnemonic.instruction().operands.get(word.place);
+    let words = match operand.map(|operand| &operand.kind) {
+        Some(OperandKind::Word(words)) => words.words,
+        _ => &[],
+    };
+    let keywords = words.iter().map(|word| word.keyword());
+    let problem = SyntaxProblem::UnknownWord {
+        place: word.place,
+        operand: operand.map_or("", |operand| operand.name),
+        word: word.text.clone(),
+        suggestion: nearest(&word.text, keywords.chain(tags)),
+    };
+    SyntaxError::new(text, word.offset, problem)
+}
+
+fn object_name(object: Object) -> &'static str {
+    match object {
+        Object::MotionGroup => "the name of the motion group",
+        Object::Axis => "the name of an axis",
+        Object::CoordinateSystem => "the name of a coordinate system",
+    }
+}

@@ -1,0 +1,121 @@
+//! Expressions, by how tightly their operators bind (IEC 61131-3, table of operators).
+
+use super::{Parser, keyword};
+use crate::code::{Binary, Meaning, Op};
+use crate::error::{SyntaxError, SyntaxProblem};
+use crate::lexer::{Kind, Token, number};
+
+/// What an expression turned out to be.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Shape {
+    /// A path and nothing else: the last operation reads it.
+    Path(u32),
+    Other,
+}
+
+impl Parser<'_> {
+    pub(super) fn expression(&mut self) -> Result<Shape, SyntaxError> {
+        self.binary(0)
+    }
+
+    /// Operators that bind at least as tightly as `level`.
+    fn binary(&mut self, level: u8) -> Result<Shape, SyntaxError> {
+        self.deeper()?;
+        let mut shape = self.unary()?;
+        while let Some((operator, binds)) = operator(&self.peek)
+            && binds >= level
+        {
+            self.advance()?;
+            self.binary(binds + 1)?;
+            self.emit(Op::Binary(operator));
+            shape = Shape::Other;
+        }
+        self.depth -= 1;
+        Ok(shape)
+    }
+
+    fn unary(&mut self) -> Result<Shape, SyntaxError> {
+        let mut signs = Vec::new();
+        loop {
+            if self.peek.is("-") {
+                signs.push(Op::Negate);
+            } else if self.peek.is_word("NOT") {
+                signs.push(Op::Not);
+            } else if !self.peek.is("+") {
+                break;
+            }
+            self.advance()?;
+        }
+        let shape = self.primary()?;
+        let signed = !signs.is_empty();
+        for sign in signs.into_iter().rev() {
+            self.emit(sign);
+        }
+        Ok(if signed { Shape::Other } else { shape })
+    }
+
+    fn primary(&mut self) -> Result<Shape, SyntaxError> {
+        const EXPECTED: &str = "a number, a tag or `(`";
+        let token = self.peek;
+        match token.kind {
+            Kind::Number => {
+                self.advance()?;
+                let value = self.number(&token)?;
+                self.emit(Op::Number(value));
+                Ok(Shape::Other)
+            }
+            Kind::Name if token.is_word("TRUE") || token.is_word("FALSE") => {
+                self.advance()?;
+                self.emit(Op::Bool(token.is_word("TRUE")));
+                Ok(Shape::Other)
+            }
+            Kind::Name if keyword(token.text).is_none() => {
+                self.advance()?;
+                let path = self.path(token)?;
+                self.uses(token.offset, Meaning::Read(path));
+                self.emit(Op::Read(path));
+                Ok(Shape::Path(path))
+            }
+            Kind::Sign if token.is("(") => {
+                self.advance()?;
+                self.expression()?;
+                self.expect(")", "`)` or an operator")?;
+                Ok(Shape::Other)
+            }
+            _ => Err(self.unexpected(&token, EXPECTED)),
+        }
+    }
+
+    fn number(&self, token: &Token<'_>) -> Result<f64, SyntaxError> {
+        let found = || token.text.chars().take(60).collect();
+        number(token.text).ok_or_else(|| self.error(token.offset, SyntaxProblem::Number { found: found() }))
+    }
+}
+
+/// The operator and how tightly it binds (IEC 61131-3, table of operators).
+fn operator(token: &Token<'_>) -> Option<(Binary, u8)> {
+    let found = OPERATORS.iter().find(|(text, ..)| match token.kind {
+        Kind::Sign => token.text == *text,
+        Kind::Name => token.text.eq_ignore_ascii_case(text),
+        _ => false,
+    });
+    found.map(|(_, operator, binds)| (*operator, *binds))
+}
+
+const OPERATORS: &[(&str, Binary, u8)] = &[
+    ("OR", Binary::Or, 0),
+    ("XOR", Binary::Xor, 1),
+    ("AND", Binary::And, 2),
+    ("&", Binary::And, 2),
+    ("=", Binary::Equal, 3),
+    ("<>", Binary::NotEqual, 3),
+    ("<", Binary::Less, 4),
+    (">", Binary::Greater, 4),
+    ("<=", Binary::LessEqual, 4),
+    (">=", Binary::GreaterEqual, 4),
+    ("+", Binary::Add, 5),
+    ("-", Binary::Subtract, 5),
+    ("*", Binary::Multiply, 6),
+    ("/", Binary::Divide, 6),
+    ("MOD", Binary::Modulo, 6),
+];
