@@ -7,10 +7,12 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use arcline_instruction_set::enumerations::MERGE;
-use arcline_instruction_set::{Flag, Given, Mnemonic, Object, predefined};
+use arcline_instruction_set::{Flag, Given, Mnemonic, Object};
 use arcline_proto::cip::CipStatus;
-use arcline_structured_text::{Answer, BoundCall, Interpreter, Names, Program, Request, RuntimeError, SyntaxError};
-use arcline_tag::{DataType, TagPath, TagType, Value};
+use arcline_structured_text::{
+    Answer, BoundCall, Interpreter, Names, Program, Request, RuntimeError, SyntaxError, unmade_control,
+};
+use arcline_tag::{DataType, TagPath, Value};
 
 use crate::tags::TagTable;
 use crate::{Client, ClientError, Execution, Input};
@@ -341,17 +343,6 @@ fn needs_room(mnemonic: Mnemonic, given: &[Given]) -> bool {
         Some(Given::Integer(number)) => *number == 0,
         Some(Given::Word(word) | Given::Name(word)) => MERGE.parse_word(word) == Some(0),
         Some(Given::Array(_)) => false,
-    }
-}
-
-fn unmade_control(path: &TagPath) -> Option<Value> {
-    let place = TagType::scalar(predefined::motion_instruction())
-        .locate(path.rest())
-        .ok()?;
-    match place.data_type {
-        DataType::Elementary(elementary) if place.bit.is_none() => Some(Value::from_f64(elementary, 0.0)),
-        DataType::Elementary(_) => Some(Value::Bool(false)),
-        DataType::Structure(_) => None,
     }
 }
 

@@ -9,7 +9,7 @@ use arcline_planner::geometry::Point;
 use arcline_planner::precise::{AxisLimits, Trajectory};
 
 use crate::axis::{Axis, AxisState};
-use crate::control::{Controls, Event, Execution, Ticket};
+use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
 use crate::instructions::{self, Layouts};
 use crate::machine::Machine;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
@@ -229,8 +229,7 @@ impl Motion {
 
     /// Ends a move's instruction: it will never report again.
     pub(crate) fn end_move(&mut self, execution: Execution, set: u32) {
-        let over = Flag::Ip.mask() | Flag::Ac.mask() | Flag::Accel.mask() | Flag::Decel.mask();
-        self.controls.write(execution, set, over & !set, self.clock.tick);
+        self.controls.write(execution, set, UNDER_WAY & !set, self.clock.tick);
     }
 
     fn finish_messages(&mut self) {

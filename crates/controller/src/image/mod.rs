@@ -140,9 +140,7 @@ impl Image {
             return;
         }
         let mut control = self.control(event.control);
-        control.flags = (control.flags & !event.clear) | event.set;
-        control.err = event.err;
-        control.exerr = event.exerr;
+        event.apply(&mut control);
         self.set_control(event.control, control);
     }
 
