@@ -10,7 +10,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("arcline-tag",             &[]),
     ("arcline-geometry",        &[]),
     ("arcline-profile",         &[]),
-    ("arcline-contour",         &["arcline-geometry"]),
+    ("arcline-contour",         &["arcline-geometry", "arcline-profile"]),
     ("arcline-drive",           &[]),
     ("arcline-proto",           &["arcline-tag"]),
     ("arcline-instruction-set", &["arcline-tag"]),

@@ -74,7 +74,10 @@ fn corners_are_rounded_within_the_tolerance_and_the_end_is_exact() {
 #[test]
 fn moves_that_come_one_by_one_become_one_contour() {
     let mut bench = precise();
-    for (place, (x, y)) in [(20.0, 0.0), (20.0, 20.0), (0.0, 20.0), (0.0, 0.0)].into_iter().enumerate() {
+    for (place, (x, y)) in [(20.0, 0.0), (20.0, 20.0), (0.0, 20.0), (0.0, 0.0)]
+        .into_iter()
+        .enumerate()
+    {
         bench.execute(&line(&format!("M{place}"), x, y, "6, 0, 0, 0.1"));
         bench.run(4);
     }

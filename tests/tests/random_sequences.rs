@@ -36,6 +36,8 @@ impl Random {
 /// Largest rates of a sequence, units/s²: what bounds the change of the velocity from tick to tick.
 const RATE: f64 = 4000.0;
 const PERIOD: f64 = 0.001;
+/// Largest jerk of a smooth sequence, units/s³: 2500² / 100 · (200 / 70 - 1).
+const JERK: f64 = 116_100.0;
 
 struct Sequence {
     bench: Bench,
@@ -46,12 +48,15 @@ struct Sequence {
     /// Termination types 4 and 5 make a declared step of the velocity in a corner.
     corners: bool,
     arcs: bool,
+    /// S-curves on lines with rates that keep every jerk below [`JERK`]: the acceleration must not step.
+    smooth: bool,
 }
 
 impl Sequence {
     fn new(seed: u64) -> Self {
         let mut random = Random(seed);
         let (s_curve, corners, arcs) = (random.below(2) == 0, random.below(4) == 0, random.below(2) == 0);
+        let smooth = s_curve && !corners && !arcs;
         Sequence {
             bench: Bench::new(),
             random,
@@ -60,6 +65,7 @@ impl Sequence {
             moves: 0,
             corners,
             arcs,
+            smooth,
         }
     }
 
@@ -68,13 +74,20 @@ impl Sequence {
         self.bench.call(call)
     }
 
+    /// Speed, acceleration and deceleration.
+    fn rates(&mut self) -> [f64; 3] {
+        let (speed, rate) = if self.smooth { (100.0, 2500.0) } else { (20.0, RATE) };
+        [
+            self.random.between(speed, 400.0),
+            self.random.between(500.0, rate),
+            self.random.between(500.0, rate),
+        ]
+    }
+
     fn dynamics(&mut self) -> String {
-        let (speed, up, down) = (
-            self.random.between(20.0, 400.0),
-            self.random.between(500.0, RATE),
-            self.random.between(500.0, RATE),
-        );
-        let (profile, jerk) = (u8::from(self.s_curve), self.random.between(10.0, 100.0));
+        let [speed, up, down] = self.rates();
+        let least = if self.smooth { 70.0 } else { 10.0 };
+        let (profile, jerk) = (u8::from(self.s_curve), self.random.between(least, 100.0));
         format!("{speed}, 0, {up}, 0, {down}, 0, {profile}, {jerk}, {jerk}, 2")
     }
 
@@ -115,15 +128,10 @@ impl Sequence {
     }
 
     fn change(&mut self) {
-        let (speed, up, down) = (
-            if self.random.below(6) == 0 {
-                0.0
-            } else {
-                self.random.between(20.0, 400.0)
-            },
-            self.random.between(500.0, RATE),
-            self.random.between(500.0, RATE),
-        );
+        let [mut speed, up, down] = self.rates();
+        if self.random.below(6) == 0 {
+            speed = 0.0;
+        }
         let scope = self.random.below(2);
         let (accel, decel) = (self.random.below(2), self.random.below(2));
         let call =
@@ -152,6 +160,10 @@ impl Sequence {
             assert!(a.iter().all(|value| value.is_finite()));
             if self.corners {
                 continue;
+            }
+            if self.smooth {
+                let step = (a[2] - b[2]).abs();
+                assert!(step <= 3.0 * JERK * PERIOD, "acceleration from {} to {}", b[2], a[2]);
             }
             // Two moves and a residual can be superposed, and an arc adds its centripetal acceleration.
             let centripetal = if self.arcs { 400.0 * 400.0 / 7.0 } else { 0.0 };

@@ -40,7 +40,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let directory = arguments.next().ok_or("which directory?")?;
     let out = arguments.next().ok_or("where to?")?;
     let only = arguments.next().unwrap_or_default();
-    let reference: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(format!("{directory}/reference.json"))?)?;
+    let reference: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(format!("{directory}/reference.json"))?)?;
     for name in ["adept", "arcline", "cone3d", "flower", "square100", "zigzag1000"] {
         if !name.contains(&only) {
             continue;

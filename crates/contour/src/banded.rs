@@ -71,8 +71,9 @@ impl Banded {
             let value = right[row] / self.values[row * stride + width];
             right[row] = value;
             let first = row.saturating_sub(width);
-            for column in first..row {
-                right[column] -= self.values[row * stride + width + column - row] * value;
+            let left = &self.values[row * stride + width + first - row..row * stride + width];
+            for (entry, factor) in right[first..row].iter_mut().zip(left) {
+                *entry -= factor * value;
             }
         }
     }

@@ -95,7 +95,11 @@ fn angle_of(arc: &Arc, q: &Point) -> f64 {
     let e2 = arc.normal().cross(&e1);
     let from_center = q - arc.center();
     let angle = libm::atan2(from_center.dot(&e2), from_center.dot(&e1));
-    if angle < 0.0 { angle + core::f64::consts::TAU } else { angle }
+    if angle < 0.0 {
+        angle + core::f64::consts::TAU
+    } else {
+        angle
+    }
 }
 
 fn nearest_on_arc(arc: &Arc, q: &Point) -> Point {

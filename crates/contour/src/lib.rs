@@ -5,6 +5,10 @@
 //! allocates and iterates: it belongs outside the tick. It knows no update period: the result is a
 //! function of time. Units: position units and seconds.
 #![forbid(unsafe_code)]
+#![allow(
+    clippy::needless_range_loop,
+    reason = "axes, nodes and band rows are indexed side by side"
+)]
 
 mod banded;
 mod course;
@@ -12,9 +16,12 @@ mod nominal;
 mod optimise;
 mod plan;
 mod rounding;
+mod setup;
 mod share;
+mod steps;
 mod straight;
 mod trajectory;
+mod tube;
 
 pub use arcline_geometry::{Path, Point};
 pub use plan::{Effort, plan, plan_with};

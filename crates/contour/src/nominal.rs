@@ -82,17 +82,30 @@ pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], s
         times[i + 1] = times[i] + 2.0 * length[i] / (square[i].sqrt() + square[i + 1].sqrt());
     }
     let total = times[count - 1];
-    let warp = Warp::new(total, rate[0] * TANGENT_SHARE, rate[count - 2] * TANGENT_SHARE, bounds, smoothness);
+    let warp = Warp::new(
+        total,
+        rate[0] * TANGENT_SHARE,
+        rate[count - 2] * TANGENT_SHARE,
+        bounds,
+        smoothness,
+    );
     let whole = warp.stretched(total);
-    let intervals = intervals(whole);
+    let mut busy = Vec::new();
+    for i in 0..count - 1 {
+        let cruise = square[i] == square[i + 1] && curvature[i] == Point::zeros() && curvature[i + 1] == Point::zeros();
+        if !cruise {
+            busy.push((warp.warped(times[i]), warp.warped(times[i + 1])));
+        }
+    }
+    let grid = grid(whole, &busy);
     let mut nodes = Nodes {
-        points: Vec::with_capacity(intervals + 1),
-        progress: Vec::with_capacity(intervals + 1),
-        spans: vec![whole / intervals as f64; intervals],
+        points: Vec::with_capacity(grid.len()),
+        progress: Vec::with_capacity(grid.len()),
+        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
     };
     let mut i = 0;
-    for k in 0..=intervals {
-        let time = warp.nominal(whole * k as f64 / intervals as f64);
+    for at in sites(&grid) {
+        let time = warp.nominal(at);
         while i + 2 < count && times[i + 1] < time {
             i += 1;
         }
@@ -102,21 +115,55 @@ pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], s
         let (here, next) = (&samples[i], &samples[i + 1]);
         let begin = if here.stretch == next.stretch { here.u } else { 0.0 };
         let u = begin + (next.u - begin) * part;
-        let point = stretches[next.stretch].at(course, u);
-        nodes.points.push(point);
-        nodes.progress.push(here.progress + (next.progress - here.progress) * part);
+        nodes.points.push(stretches[next.stretch].at(course, u));
+        nodes
+            .progress
+            .push(here.progress + (next.progress - here.progress) * part);
     }
-    if let (Some(first), Some(last)) = (samples.first(), samples.last()) {
-        nodes.points[0] = first.point;
-        nodes.points[intervals] = last.point;
-        nodes.progress[intervals] = last.progress;
-    }
+    let last = grid.len() - 1;
+    nodes.points[0] = course.pieces[0].start();
+    nodes.points[last] = course.pieces[course.pieces.len() - 1].end();
+    nodes.progress[last] = course.length();
     nodes
 }
 
-/// How many nodes a motion of so many seconds gets.
-pub(crate) fn intervals(seconds: f64) -> usize {
-    (seconds / NODE_TIME).ceil().clamp(MIN_NODES, MAX_NODES) as usize
+/// Where on a grid of knots the control points of a line run through evenly would stand: the means of
+/// three neighbours.
+pub(crate) fn sites(grid: &[f64]) -> impl Iterator<Item = f64> + '_ {
+    (0..grid.len()).map(|i| match (i.checked_sub(1).map(|k| grid[k]), grid.get(i + 1)) {
+        (Some(before), Some(behind)) => (before + grid[i] + behind) / 3.0,
+        _ => grid[i],
+    })
+}
+
+/// Times of the nodes from 0 to `whole`: close together within and near the `busy` stretches
+/// (ascending), farther and farther apart where nothing happens.
+pub(crate) fn grid(whole: f64, busy: &[(f64, f64)]) -> Vec<f64> {
+    let all: f64 = busy.iter().map(|(from, to)| to - from).sum();
+    let least = NODE_TIME
+        .max((all + QUIET * busy.len().min(1000) as f64).min(whole) / MAX_NODES)
+        .min(whole / MIN_NODES);
+    let mut times = vec![0.0];
+    let mut t = 0.0;
+    let mut next = 0;
+    while t < whole {
+        while next < busy.len() && busy[next].1 < t {
+            next += 1;
+        }
+        let since = if next > 0 { t - busy[next - 1].1 } else { t };
+        let until = busy.get(next).map_or(whole, |stretch| stretch.0.min(whole)) - t;
+        let far = since.min(until) - QUIET;
+        t += least + GROWTH * far.max(0.0);
+        times.push(t);
+    }
+    // Fitted to the whole, which moves every node by less than one of the last steps.
+    let scale = whole / t;
+    for time in &mut times {
+        *time *= scale;
+    }
+    let last = times.len() - 1;
+    times[last] = whole;
+    times
 }
 
 fn sample(course: &Course, stretches: &[Stretch]) -> Vec<Sample> {
@@ -189,6 +236,16 @@ impl Warp {
         Warp::stretch_end(self.ratios[0], total / 2.0) + Warp::stretch_end(self.ratios[1], total / 2.0)
     }
 
+    /// Warped time of a nominal one.
+    pub(crate) fn warped(&self, t: f64) -> f64 {
+        if t <= self.total / 2.0 {
+            Warp::stretch_end(self.ratios[0], t)
+        } else {
+            self.stretched(self.total) - Warp::stretch_end(self.ratios[1], self.total - t)
+        }
+    }
+
+    /// Nominal time of a warped one.
     pub(crate) fn nominal(&self, t: f64) -> f64 {
         let half = Warp::stretch_end(self.ratios[0], self.total / 2.0);
         if t <= half {
@@ -204,6 +261,9 @@ impl Warp {
 const NODE_TIME: f64 = 0.001;
 const MIN_NODES: f64 = 160.0;
 const MAX_NODES: f64 = 24_000.0;
+/// Seconds next to a busy stretch with close nodes, and how fast they spread beyond.
+const QUIET: f64 = 0.25;
+const GROWTH: f64 = 0.08;
 /// Shares of the limits that the guess uses across and along the curve.
 const NORMAL_SHARE: f64 = 0.8;
 const TANGENT_SHARE: f64 = 0.9;

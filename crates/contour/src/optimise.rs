@@ -19,7 +19,9 @@
 
 use crate::Point;
 use crate::banded::Banded;
-use crate::course::{Course, nearest};
+use crate::course::Course;
+use crate::steps::smooth_lengths;
+use crate::tube::TubeRow;
 
 /// Reciprocals of the limits at one node, 0 where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,8 +118,16 @@ impl Problem<'_> {
             3.0 / (tau[1] + tau[2] + tau[3]),
             3.0 / (tau[2] + tau[3] + tau[4]),
         ];
-        let v = [(p[1] - p[0]) * wide[0], (p[2] - p[1]) * wide[1], (p[3] - p[2]) * wide[2]];
-        let fade = [v[0] * (-wide[0] / 3.0), v[1] * (-wide[1] / 3.0), v[2] * (-wide[2] / 3.0)];
+        let v = [
+            (p[1] - p[0]) * wide[0],
+            (p[2] - p[1]) * wide[1],
+            (p[3] - p[2]) * wide[2],
+        ];
+        let fade = [
+            v[0] * (-wide[0] / 3.0),
+            v[1] * (-wide[1] / 3.0),
+            v[2] * (-wide[2] / 3.0),
+        ];
         if i >= 0 && i < n {
             each(Quantity {
                 value: v[1],
@@ -162,7 +172,13 @@ impl Problem<'_> {
             ];
             let inverse = 1.0 / tau[2];
             let value = (next - here) * inverse;
-            let relative = [tau[0] * inverse, tau[1] * inverse, 1.0, tau[3] * inverse, tau[4] * inverse];
+            let relative = [
+                tau[0] * inverse,
+                tau[1] * inverse,
+                1.0,
+                tau[3] * inverse,
+                tau[4] * inverse,
+            ];
             each(Quantity {
                 value,
                 by_span: [
@@ -239,8 +255,7 @@ impl Problem<'_> {
     fn merit(&self, t: f64, points: &[Point], spans: &[f64]) -> f64 {
         let mut sum = 0.0;
         for span in spans {
-            // Negated so that a NaN ends here too.
-            if !(*span > 0.0) {
+            if span.is_nan() || *span <= 0.0 {
                 return f64::INFINITY;
             }
             sum += t * span;
@@ -275,7 +290,7 @@ impl Problem<'_> {
         if self.lateral > 0 {
             for row in &self.tube {
                 let slack = row.slack(self.course, points);
-                if !(slack > 0.0) {
+                if slack.is_nan() || slack <= 0.0 {
                     return f64::INFINITY;
                 }
                 sum -= libm::log(slack);
@@ -409,14 +424,7 @@ impl Problem<'_> {
     }
 
     /// The Gauss-Newton matrix and minus the gradient.
-    fn assemble(
-        &self,
-        t: f64,
-        points: &[Point],
-        spans: &[f64],
-        matrix: &mut Banded,
-        right: &mut [f64],
-    ) {
+    fn assemble(&self, t: f64, points: &[Point], spans: &[f64], matrix: &mut Banded, right: &mut [f64]) {
         let block = 1 + self.lateral;
         let n = self.intervals();
         matrix.clear();
@@ -491,7 +499,7 @@ impl Problem<'_> {
             // Into the band. Beyond the ends the rate is that of the end.
             let variable = |k: usize| -> Option<usize> {
                 let node = i - 2 + (k / block) as isize;
-                if k % block == 0 {
+                if k.is_multiple_of(block) {
                     Some(node.clamp(0, n - 1) as usize * block)
                 } else {
                     (node >= 0 && node <= n).then(|| node as usize * block + k % block)
@@ -536,88 +544,6 @@ impl Problem<'_> {
     }
 }
 
-/// Step lengths by node that are nowhere above the wanted ones and change slowly from node to node:
-/// a kink in them would be a jerk.
-fn smooth_lengths(wanted: &[f64], lengths: &mut [f64]) {
-    let count = wanted.len();
-    if wanted.iter().all(|&w| w >= 1.0) {
-        lengths.fill(1.0);
-        return;
-    }
-    // The least within reach, from blocks: a little wider than needed.
-    let blocks: Vec<f64> = wanted
-        .chunks(REACH)
-        .map(|chunk| chunk.iter().copied().fold(f64::INFINITY, f64::min))
-        .collect();
-    for (i, length) in lengths.iter_mut().enumerate() {
-        let block = i / REACH;
-        let near = &blocks[block.saturating_sub(1)..(block + 2).min(blocks.len())];
-        *length = near.iter().copied().fold(f64::INFINITY, f64::min);
-    }
-    // Two moving averages, together no wider than the reach.
-    for _ in 0..2 {
-        let half = REACH / 2;
-        let mut sums = Vec::with_capacity(count + 1);
-        let mut sum = 0.0;
-        sums.push(0.0);
-        for &length in lengths.iter() {
-            sum += length;
-            sums.push(sum);
-        }
-        for (i, length) in lengths.iter_mut().enumerate() {
-            let (from, to) = (i.saturating_sub(half), (i + half + 1).min(count));
-            *length = (sums[to] - sums[from]) / (to - from) as f64;
-        }
-    }
-}
-
-/// A point of the curve that must be near one piece of the course: a knot, or the point between two
-/// knots that stands for a joint and must be near both its pieces. As every piece's tube is convex
-/// (a line's, and nearly an arc's), the curve between the points is inside too.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct TubeRow {
-    /// The point is a weighted sum of four nodes from this one on.
-    first: usize,
-    weights: [f64; 4],
-    piece: usize,
-    target: f64,
-    radius: f64,
-}
-
-impl TubeRow {
-    /// The curve at a part of the way from knot `k` to the next, `0 < k`, `k + 2 < count`.
-    pub(crate) fn new(k: usize, part: f64, piece: usize, radius: f64) -> TubeRow {
-        let (here, next) = (1.0 - part, part);
-        TubeRow {
-            first: k - 1,
-            weights: [
-                KNOT[0] * here,
-                KNOT[1] * here + KNOT[0] * next,
-                KNOT[2] * here + KNOT[1] * next,
-                KNOT[2] * next,
-            ],
-            piece,
-            target: radius,
-            radius,
-        }
-    }
-
-    /// From the nearest point of the piece.
-    fn off(&self, course: &Course, points: &[Point]) -> Point {
-        let p = &points[self.first..self.first + 4];
-        let w = &self.weights;
-        let at = p[0] * w[0] + p[1] * w[1] + p[2] * w[2] + p[3] * w[3];
-        at - nearest(&course.pieces[self.piece], &at)
-    }
-
-    fn slack(&self, course: &Course, points: &[Point]) -> f64 {
-        1.0 - self.off(course, points).norm_squared() / (self.radius * self.radius)
-    }
-}
-
-/// Weights of the nodes about a knot (for even spans; the tube leaves room for uneven ones).
-const KNOT: [f64; 3] = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
-
 /// A vector that is limited, and what it depends on: spans of intervals `i-1..=i+1`, nodes `i-1..=i+2`.
 struct Quantity {
     value: Point,
@@ -634,8 +560,6 @@ const MAX_LOCAL: usize = 15;
 const FEASIBLE: f64 = 0.7;
 /// Newton decrement per node at which a stage ends.
 const CONVERGED: f64 = 1e-3;
-/// How many nodes a shortened step is spread over to either side.
-const REACH: usize = 48;
 /// A step that leaves less than this share of a slack is shortened.
 const NEARER: f64 = 0.03;
 /// Room that a point outside the tube is given, as a share of its distance.

@@ -1,10 +1,11 @@
 //! From moves to a trajectory: sections from rest to rest, each rounded, timed and improved.
 
 use crate::course::{Course, along};
-use crate::nominal::{Nodes, Warp, intervals, nodes};
-use crate::optimise::{self, Limits, Problem, TubeRow};
+use crate::nominal::{Nodes, Warp, grid, nodes, sites};
+use crate::optimise;
 use crate::rounding::{Smoothness, round};
-use crate::share::{Share, tolerance_at};
+use crate::setup::problem;
+use crate::share::Share;
 use crate::straight::straight;
 use crate::{AxisLimits, Bounds, ContourMove, Path, Point, Trajectory};
 
@@ -134,7 +135,11 @@ impl Section<'_> {
         for (index, round) in rounds.iter().enumerate() {
             let limited = if round.jerk { bounds } else { &free };
             if let Some((trajectory, times)) = &last {
-                let warp = if round.jerk { core::mem::replace(&mut warped, Smoothness::Trapezoid) } else { Smoothness::Trapezoid };
+                let warp = if round.jerk {
+                    core::mem::replace(&mut warped, Smoothness::Trapezoid)
+                } else {
+                    Smoothness::Trapezoid
+                };
                 nodes = resample(trajectory, times, &nodes, bounds, warp);
                 project(course, &mut nodes);
             }
@@ -161,7 +166,8 @@ impl Section<'_> {
             if round.last_one && worst <= 1.0 {
                 return Some(self.finish(trajectory, &nodes, &times));
             }
-            if index + 3 >= rounds.len() {
+            // The first repair is local; then the whole tube gives way.
+            if index + REPAIRS > rounds.len() {
                 share.narrow(worst);
             }
             last = Some((trajectory, times));
@@ -229,9 +235,16 @@ fn rounds(smoothness: Smoothness, effort: Effort) -> Vec<Round> {
 fn timed(nodes: &Nodes, bounds: &[Bounds], course: &Course, keep: bool) -> (Trajectory, Vec<f64>) {
     let trajectory = Trajectory::spline(&nodes.points, &nodes.spans);
     let factor = excess(&trajectory, nodes, bounds, course);
-    let spans: Vec<f64> = nodes.spans.iter().map(|span| span * if keep { factor } else { 1.0 }).collect();
+    let spans: Vec<f64> = nodes
+        .spans
+        .iter()
+        .map(|span| span * if keep { factor } else { 1.0 })
+        .collect();
     let trajectory = Trajectory::spline(&nodes.points, &spans);
-    let times = trajectory.knots[1..=nodes.points.len()].iter().map(|k| k.time).collect();
+    let times = trajectory.knots[1..=nodes.points.len()]
+        .iter()
+        .map(|k| k.time)
+        .collect();
     (trajectory, times)
 }
 
@@ -267,13 +280,7 @@ fn excess(trajectory: &Trajectory, nodes: &Nodes, bounds: &[Bounds], course: &Co
 }
 
 /// The same curve with nodes at equal intervals of its time, warped at its ends for an S-curve.
-fn resample(
-    trajectory: &Trajectory,
-    times: &[f64],
-    nodes: &Nodes,
-    bounds: &[Bounds],
-    smoothness: Smoothness,
-) -> Nodes {
+fn resample(trajectory: &Trajectory, times: &[f64], nodes: &Nodes, bounds: &[Bounds], smoothness: Smoothness) -> Nodes {
     let rate = |bound: Option<&Bounds>| bound.map_or(f64::INFINITY, |b| b.axes.acceleration.min().min(b.acceleration));
     let warp = Warp::new(
         trajectory.duration(),
@@ -283,12 +290,21 @@ fn resample(
         smoothness,
     );
     let whole = warp.stretched(trajectory.duration());
-    let intervals = intervals(whole);
+    let mut busy: Vec<(f64, f64)> = Vec::new();
+    for pair in trajectory.knots.windows(2) {
+        let (here, next) = (&pair[0], &pair[1]);
+        let most = here.state.acceleration.norm().max(next.state.acceleration.norm());
+        if most > IDLE * rate(bounds.first()).min(rate(bounds.last())) {
+            busy.push((warp.warped(here.time), warp.warped(next.time)));
+        }
+    }
+    let grid = grid(whole, &busy);
+    let intervals = grid.len() - 1;
     let mut points = Vec::with_capacity(intervals + 1);
     let mut progress = Vec::with_capacity(intervals + 1);
     let mut i = 0;
-    for k in 0..=intervals {
-        let time = warp.nominal(whole * k as f64 / intervals as f64);
+    for at in sites(&grid) {
+        let time = warp.nominal(at);
         points.push(trajectory.at(time).position);
         while i + 2 < times.len() && times[i + 1] < time {
             i += 1;
@@ -309,7 +325,7 @@ fn resample(
     Nodes {
         points,
         progress,
-        spans: vec![whole / intervals as f64; intervals],
+        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
     }
 }
 
@@ -331,102 +347,6 @@ fn project(course: &Course, nodes: &mut Nodes) {
     }
 }
 
-fn problem<'a>(
-    course: &'a Course,
-    nodes: &Nodes,
-    bounds: &[Bounds],
-    tolerances: &[f64],
-    effort: Effort,
-    shares: &[f64],
-) -> Problem<'a> {
-    let count = nodes.points.len();
-    let span = nodes.spans[0];
-    let pieces: Vec<usize> = nodes.progress.iter().map(|&s| course.piece_at(s)).collect();
-    let limits: Vec<Limits> = (0..count)
-        .map(|i| {
-            let mut limit = reciprocal(&bounds[pieces[i]], span);
-            for other in [i.saturating_sub(1), (i + 1).min(count - 1)] {
-                if pieces[other] != pieces[i] {
-                    limit = limit.stricter(&reciprocal(&bounds[pieces[other]], span));
-                }
-            }
-            limit
-        })
-        .collect();
-    let mut tangents = Vec::with_capacity(count);
-    let mut normals = Vec::with_capacity(count);
-    let mut radii = Vec::with_capacity(count);
-    let plane = plane_of(&nodes.points);
-    let mut tangent = course.pieces[0].start_tangent();
-    for i in 0..count {
-        let d = nodes.points[(i + 1).min(count - 1)] - nodes.points[i.saturating_sub(1)];
-        if d.norm() > 1e-12 {
-            tangent = d / d.norm();
-        }
-        tangents.push(tangent);
-        normals.push(across(&tangent, plane));
-        let tolerance = tolerance_at(course, tolerances, pieces[i], nodes.progress[i]);
-        // It leaves and arrives along the programmed direction: the tube opens as a cone.
-        let s = nodes.progress[i];
-        let radius = (shares[i] * tolerance).min(CONE * s.min(course.length() - s));
-        radii.push(if i < 2 || i + 3 > count { 0.0 } else { radius });
-    }
-    let fixed: Vec<bool> = radii.iter().map(|&r| r <= SHORTEST).collect();
-    let mut tube = Vec::new();
-    for i in (0..count).filter(|&i| !fixed[i]) {
-        tube.push(TubeRow::new(i, 0.0, pieces[i], radii[i]));
-        if fixed[i + 1] {
-            continue;
-        }
-        for joint in pieces[i] + 1..=pieces[i + 1] {
-            let (here, next) = (nodes.progress[i], nodes.progress[i + 1]);
-            let part = ((course.starts[joint] - here) / (next - here)).clamp(0.0, 1.0);
-            let radius = radii[i].min(radii[i + 1]);
-            tube.push(TubeRow::new(i, part, joint - 1, radius));
-            tube.push(TubeRow::new(i, part, joint, radius));
-        }
-    }
-    let lateral = match effort {
-        Effort::Quick => 0,
-        Effort::Full if tube.is_empty() => 0,
-        Effort::Full => 1 + usize::from(plane.is_none()),
-    };
-    Problem {
-        course,
-        points: nodes.points.clone(),
-        limits,
-        normals,
-        tangents,
-        tube,
-        fixed,
-        spans: vec![1.0; count - 1],
-        lateral,
-    }
-}
-
-/// The unit normal of the plane that holds all points, when they lie in one that is normal to an axis.
-fn plane_of(points: &[Point]) -> Option<Point> {
-    let first = points[0];
-    (0..3).rev().find(|&axis| points.iter().all(|p| p[axis] == first[axis])).map(|axis| {
-        let mut normal = Point::zeros();
-        normal[axis] = 1.0;
-        normal
-    })
-}
-
-/// Two unit vectors across a tangent, the first one in the plane if there is one.
-fn across(tangent: &Point, plane: Option<Point>) -> [Point; 2] {
-    let helper = plane.unwrap_or_else(|| {
-        let axis = tangent.abs().imin();
-        let mut unit = Point::zeros();
-        unit[axis] = 1.0;
-        unit
-    });
-    let first = helper.cross(tangent);
-    let first = first / first.norm().max(1e-300);
-    [first, tangent.cross(&first)]
-}
-
 fn bounds(one: &ContourMove, axes: &AxisLimits, smoothness: Smoothness) -> Bounds {
     let scurve = smoothness == Smoothness::SCurve;
     Bounds {
@@ -441,40 +361,6 @@ fn bounds(one: &ContourMove, axes: &AxisLimits, smoothness: Smoothness) -> Bound
     }
 }
 
-fn reciprocal(bounds: &Bounds, span: f64) -> Limits {
-    let (second, third) = (span * span, span * span * span);
-    let inverse = |limit: Point, unit: f64| limit.map(|l| 1.0 / (l * MARGIN * unit));
-    let corner = bounds.axes.acceleration.norm();
-    let binds = bounds.acceleration.min(bounds.deceleration) < corner;
-    let jerk_corner = bounds.axes.jerk.map_or(f64::INFINITY, |jerk| jerk.norm());
-    let one = |limit: f64, unit: f64, on: bool| if on { 1.0 / (limit * MARGIN * unit) } else { 0.0 };
-    Limits {
-        speed: inverse(bounds.axes.speed, span),
-        acceleration: inverse(bounds.axes.acceleration, second),
-        jerk: bounds.axes.jerk.map_or(Point::zeros(), |jerk| inverse(jerk, third)),
-        vector_speed: one(bounds.speed, span, bounds.speed < bounds.axes.speed.norm()),
-        vector_acceleration: one(bounds.norm_acceleration(), second, binds),
-        vector_jerk: one(bounds.jerk, third, bounds.jerk < jerk_corner),
-        speeding_up: one(bounds.acceleration, second, binds),
-        slowing_down: one(bounds.deceleration, second, binds),
-    }
-}
-
-impl Limits {
-    fn stricter(&self, other: &Limits) -> Limits {
-        Limits {
-            speed: self.speed.sup(&other.speed),
-            acceleration: self.acceleration.sup(&other.acceleration),
-            jerk: self.jerk.sup(&other.jerk),
-            vector_speed: self.vector_speed.max(other.vector_speed),
-            vector_acceleration: self.vector_acceleration.max(other.vector_acceleration),
-            vector_jerk: self.vector_jerk.max(other.vector_jerk),
-            speeding_up: self.speeding_up.max(other.speeding_up),
-            slowing_down: self.slowing_down.max(other.slowing_down),
-        }
-    }
-}
-
 /// When each of `moves` ends: where the progress passes its end; moves without length end with the one before.
 fn move_ends(moves: &[ContourMove], course: &Course, nodes: &Nodes, times: &[f64], whole: f64) -> Vec<f64> {
     let mut ends = Vec::with_capacity(moves.len());
@@ -485,7 +371,11 @@ fn move_ends(moves: &[ContourMove], course: &Course, nodes: &Nodes, times: &[f64
             let s = course.starts[piece];
             let k = nodes.progress.partition_point(|&p| p < s).clamp(1, times.len() - 1);
             let (p0, p1) = (nodes.progress[k - 1], nodes.progress[k]);
-            let part = if p1 > p0 { ((s - p0) / (p1 - p0)).clamp(0.0, 1.0) } else { 1.0 };
+            let part = if p1 > p0 {
+                ((s - p0) / (p1 - p0)).clamp(0.0, 1.0)
+            } else {
+                1.0
+            };
             last = times[k - 1] + (times[k] - times[k - 1]) * part;
             if piece == course.pieces.len() {
                 last = whole;
@@ -499,10 +389,8 @@ fn move_ends(moves: &[ContourMove], course: &Course, nodes: &Nodes, times: &[f64
 /// Tangents that differ by no more than this are equal (spec/motion-core.md §6.3).
 const TANGENT: f64 = 1e-6;
 /// Shorter moves are done at once, position units.
-const SHORTEST: f64 = 1e-9;
-/// How fast the tube opens at the ends of the course.
-const CONE: f64 = 0.25;
+pub(crate) const SHORTEST: f64 = 1e-9;
+/// Share of the acceleration limit below which nothing happens.
+const IDLE: f64 = 1e-3;
 /// How often the tube is tightened where the result is outside.
 const REPAIRS: usize = 5;
-/// Share of the limits that the optimisation uses; the rest is for its discretisation.
-const MARGIN: f64 = 1.0;

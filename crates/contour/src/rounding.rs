@@ -32,7 +32,9 @@ impl Stretch {
         match &self.shape {
             Shape::Piece(index) => {
                 let local = self.from + (self.to - self.from) * u - course.starts[*index];
-                course.pieces[*index].at(local.clamp(0.0, course.pieces[*index].length())).position
+                course.pieces[*index]
+                    .at(local.clamp(0.0, course.pieces[*index].length()))
+                    .position
             }
             Shape::Bezier(points, count) => {
                 let mut work = *points;
@@ -125,7 +127,11 @@ fn corner(course: &Course, index: usize, tolerance: f64, room: f64, smoothness: 
     let mut reach = room.min(order_of_arc(before, behind));
     for _ in 0..60 {
         let shape = quintic(before, behind, reach);
-        let stretch = Stretch { shape, from: 0.0, to: 0.0 };
+        let stretch = Stretch {
+            shape,
+            from: 0.0,
+            to: 0.0,
+        };
         let off = (1..32)
             .map(|k| {
                 let q = stretch.at(course, f64::from(k) / 32.0);

@@ -9,7 +9,9 @@ use arcline_profile::{Jerk, Limits, Profile, State as Along};
 pub(crate) fn straight(line: &Line, bounds: &Bounds) -> Trajectory {
     let direction = line.direction();
     let least = |vector: f64, axes: Point| {
-        (0..3).fold(vector, |least, axis| f64::min(least, axes[axis] / direction[axis].abs()))
+        (0..3).fold(vector, |least, axis| {
+            f64::min(least, axes[axis] / direction[axis].abs())
+        })
     };
     let jerk = bounds.axes.jerk.map_or(bounds.jerk, |axes| least(bounds.jerk, axes));
     let limits = Limits {

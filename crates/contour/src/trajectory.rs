@@ -102,6 +102,12 @@ impl Trajectory {
         self.move_ends.len()
     }
 
+    /// How many pieces of constant jerk it is made of.
+    #[must_use]
+    pub fn pieces(&self) -> usize {
+        self.knots.len().saturating_sub(1)
+    }
+
     /// The largest velocities, accelerations and jerks, exact.
     #[must_use]
     pub fn peaks(&self) -> Peaks {
@@ -127,8 +133,9 @@ impl Trajectory {
         peaks
     }
 
-    /// Appends a motion that starts where this one ends.
-    pub(crate) fn append(&mut self, next: Trajectory) {
+    /// Appends a motion that starts where this one ends, both at rest there. The moves of the other
+    /// one are numbered on from the moves of this one.
+    pub fn append(&mut self, next: Trajectory) {
         let shift = self.duration();
         if !next.knots.is_empty() {
             // The last knot is rest without length; the next trajectory's first takes its place.
@@ -154,7 +161,13 @@ impl Trajectory {
         }
         let ends = spans.len() - 1;
         let span = |i: isize| spans[i.clamp(0, ends as isize) as usize];
-        let node = |i: isize| if i <= 0 { first } else { nodes[(i as usize).min(count - 1)] };
+        let node = |i: isize| {
+            if i <= 0 {
+                first
+            } else {
+                nodes[(i as usize).min(count - 1)]
+            }
+        };
         let velocity = |i: isize| (node(i + 1) - node(i)) * 3.0 / (span(i - 1) + span(i) + span(i + 1));
         let acceleration = |i: isize| (velocity(i) - velocity(i - 1)) * 2.0 / (span(i - 1) + span(i));
         let mut knots = Vec::with_capacity(count + 2);
@@ -181,7 +194,11 @@ impl Trajectory {
                     acceleration: here,
                 }
             };
-            let jerk = if i == count as isize { Point::zeros() } else { (next - here) / behind };
+            let jerk = if i == count as isize {
+                Point::zeros()
+            } else {
+                (next - here) / behind
+            };
             knots.push(Knot { time, state, jerk });
             time += behind;
             here = next;

@@ -86,7 +86,10 @@ fn check(moves: &[ContourMove], jerk: bool) -> Result<(), TestCaseError> {
     let peaks = trajectory.peaks();
     for axis in 0..3 {
         prop_assert!(peaks.velocity[axis] <= limits.speed[axis] * (1.0 + 1e-9), "{peaks:?}");
-        prop_assert!(peaks.acceleration[axis] <= limits.acceleration[axis] * (1.0 + 1e-9), "{peaks:?}");
+        prop_assert!(
+            peaks.acceleration[axis] <= limits.acceleration[axis] * (1.0 + 1e-9),
+            "{peaks:?}"
+        );
         if let Some(most) = limits.jerk {
             prop_assert!(peaks.jerk[axis] <= most[axis] * (1.0 + 1e-9), "{peaks:?}");
         }
@@ -147,7 +150,10 @@ fn nothing_to_do_is_a_rest() {
     let here = Point::new(1.0, 2.0, 3.0);
     let still = contour_move(Path::line(here, here), 0.1, true);
     let trajectory: Trajectory = plan(&[still, still], &limits(true));
-    assert_eq!((trajectory.duration(), trajectory.end(), trajectory.moves()), (0.0, here, 2));
+    assert_eq!(
+        (trajectory.duration(), trajectory.end(), trajectory.moves()),
+        (0.0, here, 2)
+    );
 }
 
 #[test]
@@ -173,16 +179,49 @@ fn a_reversal_and_moves_without_length_are_planned() {
             .to_vec();
         let trajectory = plan(&moves, &limits(jerk));
         assert_eq!(trajectory.end(), a);
-        assert!(trajectory.duration() > 0.2 && trajectory.duration() < 0.5, "{}", trajectory.duration());
-        let farthest = (0..1000).map(|k| trajectory.at(f64::from(k) * 5e-4).position.x).fold(0.0, f64::max);
+        assert!(
+            trajectory.duration() > 0.2 && trajectory.duration() < 0.5,
+            "{}",
+            trajectory.duration()
+        );
+        let farthest = (0..1000)
+            .map(|k| trajectory.at(f64::from(k) * 5e-4).position.x)
+            .fold(0.0, f64::max);
         assert!(farthest > 19.8, "turns at {farthest}");
+    }
+}
+
+#[test]
+fn long_slow_legs_cost_no_more_nodes_than_short_ones() {
+    let (a, b, c) = (
+        Point::zeros(),
+        Point::new(5000.0, 0.0, 0.0),
+        Point::new(5000.0, 5000.0, 0.0),
+    );
+    for jerk in [false, true] {
+        let moves = [Path::line(a, b), Path::line(b, c)].map(|path| ContourMove {
+            speed: 50.0,
+            ..contour_move(path, 0.05, jerk)
+        });
+        let limits = limits(jerk);
+        let trajectory = plan(&moves, &limits);
+        let stops: f64 = moves.iter().map(|one| plan(&[*one], &limits).duration()).sum();
+        assert!(
+            trajectory.duration() < stops && trajectory.duration() > 199.9,
+            "{} {stops}",
+            trajectory.duration()
+        );
+        assert!(trajectory.pieces() < 4000, "{} pieces", trajectory.pieces());
     }
 }
 
 #[test]
 fn a_corner_without_tolerance_is_a_stop() {
     let (a, b, c) = (Point::zeros(), Point::new(20.0, 0.0, 0.0), Point::new(20.0, 20.0, 0.0));
-    let moves = [contour_move(Path::line(a, b), 0.0, true), contour_move(Path::line(b, c), 0.0, true)];
+    let moves = [
+        contour_move(Path::line(a, b), 0.0, true),
+        contour_move(Path::line(b, c), 0.0, true),
+    ];
     let trajectory = plan(&moves, &limits(true));
     let corner = trajectory.at(trajectory.move_end(0).expect("two moves"));
     assert_eq!((corner.position, corner.velocity), (b, Point::zeros()));

@@ -1,10 +1,9 @@
 //! Where one move becomes the next (spec/coordinated-instructions.md §7).
 
 use arcline_geometry::{Path, Point};
-use arcline_profile::Limits;
+use arcline_profile::{Limits, entry_speed};
 
 use crate::Move;
-use crate::reach::entry_speed;
 
 /// What happens at the end of a move that has a successor.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,7 +14,6 @@ mod clock;
 mod contour;
 mod junction;
 mod planner;
-mod reach;
 mod track;
 
 pub use clock::{Clock, Instant};

@@ -3,11 +3,10 @@
 use std::collections::VecDeque;
 
 use arcline_geometry::{Path, Point};
-use arcline_profile::{Jerk, Limits, Profile, State};
+use arcline_profile::{Jerk, Limits, Profile, State, exit_speed};
 
 use crate::junction::{Ending, Junction, braking, is_along, joins, junction, junction_speed};
-use crate::reach::{accelerates_until, brakes_from, exit_speed};
-use crate::track::{Approach, Residual, Sample, Track};
+use crate::track::{Approach, Part, Residual, Sample, Track};
 use crate::{Clock, Instant};
 
 /// A path to travel and the limits along it. `T` is whatever the owner wants back with it.
@@ -75,6 +74,8 @@ pub struct Planner<T> {
 /// Pending moves that a junction speed looks at. Behind them the path is taken to end at rest, which is always
 /// possible, so the work of a tick is bounded.
 const LOOK_AHEAD: usize = 32;
+/// Share of an acceleration that is none: what rounding leaves across the direction of motion.
+const NO_ACCELERATION: f64 = 1e-9;
 
 impl<T: Copy> Planner<T> {
     /// A planner at rest with `depth` pending places. `corner_step`: the change of velocity that each axis may
@@ -138,28 +139,49 @@ impl<T: Copy> Planner<T> {
             return;
         }
         let direction = momentum.velocity / speed;
-        let from = State {
+        let acceleration = if motion.limits.jerk.is_some() {
+            momentum.acceleration
+        } else {
+            Point::zeros()
+        };
+        let along = State {
             position: 0.0,
             velocity: speed,
-            acceleration: if motion.limits.jerk.is_some() {
-                momentum.acceleration.dot(&direction)
-            } else {
-                0.0
-            },
+            acceleration: acceleration.dot(&direction),
         };
+        let across = acceleration - direction * along.acceleration;
         let length = motion.path.length();
-        if length > 0.0 && is_along(&momentum.velocity, &motion.path.start_tangent()) {
+        let kept = length > 0.0 && is_along(&momentum.velocity, &motion.path.start_tangent());
+        let from = if kept { along } else { State::default() };
+        if kept && across.norm() <= NO_ACCELERATION * acceleration.norm() {
             self.run(motion, from, clock.now(), None, false, clock);
             return;
         }
         let limits = braking(&motion.limits, speed);
-        let profile = if length > 0.0 {
-            Profile::stop(from, &limits)
-        } else {
-            Profile::to_position(from, 0.0, 0.0, &limits)
+        // A path without length cannot compensate: what ramps out comes back by itself.
+        let ramped_out = |from: State| {
+            if length > 0.0 {
+                Profile::stop(from, &limits)
+            } else {
+                Profile::to_position(from, 0.0, 0.0, &limits)
+            }
         };
-        let residual = Residual::new(direction, profile, clock.now(), &motion.path);
-        self.run(motion, State::default(), clock.now(), Some(residual), false, clock);
+        let part = |direction, from| Part {
+            direction,
+            profile: ramped_out(from),
+        };
+        let parts = [
+            part(direction, if kept { State::default() } else { along }),
+            part(
+                across.try_normalize(0.0).unwrap_or_default(),
+                State {
+                    acceleration: across.norm(),
+                    ..State::default()
+                },
+            ),
+        ];
+        let residual = Residual::new(parts, clock.now(), &motion.path);
+        self.run(motion, from, clock.now(), Some(residual), false, clock);
     }
 
     /// Puts a move behind the last one. What the active one does at its end may change with it.
@@ -456,15 +478,18 @@ impl<T: Copy> Planner<T> {
                 track.profile.time_at_position(end).unwrap_or(track.profile.duration())
             }
             Junction::Rest | Junction::Pass { early: false, .. } => return,
-            Junction::Pass { early: true, .. } => brakes_from(&track.profile),
+            Junction::Pass { early: true, .. } => track.profile.brakes_from(),
             Junction::Overtake { tolerance } => reaches(tolerance),
             Junction::Blend { tolerance } => {
                 let begins =
-                    brakes_from(&track.profile).max(if tolerance.is_finite() { reaches(tolerance) } else { 0.0 });
+                    track
+                        .profile
+                        .brakes_from()
+                        .max(if tolerance.is_finite() { reaches(tolerance) } else { 0.0 });
                 let begins = begins.max(now);
                 let braking = track.profile.duration() - begins;
                 let rising = Profile::to_position(State::default(), next.path.length(), 0.0, &next.limits);
-                begins + (braking - accelerates_until(&rising)).max(0.0)
+                begins + (braking - rising.accelerates_until()).max(0.0)
             }
         };
         if let Some(tail) = &self.tail {

@@ -28,16 +28,23 @@ pub(crate) struct Approach {
     pub(crate) start: Instant,
 }
 
-/// A velocity of terminated motion that ramps out while its displacement is compensated in proportion to the
+/// Motion of what was terminated that ramps out while its displacement is compensated in proportion to the
 /// distance gone on the path (spec/coordinated-instructions.md §6.3).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Residual {
-    pub(crate) direction: Point,
-    pub(crate) profile: Profile,
+    /// Along the old velocity, and across it where the acceleration was not along the velocity.
+    pub(crate) parts: [Part; 2],
     pub(crate) start: Instant,
     /// Share of the move's limits that its own profile may use, so that path and compensation together keep
     /// them: at most 1.
     pub(crate) pace: f64,
+}
+
+/// A displacement along one direction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part {
+    pub(crate) direction: Point,
+    pub(crate) profile: Profile,
 }
 
 /// Where a track, or a whole coordinate system, is at one instant.
@@ -119,7 +126,7 @@ impl Track {
         let own = self.profile.duration();
         self.residual.map_or(own, |residual| {
             let head = self.start.elapsed(clock) - residual.start.elapsed(clock);
-            own.max(residual.profile.duration() - head)
+            own.max(residual.duration() - head)
         })
     }
 }
@@ -135,34 +142,45 @@ impl Approach {
 impl Residual {
     /// A residual ramped out beside a path. The compensation makes the way longer than the path where it
     /// leads away from the target; the path is then travelled so much slower.
-    pub(crate) fn new(direction: Point, profile: Profile, start: Instant, path: &Path) -> Self {
-        let (length, total) = (path.length(), profile.end().position);
+    pub(crate) fn new(parts: [Part; 2], start: Instant, path: &Path) -> Self {
+        let length = path.length();
+        let total: Point = parts.iter().map(Part::total).sum();
         let way = match path {
-            Path::Line(line) => (line.end() - line.start() - direction * total).norm(),
-            Path::Arc(_) => length + total.abs(),
+            Path::Line(line) => (line.end() - line.start() - total).norm(),
+            Path::Arc(_) => length + total.norm(),
         };
         Residual {
-            direction,
-            profile,
+            parts,
             start,
             pace: if way > length { length / way } else { 1.0 },
         }
     }
 
+    fn duration(&self) -> f64 {
+        self.parts
+            .iter()
+            .map(|part| part.profile.duration())
+            .fold(0.0, f64::max)
+    }
+
     fn add(&self, sample: &mut Sample, length: f64, clock: &Clock) {
-        let State {
-            position,
-            velocity,
-            acceleration,
-        } = self.profile.at(self.start.elapsed(clock));
-        let share = if length > 0.0 {
-            self.profile.end().position / length
-        } else {
-            0.0
-        };
-        sample.position += self.direction * (position - share * sample.along.position);
-        sample.velocity += self.direction * (velocity - share * sample.along.velocity);
-        sample.acceleration += self.direction * (acceleration - share * sample.along.acceleration);
+        for part in &self.parts {
+            let now = part.profile.at(self.start.elapsed(clock));
+            let share = if length > 0.0 {
+                part.profile.end().position / length
+            } else {
+                0.0
+            };
+            sample.position += part.direction * (now.position - share * sample.along.position);
+            sample.velocity += part.direction * (now.velocity - share * sample.along.velocity);
+            sample.acceleration += part.direction * (now.acceleration - share * sample.along.acceleration);
+        }
+    }
+}
+
+impl Part {
+    fn total(&self) -> Point {
+        self.direction * self.profile.end().position
     }
 }
 
