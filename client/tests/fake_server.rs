@@ -21,9 +21,9 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt, DuplexStream, duplex};
 struct Alone(u32, Identity);
 
 impl Host for Alone {
-    fn random(&mut self) -> u32 {
+    fn random(&mut self) -> Option<u32> {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        self.0
+        Some(self.0)
     }
     fn acquire_connection(&mut self) -> bool {
         true

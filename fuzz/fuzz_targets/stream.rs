@@ -22,9 +22,9 @@ struct FuzzHost {
 }
 
 impl Host for FuzzHost {
-    fn random(&mut self) -> u32 {
+    fn random(&mut self) -> Option<u32> {
         self.drawn = self.drawn.wrapping_add(1);
-        self.drawn
+        Some(self.drawn)
     }
     fn acquire_connection(&mut self) -> bool {
         self.open += 1;

@@ -1,4 +1,4 @@
-//! A bounds-checked cursor over little-endian bytes.
+//! A bounds-checked cursor over little-endian bytes, and what its writers share.
 //!
 //! Not a format of its own: every codec of this crate reads through it, so that no length from outside is ever an index.
 
@@ -68,4 +68,10 @@ impl<'a> Reader<'a> {
     pub fn u64(&mut self) -> Option<u64> {
         self.array().map(u64::from_le_bytes)
     }
+}
+
+/// As much of `bytes` as a length byte can count, and that length.
+pub(crate) fn counted(bytes: &[u8]) -> (u8, &[u8]) {
+    let length = u8::try_from(bytes.len()).unwrap_or(u8::MAX);
+    (length, bytes.get(..usize::from(length)).unwrap_or(bytes))
 }

@@ -22,9 +22,9 @@ use proptest::prelude::*;
 struct Quiet(Identity, u32);
 
 impl Host for Quiet {
-    fn random(&mut self) -> u32 {
+    fn random(&mut self) -> Option<u32> {
         self.1 = self.1.wrapping_add(1);
-        self.1
+        Some(self.1)
     }
     fn acquire_connection(&mut self) -> bool {
         true

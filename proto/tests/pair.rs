@@ -17,6 +17,8 @@ use bytes::{Bytes, BytesMut};
 
 struct TestHost {
     drawn: u32,
+    /// The source of randomness has failed.
+    dry: bool,
     open: usize,
     most: usize,
     counters: Counters,
@@ -24,9 +26,9 @@ struct TestHost {
 }
 
 impl Host for TestHost {
-    fn random(&mut self) -> u32 {
+    fn random(&mut self) -> Option<u32> {
         self.drawn = self.drawn.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        self.drawn
+        (!self.dry).then_some(self.drawn)
     }
     fn acquire_connection(&mut self) -> bool {
         let free = self.open < self.most;
@@ -63,6 +65,7 @@ impl Pair {
         let identity = Identity::new("Arcline", 7);
         let host = TestHost {
             drawn: 1,
+            dry: false,
             open: 0,
             most: 3,
             counters: Counters::default(),
@@ -579,4 +582,28 @@ fn slots_return_to_zero() {
         assert_eq!(pair.outcome(call), Outcome::Closed);
     }
     assert_eq!((pair.host.open, pair.server.connections()), (0, 0));
+}
+
+#[test]
+fn without_randomness_nothing_is_given_out() {
+    let mut pair = Pair::new();
+    pair.host.dry = true;
+    let call = pair.client.register(pair.now);
+    let refused = ClientError::Encapsulation {
+        command: Command::REGISTER_SESSION,
+        status: EncapStatus::NO_MEMORY,
+    };
+    assert_eq!(pair.outcome(call), Outcome::Failed(refused));
+    assert!(!pair.server.is_registered());
+
+    pair.host.dry = false;
+    let call = pair.client.register(pair.now);
+    assert_eq!(pair.outcome(call), Outcome::Registered, "the source has recovered");
+
+    pair.host.dry = true;
+    let call = pair.client.open(options(1), pair.now).unwrap();
+    let refused = ClientError::Refused(CipStatus::RESOURCE_UNAVAILABLE);
+    assert_eq!(pair.outcome(call), Outcome::Failed(refused));
+    assert_eq!((pair.server.connections(), pair.host.open), (0, 0));
+    assert_eq!(pair.host.counters.of(Count::OpenResourceRejects), 1);
 }

@@ -74,6 +74,7 @@ async fn send(socket: &UdpSocket, bytes: &[u8], peer: SocketAddr) {
     }
 }
 
+/// Only spreads the answers to a broadcast: a source that fails costs the spreading, nothing else.
 fn random_up_to(limit: Duration) -> Duration {
     limit.mul_f64(f64::from(getrandom::u32().unwrap_or_default()) / f64::from(u32::MAX))
 }

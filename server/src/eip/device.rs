@@ -7,6 +7,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use arcline_proto::connection::{Count, Counters};
 use arcline_proto::identity::Identity;
 use arcline_proto::session;
+use tracing::error;
 
 use crate::plant::Plant;
 
@@ -116,10 +117,11 @@ fn host_clock() -> u64 {
 
 /// The device as a session sees it.
 impl session::Host for &Device {
-    /// From the system's generator. Should that ever fail, 0 makes the session count up from what it has: ids stay
-    /// unique, they are only easier to guess.
-    fn random(&mut self) -> u32 {
-        getrandom::u32().unwrap_or_default()
+    /// From the system's generator.
+    fn random(&mut self) -> Option<u32> {
+        getrandom::u32()
+            .inspect_err(|error| error!(%error, "no random numbers: refusing sessions and connections"))
+            .ok()
     }
 
     fn acquire_connection(&mut self) -> bool {

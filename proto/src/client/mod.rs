@@ -5,22 +5,25 @@
 //! come of each call. A class 3 connection has one message outstanding; further ones wait inside. `now` is the time since
 //! any fixed moment.
 
+mod connection;
+mod options;
+mod outcome;
+mod reply;
+
 use bytes::{Bytes, BytesMut};
 use std::collections::{BTreeMap, VecDeque};
-use std::net::SocketAddrV4;
 use std::time::Duration;
 
-use crate::cip::{CipStatus, Reply, Request, class, service};
-use crate::connection::{
-    ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TRANSPORT_CLASS_3, TickTime,
-    UnconnectedSend,
-};
-use crate::cpf::{ConnectionId, CpfError, Item, Packet, decode_items};
-use crate::encap::{
-    Command, EncapStatus, Frame, FrameDecoder, FrameError, Header, MAX_DATA, RegisterSession, SessionHandle,
-};
-use crate::epath::{Epath, PathError, PortSegment, Segment};
-use crate::identity::Identity;
+use self::connection::Connection;
+use self::reply::{connected_reply, identity, unconnected_reply};
+use crate::cip::{Reply, Request, class, service};
+use crate::connection::{ConnectionKey, ForwardClose, ForwardOpenReply, TickTime, UnconnectedSend};
+use crate::cpf::Packet;
+use crate::encap::{Command, EncapStatus, Frame, FrameDecoder, Header, MAX_DATA, RegisterSession, SessionHandle};
+use crate::epath::Epath;
+
+pub use self::options::{OpenOptions, backplane};
+pub use self::outcome::{ClientError, ClientEvent, Outcome};
 
 /// Names something asked; never repeats in a session.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -29,113 +32,6 @@ pub struct Call(u64);
 /// Names an open class 3 connection of this session.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Connected(ConnectionKey);
-
-/// What has come of a call.
-#[derive(Clone, PartialEq, Debug)]
-pub enum Outcome {
-    /// The session is registered.
-    Registered,
-    /// Who answers, and at which address it says it listens; `None` if the reply holds no identity.
-    Identity(Option<(SocketAddrV4, Identity)>),
-    /// A CIP reply, whatever its status.
-    Reply(Reply),
-    /// A connection is open.
-    Opened {
-        /// For [`ClientSession::request_connected`].
-        connection: Connected,
-        /// The longest router request and reply it carries, bytes.
-        budget: usize,
-    },
-    /// A connection is closed.
-    Closed,
-    /// It failed.
-    Failed(ClientError),
-}
-
-/// Why something failed.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
-pub enum ClientError {
-    /// The peer refused the frame.
-    #[error("{command} refused: {status}")]
-    Encapsulation {
-        /// What was asked.
-        command: Command,
-        /// Why not.
-        status: EncapStatus,
-    },
-    /// The peer misbehaves: its stream cannot be read.
-    #[error(transparent)]
-    Frame(#[from] FrameError),
-    /// The peer misbehaves: its packet cannot be read.
-    #[error(transparent)]
-    Packet(#[from] CpfError),
-    /// The peer misbehaves: its reply cannot be read.
-    #[error("the reply to {0} cannot be read")]
-    Malformed(Command),
-    /// The connection was not opened or not closed.
-    #[error("connection refused: {0}")]
-    Refused(CipStatus),
-    /// No reply in time.
-    #[error("no reply in time")]
-    TimedOut,
-    /// The session was lost before the reply.
-    #[error("the connection was lost before the reply")]
-    Lost,
-    /// We were called wrongly: the path cannot be encoded.
-    #[error(transparent)]
-    Path(#[from] PathError),
-    /// We were called wrongly: no such connection is open.
-    #[error("no such connection is open")]
-    NotOpen,
-    /// We were called wrongly: there is no session yet.
-    #[error("no session is registered")]
-    NotRegistered,
-}
-
-/// A call and what has come of it.
-#[derive(Clone, PartialEq, Debug)]
-pub struct ClientEvent {
-    /// What was asked.
-    pub call: Call,
-    /// What has come of it.
-    pub outcome: Outcome,
-}
-
-/// How a connection is opened.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct OpenOptions {
-    /// Names the connection; unique among those of this originator.
-    pub key: ConnectionKey,
-    /// Where the target's messages are addressed to; chosen by us, not zero.
-    pub t_to_o_id: ConnectionId,
-    /// Connection size in both directions, bytes; beyond 511 it takes a Large Forward Open.
-    pub size: u16,
-    /// Requested interval, µs.
-    pub rpi: u32,
-    /// Timeout multiplier code, 0-7.
-    pub multiplier: u8,
-    /// The way to the Message Router.
-    pub route: Epath,
-}
-
-impl OpenOptions {
-    /// 4002 bytes through backplane slot 0, 2 s × 32.
-    pub fn new(key: ConnectionKey, t_to_o_id: ConnectionId) -> Self {
-        Self {
-            key,
-            t_to_o_id,
-            size: 4002,
-            rpi: 2_000_000,
-            multiplier: 3,
-            route: backplane(0),
-        }
-    }
-}
-
-/// The route through the backplane to `slot`: `01 ss`.
-pub fn backplane(slot: u8) -> Epath {
-    Epath(vec![Segment::Port(PortSegment::backplane(slot))])
-}
 
 /// What a reply is awaited for.
 #[derive(Debug)]
@@ -148,21 +44,12 @@ enum Wait {
     Connected { key: ConnectionKey },
 }
 
+/// A call without its reply.
 #[derive(Debug)]
 struct Pending {
     wait: Wait,
     command: Command,
     deadline: Duration,
-}
-
-#[derive(Debug)]
-struct Connection {
-    o_to_t_id: ConnectionId,
-    t_to_o_id: ConnectionId,
-    sequence: u16,
-    path: Epath,
-    outstanding: Option<Call>,
-    backlog: VecDeque<(Call, Bytes)>,
 }
 
 /// The client's side of one TCP connection.
@@ -234,28 +121,13 @@ impl ClientSession {
     /// `NotRegistered`, `Path`, `Lost`.
     pub fn open(&mut self, options: OpenOptions, now: Duration) -> Result<Call, ClientError> {
         self.check()?;
-        let large = options.size > NetworkParameters::MAX_SMALL;
-        let mut path = options.route.clone();
-        path.0.extend(Epath::object(class::MESSAGE_ROUTER, 1).0);
-        let open = ForwardOpen {
-            time: TickTime::DEFAULT,
-            o_to_t_id: ConnectionId(0),
-            t_to_o_id: options.t_to_o_id,
-            key: options.key,
-            multiplier: options.multiplier,
-            o_to_t_rpi: options.rpi,
-            o_to_t: NetworkParameters::explicit(options.size),
-            t_to_o_rpi: options.rpi,
-            t_to_o: NetworkParameters::explicit(options.size),
-            transport: TRANSPORT_CLASS_3,
-            path,
-        };
-        let code = if large {
+        let code = if options.is_large() {
             service::LARGE_FORWARD_OPEN
         } else {
             service::FORWARD_OPEN
         };
-        let message = connection_manager(code, open.to_bytes(large)?).to_bytes()?;
+        let open = options.forward_open();
+        let message = connection_manager(code, open.to_bytes(options.is_large())?).to_bytes()?;
         Ok(self.send_unconnected(Wait::Open { options }, message, now))
     }
 
@@ -269,7 +141,7 @@ impl ClientSession {
         let close = ForwardClose {
             time: TickTime::DEFAULT,
             key: connected.0,
-            path: connection.path.clone(),
+            path: connection.path().clone(),
         };
         let message = connection_manager(service::FORWARD_CLOSE, close.to_bytes()?).to_bytes()?;
         Ok(self.send_unconnected(Wait::Close { key: connected.0 }, message, now))
@@ -282,20 +154,13 @@ impl ClientSession {
     pub fn request_connected(&mut self, on: Connected, request: &Request, now: Duration) -> Result<Call, ClientError> {
         self.check()?;
         let message = request.to_bytes()?;
-        let connection = self.connections.get_mut(&on.0).ok_or(ClientError::NotOpen)?;
-        let call = Call(self.next);
-        self.next += 1;
-        connection.backlog.push_back((call, message));
-        let wait = Wait::Connected { key: on.0 };
-        let deadline = now + self.timeout;
-        self.pending.insert(
-            call,
-            Pending {
-                wait,
-                command: Command::SEND_UNIT_DATA,
-                deadline,
-            },
-        );
+        if !self.connections.contains_key(&on.0) {
+            return Err(ClientError::NotOpen);
+        }
+        let call = self.await_reply(Wait::Connected { key: on.0 }, Command::SEND_UNIT_DATA, now);
+        if let Some(connection) = self.connections.get_mut(&on.0) {
+            connection.push(call, message);
+        }
         self.send_next(on.0);
         Ok(call)
     }
@@ -386,10 +251,12 @@ impl ClientSession {
             session,
             ..
         } = frame.header;
-        if let Wait::Connected { key } = pending.wait
-            && let Some(connection) = self.connections.get_mut(&key)
-        {
-            connection.outstanding = None;
+        let on = match pending.wait {
+            Wait::Connected { key } => Some(key),
+            _ => None,
+        };
+        if let Some(connection) = on.and_then(|key| self.connections.get_mut(&key)) {
+            connection.replied();
         }
         let outcome = if status == EncapStatus::SUCCESS {
             match pending.wait {
@@ -398,18 +265,14 @@ impl ClientSession {
                 Wait::Message => unconnected_reply(frame).map(Outcome::Reply),
                 Wait::Open { options } => unconnected_reply(frame).and_then(|reply| self.opened(options, &reply)),
                 Wait::Close { key } => unconnected_reply(frame).and_then(|reply| self.closed(key, &reply)),
-                Wait::Connected { key } => {
-                    let outcome = connected_reply(frame).map(Outcome::Reply);
-                    self.send_next(key);
-                    outcome
-                }
+                Wait::Connected { .. } => connected_reply(frame).map(Outcome::Reply),
             }
         } else {
-            if let Wait::Connected { key } = pending.wait {
-                self.send_next(key);
-            }
             Err(ClientError::Encapsulation { command, status })
         };
+        if let Some(key) = on {
+            self.send_next(key);
+        }
         self.finish(call, outcome.unwrap_or_else(Outcome::Failed));
     }
 
@@ -421,19 +284,29 @@ impl ClientSession {
         }
     }
 
-    fn send(&mut self, wait: Wait, command: Command, data: Bytes, now: Duration) -> Call {
+    /// Names a call and waits for its reply from now on.
+    fn await_reply(&mut self, wait: Wait, command: Command, now: Duration) -> Call {
         let call = Call(self.next);
         self.next += 1;
-        let frame = Frame::request(command, self.handle.unwrap_or_default(), call.0.to_le_bytes(), data);
+        let deadline = now + self.timeout;
+        let pending = Pending {
+            wait,
+            command,
+            deadline,
+        };
+        self.pending.insert(call, pending);
+        call
+    }
+
+    fn transmit(&mut self, call: Call, command: Command, data: Bytes) {
+        let handle = self.handle.unwrap_or_default();
+        let frame = Frame::request(command, handle, call.0.to_le_bytes(), data);
         self.transmits.push_back(frame.to_bytes());
-        self.pending.insert(
-            call,
-            Pending {
-                wait,
-                command,
-                deadline: now + self.timeout,
-            },
-        );
+    }
+
+    fn send(&mut self, wait: Wait, command: Command, data: Bytes, now: Duration) -> Call {
+        let call = self.await_reply(wait, command, now);
+        self.transmit(call, command, data);
         call
     }
 
@@ -448,32 +321,17 @@ impl ClientSession {
 
     /// Sends the next message of a connection that has none outstanding.
     fn send_next(&mut self, key: ConnectionKey) {
-        let Some(connection) = self.connections.get_mut(&key) else {
-            return;
-        };
-        if connection.outstanding.is_some() {
-            return;
+        if let Some((call, packet)) = self.connections.get_mut(&key).and_then(Connection::next) {
+            self.transmit(call, Command::SEND_UNIT_DATA, packet.to_bytes());
         }
-        let Some((call, message)) = connection.backlog.pop_front() else {
-            return;
-        };
-        connection.sequence = connection.sequence.wrapping_add(1);
-        connection.outstanding = Some(call);
-        let packet = Packet::connected(connection.o_to_t_id, connection.sequence, &message);
-        let handle = self.handle.unwrap_or_default();
-        let frame = Frame::request(Command::SEND_UNIT_DATA, handle, call.0.to_le_bytes(), packet.to_bytes());
-        self.transmits.push_back(frame.to_bytes());
     }
 
     /// By sender context; on a connection by its id and sequence count, since a target may not echo the context there.
     fn match_reply(&self, frame: &Frame) -> Option<Call> {
         if frame.header.command == Command::SEND_UNIT_DATA && frame.header.status == EncapStatus::SUCCESS {
             let (id, sequence, _) = Packet::decode(&frame.data).ok()?.connected_message().ok()?;
-            let connection = self
-                .connections
-                .values()
-                .find(|connection| connection.t_to_o_id == id)?;
-            return connection.outstanding.filter(|_| connection.sequence == sequence);
+            let connection = self.connections.values().find(|connection| connection.hears(id))?;
+            return connection.awaited(sequence);
         }
         let call = Call(u64::from_le_bytes(frame.header.context));
         self.pending
@@ -498,16 +356,7 @@ impl ClientSession {
         }
         let opened = ForwardOpenReply::decode(&reply.data).filter(|opened| opened.key == options.key);
         let opened = opened.ok_or(ClientError::Malformed(Command::SEND_RR_DATA))?;
-        let mut path = options.route;
-        path.0.extend(Epath::object(class::MESSAGE_ROUTER, 1).0);
-        let connection = Connection {
-            o_to_t_id: opened.o_to_t_id,
-            t_to_o_id: opened.t_to_o_id,
-            sequence: 0,
-            path,
-            outstanding: None,
-            backlog: VecDeque::new(),
-        };
+        let connection = Connection::new(&opened, options.path());
         self.connections.insert(options.key, connection);
         let budget = usize::from(options.size).saturating_sub(2);
         Ok(Outcome::Opened {
@@ -530,8 +379,7 @@ impl ClientSession {
         let Some(connection) = self.connections.remove(&key) else {
             return;
         };
-        let waiting = connection.backlog.into_iter().map(|(call, _)| call);
-        for call in connection.outstanding.into_iter().chain(waiting) {
+        for call in connection.into_calls() {
             if self.pending.remove(&call).is_some() {
                 self.finish(call, Outcome::Failed(error));
             }
@@ -554,21 +402,4 @@ impl ClientSession {
 
 fn connection_manager(code: u8, data: Bytes) -> Request {
     Request::new(code, Epath::object(class::CONNECTION_MANAGER, 1), data)
-}
-
-fn unconnected_reply(frame: &Frame) -> Result<Reply, ClientError> {
-    let packet = Packet::decode(&frame.data)?;
-    Reply::decode(packet.unconnected_message()?).ok_or(ClientError::Malformed(Command::SEND_RR_DATA))
-}
-
-fn connected_reply(frame: &Frame) -> Result<Reply, ClientError> {
-    let (_, _, message) = Packet::decode(&frame.data)?.connected_message()?;
-    Reply::decode(&message).ok_or(ClientError::Malformed(Command::SEND_UNIT_DATA))
-}
-
-fn identity(data: &Bytes) -> Option<(SocketAddrV4, Identity)> {
-    decode_items(data).ok()?.iter().find_map(|item| match item {
-        Item::Identity(data) => Identity::decode_item(data),
-        _ => None,
-    })
 }

@@ -1,0 +1,83 @@
+//! What has come of something a client asked for: its reply, or why there is none and whose fault that is.
+//!
+//! Not the status of a reply that has come: that is in the reply.
+
+use std::net::SocketAddrV4;
+
+use super::{Call, Connected};
+use crate::cip::{CipStatus, Reply};
+use crate::cpf::CpfError;
+use crate::encap::{Command, EncapStatus, FrameError};
+use crate::epath::PathError;
+use crate::identity::Identity;
+
+/// A call and what has come of it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ClientEvent {
+    /// What was asked.
+    pub call: Call,
+    /// What has come of it.
+    pub outcome: Outcome,
+}
+
+/// What has come of a call.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Outcome {
+    /// The session is registered.
+    Registered,
+    /// Who answers, and at which address it says it listens; `None` if the reply holds no identity.
+    Identity(Option<(SocketAddrV4, Identity)>),
+    /// A CIP reply, whatever its status.
+    Reply(Reply),
+    /// A connection is open.
+    Opened {
+        /// For [`ClientSession::request_connected`](super::ClientSession::request_connected).
+        connection: Connected,
+        /// The longest router request and reply it carries, bytes.
+        budget: usize,
+    },
+    /// A connection is closed.
+    Closed,
+    /// It failed.
+    Failed(ClientError),
+}
+
+/// Why something failed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum ClientError {
+    /// The peer refused the frame.
+    #[error("{command} refused: {status}")]
+    Encapsulation {
+        /// What was asked.
+        command: Command,
+        /// Why not.
+        status: EncapStatus,
+    },
+    /// The peer misbehaves: its stream cannot be read.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// The peer misbehaves: its packet cannot be read.
+    #[error(transparent)]
+    Packet(#[from] CpfError),
+    /// The peer misbehaves: its reply cannot be read.
+    #[error("the reply to {0} cannot be read")]
+    Malformed(Command),
+    /// The connection was not opened or not closed.
+    #[error("connection refused: {0}")]
+    Refused(CipStatus),
+    /// No reply in time.
+    #[error("no reply in time")]
+    TimedOut,
+    /// The session was lost before the reply.
+    #[error("the connection was lost before the reply")]
+    Lost,
+    /// We were called wrongly: the path cannot be encoded.
+    #[error(transparent)]
+    Path(#[from] PathError),
+    /// We were called wrongly: no such connection is open.
+    #[error("no such connection is open")]
+    NotOpen,
+    /// We were called wrongly: there is no session yet.
+    #[error("no session is registered")]
+    NotRegistered,
+}

@@ -1,0 +1,29 @@
+//! Replies inside frames: what came back for a request, without its encapsulation.
+//!
+//! Not whose reply it is, nor what its status means.
+
+use bytes::Bytes;
+use std::net::SocketAddrV4;
+
+use super::ClientError;
+use crate::cip::Reply;
+use crate::cpf::{Item, Packet, decode_items};
+use crate::encap::{Command, Frame};
+use crate::identity::Identity;
+
+pub(super) fn unconnected_reply(frame: &Frame) -> Result<Reply, ClientError> {
+    let packet = Packet::decode(&frame.data)?;
+    Reply::decode(packet.unconnected_message()?).ok_or(ClientError::Malformed(Command::SEND_RR_DATA))
+}
+
+pub(super) fn connected_reply(frame: &Frame) -> Result<Reply, ClientError> {
+    let (_, _, message) = Packet::decode(&frame.data)?.connected_message()?;
+    Reply::decode(&message).ok_or(ClientError::Malformed(Command::SEND_UNIT_DATA))
+}
+
+pub(super) fn identity(data: &Bytes) -> Option<(SocketAddrV4, Identity)> {
+    decode_items(data).ok()?.iter().find_map(|item| match item {
+        Item::Identity(data) => Identity::decode_item(data),
+        _ => None,
+    })
+}

@@ -1,0 +1,106 @@
+//! What a request's path means: a name, an object, or an object within the scope of a name (spec/ethernet-ip.md §5).
+//!
+//! Not whether there is such a thing.
+
+use arcline_tag::{PathSegment, TagPath};
+
+use super::{Epath, PathError, Segment};
+
+/// The deepest nesting of names that is followed.
+pub const MAX_SYMBOLS: usize = 32;
+
+/// What a request is for: a name, an object, or an object within the scope of a name.
+///
+/// `91 "A" 28 03 91 "B"` is `symbols` A, 3, B. `20 6B 25 iiii 28 03` is class 0x6B, that instance, `members` 3.
+/// `91 "Program:P" 20 6B 24 00` is `symbols` Program:P and class 0x6B.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Target {
+    /// Names and indices in front of any class.
+    pub symbols: Vec<PathSegment>,
+    /// Class.
+    pub class: Option<u16>,
+    /// Instance; 0 is the class itself.
+    pub instance: Option<u32>,
+    /// Attribute.
+    pub attribute: Option<u16>,
+    /// Connection points, in order.
+    pub connection_points: Vec<u32>,
+    /// Names and indices behind the instance.
+    pub members: Vec<PathSegment>,
+}
+
+impl Target {
+    /// Reads the meaning of a request path. A name such as `A.B[3]` in one symbol segment is split. Port segments, keys,
+    /// network and data segments are skipped: they belong to routes and connections.
+    ///
+    /// # Errors
+    /// `Order`, `OutOfRange`, `Symbol` and `TooDeep`; see [`PathError::status`].
+    pub fn new(path: &Epath) -> Result<Self, PathError> {
+        let mut this = Self::default();
+        for segment in &path.0 {
+            match segment {
+                Segment::Class(id) if this.class.is_none() => this.class = Some(narrow(*id)?),
+                Segment::Instance(id) if this.class.is_some() && this.instance.is_none() => this.instance = Some(*id),
+                Segment::Attribute(id) if this.class.is_some() && this.attribute.is_none() => {
+                    this.attribute = Some(narrow(*id)?);
+                }
+                Segment::Class(_) | Segment::Instance(_) | Segment::Attribute(_) => {
+                    return Err(PathError::Order);
+                }
+                Segment::ConnectionPoint(id) => this.connection_points.push(*id),
+                Segment::Member(index) => this.names().push(PathSegment::Element(*index)),
+                Segment::Symbol(name) => {
+                    let names = split_symbol(name)?;
+                    this.names().extend(names);
+                }
+                Segment::Key(_) | Segment::Port(_) | Segment::Network { .. } | Segment::Data(_) => {}
+            }
+            let symbols = |names: &[PathSegment]| names.iter().filter(|n| matches!(n, PathSegment::Symbol(_))).count();
+            if symbols(&this.symbols) + symbols(&this.members) > MAX_SYMBOLS {
+                return Err(PathError::TooDeep { limit: MAX_SYMBOLS });
+            }
+        }
+        if matches!(
+            this.symbols.first(),
+            Some(PathSegment::Element(_) | PathSegment::Bit(_))
+        ) {
+            return Err(PathError::Order);
+        }
+        Ok(this)
+    }
+
+    /// The tag meant by name alone; `None` if the path goes by class or is empty.
+    pub fn tag_path(&self) -> Option<TagPath> {
+        (self.class.is_none() && !self.symbols.is_empty()).then(|| TagPath(self.symbols.clone()))
+    }
+
+    /// The first name, if the path begins with one.
+    pub fn first_symbol(&self) -> Option<&str> {
+        match self.symbols.first() {
+            Some(PathSegment::Symbol(name)) => Some(name),
+            _ => None,
+        }
+    }
+
+    fn names(&mut self) -> &mut Vec<PathSegment> {
+        if self.class.is_some() {
+            &mut self.members
+        } else {
+            &mut self.symbols
+        }
+    }
+}
+
+fn narrow(value: u32) -> Result<u16, PathError> {
+    u16::try_from(value).map_err(|_| PathError::OutOfRange { value })
+}
+
+/// A plain name stays as it is; only one with dots or brackets is taken apart.
+fn split_symbol(name: &str) -> Result<Vec<PathSegment>, PathError> {
+    if name.contains(['.', '[']) {
+        let path: TagPath = name.parse().map_err(|_| PathError::Symbol)?;
+        Ok(path.0)
+    } else {
+        Ok(vec![PathSegment::Symbol(name.to_owned())])
+    }
+}

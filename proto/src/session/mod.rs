@@ -1,0 +1,374 @@
+//! The server's side of one TCP connection, without I/O: sessions, unconnected messages, and class 3 connections
+//! (spec/ethernet-ip.md §2, §7, §8, §18).
+//!
+//! Bytes go in by [`ServerSession::handle_input`], [`Event`]s come out of [`ServerSession::poll_event`]. The application
+//! answers each [`Event::Request`] once by [`ServerSession::reply`]; replies leave in the order of the requests whatever
+//! the order of the answers. `now` is the time since any fixed moment; it never runs backwards. Random numbers, shared
+//! limits and counters are the [`Host`]'s.
+
+mod connection_manager;
+mod connections;
+mod host;
+mod replies;
+mod route;
+mod settings;
+
+use bytes::{Bytes, BytesMut};
+use std::collections::VecDeque;
+use std::net::SocketAddrV4;
+use std::sync::Arc;
+use std::time::Duration;
+
+use self::connections::{Arrival, Connections};
+use self::host::nonzero;
+use self::replies::{Replies, Way};
+use self::route::unwrap_route;
+use crate::cip::{Reply, Request};
+use crate::cpf::Packet;
+use crate::discovery::list_reply;
+use crate::encap::{Command, EncapStatus, Frame, FrameDecoder, FrameError, Header, RegisterSession, SessionHandle};
+
+pub use self::connection_manager::MIN_CONNECTION_SIZE;
+pub use self::host::Host;
+pub use self::replies::RequestId;
+pub use self::route::Slots;
+pub use self::settings::{Settings, UnknownConnection};
+
+/// What a session wants.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Event {
+    /// Send this to the peer.
+    Outgoing(Bytes),
+    /// Execute this and answer it by [`ServerSession::reply`].
+    Request {
+        /// Name for the answer.
+        id: RequestId,
+        /// What is asked. Multiple Service Packets come whole.
+        request: Request,
+        /// The longest router reply, bytes with its head.
+        reply_budget: usize,
+        /// On what.
+        transport: Transport,
+    },
+    /// Send what is left, then close the socket. Nothing follows.
+    Close(CloseReason),
+}
+
+/// What a request came on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Transport {
+    /// SendRRData; a stray route may follow the data ([`crate::cip::is_stray_route`]).
+    Unconnected,
+    /// A class 3 connection.
+    Connected,
+}
+
+/// Why a session ends.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum CloseReason {
+    /// The peer said so.
+    #[error("the peer unregistered")]
+    Unregistered,
+    /// No RegisterSession in time.
+    #[error("no session was registered in time")]
+    NotRegistered,
+    /// Silence.
+    #[error("nothing was heard for too long")]
+    Inactive,
+    /// A frame longer than accepted.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// A message for a connection this socket does not have.
+    #[error("message for an unknown connection")]
+    UnknownConnection,
+}
+
+/// A session's life.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Life {
+    /// Waits for RegisterSession until then.
+    Fresh { until: Duration },
+    /// Registered; last heard of then.
+    Registered { handle: SessionHandle, heard: Duration },
+    /// The socket is to be closed.
+    Closed,
+}
+
+/// The server's side of one TCP connection.
+#[derive(Debug)]
+pub struct ServerSession {
+    settings: Arc<Settings>,
+    local: SocketAddrV4,
+    life: Life,
+    connections: Connections,
+    replies: Replies,
+    events: VecDeque<Event>,
+    unknown_connections: u64,
+}
+
+impl ServerSession {
+    /// A session on a socket just accepted at address `local` (what ListIdentity tells).
+    pub fn new(settings: Arc<Settings>, local: SocketAddrV4, now: Duration) -> Self {
+        let until = now + settings.register_timeout;
+        Self {
+            settings,
+            local,
+            life: Life::Fresh { until },
+            connections: Connections::default(),
+            replies: Replies::default(),
+            events: VecDeque::new(),
+            unknown_connections: 0,
+        }
+    }
+
+    /// Takes whole frames off the front of `buf`, as many as [`Self::wants_input`] allows. Call it again after replies
+    /// when `buf` was not empty.
+    pub fn handle_input(&mut self, buf: &mut BytesMut, now: Duration, host: &mut dyn Host) {
+        let decoder = FrameDecoder::new(self.settings.frame_limit);
+        while self.wants_input() {
+            match decoder.decode(buf) {
+                Ok(Some(frame)) => self.handle_frame(&frame, now, host),
+                Ok(None) => return,
+                Err(error) => {
+                    let FrameError::TooLong { header, .. } = error;
+                    self.replies.clear();
+                    self.push_ready(Frame::error(&header, EncapStatus::INVALID_LENGTH));
+                    self.close(CloseReason::Frame(error), host);
+                }
+            }
+        }
+    }
+
+    /// Whether more input is taken: the session is open and not too many requests wait for answers.
+    pub fn wants_input(&self) -> bool {
+        self.life != Life::Closed && self.replies.len() < self.settings.max_pending.max(1)
+    }
+
+    /// Takes one frame.
+    pub fn handle_frame(&mut self, frame: &Frame, now: Duration, host: &mut dyn Host) {
+        if self.life == Life::Closed {
+            return;
+        }
+        self.connections.expire(now, host);
+        if let Life::Registered { heard, .. } = &mut self.life {
+            *heard = now;
+        }
+        let header = &frame.header;
+        if header.status != EncapStatus::SUCCESS || header.options != 0 {
+            return;
+        }
+        match header.command {
+            Command::NOP => {}
+            Command::REGISTER_SESSION => self.register(frame, now, host),
+            Command::UNREGISTER_SESSION => match self.check_session(header) {
+                Ok(()) => self.close(CloseReason::Unregistered, host),
+                Err(status) => self.push_ready(Frame::error(header, status)),
+            },
+            Command::SEND_RR_DATA => self.send_rr_data(frame, now, host),
+            Command::SEND_UNIT_DATA => self.send_unit_data(frame, now, host),
+            command => {
+                let reply = match list_reply(command, host.identity(), self.settings.capability, self.local) {
+                    Some(data) => Frame::reply(header, data),
+                    None => Frame::error(header, EncapStatus::INVALID_COMMAND),
+                };
+                self.push_ready(reply);
+            }
+        }
+    }
+
+    /// Answers a request. A reply beyond the budget becomes 0x11. `false`: there is no such request, or it has been
+    /// answered.
+    pub fn reply(&mut self, id: RequestId, reply: &Reply, now: Duration) -> bool {
+        let Some((way, packet)) = self.replies.answer(id, reply) else {
+            return false;
+        };
+        if let Way::Connected { id, sequence, .. } = way {
+            self.connections.answered(id, sequence, &packet, now);
+        }
+        self.flush();
+        true
+    }
+
+    /// The next thing to do.
+    pub fn poll_event(&mut self) -> Option<Event> {
+        self.events.pop_front()
+    }
+
+    /// When [`Self::handle_timeout`] is due; ask again after every call that changes the session.
+    pub fn poll_timeout(&self) -> Option<Duration> {
+        if self.life == Life::Closed {
+            return None;
+        }
+        self.connections
+            .deadline()
+            .into_iter()
+            .chain(self.life_deadline())
+            .min()
+    }
+
+    /// Drops connections whose watchdog has expired, and the session if it was silent for too long.
+    pub fn handle_timeout(&mut self, now: Duration, host: &mut dyn Host) {
+        self.connections.expire(now, host);
+        if self.life_deadline().is_some_and(|deadline| deadline <= now) {
+            let reason = match self.life {
+                Life::Fresh { .. } => CloseReason::NotRegistered,
+                Life::Registered { .. } | Life::Closed => CloseReason::Inactive,
+            };
+            self.close(reason, host);
+        }
+    }
+
+    /// The socket has gone: frees the connections. Events that are left need not be polled.
+    pub fn handle_disconnect(&mut self, host: &mut dyn Host) {
+        self.life = Life::Closed;
+        self.replies.clear();
+        self.connections.clear(host);
+    }
+
+    /// Class 3 connections that are open.
+    pub fn connections(&self) -> usize {
+        self.connections.len()
+    }
+
+    /// Whether RegisterSession has succeeded and the session lives.
+    pub fn is_registered(&self) -> bool {
+        matches!(self.life, Life::Registered { .. })
+    }
+
+    /// Class 3 messages for connections that this socket does not have.
+    pub fn unknown_connections(&self) -> u64 {
+        self.unknown_connections
+    }
+
+    /// When the session ends unless something is heard; not while a request is being worked on.
+    fn life_deadline(&self) -> Option<Duration> {
+        match self.life {
+            Life::Fresh { until } => Some(until),
+            Life::Registered { heard, .. } if self.replies.is_empty() => {
+                self.settings.inactivity.map(|time| heard + time)
+            }
+            Life::Registered { .. } | Life::Closed => None,
+        }
+    }
+
+    fn check_session(&self, header: &Header) -> Result<(), EncapStatus> {
+        match self.life {
+            Life::Registered { handle, .. } if handle == header.session => Ok(()),
+            _ => Err(EncapStatus::INVALID_SESSION),
+        }
+    }
+
+    fn register(&mut self, frame: &Frame, now: Duration, host: &mut dyn Host) {
+        let header = &frame.header;
+        let reply = match (self.life, RegisterSession::decode(&frame.data)) {
+            (Life::Registered { .. }, _) => Frame::error(header, EncapStatus::INVALID_COMMAND),
+            (_, None) => Frame::error(header, EncapStatus::INVALID_LENGTH),
+            (_, Some(RegisterSession::CURRENT)) => match nonzero(host, |_| true).map(SessionHandle) {
+                Some(session) => {
+                    self.life = Life::Registered {
+                        handle: session,
+                        heard: now,
+                    };
+                    Frame::reply(&Header { session, ..*header }, RegisterSession::CURRENT.to_bytes())
+                }
+                None => Frame::error(header, EncapStatus::NO_MEMORY),
+            },
+            (_, Some(_)) => {
+                let mut reply = Frame::reply(header, RegisterSession::CURRENT.to_bytes());
+                reply.header.status = EncapStatus::UNSUPPORTED_VERSION;
+                reply
+            }
+        };
+        self.push_ready(reply);
+    }
+
+    fn send_rr_data(&mut self, frame: &Frame, now: Duration, host: &mut dyn Host) {
+        let header = frame.header;
+        if let Err(status) = self.check_session(&header) {
+            return self.push_ready(Frame::error(&header, status));
+        }
+        let message = Packet::decode(&frame.data).and_then(|packet| packet.unconnected_message().cloned());
+        match message {
+            Ok(message) => {
+                let way = Way::Unconnected {
+                    budget: self.settings.unconnected_reply_limit,
+                };
+                self.message(header, way, &message, now, host);
+            }
+            Err(_) => self.push_ready(Frame::error(&header, EncapStatus::INCORRECT_DATA)),
+        }
+    }
+
+    fn send_unit_data(&mut self, frame: &Frame, now: Duration, host: &mut dyn Host) {
+        let header = frame.header;
+        if let Err(status) = self.check_session(&header) {
+            return self.push_ready(Frame::error(&header, status));
+        }
+        let Ok((id, sequence, message)) = Packet::decode(&frame.data).and_then(|packet| packet.connected_message())
+        else {
+            return self.push_ready(Frame::error(&header, EncapStatus::INCORRECT_DATA));
+        };
+        match self.connections.receive(id, sequence, now) {
+            Some(Arrival::New { t_to_o_id, budget }) => {
+                let way = Way::Connected {
+                    id,
+                    t_to_o_id,
+                    sequence,
+                    budget,
+                };
+                self.message(header, way, &message, now, host);
+            }
+            Some(Arrival::Answered(packet)) => self.push_ready(Frame::reply(&header, packet)),
+            Some(Arrival::InProgress) => self.replies.repeat(header, id, sequence),
+            None => {
+                self.unknown_connections += 1;
+                if self.settings.unknown_connection == UnknownConnection::Close {
+                    self.close(CloseReason::UnknownConnection, host);
+                }
+            }
+        }
+    }
+
+    /// Gives a message a place in the order of replies; answers it if the Connection Manager can.
+    fn message(&mut self, header: Header, way: Way, message: &Bytes, now: Duration, host: &mut dyn Host) {
+        let outcome = Request::decode(message)
+            .map_err(|error| error.reply())
+            .and_then(|request| unwrap_route(request, &self.settings.slots))
+            .and_then(|request| self.connections.manage(request, &self.settings, now, host));
+        match outcome {
+            Ok(request) => {
+                let id = self.replies.wait(request.service, header, way);
+                self.events.push_back(Event::Request {
+                    id,
+                    request,
+                    reply_budget: way.budget(),
+                    transport: way.transport(),
+                });
+            }
+            Err(reply) => {
+                let id = self.replies.wait(reply.service, header, way);
+                self.reply(id, &reply, now);
+            }
+        }
+    }
+
+    /// Requests that wait are forgotten; what has left their order is still sent.
+    fn close(&mut self, reason: CloseReason, host: &mut dyn Host) {
+        self.replies.clear();
+        self.connections.clear(host);
+        self.life = Life::Closed;
+        self.events.push_back(Event::Close(reason));
+    }
+
+    fn push_ready(&mut self, frame: Frame) {
+        self.replies.push(frame);
+        self.flush();
+    }
+
+    /// Lets the replies at the front go.
+    fn flush(&mut self) {
+        while let Some(frame) = self.replies.pop(&self.connections) {
+            self.events.push_back(Event::Outgoing(frame.to_bytes()));
+        }
+    }
+}
