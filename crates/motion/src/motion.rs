@@ -27,7 +27,10 @@ pub struct Motion {
     pub(crate) controls: Controls,
     pub(crate) layouts: Layouts,
     /// Trajectories that are no longer needed, to be freed outside the tick.
-    #[expect(clippy::vec_box, reason = "taken out of its box, the box would be freed within the tick")]
+    #[expect(
+        clippy::vec_box,
+        reason = "taken out of its box, the box would be freed within the tick"
+    )]
     pub(crate) retired: Vec<Box<Trajectory>>,
     messages: Vec<Message>,
 }
