@@ -27,6 +27,7 @@ pub struct Motion {
     pub(crate) controls: Controls,
     pub(crate) layouts: Layouts,
     /// Trajectories that are no longer needed, to be freed outside the tick.
+    #[expect(clippy::vec_box, reason = "a box goes in and out without being freed or made")]
     pub(crate) retired: Vec<Box<Trajectory>>,
     messages: Vec<Message>,
 }
