@@ -46,10 +46,7 @@ fn positions(program: &Path, config: &str, period: f64, folder: &Path) -> Vec<Ve
 fn queued_programs_do_not_show_the_update_period() {
     let images = workspace().join("docs/images");
     let contour = fs::read_to_string(images.join("contour.toml")).expect("a file of this repository");
-    for (name, config) in [
-        ("blends.st", arcline_config::DEFAULT),
-        ("contour.st", contour.as_str()),
-    ] {
+    for (name, config) in [("blends.st", arcline_config::DEFAULT), ("contour.st", contour.as_str())] {
         let program = images.join(name);
         let folder = tempfile::tempdir().expect("a temporary folder");
         let [fine, plain, coarse] = PERIODS.map(|period| positions(&program, config, period, folder.path()));
