@@ -1,22 +1,30 @@
 //! Runs Structured Text against a live server: one instruction, or a whole program (spec/contract.md §1).
 //!
-//! The interpreter says what it wants, this module asks the server for it. A tick of the program is about
-//! [`TICK`]; unlike in the simulator the machine goes on meanwhile, so statements of one tick are not simultaneous.
+//! The interpreter says what it wants, this module asks the server for it. A tick of the program is about the server's
+//! coarse update period; unlike in the simulator the machine goes on meanwhile, so statements of one tick are not
+//! simultaneous.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use arcline_instruction_set::enumerations::MERGE;
-use arcline_instruction_set::{Flag, Given, Mnemonic, Object, predefined};
+use arcline_instruction_set::{Flag, Given, Mnemonic, Object};
 use arcline_proto::cip::CipStatus;
-use arcline_structured_text::{Answer, BoundCall, Interpreter, Names, Program, Request, RuntimeError, SyntaxError};
-use arcline_tag::{DataType, TagPath, TagType, Value};
+use arcline_structured_text::{
+    Answer, BoundCall, Interpreter, Names, Program, Request, RuntimeError, SyntaxError, unmade_control,
+};
+use arcline_tag::{DataType, TagPath, Value};
 
 use crate::tags::TagTable;
 use crate::{Client, ClientError, Execution, Input};
 
-/// Time between two looks at a WAIT or a full queue: the default coarse update period.
+/// A tick of a program on a server that does not tell its coarse update period.
 pub const TICK: Duration = Duration::from_millis(1);
+/// Where a server tells it, in milliseconds.
+const REAL_TIME: &str = "RealTime";
+const UPDATE_PERIOD: &str = "UpdatePeriod";
+/// Longest coarse update period that is believed.
+const LONGEST_TICK: Duration = Duration::from_secs(1);
 /// Time between two looks at motion that must end.
 const POLL: Duration = Duration::from_millis(5);
 /// Longest silence towards the server.
@@ -105,6 +113,8 @@ pub struct Runner<'c> {
     interpreter: Interpreter,
     queue_full: QueueFull,
     on_error: OnError,
+    /// Time between two looks at a WAIT or a full queue.
+    tick: Duration,
     executions: VecDeque<(usize, Execution)>,
 }
 
@@ -126,10 +136,9 @@ impl<'c> Runner<'c> {
     }
 
     async fn new(client: &'c Client, mut program: Program) -> Result<Self, ProgramError> {
-        client
-            .browse()
-            .await
-            .map_err(|source| ProgramError::Client { line: 1, source })?;
+        let fail = |source| ProgramError::Client { line: 1, source };
+        client.browse().await.map_err(fail)?;
+        let tick = update_period(client).await.map_err(fail)?.unwrap_or(TICK);
         program.check(&Known(&client.table()))?;
         let interpreter = Interpreter::new(program);
         let (queue_full, on_error) = (QueueFull::default(), OnError::default());
@@ -138,6 +147,7 @@ impl<'c> Runner<'c> {
             interpreter,
             queue_full,
             on_error,
+            tick,
             executions: VecDeque::new(),
         })
     }
@@ -191,7 +201,7 @@ impl<'c> Runner<'c> {
                     .map(|()| Answer::Done),
                 Request::Call(call) => self.execute(call, on_event).await,
                 Request::NextTick => {
-                    tokio::time::sleep(TICK).await;
+                    tokio::time::sleep(self.tick).await;
                     Ok(Answer::Done)
                 }
                 Request::Delay(seconds) => self.delay(seconds).await.map(|()| Answer::Done),
@@ -324,6 +334,25 @@ impl<'c> Runner<'c> {
     }
 }
 
+/// The coarse update period; `None` when the server, perhaps another make, does not tell it.
+async fn update_period(client: &Client) -> Result<Option<Duration>, ClientError> {
+    let tells = client
+        .table()
+        .tag(REAL_TIME)
+        .is_some_and(|tag| match &tag.tag_type.data_type {
+            DataType::Structure(template) => template.member(UPDATE_PERIOD).is_some(),
+            DataType::Elementary(_) => false,
+        });
+    if !tells {
+        return Ok(None);
+    }
+    let reading = client.read(&format!("{REAL_TIME}.{UPDATE_PERIOD}")).await?;
+    let period = reading
+        .as_f64()
+        .and_then(|milliseconds| Duration::try_from_secs_f64(milliseconds / 1e3).ok());
+    Ok(period.filter(|period| (Duration::from_nanos(1)..=LONGEST_TICK).contains(period)))
+}
+
 /// Whether the call is a move that takes a place in the queue; one that merges takes none.
 fn needs_room(mnemonic: Mnemonic, given: &[Given]) -> bool {
     let instruction = mnemonic.instruction();
@@ -341,17 +370,6 @@ fn needs_room(mnemonic: Mnemonic, given: &[Given]) -> bool {
         Some(Given::Integer(number)) => *number == 0,
         Some(Given::Word(word) | Given::Name(word)) => MERGE.parse_word(word) == Some(0),
         Some(Given::Array(_)) => false,
-    }
-}
-
-fn unmade_control(path: &TagPath) -> Option<Value> {
-    let place = TagType::scalar(predefined::motion_instruction())
-        .locate(path.rest())
-        .ok()?;
-    match place.data_type {
-        DataType::Elementary(elementary) if place.bit.is_none() => Some(Value::from_f64(elementary, 0.0)),
-        DataType::Elementary(_) => Some(Value::Bool(false)),
-        DataType::Structure(_) => None,
     }
 }
 

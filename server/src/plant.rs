@@ -5,17 +5,21 @@
 //! that it shows the newest tick, and of that tick positions and bits alike. The lock is held for microseconds and
 //! never across an await; the real-time thread knows nothing of it.
 
+mod records;
+
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
 use arcline_config::{Project, ServerConfig};
-use arcline_controller::image::{ControlError, Edge, Health, Image, InstructionTag, PlainTag, TagKind};
+use arcline_controller::image::{ControlError, Edge, Health, Image, TagKind};
 use arcline_controller::machine::Machine;
 use arcline_controller::{Command, Ticket, UNNAMED};
 use arcline_instruction_set::{BindError, Call, Flag, Given, Mnemonic, MotionControl, MotionError, bind};
 use arcline_realtime::{Handle, Link, Options, SpawnError};
 use tokio::sync::{Notify, oneshot};
+
+use records::{Records, instance_of};
 
 /// The running machine. Clones are the same one.
 #[derive(Clone, Debug)]
@@ -242,9 +246,7 @@ impl State {
             self.image.apply_event(&event);
             let record = self.records.get_mut(event.ticket);
             if let Some(control) = record {
-                control.flags = (control.flags & !event.clear) | event.set;
-                control.err = event.err;
-                control.exerr = event.exerr;
+                event.apply(control);
                 if is_answered(control) {
                     self.complete(event.ticket);
                 }
@@ -371,49 +373,6 @@ impl State {
     }
 }
 
-/// The newest executions.
-#[derive(Debug, Default)]
-struct Records {
-    ring: VecDeque<MotionControl>,
-    newest: u64,
-}
-
-impl Records {
-    /// Makes place for the next ticket. Tickets are in sequence.
-    fn begin(&mut self, ticket: Ticket) {
-        if self.ring.len() == RECORDS {
-            self.ring.pop_front();
-        }
-        // An execution begins with EN, and no event repeats that when the tag's EN was set before.
-        let mut begun = MotionControl::default();
-        begun.set(Flag::En);
-        self.ring.push_back(begun);
-        self.newest = ticket.0;
-    }
-
-    fn get_mut(&mut self, ticket: Ticket) -> Option<&mut MotionControl> {
-        let age = usize::try_from(self.newest.checked_sub(ticket.0)?).ok()?;
-        let place = self.ring.len().checked_sub(age + 1)?;
-        self.ring.get_mut(place)
-    }
-
-    fn by_instance(&self, instance: u32) -> Option<MotionControl> {
-        // Instances are the low half of a ticket.
-        let age = (self.newest as u32).wrapping_sub(instance) as usize;
-        let place = self.ring.len().checked_sub(age.checked_add(1)?)?;
-        self.ring.get(place).copied()
-    }
-
-    fn newest(&self) -> Option<Ticket> {
-        (!self.ring.is_empty()).then_some(Ticket(self.newest))
-    }
-
-    fn oldest(&self) -> Option<Ticket> {
-        self.newest()
-            .map(|newest| Ticket(newest.0 + 1 - self.ring.len() as u64))
-    }
-}
-
 /// Drains the rings as long as somebody has the plant.
 async fn pump(plant: Weak<Shared>) {
     loop {
@@ -433,36 +392,13 @@ async fn pump(plant: Weak<Shared>) {
 
 /// The tags of a project.
 pub fn image_of(project: &Project) -> Image {
-    let instructions: Vec<_> = project
-        .instruction_tags
-        .iter()
-        .map(|tag| InstructionTag {
-            name: tag.tag.clone(),
-            mnemonic: tag.mnemonic,
-            target: tag.target.clone(),
-        })
-        .collect();
-    let plain: Vec<_> = project
-        .tags
-        .iter()
-        .map(|tag| PlainTag {
-            name: tag.name.clone(),
-            tag_type: tag.tag_type.clone(),
-        })
-        .collect();
-    Image::new(&project.machine, &instructions, &plain)
+    Image::new(&project.machine, &project.instruction_tags, &project.tags)
 }
 
 fn is_answered(control: &MotionControl) -> bool {
     control.has(Flag::Dn) || control.has(Flag::Er)
 }
 
-fn instance_of(ticket: Ticket) -> u32 {
-    ticket.0 as u32
-}
-
-/// Executions that class 0x0303 keeps (spec/contract.md §4).
-const RECORDS: usize = 4096;
 /// Calls that may wait for the controller at a time.
 const OUTSTANDING: usize = 2048;
 /// Longest wait for DN or ER.

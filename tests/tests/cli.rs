@@ -1,7 +1,9 @@
 //! The command line from one end to the other: `arcline` against a real `arcline-server`.
 
+use std::io::{Read, Write};
 use std::net::TcpListener;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use arcline_tests::command_line::{arcline, command, read_numbers};
@@ -193,6 +195,51 @@ fn control_c_stops_what_was_begun() {
         String::from_utf8_lossy(&output.stdout).contains("stopped"),
         "{output:?}"
     );
+}
+
+/// As a user does it: the key makes the signal, and the progress leaves the terminal for what was done.
+#[test]
+fn control_c_at_a_terminal() {
+    /// Runs a program on a terminal of its own, between its own input and output; needs Python 3.9.
+    const ON_A_TERMINAL: &str = "import os, pty, sys; sys.exit(os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:])))";
+    let server = Server::start();
+    let at = server.address();
+    let shown = command(at, &["move", "CS1", "100000,0,0", "--speed", "100"]);
+    let mut waiting = Command::new("python3")
+        .args(["-c", ON_A_TERMINAL])
+        .arg(shown.get_program())
+        .args(shown.get_args())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("python3 is there, as other tests need it");
+    let (mut keys, mut screen) = waiting.stdin.take().zip(waiting.stdout.take()).expect("both are piped");
+    let text = Arc::new(Mutex::new(Vec::new()));
+    let seen = Arc::clone(&text);
+    let reader = std::thread::spawn(move || {
+        let mut bytes = [0; 4096];
+        while let Ok(length @ 1..) = screen.read(&mut bytes) {
+            seen.lock()
+                .expect("nobody panics with it")
+                .extend_from_slice(&bytes[..length]);
+        }
+    });
+    let text = || String::from_utf8_lossy(&text.lock().expect("nobody panics with it")).into_owned();
+    eventually("the progress", Duration::from_secs(20), || {
+        text().contains("of 100000.0").then_some(())
+    });
+    keys.write_all(b"\x03").expect("the terminal is open");
+    let ended = eventually("the end of the command", Duration::from_secs(20), || {
+        waiting.try_wait().ok().flatten()
+    });
+    reader.join().expect("it only reads");
+    assert_eq!(ended.code(), Some(130), "{}", text());
+    assert!(
+        text().ends_with("\r\u{1b}[2Kinterrupted: CS1 is stopped\r\n"),
+        "{:?}",
+        text()
+    );
+    assert_eq!(read_numbers(at, &["X.CommandVelocity"]), [0.0]);
 }
 
 #[test]

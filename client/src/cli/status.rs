@@ -40,6 +40,7 @@ impl Kind {
             Self::Group => &["motion group", "synced", "faults"],
             Self::RealTime => &[
                 "real time",
+                "period ms",
                 "ticks",
                 "overruns",
                 "lateness mean µs",
@@ -259,6 +260,7 @@ fn group(tag: &Tag, reading: &Reading) -> Shown {
 
 fn real_time(tag: &Tag, reading: &Reading) -> Shown {
     let (ticks, overruns) = (reading.number("Ticks"), reading.number("Overruns"));
+    let period = reading.number("UpdatePeriod");
     let [mean, p99, max] = ["LatenessMean", "LatenessP99", "LatenessMax"].map(|member| reading.number(member));
     let scheduling = [
         ("Fifo", "fifo"),
@@ -267,7 +269,7 @@ fn real_time(tag: &Tag, reading: &Reading) -> Shown {
     ];
     let scheduling = or(words(reading, &scheduling), "ordinary");
     let object = json!({
-        "kind": "real time", "name": tag.name, "ticks": ticks, "overruns": overruns, "lateness_mean_us": mean,
+        "kind": "real time", "name": tag.name, "update_period_ms": period, "ticks": ticks, "overruns": overruns, "lateness_mean_us": mean,
         "lateness_p99_us": p99, "lateness_max_us": max, "fifo": reading.flag("Fifo"),
         "memory_locked": reading.flag("MemoryLocked"), "pinned": reading.flag("Pinned"),
     });
@@ -275,6 +277,7 @@ fn real_time(tag: &Tag, reading: &Reading) -> Shown {
     let [mean, p99, max] = lateness;
     let row = vec![
         tag.name.clone(),
+        format!("{period}"),
         format!("{ticks}"),
         format!("{overruns}"),
         mean,

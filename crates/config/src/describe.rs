@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use arcline_motion::machine::{AxisKind, AxisLimits, Corner};
+use arcline_controller::machine::{AxisKind, AxisLimits, Corner};
 
 use crate::{Project, TagTypeName};
 
@@ -96,7 +96,7 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         )?;
     }
     for tag in instruction_tags {
-        writeln!(out, "instruction tag {}: {} on {}", tag.tag, tag.mnemonic, tag.target)?;
+        writeln!(out, "instruction tag {}: {} on {}", tag.name, tag.mnemonic, tag.target)?;
     }
     for tag in tags {
         writeln!(out, "tag {}: {}", tag.name, TagTypeName(&tag.tag_type))?;

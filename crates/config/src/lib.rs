@@ -12,10 +12,10 @@ mod section;
 use std::fmt;
 use std::net::SocketAddr;
 
-use arcline_instruction_set::Mnemonic;
-use arcline_motion::machine::Machine;
+use arcline_controller::machine::Machine;
 use arcline_tag::TagType;
 
+pub use arcline_controller::image::{InstructionTag, PlainTag};
 pub use describe::describe;
 pub use error::{ConfigError, Problem};
 
@@ -54,26 +54,6 @@ impl Default for ServerConfig {
             hmi: Some(read::DEFAULT_HMI),
         }
     }
-}
-
-/// One `[[instruction]]` table: an instruction as a tag.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct InstructionTag {
-    /// Name of the tag.
-    pub tag: String,
-    /// The instruction.
-    pub mnemonic: Mnemonic,
-    /// The coordinate system, axis or group it acts on at first, spelled as in its own table.
-    pub target: String,
-}
-
-/// One `[[tag]]` table: plain data.
-#[derive(Clone, PartialEq, Debug)]
-pub struct PlainTag {
-    /// Name of the tag.
-    pub name: String,
-    /// Its type: elementary or STRING, a single one or a one-dimensional array.
-    pub tag_type: TagType,
 }
 
 /// Reads a configuration. `file` only names the text in errors.

@@ -9,7 +9,7 @@ mod server;
 mod system;
 mod tags;
 
-use arcline_motion::machine::{MAX_AXES, MAX_SYSTEMS, MAX_TRANSFORMS, Machine};
+use arcline_controller::machine::{MAX_AXES, MAX_SYSTEMS, MAX_TRANSFORMS, Machine};
 use toml::de::DeTable;
 
 use self::axis::{AXIS, axis};

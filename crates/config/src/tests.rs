@@ -1,7 +1,7 @@
 //! Texts in, projects and errors out.
 
+use arcline_controller::machine::{AxisKind, AxisLimits, Corner, Drive, Start, Travel};
 use arcline_instruction_set::Mnemonic;
-use arcline_motion::machine::{AxisKind, AxisLimits, Corner, Drive, Start, Travel};
 
 use crate::{DEFAULT, describe, load};
 
@@ -81,7 +81,7 @@ fn the_default_is_what_the_contract_says() {
     let tags: Vec<_> = project
         .instruction_tags
         .iter()
-        .map(|tag| (tag.tag.as_str(), tag.mnemonic, tag.target.as_str()))
+        .map(|tag| (tag.name.as_str(), tag.mnemonic, tag.target.as_str()))
         .collect();
     let expected = [
         ("Move1", Mnemonic::Mclm, "CS1"),

@@ -44,6 +44,12 @@ impl Words {
     pub fn contains(&self, value: i32) -> bool {
         self.words.iter().any(|word| word.value == value)
     }
+
+    /// The words with their values, for messages and help: `ActualTolerance (0), NoSettle (1)`.
+    pub fn choices(&self) -> String {
+        let one = |word: &Word| format!("{} ({})", word.keyword(), word.value);
+        self.words.iter().map(one).collect::<Vec<_>>().join(", ")
+    }
 }
 
 impl Word {

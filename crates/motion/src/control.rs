@@ -39,6 +39,15 @@ pub struct Event {
     pub exerr: i8,
 }
 
+impl Event {
+    /// Makes the change in a copy of the execution's status.
+    pub fn apply(&self, control: &mut MotionControl) {
+        control.flags = (control.flags & !self.clear) | self.set;
+        control.err = self.err;
+        control.exerr = self.exerr;
+    }
+}
+
 /// The bits that an execution writes to, wherever they are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Execution {
@@ -67,6 +76,9 @@ pub(crate) struct Controls {
     events: Vec<Event>,
     lost: u64,
 }
+
+/// FLAGS bits of an execution under way: its end clears them.
+pub(crate) const UNDER_WAY: u32 = Flag::Ip.mask() | Flag::Ac.mask() | Flag::Accel.mask() | Flag::Decel.mask();
 
 /// Events that one tick can hold.
 const EVENTS: usize = 2 * CONTROL_SLOTS;
@@ -122,8 +134,7 @@ impl Controls {
 
     /// Ends an execution with an error. IP and AC clear; DN stays as it is.
     pub(crate) fn fail(&mut self, execution: Execution, error: MotionError, tick: u64) {
-        let over = Flag::Ip.mask() | Flag::Ac.mask() | Flag::Accel.mask() | Flag::Decel.mask();
-        self.change(execution, Flag::Er.mask(), over, Some(error), tick);
+        self.change(execution, Flag::Er.mask(), UNDER_WAY, Some(error), tick);
     }
 
     /// A false rung: EN clears once DN or ER is set.

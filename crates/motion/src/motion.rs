@@ -9,7 +9,7 @@ use arcline_planner::geometry::Point;
 use arcline_planner::precise::{AxisLimits, Trajectory};
 
 use crate::axis::{Axis, AxisState};
-use crate::control::{Controls, Event, Execution, Ticket};
+use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
 use crate::instructions::{self, Layouts};
 use crate::machine::Machine;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
@@ -27,6 +27,10 @@ pub struct Motion {
     pub(crate) controls: Controls,
     pub(crate) layouts: Layouts,
     /// Trajectories that are no longer needed, to be freed outside the tick.
+    #[expect(
+        clippy::vec_box,
+        reason = "taken out of its box, the box would be freed within the tick"
+    )]
     pub(crate) retired: Vec<Box<Trajectory>>,
     messages: Vec<Message>,
 }
@@ -229,8 +233,7 @@ impl Motion {
 
     /// Ends a move's instruction: it will never report again.
     pub(crate) fn end_move(&mut self, execution: Execution, set: u32) {
-        let over = Flag::Ip.mask() | Flag::Ac.mask() | Flag::Accel.mask() | Flag::Decel.mask();
-        self.controls.write(execution, set, over & !set, self.clock.tick);
+        self.controls.write(execution, set, UNDER_WAY & !set, self.clock.tick);
     }
 
     fn finish_messages(&mut self) {

@@ -25,7 +25,7 @@ mod program;
 
 pub use error::{RuntimeError, RuntimeProblem, SyntaxError, SyntaxProblem};
 pub use interpreter::{Answer, BoundCall, Interpreter, Request, STATEMENTS_PER_TICK};
-pub use program::{CallStatement, Names, OperandText, Program};
+pub use program::{CallStatement, Names, OperandText, Program, unmade_control};
 
 #[cfg(test)]
 mod tests;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use arcline_instruction_set::{Mnemonic, Object, predefined};
-use arcline_tag::{TagPath, TagType};
+use arcline_tag::{DataType, TagPath, TagType, Value};
 
 use crate::code::{Meaning, Op, Path, Use};
 use crate::error::{SyntaxError, SyntaxProblem, nearest};
@@ -206,8 +206,18 @@ impl Program {
 fn is_control(path: &TagPath, controls: &BTreeSet<String>) -> bool {
     path.tag()
         .is_some_and(|tag| controls.contains(&tag.to_ascii_lowercase()))
-        && !path.rest().is_empty()
-        && TagType::scalar(predefined::motion_instruction())
-            .locate(path.rest())
-            .is_ok()
+        && unmade_control(path).is_some()
+}
+
+/// What a member of a motion control tag reads as that no execution has made yet: the zero of its type. `None` when
+/// a MOTION_INSTRUCTION has no such member.
+pub fn unmade_control(path: &TagPath) -> Option<Value> {
+    let place = TagType::scalar(predefined::motion_instruction())
+        .locate(path.rest())
+        .ok()?;
+    match place.data_type {
+        DataType::Elementary(_) if place.bit.is_some() => Some(Value::Bool(false)),
+        DataType::Elementary(elementary) => Some(Value::from_f64(elementary, 0.0)),
+        DataType::Structure(_) => None,
+    }
 }

@@ -1,5 +1,6 @@
 //! The plant on the real thread, and its records.
 
+use super::records::RECORDS;
 use super::*;
 
 fn project() -> Project {

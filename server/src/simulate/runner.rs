@@ -6,10 +6,10 @@ use arcline_controller::image::{Edge, Image, TagKind};
 use arcline_controller::machine::Machine;
 use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket, UNNAMED};
 use arcline_instruction_set::{
-    BindError, Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, Object, bind, describe, predefined,
+    BindError, Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, Object, bind, describe,
 };
-use arcline_structured_text::{Answer, BoundCall, Interpreter, Names, Request, RuntimeError};
-use arcline_tag::{TagPath, TagType, Value};
+use arcline_structured_text::{Answer, BoundCall, Interpreter, Names, Request, RuntimeError, unmade_control};
+use arcline_tag::{TagPath, Value};
 
 use super::output::Output;
 use crate::cli::QueueFull;
@@ -270,15 +270,9 @@ impl<'m> Runner<'m> {
             }
             // A motion control that is made later in the program.
             None => {
-                let motion_instruction = TagType::scalar(predefined::motion_instruction());
-                let place = motion_instruction.locate(path.rest()).map_err(|error| Wrong::Read {
-                    line,
-                    error: error.into(),
-                })?;
-                return Ok(match place.bit {
-                    Some(_) => Value::Bool(false),
-                    None => Value::Dint(0),
-                });
+                if let Some(value) = unmade_control(path) {
+                    return Ok(value);
+                }
             }
         }
         self.image.read(path).map_err(|error| Wrong::Read { line, error })

@@ -5,13 +5,12 @@ use clap::CommandFactory;
 use arcline_instruction_set::{Kind, Mnemonic, enumerations};
 
 use super::Arguments;
-use super::values::choices;
 
 /// The command with what the catalogue adds to its help.
 pub(crate) fn command() -> clap::Command {
     let described = |command: clap::Command| {
-        let termination = format!("Termination type: {}", choices(&enumerations::TERMINATION_TYPE));
-        let merge = format!("Merge: {}", choices(&enumerations::MERGE));
+        let termination = format!("Termination type: {}", enumerations::TERMINATION_TYPE.choices());
+        let merge = format!("Merge: {}", enumerations::MERGE.choices());
         command
             .mut_arg("termination", |arg| arg.help(termination))
             .mut_arg("merge", |arg| arg.help(merge))
@@ -38,7 +37,7 @@ pub(super) fn instructions() -> String {
         ));
         for operand in instruction.operands {
             if let Kind::Word(words) = &operand.kind {
-                text.push_str(&format!("      {}: {}\n", operand.member(), choices(words)));
+                text.push_str(&format!("      {}: {}\n", operand.member(), words.choices()));
             }
         }
     }

@@ -1,3 +1,5 @@
+//! What parses, what is refused, and the help.
+
 use arcline_client::Mnemonic;
 
 use super::help::instructions;

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use arcline_instruction_set::{Word, Words};
+use arcline_instruction_set::Words;
 
 /// A magnitude in units or in percent of the maximum.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -75,12 +75,6 @@ pub(super) fn word_parser(
         let value = text.parse().ok().or_else(|| words.parse_word(text));
         value
             .filter(|value| words.contains(*value))
-            .ok_or_else(|| format!("expected {}", choices(words)))
+            .ok_or_else(|| format!("expected {}", words.choices()))
     }
-}
-
-/// `ActualTolerance (0), NoSettle (1)`.
-pub(super) fn choices(words: &Words) -> String {
-    let one = |word: &Word| format!("{} ({})", word.keyword(), word.value);
-    words.words.iter().map(one).collect::<Vec<_>>().join(", ")
 }

@@ -1,6 +1,6 @@
 //! An `[[axis]]` table.
 
-use arcline_motion::machine::{Axis, AxisKind, Drive, Start, Travel};
+use arcline_controller::machine::{Axis, AxisKind, Drive, Start, Travel};
 
 use super::NOT_NEGATIVE_LENGTH;
 use super::dynamics::Dynamics;

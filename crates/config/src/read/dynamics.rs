@@ -1,6 +1,6 @@
 //! The five maxima that an axis and a coordinate system have alike.
 
-use arcline_motion::machine::default_jerk;
+use arcline_controller::machine::default_jerk;
 
 use crate::error::ConfigError;
 use crate::section::{NumberRule, Section};

@@ -1,6 +1,6 @@
 //! `[[coordinate_system]]` and `[[transform]]` tables: what stands on axes and systems that are there already.
 
-use arcline_motion::machine::{
+use arcline_controller::machine::{
     AxisLimits, CoordinateSystem, Corner, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, Machine, Transform,
 };
 

@@ -1,7 +1,7 @@
 //! Tags that the configuration makes: `[[instruction]]` and `[[tag]]`.
 
+use arcline_controller::machine::Machine;
 use arcline_instruction_set::{Mnemonic, Object};
-use arcline_motion::machine::Machine;
 use arcline_tag::{DataType, Elementary, TagType, string_template};
 
 use super::names::{Taken, required_name, unknown_name};
@@ -21,7 +21,7 @@ pub(super) fn instruction_tags(
         "tables, [[instruction]]",
         MAX_INSTRUCTION_TAGS,
     )? {
-        let tag = required_name(&section, "tag", names)?;
+        let name = required_name(&section, "tag", names)?;
         let word = section
             .string("type", MNEMONIC)?
             .ok_or_else(|| section.missing("type", MNEMONIC))?;
@@ -35,7 +35,7 @@ pub(super) fn instruction_tags(
             (_, None) => return Err(section.missing("target", TARGET)),
             (object, Some(given)) => target(&section, machine, object, &given)?,
         };
-        tags.push(InstructionTag { tag, mnemonic, target });
+        tags.push(InstructionTag { name, mnemonic, target });
     }
     Ok(tags)
 }

@@ -1,9 +1,11 @@
 //! The health of the real-time thread, as the tag `RealTime` shows it.
 //!
-//! Plain numbers: who measures them is `arcline-realtime`. Times are microseconds.
+//! Plain numbers: who measures them is `arcline-realtime`. Times are microseconds, but for the coarse update period.
 
-use arcline_instruction_set::predefined::{self, HISTOGRAM_BUCKETS};
+use arcline_instruction_set::predefined::{self, HISTOGRAM_BUCKETS, real_time_offset};
 use arcline_tag::Value;
+
+use crate::machine::Machine;
 
 /// Name of the tag.
 pub const REAL_TIME_TAG: &str = "RealTime";
@@ -101,6 +103,15 @@ impl Health {
             .fold(0, |word, (bit, on)| word | i32::from(*on) << bit);
         put("State", 0, Value::Dint(state));
     }
+}
+
+/// Writes the coarse update period, which does not change, to the REAL_TIME structure.
+pub(super) fn encode_period(machine: &Machine, bytes: &mut [u8]) {
+    let milliseconds = Value::Real((machine.period_ns as f64 / 1e6) as f32);
+    // A member is inside its template.
+    let _ = bytes
+        .get_mut(real_time_offset::UPDATE_PERIOD..)
+        .and_then(|place| milliseconds.write(place));
 }
 
 /// A counter as a DINT, at most its largest.

@@ -90,11 +90,14 @@ impl Image {
             image.add(&tag.name, tag.tag_type.clone(), TagKind::Plain);
         }
         if image.find(REAL_TIME_TAG).is_none() {
-            image.add(
+            let id = image.add(
                 REAL_TIME_TAG,
                 TagType::scalar(predefined::real_time()),
                 TagKind::RealTime,
             );
+            if let Some(bytes) = image.bytes_mut(id) {
+                health::encode_period(machine, bytes);
+            }
         }
         image.add_feed_override(machine);
         image.add_template(&predefined::motion_instruction());
@@ -146,9 +149,7 @@ impl Image {
             return;
         }
         let mut control = self.control(event.control);
-        control.flags = (control.flags & !event.clear) | event.set;
-        control.err = event.err;
-        control.exerr = event.exerr;
+        event.apply(&mut control);
         self.set_control(event.control, control);
     }
 

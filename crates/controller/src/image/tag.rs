@@ -69,18 +69,18 @@ impl Tag {
     }
 }
 
-/// An instruction tag to create.
+/// An instruction as a tag: what the image makes one of.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct InstructionTag {
     /// Name of the tag.
     pub name: String,
     /// The instruction.
     pub mnemonic: Mnemonic,
-    /// First value of the member that names the target.
+    /// The coordinate system, axis or group that it acts on at first, spelled as in the machine.
     pub target: String,
 }
 
-/// A plain tag to create.
+/// Plain data: what the image makes a tag of.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PlainTag {
     /// Name of the tag.

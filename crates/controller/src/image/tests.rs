@@ -85,7 +85,7 @@ fn every_tag_has_a_permanent_id_a_type_and_bytes() {
     let cases = [
         ("Motion", 1, "MOTION_GROUP", 88), ("X", 2, "AXIS_CIP_DRIVE", 1040), ("V", 3, "AXIS_VIRTUAL", 132),
         ("CS1", 4, "COORDINATE_SYSTEM", 104), ("Move1", 5, "MCLM", 368), ("Recipe", 6, "REAL", 64),
-        ("Count", 7, "INT", 2), ("Label", 8, "STRING", 88), ("RealTime", 9, "REAL_TIME", 240),
+        ("Count", 7, "INT", 2), ("Label", 8, "STRING", 88), ("RealTime", 9, "REAL_TIME", 248),
         ("FeedOverride", 10, "REAL", 4),
     ];
     for (name, id, data_type, size) in cases {
@@ -278,7 +278,7 @@ fn snapshots_show_in_every_type() {
         ("X.VelocityFeedforwardGain", 100.0), ("CS1.MotionStatus", 1.0), ("CS1.MoveStatus", 1.0),
         ("CS1.ActualPosition[1]", 2.25), ("Motion.GroupSynced", 1.0), ("Motion.ModuleFault", 1.0),
         ("Motion.GroupOverlapFault", 1.0), ("RealTime.Ticks", 42.0), ("RealTime.Overruns", 1.0), ("RealTime.Fifo", 1.0),
-        ("RealTime.Pinned", 0.0),
+        ("RealTime.Pinned", 0.0), ("RealTime.UpdatePeriod", 1.0),
     ];
     for (text, expected) in cases {
         assert_eq!(number(&image, text), expected, "{text}");

@@ -484,6 +484,8 @@ pub mod real_time_offset {
     pub const COMPUTE_HISTOGRAM: usize = 140;
     /// `State` (DINT).
     pub const STATE: usize = 236;
+    /// `UpdatePeriod` (REAL, ms): the coarse update period.
+    pub const UPDATE_PERIOD: usize = 240;
 }
 
 /// Bit of CIPAxisFaults: the following error left its tolerance.

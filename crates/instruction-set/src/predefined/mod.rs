@@ -39,12 +39,12 @@ predefined! {
     axis_virtual "AXIS_VIRTUAL" 0xF04 132;
     /// MOTION_GROUP, 88 bytes.
     motion_group "MOTION_GROUP" 0xF05 88;
-    /// REAL_TIME, 240 bytes, a type of our own: the health of the real-time thread.
+    /// REAL_TIME, 248 bytes, a type of our own: the health of the real-time thread.
     ///
     /// Lateness is how long after its time a tick began, Compute how long it took; both in µs. Bucket 0 of a
     /// histogram counts values below 0.25 µs, bucket k ≥ 1 those from 2^(k−1) to below 2^k quarter-µs, and the
     /// last bucket, 23, also everything above (from 1.05 s). See [`histogram_bucket`].
-    real_time "REAL_TIME" 0xF06 240;
+    real_time "REAL_TIME" 0xF06 248;
 }
 
 /// Buckets of the histograms of REAL_TIME.
@@ -111,7 +111,7 @@ mod tests {
             (axis_cip_drive(),      833, 1040, "ExcessivePositionErrorFLFault", 886, Some(6)),
             (axis_cip_drive(),      833, 1040, "CIPShutdownStatus",      846, Some(2)),
             (axis_virtual(),        75,  132,  "CommandAcceleration",    128, None),
-            (real_time(),           16,  240,  "Pinned",                 236, Some(2)),
+            (real_time(),           17,  248,  "Pinned",                 236, Some(2)),
         ];
         for (template, members, size, name, offset, bit) in cases {
             assert_eq!(
@@ -131,12 +131,19 @@ mod tests {
     #[test]
     fn words_fill_the_types_without_gap_or_overlap() {
         for template in all().into_iter().filter(|template| template.name != "ASCIISTRING82") {
-            let mut end = 0;
+            let (mut end, mut alignment) = (0, 1);
             for member in template.members.iter().filter(|member| member.bit.is_none()) {
                 assert_eq!(member.offset as usize, end, "{} {}", template.name, member.name);
                 end += member.size();
+                alignment = alignment.max(member.data_type.size());
             }
-            assert_eq!(end, template.size as usize, "{}", template.name);
+            // Of several in an array, each begins where its largest member can stand.
+            assert_eq!(
+                end.next_multiple_of(alignment),
+                template.size as usize,
+                "{}",
+                template.name
+            );
             assert!(!template.is_user_type());
             for member in template.members.iter().filter(|member| member.bit.is_some()) {
                 assert!(member.offset < template.size, "{} {}", template.name, member.name);
@@ -162,6 +169,7 @@ mod tests {
             (coordinate_system(),  "AxesServoOnStatus",      coordinate_system_offset::AXES_SERVO_ON_STATUS),
             (motion_group(),       "TaskAverageScanTime",    motion_group_offset::TASK_AVERAGE_SCAN_TIME),
             (real_time(),          "ComputeHistogram",       real_time_offset::COMPUTE_HISTOGRAM),
+            (real_time(),          "UpdatePeriod",           real_time_offset::UPDATE_PERIOD),
         ];
         for (template, name, offset) in offsets {
             assert_eq!(template.member(name).expect(name).offset as usize, offset, "{name}");

@@ -1,0 +1,142 @@
+//! Why a call could not be bound: the operand, what was given for it, and what was expected.
+
+use std::fmt;
+
+use super::Given;
+use crate::instruction::{Kind, Object};
+use crate::{Mnemonic, OperandIndex};
+
+/// Why a call could not be bound. Positions are those of the faceplate.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum BindError {
+    /// An operand that has no default was left out.
+    #[error("{mnemonic}: {} is missing", Place(*mnemonic, *operand))]
+    TooFew {
+        /// The instruction.
+        mnemonic: Mnemonic,
+        /// The first operand that is missing.
+        operand: OperandIndex,
+    },
+    /// More operands than the faceplate has.
+    #[error("{mnemonic}: {given} operands behind target and motion control, expected at most {most}")]
+    TooMany {
+        /// The instruction.
+        mnemonic: Mnemonic,
+        /// Operands given.
+        given: usize,
+        /// Operands of the faceplate behind target and motion control.
+        most: usize,
+    },
+    /// Not the type of the operand.
+    #[error("{mnemonic}: {} is {given}, expected {expected}", Place(*mnemonic, *operand))]
+    WrongType {
+        /// The instruction.
+        mnemonic: Mnemonic,
+        /// The operand.
+        operand: OperandIndex,
+        /// What was given.
+        given: Given,
+        /// What is accepted.
+        expected: &'static str,
+    },
+    /// An array longer than any instruction uses, where the length has a meaning.
+    #[error("{mnemonic}: {} has {given} elements, at most {most} are possible", Place(*mnemonic, *operand))]
+    TooLong {
+        /// The instruction.
+        mnemonic: Mnemonic,
+        /// The operand.
+        operand: OperandIndex,
+        /// Elements given.
+        given: usize,
+        /// Elements possible.
+        most: usize,
+    },
+    /// A word that the enumeration does not have.
+    #[error("{mnemonic}: {} is {word:?}, expected one of {}", Place(*mnemonic, *operand), Choices(*mnemonic, *operand))]
+    UnknownWord {
+        /// The instruction.
+        mnemonic: Mnemonic,
+        /// The operand.
+        operand: OperandIndex,
+        /// The word.
+        word: String,
+    },
+    /// No object of that name.
+    #[error("{mnemonic}: {} is {name:?}, there is no such {object}", Place(*mnemonic, *operand))]
+    UnknownObject {
+        /// The instruction.
+        mnemonic: Mnemonic,
+        /// The operand.
+        operand: OperandIndex,
+        /// What it must be.
+        object: Object,
+        /// The name.
+        name: String,
+    },
+    /// No REAL array tag of that name.
+    #[error("{mnemonic}: {} is {name:?}, there is no such REAL array tag", Place(*mnemonic, *operand))]
+    UnknownArray {
+        /// The instruction.
+        mnemonic: Mnemonic,
+        /// The operand.
+        operand: OperandIndex,
+        /// The name.
+        name: String,
+    },
+    /// No tag of that type and name.
+    #[error("{mnemonic}: {} is {name:?}, there is no such tag of type {type_name}", Place(*mnemonic, *operand))]
+    UnknownTag {
+        /// The instruction.
+        mnemonic: Mnemonic,
+        /// The operand.
+        operand: OperandIndex,
+        /// The type.
+        type_name: &'static str,
+        /// The name.
+        name: String,
+    },
+}
+
+impl BindError {
+    /// The operand at fault; `None` when there are too many.
+    pub fn operand(&self) -> Option<OperandIndex> {
+        match self {
+            Self::TooFew { operand, .. }
+            | Self::WrongType { operand, .. }
+            | Self::TooLong { operand, .. }
+            | Self::UnknownWord { operand, .. }
+            | Self::UnknownObject { operand, .. }
+            | Self::UnknownArray { operand, .. }
+            | Self::UnknownTag { operand, .. } => Some(*operand),
+            Self::TooMany { .. } => None,
+        }
+    }
+}
+
+/// "operand 7 (Speed)".
+struct Place(Mnemonic, OperandIndex);
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let operand = self.0.instruction().operands.get(usize::from(self.1.0));
+        write!(
+            f,
+            "operand {} ({})",
+            self.1.0,
+            operand.map_or("?", |operand| operand.name)
+        )
+    }
+}
+
+/// The words of an operand.
+struct Choices(Mnemonic, OperandIndex);
+
+impl fmt::Display for Choices {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let operand = self.0.instruction().operands.get(usize::from(self.1.0));
+        let Some(Kind::Word(words)) = operand.map(|operand| &operand.kind) else {
+            return Ok(());
+        };
+        f.write_str(&words.choices())
+    }
+}

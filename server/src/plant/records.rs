@@ -1,0 +1,57 @@
+//! The newest executions by ticket and by instance of class 0x0303, whatever their tags show by now.
+
+use std::collections::VecDeque;
+
+use arcline_controller::Ticket;
+use arcline_instruction_set::{Flag, MotionControl};
+
+/// The newest executions.
+#[derive(Debug, Default)]
+pub(super) struct Records {
+    ring: VecDeque<MotionControl>,
+    newest: u64,
+}
+
+impl Records {
+    /// Makes place for the next ticket. Tickets are in sequence.
+    pub(super) fn begin(&mut self, ticket: Ticket) {
+        if self.ring.len() == RECORDS {
+            self.ring.pop_front();
+        }
+        // An execution begins with EN, and no event repeats that when the tag's EN was set before.
+        let mut begun = MotionControl::default();
+        begun.set(Flag::En);
+        self.ring.push_back(begun);
+        self.newest = ticket.0;
+    }
+
+    pub(super) fn get_mut(&mut self, ticket: Ticket) -> Option<&mut MotionControl> {
+        let age = usize::try_from(self.newest.checked_sub(ticket.0)?).ok()?;
+        let place = self.ring.len().checked_sub(age + 1)?;
+        self.ring.get_mut(place)
+    }
+
+    pub(super) fn by_instance(&self, instance: u32) -> Option<MotionControl> {
+        // Instances are the low half of a ticket.
+        let age = (self.newest as u32).wrapping_sub(instance) as usize;
+        let place = self.ring.len().checked_sub(age.checked_add(1)?)?;
+        self.ring.get(place).copied()
+    }
+
+    pub(super) fn newest(&self) -> Option<Ticket> {
+        (!self.ring.is_empty()).then_some(Ticket(self.newest))
+    }
+
+    pub(super) fn oldest(&self) -> Option<Ticket> {
+        self.newest()
+            .map(|newest| Ticket(newest.0 + 1 - self.ring.len() as u64))
+    }
+}
+
+/// Instance of class 0x0303.
+pub(super) fn instance_of(ticket: Ticket) -> u32 {
+    ticket.0 as u32
+}
+
+/// Executions that class 0x0303 keeps (spec/contract.md §4).
+pub(super) const RECORDS: usize = 4096;
