@@ -248,7 +248,7 @@ impl<T: Copy> Planner<T> {
             Junction::Overtake { .. } if early => {
                 let since = at.elapsed(clock) - last.track.start.elapsed(clock);
                 let mut from = last.track.profile.at(-since);
-                from.position -= last.motion.path.length();
+                from.position -= last.track.offset + last.motion.path.length();
                 self.run(next, from, at, None, true, clock);
                 self.set_lead(last.motion.path);
             }
@@ -258,6 +258,7 @@ impl<T: Copy> Planner<T> {
                     path: last.motion.path,
                     profile: last.track.profile,
                     start: last.track.start,
+                    offset: last.track.offset,
                 };
                 self.run(next, passing(end), start, None, false, clock);
                 if let Some(running) = &mut self.active {
@@ -496,7 +497,12 @@ impl<T: Copy> Planner<T> {
         }
         let now = track.start.elapsed(clock);
         let length = running.motion.path.length();
-        let reaches = |distance: f64| track.profile.time_at_position(length - distance).unwrap_or(0.0);
+        let reaches = |distance: f64| {
+            track
+                .profile
+                .time_at_position(track.offset + length - distance)
+                .unwrap_or(0.0)
+        };
         let mut at = match junction(&running.motion, next, running.blended) {
             _ if running.joined > 0 => {
                 let end = track.offset + length;

@@ -26,6 +26,8 @@ pub(crate) struct Approach {
     pub(crate) path: Path,
     pub(crate) profile: Profile,
     pub(crate) start: Instant,
+    /// Where on the profile the path begins.
+    pub(crate) offset: f64,
 }
 
 /// Motion of what was terminated that ramps out while its displacement is compensated in proportion to the
@@ -86,7 +88,7 @@ impl Track {
         match &self.approach {
             Some(approach) if elapsed < 0.0 => {
                 let mut state = approach.profile.at(approach.start.elapsed(clock));
-                state.position -= approach.path.length();
+                state.position -= approach.offset + approach.path.length();
                 state
             }
             _ => self.along(elapsed),
@@ -134,7 +136,8 @@ impl Track {
 impl Approach {
     fn sample(&self, clock: &Clock) -> Sample {
         let elapsed = self.start.elapsed(clock);
-        let along = self.profile.at(elapsed);
+        let mut along = self.profile.at(elapsed);
+        along.position -= self.offset;
         at(&self.path, along.position, along, self.profile.phase(elapsed))
     }
 }
