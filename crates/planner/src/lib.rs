@@ -13,6 +13,7 @@
 mod clock;
 mod contour;
 mod junction;
+mod look_ahead;
 mod planner;
 mod track;
 
