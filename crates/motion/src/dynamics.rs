@@ -3,8 +3,6 @@
 
 use arcline_profile::{Jerk, Limits, jerk_from_percent_of_time};
 
-use crate::machine::CoordinateSystem;
-
 /// Speed Units, Accel Units, Decel Units, Jerk Units: % of Maximum.
 pub(crate) const PERCENT_OF_MAXIMUM: i32 = 1;
 /// Jerk Units: % of Time.
@@ -122,6 +120,6 @@ pub(crate) fn jerk_in_units(value: f64, units: i32, maximum: f64) -> JerkRate {
 }
 
 /// The speed that stands in for a programmed speed of 0 in a jerk in percent of time.
-pub(crate) fn reference_speed(speed: f64, system: &CoordinateSystem) -> f64 {
-    if speed > 0.0 { speed } else { system.max_speed }
+pub(crate) fn reference_speed(speed: f64, maximum: f64) -> f64 {
+    if speed > 0.0 { speed } else { maximum }
 }

@@ -1,6 +1,7 @@
 //! The machine in motion: one tick after another.
 
 mod advance;
+mod generators;
 mod take_over;
 
 use arcline_instruction_set::{Call, Flag, MotionControl, MotionError, Object};
@@ -79,11 +80,7 @@ impl Motion {
                 self.advance_system(index);
             }
         }
-        let period = self.clock.period();
-        for axis in &mut self.axes {
-            axis.advance(&self.clock);
-            axis.follow(period);
-        }
+        self.advance_axes();
         for index in 0..self.systems.len() {
             self.finish_stop(index);
         }
@@ -121,6 +118,7 @@ impl Motion {
                 self.sample_system(index);
             }
         }
+        self.refresh_axes();
         self.controls.drain(self.clock.tick, report);
     }
 
@@ -140,14 +138,17 @@ impl Motion {
                 .systems
                 .iter()
                 .all(|system| !system.is_busy() && system.stop.is_none())
-            && self.axes.iter().all(|axis| !axis.in_motion())
+            && self.axes.iter().all(|axis| !axis.will_end())
     }
 
-    /// Stops everything that moves, every axis by itself; the instructions end without PC.
+    /// Stops everything that moves, every axis by itself; the instructions end without PC. Real-time.
     pub fn stop_all(&mut self) {
         for index in 0..self.systems.len() {
             self.end_stop(index);
             self.abort_system(index, |_| false);
+        }
+        for axis in 0..self.axes.len() {
+            self.stop_axis(axis as u16, None);
         }
     }
 

@@ -5,7 +5,8 @@ use arcline_instruction_set::predefined::{
 };
 use arcline_planner::profile::Phase;
 
-use crate::axis::{Axis, AxisState, Source};
+use crate::axis::sum::Slot;
+use crate::axis::{Axis, AxisState};
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::system::{Activity, System};
 
@@ -72,16 +73,18 @@ fn axis_word(axis: &Axis) -> u32 {
 fn motion_word(axis: &Axis) -> u32 {
     let rising = axis.command.velocity * axis.command.acceleration;
     let from_rest = axis.command.velocity == 0.0 && axis.command.acceleration != 0.0;
-    let braking = matches!(axis.source, Source::Braking { .. });
+    let runs = |slot| axis.sum.get(slot).is_some_and(|generator| !generator.stopping);
+    let braking = axis.sum.active().any(|(_, generator)| generator.stopping);
     [
         (rising > 0.0 || from_rest, motion_status::ACCEL_STATUS),
         (rising < 0.0, motion_status::DECEL_STATUS),
         (braking, motion_status::STOPPING_STATUS),
         (axis.homed, motion_status::AXIS_HOMED_STATUS),
-        (
-            matches!(axis.source, Source::System),
-            motion_status::COORDINATED_MOTION_STATUS,
-        ),
+        (runs(Slot::Move), motion_status::MOVE_STATUS),
+        (runs(Slot::Jog), motion_status::JOG_STATUS),
+        (runs(Slot::Gear), motion_status::GEARING_STATUS),
+        (runs(Slot::Home), motion_status::HOMING_STATUS),
+        (axis.is_coordinated(), motion_status::COORDINATED_MOTION_STATUS),
         (
             axis.command.velocity.abs() > axis.dynamics.speed,
             motion_status::MAXIMUM_SPEED_EXCEEDED,

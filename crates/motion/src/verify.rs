@@ -7,7 +7,7 @@
 
 use arcline_instruction_set::{AxisIndex, Culprit, MotionError};
 
-use crate::axis::{Axis, AxisState, Source};
+use crate::axis::{Axis, AxisState};
 use crate::system::System;
 
 /// Whether a Units word belongs to a master axis.
@@ -48,7 +48,7 @@ pub(crate) fn stoppable(system: &System, axes: &[Axis], s_curve: bool) -> Result
 
 /// Step 11: no stop of this system or of one of its axes is under way.
 pub(crate) fn not_stopping(system: &System, axes: &[Axis]) -> Result<(), MotionError> {
-    if let Some(place) = first(system, axes, |axis| matches!(axis.source, Source::Braking { .. })) {
+    if let Some(place) = first(system, axes, Axis::is_stopping) {
         return Err(MotionError::NotAllowedWhileStopping(place));
     }
     if system.stop.is_some() {

@@ -137,7 +137,8 @@ fn stop_move(motion: &mut Motion, index: usize, limits: &Limits) {
     }
 }
 
-/// Stops every axis of the system by itself, and the whole coordinated moves of systems that share one.
+/// Stops every axis of the system by itself, out of all that moves it, and the whole coordinated moves of systems that
+/// share one.
 fn stop_all(motion: &mut Motion, index: usize) -> AxisSet {
     let mut braking = AxisSet::default();
     for other in 0..motion.systems.len() {
@@ -145,6 +146,11 @@ fn stop_all(motion: &mut Motion, index: usize) -> AxisSet {
         if shares {
             braking.extend(motion.abort_system(other, |_| false));
         }
+    }
+    for place in 0..motion.systems[index].description.axes.len() {
+        let axis = motion.systems[index].description.axes[place];
+        motion.stop_axis(axis, None);
+        braking.insert(axis);
     }
     braking
 }

@@ -1,6 +1,9 @@
 //! What each instruction does, one file an instruction; here, how they are found and what they share.
 
+mod axis_moves;
 mod mafr;
+mod mam;
+mod mas;
 mod masd;
 mod masr;
 mod mccd;
@@ -27,6 +30,8 @@ pub(crate) struct Layouts {
     circle: mccm::CircleLayout,
     mccd: mccd::Layout,
     mcs: mcs::Layout,
+    mam: mam::Layout,
+    mas: mas::Layout,
 }
 
 impl Layouts {
@@ -37,6 +42,8 @@ impl Layouts {
             circle: mccm::CircleLayout::new(),
             mccd: mccd::Layout::new(),
             mcs: mcs::Layout::new(),
+            mam: mam::Layout::new(),
+            mas: mas::Layout::new(),
         }
     }
 }
@@ -57,6 +64,8 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Msf => msf::execute(motion, execution, call),
         Mnemonic::Masd => masd::execute(motion, execution, call),
         Mnemonic::Masr => masr::execute(motion, execution, call),
+        Mnemonic::Mas => mas::execute(motion, execution, call),
+        Mnemonic::Mam => mam::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
         _ => {
             motion.verify_operands(call)?;

@@ -7,6 +7,7 @@ use arcline_planner::{Ending, Momentum, Move};
 
 use super::place;
 use crate::axis::Axis;
+use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::{Dynamics, Jerks, Shape, in_units, jerk_in_units, reference_speed};
 use crate::machine::{AxisLimits, CoordinateSystem, Corner};
@@ -91,7 +92,7 @@ impl MoveLayout {
             } else {
                 Shape::Trapezoidal(jerks)
             },
-            last_speed: reference_speed(speed, system),
+            last_speed: reference_speed(speed, system.max_speed),
         };
         positive(dynamics.acceleration, self.accel_rate)?;
         positive(dynamics.deceleration, self.decel_rate)?;
@@ -194,12 +195,10 @@ pub(super) fn execute(
     let path = path(motion, system, start)?;
     verify_conflicts(motion, index, merge)?;
 
-    let momentum = Momentum {
-        velocity: command(motion, index, |axis| axis.command.velocity),
-        acceleration: command(motion, index, |axis| axis.command.acceleration),
-    };
-    if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && momentum.velocity.norm() > 0.0 {
-        dynamics.set_speed(momentum.velocity.norm());
+    let momentum = terminated(motion, index, merge);
+    let current = command(motion, index, |axis| axis.command.velocity).norm();
+    if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && current > 0.0 {
+        dynamics.set_speed(current);
     }
     let planned = Move {
         path,
@@ -245,18 +244,41 @@ pub(super) fn execute(
     system.in_command_tolerance = false;
     system.stale = true;
     motion.join_axes(index);
+    motion.seat_axes(index);
     motion.controls.write(execution, accepted | Flag::Ac.mask(), 0, tick);
     Ok(())
 }
 
-/// Ends what a merge takes over: the coordinated motion of this system and, for All Motion, of every other one
-/// that shares an axis. Axes that the new move does not take brake by themselves.
+/// What the axes do of which a merge makes the start of its move: of coordinated motion, or of all motion.
+fn terminated(motion: &Motion, index: usize, merge: i32) -> Momentum {
+    let quantity = |axis: &Axis| match merge {
+        MERGE_DISABLED => Default::default(),
+        MERGE_ALL => axis.command,
+        _ => axis
+            .sum
+            .get(Slot::System)
+            .map(|generator| generator.now)
+            .unwrap_or_default(),
+    };
+    Momentum {
+        velocity: command(motion, index, |axis| quantity(axis).velocity),
+        acceleration: command(motion, index, |axis| quantity(axis).acceleration),
+    }
+}
+
+/// Ends what a merge takes over: the coordinated motion of this system and, for All Motion, what else moves its axes,
+/// the coordinated motion of other systems too. Axes that the new move does not take brake by themselves.
 fn terminate(motion: &mut Motion, index: usize, merge: i32) {
     motion.cancel_pending(index);
     motion.end_active(index);
     motion.systems[index].planner.clear_active();
+    motion.part_axes(index);
     if merge != MERGE_ALL {
         return;
+    }
+    for place in 0..motion.systems[index].description.axes.len() {
+        let axis = motion.systems[index].description.axes[place];
+        motion.end_single_axis(axis, None);
     }
     for other in 0..motion.systems.len() {
         if other != index && motion.systems[index].shared_axis(&motion.systems[other]).is_some() {

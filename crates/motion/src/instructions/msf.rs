@@ -10,7 +10,7 @@ use crate::motion::Motion;
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
     motion.verify_operands(call)?;
-    let state = motion.axes[usize::from(axis)];
+    let state = &motion.axes[usize::from(axis)];
     if state.is_virtual {
         return Err(MotionError::WrongAxisType(AxisIndex(0)));
     }

@@ -6,10 +6,11 @@
 use arcline_instruction_set::Flag;
 use arcline_planner::geometry::Point;
 use arcline_planner::profile::Phase;
-use arcline_planner::{Instant, Passage};
+use arcline_planner::{Instant, Passage, Sample};
 
 use super::Motion;
-use crate::axis::{Axis, Source};
+use crate::axis::Axis;
+use crate::axis::sum::Slot;
 use crate::system::{Activity, component};
 
 impl Motion {
@@ -94,9 +95,10 @@ impl Motion {
         for place in 0..self.systems[index].description.axes.len() {
             let axis = self.systems[index].description.axes[place];
             if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
-                axis.command.position = component(end, place);
-                axis.release();
-                axis.source = Source::System;
+                axis.set_coordinated(arcline_drive::Motion {
+                    position: component(end, place),
+                    ..Default::default()
+                });
             }
         }
     }
@@ -117,16 +119,7 @@ impl Motion {
             .map_or(0.0, |running| running.motion.path.length());
         system.in_transition = system.planner.in_transition(&self.clock);
         system.along = [sample.along.velocity.abs(), sample.along.position, length];
-        for (place, axis) in system.description.axes.iter().enumerate() {
-            let Some(axis) = self.axes.get_mut(usize::from(*axis)) else {
-                continue;
-            };
-            axis.command = arcline_drive::Motion {
-                position: component(&sample.position, place),
-                velocity: component(&sample.velocity, place),
-                acceleration: component(&sample.acceleration, place),
-            };
-        }
+        seat(&system.description.axes, &mut self.axes, &sample);
         if system.activity == Activity::Moving && sample.phase != system.shown_phase {
             system.shown_phase = sample.phase;
             let (set, clear) = match sample.phase {
@@ -140,6 +133,14 @@ impl Motion {
         }
     }
 
+    /// The axes' part of a coordinated move that has just begun, so that others of the same tick see it.
+    pub(crate) fn seat_axes(&mut self, index: usize) {
+        let system = &self.systems[index];
+        if let Some(sample) = system.planner.sample(&self.clock) {
+            seat(&system.description.axes, &mut self.axes, &sample);
+        }
+    }
+
     /// The instant at which the axes came within the Actual Tolerance of the end that the command reached
     /// before the present tick: found inside the tick, so that a successor's start does not depend on the period.
     pub(crate) fn settled(&self, index: usize, end: &Point, reached: Instant) -> Option<Instant> {
@@ -147,10 +148,11 @@ impl Motion {
         let period = self.clock.period();
         let mut drives = [arcline_drive::Drive::ideal(0.0); crate::machine::MAX_PRIMARY_AXES];
         for ((place, axis), drive) in system.description.axes.iter().enumerate().zip(&mut drives) {
-            *drive = self.axes.get(usize::from(*axis))?.drive;
+            let axis = self.axes.get(usize::from(*axis))?;
+            *drive = axis.drive;
             drive.cycle(
                 arcline_drive::Motion {
-                    position: component(end, place),
+                    position: axis.sum.seen_from(Slot::System, Some(component(end, place)))?,
                     velocity: 0.0,
                     acceleration: 0.0,
                 },
@@ -190,9 +192,7 @@ impl Motion {
         let Some(stop) = system.stop else {
             return;
         };
-        let braking = |(place, axis): (usize, &Axis)| {
-            stop.braking.contains(place as u16) && matches!(axis.source, Source::Braking { .. })
-        };
+        let braking = |(place, axis): (usize, &Axis)| stop.braking.contains(place as u16) && axis.is_stopping();
         if system.is_busy() || (!stop.braking.is_empty() && self.axes.iter().enumerate().any(braking)) {
             return;
         }
@@ -209,12 +209,24 @@ impl Motion {
             if let Some(end) = system.active_end() {
                 let axes = &self.axes;
                 let squares = system.description.axes.iter().enumerate().map(|(place, axis)| {
-                    let command = axes.get(usize::from(*axis)).map_or(0.0, |axis| axis.command.position);
-                    let left = command - component(&end, place);
+                    let generator = axes.get(usize::from(*axis)).and_then(|axis| axis.sum.get(Slot::System));
+                    let left = generator.map_or(0.0, |generator| generator.now.position) - component(&end, place);
                     left * left
                 });
                 system.in_command_tolerance = squares.sum::<f64>().sqrt() < system.description.command_tolerance;
             }
+        }
+    }
+}
+
+fn seat(places: &[u16], axes: &mut [Axis], sample: &Sample) {
+    for (place, axis) in places.iter().enumerate() {
+        if let Some(axis) = axes.get_mut(usize::from(*axis)) {
+            axis.set_coordinated(arcline_drive::Motion {
+                position: component(&sample.position, place),
+                velocity: component(&sample.velocity, place),
+                acceleration: component(&sample.acceleration, place),
+            });
         }
     }
 }

@@ -6,7 +6,7 @@ use arcline_instruction_set::Flag;
 use arcline_planner::profile::Phase;
 
 use super::Motion;
-use crate::axis::Source;
+use crate::axis::sum::Slot;
 use crate::stop::AxisSet;
 use crate::system::Activity;
 
@@ -60,7 +60,8 @@ impl Motion {
             if hold(axis) {
                 state.release();
             } else {
-                state.brake(s_curve, self.clock.now());
+                let limits = state.dynamics.stop(s_curve);
+                state.brake(Slot::System, &limits, None, self.clock.now());
                 braking.insert(axis);
             }
         }
@@ -85,14 +86,35 @@ impl Motion {
                 self.abort_system(index, |other| other == axis);
             }
         }
+        self.end_generators(axis);
     }
 
-    /// Takes the axes of a system into its coordinated move.
+    /// Takes the axes of a system into its coordinated move, or on into the next one.
     pub(crate) fn join_axes(&mut self, index: usize) {
+        let s_curve = self.systems[index]
+            .active()
+            .is_some_and(|active| active.dynamics.is_s_curve());
+        for place in 0..self.systems[index].description.axes.len() {
+            let axis = self.systems[index].description.axes[place];
+            let Some(axis) = self.axes.get_mut(usize::from(axis)) else {
+                continue;
+            };
+            match axis.sum.get_mut(Slot::System) {
+                Some(generator) if !generator.stopping => {
+                    generator.s_curve = s_curve;
+                    axis.mark_start();
+                }
+                _ => axis.join(s_curve),
+            }
+        }
+    }
+
+    /// Takes the axes of a system out of its coordinated move as they are.
+    pub(crate) fn part_axes(&mut self, index: usize) {
         for place in 0..self.systems[index].description.axes.len() {
             let axis = self.systems[index].description.axes[place];
             if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
-                axis.join();
+                axis.release();
             }
         }
     }
@@ -103,7 +125,7 @@ impl Motion {
         for place in 0..self.systems[index].description.axes.len() {
             let axis = self.systems[index].description.axes[place];
             if let Some(axis) = self.axes.get_mut(usize::from(axis))
-                && matches!(axis.source, Source::System)
+                && axis.is_coordinated()
             {
                 axis.release();
             }

@@ -1,0 +1,144 @@
+//! One thing that moves an axis: whose it is, what it was programmed to do, and where it is.
+//!
+//! Real-time: nothing allocates. Units: position units in the generator's own frame ([`super::sum`]), seconds.
+
+use arcline_drive::Motion as Point;
+use arcline_planner::profile::{Phase, Profile, State};
+use arcline_planner::{Clock, Instant};
+
+use super::sum::Displacements;
+use crate::control::Execution;
+use crate::dynamics::Dynamics;
+
+/// How a generator comes to its position.
+#[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a box would allocate in the tick")]
+pub(crate) enum Law {
+    /// Somebody else computes it every tick: a coordinate system, a master axis, a transform.
+    Followed,
+    /// Along a profile.
+    Planned { profile: Profile, start: Instant },
+}
+
+/// What an instruction programmed, for later changes of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Program {
+    pub(crate) dynamics: Dynamics,
+    pub(crate) goal: Goal,
+}
+
+/// Where a programmed generator leads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Goal {
+    /// To a position of its frame: MAM.
+    Position(f64),
+    /// To a velocity with a sign, without an end: MAJ.
+    Velocity(f64),
+}
+
+/// A generator under way.
+#[derive(Clone, Debug)]
+pub(crate) struct Generator {
+    pub(crate) law: Law,
+    /// Where it is, in its frame.
+    pub(crate) now: Point,
+    /// The instruction that reports its end.
+    pub(crate) execution: Option<Execution>,
+    /// `None` where there is nothing to change: stops, and what others compute.
+    pub(crate) program: Option<Program>,
+    /// It only brakes, and is over when it stands.
+    pub(crate) stopping: bool,
+    /// Its changes of speed are limited in jerk, so a stop of it is too.
+    pub(crate) s_curve: bool,
+    /// ACCEL and DECEL of its instruction, as last written.
+    pub(crate) shown_phase: Phase,
+    /// A planned one has come to its end.
+    pub(crate) over: bool,
+    /// Where it began, in its frame.
+    pub(super) origin: f64,
+    /// What all generators of the axis had displaced it then.
+    pub(super) others: Displacements,
+    /// What the position was redefined by since.
+    pub(super) shift: f64,
+}
+
+impl Generator {
+    /// One that somebody else computes, at rest.
+    pub(crate) fn followed(s_curve: bool) -> Self {
+        Generator {
+            law: Law::Followed,
+            now: Point::default(),
+            execution: None,
+            program: None,
+            stopping: false,
+            s_curve,
+            shown_phase: Phase::Steady,
+            over: false,
+            origin: 0.0,
+            others: Displacements::default(),
+            shift: 0.0,
+        }
+    }
+
+    /// One along a profile that begins at an instant.
+    pub(crate) fn planned(profile: Profile, start: Instant) -> Self {
+        let mut generator = Generator::followed(false);
+        generator.now = point(profile.start());
+        generator.law = Law::Planned { profile, start };
+        generator
+    }
+
+    /// Where it is, in its frame.
+    pub(crate) fn state(&self) -> State {
+        State {
+            position: self.now.position,
+            velocity: self.now.velocity,
+            acceleration: self.now.acceleration,
+        }
+    }
+
+    /// Goes on along another profile from this instant; the frame stays.
+    pub(crate) fn follow(&mut self, profile: Profile, start: Instant) {
+        self.law = Law::Planned { profile, start };
+        self.over = false;
+    }
+
+    /// What the profile does at the present tick.
+    pub(crate) fn phase(&self, clock: &Clock) -> Phase {
+        match &self.law {
+            Law::Planned { profile, start } => profile.phase(start.elapsed(clock)),
+            Law::Followed => Phase::Steady,
+        }
+    }
+
+    pub(super) fn displacement(&self) -> f64 {
+        self.now.position - self.origin
+    }
+
+    pub(super) fn advance(&mut self, clock: &Clock) {
+        if let Law::Planned { profile, start } = &self.law {
+            let elapsed = start.elapsed(clock);
+            self.now = point(profile.at(elapsed));
+            let endless = matches!(
+                self.program,
+                Some(Program {
+                    goal: Goal::Velocity(_),
+                    ..
+                })
+            );
+            self.over = (self.stopping || !endless) && profile.arrives() && elapsed >= profile.duration();
+            if self.over {
+                self.now.velocity = 0.0;
+                self.now.acceleration = 0.0;
+            }
+        }
+    }
+}
+
+fn point(state: State) -> Point {
+    Point {
+        position: state.position,
+        velocity: state.velocity,
+        acceleration: state.acceleration,
+    }
+}

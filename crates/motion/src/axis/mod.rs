@@ -1,0 +1,268 @@
+//! One axis: its state, its drive, and what moves it.
+
+pub(crate) mod generator;
+pub(crate) mod sum;
+
+use arcline_drive::{Drive, Motion as Point};
+use arcline_planner::profile::{Jerk, Limits, Profile, State};
+use arcline_planner::{Clock, Instant};
+
+use crate::control::Execution;
+use crate::machine::{Axis as Description, AxisKind};
+use generator::Generator;
+use sum::{Slot, Sum};
+
+/// The axis state machine (spec/axis-and-data-types.md §12), as far as instructions see it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum AxisState {
+    /// Ready, servo off.
+    Stopped,
+    /// MSO is under way.
+    Starting,
+    /// Servo on: the drive follows the command.
+    Running,
+    /// MSF is under way.
+    Stopping,
+    /// Shut down until a shutdown reset.
+    Shutdown,
+}
+
+/// An axis at the present tick.
+#[derive(Clone, Debug)]
+pub(crate) struct Axis {
+    pub(crate) state: AxisState,
+    pub(crate) drive: Drive,
+    /// What [`Sum::command`] says at the present tick.
+    pub(crate) command: Point,
+    pub(crate) sum: Sum,
+    /// Something began since the command of this tick was computed.
+    pub(crate) stale: bool,
+    pub(crate) homed: bool,
+    /// Command and actual position when the last motion began.
+    pub(crate) started_at: [f64; 2],
+    pub(crate) dynamics: AxisDynamics,
+    pub(crate) unwind: Option<f64>,
+    pub(crate) is_virtual: bool,
+}
+
+/// The maxima of an axis: units/s, units/s², units/s³.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AxisDynamics {
+    pub(crate) speed: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) deceleration: f64,
+    pub(crate) acceleration_jerk: f64,
+    pub(crate) deceleration_jerk: f64,
+}
+
+impl AxisDynamics {
+    /// The limits of a stop of the axis by itself: its Maximum Deceleration and, where the motion was an S-curve, its
+    /// Maximum Deceleration Jerk.
+    pub(crate) fn stop(&self, s_curve: bool) -> Limits {
+        Limits {
+            speed: self.speed,
+            acceleration: self.deceleration,
+            deceleration: self.deceleration,
+            jerk: s_curve.then_some(Jerk {
+                acceleration: self.deceleration_jerk,
+                deceleration: self.deceleration_jerk,
+            }),
+        }
+    }
+}
+
+impl Axis {
+    pub(crate) fn new(description: &Description) -> Self {
+        let position = description.start.position;
+        let (drive, state) = match &description.kind {
+            AxisKind::Virtual => (Drive::ideal(position), AxisState::Running),
+            AxisKind::Servo(drive) => (
+                Drive::servo(position, drive.position_bandwidth_hz, drive.velocity_feedforward),
+                if description.start.servo_on {
+                    AxisState::Running
+                } else {
+                    AxisState::Stopped
+                },
+            ),
+        };
+        Axis {
+            state,
+            drive,
+            command: standing(position),
+            sum: Sum::at_rest(position),
+            stale: false,
+            homed: description.start.homed,
+            started_at: [position; 2],
+            dynamics: AxisDynamics {
+                speed: description.max_speed,
+                acceleration: description.max_acceleration,
+                deceleration: description.max_deceleration,
+                acceleration_jerk: description.max_acceleration_jerk,
+                deceleration_jerk: description.max_deceleration_jerk,
+            },
+            unwind: description.unwind,
+            is_virtual: description.is_virtual(),
+        }
+    }
+
+    /// Whether something moves the axis, or holds it to move it.
+    pub(crate) fn in_motion(&self) -> bool {
+        !self.sum.is_idle()
+    }
+
+    /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others.
+    pub(crate) fn will_end(&self) -> bool {
+        let endless = |slot| matches!(slot, Slot::Jog | Slot::Gear | Slot::Transform);
+        let mut active = self.sum.active();
+        active.any(|(slot, generator)| generator.stopping || !endless(slot))
+    }
+
+    /// Whether the axis as a whole brakes: everything on it, or its part of a coordinated move that was ended.
+    pub(crate) fn is_stopping(&self) -> bool {
+        let braking = |slot| self.sum.get(slot).is_some_and(|generator| generator.stopping);
+        braking(Slot::Stop) || braking(Slot::System)
+    }
+
+    /// Whether a coordinate system moves the axis, and not only its brake.
+    pub(crate) fn is_coordinated(&self) -> bool {
+        self.sum.get(Slot::System).is_some_and(|generator| !generator.stopping)
+    }
+
+    /// The axis becomes part of a coordinated move that starts where the axis is commanded to be.
+    pub(crate) fn join(&mut self, s_curve: bool) {
+        self.begin(Slot::System, Generator::followed(s_curve));
+    }
+
+    /// A generator begins at the present command.
+    pub(crate) fn begin(&mut self, slot: Slot, generator: Generator) {
+        self.mark_start();
+        self.sum.begin(slot, generator);
+        self.command = self.sum.command();
+    }
+
+    /// The present positions are those at which the last motion began.
+    pub(crate) fn mark_start(&mut self) {
+        self.started_at = [self.command.position, self.drive.actual().position];
+    }
+
+    /// A coordinate system says where its part of the axis's motion is.
+    pub(crate) fn set_coordinated(&mut self, now: Point) {
+        self.sum.set(Slot::System, now);
+        self.command = self.sum.command();
+    }
+
+    /// The coordinated motion of the axis is over; it stands where it is, but for what else moves it.
+    pub(crate) fn release(&mut self) {
+        self.end(Slot::System);
+    }
+
+    /// Ends a generator where it is; its speed is gone at once.
+    pub(crate) fn end(&mut self, slot: Slot) -> Option<Generator> {
+        let ended = self.sum.end(slot);
+        self.command = self.sum.command();
+        ended
+    }
+
+    /// One generator brakes, out of what it does now, and reports to `execution` when it stands. Whoever had
+    /// begun it is told nothing here.
+    pub(crate) fn brake(&mut self, slot: Slot, limits: &Limits, execution: Option<Execution>, now: Instant) {
+        let Some(generator) = self.sum.get_mut(slot) else {
+            return;
+        };
+        let mut from = generator.state();
+        if limits.jerk.is_none() {
+            from.acceleration = 0.0;
+        }
+        generator.follow(Profile::stop(from, limits), now);
+        generator.execution = execution;
+        generator.program = None;
+        generator.stopping = true;
+    }
+
+    /// Everything on the axis becomes one deceleration, out of its total speed and acceleration. Whoever had
+    /// begun it is told nothing here.
+    pub(crate) fn brake_all(&mut self, limits: &Limits, execution: Option<Execution>, now: Instant) {
+        let Point {
+            position,
+            velocity,
+            acceleration,
+        } = self.command;
+        let from = State {
+            position,
+            velocity,
+            acceleration: if limits.jerk.is_some() { acceleration } else { 0.0 },
+        };
+        let started_at = self.started_at;
+        let mut stop = Generator::planned(Profile::stop(from, limits), now);
+        stop.execution = execution;
+        stop.stopping = true;
+        stop.s_curve = limits.jerk.is_some();
+        self.sum.place(position);
+        self.begin(Slot::Stop, stop);
+        self.started_at = started_at;
+    }
+
+    /// Whether anything on the axis is an S-curve: a stop of everything is one then.
+    pub(crate) fn is_s_curve(&self) -> bool {
+        self.sum.active().any(|(_, generator)| generator.s_curve)
+    }
+
+    /// The command at the present tick, but for what a coordinate system gives.
+    pub(crate) fn advance(&mut self, clock: &Clock) {
+        if !self.sum.is_idle() {
+            self.sum.advance(clock);
+            self.command = self.sum.command();
+        }
+    }
+
+    /// The drive follows the command over the period that ends now; without torque, the command follows it.
+    pub(crate) fn follow(&mut self, period: f64) {
+        match self.state {
+            AxisState::Running | AxisState::Starting => self.drive.cycle(self.command, period),
+            AxisState::Stopped | AxisState::Stopping | AxisState::Shutdown => {
+                let now = self.drive.coast(period);
+                self.stand_at(now.position);
+            }
+        }
+    }
+
+    /// Opens the loop: whatever moved the axis is over. Whoever had begun it is told nothing here.
+    pub(crate) fn disable(&mut self, state: AxisState) {
+        self.state = state;
+        if self.is_virtual {
+            self.drive.halt();
+        }
+        self.stand_at(self.command.position);
+    }
+
+    /// Closes the loop where the axis stands.
+    pub(crate) fn enable(&mut self) {
+        self.drive.halt();
+        self.stand_at(self.drive.actual().position);
+        self.state = AxisState::Starting;
+    }
+
+    fn stand_at(&mut self, position: f64) {
+        self.sum.place(position);
+        self.command = standing(position);
+    }
+
+    /// A position as the axis shows it: rotary ones within one turn.
+    pub(crate) fn shown(&self, position: f64) -> f64 {
+        match self.unwind {
+            Some(unwind) => {
+                let turn = position - unwind * (position / unwind).floor();
+                if turn >= unwind { 0.0 } else { turn }
+            }
+            None => position,
+        }
+    }
+}
+
+fn standing(position: f64) -> Point {
+    Point {
+        position,
+        velocity: 0.0,
+        acceleration: 0.0,
+    }
+}

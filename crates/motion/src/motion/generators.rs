@@ -1,0 +1,129 @@
+//! What moves single axes from one tick to the next, and how it ends.
+//!
+//! Real-time: no allocation; bounded by the axes.
+
+use arcline_instruction_set::Flag;
+use arcline_planner::profile::{Limits, Phase};
+
+use super::Motion;
+use crate::axis::sum::Slot;
+use crate::control::Execution;
+
+/// What single-axis instructions begin.
+pub(crate) const SINGLE_AXIS: [Slot; 4] = [Slot::Move, Slot::Jog, Slot::Home, Slot::Gear];
+
+impl Motion {
+    /// Commands and drives of all axes at the present tick, and what came to its end.
+    pub(super) fn advance_axes(&mut self) {
+        let period = self.clock.period();
+        for index in 0..self.axes.len() {
+            let axis = &mut self.axes[index];
+            axis.advance(&self.clock);
+            axis.follow(period);
+            if axis.in_motion() {
+                self.report_generators(index as u16);
+            }
+        }
+    }
+
+    /// What instructions began at this tick shows in the commands of it.
+    pub(super) fn refresh_axes(&mut self) {
+        for index in 0..self.axes.len() {
+            if std::mem::take(&mut self.axes[index].stale) {
+                self.axes[index].advance(&self.clock);
+                self.report_generators(index as u16);
+            }
+        }
+    }
+
+    /// Ends one generator of an axis without PC.
+    pub(crate) fn end_generator(&mut self, axis: u16, slot: Slot) {
+        if let Some(ended) = self.axes[usize::from(axis)].end(slot)
+            && let Some(execution) = ended.execution
+        {
+            self.end_move(execution, 0);
+        }
+    }
+
+    /// Ends what single-axis instructions began on an axis, but for one kind of it.
+    pub(crate) fn end_single_axis(&mut self, axis: u16, but: Option<Slot>) {
+        for slot in SINGLE_AXIS {
+            if but != Some(slot) {
+                self.end_generator(axis, slot);
+            }
+        }
+    }
+
+    /// Ends everything on an axis without PC.
+    pub(crate) fn end_generators(&mut self, axis: u16) {
+        for slot in Slot::ALL {
+            self.end_generator(axis, slot);
+        }
+    }
+
+    /// Stops everything on an axis as one deceleration at the axis's own maxima, and reports to `execution` when it
+    /// stands. Coordinated motion must have been ended.
+    pub(crate) fn stop_axis(&mut self, axis: u16, execution: Option<Execution>) {
+        let state = &self.axes[usize::from(axis)];
+        let limits = state.dynamics.stop(state.is_s_curve());
+        self.stop_axis_at(axis, &limits, execution);
+    }
+
+    /// As [`Motion::stop_axis`], at given rates.
+    pub(crate) fn stop_axis_at(&mut self, axis: u16, limits: &Limits, execution: Option<Execution>) {
+        let at = usize::from(axis);
+        if !self.axes[at].in_motion() {
+            return;
+        }
+        for slot in Slot::ALL {
+            if let Some(execution) = self.axes[at].sum.get(slot).and_then(|generator| generator.execution) {
+                self.end_move(execution, 0);
+            }
+        }
+        self.axes[at].brake_all(limits, execution, self.clock.now());
+        self.axes[at].stale = true;
+    }
+
+    /// One generator of an axis brakes, and reports to `execution` when it stands. Its own instruction ends.
+    pub(crate) fn stop_generator(&mut self, axis: u16, slot: Slot, limits: &Limits, execution: Option<Execution>) {
+        let at = usize::from(axis);
+        let Some(generator) = self.axes[at].sum.get(slot) else {
+            return;
+        };
+        if let Some(ended) = generator.execution {
+            self.end_move(ended, 0);
+        }
+        self.axes[at].brake(slot, limits, execution, self.clock.now());
+        self.axes[at].stale = true;
+    }
+
+    /// ACCEL and DECEL of what is under way, and PC of what has come to its end.
+    fn report_generators(&mut self, axis: u16) {
+        let at = usize::from(axis);
+        let tick = self.clock.tick;
+        for slot in Slot::ALL {
+            let Some(generator) = self.axes[at].sum.get_mut(slot) else {
+                continue;
+            };
+            let phase = generator.phase(&self.clock);
+            let changed = std::mem::replace(&mut generator.shown_phase, phase) != phase;
+            let (execution, stopping, over) = (generator.execution, generator.stopping, generator.over);
+            if over {
+                self.axes[at].end(slot);
+                if let Some(execution) = execution {
+                    self.end_move(execution, Flag::Pc.mask());
+                }
+            } else if let Some(execution) = execution
+                && changed
+                && !stopping
+            {
+                let (set, clear) = match phase {
+                    Phase::Accelerating => (Flag::Accel.mask(), Flag::Decel.mask()),
+                    Phase::Decelerating => (Flag::Decel.mask(), Flag::Accel.mask()),
+                    Phase::Steady => (0, Flag::Accel.mask() | Flag::Decel.mask()),
+                };
+                self.controls.write(execution, set, clear, tick);
+            }
+        }
+    }
+}
