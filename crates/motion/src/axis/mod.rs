@@ -8,7 +8,7 @@ use arcline_planner::profile::{Jerk, Limits, Profile, State};
 use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
-use crate::machine::{Axis as Description, AxisKind};
+use crate::machine::{Axis as Description, AxisKind, ProgrammedStopMode};
 use generator::Generator;
 use sum::{Slot, Sum};
 
@@ -24,6 +24,18 @@ pub(crate) enum AxisState {
     /// MSF is under way.
     Stopping,
     /// Shut down until a shutdown reset.
+    Shutdown,
+}
+
+/// What becomes of an axis that has been stopped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum AfterStop {
+    /// The servo stays on.
+    #[default]
+    Hold,
+    /// Servo off.
+    Disable,
+    /// Shutdown.
     Shutdown,
 }
 
@@ -43,6 +55,11 @@ pub(crate) struct Axis {
     pub(crate) dynamics: AxisDynamics,
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
+    pub(crate) stop_mode: ProgrammedStopMode,
+    /// What happens when the stop that is under way has ended.
+    pub(crate) after_stop: AfterStop,
+    /// Command and actual position at the last MGSP, as shown.
+    pub(crate) strobed: [f64; 2],
 }
 
 /// The maxima of an axis: units/s, units/s², units/s³.
@@ -102,12 +119,20 @@ impl Axis {
             },
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
+            stop_mode: description.programmed_stop_mode,
+            after_stop: AfterStop::Hold,
+            strobed: [0.0; 2],
         }
     }
 
     /// Whether something moves the axis, or holds it to move it.
     pub(crate) fn in_motion(&self) -> bool {
         !self.sum.is_idle()
+    }
+
+    /// Whether its drive follows the command.
+    pub(crate) fn has_torque(&self) -> bool {
+        matches!(self.state, AxisState::Running | AxisState::Starting)
     }
 
     /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others.
@@ -197,6 +222,7 @@ impl Axis {
         stop.execution = execution;
         stop.stopping = true;
         stop.s_curve = limits.jerk.is_some();
+        self.after_stop = AfterStop::Hold;
         self.sum.place(position);
         self.begin(Slot::Stop, stop);
         self.started_at = started_at;
@@ -217,12 +243,11 @@ impl Axis {
 
     /// The drive follows the command over the period that ends now; without torque, the command follows it.
     pub(crate) fn follow(&mut self, period: f64) {
-        match self.state {
-            AxisState::Running | AxisState::Starting => self.drive.cycle(self.command, period),
-            AxisState::Stopped | AxisState::Stopping | AxisState::Shutdown => {
-                let now = self.drive.coast(period);
-                self.stand_at(now.position);
-            }
+        if self.has_torque() {
+            self.drive.cycle(self.command, period);
+        } else {
+            let now = self.drive.coast(period);
+            self.stand_at(now.position);
         }
     }
 
@@ -243,6 +268,7 @@ impl Axis {
     }
 
     fn stand_at(&mut self, position: f64) {
+        self.after_stop = AfterStop::Hold;
         self.sum.place(position);
         self.command = standing(position);
     }

@@ -12,6 +12,10 @@ mod mclm;
 mod mcs;
 mod mcsd;
 mod mcsr;
+mod mgs;
+mod mgsd;
+mod mgsp;
+mod mgsr;
 mod moves;
 mod msf;
 mod mso;
@@ -32,6 +36,7 @@ pub(crate) struct Layouts {
     mcs: mcs::Layout,
     mam: mam::Layout,
     mas: mas::Layout,
+    mgs: mgs::Layout,
 }
 
 impl Layouts {
@@ -44,6 +49,7 @@ impl Layouts {
             mcs: mcs::Layout::new(),
             mam: mam::Layout::new(),
             mas: mas::Layout::new(),
+            mgs: mgs::Layout::new(),
         }
     }
 }
@@ -64,6 +70,10 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Msf => msf::execute(motion, execution, call),
         Mnemonic::Masd => masd::execute(motion, execution, call),
         Mnemonic::Masr => masr::execute(motion, execution, call),
+        Mnemonic::Mgs => mgs::execute(motion, execution, call),
+        Mnemonic::Mgsd => mgsd::execute(motion, execution, call),
+        Mnemonic::Mgsr => mgsr::execute(motion, execution, call),
+        Mnemonic::Mgsp => mgsp::execute(motion, execution, call),
         Mnemonic::Mas => mas::execute(motion, execution, call),
         Mnemonic::Mam => mam::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
