@@ -58,7 +58,7 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
 }
 
 fn travel(axis: &Section<'_>) -> Result<Option<Travel>, ConfigError> {
-    let (section, present) = axis.table("travel", &["min", "max"], "{ min = NUMBER, max = NUMBER }")?;
+    let (section, present) = axis.table("travel", TRAVEL, "{ min = NUMBER, max = NUMBER }")?;
     if !present {
         return Ok(None);
     }
@@ -131,8 +131,9 @@ pub(super) const AXIS: &[&str] = &[
     "drive",
     "programmed_stop_mode",
 ];
-const START: &[&str] = &["position", "servo_on", "homed"];
-const DRIVE: &[&str] = &[
+pub(super) const START: &[&str] = &["position", "servo_on", "homed"];
+pub(super) const TRAVEL: &[&str] = &["min", "max"];
+pub(super) const DRIVE: &[&str] = &[
     "position_bandwidth_hz",
     "velocity_feedforward",
     "position_error_tolerance",
