@@ -50,6 +50,8 @@ pub(crate) struct Axis {
     /// Something began since the command of this tick was computed.
     pub(crate) stale: bool,
     pub(crate) homed: bool,
+    /// What positions were shifted by so far without motion: who follows the axis subtracts its changes.
+    pub(crate) redefined: f64,
     /// Command and actual position when the last motion began.
     pub(crate) started_at: [f64; 2],
     pub(crate) dynamics: AxisDynamics,
@@ -109,6 +111,7 @@ impl Axis {
             sum: Sum::at_rest(position),
             stale: false,
             homed: description.start.homed,
+            redefined: 0.0,
             started_at: [position; 2],
             dynamics: AxisDynamics {
                 speed: description.max_speed,
@@ -271,6 +274,19 @@ impl Axis {
         self.after_stop = AfterStop::Hold;
         self.sum.place(position);
         self.command = standing(position);
+    }
+
+    /// Shifts every position by an offset: command, actual, and the ends of what runs. Nothing moves.
+    pub(crate) fn redefine(&mut self, offset: f64) {
+        self.sum.redefine(offset);
+        self.shift(offset);
+    }
+
+    /// The drive goes along with a command whose positions were shifted.
+    fn shift(&mut self, offset: f64) {
+        self.drive.redefine(offset);
+        self.command = self.sum.command();
+        self.redefined += offset;
     }
 
     /// A position as the axis shows it: rotary ones within one turn.
