@@ -8,6 +8,8 @@ mod names;
 mod server;
 mod system;
 mod tags;
+mod types;
+mod value;
 
 use arcline_controller::machine::{MAX_AXES, MAX_SYSTEMS, MAX_TRANSFORMS, Machine};
 use toml::de::DeTable;
@@ -17,6 +19,7 @@ use self::names::{NAME, Taken};
 use self::server::server;
 use self::system::{COORDINATE_SYSTEM, TRANSFORM, coordinate_system, transform};
 use self::tags::{instruction_tags, plain_tags};
+use self::types::Types;
 use crate::Project;
 use crate::error::{ConfigError, Problem};
 use crate::section::{NumberRule, Placed, Section, Source};
@@ -46,7 +49,8 @@ pub(crate) fn project(text: &str, file: &str) -> Result<Project, ConfigError> {
     let mut names = Taken::default();
     let machine = machine(&root, &mut names)?;
     let instruction_tags = instruction_tags(&root, &machine, &mut names)?;
-    let tags = plain_tags(&root, &mut names)?;
+    let types = Types::read(&root)?;
+    let tags = plain_tags(&root, &types, &mut names)?;
     Ok(Project {
         server,
         machine,
@@ -109,6 +113,7 @@ const SECTIONS: &[&str] = &[
     "coordinate_system",
     "transform",
     "instruction",
+    "data_type",
     "tag",
 ];
 /// Every key that is read, by the heading of its table in docs/CONFIGURATION.md.
@@ -123,6 +128,8 @@ pub(crate) const KEYS: &[(&str, &[&str])] = &[
     ("## `[[coordinate_system]]`", COORDINATE_SYSTEM),
     ("## `[[transform]]`", TRANSFORM),
     ("## `[[instruction]]`", tags::INSTRUCTION),
+    ("## `[[data_type]]`", types::DATA_TYPE),
+    ("### `members = [{ … }]`", types::MEMBER),
     ("## `[[tag]]`", tags::TAG),
 ];
 

@@ -262,6 +262,11 @@ impl<'t> Section<'t> {
         Err(self.wrong(key, value, expected))
     }
 
+    /// A value of any type.
+    pub(crate) fn value(&self, key: &str) -> Option<&'t DeValue<'t>> {
+        self.find(key).map(Spanned::get_ref)
+    }
+
     /// `true` or `false`.
     pub(crate) fn boolean(&self, key: &'static str) -> Result<Option<bool>, ConfigError> {
         let Some(value) = self.find(key) else {

@@ -284,6 +284,96 @@ fn counts_are_bounded() {
     assert!(load(&text, "m.toml").is_ok());
 }
 
+/// A configuration with nothing but these tables.
+fn tags(text: &str) -> Result<Vec<crate::PlainTag>, String> {
+    load(text, "t.toml")
+        .map(|project| project.tags)
+        .map_err(|error| error.to_string())
+}
+
+#[test]
+fn tags_have_structures_dimensions_scopes_and_first_values() {
+    let tags = tags(
+        r#"
+        [[data_type]]
+        name = "Point"
+        members = [{ name = "At", type = "REAL[2]" }, { name = "Valid", type = "BOOL" }, { name = "Id", type = "SINT" }]
+        [[data_type]]
+        name = "Path"
+        members = [{ name = "Name", type = "STRING" }, { name = "Points", type = "point[2]" }]
+        [[tag]]
+        name = "Grid"
+        type = "INT[2,3]"
+        value = [[1, 2, 3], [4, 5, -6]]
+        [[tag]]
+        name = "Route"
+        type = "Path"
+        value = { Name = "ab", Points = [{ At = [1, 2.5], Valid = true }, { Id = -1 }] }
+        [[tag]]
+        name = "Bits"
+        type = "BOOL[40]"
+        value = [true, false, true]
+        [[tag]]
+        name = "Route"
+        program = "Main"
+        type = "LINT"
+        access = "read_only"
+        value = -9223372036854775808
+        [[tag]]
+        name = "Last"
+        alias = "Route.Points[1].Id"
+    "#,
+    )
+    .expect("valid");
+    let [grid, route, bits, inner, last] = tags.as_slice() else {
+        panic!("{tags:?}")
+    };
+    assert_eq!((grid.tag_type.dimensions, grid.tag_type.size()), ([2, 3, 0], 12));
+    assert_eq!(grid.first, [1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 250, 255]);
+    // Name 88 bytes; a point: 8 of REALs, the host of Valid, Id, 2 of padding.
+    assert_eq!(
+        (route.tag_type.size(), route.first[..6].to_vec()),
+        (88 + 2 * 12, b"\x02\0\0\0ab".to_vec())
+    );
+    assert_eq!(route.first[88..98], [0, 0, 128, 63, 0, 0, 32, 64, 1, 0]);
+    assert_eq!(route.first[100 + 9], 255);
+    assert_eq!((bits.tag_type.symbol_type(), bits.first[0]), (0x20D3, 0b101));
+    assert_eq!((inner.program.as_deref(), inner.first[7]), (Some("Main"), 0x80));
+    assert_eq!((last.tag_type.symbol_type(), last.tag_type.size()), (0x00C2, 1));
+}
+
+#[test]
+fn tags_that_cannot_be_say_why() {
+    let point = "[[data_type]]\nname = \"P\"\nmembers = [{ name = \"X\", type = \"REAL\" }]\n";
+    #[rustfmt::skip]
+    let cases = [
+        ("[[tag]]\nname = \"A\"\ntype = \"DINT[1,2,3,4]\"", "three dimensions"),
+        ("[[tag]]\nname = \"A\"\ntype = \"BOOL[2,2]\"", "three dimensions"),
+        ("[[tag]]\nname = \"A\"\ntype = \"LREAL[65535,65535]\"", "2 MiB"),
+        ("[[tag]]\nname = \"A\"\ntype = \"Q\"", "[[data_type]]"),
+        ("[[tag]]\nname = \"A\"\ntype = \"SINT\"\nvalue = 128", "a number that the type holds"),
+        ("[[tag]]\nname = \"A\"\ntype = \"DINT\"\nvalue = 1.5", "a number that the type holds"),
+        ("[[tag]]\nname = \"A\"\ntype = \"DINT[2]\"\nvalue = [1]", "a value for every element"),
+        ("[[tag]]\nname = \"A\"\ntype = \"P\"\nvalue = { Y = 1 }", "a table of the structure's members"),
+        ("[[tag]]\nname = \"A\"\nalias = \"B\"", "B"),
+        ("[[tag]]\nname = \"B\"\ntype = \"P\"\n[[tag]]\nname = \"A\"\nalias = \"B.Y\"", "the path of a tag above"),
+        ("[[tag]]\nname = \"A\"\ntype = \"P\"\n[[tag]]\nname = \"a\"\ntype = \"P\"", "a"),
+        ("[[tag]]\nname = \"A\"\ntype = \"P\"\nprogram = \"1x\"", "a name"),
+        ("[[data_type]]\nname = \"p\"\nmembers = [{ name = \"X\", type = \"REAL\" }]", "a name that no other type has"),
+        ("[[data_type]]\nname = \"AXIS_VIRTUAL\"\nmembers = [{ name = \"X\", type = \"REAL\" }]", "a name that no other type has"),
+        ("[[data_type]]\nname = \"Q\"\nmembers = []", "a list of tables"),
+        ("[[data_type]]\nname = \"Q\"\nmembers = [{ name = \"X\", type = \"Q\" }]", "[[data_type]] above"),
+        ("[[data_type]]\nname = \"Q\"\nmembers = [{ name = \"X\", type = \"REAL\" }, { name = \"x\", type = \"REAL\" }]", "no other member"),
+    ];
+    for (text, expected) in cases {
+        let message = tags(&format!("{point}{text}")).expect_err(text);
+        assert!(
+            message.contains(expected) && message.contains("t.toml:"),
+            "{text}: {message}"
+        );
+    }
+}
+
 #[test]
 fn the_documentation_has_a_row_for_every_key() {
     let page = include_str!("../../../docs/CONFIGURATION.md");

@@ -35,10 +35,34 @@ impl TagPath {
         }
     }
 
+    /// The program in whose scope the tag is, its name, and the segments behind it: `Program:Main.X[3]` is Main, X, 3.
+    pub fn scope(&self) -> (Option<&str>, Option<&str>, &[PathSegment]) {
+        scope(&self.0)
+    }
+
     /// The segments behind the tag's name.
     pub fn rest(&self) -> &[PathSegment] {
         self.0.get(1..).unwrap_or_default()
     }
+}
+
+/// See [`TagPath::scope`].
+pub fn scope(segments: &[PathSegment]) -> (Option<&str>, Option<&str>, &[PathSegment]) {
+    let (first, rest) = match segments {
+        [PathSegment::Symbol(first), rest @ ..] => (first, rest),
+        _ => return (None, None, segments),
+    };
+    match (program(first), rest) {
+        (Some(program), [PathSegment::Symbol(name), rest @ ..]) => (Some(program), Some(name), rest),
+        (Some(program), rest) => (Some(program), None, rest),
+        (None, rest) => (None, Some(first), rest),
+    }
+}
+
+/// The program that a name such as `Program:Main` means.
+fn program(name: &str) -> Option<&str> {
+    let (prefix, program) = name.split_once(':')?;
+    prefix.eq_ignore_ascii_case("Program").then_some(program)
 }
 
 /// Why a path could not be read, or leads nowhere.

@@ -3,13 +3,14 @@
 //! The bytes are the image's; here are types, elements and statuses. A refused write changes nothing. Surplus bytes
 //! behind a request are ignored, since stock clients send them.
 
-use arcline_controller::image::{Edge, Image, TagId, WriteError};
+use arcline_controller::image::{Edge, Image, ReadError, TagId, WriteError};
 use arcline_proto::cip::{CipStatus, Reply, Request, service};
 use arcline_proto::epath::Target;
 use arcline_proto::logix::{ReadModifyWrite, ReadTag, WireType, WriteTag};
 use arcline_proto::status::general_error;
 use arcline_tag::{DataType, Elementary, Location, PathError, PathSegment, STRING_CAPACITY, STRING_INSTANCE, Template};
 
+use super::objects::symbol;
 use super::router::{Context, Memory};
 
 /// 0x05 with the word 0x0000: what every client takes for "no such tag".
@@ -84,14 +85,22 @@ struct Place {
 
 impl Place {
     fn find(image: &Image, target: &Target) -> Result<Self, CipStatus> {
-        let (tag, rest) = match (target.instance, target.symbols.as_slice()) {
-            (Some(instance), []) => (image.tag(TagId(instance)), target.members.as_slice()),
-            (None, [PathSegment::Symbol(name), rest @ ..]) => (image.find(name), rest),
-            _ => (None, &[][..]),
+        let (tag, location) = match target.instance {
+            None => image.resolve(&target.symbols).map_err(|error| match error {
+                ReadError::Path(error) => path_status(&error),
+                _ => unknown(),
+            })?,
+            Some(instance) => {
+                let tag = image.tag(TagId(instance)).ok_or_else(unknown)?;
+                if symbol::scope(image, target)? != tag.program {
+                    return Err(unknown());
+                }
+                image
+                    .resolve_in(tag, &target.members)
+                    .map_err(|error| path_status(&error))?
+            }
         };
-        let tag = tag.ok_or_else(unknown)?;
-        let location = image.locate_in(tag, rest).map_err(|error| path_status(&error))?;
-        Ok(Self { tag: tag.id, location })
+        Ok(Self { tag, location })
     }
 
     /// A bit travels as a BOOL.

@@ -1,11 +1,16 @@
 //! Tags that the configuration makes: `[[instruction]]` and `[[tag]]`.
 
+use std::collections::BTreeMap;
+
+use arcline_controller::image::Access;
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::{Mnemonic, Object};
-use arcline_tag::{DataType, Elementary, TagType, string_template};
+use arcline_tag::{Elementary, PathSegment, TagPath, TagType};
 
-use super::names::{Taken, required_name, unknown_name};
-use crate::error::{ConfigError, nearest};
+use super::names::{NAME, Taken, is_name, required_name, unknown_name};
+use super::types::{TAG_TYPE, Types};
+use super::value::encode;
+use crate::error::{ConfigError, Problem, nearest};
 use crate::section::{Placed, Section};
 use crate::{InstructionTag, PlainTag};
 
@@ -61,62 +66,122 @@ fn target(
     }
 }
 
-pub(super) fn plain_tags(root: &Section<'_>, names: &mut Taken) -> Result<Vec<PlainTag>, ConfigError> {
-    let mut tags = Vec::new();
+/// Every `[[tag]]`, and the programs they are in.
+pub(super) fn plain_tags(root: &Section<'_>, types: &Types, names: &mut Taken) -> Result<Vec<PlainTag>, ConfigError> {
+    let mut programs: BTreeMap<String, Taken> = BTreeMap::new();
+    let mut tags: Vec<PlainTag> = Vec::new();
+    let mut total = 0;
     for section in root.tables("tag", TAG, "tables, [[tag]]", MAX_TAGS)? {
-        let name = required_name(&section, "name", names)?;
-        let word = section
-            .string("type", TAG_TYPE)?
-            .ok_or_else(|| section.missing("type", TAG_TYPE))?;
-        let Some(tag_type) = tag_type(&word.value) else {
-            let element = word.value.split('[').next().unwrap_or_default().trim();
-            let suggestion =
-                nearest(element, TYPE_NAMES.iter().copied()).filter(|name| !name.eq_ignore_ascii_case(element));
-            return Err(section.refuse(&word, TAG_TYPE, suggestion));
+        let program = section.string("program", NAME)?;
+        if let Some(program) = &program
+            && !is_name(&program.value)
+        {
+            return Err(section.refuse(program, NAME, None));
+        }
+        let program = program.map(|program| program.value);
+        let scope = match &program {
+            Some(program) => programs.entry(program.to_ascii_lowercase()).or_default(),
+            None => &mut *names,
         };
-        tags.push(PlainTag { name, tag_type });
+        let name = required_name(&section, "name", scope)?;
+        let alias = alias(&section, program.as_deref(), &tags)?;
+        let tag_type = match (&alias, section.string("type", TAG_TYPE)?) {
+            (Some(alias), None) => alias.tag_type.clone(),
+            (Some(_), Some(_)) => {
+                let reason = "an alias has the type of what it stands for";
+                return Err(section.refuse_key("type", Problem::Conflict { other: "alias", reason }));
+            }
+            (None, None) => return Err(section.missing("type", TAG_TYPE)),
+            (None, Some(word)) => types.parse(&section, &word, TAG_TYPE)?,
+        };
+        if alias.is_none() {
+            total += tag_type.size();
+            Types::check_total(&section, total)?;
+        }
+        let read_only = section.word("access", &["read_write", "read_only"], ACCESS)? == Some(1);
+        let mut first = Vec::new();
+        if let Some(value) = section.value("value") {
+            if alias.is_some() {
+                let reason = "an alias has the value of what it stands for";
+                return Err(section.refuse_key("value", Problem::Conflict { other: "alias", reason }));
+            }
+            first = vec![0; tag_type.size()];
+            encode(&tag_type, value, &mut first).map_err(|expected| {
+                let found = section.found("value");
+                section.refuse_key(
+                    "value",
+                    Problem::Value {
+                        found,
+                        expected,
+                        suggestion: None,
+                    },
+                )
+            })?;
+        }
+        tags.push(PlainTag {
+            name,
+            program,
+            tag_type,
+            access: if read_only { Access::ReadOnly } else { Access::ReadWrite },
+            first,
+            alias: alias.map(|alias| alias.path),
+        });
     }
     Ok(tags)
 }
 
-/// `REAL`, `REAL[16]`, `STRING[4]`.
-fn tag_type(text: &str) -> Option<TagType> {
-    let (element, dimension) = match text.trim().split_once('[') {
-        None => (text.trim(), 0),
-        Some((element, rest)) => {
-            let count: u32 = rest.strip_suffix(']')?.trim().parse().ok()?;
-            if !(1..=MAX_ELEMENTS).contains(&count) {
-                return None;
-            }
-            (element.trim(), count)
+/// What an alias stands for.
+struct Alias {
+    path: TagPath,
+    tag_type: TagType,
+}
+
+/// The tag above, or the part of one, that `alias` names.
+fn alias(section: &Section<'_>, program: Option<&str>, tags: &[PlainTag]) -> Result<Option<Alias>, ConfigError> {
+    let Some(given) = section.string("alias", ALIAS)? else {
+        return Ok(None);
+    };
+    let path: TagPath = given.value.parse().map_err(|_| section.refuse(&given, ALIAS, None))?;
+    let (scope, name, rest) = path.scope();
+    let scope = scope.or(program);
+    let named = |tag: &&PlainTag| {
+        let same_scope = match (&tag.program, scope) {
+            (Some(own), Some(scope)) => own.eq_ignore_ascii_case(scope),
+            (own, scope) => own.is_none() && scope.is_none(),
+        };
+        same_scope && tag.alias.is_none() && name.is_some_and(|name| tag.name.eq_ignore_ascii_case(name))
+    };
+    let Some(base) = tags.iter().find(named) else {
+        let known = tags.iter().map(|tag| tag.name.as_str());
+        return Err(unknown_name(section, &given, "tag above", known));
+    };
+    let Ok(place) = base.tag_type.locate(rest) else {
+        return Err(section.refuse(&given, ALIAS, None));
+    };
+    let tag_type = match (place.bit, rest.is_empty()) {
+        (Some(_), _) => TagType::scalar(Elementary::Bool),
+        (None, true) => base.tag_type.clone(),
+        (None, false) if place.elements > 1 && !matches!(rest.last(), Some(PathSegment::Element(_))) => {
+            TagType::array(place.data_type, place.elements)
         }
+        (None, false) => TagType::scalar(place.data_type),
     };
-    let name = TYPE_NAMES.iter().find(|name| name.eq_ignore_ascii_case(element))?;
-    if *name == "BOOL" && dimension > 0 {
-        return Some(TagType::bool_array(dimension));
-    }
-    let data_type = match Elementary::from_name(name) {
-        Some(elementary) => DataType::Elementary(elementary),
-        None => DataType::Structure(string_template()),
+    let path = match scope {
+        Some(scope) if path.scope().0.is_none() => {
+            let mut full = vec![PathSegment::Symbol(format!("Program:{scope}"))];
+            full.extend(path.0);
+            TagPath(full)
+        }
+        _ => path,
     };
-    Some(TagType {
-        data_type,
-        dimensions: [dimension, 0, 0],
-    })
+    Ok(Some(Alias { path, tag_type }))
 }
 
 const MAX_INSTRUCTION_TAGS: usize = 1024;
 const MAX_TAGS: usize = 4096;
-/// Elements of one array.
-const MAX_ELEMENTS: u32 = 65_535;
-
 pub(super) const INSTRUCTION: &[&str] = &["tag", "type", "target"];
-pub(super) const TAG: &[&str] = &["name", "type"];
-const TYPE_NAMES: &[&str] = &[
-    "BOOL", "SINT", "INT", "DINT", "LINT", "USINT", "UINT", "UDINT", "REAL", "LREAL", "STRING",
-];
-
+pub(super) const TAG: &[&str] = &["name", "type", "program", "access", "value", "alias"];
 const MNEMONIC: &str = "the mnemonic of a motion instruction such as \"MCLM\"";
 const TARGET: &str = "the name of the coordinate system, axis or group that the instruction acts on";
-const TAG_TYPE: &str = "BOOL, SINT, INT, DINT, LINT, USINT, UINT, UDINT, REAL, LREAL or STRING, \
-     or an array of 1 to 65535 of them such as REAL[16]";
+const ACCESS: &str = "\"read_write\" or \"read_only\"";
+const ALIAS: &str = "the path of a tag above or of a part of it, such as \"Recipe[3].Speed\"";

@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use arcline_instruction_set::{instruction_tag_defaults, instruction_tag_template, predefined};
-use arcline_tag::{DataType, TagType, Template, write_string};
+use arcline_tag::{DataType, Elementary, TagType, Template, write_string};
 
 use crate::machine::Machine;
 use crate::{Event, Snapshot, UNNAMED};
@@ -31,14 +31,16 @@ use crate::{Event, Snapshot, UNNAMED};
 pub use error::{ControlError, ReadError, WriteError};
 pub use feed_override::{FEED_OVERRIDE_PERCENT, FEED_OVERRIDE_TAG};
 pub use health::{Health, Measured, REAL_TIME_TAG};
-pub use tag::{Access, Edge, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind};
+pub use tag::{Access, AliasOf, Edge, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind};
 
 /// Every tag of a machine.
 #[derive(Clone, Debug)]
 pub struct Image {
     tags: Vec<Tag>,
     bytes: Vec<Vec<u8>>,
+    /// Names in lower case, those of a program's scope behind `program:name.`.
     names: BTreeMap<String, TagId>,
+    programs: Vec<String>,
     templates: BTreeMap<u16, Arc<Template>>,
     /// Where the MOTION_INSTRUCTION of a slot stands: tag and offset.
     controls: Vec<(TagId, usize)>,
@@ -56,6 +58,7 @@ impl Image {
             tags: Vec::new(),
             bytes: Vec::new(),
             names: BTreeMap::new(),
+            programs: Vec::new(),
             templates: BTreeMap::new(),
             controls: Vec::new(),
             encoder: encode::Encoder::new(machine),
@@ -87,7 +90,7 @@ impl Image {
             image.add_instruction(tag);
         }
         for tag in plain_tags {
-            image.add(&tag.name, tag.tag_type.clone(), TagKind::Plain);
+            image.add_plain(tag);
         }
         if image.find(REAL_TIME_TAG).is_none() {
             let id = image.add(
@@ -111,7 +114,12 @@ impl Image {
         &self.tags
     }
 
-    /// The tag of that name, case ignored.
+    /// The programs in whose scopes there are tags.
+    pub fn programs(&self) -> &[String] {
+        &self.programs
+    }
+
+    /// The tag of that name in the controller's scope, case ignored.
     pub fn find(&self, name: &str) -> Option<&Tag> {
         self.tag(*self.names.get(&name.to_ascii_lowercase())?)
     }
@@ -169,19 +177,77 @@ impl Image {
     }
 
     fn add(&mut self, name: &str, tag_type: TagType, kind: TagKind) -> TagId {
+        self.add_in(None, name, tag_type, kind)
+    }
+
+    fn add_in(&mut self, program: Option<u16>, name: &str, tag_type: TagType, kind: TagKind) -> TagId {
         let id = TagId(self.tags.len() as u32 + 1);
         if let DataType::Structure(template) = &tag_type.data_type {
             self.add_template(template);
         }
-        self.bytes.push(vec![0; tag_type.size()]);
-        self.names.entry(name.to_ascii_lowercase()).or_insert(id);
+        let size = match kind {
+            TagKind::Alias(_) | TagKind::Program(_) => 0,
+            _ => tag_type.size(),
+        };
+        self.bytes.push(vec![0; size]);
+        let scope = program.and_then(|place| self.programs.get(usize::from(place)));
+        self.names.entry(key(scope.map(String::as_str), name)).or_insert(id);
         self.tags.push(Tag {
             id,
             name: name.to_owned(),
+            program,
             tag_type,
             kind,
+            access: kind.access(),
         });
         id
+    }
+
+    fn add_plain(&mut self, tag: &PlainTag) {
+        let program = tag.program.as_deref().map(|program| self.add_program(program));
+        let kind = match &tag.alias {
+            None => TagKind::Plain,
+            Some(path) => match self.locate(path) {
+                Ok((tag, place)) => TagKind::Alias(AliasOf {
+                    tag,
+                    offset: place.offset,
+                    bit: place.bit,
+                }),
+                // The configuration saw to it that there is such a path.
+                Err(_) => return,
+            },
+        };
+        let id = self.add_in(program, &tag.name, tag.tag_type.clone(), kind);
+        if let Some(bytes) = self.bytes_mut(id)
+            && bytes.len() == tag.first.len()
+        {
+            bytes.copy_from_slice(&tag.first);
+        }
+        let base = match kind {
+            TagKind::Alias(alias) => self.tag(alias.tag).map(|tag| tag.access),
+            _ => None,
+        };
+        if let Some(added) = self.tags.last_mut() {
+            added.access = match base {
+                Some(Access::ReadOnly) => Access::ReadOnly,
+                _ => tag.access,
+            };
+        }
+    }
+
+    /// The place of a program, which the list of tags shows from its first tag on.
+    fn add_program(&mut self, name: &str) -> u16 {
+        if let Some(place) = self.programs.iter().position(|known| known.eq_ignore_ascii_case(name)) {
+            return place as u16;
+        }
+        let place = self.programs.len() as u16;
+        self.programs.push(name.to_owned());
+        self.add(
+            &format!("Program:{name}"),
+            TagType::scalar(Elementary::Udint),
+            TagKind::Program(place),
+        );
+        place
     }
 
     fn add_instruction(&mut self, tag: &InstructionTag) {
@@ -223,6 +289,14 @@ impl Image {
 
     fn bytes_mut(&mut self, id: TagId) -> Option<&mut Vec<u8>> {
         self.bytes.get_mut(index(id)?)
+    }
+}
+
+/// The key of a tag among the names.
+fn key(program: Option<&str>, name: &str) -> String {
+    match program {
+        Some(program) => format!("program:{program}.{name}").to_ascii_lowercase(),
+        None => name.to_ascii_lowercase(),
     }
 }
 

@@ -1,8 +1,8 @@
 //! Reading: from a path to a place in a tag, and to the values there.
 
-use arcline_tag::{DataType, Location, PathError, PathSegment, TagPath, Value};
+use arcline_tag::{DataType, Location, PathError, PathSegment, TagPath, Value, scope};
 
-use super::{Image, MOTION_CONTROL, ReadError, Tag, TagId, TagKind};
+use super::{Image, MOTION_CONTROL, ReadError, Tag, TagId, TagKind, key};
 
 impl Image {
     /// Where a path leads. A status bit of an instruction tag is found without naming `MotionControl`:
@@ -11,27 +11,45 @@ impl Image {
     /// # Errors
     /// [`ReadError::NoSuchTag`], or what the path's rest is wrong about.
     pub fn locate(&self, path: &TagPath) -> Result<(TagId, Location), ReadError> {
-        let name = path.tag().ok_or(PathError::Empty)?;
-        let tag = self
-            .find(name)
-            .ok_or_else(|| ReadError::NoSuchTag { name: name.to_owned() })?;
-        Ok((tag.id, self.locate_in(tag, path.rest())?))
+        self.resolve(&path.0)
     }
 
-    /// Where the segments behind a tag's name lead.
+    /// As [`Image::locate`], from the segments of a path: the tag whose bytes are meant, and where in them.
+    ///
+    /// # Errors
+    /// As [`Image::locate`].
+    pub fn resolve(&self, segments: &[PathSegment]) -> Result<(TagId, Location), ReadError> {
+        let (program, name, rest) = scope(segments);
+        let name = name.ok_or(PathError::Empty)?;
+        let tag = self
+            .names
+            .get(&key(program, name))
+            .and_then(|id| self.tag(*id))
+            .ok_or_else(|| ReadError::NoSuchTag { name: name.to_owned() })?;
+        Ok(self.resolve_in(tag, rest)?)
+    }
+
+    /// Where the segments behind a tag's name lead: an alias to what it stands for.
     ///
     /// # Errors
     /// Names the member, index or bit that does not exist.
-    pub fn locate_in(&self, tag: &Tag, rest: &[PathSegment]) -> Result<Location, PathError> {
+    pub fn resolve_in(&self, tag: &Tag, rest: &[PathSegment]) -> Result<(TagId, Location), PathError> {
         let found = tag.tag_type.locate(rest);
-        match (&found, tag.kind) {
-            (Err(PathError::NoSuchMember { .. }), TagKind::Instruction(_)) => {
+        let mut place = match (found, tag.kind) {
+            (Err(error @ PathError::NoSuchMember { .. }), TagKind::Instruction(_)) => {
                 let mut inner = vec![PathSegment::Symbol(MOTION_CONTROL.to_owned())];
                 inner.extend_from_slice(rest);
-                tag.tag_type.locate(&inner).or(found)
+                tag.tag_type.locate(&inner).map_err(|_| error)?
             }
-            _ => found,
-        }
+            (_, TagKind::Program(_)) => return Err(PathError::Empty),
+            (found, _) => found?,
+        };
+        let TagKind::Alias(alias) = tag.kind else {
+            return Ok((tag.id, place));
+        };
+        place.offset += alias.offset;
+        place.bit = place.bit.or(alias.bit);
+        Ok((alias.tag, place))
     }
 
     /// The value at a path: of an array its first element from there on.

@@ -1,7 +1,7 @@
 //! What a tag is: its id, name, type, and what it stands for. Its bytes are the image's.
 
 use arcline_instruction_set::{ControlSlot, Mnemonic};
-use arcline_tag::TagType;
+use arcline_tag::{TagPath, TagType};
 
 /// Symbol instance id of a tag: from 1, never used for another tag while the process runs.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -31,10 +31,25 @@ pub enum TagKind {
     Instruction(InstructionKind),
     /// Plain data.
     Plain,
+    /// Another name for a plain tag or a part of one.
+    Alias(AliasOf),
+    /// A program: the scope of tags, by its place in [`Image::programs`](super::Image::programs).
+    Program(u16),
     /// The health of the real-time thread.
     RealTime,
     /// The feed override of every coordinate system.
     FeedOverride,
+}
+
+/// What an alias stands for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct AliasOf {
+    /// The tag.
+    pub tag: TagId,
+    /// Byte in it.
+    pub offset: usize,
+    /// Bit, where it stands for one: 0 to 63 of the integer at `offset`.
+    pub bit: Option<u8>,
 }
 
 /// The fixed part of an instruction tag.
@@ -53,16 +68,33 @@ pub struct Tag {
     pub id: TagId,
     /// Its name as it was first spelled.
     pub name: String,
+    /// The program in whose scope it is, by its place; `None`: the controller's.
+    pub program: Option<u16>,
     /// Its type.
     pub tag_type: TagType,
     /// What it stands for.
     pub kind: TagKind,
+    /// Whether clients may write at least a part of it.
+    pub access: Access,
 }
 
+/// Type word of a program in the list of tags (spec/ethernet-ip.md §10).
+const PROGRAM_TYPE: u16 = 0x1068;
+
 impl Tag {
-    /// Whether clients may write at least a part of it.
-    pub fn access(&self) -> Access {
+    /// The type word that clients see.
+    pub fn symbol_type(&self) -> u16 {
         match self.kind {
+            TagKind::Program(_) => PROGRAM_TYPE,
+            _ => self.tag_type.symbol_type(),
+        }
+    }
+}
+
+impl TagKind {
+    /// Whether clients may write at least a part of such a tag.
+    pub(super) fn access(self) -> Access {
+        match self {
             TagKind::Instruction(_) | TagKind::Plain | TagKind::FeedOverride => Access::ReadWrite,
             _ => Access::ReadOnly,
         }
@@ -85,8 +117,30 @@ pub struct InstructionTag {
 pub struct PlainTag {
     /// Name of the tag.
     pub name: String,
+    /// The program in whose scope it is; `None`: the controller's.
+    pub program: Option<String>,
     /// Its type.
     pub tag_type: TagType,
+    /// Who may write.
+    pub access: Access,
+    /// Its first bytes; empty: zeros.
+    pub first: Vec<u8>,
+    /// What it stands for; `None`: itself.
+    pub alias: Option<TagPath>,
+}
+
+impl PlainTag {
+    /// A tag of the controller's scope that clients may write, at zero.
+    pub fn new(name: impl Into<String>, tag_type: TagType) -> Self {
+        Self {
+            name: name.into(),
+            program: None,
+            tag_type,
+            access: Access::ReadWrite,
+            first: Vec::new(),
+            alias: None,
+        }
+    }
 }
 
 /// A write that the controller is to know of: `EnableIn` of an instruction tag changed, or an override was written.

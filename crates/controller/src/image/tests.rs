@@ -61,10 +61,7 @@ fn image() -> Image {
         ("Count", TagType::scalar(Elementary::Int)),
         ("Label", TagType::scalar(arcline_tag::string_template())),
     ];
-    let plain = plain.map(|(name, tag_type)| PlainTag {
-        name: name.to_owned(),
-        tag_type,
-    });
+    let plain = plain.map(|(name, tag_type)| PlainTag::new(name, tag_type));
     Image::new(&machine(), &[instruction], &plain)
 }
 
@@ -361,4 +358,50 @@ fn an_override_is_written_in_percent_and_within_its_range() {
         image.real_array("FeedOverride").is_none(),
         "not for instructions to write"
     );
+}
+
+#[test]
+fn programs_have_scopes_and_aliases_stand_for_parts() {
+    let alias = |name: &str, of: &str, tag_type| PlainTag {
+        alias: Some(path(of)),
+        ..PlainTag::new(name, tag_type)
+    };
+    let plain = [
+        PlainTag::new("Word", TagType::array(Elementary::Dint, 4)),
+        PlainTag {
+            program: Some("Main".to_owned()),
+            access: Access::ReadOnly,
+            first: vec![7, 0],
+            ..PlainTag::new("Word", TagType::scalar(Elementary::Int))
+        },
+        alias("Second", "Word[1]", TagType::scalar(Elementary::Dint)),
+        alias("Ready", "Word[2].9", TagType::scalar(Elementary::Bool)),
+        alias("Seven", "Program:Main.Word", TagType::scalar(Elementary::Int)),
+    ];
+    let mut image = Image::new(&machine(), &[], &plain);
+    assert_eq!(image.programs(), ["Main"]);
+    for (text, value) in [("Word[1]", 11.0), ("SECOND", 12.0), ("Ready", 1.0)] {
+        let edge = image.write_value(&path(text), Value::Dint(value as i32));
+        assert_eq!(edge, Ok(None), "{text}");
+    }
+    #[rustfmt::skip]
+    let cases = [
+        ("Word[1]", 12.0), ("Second.2", 1.0), ("Word[2]", 512.0), ("Ready", 1.0), ("program:MAIN.word", 7.0),
+        ("Seven", 7.0),
+    ];
+    for (text, expected) in cases {
+        assert_eq!(number(&image, text), expected, "{text}");
+    }
+    for text in ["Program:Main.Word", "Seven"] {
+        assert!(
+            matches!(
+                image.write_value(&path(text), Value::Int(1)),
+                Err(WriteError::ReadOnly { .. })
+            ),
+            "{text}"
+        );
+    }
+    for text in ["Program:Main", "Program:Main.Second", "Program:Other.Word", "Main.Word"] {
+        assert!(image.read(&path(text)).is_err(), "{text}");
+    }
 }

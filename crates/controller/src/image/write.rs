@@ -3,7 +3,7 @@
 use arcline_tag::{DataType, TagPath, Value};
 
 use super::read::not_a_value;
-use super::{Edge, Image, MOTION_CONTROL, TagId, TagKind, WriteError};
+use super::{Access, Edge, Image, MOTION_CONTROL, TagId, TagKind, WriteError};
 
 impl Image {
     /// Whether clients may write these bytes of a tag.
@@ -14,7 +14,8 @@ impl Image {
             return false;
         }
         match tag.kind {
-            TagKind::Plain | TagKind::FeedOverride => true,
+            TagKind::Plain => tag.access == Access::ReadWrite,
+            TagKind::FeedOverride => true,
             TagKind::Instruction(_) => {
                 let DataType::Structure(template) = &tag.tag_type.data_type else {
                     return false;

@@ -13,7 +13,7 @@ pub(crate) mod motion;
 mod motion_attributes;
 mod motion_instruction;
 mod program_name;
-mod symbol;
+pub(crate) mod symbol;
 mod tcp_ip_interface;
 mod template;
 mod wall_clock;

@@ -2,7 +2,7 @@
 //!
 //! Reading and writing a tag by its instance is [`tags`](crate::eip::tags)'s.
 
-use arcline_controller::image::{Access, Image, Tag, TagId};
+use arcline_controller::image::{Access, Image, Tag, TagId, TagKind};
 use arcline_proto::cip::{self, CipStatus, Reply, Request, service};
 use arcline_proto::epath::Target;
 use arcline_proto::logix::{Symbol, instance_list_reply};
@@ -31,12 +31,17 @@ impl Symbols<'_> {
             Ok(ids) => ids,
             Err(status) => return Some(Reply::error(request.service, status)),
         };
+        let scope = match scope(self.0, target) {
+            Ok(scope) => scope,
+            Err(status) => return Some(Reply::error(request.service, status)),
+        };
         let start = target.instance.unwrap_or(0);
         let tags = self.0.tags();
         let first = tags.partition_point(|tag| tag.id.0 < start);
         // One more than can fit, so that the reply tells that more follow.
         let page = context.budget / LEAST_ENTRY + 1;
-        let symbols: Vec<Symbol> = tags.iter().skip(first).take(page).map(symbol).collect();
+        let tags = tags.iter().skip(first).filter(|tag| tag.program == scope);
+        let symbols: Vec<Symbol> = tags.take(page).map(symbol).collect();
         Some(instance_list_reply(&symbols, start, &ids, context.budget))
     }
 }
@@ -62,18 +67,32 @@ impl Class for Symbols<'_> {
     }
 }
 
+/// The program in whose scope an instance of this class is meant: `Program:Main` in front of the class.
+pub(crate) fn scope(image: &Image, target: &Target) -> Result<Option<u16>, CipStatus> {
+    let Some(name) = target.first_symbol() else {
+        return Ok(None);
+    };
+    match image.find(name).map(|tag| tag.kind) {
+        Some(TagKind::Program(place)) if target.symbols.len() == 1 => Ok(Some(place)),
+        _ => Err(unknown()),
+    }
+}
+
 fn symbol(tag: &Tag) -> Symbol {
     Symbol {
         instance: tag.id.0,
         name: tag.name.clone(),
-        symbol_type: tag.tag_type.symbol_type(),
+        symbol_type: tag.symbol_type(),
         address: tag.id.0,
         object_address: tag.id.0,
-        software_control: Symbol::BASE_TAG,
+        software_control: match tag.kind {
+            TagKind::Alias(_) => 0,
+            _ => Symbol::BASE_TAG,
+        },
         element_size: u16::try_from(tag.tag_type.data_type.size()).unwrap_or(u16::MAX),
         dimensions: tag.tag_type.dimensions,
         safety: 0,
-        access: match tag.access() {
+        access: match tag.access {
             Access::ReadWrite => READ_WRITE,
             Access::ReadOnly => READ_ONLY,
         },
