@@ -382,8 +382,8 @@ impl Names for Known<'_> {
     }
 
     fn is_tag(&self, path: &TagPath) -> bool {
-        let tag = path.tag().and_then(|name| self.0.tag(name));
-        tag.is_some_and(|tag| tag.tag_type.locate(path.rest()).is_ok())
+        let tag = path.full_name().and_then(|name| self.0.tag(&name));
+        tag.is_some_and(|tag| tag.tag_type.locate(path.scope().2).is_ok())
     }
 
     fn objects(&self, object: Object) -> Vec<String> {

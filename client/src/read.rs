@@ -39,7 +39,7 @@ impl Place {
         let wrong = |error| ClientError::path(text, error);
         let Location {
             data_type, elements, ..
-        } = tag_type.locate(path.rest()).map_err(wrong)?;
+        } = tag_type.locate(path.scope().2).map_err(wrong)?;
         let (wire, bit) = Epath::from_tag(path);
         let array = if bit.is_none() && is_array(path, tag_type).map_err(wrong)? {
             let claimed = elements as usize;
@@ -111,16 +111,16 @@ impl Place {
 
 /// Whether a path ends at an array rather than at one element of it.
 fn is_array(path: &TagPath, tag_type: &TagType) -> Result<bool, arcline_tag::PathError> {
-    match path.0.split_last() {
-        Some((PathSegment::Symbol(name), [_, front @ ..])) => {
+    match path.scope().2.split_last() {
+        Some((PathSegment::Symbol(name), front)) => {
             let parent = tag_type.locate(front)?;
             Ok(match &parent.data_type {
                 DataType::Structure(template) => template.member(name).is_some_and(|member| member.dimension > 0),
                 DataType::Elementary(_) => false,
             })
         }
-        Some((PathSegment::Symbol(_), [])) => Ok(tag_type.rank() > 0),
-        _ => Ok(false),
+        Some(_) => Ok(false),
+        None => Ok(tag_type.rank() > 0),
     }
 }
 
@@ -267,7 +267,7 @@ impl Client {
     /// Where a path leads, by the tag's type.
     pub(crate) async fn place(&self, path: &str) -> Result<Place, ClientError> {
         let parsed: TagPath = path.parse().map_err(|error| ClientError::path(path, error))?;
-        let tag = self.tag(parsed.tag().unwrap_or_default()).await?;
+        let tag = self.tag(&parsed.full_name().unwrap_or_default()).await?;
         Place::new(path, &parsed, &tag.tag_type)
     }
 

@@ -7,7 +7,7 @@ use bytes::{Bytes, BytesMut};
 
 use arcline_instruction_set::Object;
 use arcline_proto::cip::{CipStatus, class, encode_attribute_ids, service};
-use arcline_proto::epath::Epath;
+use arcline_proto::epath::{Epath, Segment};
 use arcline_proto::logix::{ReadTemplate, Symbol, TemplateAttributes};
 use arcline_tag::{DataType, TagType, Template, string_template};
 
@@ -26,6 +26,8 @@ const MAX_DEFINITION: u32 = 256 * 1024;
 const ATTRIBUTES: [u16; 4] = [1, 2, 8, 10];
 /// Bit 12 of a symbol type: not for users.
 const SYSTEM: u16 = 0x1000;
+/// The symbol type of a program, the scope of other tags.
+const PROGRAM: u16 = 0x1068;
 
 /// A tag of the server.
 #[derive(Clone, PartialEq, Debug)]
@@ -207,9 +209,33 @@ impl Client {
 
     async fn refresh_symbols(&self) -> Result<Arc<TagTable>, ClientError> {
         let mut symbols = BTreeMap::new();
+        let mut scopes: Vec<Option<String>> = vec![None];
+        while let Some(scope) = scopes.pop() {
+            for mut symbol in self.list_symbols(scope.as_deref()).await? {
+                if scope.is_none() && symbol.symbol_type == PROGRAM {
+                    scopes.push(Some(symbol.name));
+                } else if symbol.symbol_type & SYSTEM == 0 {
+                    if let Some(program) = &scope {
+                        symbol.name = format!("{program}.{}", symbol.name);
+                    }
+                    symbols.insert(symbol.name.to_ascii_lowercase(), symbol);
+                }
+            }
+            check_count(symbols.len() + scopes.len())?;
+        }
+        let templates = self.table().templates.clone();
+        Ok(self.set_table(TagTable { symbols, templates }))
+    }
+
+    /// The tags of the controller's scope or of a program's, such as `Program:Main`.
+    async fn list_symbols(&self, scope: Option<&str>) -> Result<Vec<Symbol>, ClientError> {
+        let mut symbols = Vec::new();
         let mut start = 0;
         loop {
-            let path = Epath::object(class::SYMBOL, start);
+            let mut path = Epath::object(class::SYMBOL, start);
+            if let Some(scope) = scope {
+                path.0.insert(0, Segment::Symbol(scope.to_owned()));
+            }
             let data = encode_attribute_ids(&ATTRIBUTES);
             let reply = self
                 .ask("the tag list", service::GET_INSTANCE_ATTRIBUTE_LIST, path, data)
@@ -219,18 +245,10 @@ impl Client {
                 what: "a page of the tag list is cut",
             })?;
             let last = page.iter().map(|symbol| symbol.instance).max();
-            let visible = page.into_iter().filter(|symbol| symbol.symbol_type & SYSTEM == 0);
-            symbols.extend(visible.map(|symbol| (symbol.name.to_ascii_lowercase(), symbol)));
-            if symbols.len() > MAX_TAGS {
-                let claimed = symbols.len();
-                return Err(ClientError::TooLarge {
-                    what: "the number of tags",
-                    claimed,
-                    limit: MAX_TAGS,
-                });
-            }
+            symbols.extend(page);
+            check_count(symbols.len())?;
             if reply.status.is_success() {
-                break;
+                return Ok(symbols);
             }
             // Partial: go on behind the last one, which must lie further on.
             start = last
@@ -238,8 +256,6 @@ impl Client {
                 .filter(|next| *next > start)
                 .ok_or(STUCK)?;
         }
-        let templates = self.table().templates.clone();
-        Ok(self.set_table(TagTable { symbols, templates }))
     }
 
     /// Fetches a template and those within it.
@@ -324,6 +340,17 @@ impl Client {
         }
         Ok(bytes.freeze())
     }
+}
+
+fn check_count(claimed: usize) -> Result<(), ClientError> {
+    if claimed > MAX_TAGS {
+        return Err(ClientError::TooLarge {
+            what: "the number of tags",
+            claimed,
+            limit: MAX_TAGS,
+        });
+    }
+    Ok(())
 }
 
 const BAD_TEMPLATE: ClientError = ClientError::Malformed {

@@ -40,7 +40,16 @@ impl TagPath {
         scope(&self.0)
     }
 
-    /// The segments behind the tag's name.
+    /// The tag's name with its program: `X`, `Program:Main.X`.
+    pub fn full_name(&self) -> Option<String> {
+        match self.scope() {
+            (Some(program), Some(name), _) => Some(format!("Program:{program}.{name}")),
+            (Some(program), None, _) => Some(format!("Program:{program}")),
+            (None, name, _) => name.map(str::to_owned),
+        }
+    }
+
+    /// The segments behind the first name.
     pub fn rest(&self) -> &[PathSegment] {
         self.0.get(1..).unwrap_or_default()
     }

@@ -191,8 +191,10 @@ fn answer<'r>(context: &Context<'_>, memory: &mut Memory<'_>, request: &'r Reque
         return Step::Execution(request, target);
     }
     Step::Done(match target.class {
-        // An object within the scope of a name: there are no programs.
-        Some(_) if !target.symbols.is_empty() => Reply::error(request.service, tags::unknown()),
+        // Only tags are in the scope of a name, a program's.
+        Some(code) if !target.symbols.is_empty() && code != class::SYMBOL => {
+            Reply::error(request.service, tags::unknown())
+        }
         Some(class::SYMBOL) if tags::is_tag_service(request.service) => tags::serve(context, memory, request, &target),
         Some(class) => objects::serve(context, memory, request, class, &target),
         None if tags::is_tag_service(request.service) => tags::serve(context, memory, request, &target),

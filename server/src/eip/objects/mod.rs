@@ -125,7 +125,11 @@ pub(crate) fn serve(
         class::CONNECTION_MANAGER => with(&connection_manager::ConnectionManager(device.counters())),
         class::PROGRAM_NAME => with(&program_name::ProgramName(device.settings.identity.name())),
         class::SYMBOL => {
-            let symbols = symbol::Symbols(image);
+            let scope = match symbol::scope(image, target) {
+                Ok(scope) => scope,
+                Err(status) => return Reply::error(request.service, status),
+            };
+            let symbols = symbol::Symbols { image, scope };
             symbols
                 .serve(context, request, target)
                 .unwrap_or_else(|| with(&symbols))

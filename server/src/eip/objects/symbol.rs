@@ -19,7 +19,11 @@ const READ_ONLY: u8 = 2;
 /// The least that an entry takes in a reply: its instance.
 const LEAST_ENTRY: usize = 4;
 
-pub(super) struct Symbols<'a>(pub(super) &'a Image);
+pub(super) struct Symbols<'a> {
+    pub(super) image: &'a Image,
+    /// The program whose tags are meant; `None`: the controller's.
+    pub(super) scope: Option<u16>,
+}
 
 impl Symbols<'_> {
     /// The class's own service: Get Instance Attribute List. `None`: it is another one.
@@ -31,32 +35,38 @@ impl Symbols<'_> {
             Ok(ids) => ids,
             Err(status) => return Some(Reply::error(request.service, status)),
         };
-        let scope = match scope(self.0, target) {
-            Ok(scope) => scope,
-            Err(status) => return Some(Reply::error(request.service, status)),
-        };
         let start = target.instance.unwrap_or(0);
-        let tags = self.0.tags();
+        let tags = self.image.tags();
         let first = tags.partition_point(|tag| tag.id.0 < start);
         // One more than can fit, so that the reply tells that more follow.
         let page = context.budget / LEAST_ENTRY + 1;
-        let tags = tags.iter().skip(first).filter(|tag| tag.program == scope);
+        let tags = tags.iter().skip(first).filter(|tag| tag.program == self.scope);
         let symbols: Vec<Symbol> = tags.take(page).map(symbol).collect();
         Some(instance_list_reply(&symbols, start, &ids, context.budget))
+    }
+
+    fn tag(&self, instance: u32) -> Result<&Tag, CipStatus> {
+        let tag = self.image.tag(TagId(instance));
+        tag.filter(|tag| tag.program == self.scope).ok_or_else(unknown)
     }
 }
 
 impl Class for Symbols<'_> {
     fn extent(&self) -> Extent {
-        Extent::dense(self.0.tags().len(), 11)
+        let in_scope = self.image.tags().iter().filter(|tag| tag.program == self.scope);
+        Extent {
+            highest: in_scope.clone().last().map_or(0, |tag| tag.id.0),
+            count: u32::try_from(in_scope.count()).unwrap_or(u32::MAX),
+            last_attribute: 11,
+        }
     }
 
     fn check(&self, instance: u32) -> Result<(), CipStatus> {
-        self.0.tag(TagId(instance)).map(|_| ()).ok_or_else(unknown)
+        self.tag(instance).map(|_| ())
     }
 
     fn attribute(&self, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
-        let tag = self.0.tag(TagId(instance)).ok_or_else(unknown)?;
+        let tag = self.tag(instance)?;
         let mut out = BytesMut::new();
         symbol(tag).encode_attribute(id, &mut out)?;
         Ok(out.freeze())

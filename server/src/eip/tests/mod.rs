@@ -4,6 +4,7 @@ mod browse;
 mod hostile;
 mod motion;
 mod sessions;
+mod tag_face;
 mod tag_services;
 
 use std::net::{Ipv4Addr, SocketAddrV4};
@@ -76,6 +77,38 @@ type = "BOOL[64]"
 [[tag]]
 name = "Strings"
 type = "STRING[3]"
+
+# In a program's scope, structures, several dimensions, aliases.
+[[data_type]]
+name = "Point"
+members = [{ name = "At", type = "REAL[2]" }, { name = "Valid", type = "BOOL" }, { name = "Id", type = "SINT" }]
+[[data_type]]
+name = "Route"
+members = [{ name = "Name", type = "STRING" }, { name = "Points", type = "Point[2]" }]
+[[tag]]
+name = "Grid"
+type = "INT[2,3]"
+value = [[1, 2, 3], [4, 5, 6]]
+[[tag]]
+name = "Routes"
+type = "Route[2]"
+[[tag]]
+name = "Count"
+program = "Main"
+type = "DINT"
+value = 7
+[[tag]]
+name = "aDint"
+program = "Main"
+type = "LINT"
+access = "read_only"
+value = 9
+[[tag]]
+name = "Valid"
+alias = "Routes[1].Points[0].Valid"
+[[tag]]
+name = "Row"
+alias = "Grid[1,0]"
 "#;
 
 /// A device whose controller runs.
