@@ -27,6 +27,8 @@ pub(crate) enum Slot {
     Gear,
     /// MCT: the axis follows another coordinate system, or is led back by it.
     Transform,
+    /// What a transform moved brakes: it was cancelled.
+    Parting,
 }
 
 impl Slot {
@@ -38,6 +40,7 @@ impl Slot {
         Slot::Home,
         Slot::Gear,
         Slot::Transform,
+        Slot::Parting,
     ];
 
     const fn bit(self) -> u8 {
@@ -45,7 +48,7 @@ impl Slot {
     }
 }
 
-const SLOTS: usize = 7;
+const SLOTS: usize = 8;
 
 /// Displacements by kind of generator.
 pub(super) type Displacements = [f64; SLOTS];
@@ -60,6 +63,8 @@ pub(crate) struct Sum {
     displaced: Displacements,
     /// Where the axis stands while nothing is active.
     rest: f64,
+    /// What positions have been redefined by, ever: no motion.
+    redefined: f64,
 }
 
 impl Sum {
@@ -69,6 +74,7 @@ impl Sum {
             active: 0,
             displaced: [0.0; SLOTS],
             rest: position,
+            redefined: 0.0,
         }
     }
 
@@ -130,17 +136,38 @@ impl Sum {
 
     /// Everything is over: the axis stands at a position.
     pub(crate) fn place(&mut self, position: f64) {
-        *self = Sum::at_rest(position);
+        *self = Sum {
+            redefined: self.redefined,
+            ..Sum::at_rest(position)
+        };
     }
 
     /// Shifts every position by an offset; nothing moves (MRP, homing).
     pub(crate) fn redefine(&mut self, offset: f64) {
         self.rest += offset;
+        self.redefined += offset;
         for slot in Slot::ALL {
             if let Some(generator) = self.get_mut(slot) {
                 generator.shift += offset;
             }
         }
+    }
+
+    /// What positions have been redefined by, ever. Less this, they are those of one frame for ever.
+    pub(crate) fn redefined(&self) -> f64 {
+        self.redefined
+    }
+
+    /// Velocity and acceleration of everything but one kind; the position is 0.
+    pub(crate) fn own_motion(&self, but: Slot) -> Point {
+        let mut total = Point::default();
+        for (slot, generator) in self.active() {
+            if slot != but {
+                total.velocity += generator.now.velocity;
+                total.acceleration += generator.now.acceleration;
+            }
+        }
+        total
     }
 
     /// Says where a generator that somebody else computes is, in its own frame.

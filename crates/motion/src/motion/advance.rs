@@ -192,7 +192,7 @@ impl Motion {
         let Some(stop) = system.stop else {
             return;
         };
-        let braking = |(place, axis): (usize, &Axis)| stop.braking.contains(place as u16) && axis.is_stopping();
+        let braking = |(place, axis): (usize, &Axis)| stop.braking.contains(place as u16) && axis.is_braking();
         if system.is_busy() || (!stop.braking.is_empty() && self.axes.iter().enumerate().any(braking)) {
             return;
         }

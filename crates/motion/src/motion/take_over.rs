@@ -86,6 +86,7 @@ impl Motion {
                 self.abort_system(index, |other| other == axis);
             }
         }
+        self.cancel_transforms_of(axis);
         self.end_generators(axis);
     }
 
