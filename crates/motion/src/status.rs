@@ -90,10 +90,7 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
             motion_status::GEARING_LOCK_STATUS,
         ),
         (axis.is_linked(), motion_status::TRANSFORM_STATE_STATUS),
-        (
-            axis.linked.controlled,
-            motion_status::CONTROLLED_BY_TRANSFORM_STATUS,
-        ),
+        (axis.linked.controlled, motion_status::CONTROLLED_BY_TRANSFORM_STATUS),
         (axis.is_coordinated(), motion_status::COORDINATED_MOTION_STATUS),
         (
             axis.command.velocity.abs() > axis.dynamics.speed,

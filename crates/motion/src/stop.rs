@@ -15,6 +15,8 @@ pub(crate) const COORDINATED_TRANSFORM: i32 = 3;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stop {
     pub(crate) execution: Execution,
+    /// Whether coordinated moves are stopped (all Stop Types but Coordinated Transform): none begins meanwhile.
+    pub(crate) of_moves: bool,
     /// Axes that brake by themselves (Stop Types All and Coordinated Transform).
     pub(crate) braking: AxisSet,
 }

@@ -61,7 +61,12 @@ impl Motion {
             self.let_go(*axis);
         }
         for (axis, back) in link.source().iter().zip(&link.back) {
-            self.part(*axis, back, &self.release(link.from, release, own_s_curve), &mut braking);
+            self.part(
+                *axis,
+                back,
+                &self.release(link.from, release, own_s_curve),
+                &mut braking,
+            );
         }
         for (axis, led) in link.target().iter().zip(&link.led) {
             self.part(*axis, led, &self.release(index, release, s_curve), &mut braking);

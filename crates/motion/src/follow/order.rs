@@ -96,11 +96,7 @@ impl Order {
     }
 
     /// A step behind all that it needs. As deep as there are steps at most.
-    fn visit<M: Fn(u16) -> Option<u16>>(
-        &mut self,
-        step: Step,
-        followers: &Followers<'_, M>,
-    ) -> Result<(), Circle> {
+    fn visit<M: Fn(u16) -> Option<u16>>(&mut self, step: Step, followers: &Followers<'_, M>) -> Result<(), Circle> {
         let place = self.place(step);
         match self.visits.get(place) {
             Some(Visit::Ahead) => {}
@@ -193,7 +189,12 @@ mod tests {
         let mut order = Order::new(9, links.len());
         order.plan(&Followers {
             axes: 9,
-            master: |axis| gears.iter().find(|(slave, _)| *slave == axis).map(|(_, master)| *master),
+            master: |axis| {
+                gears
+                    .iter()
+                    .find(|(slave, _)| *slave == axis)
+                    .map(|(_, master)| *master)
+            },
             links: &links,
         })?;
         order.take();
@@ -244,7 +245,10 @@ mod tests {
             let steps = plan(gears, transforms).expect(why);
             let place = |step: &Step| steps.iter().position(|other| other == step).expect(why);
             for (first, second) in pairs {
-                assert!(place(first) < place(second), "{why}: {first:?} before {second:?} in {steps:?}");
+                assert!(
+                    place(first) < place(second),
+                    "{why}: {first:?} before {second:?} in {steps:?}"
+                );
             }
             assert_eq!(steps.len(), 18 + 2 * transforms.len(), "{why}");
         }
@@ -252,7 +256,12 @@ mod tests {
 
     #[test]
     fn circles_are_found() {
-        type Case = (&'static str, &'static [(u16, u16)], &'static [([u16; 2], [u16; 2])], bool);
+        type Case = (
+            &'static str,
+            &'static [(u16, u16)],
+            &'static [([u16; 2], [u16; 2])],
+            bool,
+        );
         #[rustfmt::skip]
         let cases: [Case; 9] = [
             ("nothing follows",                       &[], &[], true),

@@ -6,9 +6,9 @@ use arcline_planner::profile::{Jerk, Limits};
 use super::{moves, place};
 use crate::control::Execution;
 use crate::dynamics::{in_units, jerk_in_units, resolve};
-use crate::motion::Motion;
 use crate::follow::Release;
 use crate::follow::transform::Link;
+use crate::motion::Motion;
 use crate::stop::{ALL, AxisSet, COORDINATED_MOVE, COORDINATED_TRANSFORM, Stop};
 use crate::system::Activity;
 use crate::verify;
@@ -53,9 +53,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     }
 
     // A weaker stop while a stop of all is running takes over its bits only.
-    let running = motion.systems[index].stop.map(|stop| stop.braking);
+    let running = motion.systems[index].stop;
     motion.end_stop(index);
-    let mut braking = running.unwrap_or_default();
+    let mut braking = running.map(|stop| stop.braking).unwrap_or_default();
+    let of_moves = stop_type != COORDINATED_TRANSFORM || running.is_some_and(|stop| stop.of_moves);
     match stop_type {
         ALL => {
             for place in 0..motion.systems[index].description.axes.len() {
@@ -74,7 +75,11 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         }
         _ => {}
     }
-    motion.systems[index].stop = Some(Stop { execution, braking });
+    motion.systems[index].stop = Some(Stop {
+        execution,
+        of_moves,
+        braking,
+    });
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
     motion.controls.write(execution, initiated, 0, motion.clock.tick);
     Ok(())

@@ -193,7 +193,9 @@ impl Motion {
             return;
         };
         let braking = |(place, axis): (usize, &Axis)| stop.braking.contains(place as u16) && axis.is_braking();
-        if system.is_busy() || (!stop.braking.is_empty() && self.axes.iter().enumerate().any(braking)) {
+        if system.activity == Activity::Stopping
+            || (!stop.braking.is_empty() && self.axes.iter().enumerate().any(braking))
+        {
             return;
         }
         self.systems[index].stop = None;
