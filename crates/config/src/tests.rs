@@ -284,6 +284,24 @@ fn counts_are_bounded() {
     assert!(load(&text, "m.toml").is_ok());
 }
 
+#[test]
+fn the_documentation_has_a_row_for_every_key() {
+    let page = include_str!("../../../docs/CONFIGURATION.md");
+    for (heading, keys) in crate::read::KEYS {
+        let (_, below) = page
+            .split_once(heading)
+            .unwrap_or_else(|| panic!("no heading {heading}"));
+        let table = below.split("\n#").next().unwrap_or_default();
+        for key in *keys {
+            let row = table.lines().filter_map(|line| line.strip_prefix("| ")).any(|row| {
+                let first = row.split(" | ").next().unwrap_or_default();
+                first.contains(&format!("`{key}`"))
+            });
+            assert!(row, "{heading} has no row for `{key}`");
+        }
+    }
+}
+
 mod hostile {
     use super::*;
     use proptest::prelude::*;

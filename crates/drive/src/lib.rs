@@ -115,6 +115,17 @@ impl Drive {
         now
     }
 
+    /// Shifts every position by an offset, command and actual alike; nothing moves and the error stays.
+    pub fn redefine(&mut self, offset: f64) {
+        match self {
+            Drive::Ideal(actual) => actual.position += offset,
+            Drive::Servo(servo) => {
+                servo.command.position += offset;
+                servo.actual.position += offset;
+            }
+        }
+    }
+
     /// Removes torque and speed at once: the axis stands where it is.
     pub fn halt(&mut self) {
         self.place(standing(self.actual().position));
@@ -185,6 +196,30 @@ mod tests {
             position: speed * f64::from(k) * period,
             velocity: speed,
             acceleration: 0.0,
+        }
+    }
+
+    #[test]
+    fn a_redefined_position_moves_nothing() {
+        let mut drive = Drive::servo(0.0, 40.0, 0.5);
+        for k in 1..=100 {
+            drive.cycle(at_speed(k, PERIOD, 500.0), PERIOD);
+        }
+        let mut shifted = drive;
+        shifted.redefine(-32.0);
+        for k in 101..=200 {
+            let command = at_speed(k, PERIOD, 500.0);
+            drive.cycle(command, PERIOD);
+            shifted.cycle(
+                Motion {
+                    position: command.position - 32.0,
+                    ..command
+                },
+                PERIOD,
+            );
+            assert!((shifted.error() - drive.error()).abs() < 1e-12);
+            assert!((shifted.actual().position + 32.0 - drive.actual().position).abs() < 1e-12);
+            assert!((shifted.actual().velocity - drive.actual().velocity).abs() < 1e-9);
         }
     }
 

@@ -93,6 +93,35 @@ pub struct Axis {
     pub unwind: Option<f64>,
     /// State at start-up.
     pub start: Start,
+    /// What a group stop in mode Programmed does with the axis.
+    pub programmed_stop_mode: ProgrammedStopMode,
+}
+
+/// Programmed Stop Mode of an axis (axis-and-data-types.md §4).
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum ProgrammedStopMode {
+    /// Decelerate at Maximum Deceleration; the servo stays on.
+    #[default]
+    FastStop,
+    /// Decelerate, then servo off.
+    FastDisable,
+    /// Servo off now; the axis coasts.
+    HardDisable,
+    /// Decelerate, then shutdown.
+    FastShutdown,
+    /// Shutdown now.
+    HardShutdown,
+}
+
+impl ProgrammedStopMode {
+    /// Every mode with its word in the configuration, in the order of the attribute's values from 0.
+    pub const ALL: [(&'static str, ProgrammedStopMode); 5] = [
+        ("fast_stop", ProgrammedStopMode::FastStop),
+        ("fast_disable", ProgrammedStopMode::FastDisable),
+        ("hard_disable", ProgrammedStopMode::HardDisable),
+        ("fast_shutdown", ProgrammedStopMode::FastShutdown),
+        ("hard_shutdown", ProgrammedStopMode::HardShutdown),
+    ];
 }
 
 impl Axis {

@@ -17,6 +17,7 @@ use crate::instructions::{self, Layouts};
 use crate::machine::Machine;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::status;
+use crate::stop::Stop;
 use crate::system::System;
 
 pub(crate) use advance::MAX_ENDS_PER_TICK;
@@ -39,6 +40,8 @@ pub struct Motion {
         reason = "taken out of its box, the box would be freed within the tick"
     )]
     pub(crate) retired: Vec<Box<Trajectory>>,
+    /// The group's stop that is under way (MGS).
+    pub(crate) group_stop: Option<Stop>,
     messages: Vec<Message>,
 }
 
@@ -69,6 +72,7 @@ impl Motion {
             links: vec![None; machine.systems.len()],
             order: Order::new(machine.axes.len(), machine.systems.len()),
             retired: Vec::with_capacity(2 * machine.systems.len()),
+            group_stop: None,
             messages: Vec::with_capacity(MESSAGES),
         }
     }
@@ -92,6 +96,7 @@ impl Motion {
         for index in 0..self.systems.len() {
             self.finish_stop(index);
         }
+        self.finish_group_stop();
         self.update_tolerances();
     }
 
@@ -144,6 +149,7 @@ impl Motion {
     /// Whether nothing moves and nothing is under way that would end.
     pub fn at_rest(&self) -> bool {
         self.messages.is_empty()
+            && self.group_stop.is_none()
             && self
                 .systems
                 .iter()
@@ -209,6 +215,14 @@ impl Motion {
             .ok_or(instructions::no_target())
     }
 
+    /// There is one motion group.
+    pub(crate) fn target_group(&self, call: &Call) -> Result<(), MotionError> {
+        match call.target {
+            Some(0) => Ok(()),
+            _ => Err(instructions::no_target()),
+        }
+    }
+
     pub(crate) fn target_system(&self, call: &Call) -> Result<usize, MotionError> {
         call.target
             .map(usize::from)
@@ -245,6 +259,11 @@ impl Motion {
         } else {
             self.done(execution);
         }
+    }
+
+    /// Sets DN at the next update.
+    pub(crate) fn done_at_next_update(&mut self, execution: Execution) {
+        self.done_next_update(execution, 0, None);
     }
 
     /// Ends a move's instruction: it will never report again.

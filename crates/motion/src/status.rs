@@ -56,6 +56,7 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         actual: [axis.shown(actual.position), actual.velocity, actual.acceleration],
         position_error: axis.drive.error(),
         started_at: axis.started_at.map(|position| axis.shown(position)),
+        strobed: axis.strobed,
     }
 }
 

@@ -1,6 +1,6 @@
 //! An `[[axis]]` table.
 
-use arcline_controller::machine::{Axis, AxisKind, Drive, Start, Travel};
+use arcline_controller::machine::{Axis, AxisKind, Drive, ProgrammedStopMode, Start, Travel};
 
 use super::NOT_NEGATIVE_LENGTH;
 use super::dynamics::Dynamics;
@@ -53,11 +53,12 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         travel,
         unwind,
         start: start(section, unwind)?,
+        programmed_stop_mode: stop_mode(section)?,
     })
 }
 
 fn travel(axis: &Section<'_>) -> Result<Option<Travel>, ConfigError> {
-    let (section, present) = axis.table("travel", &["min", "max"], "{ min = NUMBER, max = NUMBER }")?;
+    let (section, present) = axis.table("travel", TRAVEL, "{ min = NUMBER, max = NUMBER }")?;
     if !present {
         return Ok(None);
     }
@@ -85,6 +86,12 @@ fn drive(axis: &Section<'_>) -> Result<Option<Drive>, ConfigError> {
         velocity_feedforward: feedforward.unwrap_or(default.velocity_feedforward),
         position_error_tolerance: tolerance.unwrap_or(default.position_error_tolerance),
     }))
+}
+
+fn stop_mode(axis: &Section<'_>) -> Result<ProgrammedStopMode, ConfigError> {
+    let words = ProgrammedStopMode::ALL.map(|(word, _)| word);
+    let place = axis.word("programmed_stop_mode", &words, STOP_MODE)?;
+    Ok(place.map_or_else(ProgrammedStopMode::default, |place| ProgrammedStopMode::ALL[place].1))
 }
 
 fn start(axis: &Section<'_>, unwind: Option<f64>) -> Result<Start, ConfigError> {
@@ -122,14 +129,17 @@ pub(super) const AXIS: &[&str] = &[
     "unwind",
     "start",
     "drive",
+    "programmed_stop_mode",
 ];
-const START: &[&str] = &["position", "servo_on", "homed"];
-const DRIVE: &[&str] = &[
+pub(super) const START: &[&str] = &["position", "servo_on", "homed"];
+pub(super) const TRAVEL: &[&str] = &["min", "max"];
+pub(super) const DRIVE: &[&str] = &[
     "position_bandwidth_hz",
     "velocity_feedforward",
     "position_error_tolerance",
 ];
 const UNITS: &str = "a label of up to 40 bytes such as \"mm\"";
+const STOP_MODE: &str = "\"fast_stop\", \"fast_disable\", \"hard_disable\", \"fast_shutdown\" or \"hard_shutdown\"";
 const AXIS_TYPE: &str = "\"servo\" or \"virtual\"";
 
 const POSITIVE_LENGTH: NumberRule = NumberRule {

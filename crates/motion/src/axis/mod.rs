@@ -9,7 +9,7 @@ use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
 use crate::follow::gear::Gear;
-use crate::machine::{Axis as Description, AxisKind};
+use crate::machine::{Axis as Description, AxisKind, ProgrammedStopMode};
 use generator::{Generator, Law};
 use sum::{Slot, Sum};
 
@@ -28,6 +28,18 @@ pub(crate) enum AxisState {
     Shutdown,
 }
 
+/// What becomes of an axis that has been stopped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum AfterStop {
+    /// The servo stays on.
+    #[default]
+    Hold,
+    /// Servo off.
+    Disable,
+    /// Shutdown.
+    Shutdown,
+}
+
 /// An axis at the present tick.
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
@@ -39,12 +51,19 @@ pub(crate) struct Axis {
     /// Something began since the command of this tick was computed.
     pub(crate) stale: bool,
     pub(crate) homed: bool,
+    /// What positions were shifted by so far without motion: who follows the axis subtracts its changes.
+    pub(crate) redefined: f64,
     /// Command and actual position when the last motion began.
     pub(crate) started_at: [f64; 2],
     pub(crate) dynamics: AxisDynamics,
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
     pub(crate) linked: Linked,
+    pub(crate) stop_mode: ProgrammedStopMode,
+    /// What happens when the stop that is under way has ended.
+    pub(crate) after_stop: AfterStop,
+    /// Command and actual position at the last MGSP, as shown.
+    pub(crate) strobed: [f64; 2],
 }
 
 /// An axis's part in transforms (`crate::follow::transform`).
@@ -107,6 +126,7 @@ impl Axis {
             sum: Sum::at_rest(position),
             stale: false,
             homed: description.start.homed,
+            redefined: 0.0,
             started_at: [position; 2],
             dynamics: AxisDynamics {
                 speed: description.max_speed,
@@ -118,6 +138,9 @@ impl Axis {
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
             linked: Linked::default(),
+            stop_mode: description.programmed_stop_mode,
+            after_stop: AfterStop::Hold,
+            strobed: [0.0; 2],
         }
     }
 
@@ -142,6 +165,11 @@ impl Axis {
             Law::Geared(gear) => Some(gear),
             _ => None,
         }
+    }
+
+    /// Whether its drive follows the command.
+    pub(crate) fn has_torque(&self) -> bool {
+        matches!(self.state, AxisState::Running | AxisState::Starting)
     }
 
     /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others.
@@ -242,6 +270,7 @@ impl Axis {
         stop.stopping = true;
         stop.s_curve = limits.jerk.is_some();
         stop.parting = self.is_parting();
+        self.after_stop = AfterStop::Hold;
         self.sum.place(position);
         self.begin(Slot::Stop, stop);
         self.started_at = started_at;
@@ -285,12 +314,11 @@ impl Axis {
 
     /// The drive follows the command over the period that ends now; without torque, the command follows it.
     pub(crate) fn follow(&mut self, period: f64) {
-        match self.state {
-            AxisState::Running | AxisState::Starting => self.drive.cycle(self.command, period),
-            AxisState::Stopped | AxisState::Stopping | AxisState::Shutdown => {
-                let now = self.drive.coast(period);
-                self.stand_at(now.position);
-            }
+        if self.has_torque() {
+            self.drive.cycle(self.command, period);
+        } else {
+            let now = self.drive.coast(period);
+            self.stand_at(now.position);
         }
     }
 
@@ -314,14 +342,28 @@ impl Axis {
 
     /// An axis without a drive stands somewhere else at once; that is no motion that others would follow.
     pub(crate) fn set_virtual(&mut self, position: f64) {
-        self.sum.redefine(position - self.command.position);
+        self.redefine(position - self.command.position);
         self.stand_at(position);
         self.drive.cycle(self.command, 0.0);
     }
 
     fn stand_at(&mut self, position: f64) {
+        self.after_stop = AfterStop::Hold;
         self.sum.place(position);
         self.command = standing(position);
+    }
+
+    /// Shifts every position by an offset: command, actual, and the ends of what runs. Nothing moves.
+    pub(crate) fn redefine(&mut self, offset: f64) {
+        self.sum.redefine(offset);
+        self.shift(offset);
+    }
+
+    /// The drive goes along with a command whose positions were shifted.
+    fn shift(&mut self, offset: f64) {
+        self.drive.redefine(offset);
+        self.command = self.sum.command();
+        self.redefined += offset;
     }
 
     /// A position as the axis shows it: rotary ones within one turn.

@@ -63,8 +63,6 @@ pub(crate) struct Sum {
     displaced: Displacements,
     /// Where the axis stands while nothing is active.
     rest: f64,
-    /// What positions have been redefined by, ever: no motion.
-    redefined: f64,
 }
 
 impl Sum {
@@ -74,7 +72,6 @@ impl Sum {
             active: 0,
             displaced: [0.0; SLOTS],
             rest: position,
-            redefined: 0.0,
         }
     }
 
@@ -136,26 +133,17 @@ impl Sum {
 
     /// Everything is over: the axis stands at a position.
     pub(crate) fn place(&mut self, position: f64) {
-        *self = Sum {
-            redefined: self.redefined,
-            ..Sum::at_rest(position)
-        };
+        *self = Sum::at_rest(position);
     }
 
     /// Shifts every position by an offset; nothing moves (MRP, homing).
     pub(crate) fn redefine(&mut self, offset: f64) {
         self.rest += offset;
-        self.redefined += offset;
         for slot in Slot::ALL {
             if let Some(generator) = self.get_mut(slot) {
                 generator.shift += offset;
             }
         }
-    }
-
-    /// What positions have been redefined by, ever. Less this, they are those of one frame for ever.
-    pub(crate) fn redefined(&self) -> f64 {
-        self.redefined
     }
 
     /// Velocity and acceleration of everything but one kind; the position is 0.

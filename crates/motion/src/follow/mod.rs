@@ -87,7 +87,7 @@ impl Motion {
         };
         MasterAt {
             point: Point {
-                position: point.position - axis.sum.redefined(),
+                position: point.position - axis.redefined,
                 ..point
             },
             read,

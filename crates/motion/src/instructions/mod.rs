@@ -14,6 +14,10 @@ mod mcs;
 mod mcsd;
 mod mcsr;
 mod mct;
+mod mgs;
+mod mgsd;
+mod mgsp;
+mod mgsr;
 mod moves;
 mod msf;
 mod mso;
@@ -36,6 +40,7 @@ pub(crate) struct Layouts {
     mas: mas::Layout,
     mag: mag::Layout,
     mct: mct::Layout,
+    mgs: mgs::Layout,
 }
 
 impl Layouts {
@@ -50,6 +55,7 @@ impl Layouts {
             mas: mas::Layout::new(),
             mag: mag::Layout::new(),
             mct: mct::Layout::new(),
+            mgs: mgs::Layout::new(),
         }
     }
 }
@@ -70,6 +76,10 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Msf => msf::execute(motion, execution, call),
         Mnemonic::Masd => masd::execute(motion, execution, call),
         Mnemonic::Masr => masr::execute(motion, execution, call),
+        Mnemonic::Mgs => mgs::execute(motion, execution, call),
+        Mnemonic::Mgsd => mgsd::execute(motion, execution, call),
+        Mnemonic::Mgsr => mgsr::execute(motion, execution, call),
+        Mnemonic::Mgsp => mgsp::execute(motion, execution, call),
         Mnemonic::Mas => mas::execute(motion, execution, call),
         Mnemonic::Mam => mam::execute(motion, execution, call),
         Mnemonic::Mag => mag::execute(motion, execution, call),

@@ -7,6 +7,7 @@ use arcline_planner::profile::{Limits, Phase};
 
 use super::Motion;
 use crate::axis::sum::Slot;
+use crate::axis::{AfterStop, Axis, AxisState};
 use crate::control::Execution;
 
 /// What single-axis instructions begin.
@@ -62,8 +63,9 @@ impl Motion {
         }
     }
 
-    /// Ends everything on an axis without PC.
+    /// Ends everything on an axis without PC, and the transforms that it is part of.
     pub(crate) fn end_generators(&mut self, axis: u16) {
+        self.cancel_transforms_of(axis);
         for slot in Slot::ALL {
             self.end_generator(axis, slot);
         }
@@ -106,6 +108,32 @@ impl Motion {
         self.axes[at].stale = true;
     }
 
+    /// What becomes of an axis that stands after a stop.
+    pub(crate) fn stand(&mut self, axis: u16, after: AfterStop) {
+        let state = &mut self.axes[usize::from(axis)];
+        match after {
+            AfterStop::Hold => {}
+            AfterStop::Disable if state.is_virtual => {}
+            AfterStop::Disable => {
+                if matches!(state.state, AxisState::Running | AxisState::Starting) {
+                    state.disable(AxisState::Stopped);
+                }
+            }
+            AfterStop::Shutdown => state.disable(AxisState::Shutdown),
+        }
+    }
+
+    /// The group's stop is over when every axis that it stopped is at rest.
+    pub(super) fn finish_group_stop(&mut self) {
+        let Some(stop) = self.group_stop else { return };
+        let moves = |axis: &Axis| axis.is_stopping() || axis.drive.actual().velocity != 0.0 && !axis.has_torque();
+        let mut axes = self.axes.iter().enumerate();
+        if !axes.any(|(index, axis)| stop.braking.contains(index as u16) && moves(axis)) {
+            self.group_stop = None;
+            self.end_move(stop.execution, Flag::Pc.mask());
+        }
+    }
+
     /// ACCEL and DECEL of what is under way, and PC of what has come to its end.
     pub(crate) fn report_generators(&mut self, axis: u16) {
         let at = usize::from(axis);
@@ -121,6 +149,10 @@ impl Motion {
                 self.axes[at].end(slot);
                 if let Some(execution) = execution {
                     self.end_move(execution, Flag::Pc.mask());
+                }
+                if slot == Slot::Stop {
+                    let after = std::mem::take(&mut self.axes[at].after_stop);
+                    self.stand(axis, after);
                 }
             } else if let Some(execution) = execution
                 && changed

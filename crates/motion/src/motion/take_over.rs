@@ -86,7 +86,6 @@ impl Motion {
                 self.abort_system(index, |other| other == axis);
             }
         }
-        self.cancel_transforms_of(axis);
         self.end_generators(axis);
     }
 
