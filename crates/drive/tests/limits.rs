@@ -170,7 +170,7 @@ mod any {
     use proptest::prelude::*;
 
     proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, cases: 20000, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig { failure_persistence: None, cases: 2000, ..ProptestConfig::default() })]
 
         /// One long period or a hundred short ones of any length: the same axis.
         #[test]
