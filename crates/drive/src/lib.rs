@@ -99,6 +99,14 @@ impl Drive {
         }
     }
 
+    /// The command of the next period comes to rest `seconds` before its end, where that is within the period and it
+    /// is at rest then. Otherwise it is the cubic through both ends of the period, which has no such corner.
+    pub fn rest_for(&mut self, seconds: f64) {
+        if let Drive::Servo(servo) = self {
+            servo.rest_for(seconds);
+        }
+    }
+
     /// Follows the command for one period, at whose end it is `command`. Real-time.
     pub fn cycle(&mut self, command: Motion, period: f64) {
         match self {

@@ -29,6 +29,8 @@ pub struct Servo {
     regime: Regime,
     /// How long the regime has lasted within the last period.
     lasted: f64,
+    /// How long before the end of the next period the command comes to rest.
+    rest: f64,
 }
 
 /// `r' = c0 + c1 t + c2 t²`: the velocity of the command within a period.
@@ -58,6 +60,7 @@ impl Servo {
             actual: standing(position),
             regime: Regime::Linear,
             lasted: 0.0,
+            rest: 0.0,
         }
     }
 
@@ -109,13 +112,31 @@ impl Servo {
         self.command = now;
         self.error = 0.0;
         self.lasted = 0.0;
+        self.rest = 0.0;
         self.regime = match &self.limits {
             Some(limits) => limits.regime_at(self.control.feedforward * now.velocity, now.velocity),
             None => Regime::Linear,
         };
     }
 
+    pub(crate) fn rest_for(&mut self, seconds: f64) {
+        self.rest = seconds;
+    }
+
     pub(crate) fn cycle(&mut self, command: Motion, period: f64) {
+        let rest = std::mem::take(&mut self.rest);
+        if 0.0 < rest && rest < period && command.velocity == 0.0 {
+            let before = self.actual.velocity;
+            self.span(command, period - rest);
+            self.span(command, rest);
+            self.actual.acceleration = (self.actual.velocity - before) / period;
+        } else {
+            self.span(command, period);
+        }
+    }
+
+    /// A period, or the part of one that ends where the command comes to rest.
+    fn span(&mut self, command: Motion, period: f64) {
         let before = self.command;
         self.command = command;
         let stood = before == command && command.velocity == 0.0;

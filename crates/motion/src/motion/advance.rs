@@ -142,12 +142,15 @@ impl Motion {
 
     /// The instant at which the axes came within the Actual Tolerance of the end that the command reached
     /// before the present tick: found inside the tick, so that a successor's start does not depend on the period.
-    pub(crate) fn settled(&self, index: usize, end: &Point, reached: Instant) -> Option<Instant> {
+    pub(crate) fn settled(&mut self, index: usize, end: &Point, reached: Instant) -> Option<Instant> {
         let system = &self.systems[index];
         let period = self.clock.period();
+        let elapsed = reached.elapsed(&self.clock);
         let mut drives = [arcline_drive::Drive::ideal(0.0); crate::machine::MAX_PRIMARY_AXES];
         for ((place, axis), drive) in system.description.axes.iter().enumerate().zip(&mut drives) {
-            *drive = self.axes.get(usize::from(*axis))?.drive;
+            let axis = self.axes.get_mut(usize::from(*axis))?;
+            axis.drive.rest_for(elapsed);
+            *drive = axis.drive;
             drive.cycle(
                 arcline_drive::Motion {
                     position: component(end, place),
@@ -168,10 +171,9 @@ impl Motion {
         if distance(0.0) > tolerance {
             return None;
         }
-        let available = reached.elapsed(&self.clock).min(period);
+        let available = elapsed.min(period);
         if distance(available) <= tolerance {
-            let early = reached.elapsed(&self.clock) - available;
-            return Some(reached.after(early, &self.clock));
+            return Some(reached.after(elapsed - available, &self.clock));
         }
         let (mut inside, mut outside) = (0.0, available);
         for _ in 0..SETTLING_BISECTIONS {
@@ -182,7 +184,7 @@ impl Motion {
                 outside = middle;
             }
         }
-        Some(reached.after(reached.elapsed(&self.clock) - inside, &self.clock))
+        Some(reached.after(elapsed - inside, &self.clock))
     }
 
     pub(super) fn finish_stop(&mut self, index: usize) {
