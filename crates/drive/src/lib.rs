@@ -12,9 +12,11 @@ mod encoder;
 mod regime;
 mod servo;
 mod settings;
+mod settling;
 
 pub use servo::Servo;
 pub use settings::Settings;
+pub use settling::Settling;
 
 /// Position and velocity of the command or of the axis itself.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]

@@ -107,14 +107,28 @@ impl Servo {
         })
     }
 
+    /// Acceleration at the torque limit, or 0 without one.
+    pub(crate) fn torque_limit(&self) -> f64 {
+        self.limits.map_or(0.0, |limits| if limits.torque.is_finite() { limits.torque } else { 0.0 })
+    }
+
+    /// The length of one encoder count, or 0 without an encoder.
+    pub(crate) fn count(&self) -> f64 {
+        self.encoder.resolution.map_or(0.0, |resolution| 1.0 / resolution)
+    }
+
+    /// The axis is there, and the command is what the encoder makes of it.
     pub(crate) fn place(&mut self, now: Motion) {
         self.actual = now;
-        self.command = now;
-        self.error = 0.0;
+        self.command = Motion {
+            position: self.encoder.read(now.position),
+            ..now
+        };
+        self.error = self.command.position - now.position;
         self.lasted = 0.0;
         self.rest = 0.0;
         self.regime = match &self.limits {
-            Some(limits) => limits.regime_at(self.control.feedforward * now.velocity, now.velocity),
+            Some(limits) => limits.regime_at(self.asked(), now.velocity),
             None => Regime::Linear,
         };
     }
@@ -167,6 +181,11 @@ impl Servo {
             }
             None => self.linear(&before, &velocity, period),
         }
+    }
+
+    /// The velocity that the loop asks for.
+    fn asked(&self) -> f64 {
+        self.control.feedforward * self.command.velocity + self.control.gain * self.error
     }
 
     /// Whether the axis does without error whatever is commanded.

@@ -100,3 +100,59 @@ fn a_coasting_axis_comes_to_rest_and_takes_the_command_along() {
     drive.halt();
     assert_eq!(drive.actual().position, now.position);
 }
+
+#[test]
+fn an_encoder_shows_whole_counts_and_the_loop_acts_between_them() {
+    let settings = Settings {
+        encoder_resolution: Some(8.0),
+        ..Settings::unlimited(40.0, 0.0)
+    };
+    let (mut seen, mut true_) = (
+        Drive::servo(0.0, &settings),
+        Drive::servo(0.0, &Settings::unlimited(40.0, 0.0)),
+    );
+    for k in 1..300 {
+        let command = at_speed(k, PERIOD, 10.0);
+        seen.cycle(command, PERIOD);
+        true_.cycle(command, PERIOD);
+        let position = seen.actual().position;
+        assert_eq!((position * 8.0).fract(), 0.0);
+        assert!((position - true_.actual().position).abs() <= 0.5 / 8.0);
+        assert_eq!(seen.error(), command.position - position);
+        assert_eq!(seen.actual().velocity, true_.actual().velocity);
+    }
+    // Off, and on again: no jump, and no error is left.
+    seen.halt();
+    let at = seen.actual();
+    assert_eq!((at.velocity, seen.error()), (0.0, 0.0));
+    seen.cycle(at, PERIOD);
+    assert_eq!((seen.actual(), seen.error()), (at, 0.0));
+}
+
+#[test]
+fn a_command_that_comes_to_rest_within_a_period_is_followed_as_it_is() {
+    // Down from 100 u/s at 10,000 u/s²: at rest after 10 ms, within a period of 4 ms or not.
+    let command = |t: f64| {
+        let left = (0.01 - t).max(0.0);
+        Motion {
+            position: 0.5 - 5000.0 * left * left,
+            velocity: 10_000.0 * left,
+            acceleration: 0.0,
+        }
+    };
+    let run = |period: f64| {
+        let mut drive = Drive::servo(0.0, &Settings::unlimited(40.0, 0.3));
+        drive.place(command(0.0));
+        for k in 1..=(0.02 / period).round() as u32 {
+            let now = f64::from(k) * period;
+            drive.rest_for(now - 0.01);
+            drive.cycle(command(now), period);
+        }
+        [drive.error(), drive.actual().velocity]
+    };
+    let [error, velocity] = run(0.0005);
+    for period in [0.001, 0.004] {
+        let other = run(period);
+        assert!((other[0] - error).abs() < 1e-14 && (other[1] - velocity).abs() < 1e-12, "{period}");
+    }
+}
