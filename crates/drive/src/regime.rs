@@ -59,10 +59,11 @@ struct Course {
 /// 32 at the longest period and the highest bandwidth that there are. The last regime keeps the rest of the period.
 pub(crate) const MAX_SWITCHES: usize = 64;
 
-/// A limit counts as exceeded beyond this share of it: far above rounding, so that a switch is one switch.
+/// A limit counts as exceeded beyond these shares of it, so that a switch is one switch whatever rounds.
 const SPEED_MARGIN: f64 = 1e-12;
-/// The same of the torque, whose reckoning rounds more.
 const TORQUE_MARGIN: f64 = 1e-9;
+/// What the terms of a reckoning may lose by rounding, as a share of them: far above the true figure.
+const ROUNDING: f64 = 1e-13;
 
 impl Loop {
     /// `p0 + p1 t + p2 t²`, the following error that the command alone makes, without what is left of the past.
@@ -109,7 +110,7 @@ impl State {
         let mut left = span;
         for _ in 0..MAX_SWITCHES {
             let course = self.course(control);
-            let Some(end) = self.end(&course, limits, left) else {
+            let Some(end) = self.end(&course, control, limits, left) else {
                 break;
             };
             self.advance(&course, limits, end);
@@ -149,7 +150,7 @@ impl State {
     }
 
     /// When the regime ends, if that is within a span.
-    fn end(&self, course: &Course, limits: &Limits, span: f64) -> Option<f64> {
+    fn end(&self, course: &Course, control: &Loop, limits: &Limits, span: f64) -> Option<f64> {
         let mut first = None;
         let mut ends = |curve: Curve| {
             first = curve.first_above(first.unwrap_or(span)).or(first);
@@ -157,9 +158,10 @@ impl State {
         match self.regime {
             Regime::Linear => {
                 let rate = course.asked.slope();
+                let [speed, torque] = self.margins(control, limits);
                 for sign in [1.0, -1.0] {
-                    ends(course.asked.above(sign, limits.speed * (1.0 + SPEED_MARGIN)));
-                    ends(rate.above(sign, limits.torque * (1.0 + TORQUE_MARGIN)));
+                    ends(course.asked.above(sign, limits.speed + speed));
+                    ends(rate.above(sign, limits.torque + torque));
                 }
             }
             Regime::Speed(velocity) => ends(course.asked.above(-velocity.signum(), -limits.speed)),
@@ -169,6 +171,17 @@ impl State {
             }
         }
         first
+    }
+
+    /// How far beyond the limits of speed and torque the loop may be without being limited.
+    fn margins(&self, control: &Loop, limits: &Limits) -> [f64; 2] {
+        let [c0, c1, c2] = self.command.c.map(f64::abs);
+        let k = control.gain;
+        let speed = k * self.error.abs() + c0 + (c1 + c2 / k) / k;
+        [
+            SPEED_MARGIN * limits.speed + ROUNDING * speed,
+            TORQUE_MARGIN * limits.torque + ROUNDING * k * speed,
+        ]
     }
 
     fn advance(&mut self, course: &Course, limits: &Limits, span: f64) {
@@ -182,16 +195,16 @@ impl State {
         let [c0, c1, _] = self.command.c;
         let asked = control.gain * self.error + control.feedforward * c0;
         let rate = control.gain * (c0 - self.velocity) + control.feedforward * c1;
-        let outward = asked.abs() / limits.speed - 1.0;
-        let margin = 2.0 * SPEED_MARGIN;
-        if outward > margin || (outward >= -margin && rate * asked >= 0.0) {
+        let [speed, torque] = self.margins(control, limits);
+        let outward = asked.abs() - limits.speed;
+        if outward > 2.0 * speed || (outward.abs() <= 2.0 * speed && outward.is_finite() && rate * asked >= 0.0) {
             self.velocity = limits.speed.copysign(asked);
             self.regime = Regime::Speed(self.velocity);
             return;
         }
         // Exactly what is asked for, so that rounding does not end a torque limit at once.
         self.velocity = asked;
-        self.regime = if rate.abs() > limits.torque * (1.0 + 0.5 * TORQUE_MARGIN) {
+        self.regime = if rate.abs() > limits.torque + 0.5 * torque {
             Regime::Torque(limits.torque.copysign(rate))
         } else {
             Regime::Linear

@@ -101,6 +101,8 @@ impl Servo {
         }
         let velocity = self.actual.velocity;
         self.measured_with(match self.regime {
+            // Also where the exponential overflows.
+            Regime::Linear if self.error == 0.0 => self.error,
             Regime::Linear => self.error * libm::exp(self.control.gain * seconds),
             Regime::Speed(_) => self.error + seconds * velocity,
             Regime::Torque(rate) => self.error + seconds * (velocity - 0.5 * rate * seconds),

@@ -8,8 +8,8 @@ use crate::{Drive, Saturation, standing};
 
 /// Halvings of a span: to the last bit of a period.
 const HALVINGS: u32 = 60;
-/// Steps along a swing within one period.
-const STEPS: u32 = 64;
+/// Steps along a swing within one period, and halvings of the last of them.
+const STEPS: u32 = 32;
 /// Share of the tolerance that is not told from it when a swing is followed.
 const GRAIN: f64 = 1e-9;
 
@@ -87,7 +87,7 @@ impl<const N: usize> Settling<N> {
 
     /// The instant between two, from the beginning of the period, at which the axes came within the tolerance.
     fn entered(&self, mut outside: f64, mut inside: f64) -> f64 {
-        for _ in 0..HALVINGS {
+        for _ in 0..STEPS {
             let middle = 0.5 * (inside + outside);
             if middle <= outside || middle >= inside {
                 break;

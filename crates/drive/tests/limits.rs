@@ -169,34 +169,56 @@ mod any {
     use super::*;
     use proptest::prelude::*;
 
+    /// The cubic through both ends of a period, as the drive takes it, `t` after its beginning.
+    fn between([a, b]: [Motion; 2], period: f64, t: f64) -> Motion {
+        let slope = (b.position - a.position) / period;
+        let c2 = (3.0 * slope - 2.0 * a.velocity - b.velocity) / period;
+        let c3 = (a.velocity + b.velocity - 2.0 * slope) / (period * period);
+        command([a.position, a.velocity, c2, c3], t)
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig { failure_persistence: None, cases: 2000, ..ProptestConfig::default() })]
 
-        /// One long period or a hundred short ones of any length: the same axis.
+        /// One long period or up to a hundred short ones of any length: the same axis.
         #[test]
-        fn drive_and_command(
-            bandwidth in 1.0..500.0,
-            feedforward in 0.0..=1.0,
-            speed in 1.0..1000.0,
-            torque in 10.0..1e5,
-            [from, bend, jerk] in [-1e3..1e3, -1e4..1e4, -1e5..1e5],
+        fn period_and_drive_and_command(
+            [bandwidth, feedforward] in [1.0..500.0, 0.0..1.0],
+            [speed, torque] in [1.0..1000.0, 10.0..1e5],
+            period in 0.00025..0.032,
+            positions in [-1.0..1.0, -1.0..1.0],
+            velocities in [-500.0..500.0, -500.0..500.0],
+            leap in prop::sample::select(vec![0.0, 0.01, 1.0, 100.0]),
             cuts in prop::collection::vec(0.001..1.0, 1..100),
         ) {
             let settings = within(bandwidth, feedforward, speed, torque);
-            let cubic = [from, 0.0, bend, jerk];
-            let mut whole = Drive::servo(cubic[0], &settings);
+            let at = |place: usize| Motion {
+                position: leap * positions[place] + velocities[0] * period * place as f64,
+                velocity: velocities[place],
+                acceleration: 0.0,
+            };
+            let mut whole = Drive::servo(0.0, &settings);
+            whole.cycle(at(0), period);
+            let before = whole.actual().velocity;
             let mut parts = whole;
-            whole.cycle(command(cubic, 0.032), 0.032);
+            whole.cycle(at(1), period);
             let total: f64 = cuts.iter().sum();
             let (mut done, mut now) = (0.0, 0.0);
-            for cut in &cuts {
+            for (place, cut) in cuts.iter().enumerate() {
                 done += cut / total;
-                let next = (0.032 * done).min(0.032);
-                parts.cycle(command(cubic, next), next - now);
+                let next = if place + 1 == cuts.len() { period } else { (period * done).min(period) };
+                if next > now {
+                    parts.cycle(between([at(0), at(1)], period, next), next - now);
+                }
                 now = next;
             }
-            prop_assert!((whole.error() - parts.error()).abs() < 1e-9, "{whole:?} {parts:?}");
-            prop_assert!(parts.error().is_finite() && parts.actual().velocity.abs() <= speed);
+            // A leap within a period is a steep cubic: what of it a soft loop lets through is a small difference.
+            let gain = TAU * bandwidth;
+            let scale = 1.0 + 1e-3 * leap / (gain * period).powi(3);
+            prop_assert!((whole.error() - parts.error()).abs() < 1e-9 * scale, "{whole:?} {parts:?}");
+            let gone = (whole.actual().velocity - before).abs();
+            prop_assert!(gone <= torque * period * (1.0 + 1e-6), "{gone} {}", torque * period);
+            prop_assert!(whole.actual().velocity.abs() <= speed);
         }
     }
 }
