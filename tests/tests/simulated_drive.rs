@@ -76,7 +76,10 @@ fn the_following_error_is_the_one_the_transfer_function_predicts() {
                 }
                 bench.tick();
             }
-            println!("feed-forward {feedforward}, {period_ms} ms: {:.4} % apart at most", 100.0 * worst);
+            println!(
+                "feed-forward {feedforward}, {period_ms} ms: {:.4} % apart at most",
+                100.0 * worst
+            );
         }
     }
 }
@@ -123,7 +126,10 @@ fn an_axis_settles_at_the_same_instant_at_every_update_period() {
 
 #[test]
 fn limits_hold_the_axis_back_and_show() {
-    let mut bench = machine("velocity_feedforward = 0.0, speed_limit = 150.0, torque_limit = 3000.0", 1.0);
+    let mut bench = machine(
+        "velocity_feedforward = 0.0, speed_limit = 150.0, torque_limit = 3000.0",
+        1.0,
+    );
     bench.execute("MCLM(CS1, M1, 0, [100, 0, 0], 200, 0, 5000, 0, 5000, 0, 0, 100, 100, 2, 0)");
     let (mut shown, mut velocity) = (0, 0.0);
     while !bench.control("M1").has(Flag::Pc) {
@@ -145,7 +151,8 @@ fn limits_hold_the_axis_back_and_show() {
 
 #[test]
 fn an_encoder_decides_whether_an_axis_is_within_its_tolerance() {
-    let to = |position: &str| format!("MCLM(CS1, M1, 0, [{position}, 0, 0], 200, 0, 2000, 0, 2000, 0, 0, 100, 100, 2, 0)");
+    let to =
+        |position: &str| format!("MCLM(CS1, M1, 0, [{position}, 0, 0], 200, 0, 2000, 0, 2000, 0, 0, 100, 100, 2, 0)");
     // 40 counts per mm: 12.5 is one; 12.51 lies 0.01 from the next and is reached, 12.512 never is.
     let drive = "velocity_feedforward = 0.0, encoder_resolution = 40.0";
     for (position, completes) in [("12.5", true), ("12.509", true), ("12.512", false)] {
@@ -164,7 +171,10 @@ fn an_encoder_decides_whether_an_axis_is_within_its_tolerance() {
     bench.run(200);
     assert_eq!(bench.call("MSF(X, M2)"), OK);
     bench.run(2);
-    assert_eq!((bench.axis("X").position_error, bench.axis("X").command[0]), (0.0, 12.5));
+    assert_eq!(
+        (bench.axis("X").position_error, bench.axis("X").command[0]),
+        (0.0, 12.5)
+    );
     assert_eq!(bench.call("MSO(X, M3)"), OK);
     bench.run(2);
     assert_eq!((bench.axis("X").position_error, bench.axis("X").actual[0]), (0.0, 12.5));

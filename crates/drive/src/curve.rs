@@ -99,10 +99,7 @@ impl Curve {
 
     /// The ends of a span and the zeros between them, given where the curve is monotone.
     fn refine(&self, monotone: &Cuts) -> Cuts {
-        let mut zeros = Cuts {
-            at: [0.0; 6],
-            count: 1,
-        };
+        let mut zeros = Cuts { at: [0.0; 6], count: 1 };
         let mut left = 0.0;
         let mut at_left = self.at(0.0);
         for right in monotone.at.into_iter().take(monotone.count).skip(1) {
@@ -135,7 +132,11 @@ impl Curve {
                     }
                 }
             }
-            t = if left < newton && newton < right { newton } else { 0.5 * (left + right) };
+            t = if left < newton && newton < right {
+                newton
+            } else {
+                0.5 * (left + right)
+            };
         }
         t
     }

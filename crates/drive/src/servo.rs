@@ -111,7 +111,10 @@ impl Servo {
 
     /// Acceleration at the torque limit, or 0 without one.
     pub(crate) fn torque_limit(&self) -> f64 {
-        self.limits.map_or(0.0, |limits| if limits.torque.is_finite() { limits.torque } else { 0.0 })
+        self.limits.map_or(
+            0.0,
+            |limits| if limits.torque.is_finite() { limits.torque } else { 0.0 },
+        )
     }
 
     /// The length of one encoder count, or 0 without an encoder.

@@ -44,7 +44,10 @@ impl<const N: usize> Settling<N> {
     pub fn within(&self) -> Option<f64> {
         let available = self.rest.min(self.period);
         let drives = self.at(self.period);
-        if !drives.iter().all(|drive| drive.error_before(available).is_finite() && drive.decays()) {
+        if !drives
+            .iter()
+            .all(|drive| drive.error_before(available).is_finite() && drive.decays())
+        {
             return self.swings_within(available);
         }
         let distance = |before: f64| norm(drives.iter().map(|drive| drive.error_before(before)));

@@ -153,6 +153,9 @@ fn a_command_that_comes_to_rest_within_a_period_is_followed_as_it_is() {
     let [error, velocity] = run(0.0005);
     for period in [0.001, 0.004] {
         let other = run(period);
-        assert!((other[0] - error).abs() < 1e-14 && (other[1] - velocity).abs() < 1e-12, "{period}");
+        assert!(
+            (other[0] - error).abs() < 1e-14 && (other[1] - velocity).abs() < 1e-12,
+            "{period}"
+        );
     }
 }

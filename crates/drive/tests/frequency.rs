@@ -11,7 +11,7 @@ fn response(drive: Drive, hertz: u32, period: f64) -> (f64, f64) {
     let second = (1.0 / period).round() as u32;
     let (mut sine, mut cosine) = (0.0, 0.0);
     for tick in 1..=2 * second {
-        let (s, c) = (omega * f64::from(tick) * period).sin_cos();
+        let (s, c) = libm::sincos(omega * f64::from(tick) * period);
         let command = Motion {
             position: s,
             velocity: omega * c,
@@ -25,7 +25,7 @@ fn response(drive: Drive, hertz: u32, period: f64) -> (f64, f64) {
         }
     }
     let scale = 2.0 / f64::from(second);
-    ((sine * scale).hypot(cosine * scale), cosine.atan2(sine))
+    ((sine * scale).hypot(cosine * scale), libm::atan2(cosine, sine))
 }
 
 /// `(K + f s) / (K + s)` at `s = i ω`.
@@ -33,7 +33,7 @@ fn configured(bandwidth: f64, feedforward: f64, hertz: u32) -> (f64, f64) {
     let ratio = f64::from(hertz) / bandwidth;
     let led = feedforward * ratio;
     let gain = 1.0_f64.hypot(led) / 1.0_f64.hypot(ratio);
-    (gain, led.atan() - ratio.atan())
+    (gain, libm::atan(led) - libm::atan(ratio))
 }
 
 const HERTZ: [u32; 9] = [1, 2, 5, 10, 20, 40, 80, 120, 200];
@@ -71,7 +71,10 @@ fn half_the_power_is_left_at_the_bandwidth() {
             above = (hertz, gain);
         }
         let at = at.expect("it falls below");
-        assert!((at / bandwidth - 1.0).abs() < 0.03, "-3 dB at {at} Hz of {bandwidth} Hz");
+        assert!(
+            (at / bandwidth - 1.0).abs() < 0.03,
+            "-3 dB at {at} Hz of {bandwidth} Hz"
+        );
     }
 }
 

@@ -107,7 +107,11 @@ fn a_limited_response_does_not_depend_on_the_update_period() {
             let (shown, _) = run(&settings, cubic, period);
             for (tick, (a, b)) in shown.iter().zip(&reference).enumerate() {
                 let apart = (a[0] - b[0]).abs();
-                assert!(apart < 1e-9, "{why}: {apart:e} apart at {} ms, period {period}", 4 * (tick + 1));
+                assert!(
+                    apart < 1e-9,
+                    "{why}: {apart:e} apart at {} ms, period {period}",
+                    4 * (tick + 1)
+                );
             }
         }
     }
@@ -135,7 +139,10 @@ fn a_limit_that_is_not_reached_changes_no_bit() {
 fn a_limited_drive_settles_and_tells_since_when() {
     // A leap of 20 u: more than the torque can do at once, so it swings over and back, and rests.
     let settings = within(40.0, 0.0, 300.0, 4000.0);
-    let at = |position| Motion { position, ..Motion::default() };
+    let at = |position| Motion {
+        position,
+        ..Motion::default()
+    };
     let run = |period: f64| {
         let mut drive = Drive::servo(0.0, &settings);
         let mut entered = None;
@@ -161,7 +168,10 @@ fn a_limited_drive_settles_and_tells_since_when() {
     let reference = run(0.00025).expect("it settles");
     for period in [0.0005, 0.001] {
         let entered = run(period).expect("it settles");
-        assert!((entered - reference).abs() < period, "{entered} {reference} at {period}");
+        assert!(
+            (entered - reference).abs() < period,
+            "{entered} {reference} at {period}"
+        );
     }
 }
 

@@ -33,7 +33,13 @@ fn fingerprint(bandwidth: f64, feedforward: f64, period: f64) -> u64 {
             velocity,
             acceleration,
         } = drive.actual();
-        let shown = [position, velocity, acceleration, drive.error(), drive.error_before(0.3 * period)];
+        let shown = [
+            position,
+            velocity,
+            acceleration,
+            drive.error(),
+            drive.error_before(0.3 * period),
+        ];
         for byte in shown.iter().flat_map(|value| value.to_bits().to_le_bytes()) {
             hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         }
@@ -53,6 +59,9 @@ fn the_bits_are_those_of_the_first_release() {
     ];
     for (bandwidth, feedforward, period, expected) in cases {
         let found = fingerprint(bandwidth, feedforward, period);
-        assert_eq!(found, expected, "{bandwidth} Hz, {feedforward}, {period} s: {found:#018x}");
+        assert_eq!(
+            found, expected,
+            "{bandwidth} Hz, {feedforward}, {period} s: {found:#018x}"
+        );
     }
 }
