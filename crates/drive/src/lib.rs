@@ -133,6 +133,14 @@ impl Drive {
         self.actual()
     }
 
+    /// Shifts every position by an offset, command and actual alike; nothing moves and the error stays.
+    pub fn redefine(&mut self, offset: f64) {
+        match self {
+            Drive::Ideal(actual) => actual.position += offset,
+            Drive::Servo(servo) => servo.redefine(offset),
+        }
+    }
+
     /// Removes torque and speed at once: the axis stands where its encoder sees it.
     pub fn halt(&mut self) {
         self.place(standing(self.actual().position));

@@ -54,6 +54,7 @@ impl Servo {
             limits: (speed.is_finite() || torque.is_finite()).then_some(Limits { speed, torque }),
             encoder: Encoder {
                 resolution: settings.encoder_resolution,
+                origin: 0.0,
             },
             command: standing(position),
             error: 0.0,
@@ -136,6 +137,12 @@ impl Servo {
             Some(limits) => limits.regime_at(self.asked(), now.velocity),
             None => Regime::Linear,
         };
+    }
+
+    pub(crate) fn redefine(&mut self, offset: f64) {
+        self.command.position += offset;
+        self.actual.position += offset;
+        self.encoder.origin += offset;
     }
 
     pub(crate) fn rest_for(&mut self, seconds: f64) {
