@@ -8,7 +8,7 @@ use arcline_config::Project;
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::cli::{Failure, OrOff, RunArgs, project};
-use crate::eip::{Listener, Settings};
+use crate::eip::{BindError, Listener, Settings};
 use crate::plant::Plant;
 
 /// Runs the server until SIGTERM or SIGINT.
@@ -48,10 +48,16 @@ async fn serve(project: &Project) -> Result<arcline_realtime::Handle, Failure> {
     let mut interrupt = signal(SignalKind::interrupt()).map_err(|error| failed("SIGINT", &error))?;
     let (plant, handle) = Plant::start(project).map_err(|error| Failure::new(1, error.to_string()))?;
     let listen = project.server.listen;
-    let settings = Settings::new(&project.server.name);
+    let mut settings = Settings::new(&project.server.name);
+    settings.io = project.server.io.address(listen);
+    settings.io_loss = project.server.io_loss;
+    let io = settings.io;
     let listener = Listener::bind(listen, plant, settings)
         .await
-        .map_err(|error| cannot_listen(listen, &error))?;
+        .map_err(|error| cannot_listen(&error, io))?;
+    if let Some(address) = listener.io_addr() {
+        tracing::info!(%address, "implicit I/O (class 0 and 1 connections) listens");
+    }
     ready(listener.local_addr()).map_err(|error| failed("standard output", &error))?;
     tokio::select! {
         () = listener.serve() => {}
@@ -68,8 +74,9 @@ fn ready(eip: SocketAddr) -> io::Result<()> {
     out.flush()
 }
 
-fn cannot_listen(address: SocketAddr, error: &io::Error) -> Failure {
+fn cannot_listen(BindError { address, error }: &BindError, io: Option<SocketAddr>) -> Failure {
     let hint = match error.kind() {
+        _ if io == Some(*address) => "; choose another address for implicit I/O with `io` in [server], or \"off\"",
         io::ErrorKind::AddrInUse => "; another program uses the port, choose one with --listen ADDR:PORT",
         io::ErrorKind::PermissionDenied => "; ports below 1024 need rights, choose another with --listen ADDR:PORT",
         _ => "",

@@ -81,7 +81,7 @@ impl Class for MotionObjects<'_> {
         }
     }
 
-    fn settable(&self, id: u16) -> Option<usize> {
+    fn settable(&self, _instance: u32, id: u16) -> Option<usize> {
         (self.object == Object::CoordinateSystem && id == FEED_OVERRIDE).then_some(4)
     }
 

@@ -7,7 +7,7 @@ mod sessions;
 mod tag_face;
 mod tag_services;
 
-use std::net::{Ipv4Addr, SocketAddrV4};
+use std::net::{IpAddr, Ipv4Addr, SocketAddrV4};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -30,6 +30,8 @@ use crate::plant::Plant;
 
 /// Where the in-memory streams were accepted.
 const LOCAL: SocketAddrV4 = SocketAddrV4::new(Ipv4Addr::LOCALHOST, 44818);
+/// Where they come from.
+const PEER: IpAddr = IpAddr::V4(Ipv4Addr::LOCALHOST);
 /// Longer than anything here may take on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -133,7 +135,7 @@ impl Bench {
         let mut settings = Settings::new("Bench");
         change(&mut settings);
         Self {
-            device: Arc::new(Device::new(plant, settings)),
+            device: Arc::new(Device::new(plant, settings).expect("a free port")),
             _thread: thread,
         }
     }
@@ -141,7 +143,7 @@ impl Bench {
     /// A stream that the device serves.
     pub(super) fn stream(&self) -> DuplexStream {
         let (ours, theirs) = tokio::io::duplex(64 * 1024);
-        tokio::spawn(connection::serve(theirs, LOCAL, self.device.clone()));
+        tokio::spawn(connection::serve(theirs, LOCAL, PEER, self.device.clone()));
         ours
     }
 
