@@ -289,8 +289,7 @@ impl Session {
 
 const FORWARD_OPEN: &str = "54 02 2006 2401 | 0a 0e | 00000000 | 01000100 | 7700 | 3713 | 44332211 | 00 000000 |
     a0860100 | 2648 | a0860100 | 2248 | 01 | 04 | 2004 2497 2c96 2c64";
-const FORWARD_OPEN_REPLY: &str =
-    "d4 00 00 00 | 13003ed1 | 01000100 | 7700 3713 44332211 | a0860100 | a0860100 | 00 00";
+const FORWARD_OPEN_REPLY: &str = "d4 00 00 00 | 13003ed1 | 01000100 | 7700 3713 44332211 | a0860100 | a0860100 | 00 00";
 const O_TO_T: &str = "0200 | 0280 0800 13003ed1 01000000 | b100 2600 | 0100 | 01000000 |
     000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f";
 const T_TO_O: &str = "0200 | 0280 0800 01000100 01000000 | b100 2200 | 0100 |
@@ -333,11 +332,7 @@ fn forward_open_of_14_1() {
         },
         path: points(0x96, 0x64),
     };
-    let close = Request::new(
-        service::FORWARD_CLOSE,
-        Epath::object(6, 1),
-        close.to_bytes().unwrap(),
-    );
+    let close = Request::new(service::FORWARD_CLOSE, Epath::object(6, 1), close.to_bytes().unwrap());
     let (items, _) = session.ask(close.to_bytes().unwrap(), &[]);
     let expected = hex("ce 00 00 00 | 7700 3713 44332211 00 00");
     assert_eq!(items, [Item::NullAddress, Item::UnconnectedData(expected)]);
@@ -569,7 +564,9 @@ fn the_schedule_is_absolute() {
     bench.io.start(id, ms(6));
     let mut sent = Vec::new();
     // 45.5: late by half a millisecond; 80: three were missed.
-    for at in [5_000, 14_999, 15_000, 25_000, 35_000, 45_500, 54_999, 55_000, 89_999, 90_000, 95_000] {
+    for at in [
+        5_000, 14_999, 15_000, 25_000, 35_000, 45_500, 54_999, 55_000, 89_999, 90_000, 95_000,
+    ] {
         bench.now = Duration::from_micros(at);
         while let Some((to, bytes)) = bench.transmit() {
             assert_eq!(to, SocketAddr::new(PEER, IO_PORT));
@@ -636,7 +633,11 @@ fn sequences_addresses_and_modes() {
         data: &data,
     }
     .encode(&mut out);
-    assert!(!bench.io.handle_datagram(&out, SocketAddr::new(LOCAL.ip(), 40_000), ms(0)));
+    assert!(
+        !bench
+            .io
+            .handle_datagram(&out, SocketAddr::new(LOCAL.ip(), 40_000), ms(0))
+    );
     assert!(bench.io.handle_datagram(&out, SocketAddr::new(PEER, 41_000), ms(0)));
     assert_eq!(bench.events(), [outputs(8)]);
 
@@ -689,7 +690,10 @@ fn where_inputs_go() {
     let mut bench = Bench::new();
     let to = |bench: &mut Bench, address, port| {
         bench.io = IoConnections::new(settings());
-        let id = bench.open_from(&owner(1), Originator { address, port }).unwrap().o_to_t_id;
+        let id = bench
+            .open_from(&owner(1), Originator { address, port })
+            .unwrap()
+            .o_to_t_id;
         bench.io.start(id, bench.now);
         let mut data = vec![1, 0, 1, 0, 0, 0];
         data.extend([8; 32]);
@@ -701,7 +705,11 @@ fn where_inputs_go() {
         }
         .encode(&mut out);
         let before = bench.transmit().unwrap().0.port();
-        assert!(bench.io.handle_datagram(&out, SocketAddr::new(address, 40_000), bench.now));
+        assert!(
+            bench
+                .io
+                .handle_datagram(&out, SocketAddr::new(address, 40_000), bench.now)
+        );
         bench.now += ms(10);
         (before, bench.transmit().unwrap().0.port())
     };

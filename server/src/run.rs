@@ -4,7 +4,7 @@ use std::io::{self, Write as _};
 use std::net::SocketAddr;
 use std::process::ExitCode;
 
-use arcline_config::Project;
+use arcline_config::{IoListen, Project};
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::cli::{Failure, OrOff, RunArgs, project};
@@ -51,10 +51,7 @@ async fn serve(project: &Project) -> Result<arcline_realtime::Handle, Failure> {
     let mut settings = Settings::new(&project.server.name);
     settings.io = project.server.io.address(listen);
     settings.io_loss = project.server.io_loss;
-    let io = settings.io;
-    let listener = Listener::bind(listen, plant, settings)
-        .await
-        .map_err(|error| cannot_listen(&error, io))?;
+    let listener = bind(project.server.io, listen, plant, settings).await?;
     if let Some(address) = listener.io_addr() {
         tracing::info!(%address, "implicit I/O (class 0 and 1 connections) listens");
     }
@@ -65,6 +62,21 @@ async fn serve(project: &Project) -> Result<arcline_realtime::Handle, Failure> {
         _ = interrupt.recv() => tracing::info!("SIGINT: stopping"),
     }
     Ok(handle)
+}
+
+/// Binds everything. Where nobody has chosen a port for implicit I/O and 2222 is taken (by a scanner on this host), any
+/// does: originators are told.
+async fn bind(choice: IoListen, listen: SocketAddr, plant: Plant, mut settings: Settings) -> Result<Listener, Failure> {
+    let io = settings.io;
+    let error = match Listener::bind(listen, plant.clone(), settings.clone()).await {
+        Err(error) if choice == IoListen::BesideListen && io == Some(error.address) => error,
+        bound => return bound.map_err(|error| cannot_listen(&error, io)),
+    };
+    tracing::warn!(%error, "implicit I/O takes another port");
+    settings.io = io.map(|address| SocketAddr::new(address.ip(), 0));
+    Listener::bind(listen, plant, settings)
+        .await
+        .map_err(|error| cannot_listen(&error, io))
 }
 
 /// The line that scripts wait for.

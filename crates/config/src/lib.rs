@@ -67,7 +67,11 @@ impl IoListen {
     pub fn address(self, listen: SocketAddr) -> Option<SocketAddr> {
         match self {
             Self::BesideListen => {
-                let port = if listen.port() == read::DEFAULT_LISTEN.port() { IO_PORT } else { 0 };
+                let port = if listen.port() == read::DEFAULT_LISTEN.port() {
+                    IO_PORT
+                } else {
+                    0
+                };
                 Some(SocketAddr::new(listen.ip(), port))
             }
             Self::At(address) => Some(address),
@@ -93,11 +97,7 @@ pub enum IoLoss {
 
 impl IoLoss {
     /// The word of each in a configuration.
-    pub const WORDS: [(&'static str, Self); 3] = [
-        ("stop", Self::Stop),
-        ("hold", Self::Hold),
-        ("finish", Self::Finish),
-    ];
+    pub const WORDS: [(&'static str, Self); 3] = [("stop", Self::Stop), ("hold", Self::Hold), ("finish", Self::Finish)];
 
     /// The word in a configuration.
     pub fn word(self) -> &'static str {

@@ -64,11 +64,7 @@ impl Wanted {
     ///
     /// # Errors
     /// 0x01 with the additional status, and the right size where that is wrong.
-    pub(super) fn new(
-        open: &ForwardOpen,
-        application: &[Segment],
-        assemblies: &Assemblies,
-    ) -> Result<Self, CipStatus> {
+    pub(super) fn new(open: &ForwardOpen, application: &[Segment], assemblies: &Assemblies) -> Result<Self, CipStatus> {
         let class_1 = match open.transport_class() {
             0 => false,
             1 => true,

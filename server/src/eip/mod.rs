@@ -23,4 +23,5 @@ mod tags;
 mod tests;
 
 pub use device::Settings;
+pub use io::io_page;
 pub use listener::{BindError, Listener};

@@ -1,6 +1,8 @@
 //! What implicit I/O does with the plant: the state of a tick for its inputs, and what its outputs command. Nothing here
 //! waits for the controller.
 
+use std::sync::TryLockError;
+
 use arcline_controller::{Command, Snapshot};
 
 use super::Plant;
@@ -11,6 +13,21 @@ impl Plant {
         let mut state = self.0.lock();
         state.refresh();
         read(state.link.snapshots.output_buffer())
+    }
+
+    /// As [`Plant::with_snapshot`], but does not wait for whoever has the plant: `None` when it is not to be had soon.
+    pub fn try_with_snapshot<R>(&self, read: impl FnOnce(&Snapshot) -> R) -> Option<R> {
+        for _ in 0..LOOKS {
+            match self.0.state.try_lock() {
+                Ok(mut state) => {
+                    state.refresh();
+                    return Some(read(state.link.snapshots.output_buffer()));
+                }
+                Err(TryLockError::WouldBlock) => std::hint::spin_loop(),
+                Err(TryLockError::Poisoned(_)) => return Some(self.with_snapshot(read)),
+            }
+        }
+        None
     }
 
     /// Sets feed overrides, in percent, in configuration order. `false`: at least one is out of range, and stays as it
@@ -63,3 +80,6 @@ impl Plant {
         all
     }
 }
+
+/// Looks at the lock: some microseconds, as long as it is held by somebody who runs.
+const LOOKS: usize = 1000;

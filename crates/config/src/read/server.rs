@@ -2,9 +2,9 @@
 
 use std::net::{Ipv4Addr, SocketAddr};
 
-use crate::{IoListen, IoLoss, ServerConfig};
 use crate::error::ConfigError;
 use crate::section::Section;
+use crate::{IoListen, IoLoss, ServerConfig};
 
 pub(super) fn server(root: &Section<'_>) -> Result<ServerConfig, ConfigError> {
     let (section, _) = root.table("server", SERVER, "a table, [server]")?;

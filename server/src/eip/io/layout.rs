@@ -3,8 +3,8 @@
 //! All fields are four bytes, little-endian: UDINT or REAL. The tables here are the only place that knows them; the page
 //! is written from them by a test. Positions are in position units, overrides in percent.
 
-use arcline_controller::machine::Machine;
 use arcline_controller::Snapshot;
+use arcline_controller::machine::Machine;
 use arcline_motion::{AxisSnapshot, SystemSnapshot};
 use arcline_proto::io::{Assemblies, Assembly};
 use bytes::{BufMut, BytesMut};
@@ -101,9 +101,11 @@ pub(crate) struct Head {
 }
 
 pub(crate) const HEAD: [Field<Head>; 3] = [
-    Field::word("Tick", "number of the coarse update that the data is of; it wraps", |head| {
-        head.tick
-    }),
+    Field::word(
+        "Tick",
+        "number of the coarse update that the data is of; it wraps",
+        |head| head.tick,
+    ),
     Field::word(
         "ConnectionStatus",
         "bit 0: the outputs have an owner; bit 1: it is in run; bit 2: its newest outputs hold a feed override that is out of range and was not taken",
@@ -133,9 +135,11 @@ pub(crate) const AXIS: [Field<AxisSnapshot>; 5] = [
     Field::word("AxisFault", "as the member of its tag", |axis| axis.fault),
     Field::word("AxisStatus", "as the member of its tag", |axis| axis.status),
     Field::word("MotionStatus", "as the member of its tag", |axis| axis.motion_status),
-    Field::word("CIPAxisStatus", "as the member of its tag; 0 of a virtual axis", |axis| {
-        axis.cip_status
-    }),
+    Field::word(
+        "CIPAxisStatus",
+        "as the member of its tag; 0 of a virtual axis",
+        |axis| axis.cip_status,
+    ),
     Field::real("ActualPosition", "position units", |axis| axis.actual[0]),
 ];
 
@@ -161,14 +165,27 @@ pub(crate) fn assemblies(machine: &Machine) -> Assemblies {
     }
 }
 
-/// Appends the input assembly.
+/// Appends the input assembly; the tick is the snapshot's.
 pub(crate) fn encode_input(head: Head, snapshot: &Snapshot, out: &mut BytesMut) {
+    let head = Head {
+        tick: snapshot.tick as u32,
+        ..head
+    };
     HEAD.iter().for_each(|field| field.put(&head, out));
     for system in &snapshot.systems {
         SYSTEM.iter().for_each(|field| field.put(system, out));
     }
     for axis in &snapshot.axes {
         AXIS.iter().for_each(|field| field.put(axis, out));
+    }
+}
+
+/// Writes the head of an input assembly again, but for its tick.
+pub(crate) fn renew_head(head: Head, input: &mut BytesMut) {
+    let mut bytes = BytesMut::with_capacity(HEAD.len() * FIELD);
+    HEAD.iter().for_each(|field| field.put(&head, &mut bytes));
+    if let (Some(place), Some(bytes)) = (input.get_mut(FIELD..bytes.len()), bytes.get(FIELD..)) {
+        place.copy_from_slice(bytes);
     }
 }
 

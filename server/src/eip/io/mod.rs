@@ -6,6 +6,7 @@
 
 pub(crate) mod layout;
 mod outputs;
+mod page;
 mod thread;
 
 use std::io;
@@ -29,6 +30,7 @@ use self::layout::{Head, status};
 use self::outputs::Outputs;
 use crate::plant::Plant;
 
+pub use page::io_page;
 pub(crate) use thread::IoThread;
 
 /// Connections of all originators.
@@ -62,11 +64,28 @@ impl Exchange {
     /// The input assembly of the newest tick.
     pub(crate) fn input(&self, plant: &Plant, ownership: Ownership) -> Bytes {
         let mut out = BytesMut::with_capacity(self.assemblies.input.size.into());
-        self.encode_input(plant, ownership, &mut out);
+        let head = self.head(ownership);
+        plant.with_snapshot(|snapshot| layout::encode_input(head, snapshot, &mut out));
         out.freeze()
     }
 
-    fn encode_input(&self, plant: &Plant, ownership: Ownership, out: &mut BytesMut) {
+    /// The input assembly of the newest tick in place of what `out` holds; where the plant is busy, only the head of it.
+    fn refresh_input(&self, plant: &Plant, ownership: Ownership, out: &mut BytesMut) {
+        let head = self.head(ownership);
+        let done = plant.try_with_snapshot(|snapshot| {
+            out.clear();
+            layout::encode_input(head, snapshot, out);
+        });
+        if done.is_none() {
+            if out.is_empty() {
+                out.extend_from_slice(&self.input(plant, ownership));
+            } else {
+                layout::renew_head(head, out);
+            }
+        }
+    }
+
+    fn head(&self, ownership: Ownership) -> Head {
         let mut head = {
             let outputs = lock(&self.outputs);
             Head {
@@ -80,10 +99,7 @@ impl Exchange {
             Ownership::Idle => status::OWNED,
             Ownership::Run => status::OWNED | status::RUN,
         };
-        plant.with_snapshot(|snapshot| {
-            head.tick = snapshot.tick as u32;
-            layout::encode_input(head, snapshot, out);
-        });
+        head
     }
 
     /// The output assembly as it was last applied; zeros when nobody commands.

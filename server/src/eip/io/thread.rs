@@ -1,9 +1,9 @@
 //! The thread of implicit I/O: it sleeps until a datagram comes or something is due.
 //!
 //! What has arrived is taken before a watchdog is looked at, so that a thread that was late itself ends no connection.
-//! It is no real-time thread; it waits for nobody but the short locks of the connections and of the plant.
+//! It comes after the tick and before everything else, where the system allows that, so it bounds its own work: a flood of
+//! datagrams makes it pause. It waits for nobody but the short locks of the connections and of the plant.
 
-use std::num::NonZeroU64;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -12,6 +12,7 @@ use std::time::Duration;
 use arcline_proto::connection::Count;
 use arcline_proto::io::{Ended, IoConnections, IoEvent};
 use arcline_proto::session::Host;
+use arcline_realtime::prepare_beside_tick;
 use bytes::BytesMut;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use tracing::{debug, error};
@@ -20,7 +21,9 @@ use super::{Io, lock};
 use crate::eip::device::Device;
 
 /// Datagrams that are taken before what is due is done.
-const BATCH: usize = 256;
+const BATCH: usize = 128;
+/// Rest after as many, unless something is due: what comes faster than this is no I/O but a flood, and is lost.
+const REST: Duration = Duration::from_micros(400);
 /// The longest datagram that is looked at.
 const MAX_DATAGRAM: usize = 65_535;
 /// The longest sleep, when nothing is due.
@@ -74,25 +77,28 @@ struct Worker {
 
 impl Worker {
     fn run(&self) {
-        // Otherwise a sleep may end 50 µs late.
-        if let Err(error) = rustix::thread::set_current_timer_slack(NonZeroU64::new(1)) {
-            debug!(%error, "no timer slack of 1 ns");
+        for shortfall in prepare_beside_tick().shortfalls {
+            debug!(%shortfall, "datagrams of implicit I/O may leave late");
         }
         let mut received = vec![0_u8; MAX_DATAGRAM];
         let (mut input, mut out) = (BytesMut::new(), BytesMut::new());
         while !self.ended.load(Ordering::Acquire) {
-            self.take(&mut received);
+            let is_flood = self.take(&mut received);
             self.do_what_is_due(&mut input, &mut out);
-            self.sleep();
+            if is_flood {
+                std::thread::sleep(self.until_due().min(REST));
+            } else {
+                self.sleep();
+            }
         }
     }
 
-    /// Takes what has arrived.
-    fn take(&self, buf: &mut [u8]) {
+    /// Takes what has arrived; whether that was a whole batch.
+    fn take(&self, buf: &mut [u8]) -> bool {
         for _ in 0..BATCH {
             let Ok((length, from)) = self.io.socket.recv_from(buf) else {
                 // Nothing more; anything else shows again, if it lasts.
-                return;
+                return false;
             };
             let now = self.io.now();
             let mut connections = lock(&self.io.connections);
@@ -102,6 +108,7 @@ impl Worker {
             }
             self.carry_out(&mut connections);
         }
+        true
     }
 
     /// Ends what is overdue, sends what is due.
@@ -113,11 +120,10 @@ impl Worker {
         if !connections.is_due(now) {
             return;
         }
-        input.clear();
         let ownership = connections.outputs();
         self.device
             .exchange()
-            .encode_input(&self.device.plant, ownership, input);
+            .refresh_input(&self.device.plant, ownership, input);
         loop {
             out.clear();
             let Some(to) = connections.poll_transmit(now, input, out) else {
@@ -157,9 +163,13 @@ impl Worker {
         }
     }
 
-    fn sleep(&self) {
+    fn until_due(&self) -> Duration {
         let next = lock(&self.io.connections).poll_timeout();
-        let left = next.map_or(IDLE, |next| next.saturating_sub(self.io.now()));
+        next.map_or(IDLE, |next| next.saturating_sub(self.io.now()))
+    }
+
+    fn sleep(&self) {
+        let left = self.until_due();
         let timeout = Timespec {
             tv_sec: left.as_secs().try_into().unwrap_or(i64::MAX),
             tv_nsec: left.subsec_nanos().into(),

@@ -2,6 +2,7 @@
 
 mod browse;
 mod hostile;
+mod io;
 mod motion;
 mod sessions;
 mod tag_face;
@@ -26,6 +27,7 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt, DuplexStream};
 
 use super::connection;
 use super::device::{Device, Settings};
+use super::io::IoThread;
 use crate::plant::Plant;
 
 /// Where the in-memory streams were accepted.
@@ -116,6 +118,7 @@ alias = "Grid[1,0]"
 /// A device whose controller runs.
 pub(super) struct Bench {
     pub(super) device: Arc<Device>,
+    _io: Option<IoThread>,
     _thread: Handle,
 }
 
@@ -134,8 +137,11 @@ impl Bench {
         let (plant, thread) = plant();
         let mut settings = Settings::new("Bench");
         change(&mut settings);
+        let device = Arc::new(Device::new(plant, settings).expect("a free port"));
+        let io = device.io().cloned();
         Self {
-            device: Arc::new(Device::new(plant, settings).expect("a free port")),
+            _io: io.map(|io| IoThread::spawn(device.clone(), io).expect("a thread")),
+            device,
             _thread: thread,
         }
     }
