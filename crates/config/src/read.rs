@@ -119,6 +119,7 @@ pub(crate) const KEYS: &[(&str, &[&str])] = &[
     ("## `[[axis]]`", AXIS),
     ("### `start = { … }`", axis::START),
     ("### `drive = { … }`", axis::DRIVE),
+    ("### `exception_actions = { … }`", &axis::EXCEPTION_ACTIONS),
     ("### `travel = { … }`", axis::TRAVEL),
     ("## `[[coordinate_system]]`", COORDINATE_SYSTEM),
     ("## `[[transform]]`", TRANSFORM),

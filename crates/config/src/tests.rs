@@ -153,6 +153,7 @@ fn everything_can_be_said() {
         }
     );
     let drive = Drive {
+        position_error_tolerance_time: 0.0,
         position_bandwidth_hz: 10.0,
         velocity_feedforward: 0.5,
         position_error_tolerance: 0.0,

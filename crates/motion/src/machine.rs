@@ -6,6 +6,8 @@
 //! Units: positions in the axis's own units (u), speeds u/s, rates u/s², jerks u/s³, times in
 //! nanoseconds or seconds as named. Places (`u16`) count from 0 in configuration order.
 
+use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind};
+
 /// Largest number of axes of one machine.
 pub const MAX_AXES: usize = 256;
 
@@ -95,6 +97,35 @@ pub struct Axis {
     pub start: Start,
     /// What a group stop in mode Programmed does with the axis.
     pub programmed_stop_mode: ProgrammedStopMode,
+    /// What each fault does.
+    pub exception_actions: ExceptionActions,
+    /// Time over which AverageVelocity is taken, above 0, at most 1 s.
+    pub average_velocity_timebase: f64,
+}
+
+/// The action of every kind of fault (axis-and-data-types.md §9.3).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ExceptionActions([ExceptionAction; FaultKind::COUNT]);
+
+impl ExceptionActions {
+    /// The action of one kind. Real-time.
+    pub fn of(&self, kind: FaultKind) -> ExceptionAction {
+        self.0[kind as usize]
+    }
+
+    /// With another action for one kind.
+    #[must_use]
+    pub fn with(mut self, kind: FaultKind, action: ExceptionAction) -> Self {
+        self.0[kind as usize] = action;
+        self
+    }
+}
+
+impl Default for ExceptionActions {
+    /// As the catalogue says.
+    fn default() -> Self {
+        ExceptionActions(FAULTS.each_ref().map(|fault| fault.default))
+    }
 }
 
 /// Programmed Stop Mode of an axis (axis-and-data-types.md §4).
@@ -154,6 +185,8 @@ pub struct Drive {
     pub velocity_feedforward: f64,
     /// Position error above which the drive faults, u; 0 switches the check off (axis-and-data-types.md §9.3).
     pub position_error_tolerance: f64,
+    /// For how long it must be above it, 0 or more, s.
+    pub position_error_tolerance_time: f64,
 }
 
 impl Default for Drive {
@@ -162,6 +195,7 @@ impl Default for Drive {
             position_bandwidth_hz: 40.0,
             velocity_feedforward: 1.0,
             position_error_tolerance: 5.0,
+            position_error_tolerance_time: 0.0,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The machine in motion: one tick after another.
 
 mod advance;
+mod faults;
 mod generators;
 mod take_over;
 
@@ -59,7 +60,11 @@ impl Motion {
                 tick: 0,
                 period_ns: machine.period_ns.max(1),
             },
-            axes: machine.axes.iter().map(Axis::new).collect(),
+            axes: machine
+                .axes
+                .iter()
+                .map(|axis| Axis::new(axis, machine.period()))
+                .collect(),
             systems: systems(machine),
             controls: Controls::new(),
             layouts: Layouts::new(),
@@ -85,6 +90,7 @@ impl Motion {
             }
         }
         self.advance_axes();
+        self.check_faults();
         for index in 0..self.systems.len() {
             self.finish_stop(index);
         }

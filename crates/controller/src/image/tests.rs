@@ -4,7 +4,7 @@ use arcline_instruction_set::{Argument, Directory, Flag, Mnemonic};
 use arcline_tag::{Elementary, TagPath, Value};
 
 use super::*;
-use crate::machine::{Axis, AxisKind, CoordinateSystem, Drive, Start};
+use crate::machine::{Axis, AxisKind, CoordinateSystem, Drive, ExceptionActions, ProgrammedStopMode, Start};
 use crate::{AxisSnapshot, Ticket};
 
 fn axis(name: &str, kind: AxisKind) -> Axis {
@@ -20,6 +20,9 @@ fn axis(name: &str, kind: AxisKind) -> Axis {
         travel: None,
         unwind: None,
         start: Start::default(),
+        programmed_stop_mode: ProgrammedStopMode::default(),
+        exception_actions: ExceptionActions::default(),
+        average_velocity_timebase: 0.25,
     }
 }
 

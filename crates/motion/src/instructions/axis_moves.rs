@@ -129,11 +129,28 @@ pub(super) fn verify_axis(motion: &Motion, axis: u16, s_curve: bool) -> Result<(
     Ok(())
 }
 
-/// Not shut down, servo on.
+/// Not shut down, servo on, no fault.
 pub(super) fn ready(axis: &Axis) -> Result<(), MotionError> {
+    switched_on(axis)?;
+    if axis.is_faulted() {
+        return Err(MotionError::AxisInFaultedState(AxisIndex(0)));
+    }
+    Ok(())
+}
+
+/// Not shut down, servo on but for a fault: what a stop asks for.
+pub(super) fn switched_on(axis: &Axis) -> Result<(), MotionError> {
     match axis.state {
         AxisState::Shutdown => Err(MotionError::ShutdownState(AxisIndex(0))),
-        AxisState::Running => Ok(()),
-        _ => Err(MotionError::ServoOffState(AxisIndex(0))),
+        _ if axis.is_off() => Err(MotionError::ServoOffState(AxisIndex(0))),
+        _ => Ok(()),
     }
+}
+
+/// An axis outside of its travel moves in a direction that leads back.
+pub(super) fn no_overtravel(axis: &Axis, direction: f64) -> Result<(), MotionError> {
+    if axis.faults.forbids(direction) {
+        return Err(MotionError::OvertravelCondition);
+    }
+    Ok(())
 }

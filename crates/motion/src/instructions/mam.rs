@@ -49,6 +49,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         INCREMENTAL => position + call.number(layout.position),
         _ => return Err(MotionError::FeatureNotSupported),
     };
+    axis_moves::no_overtravel(state, target - position)?;
     // Of what it takes over, the move keeps the speed: of its own kind, or of everything.
     let taken = if layout.common.merges(call) {
         let but_coordinated = |state: &crate::axis::Axis| {

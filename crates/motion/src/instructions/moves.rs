@@ -194,6 +194,7 @@ pub(super) fn execute(
     };
     let path = path(motion, system, start)?;
     verify_conflicts(motion, index, merge)?;
+    verify::no_overtravel(system, &motion.axes, &path.end())?;
 
     let momentum = terminated(motion, index, merge);
     let current = command(motion, index, |axis| axis.command.velocity).norm();
