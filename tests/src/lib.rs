@@ -16,6 +16,7 @@ pub mod bench;
 pub mod capture;
 pub mod command_line;
 pub mod interop;
+pub mod follow;
 pub mod programs;
 pub mod python;
 pub mod random;
