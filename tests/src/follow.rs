@@ -21,7 +21,11 @@ pub fn machine(period_ms: f64) -> String {
         }
     }
     for name in ["P", "Q", "R"] {
-        axis(name, "servo", "start = { position = 0.0, servo_on = true, homed = true }\n");
+        axis(
+            name,
+            "servo",
+            "start = { position = 0.0, servo_on = true, homed = true }\n",
+        );
     }
     axis("TURN", "virtual", "unwind = 360.0\n");
     let systems = [

@@ -65,7 +65,11 @@ fn an_orientation_between_quarter_turns_and_in_two_dimensions() {
     assert_eq!(bench.call("MCT(FLAT1, FLAT2, T, [0, 0, 30], [0, 0, 0])"), OK);
     assert_eq!(bench.call(&format!("MCLM(FLAT1, M, 0, [10, 0], {TRAPEZOID}, 1)")), OK);
     bench.until("M", Flag::Pc);
-    near(positions(&bench, ["A2", "B2"]), [5.0 * 3.0_f64.sqrt(), -5.0], "30 degrees");
+    near(
+        positions(&bench, ["A2", "B2"]),
+        [5.0 * 3.0_f64.sqrt(), -5.0],
+        "30 degrees",
+    );
 }
 
 #[test]
@@ -73,7 +77,11 @@ fn the_target_says_where_the_source_is_at_the_start() {
     // A source without drives is put there, command and actual, without motion.
     let mut bench = bench();
     assert_eq!(bench.call("MCT(L1, L2, T, [0, 0, 90], [10, 20, 30])"), OK);
-    near(positions(&bench, ["A1", "B1", "C1"]), [20.0, -10.0, -30.0], "transposed");
+    near(
+        positions(&bench, ["A1", "B1", "C1"]),
+        [20.0, -10.0, -30.0],
+        "transposed",
+    );
     for axis in ["A1", "B1", "C1", "A2"] {
         let axis = bench.axis(axis);
         assert_eq!(axis.command[0], axis.actual[0]);
@@ -84,7 +92,11 @@ fn the_target_says_where_the_source_is_at_the_start() {
     assert!(!axis_bit(&bench, "A1", motion_status::CONTROLLED_BY_TRANSFORM_STATUS));
     assert_eq!(bench.call(&format!("MCLM(L1, M, 0, [0, 0, 0], {S_CURVE}, 1)")), OK);
     bench.until("M", Flag::Pc);
-    near(positions(&bench, ["A2", "B2", "C2"]), [10.0, 20.0, 30.0], "the translation");
+    near(
+        positions(&bench, ["A2", "B2", "C2"]),
+        [10.0, 20.0, 30.0],
+        "the translation",
+    );
 
     // A source with drives is where it is.
     let mut bench = self::bench();
@@ -93,7 +105,11 @@ fn the_target_says_where_the_source_is_at_the_start() {
     assert_eq!(bench.position("Q"), 0.0);
     assert_eq!(bench.call(&format!("MCLM(SERVO, M, 0, [7, 8, 9], {S_CURVE}, 1)")), OK);
     bench.until("M", Flag::Pc);
-    near(positions(&bench, ["A2", "B2", "C2"]), [7.0, 8.0, 9.0], "nothing jumped at the start");
+    near(
+        positions(&bench, ["A2", "B2", "C2"]),
+        [7.0, 8.0, 9.0],
+        "nothing jumped at the start",
+    );
 
     // A source that another transform holds cannot be put anywhere.
     let mut bench = self::bench();
@@ -149,7 +165,11 @@ fn what_is_refused() {
         assert_eq!(bench.bits("T"), bits, "{why}");
     }
     // Every stop of a transform must be possible.
-    let weak = machine(1.0).replacen("axes = [\"A2\", \"B2\", \"C2\"]\nmax_speed = 500.0\nmax_acceleration = 5000.0\nmax_deceleration = 2000.0", "axes = [\"A2\", \"B2\", \"C2\"]\nmax_speed = 500.0\nmax_acceleration = 5000.0\nmax_deceleration = 0.0", 1);
+    let weak = machine(1.0).replacen(
+        "axes = [\"A2\", \"B2\", \"C2\"]\nmax_speed = 500.0\nmax_acceleration = 5000.0\nmax_deceleration = 2000.0",
+        "axes = [\"A2\", \"B2\", \"C2\"]\nmax_speed = 500.0\nmax_acceleration = 5000.0\nmax_deceleration = 0.0",
+        1,
+    );
     assert_eq!(Bench::with(&weak).call(&link), (54, -1));
 }
 
@@ -184,7 +204,11 @@ fn the_target_leads_the_source_back() {
             positions(&bench, ["A1", "B1", "C1"]),
             "one point",
         );
-        near(velocities(&bench, ["A2", "B2"]), velocities(&bench, ["A1", "B1"]), "one velocity");
+        near(
+            velocities(&bench, ["A2", "B2"]),
+            velocities(&bench, ["A1", "B1"]),
+            "one velocity",
+        );
     }
     near(positions(&bench, ["A1", "B1", "C1"]), [67.0, 20.0, 10.0], "50 + 25 - 8");
     for tag in ["M1", "M2", "M3"] {
@@ -234,7 +258,11 @@ fn a_chain_is_at_one_point_within_every_update() {
         near(positions(&bench, ["A3", "B3", "C3"]), [a1, b1, c1], "second link");
         near(positions(&bench, ["A4", "B4", "C4"]), [a1, b1, c1], "third link");
     }
-    near(positions(&bench, ["A1", "B1", "C1"]), [60.0, 25.0, 13.0], "all motions add up");
+    near(
+        positions(&bench, ["A1", "B1", "C1"]),
+        [60.0, 25.0, 13.0],
+        "all motions add up",
+    );
     assert_eq!(bench.bits("M3"), "EN DN PC");
 }
 
@@ -245,7 +273,10 @@ fn a_stop_of_transforms_in_a_chain_stops_what_they_led() {
         let mut bench = chain();
         assert_eq!(bench.call(&format!("MCLM(L1, M1, 0, [600, 200, 100], {shape}, 1)")), OK);
         bench.run(800);
-        assert_eq!(bench.call("MCS(L2, S, CoordinatedTransform, Yes, 500, 0, No, 0, 0)"), OK);
+        assert_eq!(
+            bench.call("MCS(L2, S, CoordinatedTransform, Yes, 500, 0, No, 0, 0)"),
+            OK
+        );
         assert_eq!(bench.bits("T1"), "EN DN");
         assert_eq!(bench.bits("T2"), "EN DN");
         let mut before = velocities(&bench, ["A2", "B2", "A3", "B3", "A4", "B4"]);
@@ -258,7 +289,11 @@ fn a_stop_of_transforms_in_a_chain_stops_what_they_led() {
                     assert!((was - is).abs() <= 0.5 + 1e-9, "500 units/s²: {was} to {is}");
                 }
                 before = now;
-                near(positions(&bench, ["A4", "B4", "C4"]), positions(&bench, ["A3", "B3", "C3"]), "T3");
+                near(
+                    positions(&bench, ["A4", "B4", "C4"]),
+                    positions(&bench, ["A3", "B3", "C3"]),
+                    "T3",
+                );
             }
             bench.now() - from
         };
@@ -267,7 +302,11 @@ fn a_stop_of_transforms_in_a_chain_stops_what_they_led() {
         assert!(took as f64 * 1e-3 >= least, "{took} ms is below {least} s");
         assert_eq!(bench.bits("T3"), "EN DN IP");
         assert_eq!(bench.bits("M1"), "EN DN IP AC");
-        near(velocities(&bench, ["A2", "B2", "A3", "B3", "A4", "B4"]), [0.0; 6], "stopped");
+        near(
+            velocities(&bench, ["A2", "B2", "A3", "B3", "A4", "B4"]),
+            [0.0; 6],
+            "stopped",
+        );
         assert!(bench.axis("A1").command[1] > 90.0);
         // The rest of the chain is one still.
         assert_eq!(bench.call(&format!("MAM(C3, M4, 1, 12, {shape})")), OK);
@@ -287,7 +326,10 @@ fn bits_of_a_transform_at_rest_in_motion_and_cancelled() {
     assert!(!axis_bit(&bench, "A1", state) && !system_bit(&bench, "L1", source));
     bench.call(&format!("MCT(L1, L2, T, {NO_TURN})"));
     for axis in ["A1", "B1", "C1", "A2", "B2", "C2"] {
-        assert!(axis_bit(&bench, axis, state) && !axis_bit(&bench, axis, controlled), "{axis}");
+        assert!(
+            axis_bit(&bench, axis, state) && !axis_bit(&bench, axis, controlled),
+            "{axis}"
+        );
     }
     assert!(!axis_bit(&bench, "A3", state));
     assert!(system_bit(&bench, "L1", source) && !system_bit(&bench, "L1", target));
@@ -313,7 +355,10 @@ fn bits_of_a_transform_at_rest_in_motion_and_cancelled() {
     bench.call("MCS(L2, S2, CoordinatedTransform, No, 0, 0, No, 0, 0)");
     bench.tick();
     for axis in ["A1", "B1", "C1", "A2", "B2", "C2"] {
-        assert!(!axis_bit(&bench, axis, state) && !axis_bit(&bench, axis, controlled), "{axis}");
+        assert!(
+            !axis_bit(&bench, axis, state) && !axis_bit(&bench, axis, controlled),
+            "{axis}"
+        );
     }
     assert!(!system_bit(&bench, "L1", source) && !system_bit(&bench, "L2", target));
     assert_eq!((bench.bits("T"), bench.bits("S2")), ("EN DN".into(), "EN DN PC".into()));
@@ -350,19 +395,30 @@ fn what_cancels_a_transform_and_what_does_not() {
             let mut bench = bench();
             assert_eq!(bench.call(&format!("MCT(SERVO, L2, T, {NO_TURN})")), OK);
             if moving {
-                assert_eq!(bench.call(&format!("MCLM(SERVO, M, 0, [500, 300, 400], {S_CURVE}, 1)")), OK);
+                assert_eq!(
+                    bench.call(&format!("MCLM(SERVO, M, 0, [500, 300, 400], {S_CURVE}, 1)")),
+                    OK
+                );
                 bench.run(700);
             }
             assert_eq!(bench.call(call), OK, "{why}");
             assert_eq!(bench.control("T").has(Flag::Ip), !cancelled, "{why}");
             assert!(!bench.control("T").has(Flag::Pc), "{why}");
-            assert_eq!(axis_bit(&bench, "B2", motion_status::TRANSFORM_STATE_STATUS), !cancelled, "{why}");
+            assert_eq!(
+                axis_bit(&bench, "B2", motion_status::TRANSFORM_STATE_STATUS),
+                !cancelled,
+                "{why}"
+            );
             // Nothing that has torque jumps.
             let mut last = velocities(&bench, ["A2", "B2", "C2"]);
             for _ in 0..400 {
                 bench.tick();
                 let now = velocities(&bench, ["A2", "B2", "C2"]);
-                let step = last.iter().zip(now).map(|(was, is)| (was - is).abs()).fold(0.0, f64::max);
+                let step = last
+                    .iter()
+                    .zip(now)
+                    .map(|(was, is)| (was - is).abs())
+                    .fold(0.0, f64::max);
                 assert!(step <= 4.0 + 1e-9, "{why}: {last:?} to {now:?}");
                 last = now;
             }
@@ -401,9 +457,16 @@ fn a_target_led_back_brakes_with_what_it_led() {
     assert_eq!(bench.call(&format!("MAM(A2, M, 1, 500, {TRAPEZOID})")), OK);
     bench.run(400);
     assert_eq!(velocities(&bench, ["A1", "A2"]), [100.0, 100.0]);
-    assert_eq!(bench.call("MCS(L1, S, CoordinatedTransform, Yes, 500, 0, No, 0, 0)"), OK);
+    assert_eq!(
+        bench.call("MCS(L1, S, CoordinatedTransform, Yes, 500, 0, No, 0, 0)"),
+        OK
+    );
     bench.run(100);
-    near(velocities(&bench, ["A1", "A2"]), [50.0, 100.0], "500 units/s² for 0.1 s");
+    near(
+        velocities(&bench, ["A1", "A2"]),
+        [50.0, 100.0],
+        "500 units/s² for 0.1 s",
+    );
     bench.until("S", Flag::Pc);
     assert_eq!(velocities(&bench, ["A1", "A2"]), [0.0, 100.0]);
     bench.until("M", Flag::Pc);
@@ -424,12 +487,23 @@ fn stops_supersede_each_other() {
     let mut bench = start(TRAPEZOID);
     assert_eq!(bench.call("MCS(L1, S1, CoordinatedMove, Yes, 200, 0, No, 0, 0)"), OK);
     bench.run(20);
-    near(velocities(&bench, ["A1", "B1", "A2"]), [96.0, 100.0, 96.0], "along the path");
+    near(
+        velocities(&bench, ["A1", "B1", "A2"]),
+        [96.0, 100.0, 96.0],
+        "along the path",
+    );
     assert_eq!(bench.call("MCS(L1, S2, All, No, 0, 0, No, 0, 0)"), OK);
-    assert_eq!((bench.bits("S1"), bench.bits("S2")), ("EN DN".into(), "EN DN IP".into()));
+    assert_eq!(
+        (bench.bits("S1"), bench.bits("S2")),
+        ("EN DN".into(), "EN DN IP".into())
+    );
     bench.run(10);
     // Each axis of L1 at its own 4000 units/s², what followed at the 2000 units/s² of its system.
-    near(velocities(&bench, ["A1", "B1", "A2"]), [56.0, 60.0, 76.0], "by themselves");
+    near(
+        velocities(&bench, ["A1", "B1", "A2"]),
+        [56.0, 60.0, 76.0],
+        "by themselves",
+    );
     bench.until("S2", Flag::Pc);
     assert_eq!(velocities(&bench, ["A1", "B1", "A2", "B2"]), [0.0; 4]);
 
@@ -439,7 +513,10 @@ fn stops_supersede_each_other() {
         assert_eq!(bench.call("MCS(L1, S1, All, No, 0, 0, No, 0, 0)"), OK);
         bench.run(5);
         assert_eq!(bench.call(&format!("MCS(L1, S2, {weaker}, No, 0, 0, No, 0, 0)")), OK);
-        assert_eq!((bench.bits("S1"), bench.bits("S2")), ("EN DN".into(), "EN DN IP".into()));
+        assert_eq!(
+            (bench.bits("S1"), bench.bits("S2")),
+            ("EN DN".into(), "EN DN IP".into())
+        );
         bench.run(2);
         assert!(bench.axis("B1").command[1] > 1.0, "{weaker}: it has not stopped yet");
         assert_eq!(bench.bits("S2"), "EN DN IP", "{weaker}");
@@ -452,15 +529,26 @@ fn stops_supersede_each_other() {
     assert_eq!(bench.call("MCS(L1, S1, CoordinatedMove, Yes, 200, 0, No, 0, 0)"), OK);
     bench.run(20);
     assert_eq!(bench.call("MCS(L1, S2, CoordinatedTransform, No, 0, 0, No, 0, 0)"), OK);
-    assert_eq!(bench.call(&format!("MCLM(L1, M2, 1, [5, 0, 0], {TRAPEZOID}, 1)")), (78, 0), "the move still stops");
+    assert_eq!(
+        bench.call(&format!("MCLM(L1, M2, 1, [5, 0, 0], {TRAPEZOID}, 1)")),
+        (78, 0),
+        "the move still stops"
+    );
     bench.run(100);
-    near(velocities(&bench, ["A1", "A2"]), [76.0, 0.0], "the move stops along its path");
+    near(
+        velocities(&bench, ["A1", "A2"]),
+        [76.0, 0.0],
+        "the move stops along its path",
+    );
     bench.until("S2", Flag::Pc);
     assert_eq!(velocities(&bench, ["A1", "B1"]), [0.0, 100.0]);
 
     // A stop of transforms alone keeps nobody from moving.
     let mut bench = start(TRAPEZOID);
-    assert_eq!(bench.call("MCS(L1, S1, CoordinatedTransform, Yes, 50, 0, No, 0, 0)"), OK);
+    assert_eq!(
+        bench.call("MCS(L1, S1, CoordinatedTransform, Yes, 50, 0, No, 0, 0)"),
+        OK
+    );
     bench.run(5);
     assert_eq!(bench.call(&format!("MCLM(L1, M2, 1, [5, 0, 0], {TRAPEZOID}, 1)")), OK);
     assert_eq!(bench.bits("S1"), "EN DN IP");
@@ -503,7 +591,10 @@ fn the_update_period_does_not_show() {
                 assert_eq!(bench.call("MCS(L3, S, CoordinatedTransform, No, 0, 0, No, 0, 0)"), OK);
             }
             bench.run(ticks(8.0));
-            seen.push(positions(&bench, ["A1", "B1", "C1", "A2", "B2", "C2", "A3", "B3", "C3"]));
+            seen.push(positions(
+                &bench,
+                ["A1", "B1", "C1", "A2", "B2", "C2", "A3", "B3", "C3"],
+            ));
         }
         seen
     };
