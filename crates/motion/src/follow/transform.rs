@@ -60,9 +60,9 @@ impl Link {
             leads: false,
             leads_back: false,
         };
-        for place in 0..link.dimension {
-            link.source[place] = source[place];
-            link.target[place] = target[place];
+        let places = link.source.iter_mut().zip(&mut link.target);
+        for ((from, to), (source, target)) in places.zip(source.iter().zip(target)) {
+            (*from, *to) = (*source, *target);
         }
         link
     }
