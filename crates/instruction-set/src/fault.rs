@@ -118,6 +118,19 @@ impl FaultKind {
     /// How many kinds there are.
     pub const COUNT: usize = 9;
 
+    /// Every kind, in the order of [`FAULTS`].
+    pub const ALL: [FaultKind; FaultKind::COUNT] = [
+        FaultKind::SoftTravelPositive,
+        FaultKind::SoftTravelNegative,
+        FaultKind::PositionError,
+        FaultKind::Drive,
+        FaultKind::Overcurrent,
+        FaultKind::Overspeed,
+        FaultKind::OvertravelPositive,
+        FaultKind::OvertravelNegative,
+        FaultKind::FeedbackLoss,
+    ];
+
     /// Its row. Real-time.
     pub fn fault(self) -> &'static Fault {
         &FAULTS[self as usize]
@@ -227,7 +240,12 @@ mod tests {
     #[test]
     fn every_kind_stands_at_its_place_and_has_its_bits_in_the_tag() {
         for (place, fault) in FAULTS.iter().enumerate() {
-            assert_eq!(fault.kind as usize, place, "{}", fault.word);
+            assert_eq!(
+                (fault.kind as usize, fault.kind),
+                (place, FaultKind::ALL[place]),
+                "{}",
+                fault.word
+            );
             assert_eq!(FaultKind::from_word(&fault.word.to_uppercase()), Some(fault.kind));
             assert_eq!(FaultKind::from_word(&fault.word.replace('_', "-")), Some(fault.kind));
             let set = FaultSet::default().with(fault.kind);

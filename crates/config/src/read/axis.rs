@@ -4,7 +4,7 @@ use arcline_controller::machine::{Axis, AxisKind, Drive, ExceptionActions, Progr
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 
 use super::NOT_NEGATIVE_LENGTH;
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, POSITIVE_RATE, POSITIVE_SPEED};
 use super::names::{Taken, required_name};
 use crate::error::{ConfigError, Problem};
 use crate::section::{NumberRule, Section};
@@ -86,12 +86,18 @@ fn drive(axis: &Section<'_>) -> Result<Option<Drive>, ConfigError> {
     let bandwidth = section.number("position_bandwidth_hz", &BANDWIDTH)?;
     let feedforward = section.number("velocity_feedforward", &SHARE)?;
     let tolerance = section.number("position_error_tolerance", &NOT_NEGATIVE_LENGTH)?;
-    let time = section.number("position_error_tolerance_time", &NOT_NEGATIVE_TIME)?;
+    let tolerance_time = section.number("position_error_tolerance_time", &NOT_NEGATIVE_TIME)?;
+    let speed_limit = section.number("speed_limit", &POSITIVE_SPEED)?;
+    let torque_limit = section.number("torque_limit", &POSITIVE_RATE)?;
+    let encoder_resolution = section.number("encoder_resolution", &RESOLUTION)?;
     Ok(present.then(|| Drive {
         position_bandwidth_hz: bandwidth.unwrap_or(default.position_bandwidth_hz),
         velocity_feedforward: feedforward.unwrap_or(default.velocity_feedforward),
         position_error_tolerance: tolerance.unwrap_or(default.position_error_tolerance),
-        position_error_tolerance_time: time.unwrap_or(default.position_error_tolerance_time),
+        position_error_tolerance_time: tolerance_time.unwrap_or(default.position_error_tolerance_time),
+        speed_limit,
+        torque_limit,
+        encoder_resolution,
     }))
 }
 
@@ -169,6 +175,9 @@ pub(super) const DRIVE: &[&str] = &[
     "velocity_feedforward",
     "position_error_tolerance",
     "position_error_tolerance_time",
+    "speed_limit",
+    "torque_limit",
+    "encoder_resolution",
 ];
 pub(super) static EXCEPTION_ACTIONS: [&str; FaultKind::COUNT] = {
     let mut words = [""; FaultKind::COUNT];
@@ -193,10 +202,6 @@ const BANDWIDTH: NumberRule = NumberRule {
     expected: "a number above 0, at most 10000 (Hz)",
     holds: |x| x > 0.0 && x <= 10_000.0,
 };
-const NOT_NEGATIVE_TIME: NumberRule = NumberRule {
-    expected: "a number of at least 0 (seconds)",
-    holds: |x| x >= 0.0,
-};
 /// Average Velocity Timebase of an axis that is not configured otherwise, s (axis-and-data-types.md §9.1).
 const AVERAGE_VELOCITY_TIMEBASE: f64 = 0.25;
 const TIMEBASE: NumberRule = NumberRule {
@@ -206,6 +211,14 @@ const TIMEBASE: NumberRule = NumberRule {
 const SHARE: NumberRule = NumberRule {
     expected: "a number from 0 to 1",
     holds: |x| (0.0..=1.0).contains(&x),
+};
+const NOT_NEGATIVE_TIME: NumberRule = NumberRule {
+    expected: "a number, 0 or more (s)",
+    holds: |x| x >= 0.0,
+};
+const RESOLUTION: NumberRule = NumberRule {
+    expected: "a number above 0 (counts per position unit)",
+    holds: |x| x > 0.0,
 };
 const ANY: NumberRule = NumberRule {
     expected: "a finite number (position units)",

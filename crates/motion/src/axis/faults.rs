@@ -32,8 +32,8 @@ pub(crate) struct Faults {
     injected: FaultSet,
     /// Causes that are there.
     causes: FaultSet,
-    /// Causes at the last check that were there to raise a fault.
-    raising: FaultSet,
+    /// Causes that the last check found to raise a fault, but for the injected ones.
+    found: FaultSet,
     /// Faults since the last reset.
     latched: FaultSet,
     /// For how long the following error has been above its tolerance.
@@ -60,7 +60,7 @@ impl Faults {
             tolerance,
             injected: FaultSet::default(),
             causes: FaultSet::default(),
-            raising: FaultSet::default(),
+            found: FaultSet::default(),
             latched: FaultSet::default(),
             exceeded: 0.0,
             side: 0,
@@ -79,7 +79,7 @@ impl Faults {
     /// Looks for causes, once an update. Returns the strongest action of those that are faults only now.
     pub(crate) fn check(&mut self, observed: &Observed, period: f64) -> Option<ExceptionAction> {
         let mut causes = self.injected;
-        let mut raising = self.injected;
+        let mut found = FaultSet::default();
         let side = self.side_of(observed.position);
         let before = std::mem::replace(&mut self.side, side);
         self.homed = observed.homed;
@@ -87,7 +87,7 @@ impl Faults {
             if self.homed && self.side == side {
                 causes = causes.with(kind);
                 if before != side || observed.velocity * f64::from(side) > 0.0 {
-                    raising = raising.with(kind);
+                    found = found.with(kind);
                 }
             }
         }
@@ -97,15 +97,18 @@ impl Faults {
                 // Half an update: sums of periods are not exact.
                 if self.exceeded + 0.5 * period >= time {
                     causes = causes.with(FaultKind::PositionError);
-                    raising = raising.with(FaultKind::PositionError);
+                    found = found.with(FaultKind::PositionError);
                 }
                 self.exceeded += period;
             }
             _ => self.exceeded = 0.0,
         }
         self.causes = causes;
-        self.raising = raising;
-        let raised = raising.kinds().map(|kind| (kind, self.actions.of(kind)));
+        self.found = found;
+        let raised = found
+            .union(self.injected)
+            .kinds()
+            .map(|kind| (kind, self.actions.of(kind)));
         let raised = raised.filter(|(_, action)| *action >= ExceptionAction::FaultStatusOnly);
         let mut strongest = None;
         for (kind, action) in raised {
@@ -121,9 +124,7 @@ impl Faults {
     pub(crate) fn reset(&mut self) -> bool {
         self.latched = FaultSet::default();
         let faults = |kind| self.actions.of(kind) >= ExceptionAction::FaultStatusOnly;
-        let injected = self.injected.kinds().any(faults);
-        // What still raises at this update without being injected: only if it goes on it does so again.
-        !injected && !self.raising.without(self.injected).kinds().any(faults)
+        !self.injected.union(self.found).kinds().any(faults)
     }
 
     /// Whether a fault keeps the axis from being moved.

@@ -27,6 +27,8 @@ pub(crate) enum Slot {
     Gear,
     /// MCT: the axis follows another coordinate system, or is led back by it.
     Transform,
+    /// What a transform moved brakes: it was cancelled.
+    Parting,
 }
 
 impl Slot {
@@ -38,14 +40,20 @@ impl Slot {
         Slot::Home,
         Slot::Gear,
         Slot::Transform,
+        Slot::Parting,
     ];
+
+    /// Whether a transform moves the axis by it, or what is left of one.
+    pub(crate) fn is_of_transforms(self) -> bool {
+        matches!(self, Slot::Transform | Slot::Parting)
+    }
 
     const fn bit(self) -> u8 {
         1 << self as u8
     }
 }
 
-const SLOTS: usize = 7;
+const SLOTS: usize = 8;
 
 /// Displacements by kind of generator.
 pub(super) type Displacements = [f64; SLOTS];
@@ -141,6 +149,18 @@ impl Sum {
                 generator.shift += offset;
             }
         }
+    }
+
+    /// Velocity and acceleration of some kinds of generators together; the position is 0.
+    pub(crate) fn motion_of(&self, which: impl Fn(Slot) -> bool) -> Point {
+        let mut total = Point::default();
+        for (slot, generator) in self.active() {
+            if which(slot) {
+                total.velocity += generator.now.velocity;
+                total.acceleration += generator.now.acceleration;
+            }
+        }
+        total
     }
 
     /// Says where a generator that somebody else computes is, in its own frame.

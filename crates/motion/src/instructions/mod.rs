@@ -2,6 +2,7 @@
 
 mod axis_moves;
 mod mafr;
+mod mag;
 mod mam;
 mod mas;
 mod masd;
@@ -12,6 +13,7 @@ mod mclm;
 mod mcs;
 mod mcsd;
 mod mcsr;
+mod mct;
 mod mgs;
 mod mgsd;
 mod mgsp;
@@ -37,6 +39,8 @@ pub(crate) struct Layouts {
     mcs: mcs::Layout,
     mam: mam::Layout,
     mas: mas::Layout,
+    mag: mag::Layout,
+    mct: mct::Layout,
     mgs: mgs::Layout,
 }
 
@@ -50,6 +54,8 @@ impl Layouts {
             mcs: mcs::Layout::new(),
             mam: mam::Layout::new(),
             mas: mas::Layout::new(),
+            mag: mag::Layout::new(),
+            mct: mct::Layout::new(),
             mgs: mgs::Layout::new(),
         }
     }
@@ -77,6 +83,8 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Mgsp => mgsp::execute(motion, execution, call),
         Mnemonic::Mas => mas::execute(motion, execution, call),
         Mnemonic::Mam => mam::execute(motion, execution, call),
+        Mnemonic::Mag => mag::execute(motion, execution, call),
+        Mnemonic::Mct => mct::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
         _ => {
             motion.verify_operands(call)?;
