@@ -41,7 +41,7 @@ mod tests {
 
     #[test]
     fn a_step_of_velocity_is_a_ramp_over_the_timebase() {
-        for period in [0.001, 0.004, 0.05] {
+        for period in [0.001, 0.005, 0.05] {
             let mut average = Average::new(3.0, 0.25, period);
             let mut updates = 0.0;
             while updates * period < 0.5 {
