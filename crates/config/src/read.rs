@@ -4,6 +4,7 @@
 
 mod axis;
 mod dynamics;
+mod home;
 mod names;
 mod server;
 mod system;

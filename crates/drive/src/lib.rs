@@ -115,6 +115,17 @@ impl Drive {
         now
     }
 
+    /// Shifts command and actual position by an offset, as a redefinition of the axis's position does; nothing moves.
+    pub fn shift(&mut self, offset: f64) {
+        match self {
+            Drive::Ideal(actual) => actual.position += offset,
+            Drive::Servo(servo) => {
+                servo.command.position += offset;
+                servo.actual.position += offset;
+            }
+        }
+    }
+
     /// Removes torque and speed at once: the axis stands where it is.
     pub fn halt(&mut self) {
         self.place(standing(self.actual().position));

@@ -1,7 +1,8 @@
 //! Status words, from the state at a tick.
 
 use arcline_instruction_set::predefined::{
-    axis_status, cip_axis_status, coordinate_motion_status as motion, coordinate_system_status as status, motion_status,
+    axis_event, axis_status, cip_axis_status, coordinate_motion_status as motion, coordinate_system_status as status,
+    motion_status,
 };
 use arcline_planner::profile::Phase;
 
@@ -22,6 +23,12 @@ pub(crate) fn axis(axis: &Axis) -> AxisSnapshot {
     AxisSnapshot {
         fault: 0,
         status: axis_word(axis),
+        event: [
+            (axis.awaits_home_event(), axis_event::HOME_EVENT_ARMED_STATUS),
+            (axis.home_event, axis_event::HOME_EVENT_STATUS),
+        ]
+        .into_iter()
+        .fold(0, with),
         motion_status: motion_word(axis),
         cip_state: match axis.state {
             AxisState::Stopped => 2,
@@ -83,7 +90,7 @@ fn motion_word(axis: &Axis) -> u32 {
         (runs(Slot::Move), motion_status::MOVE_STATUS),
         (runs(Slot::Jog), motion_status::JOG_STATUS),
         (runs(Slot::Gear), motion_status::GEARING_STATUS),
-        (runs(Slot::Home), motion_status::HOMING_STATUS),
+        (axis.homing().is_some(), motion_status::HOMING_STATUS),
         (axis.is_coordinated(), motion_status::COORDINATED_MOTION_STATUS),
         (
             axis.command.velocity.abs() > axis.dynamics.speed,

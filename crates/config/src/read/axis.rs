@@ -4,6 +4,7 @@ use arcline_controller::machine::{Axis, AxisKind, Drive, Start, Travel};
 
 use super::NOT_NEGATIVE_LENGTH;
 use super::dynamics::Dynamics;
+use super::home::home;
 use super::names::{Taken, required_name};
 use crate::error::{ConfigError, Problem};
 use crate::section::{NumberRule, Section};
@@ -29,6 +30,7 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         };
         return Err(section.refuse_key("travel", problem));
     }
+    let home = home(section, &dynamics, unwind, servo)?;
     let drive = drive(section)?;
     let kind = match (servo, drive) {
         (true, drive) => AxisKind::Servo(drive.unwrap_or_default()),
@@ -53,6 +55,7 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         travel,
         unwind,
         start: start(section, unwind)?,
+        home,
     })
 }
 
@@ -122,6 +125,7 @@ pub(super) const AXIS: &[&str] = &[
     "unwind",
     "start",
     "drive",
+    "home",
 ];
 const START: &[&str] = &["position", "servo_on", "homed"];
 const DRIVE: &[&str] = &[
@@ -132,7 +136,7 @@ const DRIVE: &[&str] = &[
 const UNITS: &str = "a label of up to 40 bytes such as \"mm\"";
 const AXIS_TYPE: &str = "\"servo\" or \"virtual\"";
 
-const POSITIVE_LENGTH: NumberRule = NumberRule {
+pub(super) const POSITIVE_LENGTH: NumberRule = NumberRule {
     expected: "a number above 0 (position units)",
     holds: |x| x > 0.0,
 };
@@ -144,7 +148,7 @@ const SHARE: NumberRule = NumberRule {
     expected: "a number from 0 to 1",
     holds: |x| (0.0..=1.0).contains(&x),
 };
-const ANY: NumberRule = NumberRule {
+pub(super) const ANY: NumberRule = NumberRule {
     expected: "a finite number (position units)",
     holds: |_| true,
 };

@@ -1,6 +1,8 @@
 //! One axis: its state, its drive, and what moves it.
 
 pub(crate) mod generator;
+pub(crate) mod homing;
+mod sensor;
 pub(crate) mod sum;
 
 use arcline_drive::{Drive, Motion as Point};
@@ -8,8 +10,9 @@ use arcline_planner::profile::{Jerk, Limits, Profile, State};
 use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
-use crate::machine::{Axis as Description, AxisKind};
+use crate::machine::{Axis as Description, AxisKind, Home};
 use generator::Generator;
+use homing::Homing;
 use sum::{Slot, Sum};
 
 /// The axis state machine (spec/axis-and-data-types.md §12), as far as instructions see it.
@@ -38,6 +41,12 @@ pub(crate) struct Axis {
     /// Something began since the command of this tick was computed.
     pub(crate) stale: bool,
     pub(crate) homed: bool,
+    pub(crate) home: Home,
+    pub(crate) homing: Option<Homing>,
+    /// The home event of the last MAH came.
+    pub(crate) home_event: bool,
+    /// What positions have been redefined by since the start, in all.
+    pub(crate) redefined: f64,
     /// Command and actual position when the last motion began.
     pub(crate) started_at: [f64; 2],
     pub(crate) dynamics: AxisDynamics,
@@ -92,6 +101,10 @@ impl Axis {
             sum: Sum::at_rest(position),
             stale: false,
             homed: description.start.homed,
+            home: description.home,
+            homing: None,
+            home_event: false,
+            redefined: 0.0,
             started_at: [position; 2],
             dynamics: AxisDynamics {
                 speed: description.max_speed,
@@ -240,6 +253,29 @@ impl Axis {
         self.drive.halt();
         self.stand_at(self.drive.actual().position);
         self.state = AxisState::Starting;
+    }
+
+    /// Shifts every position of the axis by an offset; nothing moves and the following error stays.
+    pub(crate) fn redefine(&mut self, offset: f64) {
+        self.sum.redefine(offset);
+        self.drive.shift(offset);
+        self.redefined += offset;
+        self.command = self.sum.command();
+    }
+
+    /// Shifts every position so that the command is at one, to the last bit.
+    pub(crate) fn redefine_command(&mut self, position: f64) {
+        // What the first shift rounds off, the second one adds.
+        for _ in 0..2 {
+            self.redefine(position - self.command.position);
+        }
+    }
+
+    /// The same for the actual position.
+    pub(crate) fn redefine_actual(&mut self, position: f64) {
+        for _ in 0..2 {
+            self.redefine(position - self.drive.actual().position);
+        }
     }
 
     fn stand_at(&mut self, position: f64) {

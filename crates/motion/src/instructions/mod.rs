@@ -2,6 +2,7 @@
 
 mod axis_moves;
 mod mafr;
+mod mah;
 mod mam;
 mod mas;
 mod masd;
@@ -13,6 +14,7 @@ mod mcs;
 mod mcsd;
 mod mcsr;
 mod moves;
+mod mrp;
 mod msf;
 mod mso;
 
@@ -32,6 +34,7 @@ pub(crate) struct Layouts {
     mcs: mcs::Layout,
     mam: mam::Layout,
     mas: mas::Layout,
+    mrp: mrp::Layout,
 }
 
 impl Layouts {
@@ -44,6 +47,7 @@ impl Layouts {
             mcs: mcs::Layout::new(),
             mam: mam::Layout::new(),
             mas: mas::Layout::new(),
+            mrp: mrp::Layout::new(),
         }
     }
 }
@@ -66,6 +70,8 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Masr => masr::execute(motion, execution, call),
         Mnemonic::Mas => mas::execute(motion, execution, call),
         Mnemonic::Mam => mam::execute(motion, execution, call),
+        Mnemonic::Mah => mah::execute(motion, execution, call),
+        Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
         _ => {
             motion.verify_operands(call)?;

@@ -17,6 +17,10 @@ impl Motion {
     pub(super) fn advance_axes(&mut self) {
         let period = self.clock.period();
         for index in 0..self.axes.len() {
+            if self.axes[index].homing.is_some() {
+                self.advance_homing(index as u16);
+                continue;
+            }
             let axis = &mut self.axes[index];
             axis.advance(&self.clock);
             axis.follow(period);
@@ -72,6 +76,7 @@ impl Motion {
     /// As [`Motion::stop_axis`], at given rates.
     pub(crate) fn stop_axis_at(&mut self, axis: u16, limits: &Limits, execution: Option<Execution>) {
         let at = usize::from(axis);
+        self.end_passive_homing(axis);
         if !self.axes[at].in_motion() {
             return;
         }
@@ -97,11 +102,15 @@ impl Motion {
         self.axes[at].stale = true;
     }
 
-    /// ACCEL and DECEL of what is under way, and PC of what has come to its end.
-    fn report_generators(&mut self, axis: u16) {
+    /// ACCEL and DECEL of what is under way, and PC of what has come to its end. Homing tells its end by itself.
+    pub(super) fn report_generators(&mut self, axis: u16) {
         let at = usize::from(axis);
         let tick = self.clock.tick;
+        let is_driven_home = self.axes[at].is_driven_home();
         for slot in Slot::ALL {
+            if slot == Slot::Home && is_driven_home {
+                continue;
+            }
             let Some(generator) = self.axes[at].sum.get_mut(slot) else {
                 continue;
             };
