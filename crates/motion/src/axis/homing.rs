@@ -215,19 +215,27 @@ impl Axis {
                 }
                 drive
             };
+            // A step too short for the drive is a straight one.
+            let actual = |until: f64| {
+                let now = self.drive.actual();
+                match until - driven_to {
+                    short if short < SHORTEST_STEP => now.position + short * now.velocity,
+                    _ => cycled(self.drive, until).actual().position,
+                }
+            };
             let mut next = cycled(self.drive, until);
             let mut reached = until;
             let mut event = None;
             if let Some(Stage::Seeking { place, direction, .. }) = stage {
                 let place = place + self.redefined;
-                let passed = |drive: &Drive| direction * (drive.actual().position - place) >= 0.0;
-                if passed(&self.drive) {
+                let passed = |position: f64| direction * (position - place) >= 0.0;
+                if passed(actual(at)) {
                     (next, reached, event) = (self.drive, at, Some(at));
-                } else if passed(&next) {
-                    let (mut before, mut behind) = (driven_to, until);
+                } else if passed(next.actual().position) {
+                    let (mut before, mut behind) = (at, until);
                     for _ in 0..BISECTIONS {
                         let middle = 0.5 * (before + behind);
-                        if passed(&cycled(self.drive, middle)) {
+                        if passed(actual(middle)) {
                             behind = middle;
                         } else {
                             before = middle;
