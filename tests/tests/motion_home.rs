@@ -203,7 +203,7 @@ fn the_bits_of_homing_at_their_ticks() {
         "a new MAH clears AxisHomedStatus"
     );
     // 40 / 50 + 50 / 1000 / 2 s to the switch; 50 / 1000 s to stand; 20 / 1000 s and 1.05 / 20 s back to its edge.
-    let expected = 825.0 + 50.0 + 20.0 + (1.25 - 0.2) / 20.0 * 1000.0;
+    let expected: f64 = 825.0 + 50.0 + 20.0 + (1.25 - 0.2) / 20.0 * 1000.0;
     while event(&bench) == ARMED {
         bench.tick();
     }

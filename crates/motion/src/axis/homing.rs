@@ -292,6 +292,7 @@ impl Axis {
         let way = self.home.direction;
         match homing.stage {
             Stage::Clearing if self.home.sequence == HomeSequence::Immediate => {
+                self.end(Slot::Home);
                 self.take_home_position();
                 true
             }
