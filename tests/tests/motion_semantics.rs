@@ -89,7 +89,6 @@ fn what_later_issues_bring_is_bound_verified_and_refused() {
         ("MGS(Motion,M,3)", (13, 2)),
         ("MGSD(Motion,M)", (99, 0)),
         ("MDCC(CS1,A,M,0,50)", (99, 0)),
-        ("MCT(CS2,CS3,M,[0,0,0],[0,0,0])", (99, 0)),
         ("MCLM(CS1,M,0,[9,0,0], 50,0,500,0,500,0,1,100,100,2,1,0,0,0,0,0,[0])", (99, 0)),
     ];
     for (call, expected) in cases {

@@ -112,6 +112,21 @@ const SECTIONS: &[&str] = &[
     "instruction",
     "tag",
 ];
+/// Every key that is read, by the heading of its table in docs/CONFIGURATION.md.
+#[cfg(test)]
+pub(crate) const KEYS: &[(&str, &[&str])] = &[
+    ("## `[server]`", server::SERVER),
+    ("## `[motion_group]`", MOTION_GROUP),
+    ("## `[[axis]]`", AXIS),
+    ("### `start = { … }`", axis::START),
+    ("### `drive = { … }`", axis::DRIVE),
+    ("### `travel = { … }`", axis::TRAVEL),
+    ("## `[[coordinate_system]]`", COORDINATE_SYSTEM),
+    ("## `[[transform]]`", TRANSFORM),
+    ("## `[[instruction]]`", tags::INSTRUCTION),
+    ("## `[[tag]]`", tags::TAG),
+];
+
 const MOTION_GROUP: &[&str] = &["name", "coarse_update_period_ms"];
 
 const PERIOD: NumberRule = NumberRule {

@@ -12,10 +12,13 @@ use arcline_planner::precise::{AxisLimits, Trajectory};
 
 use crate::axis::{Axis, AxisState};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
+use crate::follow::order::Order;
+use crate::follow::transform::Link;
 use crate::instructions::{self, Layouts};
 use crate::machine::Machine;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::status;
+use crate::stop::Stop;
 use crate::system::System;
 
 pub(crate) use advance::MAX_ENDS_PER_TICK;
@@ -28,12 +31,18 @@ pub struct Motion {
     pub(crate) systems: Vec<System>,
     pub(crate) controls: Controls,
     pub(crate) layouts: Layouts,
+    /// Transforms under way, at the place of their target system.
+    pub(crate) links: Vec<Option<Link>>,
+    /// The order of a tick while some axes follow others.
+    pub(crate) order: Order,
     /// Trajectories that are no longer needed, to be freed outside the tick.
     #[expect(
         clippy::vec_box,
         reason = "taken out of its box, the box would be freed within the tick"
     )]
     pub(crate) retired: Vec<Box<Trajectory>>,
+    /// The group's stop that is under way (MGS).
+    pub(crate) group_stop: Option<Stop>,
     messages: Vec<Message>,
 }
 
@@ -61,7 +70,10 @@ impl Motion {
             systems: systems(machine),
             controls: Controls::new(),
             layouts: Layouts::new(),
+            links: vec![None; machine.systems.len()],
+            order: Order::new(machine.axes.len(), machine.systems.len()),
             retired: Vec::with_capacity(2 * machine.systems.len()),
+            group_stop: None,
             messages: Vec::with_capacity(MESSAGES),
         }
     }
@@ -85,6 +97,7 @@ impl Motion {
         for index in 0..self.systems.len() {
             self.finish_stop(index);
         }
+        self.finish_group_stop();
         self.update_tolerances();
     }
 
@@ -114,12 +127,14 @@ impl Motion {
 
     /// Closes the tick: what instructions began at it shows in its commands, and every change is reported.
     pub fn finish(&mut self, report: impl FnMut(&Event)) {
+        let mut changed = false;
         for index in 0..self.systems.len() {
             if std::mem::take(&mut self.systems[index].stale) {
                 self.sample_system(index);
+                changed = true;
             }
         }
-        self.refresh_axes();
+        self.refresh_axes(changed);
         self.controls.drain(self.clock.tick, report);
     }
 
@@ -135,6 +150,7 @@ impl Motion {
     /// Whether nothing moves and nothing is under way that would end.
     pub fn at_rest(&self) -> bool {
         self.messages.is_empty()
+            && self.group_stop.is_none()
             && self
                 .systems
                 .iter()
@@ -182,12 +198,17 @@ impl Motion {
 
     /// Every axis at the present tick, in configuration order.
     pub fn axes(&self) -> impl Iterator<Item = AxisSnapshot> {
-        self.axes.iter().map(status::axis)
+        self.axes.iter().map(|axis| status::axis(axis, &self.clock))
     }
 
     /// Every coordinate system at the present tick, in configuration order.
     pub fn systems(&self) -> impl Iterator<Item = SystemSnapshot> {
-        self.systems.iter().map(|system| status::system(system, &self.axes))
+        let role = |index: usize| status::Role {
+            source: self.links().any(|(_, link)| link.from == index),
+            target: self.links.get(index).is_some_and(Option::is_some),
+        };
+        let systems = self.systems.iter().enumerate();
+        systems.map(move |(index, system)| status::system(system, &self.axes, role(index)))
     }
 
     // What instructions use
@@ -196,6 +217,14 @@ impl Motion {
         call.target
             .filter(|index| usize::from(*index) < self.axes.len())
             .ok_or(instructions::no_target())
+    }
+
+    /// There is one motion group.
+    pub(crate) fn target_group(&self, call: &Call) -> Result<(), MotionError> {
+        match call.target {
+            Some(0) => Ok(()),
+            _ => Err(instructions::no_target()),
+        }
     }
 
     pub(crate) fn target_system(&self, call: &Call) -> Result<usize, MotionError> {
@@ -240,6 +269,11 @@ impl Motion {
     pub(crate) fn is_redefining(&self, axis: u16) -> bool {
         let redefines = |message: &Message| message.axis == axis && message.execution.mnemonic == Mnemonic::Mrp;
         self.messages.iter().any(redefines)
+    }
+
+    /// Sets DN at the next update.
+    pub(crate) fn done_at_next_update(&mut self, execution: Execution) {
+        self.done_next_update(execution, 0, None);
     }
 
     /// Ends a move's instruction: it will never report again.

@@ -23,6 +23,8 @@ pub struct AxisSnapshot {
     pub position_error: f64,
     /// StartCommandPosition, StartActualPosition.
     pub started_at: [f64; 2],
+    /// StrobeCommandPosition, StrobeActualPosition.
+    pub strobed: [f64; 2],
 }
 
 /// One coordinate system: the words of its tag (spec/axis-and-data-types.md §8.3).

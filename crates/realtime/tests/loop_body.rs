@@ -1,6 +1,6 @@
 //! The loop body allocates nothing, and what a tick says of itself is out before its snapshot.
 
-use arcline_controller::machine::{Axis, AxisKind, CoordinateSystem, Drive, Machine, Start};
+use arcline_controller::machine::{Axis, AxisKind, CoordinateSystem, Drive, Machine, ProgrammedStopMode, Start};
 use arcline_controller::{Command, Controller, Ticket};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MAX_OPERANDS, Mnemonic, RealArray};
 use arcline_realtime::{Options, link, spawn, step};
@@ -22,6 +22,7 @@ fn machine(period_ns: u64) -> Machine {
         travel: None,
         unwind: None,
         start: Start::default(),
+        programmed_stop_mode: ProgrammedStopMode::default(),
     };
     Machine {
         period_ns,

@@ -1,9 +1,9 @@
 //! An `[[axis]]` table.
 
-use arcline_controller::machine::{Axis, AxisKind, Drive, Start, Travel};
+use arcline_controller::machine::{Axis, AxisKind, Drive, ProgrammedStopMode, Start, Travel};
 
 use super::NOT_NEGATIVE_LENGTH;
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, POSITIVE_RATE, POSITIVE_SPEED};
 use super::home::home;
 use super::names::{Taken, required_name};
 use crate::error::{ConfigError, Problem};
@@ -56,11 +56,12 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         unwind,
         start: start(section, unwind)?,
         home,
+        programmed_stop_mode: stop_mode(section)?,
     })
 }
 
 fn travel(axis: &Section<'_>) -> Result<Option<Travel>, ConfigError> {
-    let (section, present) = axis.table("travel", &["min", "max"], "{ min = NUMBER, max = NUMBER }")?;
+    let (section, present) = axis.table("travel", TRAVEL, "{ min = NUMBER, max = NUMBER }")?;
     if !present {
         return Ok(None);
     }
@@ -83,11 +84,25 @@ fn drive(axis: &Section<'_>) -> Result<Option<Drive>, ConfigError> {
     let bandwidth = section.number("position_bandwidth_hz", &BANDWIDTH)?;
     let feedforward = section.number("velocity_feedforward", &SHARE)?;
     let tolerance = section.number("position_error_tolerance", &NOT_NEGATIVE_LENGTH)?;
+    let tolerance_time = section.number("position_error_tolerance_time", &NOT_NEGATIVE_TIME)?;
+    let speed_limit = section.number("speed_limit", &POSITIVE_SPEED)?;
+    let torque_limit = section.number("torque_limit", &POSITIVE_RATE)?;
+    let encoder_resolution = section.number("encoder_resolution", &RESOLUTION)?;
     Ok(present.then(|| Drive {
         position_bandwidth_hz: bandwidth.unwrap_or(default.position_bandwidth_hz),
         velocity_feedforward: feedforward.unwrap_or(default.velocity_feedforward),
         position_error_tolerance: tolerance.unwrap_or(default.position_error_tolerance),
+        position_error_tolerance_time: tolerance_time.unwrap_or(default.position_error_tolerance_time),
+        speed_limit,
+        torque_limit,
+        encoder_resolution,
     }))
+}
+
+fn stop_mode(axis: &Section<'_>) -> Result<ProgrammedStopMode, ConfigError> {
+    let words = ProgrammedStopMode::ALL.map(|(word, _)| word);
+    let place = axis.word("programmed_stop_mode", &words, STOP_MODE)?;
+    Ok(place.map_or_else(ProgrammedStopMode::default, |place| ProgrammedStopMode::ALL[place].1))
 }
 
 fn start(axis: &Section<'_>, unwind: Option<f64>) -> Result<Start, ConfigError> {
@@ -126,14 +141,21 @@ pub(super) const AXIS: &[&str] = &[
     "start",
     "drive",
     "home",
+    "programmed_stop_mode",
 ];
-const START: &[&str] = &["position", "servo_on", "homed"];
-const DRIVE: &[&str] = &[
+pub(super) const START: &[&str] = &["position", "servo_on", "homed"];
+pub(super) const TRAVEL: &[&str] = &["min", "max"];
+pub(super) const DRIVE: &[&str] = &[
     "position_bandwidth_hz",
     "velocity_feedforward",
     "position_error_tolerance",
+    "position_error_tolerance_time",
+    "speed_limit",
+    "torque_limit",
+    "encoder_resolution",
 ];
 const UNITS: &str = "a label of up to 40 bytes such as \"mm\"";
+const STOP_MODE: &str = "\"fast_stop\", \"fast_disable\", \"hard_disable\", \"fast_shutdown\" or \"hard_shutdown\"";
 const AXIS_TYPE: &str = "\"servo\" or \"virtual\"";
 
 pub(super) const POSITIVE_LENGTH: NumberRule = NumberRule {
@@ -147,6 +169,14 @@ const BANDWIDTH: NumberRule = NumberRule {
 const SHARE: NumberRule = NumberRule {
     expected: "a number from 0 to 1",
     holds: |x| (0.0..=1.0).contains(&x),
+};
+const NOT_NEGATIVE_TIME: NumberRule = NumberRule {
+    expected: "a number, 0 or more (s)",
+    holds: |x| x >= 0.0,
+};
+const RESOLUTION: NumberRule = NumberRule {
+    expected: "a number above 0 (counts per position unit)",
+    holds: |x| x > 0.0,
 };
 pub(super) const ANY: NumberRule = NumberRule {
     expected: "a finite number (position units)",

@@ -40,7 +40,7 @@ pub(crate) const DEFAULT_HMI: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(
 /// The Identity object's Product Name is a SHORT_STRING of up to 32 characters.
 const MAX_PRODUCT_NAME: usize = 32;
 
-const SERVER: &[&str] = &["name", "listen", "hmi"];
+pub(super) const SERVER: &[&str] = &["name", "listen", "hmi"];
 
 const PRODUCT_NAME: &str = "1 to 32 printable ASCII characters";
 const LISTEN: &str = "an address and port such as \"127.0.0.1:44818\"";

@@ -110,8 +110,8 @@ const MAX_TAGS: usize = 4096;
 /// Elements of one array.
 const MAX_ELEMENTS: u32 = 65_535;
 
-const INSTRUCTION: &[&str] = &["tag", "type", "target"];
-const TAG: &[&str] = &["name", "type"];
+pub(super) const INSTRUCTION: &[&str] = &["tag", "type", "target"];
+pub(super) const TAG: &[&str] = &["name", "type"];
 const TYPE_NAMES: &[&str] = &[
     "BOOL", "SINT", "INT", "DINT", "LINT", "USINT", "UINT", "UDINT", "REAL", "LREAL", "STRING",
 ];

@@ -147,7 +147,7 @@ impl Encoder {
 impl AxisLayout {
     fn new(template: &Template) -> Self {
         use AxisField::{CipState, CipStatus, Event, Fault, MotionStatus, Real, Status};
-        let fields: [(&str, AxisField); 20] = [
+        let fields: [(&str, AxisField); 22] = [
             ("AxisFault", Fault),
             ("AxisStatus", Status),
             ("AxisEvent", Event),
@@ -166,6 +166,8 @@ impl AxisLayout {
             ("PositionError", Real(|axis| axis.position_error)),
             ("StartCommandPosition", Real(|axis| axis.started_at[0])),
             ("StartActualPosition", Real(|axis| axis.started_at[1])),
+            ("StrobeCommandPosition", Real(|axis| axis.strobed[0])),
+            ("StrobeActualPosition", Real(|axis| axis.strobed[1])),
             ("InterpolatedActualPosition", Real(|axis| axis.actual[0])),
             ("InterpolatedCommandPosition", Real(|axis| axis.command[0])),
         ];

@@ -10,8 +10,9 @@ use arcline_planner::profile::{Jerk, Limits, Profile, State};
 use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
-use crate::machine::{Axis as Description, AxisKind, Home};
-use generator::Generator;
+use crate::follow::gear::Gear;
+use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
+use generator::{Generator, Law};
 use homing::Homing;
 use sum::{Slot, Sum};
 
@@ -30,6 +31,18 @@ pub(crate) enum AxisState {
     Shutdown,
 }
 
+/// What becomes of an axis that has been stopped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum AfterStop {
+    /// The servo stays on.
+    #[default]
+    Hold,
+    /// Servo off.
+    Disable,
+    /// Shutdown.
+    Shutdown,
+}
+
 /// An axis at the present tick.
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
@@ -45,13 +58,32 @@ pub(crate) struct Axis {
     pub(crate) homing: Option<Homing>,
     /// The home event of the last MAH came.
     pub(crate) home_event: bool,
-    /// What positions have been redefined by since the start, in all.
+    /// What positions were shifted by so far without motion: who follows the axis subtracts its changes.
     pub(crate) redefined: f64,
     /// Command and actual position when the last motion began.
     pub(crate) started_at: [f64; 2],
     pub(crate) dynamics: AxisDynamics,
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
+    pub(crate) linked: Linked,
+    pub(crate) stop_mode: ProgrammedStopMode,
+    /// What happens when the stop that is under way has ended.
+    pub(crate) after_stop: AfterStop,
+    /// Command and actual position at the last MGSP, as shown.
+    pub(crate) strobed: [f64; 2],
+}
+
+/// An axis's part in transforms (`crate::follow::transform`).
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Linked {
+    /// Transforms under way that it is part of.
+    pub(crate) links: u16,
+    /// Where it would be led to when nothing leads it any more, in the frame of its generator.
+    pub(crate) rest: f64,
+    /// What transforms that are over had led it back by.
+    pub(crate) settled: f64,
+    /// A transform moves it.
+    pub(crate) controlled: bool,
 }
 
 /// The maxima of an axis: units/s, units/s², units/s³.
@@ -86,7 +118,7 @@ impl Axis {
         let (drive, state) = match &description.kind {
             AxisKind::Virtual => (Drive::ideal(position), AxisState::Running),
             AxisKind::Servo(drive) => (
-                Drive::servo(position, drive.position_bandwidth_hz, drive.velocity_feedforward),
+                Drive::servo(position, &drive.settings()),
                 if description.start.servo_on {
                     AxisState::Running
                 } else {
@@ -115,12 +147,39 @@ impl Axis {
             },
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
+            linked: Linked::default(),
+            stop_mode: description.programmed_stop_mode,
+            after_stop: AfterStop::Hold,
+            strobed: [0.0; 2],
         }
     }
 
     /// Whether something moves the axis, or holds it to move it.
     pub(crate) fn in_motion(&self) -> bool {
-        !self.sum.is_idle()
+        self.linked.controlled || self.moves_itself()
+    }
+
+    /// The same, but for transforms.
+    pub(crate) fn moves_itself(&self) -> bool {
+        self.sum.active().any(|(slot, _)| slot != Slot::Transform)
+    }
+
+    /// Whether it is part of a transform.
+    pub(crate) fn is_linked(&self) -> bool {
+        self.linked.links > 0
+    }
+
+    /// The master and the law of its gearing.
+    pub(crate) fn gear(&self) -> Option<&Gear> {
+        match &self.sum.get(Slot::Gear)?.law {
+            Law::Geared(gear) => Some(gear),
+            _ => None,
+        }
+    }
+
+    /// Whether its drive follows the command.
+    pub(crate) fn has_torque(&self) -> bool {
+        matches!(self.state, AxisState::Running | AxisState::Starting)
     }
 
     /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others.
@@ -134,6 +193,16 @@ impl Axis {
     pub(crate) fn is_stopping(&self) -> bool {
         let braking = |slot| self.sum.get(slot).is_some_and(|generator| generator.stopping);
         braking(Slot::Stop) || braking(Slot::System)
+    }
+
+    /// Whether anything on the axis brakes that a coordinate system's stop waits for.
+    pub(crate) fn is_braking(&self) -> bool {
+        self.is_stopping() || self.sum.is_active(Slot::Parting)
+    }
+
+    /// Whether something brakes that a cancelled transform had moved.
+    pub(crate) fn is_parting(&self) -> bool {
+        self.sum.active().any(|(_, generator)| generator.parting)
     }
 
     /// Whether a coordinate system moves the axis, and not only its brake.
@@ -210,9 +279,34 @@ impl Axis {
         stop.execution = execution;
         stop.stopping = true;
         stop.s_curve = limits.jerk.is_some();
+        stop.parting = self.is_parting();
+        self.after_stop = AfterStop::Hold;
         self.sum.place(position);
         self.begin(Slot::Stop, stop);
         self.started_at = started_at;
+    }
+
+    /// What a cancelled transform moved brakes, together with what earlier ones did.
+    pub(crate) fn part(&mut self, moved: Point, limits: &Limits, now: Instant) {
+        let mut from = State {
+            position: self.command.position,
+            velocity: moved.velocity,
+            acceleration: moved.acceleration,
+        };
+        if let Some(earlier) = self.sum.get(Slot::Parting) {
+            from.velocity += earlier.now.velocity;
+            from.acceleration += earlier.now.acceleration;
+        }
+        if limits.jerk.is_none() {
+            from.acceleration = 0.0;
+        }
+        let mut generator = Generator::planned(Profile::stop(from, limits), now);
+        generator.stopping = true;
+        generator.parting = true;
+        generator.s_curve = limits.jerk.is_some();
+        self.sum.begin(Slot::Parting, generator);
+        self.command = self.sum.command();
+        self.stale = true;
     }
 
     /// Whether anything on the axis is an S-curve: a stop of everything is one then.
@@ -220,9 +314,9 @@ impl Axis {
         self.sum.active().any(|(_, generator)| generator.s_curve)
     }
 
-    /// The command at the present tick, but for what a coordinate system gives.
+    /// The command at the present tick, but for what a coordinate system or homing gives.
     pub(crate) fn advance(&mut self, clock: &Clock) {
-        if !self.sum.is_idle() {
+        if !self.sum.is_idle() && !self.is_driven_home() {
             self.sum.advance(clock);
             self.command = self.sum.command();
         }
@@ -230,18 +324,18 @@ impl Axis {
 
     /// The drive follows the command over the period that ends now; without torque, the command follows it.
     pub(crate) fn follow(&mut self, period: f64) {
-        match self.state {
-            AxisState::Running | AxisState::Starting => self.drive.cycle(self.command, period),
-            AxisState::Stopped | AxisState::Stopping | AxisState::Shutdown => {
-                let now = self.drive.coast(period);
-                self.stand_at(now.position);
-            }
+        if self.has_torque() {
+            self.drive.cycle(self.command, period);
+        } else {
+            let now = self.drive.coast(period);
+            self.stand_at(now.position);
         }
     }
 
     /// Opens the loop: whatever moved the axis is over. Whoever had begun it is told nothing here.
     pub(crate) fn disable(&mut self, state: AxisState) {
         self.state = state;
+        self.stale = true;
         if self.is_virtual {
             self.drive.halt();
         }
@@ -253,14 +347,14 @@ impl Axis {
         self.drive.halt();
         self.stand_at(self.drive.actual().position);
         self.state = AxisState::Starting;
+        self.stale = true;
     }
 
-    /// Shifts every position of the axis by an offset; nothing moves and the following error stays.
-    pub(crate) fn redefine(&mut self, offset: f64) {
-        self.sum.redefine(offset);
-        self.drive.shift(offset);
-        self.redefined += offset;
-        self.command = self.sum.command();
+    /// An axis without a drive stands somewhere else at once; that is no motion that others would follow.
+    pub(crate) fn set_virtual(&mut self, position: f64) {
+        self.redefine(position - self.command.position);
+        self.stand_at(position);
+        self.drive.cycle(self.command, 0.0);
     }
 
     /// Shifts every position so that the command is at one, to the last bit.
@@ -279,8 +373,22 @@ impl Axis {
     }
 
     fn stand_at(&mut self, position: f64) {
+        self.after_stop = AfterStop::Hold;
         self.sum.place(position);
         self.command = standing(position);
+    }
+
+    /// Shifts every position by an offset: command, actual, and the ends of what runs. Nothing moves.
+    pub(crate) fn redefine(&mut self, offset: f64) {
+        self.sum.redefine(offset);
+        self.shift(offset);
+    }
+
+    /// The drive goes along with a command whose positions were shifted.
+    fn shift(&mut self, offset: f64) {
+        self.drive.redefine(offset);
+        self.command = self.sum.command();
+        self.redefined += offset;
     }
 
     /// A position as the axis shows it: rotary ones within one turn.

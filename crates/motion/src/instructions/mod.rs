@@ -2,6 +2,7 @@
 
 mod axis_moves;
 mod mafr;
+mod mag;
 mod mah;
 mod mam;
 mod mas;
@@ -13,6 +14,11 @@ mod mclm;
 mod mcs;
 mod mcsd;
 mod mcsr;
+mod mct;
+mod mgs;
+mod mgsd;
+mod mgsp;
+mod mgsr;
 mod moves;
 mod mrp;
 mod msf;
@@ -34,6 +40,9 @@ pub(crate) struct Layouts {
     mcs: mcs::Layout,
     mam: mam::Layout,
     mas: mas::Layout,
+    mag: mag::Layout,
+    mct: mct::Layout,
+    mgs: mgs::Layout,
     mrp: mrp::Layout,
 }
 
@@ -47,6 +56,9 @@ impl Layouts {
             mcs: mcs::Layout::new(),
             mam: mam::Layout::new(),
             mas: mas::Layout::new(),
+            mag: mag::Layout::new(),
+            mct: mct::Layout::new(),
+            mgs: mgs::Layout::new(),
             mrp: mrp::Layout::new(),
         }
     }
@@ -68,8 +80,14 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Msf => msf::execute(motion, execution, call),
         Mnemonic::Masd => masd::execute(motion, execution, call),
         Mnemonic::Masr => masr::execute(motion, execution, call),
+        Mnemonic::Mgs => mgs::execute(motion, execution, call),
+        Mnemonic::Mgsd => mgsd::execute(motion, execution, call),
+        Mnemonic::Mgsr => mgsr::execute(motion, execution, call),
+        Mnemonic::Mgsp => mgsp::execute(motion, execution, call),
         Mnemonic::Mas => mas::execute(motion, execution, call),
         Mnemonic::Mam => mam::execute(motion, execution, call),
+        Mnemonic::Mag => mag::execute(motion, execution, call),
+        Mnemonic::Mct => mct::execute(motion, execution, call),
         Mnemonic::Mah => mah::execute(motion, execution, call),
         Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),

@@ -254,7 +254,8 @@ pub(super) fn execute(
 fn terminated(motion: &Motion, index: usize, merge: i32) -> Momentum {
     let quantity = |axis: &Axis| match merge {
         MERGE_DISABLED => Default::default(),
-        MERGE_ALL => axis.command,
+        // A transform goes on.
+        MERGE_ALL => axis.sum.own_motion(Slot::Transform),
         _ => axis
             .sum
             .get(Slot::System)

@@ -7,6 +7,7 @@ use arcline_planner::profile::{Limits, Phase};
 
 use super::Motion;
 use crate::axis::sum::Slot;
+use crate::axis::{AfterStop, Axis, AxisState};
 use crate::control::Execution;
 
 /// What single-axis instructions begin.
@@ -15,28 +16,27 @@ pub(crate) const SINGLE_AXIS: [Slot; 4] = [Slot::Move, Slot::Jog, Slot::Home, Sl
 impl Motion {
     /// Commands and drives of all axes at the present tick, and what came to its end.
     pub(super) fn advance_axes(&mut self) {
-        let period = self.clock.period();
+        if !self.order.is_empty() {
+            self.advance_followers();
+            return;
+        }
         for index in 0..self.axes.len() {
-            if self.axes[index].homing.is_some() {
-                self.advance_homing(index as u16);
-                continue;
-            }
-            let axis = &mut self.axes[index];
-            axis.advance(&self.clock);
-            axis.follow(period);
-            if axis.in_motion() {
-                self.report_generators(index as u16);
-            }
+            self.axes[index].advance(&self.clock);
+            self.follow_command(index as u16);
         }
     }
 
-    /// What instructions began at this tick shows in the commands of it.
-    pub(super) fn refresh_axes(&mut self) {
+    /// What instructions began at this tick shows in the commands of it. `changed`: coordinated motion began or changed.
+    pub(super) fn refresh_axes(&mut self, mut changed: bool) {
         for index in 0..self.axes.len() {
             if std::mem::take(&mut self.axes[index].stale) {
+                changed = true;
                 self.axes[index].advance(&self.clock);
                 self.report_generators(index as u16);
             }
+        }
+        if changed && !self.order.is_empty() {
+            self.refresh_followers();
         }
     }
 
@@ -58,15 +58,16 @@ impl Motion {
         }
     }
 
-    /// Ends everything on an axis without PC.
+    /// Ends everything on an axis without PC, and the transforms that it is part of.
     pub(crate) fn end_generators(&mut self, axis: u16) {
+        self.cancel_transforms_of(axis);
         for slot in Slot::ALL {
             self.end_generator(axis, slot);
         }
     }
 
     /// Stops everything on an axis as one deceleration at the axis's own maxima, and reports to `execution` when it
-    /// stands. Coordinated motion must have been ended.
+    /// stands. Coordinated motion must have been ended; transforms that the axis is part of are cancelled.
     pub(crate) fn stop_axis(&mut self, axis: u16, execution: Option<Execution>) {
         let state = &self.axes[usize::from(axis)];
         let limits = state.dynamics.stop(state.is_s_curve());
@@ -77,6 +78,7 @@ impl Motion {
     pub(crate) fn stop_axis_at(&mut self, axis: u16, limits: &Limits, execution: Option<Execution>) {
         let at = usize::from(axis);
         self.end_passive_homing(axis);
+        self.cancel_transforms_of(axis);
         if !self.axes[at].in_motion() {
             return;
         }
@@ -102,8 +104,34 @@ impl Motion {
         self.axes[at].stale = true;
     }
 
+    /// What becomes of an axis that stands after a stop.
+    pub(crate) fn stand(&mut self, axis: u16, after: AfterStop) {
+        let state = &mut self.axes[usize::from(axis)];
+        match after {
+            AfterStop::Hold => {}
+            AfterStop::Disable if state.is_virtual => {}
+            AfterStop::Disable => {
+                if matches!(state.state, AxisState::Running | AxisState::Starting) {
+                    state.disable(AxisState::Stopped);
+                }
+            }
+            AfterStop::Shutdown => state.disable(AxisState::Shutdown),
+        }
+    }
+
+    /// The group's stop is over when every axis that it stopped is at rest.
+    pub(super) fn finish_group_stop(&mut self) {
+        let Some(stop) = self.group_stop else { return };
+        let moves = |axis: &Axis| axis.is_stopping() || axis.drive.actual().velocity != 0.0 && !axis.has_torque();
+        let mut axes = self.axes.iter().enumerate();
+        if !axes.any(|(index, axis)| stop.braking.contains(index as u16) && moves(axis)) {
+            self.group_stop = None;
+            self.end_move(stop.execution, Flag::Pc.mask());
+        }
+    }
+
     /// ACCEL and DECEL of what is under way, and PC of what has come to its end. Homing tells its end by itself.
-    pub(super) fn report_generators(&mut self, axis: u16) {
+    pub(crate) fn report_generators(&mut self, axis: u16) {
         let at = usize::from(axis);
         let tick = self.clock.tick;
         let is_driven_home = self.axes[at].is_driven_home();
@@ -121,6 +149,10 @@ impl Motion {
                 self.axes[at].end(slot);
                 if let Some(execution) = execution {
                     self.end_move(execution, Flag::Pc.mask());
+                }
+                if slot == Slot::Stop {
+                    let after = std::mem::take(&mut self.axes[at].after_stop);
+                    self.stand(axis, after);
                 }
             } else if let Some(execution) = execution
                 && changed

@@ -5,7 +5,6 @@
 use arcline_instruction_set::{AxisIndex, Flag, MotionError};
 
 use super::Motion;
-use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::machine::HomeMode;
 
@@ -39,14 +38,14 @@ impl Motion {
 
     /// Homing and redefining the position would break the link of an axis that a transform moves.
     pub(crate) fn not_in_transform(&self, axis: u16) -> Result<(), MotionError> {
-        if self.axes[usize::from(axis)].sum.is_active(Slot::Transform) {
+        if self.axes[usize::from(axis)].is_linked() {
             return Err(MotionError::AxisInTransformMotion(AxisIndex(0)));
         }
         Ok(())
     }
 
-    /// An axis that is homed, at the present tick.
-    pub(super) fn advance_homing(&mut self, axis: u16) {
+    /// The drive of an axis follows its command, and what has come to its end is told. Homing commands it here.
+    pub(crate) fn follow_command(&mut self, axis: u16) {
         let at = usize::from(axis);
         let period = self.clock.period();
         let state = &mut self.axes[at];
@@ -57,7 +56,6 @@ impl Motion {
                 // It was stopped.
                 state.homing = None;
             }
-            state.advance(&self.clock);
             state.follow(period);
             state.watch_home()
         };

@@ -1,0 +1,89 @@
+//! MGS, Motion Group Stop (spec/axis-and-data-types.md §4): every axis by itself, not along a path.
+
+use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
+
+use super::{masd, place};
+use crate::axis::{AfterStop, AxisState};
+use crate::control::Execution;
+use crate::follow::Release;
+use crate::machine::ProgrammedStopMode;
+use crate::motion::Motion;
+use crate::stop::{AxisSet, Stop};
+
+/// Places of MGS's operands.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layout {
+    stop_mode: usize,
+}
+
+impl Layout {
+    pub(super) fn new() -> Self {
+        Layout {
+            stop_mode: place(Mnemonic::Mgs, "Stop Mode"),
+        }
+    }
+}
+
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
+    motion.target_group(call)?;
+    motion.verify_operands(call)?;
+    let mode = match call.word(motion.layouts.mgs.stop_mode) {
+        1 => Some(ProgrammedStopMode::FastStop),
+        2 => Some(ProgrammedStopMode::FastDisable),
+        _ => None,
+    };
+    if let Some(stop) = motion.group_stop.take() {
+        motion.end_move(stop.execution, 0);
+    }
+    let braking = stop_group(motion, mode);
+    motion.group_stop = Some(Stop {
+        execution,
+        of_moves: true,
+        braking,
+    });
+    let initiated = Flag::Dn.mask() | Flag::Ip.mask();
+    motion.controls.write(execution, initiated, 0, motion.clock.tick);
+    Ok(())
+}
+
+/// Stops all motion of all axes, in one mode or each axis in its own. Returns the axes that are not at rest yet.
+fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet {
+    for index in 0..motion.systems.len() {
+        motion.end_stop(index);
+        motion.abort_system(index, |_| false);
+    }
+    let mut braking = AxisSet::default();
+    for index in 0..motion.links.len() {
+        motion.cancel_transform(index, &Release::default());
+    }
+    for axis in 0..motion.axes.len() as u16 {
+        let at = usize::from(axis);
+        let state = &motion.axes[at];
+        let mode = mode.unwrap_or(state.stop_mode);
+        let after = match mode {
+            ProgrammedStopMode::FastStop => AfterStop::Hold,
+            ProgrammedStopMode::FastDisable => AfterStop::Disable,
+            ProgrammedStopMode::FastShutdown => AfterStop::Shutdown,
+            ProgrammedStopMode::HardDisable => {
+                motion.end_generators(axis);
+                if motion.axes[at].state == AxisState::Running && !motion.axes[at].is_virtual {
+                    motion.axes[at].disable(AxisState::Stopped);
+                    braking.insert(axis);
+                }
+                continue;
+            }
+            ProgrammedStopMode::HardShutdown => {
+                masd::shut_down(motion, axis);
+                continue;
+            }
+        };
+        if motion.axes[at].in_motion() {
+            motion.stop_axis(axis, None);
+            motion.axes[at].after_stop = after;
+            braking.insert(axis);
+        } else {
+            motion.stand(axis, after);
+        }
+    }
+    braking
+}

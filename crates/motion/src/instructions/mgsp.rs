@@ -1,0 +1,16 @@
+//! MGSP, Motion Group Strobe Position (spec/axis-and-data-types.md §4).
+
+use arcline_instruction_set::{Call, MotionError};
+
+use crate::control::Execution;
+use crate::motion::Motion;
+
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
+    motion.target_group(call)?;
+    motion.verify_operands(call)?;
+    for axis in &mut motion.axes {
+        axis.strobed = [axis.command.position, axis.drive.actual().position].map(|position| axis.shown(position));
+    }
+    motion.done(execution);
+    Ok(())
+}
