@@ -51,15 +51,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     // Of what it takes over, the move keeps the speed: of its own kind, or of everything.
     let taken = if layout.common.merges(call) {
-        let but_coordinated = |state: &crate::axis::Axis| {
-            let mut taken = state.command;
-            if let Some(system) = state.sum.get(Slot::System) {
-                taken.velocity -= system.now.velocity;
-                taken.acceleration -= system.now.acceleration;
-            }
-            taken
-        };
-        let taken = but_coordinated(state);
+        let taken = state
+            .sum
+            .motion_of(|slot| slot != Slot::System && !slot.is_of_transforms());
         motion.end_single_axis(axis, Some(Slot::Move));
         taken
     } else {

@@ -254,8 +254,8 @@ pub(super) fn execute(
 fn terminated(motion: &Motion, index: usize, merge: i32) -> Momentum {
     let quantity = |axis: &Axis| match merge {
         MERGE_DISABLED => Default::default(),
-        // A transform goes on.
-        MERGE_ALL => axis.sum.own_motion(Slot::Transform),
+        // What a transform gives goes on.
+        MERGE_ALL => axis.sum.motion_of(|slot| !slot.is_of_transforms()),
         _ => axis
             .sum
             .get(Slot::System)

@@ -80,6 +80,10 @@ impl Motion {
         self.end_passive_homing(axis);
         self.cancel_transforms_of(axis);
         if !self.axes[at].in_motion() {
+            // All that was to be stopped was a transform that did not move this axis.
+            if let Some(execution) = execution {
+                self.end_move(execution, Flag::Pc.mask());
+            }
             return;
         }
         for slot in Slot::ALL {
