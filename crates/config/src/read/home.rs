@@ -66,7 +66,7 @@ pub(super) fn home(
 
 /// The interval in which the switch is active: 0 and up where nothing else is said.
 fn switch(home: &Section<'_>, turn: Option<f64>) -> Result<Option<HomeSwitch>, ConfigError> {
-    let (section, present) = home.table("switch", &["min", "max"], "a table such as { min = 0.0, max = 20.0 }")?;
+    let (section, present) = home.table("switch", SWITCH, "a table such as { min = 0.0, max = 20.0 }")?;
     if !present {
         return Ok(None);
     }
@@ -99,7 +99,7 @@ fn switch(home: &Section<'_>, turn: Option<f64>) -> Result<Option<HomeSwitch>, C
 
 /// The marker: at 0, of a rotary axis once a turn, where nothing else is said.
 fn marker(home: &Section<'_>, turn: Option<f64>) -> Result<Option<HomeMarker>, ConfigError> {
-    let (section, present) = home.table("marker", &["at", "every"], "a table such as { at = 0.0, every = 10.0 }")?;
+    let (section, present) = home.table("marker", MARKER, "a table such as { at = 0.0, every = 10.0 }")?;
     if !present {
         return Ok(None);
     }
@@ -118,7 +118,7 @@ fn refuse(section: &Section<'_>, key: &str, expected: &'static str) -> ConfigErr
     section.refuse_key(key, problem)
 }
 
-const HOME: &[&str] = &[
+pub(super) const HOME: &[&str] = &[
     "mode",
     "sequence",
     "direction",
@@ -131,6 +131,8 @@ const HOME: &[&str] = &[
     "switch",
     "marker",
 ];
+pub(super) const SWITCH: &[&str] = &["min", "max"];
+pub(super) const MARKER: &[&str] = &["at", "every"];
 const MODE: &str = "\"active\" or \"passive\"";
 const MODES: &[&str] = &["passive", "active"];
 const SEQUENCE: &str = "\"immediate\", \"switch\", \"marker\", \"switch-marker\", \"torque\" or \"torque-marker\"";
