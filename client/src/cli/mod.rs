@@ -115,6 +115,7 @@ async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
         Command::Fault(FaultCommand::Clear(command)) => fault::clear(&client, &command, output).await,
         Command::Fault(FaultCommand::List(command)) => fault::list(&client, &command, output).await,
         Command::Stop(command) => moves::stop(&client, command, output).await,
+        Command::Home(command) => moves::home(&client, command, output).await,
         Command::Servo(command) => moves::servo(&client, command, output).await,
         Command::Status(command) => status::status(&client, &command.names, output).await,
         Command::Tags(command) => tags::list(&client, command.pattern.as_deref(), output).await,

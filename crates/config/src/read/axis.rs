@@ -5,6 +5,7 @@ use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 
 use super::NOT_NEGATIVE_LENGTH;
 use super::dynamics::{Dynamics, POSITIVE_RATE, POSITIVE_SPEED};
+use super::home::home;
 use super::names::{Taken, required_name};
 use crate::error::{ConfigError, Problem};
 use crate::section::{NumberRule, Section};
@@ -30,6 +31,7 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         };
         return Err(section.refuse_key("travel", problem));
     }
+    let home = home(section, &dynamics, unwind, servo)?;
     let drive = drive(section)?;
     let kind = match (servo, drive) {
         (true, drive) => AxisKind::Servo(drive.unwrap_or_default()),
@@ -54,6 +56,7 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         travel,
         unwind,
         start: start(section, unwind)?,
+        home,
         programmed_stop_mode: stop_mode(section)?,
         exception_actions: exception_actions(section, servo)?,
         average_velocity_timebase: section
@@ -164,6 +167,7 @@ pub(super) const AXIS: &[&str] = &[
     "unwind",
     "start",
     "drive",
+    "home",
     "programmed_stop_mode",
     "exception_actions",
     "average_velocity_timebase",
@@ -194,7 +198,7 @@ const EXCEPTIONS: &str = "a table such as { position_error = \"stop_drive\" }";
 const ACTION: &str = "\"ignore\", \"alarm\", \"fault_status_only\", \"stop_planner\", \"stop_drive\" or \"shutdown\"";
 const AXIS_TYPE: &str = "\"servo\" or \"virtual\"";
 
-const POSITIVE_LENGTH: NumberRule = NumberRule {
+pub(super) const POSITIVE_LENGTH: NumberRule = NumberRule {
     expected: "a number above 0 (position units)",
     holds: |x| x > 0.0,
 };
@@ -220,7 +224,7 @@ const RESOLUTION: NumberRule = NumberRule {
     expected: "a number above 0 (counts per position unit)",
     holds: |x| x > 0.0,
 };
-const ANY: NumberRule = NumberRule {
+pub(super) const ANY: NumberRule = NumberRule {
     expected: "a finite number (position units)",
     holds: |_| true,
 };

@@ -13,6 +13,7 @@ use crate::machine::{AxisKind, Machine};
 enum AxisField {
     Fault,
     Status,
+    Event,
     MotionStatus,
     MotionFaults,
     MotionAlarms,
@@ -160,11 +161,13 @@ impl Encoder {
 impl AxisLayout {
     fn new(template: &Template) -> Self {
         use AxisField::{
-            CipAlarms, CipFaults, CipState, CipStatus, Fault, MotionAlarms, MotionFaults, MotionStatus, Real, Status,
+            CipAlarms, CipFaults, CipState, CipStatus, Event, Fault, MotionAlarms, MotionFaults, MotionStatus, Real,
+            Status,
         };
-        let fields: [(&str, AxisField); 25] = [
+        let fields: [(&str, AxisField); 26] = [
             ("AxisFault", Fault),
             ("AxisStatus", Status),
+            ("AxisEvent", Event),
             ("MotionStatus", MotionStatus),
             ("MotionFaultStatus", MotionFaults),
             ("MotionAlarmStatus", MotionAlarms),
@@ -205,6 +208,7 @@ impl AxisLayout {
             match field {
                 AxisField::Fault => put(bytes, *offset, (axis.fault | group_fault).to_le_bytes()),
                 AxisField::Status => put(bytes, *offset, axis.status.to_le_bytes()),
+                AxisField::Event => put(bytes, *offset, axis.event.to_le_bytes()),
                 AxisField::MotionStatus => put(bytes, *offset, axis.motion_status.to_le_bytes()),
                 AxisField::MotionFaults => put(bytes, *offset, axis.motion_faults[0].to_le_bytes()),
                 AxisField::MotionAlarms => put(bytes, *offset, axis.motion_faults[1].to_le_bytes()),

@@ -192,7 +192,7 @@ const _: () = assert!(FAULTS.len() == FaultKind::COUNT);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::{Drive, ProgrammedStopMode, Start};
+    use crate::machine::{Drive, Home, ProgrammedStopMode, Start};
 
     const PERIOD: f64 = 0.001;
 
@@ -213,6 +213,7 @@ mod tests {
             travel: Some(Travel { min: -10.0, max: 10.0 }),
             unwind: None,
             start: Start::default(),
+            home: Home::immediate(100.0, 1000.0),
             programmed_stop_mode: ProgrammedStopMode::default(),
             exception_actions: ExceptionActions::default(),
             average_velocity_timebase: 0.25,

@@ -113,10 +113,11 @@ impl AxisMoveLayout {
     }
 }
 
-/// The axis may be moved: not shut down, servo on, no stop of everything under way, and its stops can be made.
+/// The axis may be moved: not shut down, servo on, not homed, no stop of everything under way, and its stops can be made.
 pub(super) fn verify_axis(motion: &Motion, axis: u16, s_curve: bool) -> Result<(), MotionError> {
     let state = &motion.axes[usize::from(axis)];
     ready(state)?;
+    not_homing(state)?;
     if state.dynamics.deceleration <= 0.0 {
         return Err(MotionError::ZeroMaxDecel(Culprit::Axis(AxisIndex(0))));
     }
@@ -129,9 +130,22 @@ pub(super) fn verify_axis(motion: &Motion, axis: u16, s_curve: bool) -> Result<(
     Ok(())
 }
 
+/// Not homed by an active sequence.
+pub(super) fn not_homing(axis: &Axis) -> Result<(), MotionError> {
+    if axis.is_homed_actively() {
+        return Err(MotionError::HomeInProcess(AxisIndex(0)));
+    }
+    Ok(())
+}
+
 /// Not shut down, servo on, no fault.
 pub(super) fn ready(axis: &Axis) -> Result<(), MotionError> {
     switched_on(axis)?;
+    not_faulted(axis)
+}
+
+/// No fault; the servo may be off.
+pub(super) fn not_faulted(axis: &Axis) -> Result<(), MotionError> {
     if axis.is_faulted() {
         return Err(MotionError::AxisInFaultedState(AxisIndex(0)));
     }
@@ -140,11 +154,11 @@ pub(super) fn ready(axis: &Axis) -> Result<(), MotionError> {
 
 /// Not shut down, servo on but for a fault: what a stop asks for.
 pub(super) fn switched_on(axis: &Axis) -> Result<(), MotionError> {
-    match axis.state {
-        AxisState::Shutdown => Err(MotionError::ShutdownState(AxisIndex(0))),
-        _ if axis.is_off() => Err(MotionError::ServoOffState(AxisIndex(0))),
-        _ => Ok(()),
+    not_shut_down(axis)?;
+    if axis.is_off() {
+        return Err(MotionError::ServoOffState(AxisIndex(0)));
     }
+    Ok(())
 }
 
 /// An axis outside of its travel moves in a direction that leads back.
@@ -153,4 +167,12 @@ pub(super) fn no_overtravel(axis: &Axis, direction: f64) -> Result<(), MotionErr
         return Err(MotionError::OvertravelCondition);
     }
     Ok(())
+}
+
+/// Not shut down; the servo may be off.
+pub(super) fn not_shut_down(axis: &Axis) -> Result<(), MotionError> {
+    match axis.state {
+        AxisState::Shutdown => Err(MotionError::ShutdownState(AxisIndex(0))),
+        _ => Ok(()),
+    }
 }
