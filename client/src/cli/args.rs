@@ -86,7 +86,10 @@ pub(crate) enum Command {
     #[command(after_help = "--all leaves virtual axes out, which have no drive.\nExample: arcline servo on X Y Z")]
     Servo(Servo),
     /// Inject faults into axes, clear and list them
-    #[command(subcommand)]
+    #[command(
+        subcommand,
+        after_help = "An injected cause is there until it is cleared.\nExample: arcline fault inject X overcurrent"
+    )]
     Fault(FaultCommand),
     /// Home axes (MAH), all at the same time, by the sequence of the server's configuration
     #[command(
