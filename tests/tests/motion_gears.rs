@@ -183,6 +183,25 @@ fn another_gearing_supersedes_and_clutches_from_the_speed_that_it_had() {
 }
 
 #[test]
+fn what_is_executed_at_one_update_finds_the_slave_in_motion() {
+    let geared = || {
+        let mut bench = bench();
+        bench.call(&format!("MAM(B1, M, 0, 900, {TRAPEZOID})"));
+        bench.run(500);
+        assert_eq!(bench.call(&format!("MAG(A1, B1, G1, Same, 0.5, {COMMAND})")), OK);
+        bench
+    };
+    let mut bench = geared();
+    assert_eq!(bench.call(&format!("MAG(A1, B1, G2, Same, 0.6, {CLUTCH})")), OK);
+    bench.tick();
+    near(velocity(&bench, "A1"), 51.0, "another gearing");
+    let mut bench = geared();
+    assert_eq!(bench.call("MAS(A1, S, All, Yes, 500, 0, No, 0, 0)"), OK);
+    bench.tick();
+    near(velocity(&bench, "A1"), 49.5, "a stop");
+}
+
+#[test]
 fn a_stop_of_the_gearing_brakes_from_the_geared_speed() {
     for stop_type in ["Gear", "All"] {
         let mut bench = bench();
