@@ -62,13 +62,16 @@ fn ratios_and_directions() {
     }
 }
 
+/// Why, what is executed before, the call, and its ERR and EXERR.
+type Refusal = (&'static str, Vec<String>, String, (i16, i8));
+
 #[test]
 fn what_is_refused() {
     let ratio = |operands: &str| format!("MAG(A1, B1, G, {operands})");
     let gear = |slave: &str, master: &str| format!("MAG({slave}, {master}, G0, Same, 1, {COMMAND})");
     let stopping = format!("MAM(A1, M, 0, 500, {TRAPEZOID})");
     #[rustfmt::skip]
-    let cases: Vec<(&str, Vec<String>, String, (i16, i8))> = vec![
+    let cases: Vec<Refusal> = vec![
         ("direction",                vec![], ratio("4, 1, 1, 1, Command, Real, Disabled"), (13, 3)),
         ("ratio too small",          vec![], ratio("Same, 0.000009, 1, 1, Command, Real, Disabled"), (13, 4)),
         ("ratio too large",          vec![], ratio("Same, 10, 1, 1, Command, Real, Disabled"), (13, 4)),
@@ -401,8 +404,8 @@ fn the_update_period_does_not_show() {
         for step in 0..260 {
             let call = match step {
                 0 => format!("MAM(B1, M1, 0, 37, {S_CURVE})"),
-                3 => format!("MAG(A1, B1, G1, Same, 0.7, 1, 1, Command, Real, Enabled, 313, 0)"),
-                5 => format!("MAG(C1, A1, G2, Opposite, 1.3, 1, 1, Actual, Real, Enabled, 777, 0)"),
+                3 => "MAG(A1, B1, G1, Same, 0.7, 1, 1, Command, Real, Enabled, 313, 0)".into(),
+                5 => "MAG(C1, A1, G2, Opposite, 1.3, 1, 1, Actual, Real, Enabled, 777, 0)".into(),
                 12 => format!("MAM(B1, M2, 1, -50, {TRAPEZOID}, 0, 0)"),
                 30 => format!("MCLM(FLAT1, M3, 1, [3, 20], {S_CURVE}, 1)"),
                 40 => "MAG(A1, B1, G3, Reverse, 0.33, 1, 1, Command, Real, Enabled, 211, 0)".into(),

@@ -118,12 +118,15 @@ fn the_target_says_where_the_source_is_at_the_start() {
     assert_eq!(bench.call(&format!("MCT(L1, L3, T2, {NO_TURN})")), OK);
 }
 
+/// Why, what is executed before, the call, and its ERR and EXERR.
+type Refusal = (&'static str, Vec<String>, &'static str, (i16, i8));
+
 #[test]
 fn what_is_refused() {
     let link = format!("MCT(L1, L2, T1, {NO_TURN})");
     let moves = |system: &str| format!("MCLM({system}, M, 0, [900, 0, 0], {TRAPEZOID}, 1)");
     #[rustfmt::skip]
-    let cases: Vec<(&str, Vec<String>, &str, (i16, i8))> = vec![
+    let cases: Vec<Refusal> = vec![
         ("orientation too short",        vec![],          "MCT(L1, L2, T, [0, 0], [0, 0, 0])", (13, 3)),
         ("translation too short",        vec![],          "MCT(L1, L2, T, [0, 0, 0], [0, 0])", (13, 4)),
         ("first angle beyond a turn",    vec![],          "MCT(L1, L2, T, [360.1, 0, 0], [0, 0, 0])", (74, 0)),
