@@ -3,6 +3,7 @@
 mod axis_moves;
 mod mafr;
 mod mag;
+mod mah;
 mod mam;
 mod mas;
 mod masd;
@@ -19,6 +20,7 @@ mod mgsd;
 mod mgsp;
 mod mgsr;
 mod moves;
+mod mrp;
 mod msf;
 mod mso;
 
@@ -41,6 +43,7 @@ pub(crate) struct Layouts {
     mag: mag::Layout,
     mct: mct::Layout,
     mgs: mgs::Layout,
+    mrp: mrp::Layout,
 }
 
 impl Layouts {
@@ -56,6 +59,7 @@ impl Layouts {
             mag: mag::Layout::new(),
             mct: mct::Layout::new(),
             mgs: mgs::Layout::new(),
+            mrp: mrp::Layout::new(),
         }
     }
 }
@@ -84,6 +88,8 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Mam => mam::execute(motion, execution, call),
         Mnemonic::Mag => mag::execute(motion, execution, call),
         Mnemonic::Mct => mct::execute(motion, execution, call),
+        Mnemonic::Mah => mah::execute(motion, execution, call),
+        Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
         _ => {
             motion.verify_operands(call)?;
