@@ -371,6 +371,37 @@ fn the_actual_position_of_a_lagging_master() {
 }
 
 #[test]
+fn redefining_a_position_moves_no_slave() {
+    let mut bench = bench();
+    assert_eq!(bench.call(&format!("MAG(A1, P, G1, Same, 2, {COMMAND})")), OK);
+    assert_eq!(bench.call("MAG(A2, P, G2, Same, 2, 1, 1, Actual, Real, Disabled)"), OK);
+    bench.call(&format!("MAM(P, M, 0, 50, {S_CURVE})"));
+    for step in 0..4 {
+        bench.run(100);
+        let before = ["P", "A1", "A2"].map(|axis| position(&bench, axis));
+        let slave = if step % 2 == 0 { "P" } else { "A1" };
+        assert_eq!(bench.call(&format!("MRP({slave}, R, Relative, Command, 1000)")), OK);
+        bench.tick();
+        let after = ["P", "A1", "A2"].map(|axis| position(&bench, axis));
+        for (place, (before, after)) in before.into_iter().zip(after).enumerate() {
+            let redefined = place == step % 2;
+            assert!(
+                (after - before - if redefined { 1000.0 } else { 0.0 }).abs() < 0.5,
+                "{place} at {step}"
+            );
+        }
+    }
+    bench.until_rest();
+    near(position(&bench, "P"), 2050.0, "the end is shifted too");
+    near(
+        position(&bench, "A1"),
+        2100.0,
+        "redefined itself, and geared over the whole way",
+    );
+    near(position(&bench, "A2"), 100.0, "geared over the whole way");
+}
+
+#[test]
 fn what_ends_a_gearing() {
     for call in [
         "MASD(P, E)",

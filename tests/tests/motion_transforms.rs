@@ -433,6 +433,22 @@ fn what_cancels_a_transform_and_what_does_not() {
 }
 
 #[test]
+fn what_would_break_a_transform_is_refused() {
+    let mut bench = bench();
+    assert_eq!(bench.call(&format!("MCT(SERVO, L2, T, {NO_TURN})")), OK);
+    for call in [
+        "MRP(P, R, Relative, Command, 5)",
+        "MRP(B2, R, Absolute, Actual, 5)",
+        "MAH(Q, H)",
+        "MAH(A2, H)",
+    ] {
+        assert_eq!(bench.call(call), (63, 0), "{call}");
+    }
+    assert_eq!(bench.call("MCS(L2, S, CoordinatedTransform, No, 0, 0, No, 0, 0)"), OK);
+    assert_eq!(bench.call("MRP(P, R, Relative, Command, 5)"), OK);
+}
+
+#[test]
 fn a_cancelled_transform_must_stand_before_the_next_one() {
     for (stop, moving_on) in [
         ("MCS(L2, S, CoordinatedTransform, Yes, 400, 0, No, 0, 0)", true),
