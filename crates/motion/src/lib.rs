@@ -17,6 +17,7 @@ mod feed_override;
 mod instructions;
 pub mod machine;
 mod motion;
+mod rotary;
 mod snapshot;
 mod status;
 mod stop;

@@ -40,6 +40,11 @@ impl Slot {
         Slot::Transform,
     ];
 
+    /// Whether a single-axis instruction begins it: what merges and stops of the axis end.
+    pub(crate) fn is_single_axis(self) -> bool {
+        matches!(self, Slot::Move | Slot::Jog | Slot::Home | Slot::Gear)
+    }
+
     const fn bit(self) -> u8 {
         1 << self as u8
     }
@@ -141,6 +146,12 @@ impl Sum {
                 generator.shift += offset;
             }
         }
+    }
+
+    /// Folds away whole turns of an endless jog. Returns the shift of every position.
+    pub(super) fn fold_jog(&mut self, unwind: f64, clock: &Clock) -> f64 {
+        let jog = self.get_mut(Slot::Jog).filter(|jog| !jog.stopping);
+        jog.map_or(0.0, |jog| jog.fold(unwind, clock))
     }
 
     /// Says where a generator that somebody else computes is, in its own frame.

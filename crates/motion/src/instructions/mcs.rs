@@ -3,7 +3,8 @@
 use arcline_instruction_set::{AxisIndex, Call, Culprit, Flag, Mnemonic, MotionError};
 use arcline_planner::profile::{Jerk, Limits};
 
-use super::{moves, place};
+use super::place;
+use super::programmed::positive;
 use crate::control::Execution;
 use crate::dynamics::{in_units, jerk_in_units, resolve};
 use crate::motion::Motion;
@@ -79,7 +80,7 @@ fn limits(motion: &Motion, index: usize, call: &Call) -> Result<Limits, MotionEr
     } else {
         description.max_deceleration
     };
-    moves::positive(deceleration, layout.decel_rate)?;
+    positive(deceleration, layout.decel_rate)?;
     let sample = system.planner.sample(&motion.clock);
     let speed = sample.map_or(0.0, |sample| sample.along.velocity.abs());
     let jerk = if call.word(layout.change_decel_jerk) == 1 {
@@ -94,7 +95,7 @@ fn limits(motion: &Motion, index: usize, call: &Call) -> Result<Limits, MotionEr
         description.max_deceleration_jerk
     };
     if is_s_curve(motion, index) {
-        moves::positive(jerk, layout.decel_jerk)?;
+        positive(jerk, layout.decel_jerk)?;
     }
     let active = system
         .planner

@@ -2,12 +2,14 @@
 
 mod axis_moves;
 mod mafr;
+mod maj;
 mod mam;
 mod mas;
 mod masd;
 mod masr;
 mod mccd;
 mod mccm;
+mod mcd;
 mod mclm;
 mod mcs;
 mod mcsd;
@@ -19,6 +21,8 @@ mod mgsr;
 mod moves;
 mod msf;
 mod mso;
+mod programmed;
+mod seconds;
 
 use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
 
@@ -35,6 +39,8 @@ pub(crate) struct Layouts {
     mccd: mccd::Layout,
     mcs: mcs::Layout,
     mam: mam::Layout,
+    maj: maj::Layout,
+    mcd: mcd::Layout,
     mas: mas::Layout,
     mgs: mgs::Layout,
 }
@@ -48,6 +54,8 @@ impl Layouts {
             mccd: mccd::Layout::new(),
             mcs: mcs::Layout::new(),
             mam: mam::Layout::new(),
+            maj: maj::Layout::new(),
+            mcd: mcd::Layout::new(),
             mas: mas::Layout::new(),
             mgs: mgs::Layout::new(),
         }
@@ -76,6 +84,8 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Mgsp => mgsp::execute(motion, execution, call),
         Mnemonic::Mas => mas::execute(motion, execution, call),
         Mnemonic::Mam => mam::execute(motion, execution, call),
+        Mnemonic::Maj => maj::execute(motion, execution, call),
+        Mnemonic::Mcd => mcd::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
         _ => {
             motion.verify_operands(call)?;
