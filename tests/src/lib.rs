@@ -18,6 +18,7 @@ pub mod command_line;
 pub mod interop;
 pub mod programs;
 pub mod python;
+pub mod random;
 pub mod server;
 
 /// The root folder of the workspace.

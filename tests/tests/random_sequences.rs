@@ -9,29 +9,7 @@ use std::fmt::Write;
 
 use arcline_instruction_set::Flag;
 use arcline_tests::bench::{Bench, OK};
-
-/// A small generator of its own, so that a seed means the same sequence for ever (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// A number between two, in steps of a thousandth.
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        let share = (self.next() >> 11) as f64 / (1u64 << 53) as f64;
-        ((low + share * (high - low)) * 1000.0).round() / 1000.0
-    }
-
-    fn below(&mut self, count: u64) -> u64 {
-        self.next() % count
-    }
-}
+use arcline_tests::random::Random;
 
 /// Largest rates of a sequence, units/s²: what bounds the change of the velocity from tick to tick.
 const RATE: f64 = 4000.0;

@@ -1,4 +1,5 @@
-//! Paths in Cartesian space, parameterised by arc length: straight lines, circular arcs, full circles.
+//! Paths in Cartesian space, parameterised by arc length: straight lines, circular arcs, full circles; and frames, one
+//! Cartesian space seen from another.
 //!
 //! A path says *where*; it knows neither time nor speed (`arcline-profile` does), no axes and no
 //! units of its own: lengths are the position units of the coordinate system, angles are radians.
@@ -9,10 +10,12 @@
 #![forbid(unsafe_code)]
 
 mod arc;
+mod frame;
 mod line;
 mod path;
 
 pub use arc::{Arc, ArcError, CirclePoint, Dimension, Direction};
+pub use frame::Frame;
 pub use line::Line;
 pub use path::{Path, PathPoint};
 

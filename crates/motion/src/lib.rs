@@ -14,6 +14,7 @@ mod contour;
 mod control;
 mod dynamics;
 mod feed_override;
+mod follow;
 mod instructions;
 pub mod machine;
 mod motion;

@@ -11,6 +11,8 @@ use arcline_planner::precise::{AxisLimits, Trajectory};
 
 use crate::axis::{Axis, AxisState};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
+use crate::follow::order::Order;
+use crate::follow::transform::Link;
 use crate::instructions::{self, Layouts};
 use crate::machine::Machine;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
@@ -28,6 +30,10 @@ pub struct Motion {
     pub(crate) systems: Vec<System>,
     pub(crate) controls: Controls,
     pub(crate) layouts: Layouts,
+    /// Transforms under way, at the place of their target system.
+    pub(crate) links: Vec<Option<Link>>,
+    /// The order of a tick while some axes follow others.
+    pub(crate) order: Order,
     /// Trajectories that are no longer needed, to be freed outside the tick.
     #[expect(
         clippy::vec_box,
@@ -63,6 +69,8 @@ impl Motion {
             systems: systems(machine),
             controls: Controls::new(),
             layouts: Layouts::new(),
+            links: vec![None; machine.systems.len()],
+            order: Order::new(machine.axes.len(), machine.systems.len()),
             retired: Vec::with_capacity(2 * machine.systems.len()),
             group_stop: None,
             messages: Vec::with_capacity(MESSAGES),
@@ -118,12 +126,14 @@ impl Motion {
 
     /// Closes the tick: what instructions began at it shows in its commands, and every change is reported.
     pub fn finish(&mut self, report: impl FnMut(&Event)) {
+        let mut changed = false;
         for index in 0..self.systems.len() {
             if std::mem::take(&mut self.systems[index].stale) {
                 self.sample_system(index);
+                changed = true;
             }
         }
-        self.refresh_axes();
+        self.refresh_axes(changed);
         self.controls.drain(self.clock.tick, report);
     }
 
@@ -184,12 +194,17 @@ impl Motion {
 
     /// Every axis at the present tick, in configuration order.
     pub fn axes(&self) -> impl Iterator<Item = AxisSnapshot> {
-        self.axes.iter().map(status::axis)
+        self.axes.iter().map(|axis| status::axis(axis, &self.clock))
     }
 
     /// Every coordinate system at the present tick, in configuration order.
     pub fn systems(&self) -> impl Iterator<Item = SystemSnapshot> {
-        self.systems.iter().map(|system| status::system(system, &self.axes))
+        let role = |index: usize| status::Role {
+            source: self.links().any(|(_, link)| link.from == index),
+            target: self.links.get(index).is_some_and(Option::is_some),
+        };
+        let systems = self.systems.iter().enumerate();
+        systems.map(move |(index, system)| status::system(system, &self.axes, role(index)))
     }
 
     // What instructions use

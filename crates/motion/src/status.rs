@@ -4,6 +4,7 @@ use arcline_drive::Motion as Point;
 use arcline_instruction_set::predefined::{
     axis_status, cip_axis_status, coordinate_motion_status as motion, coordinate_system_status as status, motion_status,
 };
+use arcline_planner::Clock;
 use arcline_planner::profile::Phase;
 
 use crate::axis::sum::Slot;
@@ -17,13 +18,13 @@ const POSITION_LOCK_TOLERANCE: f64 = 0.01;
 const STANDSTILL: f64 = 1e-3;
 
 /// One axis as its tag shows it.
-pub(crate) fn axis(axis: &Axis) -> AxisSnapshot {
+pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
     let actual = axis.drive.actual();
     let command = axis.command;
     AxisSnapshot {
         fault: 0,
         status: axis_word(axis),
-        motion_status: motion_word(axis),
+        motion_status: motion_word(axis, clock),
         cip_state: match axis.state {
             AxisState::Stopped => 2,
             AxisState::Starting => 3,
@@ -72,7 +73,7 @@ fn axis_word(axis: &Axis) -> u32 {
     .fold(0, with)
 }
 
-fn motion_word(axis: &Axis) -> u32 {
+fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     let phase = phase(axis);
     let runs = |slot| axis.sum.get(slot).is_some_and(|generator| !generator.stopping);
     let braking = axis.sum.active().any(|(_, generator)| generator.stopping);
@@ -85,6 +86,12 @@ fn motion_word(axis: &Axis) -> u32 {
         (runs(Slot::Jog), motion_status::JOG_STATUS),
         (runs(Slot::Gear), motion_status::GEARING_STATUS),
         (runs(Slot::Home), motion_status::HOMING_STATUS),
+        (
+            axis.gear().is_some_and(|gear| gear.is_locked(clock)),
+            motion_status::GEARING_LOCK_STATUS,
+        ),
+        (axis.is_linked(), motion_status::TRANSFORM_STATE_STATUS),
+        (axis.linked.controlled, motion_status::CONTROLLED_BY_TRANSFORM_STATUS),
         (axis.is_coordinated(), motion_status::COORDINATED_MOTION_STATUS),
         (
             axis.command.velocity.abs() > axis.dynamics.speed,
@@ -116,8 +123,15 @@ fn phase(axis: &Axis) -> Phase {
     }
 }
 
+/// A coordinate system's part in transforms under way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Role {
+    pub(crate) source: bool,
+    pub(crate) target: bool,
+}
+
 /// One coordinate system as its tag shows it.
-pub(crate) fn system(system: &System, axes: &[Axis]) -> SystemSnapshot {
+pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapshot {
     let mut shown = SystemSnapshot {
         path_speed: system.along[0],
         path_position: system.along[1],
@@ -161,6 +175,8 @@ pub(crate) fn system(system: &System, axes: &[Axis]) -> SystemSnapshot {
         (moving && system.in_transition, motion::MOVE_TRANSITION_STATUS),
         (pending, motion::MOVE_PENDING_STATUS),
         (pending && system.is_full(), motion::MOVE_PENDING_QUEUE_FULL_STATUS),
+        (role.source, motion::TRANSFORM_SOURCE_STATUS),
+        (role.target, motion::TRANSFORM_TARGET_STATUS),
     ]
     .into_iter()
     .fold(0, with);

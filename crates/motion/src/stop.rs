@@ -8,11 +8,16 @@ pub(crate) const ALL: i32 = 0;
 /// Stop Type of MCS: the coordinated moves of the coordinate system.
 pub(crate) const COORDINATED_MOVE: i32 = 2;
 
+/// Stop Type of MCS: the transforms of the coordinate system.
+pub(crate) const COORDINATED_TRANSFORM: i32 = 3;
+
 /// What a running stop waits for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stop {
     pub(crate) execution: Execution,
-    /// Axes that brake by themselves (Stop Type All).
+    /// Whether coordinated moves are stopped (all Stop Types but Coordinated Transform): none begins meanwhile.
+    pub(crate) of_moves: bool,
+    /// Axes that brake by themselves (Stop Types All and Coordinated Transform).
     pub(crate) braking: AxisSet,
 }
 

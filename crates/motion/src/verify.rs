@@ -51,7 +51,7 @@ pub(crate) fn not_stopping(system: &System, axes: &[Axis]) -> Result<(), MotionE
     if let Some(place) = first(system, axes, Axis::is_stopping) {
         return Err(MotionError::NotAllowedWhileStopping(place));
     }
-    if system.stop.is_some() {
+    if system.stop.is_some_and(|stop| stop.of_moves) {
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
     }
     Ok(())

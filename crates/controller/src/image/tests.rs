@@ -20,6 +20,7 @@ fn axis(name: &str, kind: AxisKind) -> Axis {
         travel: None,
         unwind: None,
         start: Start::default(),
+        programmed_stop_mode: Default::default(),
     }
 }
 

@@ -9,6 +9,7 @@ use arcline_planner::{Clock, Instant};
 use super::sum::Displacements;
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
+use crate::follow::gear::Gear;
 
 /// How a generator comes to its position.
 #[derive(Clone, Debug)]
@@ -18,6 +19,8 @@ pub(crate) enum Law {
     Followed,
     /// Along a profile.
     Planned { profile: Profile, start: Instant },
+    /// By the ratio of a gear, along with its master.
+    Geared(Gear),
 }
 
 /// What an instruction programmed, for later changes of it.
@@ -54,6 +57,8 @@ pub(crate) struct Generator {
     pub(crate) shown_phase: Phase,
     /// A planned one has come to its end.
     pub(crate) over: bool,
+    /// It brakes, perhaps with more, what a cancelled transform had moved.
+    pub(crate) parting: bool,
     /// Where it began, in its frame.
     pub(super) origin: f64,
     /// What all generators of the axis had displaced it then.
@@ -74,6 +79,7 @@ impl Generator {
             s_curve,
             shown_phase: Phase::Steady,
             over: false,
+            parting: false,
             origin: 0.0,
             others: Displacements::default(),
             shift: 0.0,
@@ -112,7 +118,7 @@ impl Generator {
     pub(crate) fn phase(&self, clock: &Clock) -> Phase {
         match &self.law {
             Law::Planned { profile, start } => profile.phase(start.elapsed(clock)),
-            Law::Followed => Phase::Steady,
+            Law::Followed | Law::Geared(_) => Phase::Steady,
         }
     }
 

@@ -9,9 +9,10 @@ use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
 use crate::dynamics::Maxima;
+use crate::follow::gear::Gear;
 use crate::machine::{Axis as Description, AxisKind, ProgrammedStopMode};
 use crate::rotary;
-use generator::Generator;
+use generator::{Generator, Law};
 use sum::{Slot, Sum};
 
 /// The axis state machine (spec/axis-and-data-types.md §12), as far as instructions see it.
@@ -59,11 +60,25 @@ pub(crate) struct Axis {
     pub(crate) dynamics: Maxima,
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
+    pub(crate) linked: Linked,
     pub(crate) stop_mode: ProgrammedStopMode,
     /// What happens when the stop that is under way has ended.
     pub(crate) after_stop: AfterStop,
     /// Command and actual position at the last MGSP, as shown.
     pub(crate) strobed: [f64; 2],
+}
+
+/// An axis's part in transforms (`crate::follow::transform`).
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Linked {
+    /// Transforms under way that it is part of.
+    pub(crate) links: u16,
+    /// Where it would be led to when nothing leads it any more, in the frame of its generator.
+    pub(crate) rest: f64,
+    /// What transforms that are over had led it back by.
+    pub(crate) settled: f64,
+    /// A transform moves it.
+    pub(crate) controlled: bool,
 }
 
 impl Axis {
@@ -92,6 +107,7 @@ impl Axis {
             dynamics: Maxima::from(description),
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
+            linked: Linked::default(),
             stop_mode: description.programmed_stop_mode,
             after_stop: AfterStop::Hold,
             strobed: [0.0; 2],
@@ -100,7 +116,25 @@ impl Axis {
 
     /// Whether something moves the axis, or holds it to move it.
     pub(crate) fn in_motion(&self) -> bool {
-        !self.sum.is_idle()
+        self.linked.controlled || self.moves_itself()
+    }
+
+    /// The same, but for transforms.
+    pub(crate) fn moves_itself(&self) -> bool {
+        self.sum.active().any(|(slot, _)| slot != Slot::Transform)
+    }
+
+    /// Whether it is part of a transform.
+    pub(crate) fn is_linked(&self) -> bool {
+        self.linked.links > 0
+    }
+
+    /// The master and the law of its gearing.
+    pub(crate) fn gear(&self) -> Option<&Gear> {
+        match &self.sum.get(Slot::Gear)?.law {
+            Law::Geared(gear) => Some(gear),
+            _ => None,
+        }
     }
 
     /// Whether its drive follows the command.
@@ -119,6 +153,16 @@ impl Axis {
     pub(crate) fn is_stopping(&self) -> bool {
         let braking = |slot| self.sum.get(slot).is_some_and(|generator| generator.stopping);
         braking(Slot::Stop) || braking(Slot::System)
+    }
+
+    /// Whether anything on the axis brakes that a coordinate system's stop waits for.
+    pub(crate) fn is_braking(&self) -> bool {
+        self.is_stopping() || self.sum.is_active(Slot::Parting)
+    }
+
+    /// Whether something brakes that a cancelled transform had moved.
+    pub(crate) fn is_parting(&self) -> bool {
+        self.sum.active().any(|(_, generator)| generator.parting)
     }
 
     /// Whether a coordinate system moves the axis, and not only its brake.
@@ -195,10 +239,34 @@ impl Axis {
         stop.execution = execution;
         stop.stopping = true;
         stop.s_curve = limits.jerk.is_some();
+        stop.parting = self.is_parting();
         self.after_stop = AfterStop::Hold;
         self.sum.place(position);
         self.begin(Slot::Stop, stop);
         self.started_at = started_at;
+    }
+
+    /// What a cancelled transform moved brakes, together with what earlier ones did.
+    pub(crate) fn part(&mut self, moved: Point, limits: &Limits, now: Instant) {
+        let mut from = State {
+            position: self.command.position,
+            velocity: moved.velocity,
+            acceleration: moved.acceleration,
+        };
+        if let Some(earlier) = self.sum.get(Slot::Parting) {
+            from.velocity += earlier.now.velocity;
+            from.acceleration += earlier.now.acceleration;
+        }
+        if limits.jerk.is_none() {
+            from.acceleration = 0.0;
+        }
+        let mut generator = Generator::planned(Profile::stop(from, limits), now);
+        generator.stopping = true;
+        generator.parting = true;
+        generator.s_curve = limits.jerk.is_some();
+        self.sum.begin(Slot::Parting, generator);
+        self.command = self.sum.command();
+        self.stale = true;
     }
 
     /// Whether anything on the axis is an S-curve: a stop of everything is one then.
@@ -227,6 +295,7 @@ impl Axis {
     /// Opens the loop: whatever moved the axis is over. Whoever had begun it is told nothing here.
     pub(crate) fn disable(&mut self, state: AxisState) {
         self.state = state;
+        self.stale = true;
         if self.is_virtual {
             self.drive.halt();
         }
@@ -238,6 +307,14 @@ impl Axis {
         self.drive.halt();
         self.stand_at(self.drive.actual().position);
         self.state = AxisState::Starting;
+        self.stale = true;
+    }
+
+    /// An axis without a drive stands somewhere else at once; that is no motion that others would follow.
+    pub(crate) fn set_virtual(&mut self, position: f64) {
+        self.redefine(position - self.command.position);
+        self.stand_at(position);
+        self.drive.cycle(self.command, 0.0);
     }
 
     fn stand_at(&mut self, position: f64) {

@@ -27,6 +27,8 @@ pub(crate) enum Slot {
     Gear,
     /// MCT: the axis follows another coordinate system, or is led back by it.
     Transform,
+    /// What a transform moved brakes: it was cancelled.
+    Parting,
 }
 
 impl Slot {
@@ -38,6 +40,7 @@ impl Slot {
         Slot::Home,
         Slot::Gear,
         Slot::Transform,
+        Slot::Parting,
     ];
 
     /// Whether a single-axis instruction begins it: what merges and stops of the axis end.
@@ -50,7 +53,7 @@ impl Slot {
     }
 }
 
-const SLOTS: usize = 7;
+const SLOTS: usize = 8;
 
 /// Displacements by kind of generator.
 pub(super) type Displacements = [f64; SLOTS];
@@ -152,6 +155,18 @@ impl Sum {
     pub(super) fn fold_jog(&mut self, unwind: f64, clock: &Clock) -> f64 {
         let jog = self.get_mut(Slot::Jog).filter(|jog| !jog.stopping);
         jog.map_or(0.0, |jog| jog.fold(unwind, clock))
+    }
+
+    /// Velocity and acceleration of everything but one kind; the position is 0.
+    pub(crate) fn own_motion(&self, but: Slot) -> Point {
+        let mut total = Point::default();
+        for (slot, generator) in self.active() {
+            if slot != but {
+                total.velocity += generator.now.velocity;
+                total.acceleration += generator.now.acceleration;
+            }
+        }
+        total
     }
 
     /// Says where a generator that somebody else computes is, in its own frame.

@@ -116,10 +116,14 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             motion.controls.write(execution, initiated, 0, tick);
             motion.stop_generator(axis, slot, &limits, Some(execution));
         }
-        // Nothing of that kind is under way.
-        _ => motion
-            .controls
-            .write(execution, Flag::Dn.mask() | Flag::Pc.mask(), 0, tick),
+        // Nothing of that kind is under way; a transform that leads nobody now is cancelled all the same.
+        other => {
+            if other == Some(None) {
+                motion.cancel_transforms_of(axis);
+            }
+            let nothing_to_stop = Flag::Dn.mask() | Flag::Pc.mask();
+            motion.controls.write(execution, nothing_to_stop, 0, tick);
+        }
     }
     Ok(())
 }

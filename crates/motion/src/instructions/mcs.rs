@@ -7,8 +7,10 @@ use super::place;
 use super::programmed::positive;
 use crate::control::Execution;
 use crate::dynamics::{in_units, jerk_in_units, resolve};
+use crate::follow::Release;
+use crate::follow::transform::Link;
 use crate::motion::Motion;
-use crate::stop::{ALL, AxisSet, COORDINATED_MOVE, Stop};
+use crate::stop::{ALL, AxisSet, COORDINATED_MOVE, COORDINATED_TRANSFORM, Stop};
 use crate::system::Activity;
 use crate::verify;
 
@@ -46,73 +48,120 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     verify::axes_ready(&motion.systems[index], &motion.axes)?;
     verify::stoppable(&motion.systems[index], &motion.axes, is_s_curve(motion, index))?;
     let stop_type = call.word(layout.stop_type);
-    let limits = limits(motion, index, call)?;
+    let rates = rates(motion, index, call)?;
     if stop_type == ALL {
         verify_sharing(motion, index)?;
     }
 
     // A weaker stop while a stop of all is running takes over its bits only.
-    let running = motion.systems[index].stop.map(|stop| stop.braking);
+    let running = motion.systems[index].stop;
     motion.end_stop(index);
-    let mut braking = running.unwrap_or_default();
+    let mut braking = running.map(|stop| stop.braking).unwrap_or_default();
+    let of_moves = stop_type != COORDINATED_TRANSFORM || running.is_some_and(|stop| stop.of_moves);
     match stop_type {
-        ALL => braking.extend(stop_all(motion, index)),
-        COORDINATED_MOVE => stop_move(motion, index, &limits),
+        ALL => {
+            for place in 0..motion.systems[index].description.axes.len() {
+                let axis = motion.systems[index].description.axes[place];
+                braking.extend(cancel(motion, &rates.release, |link, _| link.has(axis)));
+            }
+            braking.extend(stop_all(motion, index));
+        }
+        COORDINATED_MOVE => {
+            let limits = rates.along_path(motion, index);
+            stop_move(motion, index, &limits);
+        }
+        COORDINATED_TRANSFORM => {
+            let own = |link: &Link, target| target == index || link.from == index;
+            braking.extend(cancel(motion, &rates.release, own));
+        }
         _ => {}
     }
-    motion.systems[index].stop = Some(Stop { execution, braking });
+    motion.systems[index].stop = Some(Stop {
+        execution,
+        of_moves,
+        braking,
+    });
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
     motion.controls.write(execution, initiated, 0, motion.clock.tick);
     Ok(())
 }
 
-/// Deceleration and jerk of a stop along the path.
-fn limits(motion: &Motion, index: usize, call: &Call) -> Result<Limits, MotionError> {
+/// Deceleration and jerk that a stop is executed with.
+struct Rates {
+    deceleration: f64,
+    jerk: f64,
+    /// What of both the operands say: cancelled transforms have maxima of their own.
+    release: Release,
+}
+
+impl Rates {
+    /// For a stop along the path of the active move.
+    fn along_path(&self, motion: &Motion, index: usize) -> Limits {
+        let system = &motion.systems[index];
+        let active = system
+            .planner
+            .active()
+            .map(|running| running.motion.data.dynamics.limits());
+        Limits {
+            speed: active.map_or(system.description.max_speed, |limits| limits.speed),
+            // What is left of an acceleration is taken back at the move's own jerk or, where larger, the stop's.
+            acceleration: active.map_or(self.deceleration, |limits| limits.acceleration),
+            deceleration: self.deceleration,
+            jerk: is_s_curve(motion, index).then(|| Jerk {
+                acceleration: active
+                    .and_then(|limits| limits.jerk)
+                    .map_or(self.jerk, |own| own.acceleration.max(self.jerk)),
+                deceleration: self.jerk,
+            }),
+        }
+    }
+}
+
+fn rates(motion: &Motion, index: usize, call: &Call) -> Result<Rates, MotionError> {
     let layout = &motion.layouts.mcs;
     let system = &motion.systems[index];
     let description = &system.description;
-    let deceleration = if call.word(layout.change_decel) == 1 {
-        in_units(
+    let mut release = Release::default();
+    if call.is_one(layout.change_decel) {
+        release.deceleration = Some(in_units(
             call.number(layout.decel_rate),
             call.word(layout.decel_units),
             description.max_deceleration,
-        )
-    } else {
-        description.max_deceleration
-    };
+        ));
+    }
+    let deceleration = release.deceleration.unwrap_or(description.max_deceleration);
     positive(deceleration, layout.decel_rate)?;
-    let sample = system.planner.sample(&motion.clock);
-    let speed = sample.map_or(0.0, |sample| sample.along.velocity.abs());
-    let jerk = if call.word(layout.change_decel_jerk) == 1 {
+    if call.is_one(layout.change_decel_jerk) {
         let programmed = jerk_in_units(
             call.number(layout.decel_jerk),
             call.word(layout.jerk_units),
             description.max_deceleration_jerk,
         );
+        let sample = system.planner.sample(&motion.clock);
+        let speed = sample.map_or(0.0, |sample| sample.along.velocity.abs());
         let reference = if speed > 0.0 { speed } else { description.max_speed };
-        resolve(programmed, reference, deceleration)
-    } else {
-        description.max_deceleration_jerk
-    };
+        release.jerk = Some(resolve(programmed, reference, deceleration));
+    }
+    let jerk = release.jerk.unwrap_or(description.max_deceleration_jerk);
     if is_s_curve(motion, index) {
         positive(jerk, layout.decel_jerk)?;
     }
-    let active = system
-        .planner
-        .active()
-        .map(|running| running.motion.data.dynamics.limits());
-    Ok(Limits {
-        speed: active.map_or(description.max_speed, |limits| limits.speed),
-        // What is left of an acceleration is taken back at the move's own jerk or, where larger, the stop's.
-        acceleration: active.map_or(deceleration, |limits| limits.acceleration),
+    Ok(Rates {
         deceleration,
-        jerk: is_s_curve(motion, index).then(|| Jerk {
-            acceleration: active
-                .and_then(|limits| limits.jerk)
-                .map_or(jerk, |own| own.acceleration.max(jerk)),
-            deceleration: jerk,
-        }),
+        jerk,
+        release,
     })
+}
+
+/// Cancels transforms by themselves and the place of their target system. Returns the axes that brake.
+fn cancel(motion: &mut Motion, release: &Release, which: impl Fn(&Link, usize) -> bool) -> AxisSet {
+    let mut braking = AxisSet::default();
+    for index in 0..motion.links.len() {
+        if motion.links[index].is_some_and(|link| which(&link, index)) {
+            braking.extend(motion.cancel_transform(index, release));
+        }
+    }
+    braking
 }
 
 fn is_s_curve(motion: &Motion, index: usize) -> bool {

@@ -5,6 +5,7 @@ use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
 use super::{masd, place};
 use crate::axis::{AfterStop, AxisState};
 use crate::control::Execution;
+use crate::follow::Release;
 use crate::machine::ProgrammedStopMode;
 use crate::motion::Motion;
 use crate::stop::{AxisSet, Stop};
@@ -35,7 +36,11 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         motion.end_move(stop.execution, 0);
     }
     let braking = stop_group(motion, mode);
-    motion.group_stop = Some(Stop { execution, braking });
+    motion.group_stop = Some(Stop {
+        execution,
+        of_moves: true,
+        braking,
+    });
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
     motion.controls.write(execution, initiated, 0, motion.clock.tick);
     Ok(())
@@ -48,6 +53,9 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
         motion.abort_system(index, |_| false);
     }
     let mut braking = AxisSet::default();
+    for index in 0..motion.links.len() {
+        motion.cancel_transform(index, &Release::default());
+    }
     for axis in 0..motion.axes.len() as u16 {
         let at = usize::from(axis);
         let state = &motion.axes[at];

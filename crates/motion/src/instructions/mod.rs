@@ -2,6 +2,7 @@
 
 mod axis_moves;
 mod mafr;
+mod mag;
 mod maj;
 mod mam;
 mod mas;
@@ -14,6 +15,7 @@ mod mclm;
 mod mcs;
 mod mcsd;
 mod mcsr;
+mod mct;
 mod mgs;
 mod mgsd;
 mod mgsp;
@@ -42,6 +44,8 @@ pub(crate) struct Layouts {
     maj: maj::Layout,
     mcd: mcd::Layout,
     mas: mas::Layout,
+    mag: mag::Layout,
+    mct: mct::Layout,
     mgs: mgs::Layout,
 }
 
@@ -57,6 +61,8 @@ impl Layouts {
             maj: maj::Layout::new(),
             mcd: mcd::Layout::new(),
             mas: mas::Layout::new(),
+            mag: mag::Layout::new(),
+            mct: mct::Layout::new(),
             mgs: mgs::Layout::new(),
         }
     }
@@ -86,6 +92,8 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Mam => mam::execute(motion, execution, call),
         Mnemonic::Maj => maj::execute(motion, execution, call),
         Mnemonic::Mcd => mcd::execute(motion, execution, call),
+        Mnemonic::Mag => mag::execute(motion, execution, call),
+        Mnemonic::Mct => mct::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
         _ => {
             motion.verify_operands(call)?;

@@ -192,8 +192,10 @@ impl Motion {
         let Some(stop) = system.stop else {
             return;
         };
-        let braking = |(place, axis): (usize, &Axis)| stop.braking.contains(place as u16) && axis.is_stopping();
-        if system.is_busy() || (!stop.braking.is_empty() && self.axes.iter().enumerate().any(braking)) {
+        let braking = |(place, axis): (usize, &Axis)| stop.braking.contains(place as u16) && axis.is_braking();
+        if system.activity == Activity::Stopping
+            || (!stop.braking.is_empty() && self.axes.iter().enumerate().any(braking))
+        {
             return;
         }
         self.systems[index].stop = None;

@@ -13,6 +13,10 @@ use crate::control::Execution;
 impl Motion {
     /// Commands and drives of all axes at the present tick, and what came to its end.
     pub(super) fn advance_axes(&mut self) {
+        if !self.order.is_empty() {
+            self.advance_followers();
+            return;
+        }
         let period = self.clock.period();
         for index in 0..self.axes.len() {
             let axis = &mut self.axes[index];
@@ -25,13 +29,17 @@ impl Motion {
         }
     }
 
-    /// What instructions began at this tick shows in the commands of it.
-    pub(super) fn refresh_axes(&mut self) {
+    /// What instructions began at this tick shows in the commands of it. `changed`: coordinated motion began or changed.
+    pub(super) fn refresh_axes(&mut self, mut changed: bool) {
         for index in 0..self.axes.len() {
             if std::mem::take(&mut self.axes[index].stale) {
+                changed = true;
                 self.axes[index].advance(&self.clock);
                 self.report_generators(index as u16);
             }
+        }
+        if changed && !self.order.is_empty() {
+            self.refresh_followers();
         }
     }
 
@@ -53,15 +61,16 @@ impl Motion {
         }
     }
 
-    /// Ends everything on an axis without PC.
+    /// Ends everything on an axis without PC, and the transforms that it is part of.
     pub(crate) fn end_generators(&mut self, axis: u16) {
+        self.cancel_transforms_of(axis);
         for slot in Slot::ALL {
             self.end_generator(axis, slot);
         }
     }
 
     /// Stops everything on an axis as one deceleration at the axis's own maxima, and reports to `execution` when it
-    /// stands. Coordinated motion must have been ended.
+    /// stands. Coordinated motion must have been ended; transforms that the axis is part of are cancelled.
     pub(crate) fn stop_axis(&mut self, axis: u16, execution: Option<Execution>) {
         let state = &self.axes[usize::from(axis)];
         let limits = state.dynamics.stop(state.is_s_curve());
@@ -71,6 +80,7 @@ impl Motion {
     /// As [`Motion::stop_axis`], at given rates.
     pub(crate) fn stop_axis_at(&mut self, axis: u16, limits: &Limits, execution: Option<Execution>) {
         let at = usize::from(axis);
+        self.cancel_transforms_of(axis);
         if !self.axes[at].in_motion() {
             return;
         }
@@ -123,7 +133,7 @@ impl Motion {
     }
 
     /// ACCEL and DECEL of what is under way, and PC of what has come to its end.
-    fn report_generators(&mut self, axis: u16) {
+    pub(crate) fn report_generators(&mut self, axis: u16) {
         let at = usize::from(axis);
         let tick = self.clock.tick;
         for slot in Slot::ALL {

@@ -1,0 +1,112 @@
+//! The end of a transform: nothing leads any more, and what it moved brakes (spec/coordinated-instructions.md §15.1,
+//! §19.7).
+
+use arcline_drive::Motion as Point;
+use arcline_planner::profile::{Jerk, Limits};
+
+use crate::axis::AxisState;
+use crate::axis::sum::Slot;
+use crate::motion::Motion;
+use crate::stop::AxisSet;
+
+/// How what a cancelled transform moved comes to rest, each axis by itself. What is not said is the maximum of the
+/// coordinate system that the axis was moved for.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Release {
+    /// Units/s².
+    pub(crate) deceleration: Option<f64>,
+    /// Units/s³, where the motion that was followed is an S-curve.
+    pub(crate) jerk: Option<f64>,
+}
+
+impl Motion {
+    /// Cancels every transform that an axis is part of; what they moved brakes at the maxima of the coordinate systems.
+    pub(crate) fn cancel_transforms_of(&mut self, axis: u16) {
+        if !self.axes[usize::from(axis)].is_linked() {
+            return;
+        }
+        for index in 0..self.links.len() {
+            if self.links[index].is_some_and(|link| link.has(axis)) {
+                self.cancel_transform(index, &Release::default());
+            }
+        }
+    }
+
+    /// Cancels the transform of a target system. Returns the axes that brake.
+    pub(crate) fn cancel_transform(&mut self, index: usize, release: &Release) -> AxisSet {
+        let mut braking = AxisSet::default();
+        let Some(link) = self.links.get_mut(index).and_then(Option::take) else {
+            return braking;
+        };
+        if let Some(execution) = link.execution {
+            self.end_move(execution, 0);
+        }
+        let mut s_curve = false;
+        for axis in link.source() {
+            s_curve |= self.axes[usize::from(*axis)].is_s_curve();
+        }
+        let mut own_s_curve = false;
+        for axis in link.target() {
+            let state = &self.axes[usize::from(*axis)];
+            let mut own = state.sum.active().filter(|(slot, _)| *slot != Slot::Transform);
+            own_s_curve |= own.any(|(_, generator)| generator.s_curve);
+        }
+        // Everything is let go of before anything brakes: positions stay as they are throughout.
+        for (axis, back) in link.source().iter().zip(&link.back) {
+            self.axes[usize::from(*axis)].linked.settled += back.position;
+            self.let_go(*axis);
+        }
+        for (axis, led) in link.target().iter().zip(&link.led) {
+            self.axes[usize::from(*axis)].linked.rest = led.position;
+            self.let_go(*axis);
+        }
+        for (axis, back) in link.source().iter().zip(&link.back) {
+            self.part(
+                *axis,
+                back,
+                &self.release(link.from, release, own_s_curve),
+                &mut braking,
+            );
+        }
+        for (axis, led) in link.target().iter().zip(&link.led) {
+            self.part(*axis, led, &self.release(index, release, s_curve), &mut braking);
+        }
+        braking
+    }
+
+    /// An axis is part of one transform less.
+    fn let_go(&mut self, axis: u16) {
+        let state = &mut self.axes[usize::from(axis)];
+        state.linked.links = state.linked.links.saturating_sub(1);
+        if state.linked.links == 0 {
+            state.linked.controlled = false;
+            state.end(Slot::Transform);
+        } else {
+            self.compose(axis);
+        }
+    }
+
+    fn part(&mut self, axis: u16, moved: &Point, limits: &Limits, braking: &mut AxisSet) {
+        let state = &mut self.axes[usize::from(axis)];
+        let stands = moved.velocity == 0.0 && (moved.acceleration == 0.0 || limits.jerk.is_none());
+        if !stands && state.state == AxisState::Running {
+            state.part(*moved, limits, self.clock.now());
+            braking.insert(axis);
+        }
+    }
+
+    fn release(&self, system: usize, release: &Release, s_curve: bool) -> Limits {
+        let own = &self.systems[system].description;
+        let rate = release.deceleration.unwrap_or(own.max_deceleration);
+        let jerk = release.jerk.unwrap_or(own.max_deceleration_jerk);
+        Limits {
+            speed: own.max_speed,
+            acceleration: rate,
+            deceleration: rate,
+            jerk: s_curve.then_some(Jerk {
+                acceleration: jerk,
+                deceleration: jerk,
+            }),
+        }
+    }
+}

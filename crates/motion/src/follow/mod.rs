@@ -1,0 +1,132 @@
+//! Axes that follow others: slaves of gears, and both sides of transforms.
+//!
+//! What follows is computed after what it follows, in the same tick, in an order that is worked out when a link is made.
+//! While nothing follows there is no order, and axes are computed one after the other. Real-time: nothing allocates; a
+//! tick is bounded by the axes and the transforms that are under way.
+
+mod cancel;
+pub(crate) mod gear;
+pub(crate) mod order;
+pub(crate) mod transform;
+
+use arcline_drive::Motion as Point;
+
+use crate::axis::AxisState;
+use crate::axis::generator::Law;
+use crate::axis::sum::Slot;
+use crate::motion::Motion;
+pub(crate) use cancel::Release;
+use gear::{MasterAt, Reference};
+use order::{Circle, Followers, Step};
+use transform::Link;
+
+impl Motion {
+    /// Commands and drives of all axes at the present tick, in order, and what came to its end.
+    pub(crate) fn advance_followers(&mut self) {
+        let period = self.clock.period();
+        let mut followers = 0;
+        for place in 0..self.order.len() {
+            let Some(step) = self.order.step(place) else {
+                break;
+            };
+            self.compute(step);
+            if let Step::Whole(axis) = step {
+                let state = &mut self.axes[usize::from(axis)];
+                state.follow(period);
+                followers += usize::from(state.is_linked()) + usize::from(state.gear().is_some());
+                if state.in_motion() {
+                    self.report_generators(axis);
+                }
+                self.axes[usize::from(axis)].fold(&self.clock);
+            }
+        }
+        if followers == 0 {
+            self.order.clear();
+        }
+    }
+
+    /// Commands alone, once more: something changed within the tick.
+    pub(crate) fn refresh_followers(&mut self) {
+        for place in 0..self.order.len() {
+            if let Some(step) = self.order.step(place) {
+                self.compute(step);
+            }
+        }
+    }
+
+    fn compute(&mut self, step: Step) {
+        match step {
+            Step::Own(axis) => {
+                self.follow_master(axis);
+                self.axes[usize::from(axis)].advance(&self.clock);
+            }
+            Step::Back(index) => self.compute_back(usize::from(index)),
+            Step::Lead(index) => self.compute_lead(usize::from(index)),
+            Step::Whole(axis) => self.compose(axis),
+        }
+    }
+
+    fn follow_master(&mut self, axis: u16) {
+        let Some(gear) = self.axes[usize::from(axis)].gear() else {
+            return;
+        };
+        let at = self.master_at(gear.master, gear.reference);
+        if let Some(generator) = self.axes[usize::from(axis)].sum.get_mut(Slot::Gear)
+            && let Law::Geared(gear) = &mut generator.law
+        {
+            generator.now = gear.follow(&at, generator.now.position, &self.clock);
+        }
+    }
+
+    /// What a gear reads of its master now. A master without torque moves where its drive does.
+    pub(crate) fn master_at(&self, master: u16, reference: Reference) -> MasterAt {
+        let axis = &self.axes[usize::from(master)];
+        let commanded = matches!(axis.state, AxisState::Running | AxisState::Starting);
+        let (point, read) = match reference {
+            Reference::Command if commanded => (axis.command, Reference::Command),
+            _ => (axis.drive.actual(), Reference::Actual),
+        };
+        MasterAt {
+            point: Point {
+                position: point.position - axis.redefined,
+                ..point
+            },
+            read,
+        }
+    }
+
+    /// Works out the order with one gear more.
+    ///
+    /// # Errors
+    /// When the axes would follow each other in a circle.
+    pub(crate) fn plan_gear(&mut self, slave: u16, master: u16) -> Result<(), Circle> {
+        let Motion { axes, links, order, .. } = self;
+        order.plan(&Followers {
+            axes: axes.len(),
+            master: |axis: u16| {
+                if axis == slave {
+                    Some(master)
+                } else {
+                    axes[usize::from(axis)].gear().map(|gear| gear.master)
+                }
+            },
+            links,
+        })
+    }
+
+    /// Works out the order with one transform more.
+    ///
+    /// # Errors
+    /// When the axes would follow each other in a circle.
+    pub(crate) fn plan_transform(&mut self, target: usize, link: &Link) -> Result<(), Circle> {
+        let Motion { axes, links, order, .. } = self;
+        let before = std::mem::replace(&mut links[target], Some(*link));
+        let planned = order.plan(&Followers {
+            axes: axes.len(),
+            master: |axis: u16| axes[usize::from(axis)].gear().map(|gear| gear.master),
+            links,
+        });
+        links[target] = before;
+        planned
+    }
+}

@@ -1,0 +1,281 @@
+//! The order in which axes are computed within a tick when some follow others: what is followed comes first.
+//!
+//! It is worked out when a link is made. A link that ended leaves an order that is still right. Not here: what a step
+//! does. Nothing allocates after [`Order::new`]; working an order out is bounded by axes × links.
+
+use super::transform::Link;
+
+/// A part of the computation of one tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    /// What an axis's own generators say, its gear included.
+    Own(u16),
+    /// What the motion of a transform's target adds to its source.
+    Back(u16),
+    /// Where a transform leads its target.
+    Lead(u16),
+    /// The whole command of an axis; its drive follows it.
+    Whole(u16),
+}
+
+/// The axes of a machine follow each other in a circle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Circle;
+
+/// Who follows whom.
+pub(crate) struct Followers<'a, M> {
+    /// Axes of the machine.
+    pub(crate) axes: usize,
+    /// The master of a geared axis.
+    pub(crate) master: M,
+    /// Transforms under way, at the place of their target system.
+    pub(crate) links: &'a [Option<Link>],
+}
+
+/// The order of a tick's steps; empty when nothing follows.
+#[derive(Debug)]
+pub(crate) struct Order {
+    steps: Vec<Step>,
+    next: Vec<Step>,
+    visits: Vec<Visit>,
+    systems: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Visit {
+    Ahead,
+    UnderWay,
+    Over,
+}
+
+impl Order {
+    /// For a machine of so many axes and coordinate systems. The only allocation.
+    pub(crate) fn new(axes: usize, systems: usize) -> Self {
+        let most = 2 * (axes + systems);
+        Order {
+            steps: Vec::with_capacity(most),
+            next: Vec::with_capacity(most),
+            visits: vec![Visit::Ahead; most],
+            systems,
+        }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.steps.is_empty()
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.steps.len()
+    }
+
+    pub(crate) fn step(&self, place: usize) -> Option<Step> {
+        self.steps.get(place).copied()
+    }
+
+    /// Nothing follows any more.
+    pub(crate) fn clear(&mut self) {
+        self.steps.clear();
+    }
+
+    /// Works out an order, to be taken by [`Order::take`].
+    ///
+    /// # Errors
+    /// When there is none. The present order stays.
+    pub(crate) fn plan<M: Fn(u16) -> Option<u16>>(&mut self, followers: &Followers<'_, M>) -> Result<(), Circle> {
+        self.next.clear();
+        self.visits.fill(Visit::Ahead);
+        for axis in 0..followers.axes {
+            self.visit(Step::Whole(axis as u16), followers)?;
+        }
+        Ok(())
+    }
+
+    /// The order that was planned last is that of the next tick.
+    pub(crate) fn take(&mut self) {
+        std::mem::swap(&mut self.steps, &mut self.next);
+    }
+
+    /// A step behind all that it needs. As deep as there are steps at most.
+    fn visit<M: Fn(u16) -> Option<u16>>(&mut self, step: Step, followers: &Followers<'_, M>) -> Result<(), Circle> {
+        let place = self.place(step);
+        match self.visits.get(place) {
+            Some(Visit::Ahead) => {}
+            Some(Visit::UnderWay) => return Err(Circle),
+            Some(Visit::Over) | None => return Ok(()),
+        }
+        self.visits[place] = Visit::UnderWay;
+        let links = || {
+            let links = followers.links.iter().enumerate();
+            links.filter_map(|(index, link)| link.as_ref().map(|link| (index as u16, link)))
+        };
+        match step {
+            Step::Own(axis) => {
+                if let Some(master) = (followers.master)(axis) {
+                    self.visit(Step::Whole(master), followers)?;
+                }
+            }
+            Step::Whole(axis) => {
+                self.visit(Step::Own(axis), followers)?;
+                for (index, link) in links() {
+                    if link.source().contains(&axis) {
+                        self.visit(Step::Back(index), followers)?;
+                    }
+                    if link.target().contains(&axis) {
+                        self.visit(Step::Lead(index), followers)?;
+                    }
+                }
+            }
+            Step::Back(index) => {
+                let Some(Some(link)) = followers.links.get(usize::from(index)) else {
+                    return Ok(());
+                };
+                for axis in link.target() {
+                    self.visit(Step::Own(*axis), followers)?;
+                }
+                for (other, further) in links() {
+                    if share(further.source(), link.target()) {
+                        self.visit(Step::Back(other), followers)?;
+                    }
+                }
+            }
+            Step::Lead(index) => {
+                let Some(Some(link)) = followers.links.get(usize::from(index)) else {
+                    return Ok(());
+                };
+                for axis in link.source() {
+                    self.visit(Step::Own(*axis), followers)?;
+                }
+                for (other, near) in links() {
+                    if share(near.source(), link.source()) {
+                        self.visit(Step::Back(other), followers)?;
+                    }
+                    if share(near.target(), link.source()) {
+                        self.visit(Step::Lead(other), followers)?;
+                    }
+                }
+            }
+        }
+        self.visits[place] = Visit::Over;
+        self.next.push(step);
+        Ok(())
+    }
+
+    fn place(&self, step: Step) -> usize {
+        let axes = self.visits.len() / 2 - self.systems;
+        match step {
+            Step::Own(axis) => usize::from(axis),
+            Step::Whole(axis) => axes + usize::from(axis),
+            Step::Back(index) => 2 * axes + usize::from(index),
+            Step::Lead(index) => 2 * axes + self.systems + usize::from(index),
+        }
+    }
+}
+
+/// Whether two lists of axes have one in common.
+pub(crate) fn share(some: &[u16], others: &[u16]) -> bool {
+    some.iter().any(|axis| others.contains(axis))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Orders gears (slave, master) and transforms (source axes, target axes) of a machine of nine axes.
+    fn plan(gears: &[(u16, u16)], transforms: &[([u16; 2], [u16; 2])]) -> Result<Vec<Step>, Circle> {
+        let links: Vec<Option<Link>> = transforms
+            .iter()
+            .map(|(source, target)| Some(Link::between(source, target)))
+            .collect();
+        let mut order = Order::new(9, links.len());
+        order.plan(&Followers {
+            axes: 9,
+            master: |axis| {
+                gears
+                    .iter()
+                    .find(|(slave, _)| *slave == axis)
+                    .map(|(_, master)| *master)
+            },
+            links: &links,
+        })?;
+        order.take();
+        Ok(order.steps)
+    }
+
+    #[test]
+    fn what_is_followed_comes_first() {
+        #[rustfmt::skip]
+        type Pair = (Step, Step);
+        let cases: [(&str, &[(u16, u16)], &[([u16; 2], [u16; 2])], &[Pair]); 5] = [
+            ("a master", &[(0, 5)], &[], &[(Step::Whole(5), Step::Own(0))]),
+            (
+                "a master of a master",
+                &[(0, 5), (5, 8)],
+                &[],
+                &[(Step::Whole(8), Step::Own(5)), (Step::Whole(5), Step::Own(0))],
+            ),
+            (
+                "a source and its target, both ways",
+                &[],
+                &[([4, 5], [0, 1])],
+                &[
+                    (Step::Own(4), Step::Lead(0)),
+                    (Step::Own(0), Step::Back(0)),
+                    (Step::Back(0), Step::Whole(4)),
+                    (Step::Lead(0), Step::Whole(0)),
+                ],
+            ),
+            (
+                "a chain, from its first source to its last target and back",
+                &[],
+                &[([2, 3], [0, 1]), ([4, 5], [2, 3])],
+                &[
+                    (Step::Lead(1), Step::Lead(0)),
+                    (Step::Back(0), Step::Back(1)),
+                    (Step::Back(1), Step::Whole(4)),
+                ],
+            ),
+            (
+                "a gear behind a transform",
+                &[(1, 0)],
+                &[([4, 5], [0, 8])],
+                &[(Step::Lead(0), Step::Own(1))],
+            ),
+        ];
+        for (why, gears, transforms, pairs) in cases {
+            let steps = plan(gears, transforms).expect(why);
+            let place = |step: &Step| steps.iter().position(|other| other == step).expect(why);
+            for (first, second) in pairs {
+                assert!(
+                    place(first) < place(second),
+                    "{why}: {first:?} before {second:?} in {steps:?}"
+                );
+            }
+            assert_eq!(steps.len(), 18 + 2 * transforms.len(), "{why}");
+        }
+    }
+
+    #[test]
+    fn circles_are_found() {
+        type Case = (
+            &'static str,
+            &'static [(u16, u16)],
+            &'static [([u16; 2], [u16; 2])],
+            bool,
+        );
+        #[rustfmt::skip]
+        let cases: [Case; 9] = [
+            ("nothing follows",                       &[], &[], true),
+            ("its own master",                        &[(0, 0)], &[], false),
+            ("three gears in a ring",                 &[(0, 1), (1, 2), (2, 0)], &[], false),
+            ("two transforms against each other",     &[], &[([0, 1], [2, 3]), ([2, 3], [0, 1])], false),
+            ("three transforms in a ring",            &[], &[([0, 1], [2, 3]), ([2, 3], [4, 5]), ([4, 5], [0, 1])], false),
+            ("a target geared to its source",         &[(2, 0)], &[([0, 1], [2, 3])], false),
+            ("a source geared to its target",         &[(0, 2)], &[([0, 1], [2, 3])], false),
+            ("a source geared to another source",     &[(1, 0)], &[([0, 1], [2, 3])], true),
+            ("one source of two targets",             &[], &[([0, 1], [2, 3]), ([0, 1], [4, 5])], true),
+        ];
+        for (why, gears, transforms, possible) in cases {
+            assert_eq!(plan(gears, transforms).is_ok(), possible, "{why}");
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! MCT, Motion Coordinated Transform (spec/coordinated-instructions.md §19, §20), between Cartesian systems.
+
+use arcline_instruction_set::{AxisIndex, Call, Detail, Flag, Mnemonic, MotionError, OperandIndex};
+use arcline_planner::geometry::{Frame, Point};
+
+use super::place;
+use crate::axis::sum::Slot;
+use crate::control::Execution;
+use crate::follow::order::share;
+use crate::follow::transform::Link;
+use crate::motion::Motion;
+use crate::verify;
+
+/// Places of MCT's operands.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layout {
+    target: usize,
+    orientation: usize,
+    translation: usize,
+}
+
+/// Largest angle of an orientation, degrees.
+const LARGEST_ANGLE: f64 = 360.0;
+/// A source axis this near, units, stands where the target says.
+const CONSISTENT: f64 = 1e-3;
+
+/// EXERR of error 61 (§19.6): both systems are the same.
+const SAME_SYSTEM: Detail = Detail(2);
+/// EXERR of error 61: an axis belongs to both systems.
+const AXIS_IN_BOTH: Detail = Detail(7);
+/// EXERR of error 61: another coordinated motion uses axes of the target.
+const TARGET_IN_USE: Detail = Detail(8);
+/// EXERR of error 61: the dimensions differ.
+const DIMENSIONS_DIFFER: Detail = Detail(17);
+
+impl Layout {
+    pub(super) fn new() -> Self {
+        let place = |name| place(Mnemonic::Mct, name);
+        Layout {
+            target: place("Target System"),
+            orientation: place("Orientation"),
+            translation: place("Translation"),
+        }
+    }
+
+    /// How the target lies in the source.
+    fn frame(&self, call: &Call, dimension: usize) -> Result<Frame, MotionError> {
+        let orientation = vector(call.array(self.orientation));
+        let translation = vector(call.array(self.translation));
+        for (place, angle) in orientation.iter().enumerate() {
+            // What would turn the axes out of the space that there is: 19.3.
+            let turns_out = match dimension {
+                3 => false,
+                2 => place != 2,
+                _ => true,
+            };
+            if angle.abs() > LARGEST_ANGLE || (turns_out && *angle != 0.0) {
+                return Err(MotionError::InvalidOrientationAngle(Detail(place as i8)));
+            }
+        }
+        if translation.iter().skip(dimension).any(|shift| *shift != 0.0) {
+            return Err(MotionError::ParameterOutOfRange(OperandIndex(self.translation as u8)));
+        }
+        Ok(Frame::new(orientation, translation))
+    }
+}
+
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
+    let layout = motion.layouts.mct;
+    let source = motion.target_system(call)?;
+    motion.verify_operands(call)?;
+    let target = call
+        .object(layout.target)
+        .map(usize::from)
+        .filter(|target| *target < motion.systems.len())
+        .ok_or(MotionError::ParameterOutOfRange(OperandIndex(layout.target as u8)))?;
+    verify_pair(motion, source, target)?;
+    let [from, to] = [source, target].map(|index| &motion.systems[index].description.axes);
+    let frame = layout.frame(call, from.len())?;
+    let link = Link::new(Some(execution), source, frame, from, to);
+    verify_linear(motion, &link)?;
+    for index in [source, target] {
+        let system = &motion.systems[index];
+        verify::axes_ready(system, &motion.axes)?;
+        verify::stoppable(system, &motion.axes, true)?;
+    }
+    verify_chain(motion, target, &link)?;
+    verify_at_rest(motion, &link)?;
+    meet(motion, &link)?;
+
+    motion.begin_transform(target, link);
+    let started = Flag::Dn.mask() | Flag::Ip.mask();
+    motion.controls.write(execution, started, 0, motion.clock.tick);
+    Ok(())
+}
+
+/// The two systems can be linked at all (§19.3, §19.4).
+fn verify_pair(motion: &Motion, source: usize, target: usize) -> Result<(), MotionError> {
+    let refused = |detail| Err(MotionError::ConnectionConflict(detail));
+    if source == target {
+        return refused(SAME_SYSTEM);
+    }
+    let [from, to] = [source, target].map(|index| &motion.systems[index].description.axes);
+    if share(from, to) {
+        return refused(AXIS_IN_BOTH);
+    }
+    let mut others = motion.systems.iter().enumerate();
+    if others.any(|(index, other)| index != target && other.is_busy() && share(&other.description.axes, to)) {
+        return refused(TARGET_IN_USE);
+    }
+    if from.len() != to.len() {
+        return refused(DIMENSIONS_DIFFER);
+    }
+    Ok(())
+}
+
+fn verify_linear(motion: &Motion, link: &Link) -> Result<(), MotionError> {
+    for side in [link.source(), link.target()] {
+        let rotary = side
+            .iter()
+            .position(|axis| motion.axes[usize::from(*axis)].unwind.is_some());
+        if let Some(place) = rotary {
+            return Err(MotionError::AxesInTransformMustBeLinear(AxisIndex(place as u8)));
+        }
+    }
+    Ok(())
+}
+
+/// Each target once, no circles; nothing that was cancelled still brakes.
+fn verify_chain(motion: &mut Motion, target: usize, link: &Link) -> Result<(), MotionError> {
+    if motion.links[target].is_some_and(|running| running.from == link.from) {
+        return Err(MotionError::TransformInProgress);
+    }
+    let mut axes = link.source().iter().chain(link.target());
+    if axes.any(|axis| motion.axes[usize::from(*axis)].is_parting()) {
+        return Err(MotionError::TransformIsCanceling);
+    }
+    if motion.links().any(|(_, other)| share(other.target(), link.target()))
+        || motion.plan_transform(target, link).is_err()
+    {
+        return Err(MotionError::CoordinateSystemChaining);
+    }
+    Ok(())
+}
+
+/// Nothing moves the axes of either side; a gear may hold them.
+fn verify_at_rest(motion: &Motion, link: &Link) -> Result<(), MotionError> {
+    for side in [link.source(), link.target()] {
+        let moving = side.iter().position(|axis| {
+            let axis = &motion.axes[usize::from(*axis)];
+            let held = |slot| matches!(slot, Slot::Transform | Slot::Gear);
+            axis.linked.controlled || axis.command.velocity != 0.0 || axis.sum.active().any(|(slot, _)| !held(slot))
+        });
+        if let Some(place) = moving {
+            return Err(MotionError::AxisInMotion(AxisIndex(place as u8)));
+        }
+    }
+    Ok(())
+}
+
+/// The source stands where the target says (§19.1): axes without a drive, if nothing else holds them, are put there,
+/// all others must be there.
+fn meet(motion: &mut Motion, link: &Link) -> Result<(), MotionError> {
+    let mut target = Point::zeros();
+    for (axis, position) in link.target().iter().zip(target.iter_mut()) {
+        *position = motion.axes[usize::from(*axis)].command.position;
+    }
+    let source = link.source_of(&target);
+    let deviates = |axis: u16, position: f64| (motion.axes[usize::from(axis)].command.position - position).abs();
+    for (place, (axis, position)) in link.source().iter().zip(source.iter()).enumerate() {
+        let state = &motion.axes[usize::from(*axis)];
+        let settable = state.is_virtual && state.sum.is_idle();
+        if !settable && deviates(*axis, *position) > CONSISTENT {
+            return Err(MotionError::InvalidTransformPosition(Detail(place as i8)));
+        }
+    }
+    for (axis, position) in link.source().iter().zip(source.iter()) {
+        let state = &mut motion.axes[usize::from(*axis)];
+        if state.is_virtual && state.sum.is_idle() && state.command.position != *position {
+            state.set_virtual(*position);
+        }
+    }
+    Ok(())
+}
+
+fn vector(numbers: &[f64]) -> Point {
+    let mut vector = Point::zeros();
+    for (component, number) in vector.iter_mut().zip(numbers) {
+        *component = *number;
+    }
+    vector
+}

@@ -1,0 +1,293 @@
+//! Random sequences of everything that moves, stops and switches axes, on coordinate systems that overlap: no jump, no
+//! bit that stays behind, and every instruction ends in exactly one way (spec/axis-and-data-types.md §1.2).
+//!
+//! Each sequence is a Structured Text program that its seed reproduces and that is printed when it fails.
+//! `ARCLINE_CASES` sets how many are run (100 unless told).
+#![allow(missing_docs)]
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use arcline_instruction_set::predefined::{coordinate_motion_status, motion_status};
+use arcline_instruction_set::{Flag, Mnemonic};
+use arcline_tests::bench::Bench;
+use arcline_tests::random::Random;
+
+const PERIOD: f64 = 0.001;
+/// Largest programmed rate, units/s².
+const RATE: f64 = 1000.0;
+/// Maximum Deceleration of every axis here, units/s²: the rate of stops.
+const STOP_RATE: f64 = 2000.0;
+/// What can act on an axis at once: two moves that are superposed, a residual, a move, a jog, a gear, and a brake of each.
+const GENERATORS: f64 = 6.0;
+
+const AXES: [&str; 7] = ["X", "Y", "Z", "S", "A", "B", "C"];
+const SERVOS: [&str; 4] = ["X", "Y", "Z", "S"];
+const SYSTEMS: [(&str, usize); 4] = [("CS1", 3), ("CS2", 3), ("CS3", 3), ("XY", 2)];
+
+/// Bits of an axis that must be off when nothing moves.
+const MOVING: u32 = motion_status::ACCEL_STATUS
+    | motion_status::DECEL_STATUS
+    | motion_status::MOVE_STATUS
+    | motion_status::JOG_STATUS
+    | motion_status::GEARING_STATUS
+    | motion_status::HOMING_STATUS
+    | motion_status::STOPPING_STATUS
+    | motion_status::COORDINATED_MOTION_STATUS;
+
+struct Sequence {
+    bench: Bench,
+    random: Random,
+    program: String,
+    executed: u32,
+    /// Servos are switched, so that axes lose their speed and their command at once.
+    switching: bool,
+}
+
+impl Sequence {
+    fn new(seed: u64) -> Self {
+        let mut random = Random(seed);
+        let switching = random.below(2) == 0;
+        let slow = arcline_config::DEFAULT.replace(
+            "max_deceleration = 10000.0",
+            &format!("max_deceleration = {STOP_RATE:?}"),
+        );
+        assert_ne!(slow, arcline_config::DEFAULT);
+        Sequence {
+            bench: Bench::with(&slow),
+            random,
+            program: String::new(),
+            executed: 0,
+            switching,
+        }
+    }
+
+    /// Executes an instruction with a motion control tag of its own: `{tag}` stands for it.
+    fn execute(&mut self, call: &str) -> (i16, i8) {
+        self.executed += 1;
+        let call = call.replace("{tag}", &format!("I{}", self.executed));
+        let _ = writeln!(self.program, "{call};");
+        self.bench.call(&call)
+    }
+
+    fn axis(&mut self) -> &'static str {
+        let axis: &&str = self.random.one_of(&AXES);
+        axis
+    }
+
+    /// Speed, rates, profile, jerks and their units, from MCLM's Speed on.
+    fn dynamics(&mut self) -> String {
+        let speed = self.random.between(10.0, 150.0);
+        let [up, down] = [(); 2].map(|()| self.random.between(200.0, RATE));
+        let (profile, jerk) = (self.random.below(2), self.random.between(20.0, 100.0));
+        format!("{speed}, 0, {up}, 0, {down}, 0, {profile}, {jerk}, {jerk}, 2")
+    }
+
+    fn point(&mut self, axes: usize) -> String {
+        let values: Vec<String> = (0..axes)
+            .map(|_| self.random.between(-60.0, 60.0).to_string())
+            .collect();
+        format!("[{}]", values.join(", "))
+    }
+
+    fn coordinated(&mut self) {
+        let (system, axes) = *self.random.one_of(&SYSTEMS);
+        let (kind, to, dynamics) = (self.random.below(2), self.point(axes), self.dynamics());
+        let termination = *self.random.one_of(&[0, 1, 2, 3, 6]);
+        let merge = if self.random.below(6) == 0 {
+            1 + self.random.below(2)
+        } else {
+            0
+        };
+        let rest = format!("{dynamics}, {termination}, {merge}, 0, 5");
+        let call = if axes == 2 && self.random.below(2) == 0 {
+            let center = self.point(2);
+            let direction = self.random.below(4);
+            format!("MCCM({system}, {{tag}}, 1, [10, 0], 1, {center}, {direction}, {rest})")
+        } else {
+            format!("MCLM({system}, {{tag}}, {kind}, {to}, {rest})")
+        };
+        self.execute(&call);
+    }
+
+    fn single_axis(&mut self) {
+        let (axis, dynamics) = (self.axis(), self.dynamics());
+        let merge = u64::from(self.random.below(4) == 0);
+        let call = match self.random.below(8) {
+            0..=3 => {
+                let (kind, position) = (self.random.below(2), self.random.between(-60.0, 60.0));
+                format!("MAM({axis}, {{tag}}, {kind}, {position}, {dynamics}, {merge}, 0)")
+            }
+            4 | 5 => format!("MAJ({axis}, {{tag}}, {}, {dynamics}, {merge}, 0)", self.random.below(2)),
+            6 => {
+                let (master, ratio) = (self.axis(), self.random.between(0.1, 1.0));
+                let (direction, reference) = (self.random.below(4), self.random.below(2));
+                format!("MAG({axis}, {master}, {{tag}}, {direction}, {ratio}, 1, 1, {reference}, 0, 0, {RATE}, 0)")
+            }
+            _ => {
+                let (kind, speed) = (self.random.below(2), self.random.between(0.0, 150.0));
+                format!("MCD({axis}, {{tag}}, {kind}, 1, {speed}, 0, 0, 1, {RATE}, 0, 0, 0, 0, 0, 0, 0, 0)")
+            }
+        };
+        self.execute(&call);
+    }
+
+    fn stop(&mut self) {
+        let call = match self.random.below(8) {
+            0..=3 => {
+                let (axis, kind) = (self.axis(), self.random.below(5));
+                format!("MAS({axis}, {{tag}}, {kind}, 1, {RATE}, 0, 0, 0, 2)")
+            }
+            4..=6 => {
+                let (system, _) = *self.random.one_of(&SYSTEMS);
+                let kind = *self.random.one_of(&[0, 2, 3]);
+                format!("MCS({system}, {{tag}}, {kind}, 1, {RATE}, 0, 0, 0, 2)")
+            }
+            _ => "MGS(Motion, {tag}, 1)".to_owned(),
+        };
+        self.execute(&call);
+    }
+
+    fn switch(&mut self) {
+        let servo = *self.random.one_of(&SERVOS);
+        let (system, _) = *self.random.one_of(&SYSTEMS);
+        let call = match self.random.below(12) {
+            0 => format!("MSF({servo}, {{tag}})"),
+            1..=3 => format!("MSO({servo}, {{tag}})"),
+            4 => format!("MASD({servo}, {{tag}})"),
+            5 | 6 => format!("MASR({servo}, {{tag}})"),
+            7 => format!("MCSD({system}, {{tag}})"),
+            8 | 9 => format!("MCSR({system}, {{tag}})"),
+            10 => "MGS(Motion, {tag}, 2)".to_owned(),
+            _ => "MGSR(Motion, {tag})".to_owned(),
+        };
+        self.execute(&call);
+    }
+
+    fn transform(&mut self) {
+        let angle = *self.random.one_of(&[0, 30, 90]);
+        self.execute(&format!("MCT(CS2, CS3, {{tag}}, [0, 0, {angle}], [0, 0, 0])"));
+    }
+
+    fn run(&mut self, ticks: u64) {
+        let _ = writeln!(self.program, "DELAY({});", ticks as f64 * PERIOD);
+        for _ in 0..ticks {
+            self.tick();
+        }
+    }
+
+    /// One tick: no axis jumps, unless its servo may have been switched.
+    fn tick(&mut self) {
+        let before = self.bench.snapshot();
+        self.bench.tick();
+        let after = self.bench.snapshot();
+        for (name, (before, after)) in AXES.iter().zip(before.axes.iter().zip(&after.axes)) {
+            let (b, a) = (before.command, after.command);
+            assert!(
+                a.iter().chain(&after.actual).all(|value| value.is_finite()),
+                "{name}: {a:?}"
+            );
+            if self.switching {
+                continue;
+            }
+            // The targets of the transform add up what its three sources do.
+            let axes = if "ABC".contains(name) { 3.0 } else { 1.0 };
+            let most = axes * GENERATORS * STOP_RATE * PERIOD;
+            assert!(
+                (a[1] - b[1]).abs() <= most,
+                "{name}: velocity from {} to {}",
+                b[1],
+                a[1]
+            );
+            let mean = 0.5 * (a[1] + b[1]) * PERIOD;
+            assert!(
+                ((a[0] - b[0]) - mean).abs() <= most * PERIOD,
+                "{name}: position from {} to {} at {} units/s",
+                b[0],
+                a[0],
+                a[1]
+            );
+        }
+    }
+
+    /// Stops the group; then nothing moves and nothing is left behind.
+    fn finish(&mut self) {
+        self.execute("MGS(Motion, {tag}, 1)");
+        self.bench.until_rest();
+        self.run(3);
+        let snapshot = self.bench.snapshot();
+        for (name, axis) in AXES.iter().zip(&snapshot.axes) {
+            assert_eq!(axis.motion_status & MOVING, 0, "{name} shows {:#x}", axis.motion_status);
+            assert_eq!(axis.command[1..], [0.0, 0.0], "{name}");
+        }
+        for ((name, _), system) in SYSTEMS.iter().zip(&snapshot.systems) {
+            let moving = system.motion_status
+                & !(coordinate_motion_status::ACTUAL_POS_TOLERANCE_STATUS
+                    | coordinate_motion_status::COMMAND_POS_TOLERANCE_STATUS);
+            assert_eq!(moving, 0, "{name} shows {moving:#x}");
+        }
+    }
+
+    /// Every instruction ended in exactly one way: with ER, with PC, with DN where that is all there is, or in that IP
+    /// was cleared.
+    fn check_ends(&self) {
+        let mut ends: BTreeMap<u64, Vec<String>> = BTreeMap::new();
+        for (name, event) in &self.bench.events {
+            let ended = event.set & (Flag::Er.mask() | Flag::Pc.mask()) != 0
+                || event.clear & Flag::Ip.mask() != 0
+                || (event.set & Flag::Dn.mask() != 0 && event.set & Flag::Ip.mask() == 0 && !runs_before_done(event));
+            let list = ends.entry(event.ticket.0).or_default();
+            if ended {
+                list.push(format!(
+                    "{name} {:?}: +{:#x} -{:#x}",
+                    event.mnemonic, event.set, event.clear
+                ));
+            }
+        }
+        for (ticket, ends) in ends {
+            assert_eq!(ends.len(), 1, "execution {ticket} ended {} times: {ends:?}", ends.len());
+        }
+        for tag in (1..=self.executed).map(|place| format!("I{place}")) {
+            let shown = self.bench.control(&tag);
+            let left = [Flag::Ip, Flag::Ac, Flag::Accel, Flag::Decel];
+            assert!(
+                !left.iter().any(|flag| shown.has(*flag)),
+                "{tag} shows {}",
+                self.bench.bits(&tag)
+            );
+        }
+    }
+}
+
+/// Homing is in process before it is done.
+fn runs_before_done(event: &arcline_controller::Event) -> bool {
+    event.mnemonic == Mnemonic::Mah
+}
+
+fn sequence(sequence: &mut Sequence) {
+    for _ in 0..8 + sequence.random.below(25) {
+        match sequence.random.below(16) {
+            0..=3 => sequence.coordinated(),
+            4..=7 => sequence.single_axis(),
+            8 | 9 => sequence.stop(),
+            10 if sequence.switching => sequence.switch(),
+            11 => sequence.transform(),
+            _ => {
+                let ticks = 1 + sequence.random.below(300);
+                sequence.run(ticks);
+            }
+        }
+    }
+    sequence.finish();
+    sequence.check_ends();
+}
+
+#[test]
+fn random_sequences_leave_nothing_behind_and_every_instruction_ends_once() {
+    let cases = std::env::var("ARCLINE_CASES").map_or(100, |cases| cases.parse().expect("a number"));
+    for seed in 0..cases {
+        let mut one = Sequence::new(seed);
+        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| sequence(&mut one)));
+        assert!(result.is_ok(), "seed {seed}:\n{}", one.program);
+    }
+}
