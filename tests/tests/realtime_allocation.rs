@@ -154,7 +154,11 @@ fn press(outer: &Mutex<Outer>, calls: &[Call]) {
 }
 
 fn project() -> Project {
-    arcline_config::load(arcline_config::DEFAULT, "default.toml").expect("the default is valid")
+    let drive =
+        "drive = { velocity_feedforward = 0.0, speed_limit = 150.0, torque_limit = 1500.0, encoder_resolution = 1e3 }";
+    let limited = format!("type = \"servo\"\n{drive}");
+    let config = arcline_config::DEFAULT.replacen("type = \"servo\"", &limited, 1);
+    arcline_config::load(&config, "default.toml").expect("the default with a limited drive is valid")
 }
 
 fn all_calls(project: &Project) -> Vec<Call> {
