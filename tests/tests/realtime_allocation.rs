@@ -20,6 +20,15 @@ static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 /// What is executed so far, with both profiles, all circle types, merges, refusals and stops on the way.
 const CALLS: &[&str] = &[
+    "MCT(CS3, CS1, M20, [0, 0, 90], [0, 0, 0]);",
+    "MCT(CS1, CS2, M21, [0, 0, 0], [0, 0, 0]);",
+    "MAG(S, A, M22, Same, 0.5, 1, 1, Command, Real, Enabled, 1000, Unitspersec2);",
+    "MAG(A, S, M23, Same, 0.5, 1, 1, Actual, Real, Disabled);",
+    "MAM(A, M24, 1, 20, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
+    "MAM(X, M25, 1, 20, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, Trapezoidal, 100, 100, %ofTime, Enabled, Current);",
+    "MCS(CS3, M26, CoordinatedTransform, Yes, 3000, Unitspersec2, No, 0, %ofTime);",
+    "MAS(S, M27, Gear, Yes, 3000, Unitspersec2, No, 0, %ofTime);",
+    "MAS(X, M28, All, No, 0, Unitspersec2, No, 0, %ofTime);",
     "MSO(X, M1);",
     "MSO(Y, M1);",
     "MSO(Z, M1);",

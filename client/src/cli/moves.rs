@@ -173,7 +173,10 @@ async fn axis_length(client: &Client, command: &MoveAxis) -> Option<f64> {
     if command.relative {
         return Some(command.position.abs());
     }
-    let start = client.read_numbers(&format!("{}.ActualPosition", command.axis)).await.ok()?;
+    let start = client
+        .read_numbers(&format!("{}.ActualPosition", command.axis))
+        .await
+        .ok()?;
     Some((command.position - start.first()?).abs())
 }
 

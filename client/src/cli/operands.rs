@@ -266,11 +266,18 @@ mod tests {
             speed: None,
             motion: motion(),
         };
-        for (kind, ways) in [(0.0, [false; 4]), (1.0, [true, false, false, false]), (4.0, [false, false, false, true])] {
+        for (kind, ways) in [
+            (0.0, [false; 4]),
+            (1.0, [true, false, false, false]),
+            (4.0, [false, false, false, true]),
+        ] {
             let operands = axis(&command(ways)).expect("operands");
             assert_eq!(number(&operands, "Move Type"), kind);
             assert_eq!(number(&operands, "Position"), 90.0);
-            assert_eq!((number(&operands, "Accel Rate"), number(&operands, "Merge")), (20.0, 1.0));
+            assert_eq!(
+                (number(&operands, "Accel Rate"), number(&operands, "Merge")),
+                (20.0, 1.0)
+            );
         }
         for (speed, direction, units) in [(Rate::Units(-5.0), 1.0, 0.0), (Rate::Percent(5.0), 0.0, 1.0)] {
             let command = Jog {
@@ -279,8 +286,14 @@ mod tests {
                 motion: motion(),
             };
             let operands = jog(&command).expect("operands");
-            assert_eq!((number(&operands, "Direction"), number(&operands, "Speed")), (direction, 5.0));
-            assert_eq!((number(&operands, "Speed Units"), number(&operands, "Accel Units")), (units, 0.0));
+            assert_eq!(
+                (number(&operands, "Direction"), number(&operands, "Speed")),
+                (direction, 5.0)
+            );
+            assert_eq!(
+                (number(&operands, "Speed Units"), number(&operands, "Accel Units")),
+                (units, 0.0)
+            );
         }
     }
 

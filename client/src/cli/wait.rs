@@ -87,11 +87,7 @@ pub(crate) async fn interrupted() {
 }
 
 /// Stops what was begun and says so.
-pub(crate) async fn interrupt(
-    client: &Client,
-    stops: impl IntoIterator<Item = Stopping>,
-    output: &Output,
-) -> Failure {
+pub(crate) async fn interrupt(client: &Client, stops: impl IntoIterator<Item = Stopping>, output: &Output) -> Failure {
     for stopping in stops {
         let target = &stopping.target;
         match stop(client, &stopping).await {

@@ -13,7 +13,6 @@ use crate::follow::gear::Gear;
 
 /// How a generator comes to its position.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "a box would allocate in the tick")]
 pub(crate) enum Law {
     /// Somebody else computes it every tick: a coordinate system, a master axis, a transform.
     Followed,

@@ -48,6 +48,11 @@ impl Slot {
         matches!(self, Slot::Move | Slot::Jog | Slot::Home | Slot::Gear)
     }
 
+    /// Whether a transform moves the axis by it, or what is left of one.
+    pub(crate) fn is_of_transforms(self) -> bool {
+        matches!(self, Slot::Transform | Slot::Parting)
+    }
+
     const fn bit(self) -> u8 {
         1 << self as u8
     }
@@ -157,11 +162,11 @@ impl Sum {
         jog.map_or(0.0, |jog| jog.fold(unwind, clock))
     }
 
-    /// Velocity and acceleration of everything but one kind; the position is 0.
-    pub(crate) fn own_motion(&self, but: Slot) -> Point {
+    /// Velocity and acceleration of some kinds of generators together; the position is 0.
+    pub(crate) fn motion_of(&self, which: impl Fn(Slot) -> bool) -> Point {
         let mut total = Point::default();
         for (slot, generator) in self.active() {
-            if slot != but {
+            if which(slot) {
                 total.velocity += generator.now.velocity;
                 total.acceleration += generator.now.acceleration;
             }

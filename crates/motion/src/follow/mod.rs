@@ -120,7 +120,7 @@ impl Motion {
     /// When the axes would follow each other in a circle.
     pub(crate) fn plan_transform(&mut self, target: usize, link: &Link) -> Result<(), Circle> {
         let Motion { axes, links, order, .. } = self;
-        let before = std::mem::replace(&mut links[target], Some(*link));
+        let before = links[target].replace(*link);
         let planned = order.plan(&Followers {
             axes: axes.len(),
             master: |axis: u16| axes[usize::from(axis)].gear().map(|gear| gear.master),

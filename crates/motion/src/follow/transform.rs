@@ -60,9 +60,9 @@ impl Link {
             leads: false,
             leads_back: false,
         };
-        for place in 0..link.dimension {
-            link.source[place] = source[place];
-            link.target[place] = target[place];
+        let places = link.source.iter_mut().zip(&mut link.target);
+        for ((from, to), (source, target)) in places.zip(source.iter().zip(target)) {
+            (*from, *to) = (*source, *target);
         }
         link
     }
@@ -150,7 +150,7 @@ impl Motion {
     fn without(&self, axis: u16, link: usize) -> Point {
         let lead = self.lead(axis);
         let state = &self.axes[usize::from(axis)];
-        let mut total = state.sum.own_motion(Slot::Transform);
+        let mut total = state.sum.motion_of(|slot| slot != Slot::Transform);
         // `lead` is in the frame of the generator; the axis is where that shows.
         let position = state.sum.seen_from(Slot::Transform, Some(lead.position));
         total.position = position.unwrap_or(state.command.position);
@@ -163,7 +163,7 @@ impl Motion {
     /// What has been added to an axis by others than the transforms that lead it, ever since it became part of one.
     fn added(&self, axis: u16) -> Point {
         let state = &self.axes[usize::from(axis)];
-        let mut added = state.sum.own_motion(Slot::Transform);
+        let mut added = state.sum.motion_of(|slot| slot != Slot::Transform);
         added.position = state.sum.seen_from(Slot::Transform, Some(0.0)).unwrap_or(0.0) + state.linked.settled;
         add(&mut added, &self.led_back(axis, None));
         added

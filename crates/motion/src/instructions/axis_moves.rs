@@ -42,17 +42,14 @@ impl AxisMoveLayout {
     /// Velocity and acceleration of what the instruction takes over: of its own kind, or of all that single-axis
     /// instructions move. The position is where the axis is commanded to be.
     pub(super) fn taken_over(&self, axis: &Axis, slot: Slot, call: &Call) -> State {
-        let mut taken = State {
+        let taken = axis
+            .sum
+            .motion_of(|other| other == slot || (self.merges(call) && other.is_single_axis()));
+        State {
             position: axis.command.position,
-            ..State::default()
-        };
-        for (other, generator) in axis.sum.active() {
-            if other == slot || (self.merges(call) && other.is_single_axis()) {
-                taken.velocity += generator.now.velocity;
-                taken.acceleration += generator.now.acceleration;
-            }
+            velocity: taken.velocity,
+            acceleration: taken.acceleration,
         }
-        taken
     }
 
     /// Begins a move or a jog out of what it takes over, along the profile that `plan` makes of that.

@@ -177,7 +177,8 @@ pub(super) fn execute(
 fn terminated(motion: &Motion, index: usize, merge: i32) -> Momentum {
     let quantity = |axis: &Axis| match merge {
         MERGE_DISABLED => Default::default(),
-        MERGE_ALL => axis.command,
+        // What a transform gives goes on.
+        MERGE_ALL => axis.sum.motion_of(|slot| !slot.is_of_transforms()),
         _ => axis
             .sum
             .get(Slot::System)

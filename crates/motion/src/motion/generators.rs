@@ -82,6 +82,10 @@ impl Motion {
         let at = usize::from(axis);
         self.cancel_transforms_of(axis);
         if !self.axes[at].in_motion() {
+            // All that was to be stopped was a transform that did not move this axis.
+            if let Some(execution) = execution {
+                self.end_move(execution, Flag::Pc.mask());
+            }
             return;
         }
         for slot in Slot::ALL {
