@@ -169,7 +169,7 @@ impl Plant {
         }
     }
 
-    /// Executes an instruction and waits until its tag shows DN or ER.
+    /// Executes an instruction and waits until its tag shows DN, ER, or that it is in process (MAH, whose DN is its end).
     ///
     /// `given` are the operands behind target and motion control. A motion control tag that is not there is made.
     ///
@@ -247,7 +247,7 @@ impl State {
             let record = self.records.get_mut(event.ticket);
             if let Some(control) = record {
                 event.apply(control);
-                if is_answered(control) {
+                if is_accepted(control) {
                     self.complete(event.ticket);
                 }
             }
@@ -258,12 +258,12 @@ impl State {
             }
             let answer = *answer;
             let _ = self.link.answers.pop();
-            if is_answered(&answer.control) {
+            if is_accepted(&answer.control) {
                 // Its event says the same, unless that was lost.
                 if let Some(control) = self
                     .records
                     .get_mut(answer.ticket)
-                    .filter(|control| !is_answered(control))
+                    .filter(|control| !is_accepted(control))
                 {
                     *control = answer.control;
                 }
@@ -293,7 +293,7 @@ impl State {
         }
     }
 
-    /// Sends a call; the receiver is told when DN or ER is set.
+    /// Sends a call; the receiver is told when DN, ER or IP is set.
     fn send(&mut self, call: Call) -> (Ticket, oneshot::Receiver<()>) {
         let ticket = self.ticket();
         let (sender, receiver) = oneshot::channel();
@@ -395,13 +395,18 @@ pub fn image_of(project: &Project) -> Image {
     Image::new(&project.machine, &project.instruction_tags, &project.tags)
 }
 
+/// Whoever sent it is told now: a process that has begun is not waited for.
+fn is_accepted(control: &MotionControl) -> bool {
+    is_answered(control) || control.has(Flag::Ip)
+}
+
 fn is_answered(control: &MotionControl) -> bool {
     control.has(Flag::Dn) || control.has(Flag::Er)
 }
 
 /// Calls that may wait for the controller at a time.
 const OUTSTANDING: usize = 2048;
-/// Longest wait for DN or ER.
+/// Longest wait for DN, ER or IP.
 pub const ANSWER_WITHIN: Duration = Duration::from_secs(5);
 const PAUSE_BUSY: Duration = Duration::from_millis(1);
 const PAUSE_IDLE: Duration = Duration::from_millis(10);

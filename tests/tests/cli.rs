@@ -363,3 +363,52 @@ fn override_hold_and_resume() {
     let _ = arcline(at, &["stop"]).expect(0);
     assert_eq!(shown(), 50.0, "kept until it is changed");
 }
+
+#[test]
+fn axes_are_homed() {
+    let server = Server::start_on(&fixture("config/home.toml"));
+    let at = server.address();
+    let homed = |axis: &str| {
+        let read = arcline(at, &["--json", "read", &format!("{axis}.AxisHomedStatus")]).expect(0);
+        read.objects()[0]["value"] == true
+    };
+    assert_eq!((homed("P"), homed("Q")), (false, false));
+    let home = arcline(at, &["--json", "home", "P", "Q"]).expect(0).objects();
+    for (object, axis) in home.iter().zip(["P", "Q"]) {
+        assert_eq!(
+            (&object["instruction"], &object["target"]),
+            (&"MAH".into(), &axis.into())
+        );
+        assert_eq!(object["status"], serde_json::json!(["EN", "DN", "PC"]), "{axis}");
+    }
+    assert_eq!((homed("P"), homed("Q")), (true, true));
+    assert_eq!(
+        read_numbers(at, &["P.CommandPosition", "Q.CommandPosition"]),
+        [5.0, 0.0]
+    );
+
+    let refused = arcline(at, &["home", "N"]).expect(1);
+    assert!(
+        refused.stderr.contains("ERR 84 Drive Digital Input Not Assigned"),
+        "{refused:?}"
+    );
+    let _ = arcline(at, &["home"]).expect(2);
+
+    // Nobody moves R: its homing lasts until Ctrl-C ends it.
+    let homing = || arcline(at, &["--json", "read", "R.HomingStatus"]).expect(0).objects()[0]["value"].clone();
+    let mut waiting = command(at, &["home", "R"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the command line was just built");
+    eventually("homing is under way", Duration::from_secs(20), || {
+        (homing() == true).then_some(())
+    });
+    signal("INT", waiting.id());
+    let ended = eventually("the end of the command", Duration::from_secs(20), || {
+        waiting.try_wait().ok().flatten()
+    });
+    assert_eq!(ended.code(), Some(130));
+    assert_eq!((homing(), homed("R")), (false.into(), false));
+    let _ = arcline(at, &["home", "R", "--no-wait"]).expect(0);
+    assert_eq!(homing(), true);
+}

@@ -101,6 +101,12 @@ pub(crate) enum Command {
     /// Switch the servo of axes on (MSO) or off (MSF)
     #[command(after_help = "--all leaves virtual axes out, which have no drive.\nExample: arcline servo on X Y Z")]
     Servo(Servo),
+    /// Home axes (MAH), all at the same time, by the sequence of the server's configuration
+    #[command(
+        after_help = "Without an end of its own when the sequence is passive: others must move the axis.\n\
+        Example: arcline home X Y"
+    )]
+    Home(Home),
     /// Show axes, coordinate systems, the group, and the health of the real-time thread
     #[command(after_help = "Example: arcline status X CS1")]
     Status(Status),
@@ -328,6 +334,16 @@ pub(crate) struct Servo {
     /// Every axis that has a drive
     #[arg(long)]
     pub(crate) all: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Home {
+    /// Axes
+    #[arg(value_name = "AXIS", required = true)]
+    pub(crate) axes: Vec<String>,
+    /// Do not wait until they are homed
+    #[arg(long)]
+    pub(crate) no_wait: bool,
 }
 
 #[derive(ValueEnum, Clone, Copy, PartialEq, Debug)]

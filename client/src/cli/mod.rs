@@ -111,6 +111,7 @@ async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
         Command::Hold(command) => feed_override::hold(&client, &command, output).await,
         Command::Resume(command) => feed_override::resume(&client, &command, output).await,
         Command::Stop(command) => moves::stop(&client, command, output).await,
+        Command::Home(command) => moves::home(&client, command, output).await,
         Command::Servo(command) => moves::servo(&client, command, output).await,
         Command::Status(command) => status::status(&client, &command.names, output).await,
         Command::Tags(command) => tags::list(&client, command.pattern.as_deref(), output).await,

@@ -1,11 +1,11 @@
-//! `move`, `arc`, `move-axis`, `jog`, `change`, `stop`, `servo`: executed, waited for, told.
+//! `move`, `arc`, `move-axis`, `jog`, `change`, `stop`, `servo`, `home`: executed, waited for, told.
 
 use arcline_client::{Client, ClientError, Execution, Flag, Given, Mnemonic, Object, Operands};
 
-use super::args::{Arc, Change, Jog, Move, MoveAxis, OnOff, Servo, Stop, StopType};
+use super::args::{Arc, Change, Home, Jog, Move, MoveAxis, OnOff, Servo, Stop, StopType};
 use super::operands;
 use super::sweep::Sweep;
-use super::wait::{self, Course};
+use super::wait::{self, Course, Stopping};
 use super::{Failure, Output};
 
 /// `move`.
@@ -100,6 +100,32 @@ pub(crate) async fn servo(client: &Client, command: Servo, output: &Output) -> R
     }
     let wait = async |execution: &Execution| {
         output.execution(execution, &execution.control);
+        Ok(())
+    };
+    each(executions, wait, output).await
+}
+
+/// `home`. Ctrl-C stops all of the axes.
+pub(crate) async fn home(client: &Client, command: Home, output: &Output) -> Result<(), Failure> {
+    // All of them begin before the first is waited for.
+    let mut executions = Vec::new();
+    for axis in &command.axes {
+        executions.push(client.execute(Mnemonic::Mah, axis, "", &[]).await);
+    }
+    let started = executions.iter().flatten();
+    let stops: Vec<_> = started
+        .filter_map(|execution| Stopping::all(Object::Axis, execution.target.clone()))
+        .collect();
+    let wait = async |execution: &Execution| {
+        let control = if command.no_wait {
+            execution.control
+        } else {
+            tokio::select! {
+                control = client.wait_for(execution, Flag::Pc, wait::FOREVER) => control?,
+                () = wait::interrupted() => return Err(wait::interrupt(client, stops.clone(), output).await),
+            }
+        };
+        output.execution(execution, &control);
         Ok(())
     };
     each(executions, wait, output).await

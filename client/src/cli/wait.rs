@@ -9,7 +9,7 @@ use arcline_client::{Client, ClientError, Execution, Flag, Given, Mnemonic, Moti
 use super::{Failure, Output};
 
 /// No deadline of our own: the user has Ctrl-C.
-const FOREVER: Duration = Duration::from_secs(365 * 24 * 3600);
+pub(crate) const FOREVER: Duration = Duration::from_secs(365 * 24 * 3600);
 /// Time for a stop to come to its end.
 const STOPPING: Duration = Duration::from_secs(60);
 /// Time between two updates of the progress.

@@ -4,6 +4,7 @@
 
 mod axis;
 mod dynamics;
+mod home;
 mod names;
 mod server;
 mod system;
@@ -120,6 +121,9 @@ pub(crate) const KEYS: &[(&str, &[&str])] = &[
     ("### `start = { … }`", axis::START),
     ("### `drive = { … }`", axis::DRIVE),
     ("### `travel = { … }`", axis::TRAVEL),
+    ("### `home = { … }`", home::HOME),
+    ("### `switch = { … }`", home::SWITCH),
+    ("### `marker = { … }`", home::MARKER),
     ("## `[[coordinate_system]]`", COORDINATE_SYSTEM),
     ("## `[[transform]]`", TRANSFORM),
     ("## `[[instruction]]`", tags::INSTRUCTION),

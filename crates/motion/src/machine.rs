@@ -6,6 +6,10 @@
 //! Units: positions in the axis's own units (u), speeds u/s, rates u/s², jerks u/s³, times in
 //! nanoseconds or seconds as named. Places (`u16`) count from 0 in configuration order.
 
+mod home;
+
+pub use home::{Home, HomeDirection, HomeMarker, HomeMode, HomeSequence, HomeSwitch};
+
 /// Largest number of axes of one machine.
 pub const MAX_AXES: usize = 256;
 
@@ -68,7 +72,7 @@ impl Machine {
     }
 }
 
-/// One axis (axis-and-data-types.md §9.1 to §9.3).
+/// One axis (axis-and-data-types.md §9.1 to §9.4).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Axis {
     /// Name, the axis's tag.
@@ -93,6 +97,8 @@ pub struct Axis {
     pub unwind: Option<f64>,
     /// State at start-up.
     pub start: Start,
+    /// How it is homed.
+    pub home: Home,
     /// What a group stop in mode Programmed does with the axis.
     pub programmed_stop_mode: ProgrammedStopMode,
 }

@@ -2,9 +2,10 @@
 
 mod advance;
 mod generators;
+mod homing;
 mod take_over;
 
-use arcline_instruction_set::{Call, Flag, MotionControl, MotionError, Object};
+use arcline_instruction_set::{Call, Flag, Mnemonic, MotionControl, MotionError, Object};
 use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::{AxisLimits, Trajectory};
@@ -154,7 +155,10 @@ impl Motion {
                 .systems
                 .iter()
                 .all(|system| !system.is_busy() && system.stop.is_none())
-            && self.axes.iter().all(|axis| !axis.will_end())
+            && self
+                .axes
+                .iter()
+                .all(|axis| !axis.will_end() && !axis.is_homed_actively())
     }
 
     /// Stops everything that moves, every axis by itself; the instructions end without PC. Real-time.
@@ -261,6 +265,12 @@ impl Motion {
         }
     }
 
+    /// Whether the positions of an axis are being redefined.
+    pub(crate) fn is_redefining(&self, axis: u16) -> bool {
+        let redefines = |message: &Message| message.axis == axis && message.execution.mnemonic == Mnemonic::Mrp;
+        self.messages.iter().any(redefines)
+    }
+
     /// Sets DN at the next update.
     pub(crate) fn done_at_next_update(&mut self, execution: Execution) {
         self.done_next_update(execution, 0, None);
@@ -268,6 +278,11 @@ impl Motion {
 
     /// Ends a move's instruction: it will never report again.
     pub(crate) fn end_move(&mut self, execution: Execution, set: u32) {
+        // Homing is done when it has ended, whichever way.
+        let set = match execution.mnemonic {
+            Mnemonic::Mah => set | Flag::Dn.mask(),
+            _ => set,
+        };
         self.controls.write(execution, set, UNDER_WAY & !set, self.clock.tick);
     }
 

@@ -7,6 +7,8 @@ pub struct AxisSnapshot {
     pub fault: u32,
     /// AxisStatus.
     pub status: u32,
+    /// AxisEvent.
+    pub event: u32,
     /// MotionStatus.
     pub motion_status: u32,
     /// CIPAxisState.

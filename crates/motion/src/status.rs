@@ -2,7 +2,8 @@
 
 use arcline_drive::{Motion as Point, Saturation};
 use arcline_instruction_set::predefined::{
-    axis_status, cip_axis_status, coordinate_motion_status as motion, coordinate_system_status as status, motion_status,
+    axis_event, axis_status, cip_axis_status, coordinate_motion_status as motion, coordinate_system_status as status,
+    motion_status,
 };
 use arcline_planner::Clock;
 use arcline_planner::profile::Phase;
@@ -25,6 +26,12 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
     AxisSnapshot {
         fault: 0,
         status: axis_word(axis),
+        event: [
+            (axis.awaits_home_event(), axis_event::HOME_EVENT_ARMED_STATUS),
+            (axis.home_event, axis_event::HOME_EVENT_STATUS),
+        ]
+        .into_iter()
+        .fold(0, with),
         motion_status: motion_word(axis, clock),
         cip_state: match axis.state {
             AxisState::Stopped => 2,
@@ -88,7 +95,7 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
         (runs(Slot::Move), motion_status::MOVE_STATUS),
         (runs(Slot::Jog), motion_status::JOG_STATUS),
         (runs(Slot::Gear), motion_status::GEARING_STATUS),
-        (runs(Slot::Home), motion_status::HOMING_STATUS),
+        (axis.homing().is_some(), motion_status::HOMING_STATUS),
         (
             axis.gear().is_some_and(|gear| gear.is_locked(clock)),
             motion_status::GEARING_LOCK_STATUS,

@@ -26,6 +26,14 @@ pub(crate) fn axes_ready(system: &System, axes: &[Axis]) -> Result<(), MotionErr
     }
 }
 
+/// Step 8, after [`axes_ready`]: no axis is homed. Lowest index first.
+pub(crate) fn not_homing(system: &System, axes: &[Axis]) -> Result<(), MotionError> {
+    match first(system, axes, Axis::is_homed_actively) {
+        Some(place) => Err(MotionError::HomeInProcess(place)),
+        None => Ok(()),
+    }
+}
+
 /// Step 9: every started motion must be stoppable, by the system and by each axis.
 pub(crate) fn stoppable(system: &System, axes: &[Axis], s_curve: bool) -> Result<(), MotionError> {
     if system.description.max_deceleration <= 0.0 {

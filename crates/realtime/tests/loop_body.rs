@@ -23,6 +23,7 @@ fn machine(period_ns: u64) -> Machine {
         unwind: None,
         start: Start::default(),
         programmed_stop_mode: ProgrammedStopMode::default(),
+        home: arcline_controller::machine::Home::immediate(1.0, 1.0),
     };
     Machine {
         period_ns,

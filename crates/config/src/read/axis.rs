@@ -4,6 +4,7 @@ use arcline_controller::machine::{Axis, AxisKind, Drive, ProgrammedStopMode, Sta
 
 use super::NOT_NEGATIVE_LENGTH;
 use super::dynamics::{Dynamics, POSITIVE_RATE, POSITIVE_SPEED};
+use super::home::home;
 use super::names::{Taken, required_name};
 use crate::error::{ConfigError, Problem};
 use crate::section::{NumberRule, Section};
@@ -29,6 +30,7 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         };
         return Err(section.refuse_key("travel", problem));
     }
+    let home = home(section, &dynamics, unwind, servo)?;
     let drive = drive(section)?;
     let kind = match (servo, drive) {
         (true, drive) => AxisKind::Servo(drive.unwrap_or_default()),
@@ -53,6 +55,7 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         travel,
         unwind,
         start: start(section, unwind)?,
+        home,
         programmed_stop_mode: stop_mode(section)?,
     })
 }
@@ -137,6 +140,7 @@ pub(super) const AXIS: &[&str] = &[
     "unwind",
     "start",
     "drive",
+    "home",
     "programmed_stop_mode",
 ];
 pub(super) const START: &[&str] = &["position", "servo_on", "homed"];
@@ -154,7 +158,7 @@ const UNITS: &str = "a label of up to 40 bytes such as \"mm\"";
 const STOP_MODE: &str = "\"fast_stop\", \"fast_disable\", \"hard_disable\", \"fast_shutdown\" or \"hard_shutdown\"";
 const AXIS_TYPE: &str = "\"servo\" or \"virtual\"";
 
-const POSITIVE_LENGTH: NumberRule = NumberRule {
+pub(super) const POSITIVE_LENGTH: NumberRule = NumberRule {
     expected: "a number above 0 (position units)",
     holds: |x| x > 0.0,
 };
@@ -174,7 +178,7 @@ const RESOLUTION: NumberRule = NumberRule {
     expected: "a number above 0 (counts per position unit)",
     holds: |x| x > 0.0,
 };
-const ANY: NumberRule = NumberRule {
+pub(super) const ANY: NumberRule = NumberRule {
     expected: "a finite number (position units)",
     holds: |_| true,
 };

@@ -13,6 +13,7 @@ use crate::machine::{AxisKind, Machine};
 enum AxisField {
     Fault,
     Status,
+    Event,
     MotionStatus,
     CipState,
     CipStatus,
@@ -145,10 +146,11 @@ impl Encoder {
 
 impl AxisLayout {
     fn new(template: &Template) -> Self {
-        use AxisField::{CipState, CipStatus, Fault, MotionStatus, Real, Status};
-        let fields: [(&str, AxisField); 21] = [
+        use AxisField::{CipState, CipStatus, Event, Fault, MotionStatus, Real, Status};
+        let fields: [(&str, AxisField); 22] = [
             ("AxisFault", Fault),
             ("AxisStatus", Status),
+            ("AxisEvent", Event),
             ("MotionStatus", MotionStatus),
             ("CIPAxisState", CipState),
             ("CIPAxisStatus", CipStatus),
@@ -185,6 +187,7 @@ impl AxisLayout {
             match field {
                 AxisField::Fault => put(bytes, *offset, axis.fault.to_le_bytes()),
                 AxisField::Status => put(bytes, *offset, axis.status.to_le_bytes()),
+                AxisField::Event => put(bytes, *offset, axis.event.to_le_bytes()),
                 AxisField::MotionStatus => put(bytes, *offset, axis.motion_status.to_le_bytes()),
                 AxisField::CipState => put(bytes, *offset, axis.cip_state.to_le_bytes()),
                 AxisField::CipStatus => put(bytes, *offset, axis.cip_status.to_le_bytes()),

@@ -21,6 +21,7 @@ fn axis(name: &str, kind: AxisKind) -> Axis {
         unwind: None,
         start: Start::default(),
         programmed_stop_mode: Default::default(),
+        home: crate::machine::Home::immediate(1.0, 1.0),
     }
 }
 

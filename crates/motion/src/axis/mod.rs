@@ -1,6 +1,8 @@
 //! One axis: its state, its drive, and what moves it.
 
 pub(crate) mod generator;
+pub(crate) mod homing;
+mod sensor;
 pub(crate) mod sum;
 
 use arcline_drive::{Drive, Motion as Point};
@@ -10,9 +12,10 @@ use arcline_planner::{Clock, Instant};
 use crate::control::Execution;
 use crate::dynamics::Maxima;
 use crate::follow::gear::Gear;
-use crate::machine::{Axis as Description, AxisKind, ProgrammedStopMode};
+use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
 use crate::rotary;
 use generator::{Generator, Law};
+use homing::Homing;
 use sum::{Slot, Sum};
 
 /// The axis state machine (spec/axis-and-data-types.md §12), as far as instructions see it.
@@ -53,6 +56,10 @@ pub(crate) struct Axis {
     /// Something began since the command of this tick was computed.
     pub(crate) stale: bool,
     pub(crate) homed: bool,
+    pub(crate) home: Home,
+    pub(crate) homing: Option<Homing>,
+    /// The home event of the last MAH came.
+    pub(crate) home_event: bool,
     /// What positions were shifted by so far without motion: who follows the axis subtracts its changes.
     pub(crate) redefined: f64,
     /// Command and actual position when the last motion began.
@@ -102,6 +109,9 @@ impl Axis {
             sum: Sum::at_rest(position),
             stale: false,
             homed: description.start.homed,
+            home: description.home,
+            homing: None,
+            home_event: false,
             redefined: 0.0,
             started_at: [position; 2],
             dynamics: Maxima::from(description),
@@ -274,9 +284,9 @@ impl Axis {
         self.sum.active().any(|(_, generator)| generator.s_curve)
     }
 
-    /// The command at the present tick, but for what a coordinate system gives.
+    /// The command at the present tick, but for what a coordinate system or homing gives.
     pub(crate) fn advance(&mut self, clock: &Clock) {
-        if !self.sum.is_idle() {
+        if !self.sum.is_idle() && !self.is_driven_home() {
             self.sum.advance(clock);
             self.command = self.sum.command();
         }
@@ -315,6 +325,21 @@ impl Axis {
         self.redefine(position - self.command.position);
         self.stand_at(position);
         self.drive.cycle(self.command, 0.0);
+    }
+
+    /// Shifts every position so that the command is at one, to the last bit.
+    pub(crate) fn redefine_command(&mut self, position: f64) {
+        // What the first shift rounds off, the second one adds.
+        for _ in 0..2 {
+            self.redefine(position - self.command.position);
+        }
+    }
+
+    /// The same for the actual position.
+    pub(crate) fn redefine_actual(&mut self, position: f64) {
+        for _ in 0..2 {
+            self.redefine(position - self.drive.actual().position);
+        }
     }
 
     fn stand_at(&mut self, position: f64) {

@@ -23,7 +23,6 @@ use transform::Link;
 impl Motion {
     /// Commands and drives of all axes at the present tick, in order, and what came to its end.
     pub(crate) fn advance_followers(&mut self) {
-        let period = self.clock.period();
         let mut followers = 0;
         for place in 0..self.order.len() {
             let Some(step) = self.order.step(place) else {
@@ -31,13 +30,9 @@ impl Motion {
             };
             self.compute(step);
             if let Step::Whole(axis) = step {
-                let state = &mut self.axes[usize::from(axis)];
-                state.follow(period);
+                self.follow_command(axis);
+                let state = &self.axes[usize::from(axis)];
                 followers += usize::from(state.is_linked()) + usize::from(state.gear().is_some());
-                if state.in_motion() {
-                    self.report_generators(axis);
-                }
-                self.axes[usize::from(axis)].fold(&self.clock);
             }
         }
         if followers == 0 {

@@ -99,9 +99,10 @@ pub(super) fn steady(from: State, limits: &Limits) -> State {
     }
 }
 
-/// The axis may be moved: not shut down, servo on, and its stops can be made.
+/// The axis may be moved: not shut down, servo on, not homed, and its stops can be made.
 pub(super) fn verify_axis(axis: &Axis, s_curve: bool) -> Result<(), MotionError> {
     ready(axis)?;
+    not_homing(axis)?;
     if axis.dynamics.deceleration <= 0.0 {
         return Err(MotionError::ZeroMaxDecel(Culprit::Axis(AxisIndex(0))));
     }
@@ -119,11 +120,27 @@ pub(super) fn not_stopping(axis: &Axis) -> Result<(), MotionError> {
     Ok(())
 }
 
+/// Not homed by an active sequence.
+pub(super) fn not_homing(axis: &Axis) -> Result<(), MotionError> {
+    if axis.is_homed_actively() {
+        return Err(MotionError::HomeInProcess(AxisIndex(0)));
+    }
+    Ok(())
+}
+
 /// Not shut down, servo on.
 pub(super) fn ready(axis: &Axis) -> Result<(), MotionError> {
+    not_shut_down(axis)?;
     match axis.state {
-        AxisState::Shutdown => Err(MotionError::ShutdownState(AxisIndex(0))),
         AxisState::Running => Ok(()),
         _ => Err(MotionError::ServoOffState(AxisIndex(0))),
+    }
+}
+
+/// Not shut down; the servo may be off.
+pub(super) fn not_shut_down(axis: &Axis) -> Result<(), MotionError> {
+    match axis.state {
+        AxisState::Shutdown => Err(MotionError::ShutdownState(AxisIndex(0))),
+        _ => Ok(()),
     }
 }

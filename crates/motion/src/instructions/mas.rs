@@ -96,6 +96,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     ready(state)?;
     let tick = motion.clock.tick;
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
+    if matches!(stopped(call.word(layout.stop_type)), Some(None | Some(Slot::Home))) {
+        motion.end_passive_homing(axis);
+    }
+    let state = &motion.axes[at];
     match stopped(call.word(layout.stop_type)) {
         Some(None) if state.in_motion() => {
             let limits = layout.limits(motion, axis, call, state.command.velocity.abs(), state.is_s_curve())?;

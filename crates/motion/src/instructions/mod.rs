@@ -3,6 +3,7 @@
 mod axis_moves;
 mod mafr;
 mod mag;
+mod mah;
 mod maj;
 mod mam;
 mod mas;
@@ -21,6 +22,7 @@ mod mgsd;
 mod mgsp;
 mod mgsr;
 mod moves;
+mod mrp;
 mod msf;
 mod mso;
 mod programmed;
@@ -47,6 +49,7 @@ pub(crate) struct Layouts {
     mag: mag::Layout,
     mct: mct::Layout,
     mgs: mgs::Layout,
+    mrp: mrp::Layout,
 }
 
 impl Layouts {
@@ -64,6 +67,7 @@ impl Layouts {
             mag: mag::Layout::new(),
             mct: mct::Layout::new(),
             mgs: mgs::Layout::new(),
+            mrp: mrp::Layout::new(),
         }
     }
 }
@@ -94,6 +98,8 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Mcd => mcd::execute(motion, execution, call),
         Mnemonic::Mag => mag::execute(motion, execution, call),
         Mnemonic::Mct => mct::execute(motion, execution, call),
+        Mnemonic::Mah => mah::execute(motion, execution, call),
+        Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
         _ => {
             motion.verify_operands(call)?;

@@ -107,6 +107,7 @@ pub(super) fn execute(
     }
     let system = &motion.systems[index];
     verify::axes_ready(system, &motion.axes)?;
+    verify::not_homing(system, &motion.axes)?;
     let mut dynamics = layout.dynamics.read(call, &Maxima::from(&system.description))?;
     verify::stoppable(system, &motion.axes, dynamics.is_s_curve())?;
     let (termination, ending) = layout.termination(call, &system.description)?;

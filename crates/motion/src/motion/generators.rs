@@ -17,15 +17,9 @@ impl Motion {
             self.advance_followers();
             return;
         }
-        let period = self.clock.period();
         for index in 0..self.axes.len() {
-            let axis = &mut self.axes[index];
-            axis.advance(&self.clock);
-            axis.follow(period);
-            if axis.in_motion() {
-                self.report_generators(index as u16);
-            }
-            self.axes[index].fold(&self.clock);
+            self.axes[index].advance(&self.clock);
+            self.follow_command(index as u16);
         }
     }
 
@@ -80,6 +74,7 @@ impl Motion {
     /// As [`Motion::stop_axis`], at given rates.
     pub(crate) fn stop_axis_at(&mut self, axis: u16, limits: &Limits, execution: Option<Execution>) {
         let at = usize::from(axis);
+        self.end_passive_homing(axis);
         self.cancel_transforms_of(axis);
         if !self.axes[at].in_motion() {
             // All that was to be stopped was a transform that did not move this axis.
@@ -136,11 +131,15 @@ impl Motion {
         }
     }
 
-    /// ACCEL and DECEL of what is under way, and PC of what has come to its end.
+    /// ACCEL and DECEL of what is under way, and PC of what has come to its end. Homing tells its end by itself.
     pub(crate) fn report_generators(&mut self, axis: u16) {
         let at = usize::from(axis);
         let tick = self.clock.tick;
+        let is_driven_home = self.axes[at].is_driven_home();
         for slot in Slot::ALL {
+            if slot == Slot::Home && is_driven_home {
+                continue;
+            }
             let Some(generator) = self.axes[at].sum.get_mut(slot) else {
                 continue;
             };
