@@ -21,6 +21,12 @@ fn in_a_blend() -> Bench {
 
 /// 256 axes, four to each of 64 machines of which three move together.
 fn large() -> Bench {
+    let mut bench = large_at_rest();
+    start(&mut bench);
+    bench
+}
+
+fn large_at_rest() -> Bench {
     let mut config = String::from("[motion_group]\nname = \"Motion\"\n");
     let limits = "max_speed = 1000.0\nmax_acceleration = 10000.0";
     for axis in 0..256 {
@@ -38,12 +44,31 @@ fn large() -> Bench {
         );
         let _ = writeln!(config, "axes = [{x}, {y}, {z}]\n{limits}\nactual_tolerance = 0.01");
     }
-    let mut bench = Bench::with(&config);
+    Bench::with(&config)
+}
+
+fn start(bench: &mut Bench) {
     for system in 0..64 {
         let call =
             format!("MCLM(CS{system}, M{system}, 0, [1e9, 5e8, 2e8], 500, 0, 100, 0, 100, 0, 1, 100, 100, 2, 1)");
         assert_eq!(bench.call(&call), (0, 0));
     }
+}
+
+/// The same, and half of its systems lead the other half; the fourth axis of each is geared to its first.
+fn following() -> Bench {
+    let mut bench = large_at_rest();
+    for system in 0..32 {
+        let (source, target) = (2 * system, 2 * system + 1);
+        let call = format!("MCT(CS{source}, CS{target}, T{target}, [10, 20, 30], [0, 0, 0])");
+        assert_eq!(bench.call(&call), (0, 0));
+    }
+    for system in 0..64 {
+        let (slave, master) = (4 * system + 3, 4 * system);
+        let call = format!("MAG(A{slave}, A{master}, G{system}, 0, 0.5, 1, 1, 1, 0, 1)");
+        assert_eq!(bench.call(&call), (0, 0));
+    }
+    start(&mut bench);
     bench
 }
 
@@ -55,6 +80,13 @@ fn tick(criterion: &mut Criterion) {
     criterion.bench_function("tick, 256 axes in 64 moving systems", |bencher| {
         bencher.iter(|| black_box(&mut bench).tick());
     });
+    let mut bench = following();
+    criterion.bench_function(
+        "tick, 256 axes in 64 moving systems, 32 transforms, 64 gears",
+        |bencher| {
+            bencher.iter(|| black_box(&mut bench).tick());
+        },
+    );
 }
 
 criterion_group!(benches, tick);

@@ -62,13 +62,16 @@ fn ratios_and_directions() {
     }
 }
 
+/// Why, what is executed before, the call, and its ERR and EXERR.
+type Refusal = (&'static str, Vec<String>, String, (i16, i8));
+
 #[test]
 fn what_is_refused() {
     let ratio = |operands: &str| format!("MAG(A1, B1, G, {operands})");
     let gear = |slave: &str, master: &str| format!("MAG({slave}, {master}, G0, Same, 1, {COMMAND})");
     let stopping = format!("MAM(A1, M, 0, 500, {TRAPEZOID})");
     #[rustfmt::skip]
-    let cases: Vec<(&str, Vec<String>, String, (i16, i8))> = vec![
+    let cases: Vec<Refusal> = vec![
         ("direction",                vec![], ratio("4, 1, 1, 1, Command, Real, Disabled"), (13, 3)),
         ("ratio too small",          vec![], ratio("Same, 0.000009, 1, 1, Command, Real, Disabled"), (13, 4)),
         ("ratio too large",          vec![], ratio("Same, 10, 1, 1, Command, Real, Disabled"), (13, 4)),
@@ -180,6 +183,25 @@ fn another_gearing_supersedes_and_clutches_from_the_speed_that_it_had() {
         near(velocity(&bench, "A1"), speed, tag);
         assert_eq!(gearing(&bench, "A1"), (true, true));
     }
+}
+
+#[test]
+fn what_is_executed_at_one_update_finds_the_slave_in_motion() {
+    let geared = || {
+        let mut bench = bench();
+        bench.call(&format!("MAM(B1, M, 0, 900, {TRAPEZOID})"));
+        bench.run(500);
+        assert_eq!(bench.call(&format!("MAG(A1, B1, G1, Same, 0.5, {COMMAND})")), OK);
+        bench
+    };
+    let mut bench = geared();
+    assert_eq!(bench.call(&format!("MAG(A1, B1, G2, Same, 0.6, {CLUTCH})")), OK);
+    bench.tick();
+    near(velocity(&bench, "A1"), 51.0, "another gearing");
+    let mut bench = geared();
+    assert_eq!(bench.call("MAS(A1, S, All, Yes, 500, 0, No, 0, 0)"), OK);
+    bench.tick();
+    near(velocity(&bench, "A1"), 49.5, "a stop");
 }
 
 #[test]
@@ -349,6 +371,37 @@ fn the_actual_position_of_a_lagging_master() {
 }
 
 #[test]
+fn redefining_a_position_moves_no_slave() {
+    let mut bench = bench();
+    assert_eq!(bench.call(&format!("MAG(A1, P, G1, Same, 2, {COMMAND})")), OK);
+    assert_eq!(bench.call("MAG(A2, P, G2, Same, 2, 1, 1, Actual, Real, Disabled)"), OK);
+    bench.call(&format!("MAM(P, M, 0, 50, {S_CURVE})"));
+    for step in 0..4 {
+        bench.run(100);
+        let before = ["P", "A1", "A2"].map(|axis| position(&bench, axis));
+        let slave = if step % 2 == 0 { "P" } else { "A1" };
+        assert_eq!(bench.call(&format!("MRP({slave}, R, Relative, Command, 1000)")), OK);
+        bench.tick();
+        let after = ["P", "A1", "A2"].map(|axis| position(&bench, axis));
+        for (place, (before, after)) in before.into_iter().zip(after).enumerate() {
+            let redefined = place == step % 2;
+            assert!(
+                (after - before - if redefined { 1000.0 } else { 0.0 }).abs() < 0.5,
+                "{place} at {step}"
+            );
+        }
+    }
+    bench.until_rest();
+    near(position(&bench, "P"), 2050.0, "the end is shifted too");
+    near(
+        position(&bench, "A1"),
+        2100.0,
+        "redefined itself, and geared over the whole way",
+    );
+    near(position(&bench, "A2"), 100.0, "geared over the whole way");
+}
+
+#[test]
 fn what_ends_a_gearing() {
     for call in [
         "MASD(P, E)",
@@ -382,8 +435,8 @@ fn the_update_period_does_not_show() {
         for step in 0..260 {
             let call = match step {
                 0 => format!("MAM(B1, M1, 0, 37, {S_CURVE})"),
-                3 => format!("MAG(A1, B1, G1, Same, 0.7, 1, 1, Command, Real, Enabled, 313, 0)"),
-                5 => format!("MAG(C1, A1, G2, Opposite, 1.3, 1, 1, Actual, Real, Enabled, 777, 0)"),
+                3 => "MAG(A1, B1, G1, Same, 0.7, 1, 1, Command, Real, Enabled, 313, 0)".into(),
+                5 => "MAG(C1, A1, G2, Opposite, 1.3, 1, 1, Actual, Real, Enabled, 777, 0)".into(),
                 12 => format!("MAM(B1, M2, 1, -50, {TRAPEZOID}, 0, 0)"),
                 30 => format!("MCLM(FLAT1, M3, 1, [3, 20], {S_CURVE}, 1)"),
                 40 => "MAG(A1, B1, G3, Reverse, 0.33, 1, 1, Command, Real, Enabled, 211, 0)".into(),

@@ -554,6 +554,70 @@ fn a_redefined_position_disturbs_no_motion() {
 }
 
 #[test]
+fn what_is_queued_behind_a_redefined_position_is_of_the_new_positions() {
+    let mut bench = machine("");
+    bench.call(&format!("MCLM(XY, M1, 0, [100, 50], {ALONG})"));
+    bench.run(400);
+    bench.call("MRP(X, R1, 1, 0, 1000)");
+    bench.call("MRP(Y, R2, 1, 0, -500)");
+    let queued = "MCCM(XY, M2, 0, [1100, -350], 1, [1100, -400], 1, 100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2, 1)";
+    assert_eq!(bench.call(queued), OK);
+    bench.until("M1", Flag::Pc);
+    let middle = ["X", "Y"].map(|axis| bench.position(axis));
+    assert!(
+        (middle[0] - 1100.0).hypot(middle[1] + 450.0) < 0.01,
+        "the first one ends where it would have: {middle:?}"
+    );
+    bench.run(300);
+    let now = ["X", "Y"].map(|axis| bench.position(axis));
+    assert!(
+        ((now[0] - 1100.0).hypot(now[1] + 400.0) - 50.0).abs() < 1e-9,
+        "on the circle: {now:?}"
+    );
+    bench.until_rest();
+    let end = ["X", "Y"].map(|axis| bench.position(axis));
+    assert!((end[0] - 1100.0).hypot(end[1] + 350.0) < 1e-9, "{end:?}");
+}
+
+#[test]
+fn a_slave_follows_a_master_that_is_homed_and_not_its_positions() {
+    let mut bench = machine(
+        "start = { position = -40 }\nhome = { sequence = \"switch\", position = 700, speed = 50, return_speed = 20, switch = {} }\n",
+    );
+    assert_eq!(bench.call("MAG(Y, X, G1, 0, 2, 1, 1, 1, 0, 1, 100, 0)"), OK);
+    bench.run(5);
+    assert_eq!(bench.call("MAH(X, H1)"), OK);
+    bench.until("H1", Flag::Pc);
+    bench.run(5);
+    assert_eq!(bench.position("X"), 700.0);
+    assert!(
+        (bench.position("Y") - 80.0).abs() < 1e-9,
+        "twice the 40 units to the switch: {}",
+        bench.position("Y")
+    );
+    assert_eq!(bench.bits("G1"), "EN DN IP");
+    // A slave that is homed leaves its master.
+    bench.call("MRP(X, R1, 0, 0, 0)");
+    bench.tick();
+    assert_eq!(bench.call("MAH(Y, H2)"), OK);
+    assert_eq!(bench.bits("G1"), "EN DN");
+    bench.until("H2", Flag::Pc);
+    assert_eq!(bench.position("Y"), 0.0);
+}
+
+#[test]
+fn an_axis_of_a_transform_keeps_its_scale() {
+    let mut bench = Bench::new();
+    let none = "[0, 0, 0]";
+    assert_eq!(bench.call(&format!("MCT(CS2, CS3, T, {none}, {none})")), OK);
+    bench.run(5);
+    for axis in ["X", "A"] {
+        assert_eq!(bench.call(&format!("MRP({axis}, R1, 0, 0, 5)")), (63, 0), "{axis}");
+        assert_eq!(bench.call(&format!("MAH({axis}, H1)")), (63, 0), "{axis}");
+    }
+}
+
+#[test]
 fn the_sensor_stays_where_it_is_when_positions_are_redefined() {
     let mut bench = on_switch();
     bench.call("MRP(X, R1, 0, 0, 1000)");

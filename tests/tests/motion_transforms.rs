@@ -118,12 +118,15 @@ fn the_target_says_where_the_source_is_at_the_start() {
     assert_eq!(bench.call(&format!("MCT(L1, L3, T2, {NO_TURN})")), OK);
 }
 
+/// Why, what is executed before, the call, and its ERR and EXERR.
+type Refusal = (&'static str, Vec<String>, &'static str, (i16, i8));
+
 #[test]
 fn what_is_refused() {
     let link = format!("MCT(L1, L2, T1, {NO_TURN})");
     let moves = |system: &str| format!("MCLM({system}, M, 0, [900, 0, 0], {TRAPEZOID}, 1)");
     #[rustfmt::skip]
-    let cases: Vec<(&str, Vec<String>, &str, (i16, i8))> = vec![
+    let cases: Vec<Refusal> = vec![
         ("orientation too short",        vec![],          "MCT(L1, L2, T, [0, 0], [0, 0, 0])", (13, 3)),
         ("translation too short",        vec![],          "MCT(L1, L2, T, [0, 0, 0], [0, 0])", (13, 4)),
         ("first angle beyond a turn",    vec![],          "MCT(L1, L2, T, [360.1, 0, 0], [0, 0, 0])", (74, 0)),
@@ -427,6 +430,22 @@ fn what_cancels_a_transform_and_what_does_not() {
             }
         }
     }
+}
+
+#[test]
+fn what_would_break_a_transform_is_refused() {
+    let mut bench = bench();
+    assert_eq!(bench.call(&format!("MCT(SERVO, L2, T, {NO_TURN})")), OK);
+    for call in [
+        "MRP(P, R, Relative, Command, 5)",
+        "MRP(B2, R, Absolute, Actual, 5)",
+        "MAH(Q, H)",
+        "MAH(A2, H)",
+    ] {
+        assert_eq!(bench.call(call), (63, 0), "{call}");
+    }
+    assert_eq!(bench.call("MCS(L2, S, CoordinatedTransform, No, 0, 0, No, 0, 0)"), OK);
+    assert_eq!(bench.call("MRP(P, R, Relative, Command, 5)"), OK);
 }
 
 #[test]

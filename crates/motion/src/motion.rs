@@ -203,8 +203,9 @@ impl Motion {
 
     /// Every coordinate system at the present tick, in configuration order.
     pub fn systems(&self) -> impl Iterator<Item = SystemSnapshot> {
-        let role = |index: usize| status::Role {
-            source: self.links().any(|(_, link)| link.from == index),
+        let sources = self.links().fold(0_u64, |bits, (_, link)| bits | 1 << link.from);
+        let role = move |index: usize| status::Role {
+            source: sources & (1 << index) != 0,
             target: self.links.get(index).is_some_and(Option::is_some),
         };
         let systems = self.systems.iter().enumerate();

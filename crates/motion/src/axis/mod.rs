@@ -78,8 +78,10 @@ pub(crate) struct Axis {
 /// An axis's part in transforms (`crate::follow::transform`).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Linked {
-    /// Transforms under way that it is part of.
-    pub(crate) links: u16,
+    /// The transform that leads it, by the place of its target system.
+    pub(crate) leader: Option<u8>,
+    /// Transforms whose targets lead it back, a bit for each.
+    pub(crate) led_back_by: u64,
     /// Where it would be led to when nothing leads it any more, in the frame of its generator.
     pub(crate) rest: f64,
     /// What transforms that are over had led it back by.
@@ -136,7 +138,7 @@ impl Axis {
 
     /// Whether it is part of a transform.
     pub(crate) fn is_linked(&self) -> bool {
-        self.linked.links > 0
+        self.linked.leader.is_some() || self.linked.led_back_by != 0
     }
 
     /// The master and the law of its gearing.

@@ -174,6 +174,11 @@ impl Sum {
         total
     }
 
+    /// What positions were redefined by since a generator began: its frame does not know.
+    pub(crate) fn shift_of(&self, slot: Slot) -> f64 {
+        self.get(slot).map_or(0.0, |generator| generator.shift)
+    }
+
     /// Says where a generator that somebody else computes is, in its own frame.
     pub(crate) fn set(&mut self, slot: Slot, now: Point) {
         if let Some(generator) = self.get_mut(slot) {

@@ -115,9 +115,12 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     motion.end_generator(axis, Slot::Gear);
     let met = motion.master_at(master, reference);
+    let mut gear = Gear::new(master, reference, ratio, &met, slave, clutch, now);
     let mut generator = Generator::followed(false);
     generator.execution = Some(execution);
-    generator.law = Law::Geared(Gear::new(master, reference, ratio, &met, slave, clutch, now));
+    // What is executed next at this tick finds the slave in motion.
+    generator.now = gear.follow(&met, slave.position, &motion.clock);
+    generator.law = Law::Geared(gear);
     let state = &mut motion.axes[at];
     state.begin(Slot::Gear, generator);
     state.stale = true;

@@ -117,7 +117,12 @@ pub(super) fn execute(
     } else {
         command(motion, index, |axis| axis.command.position)
     };
-    let path = path(motion, system, start)?;
+    // The queue goes on in the frame in which it began, the operands are of the positions as they are now.
+    let shift = match merge {
+        MERGE_DISABLED => queue_shift(motion, index),
+        _ => Point::zeros(),
+    };
+    let path = path(motion, system, start + shift)?.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
 
     let momentum = terminated(motion, index, merge);
@@ -220,6 +225,14 @@ fn command(motion: &Motion, index: usize, quantity: impl Fn(&Axis) -> f64) -> Po
         *coordinate = motion.axes.get(usize::from(*axis)).map_or(0.0, &quantity);
     }
     point
+}
+
+/// What positions were redefined by since the queue of a coordinate system began.
+fn queue_shift(motion: &Motion, index: usize) -> Point {
+    match motion.systems[index].activity {
+        Activity::Moving => command(motion, index, |axis| axis.sum.shift_of(Slot::System)),
+        _ => Point::zeros(),
+    }
 }
 
 /// The end of the last move in the queue, or where the axes are commanded to be.
