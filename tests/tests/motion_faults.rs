@@ -188,6 +188,7 @@ fn soft_travel_is_checked_on_the_actual_position() {
     #[rustfmt::skip]
     let cases = [
         ("further out",             format!("MAM(X, A2, 0, 11, {RATES})"),                      (9, 0)),
+        ("a jog further out",       "MAJ(X, A2, 0, 10, 0, 500, 0, 500, 0, 0, 100, 100, 2)".to_owned(), (9, 0)),
         ("further out, coordinated", format!("MCLM(XY, L1, 0, [11, 0], {RATES}, 1)"),           (9, 0)),
         ("another axis",            format!("MCLM(XY, L1, 1, [0, 3], {RATES}, 1)"),             OK),
         ("back",                    format!("MAM(X, A2, 0, 9, {RATES})"),                       OK),

@@ -80,9 +80,9 @@ fn what_later_issues_bring_is_bound_verified_and_refused() {
     #[rustfmt::skip]
     let cases = [
         ("MAM(X,M,0,10,-1,0,500,0,500,0)", (13, 4)),
-        ("MAJ(X,M,0,50,0,500,0,500,0)", (99, 0)),
         ("MAS(X,M,11)", (13, 2)),
         ("MGS(Motion,M,3)", (13, 2)),
+        ("MDAC(X,Y,M,0,0)", (99, 0)),
         ("MDCC(CS1,A,M,0,50)", (99, 0)),
         ("MCLM(CS1,M,0,[9,0,0], 50,0,500,0,500,0,1,100,100,2,1,0,0,0,0,0,[0])", (99, 0)),
     ];

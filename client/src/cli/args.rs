@@ -1,5 +1,6 @@
 //! The arguments of every command, as data; what they mean is up to the commands.
 
+mod axis;
 mod help;
 mod values;
 
@@ -10,6 +11,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use arcline_client::{FaultKind, Input, QueueFull};
 use arcline_instruction_set::enumerations;
 
+pub(crate) use axis::{AxisMotion, Jog, MoveAxis};
 pub(crate) use help::command;
 pub(crate) use values::{Percent, Point, Rate};
 
@@ -64,6 +66,20 @@ pub(crate) enum Command {
     #[command(after_help = "Example: arcline arc XY 100,0 --center 50,0 --cw\n         \
         arcline arc XY 0,0 --center 50,0 --ccw --full --speed 80")]
     Arc(Arc),
+    /// Move one axis (MAM)
+    #[command(
+        after_help = "Full-speed S-curve unless told otherwise; adds to what else moves the axis.
+\
+        Example: arcline move-axis X 100 --speed 50%\n         arcline move-axis R 90 --shortest"
+    )]
+    MoveAxis(MoveAxis),
+    /// Jog one axis (MAJ) until Ctrl-C stops it
+    #[command(
+        after_help = "--no-wait leaves it running; `arcline exec 'MAS(X, M1, Jog)'` stops it then.
+\
+        Example: arcline jog X 50\n         arcline jog X -10% --no-wait"
+    )]
+    Jog(Jog),
     /// Change the dynamics of the running move (MCCD)
     #[command(after_help = "Example: arcline change CS1 --speed 20%")]
     Change(Change),

@@ -107,6 +107,8 @@ async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
         Command::Run(run) => programs::run(&client, &run, output).await,
         Command::Move(command) => moves::line(&client, command, output).await,
         Command::Arc(command) => moves::arc(&client, command, output).await,
+        Command::MoveAxis(command) => moves::axis(&client, command, output).await,
+        Command::Jog(command) => moves::jog(&client, command, output).await,
         Command::Change(command) => moves::change(&client, command, output).await,
         Command::Override(command) => feed_override::set(&client, &command, output).await,
         Command::Hold(command) => feed_override::hold(&client, &command, output).await,

@@ -1,11 +1,11 @@
-//! `move`, `arc`, `change`, `stop`, `servo`, `home`: executed, waited for, told.
+//! `move`, `arc`, `move-axis`, `jog`, `change`, `stop`, `servo`, `home`: executed, waited for, told.
 
 use arcline_client::{Client, ClientError, Execution, Flag, Given, Mnemonic, Object, Operands};
 
-use super::args::{Arc, Change, Dynamics, Home, Move, OnOff, Servo, Stop, StopType};
+use super::args::{Arc, Change, Home, Jog, Move, MoveAxis, OnOff, Servo, Stop, StopType};
 use super::operands;
 use super::sweep::Sweep;
-use super::wait::{self, Course};
+use super::wait::{self, Course, Stopping};
 use super::{Failure, Output};
 
 /// `move`.
@@ -17,22 +17,34 @@ pub(crate) async fn line(client: &Client, command: Move, output: &Output) -> Res
     } = command;
     let length = line_length(client, &system, &position.0, dynamics.relative).await;
     let operands = operands::line(&position, &dynamics)?;
-    execute(client, &system, &operands, &dynamics, Course { length }, output).await
+    let waited = (!dynamics.no_wait).then_some(Course { length });
+    execute(client, &system, &operands, dynamics.tag.as_deref(), waited, output).await
 }
 
 /// `arc`.
 pub(crate) async fn arc(client: &Client, command: Arc, output: &Output) -> Result<(), Failure> {
     let length = arc_length(client, &command).await;
     let operands = operands::arc(&command)?;
-    execute(
-        client,
-        &command.system,
-        &operands,
-        &command.dynamics,
-        Course { length },
-        output,
-    )
-    .await
+    let waited = (!command.dynamics.no_wait).then_some(Course { length });
+    let tag = command.dynamics.tag.as_deref();
+    execute(client, &command.system, &operands, tag, waited, output).await
+}
+
+/// `move-axis`.
+pub(crate) async fn axis(client: &Client, command: MoveAxis, output: &Output) -> Result<(), Failure> {
+    let length = axis_length(client, &command).await;
+    let operands = operands::axis(&command)?;
+    let waited = (!command.motion.no_wait).then_some(Course { length });
+    let tag = command.motion.tag.as_deref();
+    execute(client, &command.axis, &operands, tag, waited, output).await
+}
+
+/// `jog`: waits until something ends it.
+pub(crate) async fn jog(client: &Client, command: Jog, output: &Output) -> Result<(), Failure> {
+    let operands = operands::jog(&command)?;
+    let waited = (!command.motion.no_wait).then_some(Course::default());
+    let tag = command.motion.tag.as_deref();
+    execute(client, &command.axis, &operands, tag, waited, output).await
 }
 
 /// `change`.
@@ -101,8 +113,8 @@ pub(crate) async fn home(client: &Client, command: Home, output: &Output) -> Res
         executions.push(client.execute(Mnemonic::Mah, axis, "", &[]).await);
     }
     let started = executions.iter().flatten();
-    let targets: Vec<_> = started
-        .map(|execution| (Object::Axis, execution.target.clone()))
+    let stops: Vec<_> = started
+        .filter_map(|execution| Stopping::all(Object::Axis, execution.target.clone()))
         .collect();
     let wait = async |execution: &Execution| {
         let control = if command.no_wait {
@@ -110,7 +122,7 @@ pub(crate) async fn home(client: &Client, command: Home, output: &Output) -> Res
         } else {
             tokio::select! {
                 control = client.wait_for(execution, Flag::Pc, wait::FOREVER) => control?,
-                () = wait::interrupted() => return Err(wait::interrupt(client, &targets, output).await),
+                () = wait::interrupted() => return Err(wait::interrupt(client, stops.clone(), output).await),
             }
         };
         output.execution(execution, &control);
@@ -159,26 +171,39 @@ async fn each(
     }
 }
 
-/// Executes a move and waits for its end.
+/// Executes a move and, if it is `waited` for, waits for its end.
 async fn execute(
     client: &Client,
-    system: &str,
+    target: &str,
     operands: &Operands,
-    dynamics: &Dynamics,
-    course: Course,
+    tag: Option<&str>,
+    waited: Option<Course>,
     output: &Output,
 ) -> Result<(), Failure> {
-    let tag = dynamics.tag.as_deref().unwrap_or_default();
     let execution = client
-        .execute(operands.mnemonic(), system, tag, operands.given())
+        .execute(operands.mnemonic(), target, tag.unwrap_or_default(), operands.given())
         .await?;
-    let control = if dynamics.no_wait {
-        execution.control
-    } else {
-        wait::complete(client, &execution, course, output).await?
+    let control = match waited {
+        Some(course) => wait::complete(client, &execution, course, output).await?,
+        None => execution.control,
     };
     output.execution(&execution, &control);
     Ok(())
+}
+
+/// How far an axis goes from where it stands, for the progress only; `None` when it cannot be told.
+async fn axis_length(client: &Client, command: &MoveAxis) -> Option<f64> {
+    if command.shortest || command.positive || command.negative {
+        return None;
+    }
+    if command.relative {
+        return Some(command.position.abs());
+    }
+    let start = client
+        .read_numbers(&format!("{}.ActualPosition", command.axis))
+        .await
+        .ok()?;
+    Some((command.position - start.first()?).abs())
 }
 
 /// Length of an arc from where the system stands, for the progress only; `None` when it cannot be told, as for a move

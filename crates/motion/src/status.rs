@@ -1,6 +1,6 @@
 //! Status words, from the state at a tick.
 
-use arcline_drive::Saturation;
+use arcline_drive::{Motion as Point, Saturation};
 use arcline_instruction_set::FaultWord;
 use arcline_instruction_set::predefined::{
     axis_event, axis_fault, axis_status, cip_axis_status, coordinate_motion_status as motion,
@@ -97,13 +97,12 @@ fn axis_word(axis: &Axis) -> u32 {
 }
 
 fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
-    let rising = axis.command.velocity * axis.command.acceleration;
-    let from_rest = axis.command.velocity == 0.0 && axis.command.acceleration != 0.0;
+    let phase = phase(axis);
     let runs = |slot| axis.sum.get(slot).is_some_and(|generator| !generator.stopping);
     let braking = axis.sum.active().any(|(_, generator)| generator.stopping);
     [
-        (rising > 0.0 || from_rest, motion_status::ACCEL_STATUS),
-        (rising < 0.0, motion_status::DECEL_STATUS),
+        (phase == Phase::Accelerating, motion_status::ACCEL_STATUS),
+        (phase == Phase::Decelerating, motion_status::DECEL_STATUS),
         (braking, motion_status::STOPPING_STATUS),
         (axis.homed, motion_status::AXIS_HOMED_STATUS),
         (runs(Slot::Move), motion_status::MOVE_STATUS),
@@ -124,6 +123,27 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     ]
     .into_iter()
     .fold(0, with)
+}
+
+/// What an axis does: by its profile if it has one, otherwise by what its command does.
+fn phase(axis: &Axis) -> Phase {
+    let mut active = axis.sum.active();
+    if let (Some((_, only)), None) = (active.next(), active.next())
+        && only.is_planned()
+    {
+        return only.shown_phase;
+    }
+    let Point {
+        velocity, acceleration, ..
+    } = axis.command;
+    let rising = velocity * acceleration;
+    if rising > 0.0 || (velocity == 0.0 && acceleration != 0.0) {
+        Phase::Accelerating
+    } else if rising < 0.0 {
+        Phase::Decelerating
+    } else {
+        Phase::Steady
+    }
 }
 
 /// A coordinate system's part in transforms under way.

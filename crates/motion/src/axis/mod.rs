@@ -8,12 +8,14 @@ mod sensor;
 pub(crate) mod sum;
 
 use arcline_drive::{Drive, Motion as Point};
-use arcline_planner::profile::{Jerk, Limits, Profile, State};
+use arcline_planner::profile::{Limits, Profile, State};
 use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
+use crate::dynamics::Maxima;
 use crate::follow::gear::Gear;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
+use crate::rotary;
 use average::Average;
 use faults::{Faults, Observed};
 use generator::{Generator, Law};
@@ -70,7 +72,7 @@ pub(crate) struct Axis {
     pub(crate) redefined: f64,
     /// Command and actual position when the last motion began.
     pub(crate) started_at: [f64; 2],
-    pub(crate) dynamics: AxisDynamics,
+    pub(crate) dynamics: Maxima,
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
     pub(crate) linked: Linked,
@@ -96,32 +98,6 @@ pub(crate) struct Linked {
     pub(crate) settled: f64,
     /// A transform moves it.
     pub(crate) controlled: bool,
-}
-
-/// The maxima of an axis: units/s, units/s², units/s³.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct AxisDynamics {
-    pub(crate) speed: f64,
-    pub(crate) acceleration: f64,
-    pub(crate) deceleration: f64,
-    pub(crate) acceleration_jerk: f64,
-    pub(crate) deceleration_jerk: f64,
-}
-
-impl AxisDynamics {
-    /// The limits of a stop of the axis by itself: its Maximum Deceleration and, where the motion was an S-curve, its
-    /// Maximum Deceleration Jerk.
-    pub(crate) fn stop(&self, s_curve: bool) -> Limits {
-        Limits {
-            speed: self.speed,
-            acceleration: self.deceleration,
-            deceleration: self.deceleration,
-            jerk: s_curve.then_some(Jerk {
-                acceleration: self.deceleration_jerk,
-                deceleration: self.deceleration_jerk,
-            }),
-        }
-    }
 }
 
 impl Axis {
@@ -151,13 +127,7 @@ impl Axis {
             home_event: false,
             redefined: 0.0,
             started_at: [position; 2],
-            dynamics: AxisDynamics {
-                speed: description.max_speed,
-                acceleration: description.max_acceleration,
-                deceleration: description.max_deceleration,
-                acceleration_jerk: description.max_acceleration_jerk,
-                deceleration_jerk: description.max_deceleration_jerk,
-            },
+            dynamics: Maxima::from(description),
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
             linked: Linked::default(),
@@ -427,6 +397,26 @@ impl Axis {
         self.shift(offset);
     }
 
+    /// Folds whole turns of a rotary axis away where what is shown stays the same: at rest, and in an endless jog.
+    pub(crate) fn fold(&mut self, clock: &Clock) {
+        let Some(unwind) = self.unwind else {
+            return;
+        };
+        let offset = if self.sum.is_idle() {
+            let position = self.command.position;
+            let shown = rotary::shown(position, unwind);
+            if shown != position {
+                self.sum.place(shown);
+            }
+            shown - position
+        } else {
+            self.sum.fold_jog(unwind, clock)
+        };
+        if offset != 0.0 {
+            self.shift(offset);
+        }
+    }
+
     /// The drive goes along with a command whose positions were shifted.
     fn shift(&mut self, offset: f64) {
         self.drive.redefine(offset);
@@ -438,10 +428,7 @@ impl Axis {
     /// A position as the axis shows it: rotary ones within one turn.
     pub(crate) fn shown(&self, position: f64) -> f64 {
         match self.unwind {
-            Some(unwind) => {
-                let turn = position - unwind * (position / unwind).floor();
-                if turn >= unwind { 0.0 } else { turn }
-            }
+            Some(unwind) => rotary::shown(position, unwind),
             None => position,
         }
     }

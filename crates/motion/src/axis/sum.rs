@@ -43,6 +43,11 @@ impl Slot {
         Slot::Parting,
     ];
 
+    /// Whether a single-axis instruction begins it: what merges and stops of the axis end.
+    pub(crate) fn is_single_axis(self) -> bool {
+        matches!(self, Slot::Move | Slot::Jog | Slot::Home | Slot::Gear)
+    }
+
     /// Whether a transform moves the axis by it, or what is left of one.
     pub(crate) fn is_of_transforms(self) -> bool {
         matches!(self, Slot::Transform | Slot::Parting)
@@ -149,6 +154,12 @@ impl Sum {
                 generator.shift += offset;
             }
         }
+    }
+
+    /// Folds away whole turns of an endless jog. Returns the shift of every position.
+    pub(super) fn fold_jog(&mut self, unwind: f64, clock: &Clock) -> f64 {
+        let jog = self.get_mut(Slot::Jog).filter(|jog| !jog.stopping);
+        jog.map_or(0.0, |jog| jog.fold(unwind, clock))
     }
 
     /// Velocity and acceleration of some kinds of generators together; the position is 0.

@@ -4,8 +4,8 @@ use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
 use arcline_planner::profile::{Jerk, Limits};
 
 use super::axis_moves::switched_on;
-use super::moves::positive;
 use super::place;
+use super::programmed::positive;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::{in_units, jerk_in_units, resolve};

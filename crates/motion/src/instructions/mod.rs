@@ -4,12 +4,14 @@ mod axis_moves;
 mod mafr;
 mod mag;
 mod mah;
+mod maj;
 mod mam;
 mod mas;
 mod masd;
 mod masr;
 mod mccd;
 mod mccm;
+mod mcd;
 mod mclm;
 mod mcs;
 mod mcsd;
@@ -23,6 +25,8 @@ mod moves;
 mod mrp;
 mod msf;
 mod mso;
+mod programmed;
+mod seconds;
 
 use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
 
@@ -40,6 +44,8 @@ pub(crate) struct Layouts {
     mccd: mccd::Layout,
     mcs: mcs::Layout,
     mam: mam::Layout,
+    maj: maj::Layout,
+    mcd: mcd::Layout,
     mas: mas::Layout,
     mag: mag::Layout,
     mct: mct::Layout,
@@ -56,6 +62,8 @@ impl Layouts {
             mccd: mccd::Layout::new(),
             mcs: mcs::Layout::new(),
             mam: mam::Layout::new(),
+            maj: maj::Layout::new(),
+            mcd: mcd::Layout::new(),
             mas: mas::Layout::new(),
             mag: mag::Layout::new(),
             mct: mct::Layout::new(),
@@ -87,6 +95,8 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Mgsp => mgsp::execute(motion, execution, call),
         Mnemonic::Mas => mas::execute(motion, execution, call),
         Mnemonic::Mam => mam::execute(motion, execution, call),
+        Mnemonic::Maj => maj::execute(motion, execution, call),
+        Mnemonic::Mcd => mcd::execute(motion, execution, call),
         Mnemonic::Mag => mag::execute(motion, execution, call),
         Mnemonic::Mct => mct::execute(motion, execution, call),
         Mnemonic::Mah => mah::execute(motion, execution, call),

@@ -10,9 +10,6 @@ use crate::axis::sum::Slot;
 use crate::axis::{AfterStop, Axis, AxisState};
 use crate::control::Execution;
 
-/// What single-axis instructions begin.
-pub(crate) const SINGLE_AXIS: [Slot; 4] = [Slot::Move, Slot::Jog, Slot::Home, Slot::Gear];
-
 impl Motion {
     /// Commands and drives of all axes at the present tick, and what came to its end.
     pub(super) fn advance_axes(&mut self) {
@@ -51,8 +48,8 @@ impl Motion {
 
     /// Ends what single-axis instructions began on an axis, but for one kind of it.
     pub(crate) fn end_single_axis(&mut self, axis: u16, but: Option<Slot>) {
-        for slot in SINGLE_AXIS {
-            if but != Some(slot) {
+        for slot in Slot::ALL {
+            if slot.is_single_axis() && but != Some(slot) {
                 self.end_generator(axis, slot);
             }
         }

@@ -67,5 +67,6 @@ impl Motion {
             state.homed = true;
             self.end_move(ended.execution, Flag::Pc.mask());
         }
+        self.axes[at].fold(&self.clock);
     }
 }
