@@ -2,6 +2,7 @@
 
 mod average;
 pub(crate) mod faults;
+mod following;
 pub(crate) mod generator;
 pub(crate) mod homing;
 mod sensor;
@@ -13,12 +14,12 @@ use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
 use crate::dynamics::Maxima;
-use crate::follow::gear::Gear;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
 use crate::rotary;
 use average::Average;
 use faults::{Faults, Observed};
-use generator::{Generator, Law};
+use following::Linked;
+use generator::Generator;
 use homing::Homing;
 use sum::{Slot, Sum};
 
@@ -85,21 +86,6 @@ pub(crate) struct Axis {
     pub(crate) average: Average,
 }
 
-/// An axis's part in transforms (`crate::follow::transform`).
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Linked {
-    /// The transform that leads it, by the place of its target system.
-    pub(crate) leader: Option<u8>,
-    /// Transforms whose targets lead it back, a bit for each.
-    pub(crate) led_back_by: u64,
-    /// Where it would be led to when nothing leads it any more, in the frame of its generator.
-    pub(crate) rest: f64,
-    /// What transforms that are over had led it back by.
-    pub(crate) settled: f64,
-    /// A transform moves it.
-    pub(crate) controlled: bool,
-}
-
 impl Axis {
     /// `period`: the coarse update period, seconds.
     pub(crate) fn new(description: &Description, period: f64) -> Self {
@@ -149,19 +135,6 @@ impl Axis {
         self.sum.active().any(|(slot, _)| slot != Slot::Transform)
     }
 
-    /// Whether it is part of a transform.
-    pub(crate) fn is_linked(&self) -> bool {
-        self.linked.leader.is_some() || self.linked.led_back_by != 0
-    }
-
-    /// The master and the law of its gearing.
-    pub(crate) fn gear(&self) -> Option<&Gear> {
-        match &self.sum.get(Slot::Gear)?.law {
-            Law::Geared(gear) => Some(gear),
-            _ => None,
-        }
-    }
-
     /// Whether its drive follows the command.
     pub(crate) fn has_torque(&self) -> bool {
         matches!(
@@ -186,11 +159,6 @@ impl Axis {
     /// Whether anything on the axis brakes that a coordinate system's stop waits for.
     pub(crate) fn is_braking(&self) -> bool {
         self.is_stopping() || self.sum.is_active(Slot::Parting)
-    }
-
-    /// Whether something brakes that a cancelled transform had moved.
-    pub(crate) fn is_parting(&self) -> bool {
-        self.sum.active().any(|(_, generator)| generator.parting)
     }
 
     /// Whether a coordinate system moves the axis, and not only its brake.
@@ -274,29 +242,6 @@ impl Axis {
         self.started_at = started_at;
     }
 
-    /// What a cancelled transform moved brakes, together with what earlier ones did.
-    pub(crate) fn part(&mut self, moved: Point, limits: &Limits, now: Instant) {
-        let mut from = State {
-            position: self.command.position,
-            velocity: moved.velocity,
-            acceleration: moved.acceleration,
-        };
-        if let Some(earlier) = self.sum.get(Slot::Parting) {
-            from.velocity += earlier.now.velocity;
-            from.acceleration += earlier.now.acceleration;
-        }
-        if limits.jerk.is_none() {
-            from.acceleration = 0.0;
-        }
-        let mut generator = Generator::planned(Profile::stop(from, limits), now);
-        generator.stopping = true;
-        generator.parting = true;
-        generator.s_curve = limits.jerk.is_some();
-        self.sum.begin(Slot::Parting, generator);
-        self.command = self.sum.command();
-        self.stale = true;
-    }
-
     /// Whether anything on the axis is an S-curve: a stop of everything is one then.
     pub(crate) fn is_s_curve(&self) -> bool {
         self.sum.active().any(|(_, generator)| generator.s_curve)
@@ -361,13 +306,6 @@ impl Axis {
         self.stand_at(self.drive.actual().position);
         self.state = AxisState::Starting;
         self.stale = true;
-    }
-
-    /// An axis without a drive stands somewhere else at once; that is no motion that others would follow.
-    pub(crate) fn set_virtual(&mut self, position: f64) {
-        self.redefine(position - self.command.position);
-        self.stand_at(position);
-        self.drive.cycle(self.command, 0.0);
     }
 
     /// Shifts every position so that the command is at one, to the last bit.

@@ -281,7 +281,7 @@ impl Motion {
     }
 }
 
-/// The bit of a transform in [`crate::axis::Linked`], by the place of its target system.
+/// The bit of a transform in an axis's `Linked`, by the place of its target system.
 pub(super) fn bit(index: usize) -> u64 {
     const { assert!(MAX_SYSTEMS <= 64) };
     1 << index
