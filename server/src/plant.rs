@@ -15,7 +15,7 @@ use arcline_config::{Project, ServerConfig};
 use arcline_controller::image::{ControlError, Edge, Health, Image, TagKind};
 use arcline_controller::machine::Machine;
 use arcline_controller::{Command, Ticket, UNNAMED};
-use arcline_instruction_set::{BindError, Call, Flag, Given, Mnemonic, MotionControl, MotionError, bind};
+use arcline_instruction_set::{BindError, Call, FaultSet, Flag, Given, Mnemonic, MotionControl, MotionError, bind};
 use arcline_realtime::{Handle, Link, Options, SpawnError};
 use tokio::sync::{Notify, oneshot};
 
@@ -74,6 +74,8 @@ struct State {
     lost: u64,
     /// The overrides that the controller has been sent, percent.
     overrides: Vec<f32>,
+    /// The injected causes of faults that the controller has been sent.
+    injected: Vec<FaultSet>,
 }
 
 impl Plant {
@@ -96,6 +98,7 @@ impl Plant {
         let image = image_of(project);
         let state = State {
             overrides: image.feed_overrides().collect(),
+            injected: image.injected_faults().collect(),
             image,
             link,
             began: false,
@@ -339,10 +342,30 @@ impl State {
         }
     }
 
+    /// Tells the controller which injected causes of faults have changed.
+    fn send_injected(&mut self) {
+        let injected: Vec<FaultSet> = self.image.injected_faults().collect();
+        for ((axis, causes), sent) in (0..)
+            .zip(&injected)
+            .zip(std::mem::replace(&mut self.injected, injected.clone()))
+        {
+            if *causes != sent {
+                self.push(Command::Inject { axis, causes: *causes });
+            }
+        }
+    }
+
     fn edge(&mut self, edge: Edge) -> Option<oneshot::Receiver<()>> {
-        let (Edge::Rising(id) | Edge::Falling(id)) = edge else {
-            self.send_overrides();
-            return None;
+        let id = match edge {
+            Edge::Rising(id) | Edge::Falling(id) => id,
+            Edge::FeedOverride => {
+                self.send_overrides();
+                return None;
+            }
+            Edge::FaultInject => {
+                self.send_injected();
+                return None;
+            }
         };
         let TagKind::Instruction(kind) = self.image.tag(id)?.kind else {
             return None;
