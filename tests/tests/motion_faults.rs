@@ -170,7 +170,7 @@ fn soft_travel_is_checked_on_the_actual_position() {
     assert_eq!(bench.call(&format!("MAM(X, A1, 0, 100, {RATES})")), OK);
     while bench.axis("X").actual[0] <= 10.0 {
         assert_eq!(bench.axis("X").motion_faults, [0, 0]);
-        assert_eq!(bench.bits("A1").contains("IP"), true);
+        assert!(bench.bits("A1").contains("IP"));
         bench.tick();
     }
     assert_eq!(bench.axis("X").motion_faults, [1 << 1, 0]);

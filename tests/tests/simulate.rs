@@ -148,8 +148,8 @@ fn a_program_injects_faults_and_sees_them() {
     let (code, errors) = run(
         "MCLM(CS1, M, 0, [100, 0, 0], 100, 0, 2000, 0, 2000, 0, 0, 100, 100, 2, 1);\n\
          WAIT(X.ActualPosition > 20);\nFaultInject[0] := 16;\nWAIT(X.CIPAxisState = 8);\n\
-         FaultInject[0] := 0;\nMAFR(X, R);\nWAIT(X.CIPAxisState = 2);\nMSO(X, S);\nWAIT(S.DN);\n\
-         MAM(X, T, 0, 20, 100, 0, 2000, 0, 2000, 0, 0, 100, 100, 2);\nWAIT(T.PC);",
+         FaultInject[0] := 0;\nMAFR(X, R);\nWAIT(X.CIPAxisState = 2);\nMSO(X, On);\nWAIT(On.DN);\n\
+         MAM(X, Back, 0, 20, 100, 0, 2000, 0, 2000, 0, 0, 100, 100, 2);\nWAIT(Back.PC);",
     );
     assert_eq!(code, Some(0), "{errors}");
     let text = fs::read_to_string(&trace).expect("a trace was written");
