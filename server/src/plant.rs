@@ -19,6 +19,7 @@ use arcline_instruction_set::{BindError, Call, Flag, Given, Mnemonic, MotionCont
 use arcline_realtime::{Handle, Link, Options, SpawnError};
 use tokio::sync::{Notify, oneshot};
 
+use crate::retained::{NotKept, Watch, WhenKept};
 use records::{Records, instance_of};
 
 /// The running machine. Clones are the same one.
@@ -32,6 +33,16 @@ pub struct Executed {
     pub instance: u32,
     /// What its motion control tag showed when DN or ER was set.
     pub control: MotionControl,
+}
+
+/// What a write brought about, for [`Plant::fire`].
+#[derive(Debug, Default)]
+#[must_use = "what was written has no effect on the controller yet, and may not be kept"]
+pub struct Written {
+    /// What the controller is to know of, in order.
+    edges: Vec<Edge>,
+    /// Tells when it is kept; `None`: nothing of it is kept over a restart.
+    kept: Option<WhenKept>,
 }
 
 /// Why an instruction was not executed. Motion errors are not here: they are in [`Executed`].
@@ -74,6 +85,8 @@ struct State {
     lost: u64,
     /// The overrides that the controller has been sent, percent.
     overrides: Vec<f32>,
+    /// Sees what is kept over a restart.
+    watch: Option<Watch>,
 }
 
 impl Plant {
@@ -85,15 +98,27 @@ impl Plant {
     /// # Panics
     /// Outside of a tokio runtime.
     pub fn start(project: &Project) -> Result<(Plant, Handle), SpawnError> {
+        Plant::start_with(project, image_of(project), None)
+    }
+
+    /// The same with tags that hold something already, and with what sees their changes.
+    pub(crate) fn start_with(
+        project: &Project,
+        image: Image,
+        watch: Option<Watch>,
+    ) -> Result<(Plant, Handle), SpawnError> {
         let (link, handle) = arcline_realtime::spawn(&project.machine, Options::default())?;
-        let plant = Plant::new(project, link);
+        let plant = Plant::with(project, link, image, watch);
         tokio::spawn(pump(Arc::downgrade(&plant.0)));
         Ok((plant, handle))
     }
 
     /// A plant on rings whose other ends somebody else serves. Nothing drains them but reads.
     pub fn new(project: &Project, link: Link) -> Plant {
-        let image = image_of(project);
+        Plant::with(project, link, image_of(project), None)
+    }
+
+    fn with(project: &Project, link: Link, image: Image, watch: Option<Watch>) -> Plant {
         let state = State {
             overrides: image.feed_overrides().collect(),
             image,
@@ -104,6 +129,7 @@ impl Plant {
             backlog: VecDeque::new(),
             records: Records::default(),
             lost: 0,
+            watch,
         };
         Plant(Arc::new(Shared {
             state: Mutex::new(state),
@@ -135,18 +161,37 @@ impl Plant {
         read(&state.image)
     }
 
-    /// Writes tags. The edges of `EnableIn` that came of it are given back, for [`Plant::fire`].
-    pub fn write<R>(&self, write: impl FnOnce(&mut Image, &mut Vec<Edge>) -> R) -> (R, Vec<Edge>) {
+    /// Writes tags. What the closure gives as edges and what comes of the write besides is for [`Plant::fire`].
+    pub fn write<R>(&self, write: impl FnOnce(&mut Image, &mut Vec<Edge>) -> R) -> (R, Written) {
         let mut state = self.0.lock();
         state.refresh();
         let mut edges = Vec::new();
         let result = write(&mut state.image, &mut edges);
-        (result, edges)
+        // Sent under the lock: kept in the order in which it was written.
+        let State { watch, image, .. } = &mut *state;
+        let kept = watch.as_mut().and_then(|watch| watch.tags(image));
+        (result, Written { edges, kept })
     }
 
-    /// Sends what writes brought about. Executes the instruction tags whose `EnableIn` rose, with the operands they hold now, in order, and waits until
-    /// each shows DN or ER, at most [`ANSWER_WITHIN`]. Those whose `EnableIn` fell have a false rung.
-    pub async fn fire(&self, edges: Vec<Edge>) {
+    /// Sends what writes brought about, and waits until it is kept. Executes the instruction tags whose `EnableIn` rose,
+    /// with the operands they hold now, in order, and waits until each shows DN or ER, at most [`ANSWER_WITHIN`]. Those
+    /// whose `EnableIn` fell have a false rung.
+    ///
+    /// # Errors
+    /// [`NotKept`]: plain tags have what was written to them, but may not have it after a restart.
+    pub async fn fire(&self, written: Written) -> Result<(), NotKept> {
+        let Written { edges, kept } = written;
+        self.execute(edges).await;
+        match kept {
+            None => Ok(()),
+            Some(kept) => match tokio::time::timeout(ANSWER_WITHIN, kept).await {
+                Ok(Ok(kept)) => kept,
+                Ok(Err(_)) | Err(_) => Err(NotKept),
+            },
+        }
+    }
+
+    async fn execute(&self, edges: Vec<Edge>) {
         if edges.is_empty() {
             return;
         }
@@ -166,6 +211,16 @@ impl Plant {
         };
         if tokio::time::timeout(ANSWER_WITHIN, all).await.is_err() {
             tracing::warn!("the controller did not answer a written EnableIn in time");
+        }
+    }
+
+    /// Sends the axes as they are after the real-time thread has stopped them, to be kept.
+    pub(crate) fn keep_at_the_end(&self) {
+        let mut state = self.0.lock();
+        state.refresh();
+        let State { watch, link, .. } = &mut *state;
+        if let Some(watch) = watch {
+            watch.axes_at_the_end(link.snapshots.output_buffer());
         }
     }
 
@@ -273,6 +328,9 @@ impl State {
         if updated {
             let snapshot = self.link.snapshots.output_buffer();
             self.image.apply_snapshot(snapshot);
+            if let Some(watch) = &mut self.watch {
+                watch.axes(snapshot);
+            }
             let health = self.link.meter.health();
             self.image.apply_health(&health);
             let lost = snapshot.lost_events + health.lost_events + health.lost_answers;

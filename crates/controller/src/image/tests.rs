@@ -361,3 +361,29 @@ fn an_override_is_written_in_percent_and_within_its_range() {
         "not for instructions to write"
     );
 }
+
+#[test]
+fn only_written_parts_of_plain_tags_are_remembered() {
+    let mut image = image();
+    let one = Value::Real(1.0);
+    image.write_value(&path("Count"), one).expect("writable");
+    assert_eq!(image.take_written(), [], "nobody wants to know yet");
+    image.remember_written();
+    for (written, value) in [
+        ("Recipe[3]", 2.5),
+        ("Count.9", 1.0),
+        ("Move1.Speed", 5.0),
+        ("Count", 7.0),
+    ] {
+        image.write_value(&path(written), Value::Real(value)).expect("writable");
+    }
+    assert!(image.write_value(&path("Recipe[99]"), one).is_err(), "refused");
+    let part = |name: &str, offset, length| Written {
+        id: image.find(name).expect("it is there").id,
+        offset,
+        length,
+    };
+    let expected = [part("Recipe", 12, 4), part("Count", 1, 1), part("Count", 0, 2)];
+    assert_eq!(image.take_written(), expected);
+    assert_eq!(image.take_written(), []);
+}
