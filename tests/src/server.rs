@@ -35,13 +35,19 @@ impl Server {
         Self::start_with(&["--config", file.to_str().expect("the project's paths are UTF-8")])
     }
 
-    /// Starts the server with `arguments` besides those for a free port, no HMI and no state file.
+    /// Starts the server with `arguments` besides those for a free port, no HMI and, unless they name one, no
+    /// state file.
     #[must_use]
     pub fn start_with(arguments: &[&str]) -> Self {
         let program = crate::programs::arcline_server();
         let began = Instant::now();
         let mut child = Command::new(program)
-            .args(["run", "--listen", "127.0.0.1:0", "--hmi", "off", "--state", "off"])
+            .args(["run", "--listen", "127.0.0.1:0", "--hmi", "off"])
+            .args(if arguments.contains(&"--state") {
+                &[][..]
+            } else {
+                &["--state", "off"]
+            })
             .args(arguments)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -92,6 +98,14 @@ impl Server {
     #[must_use]
     pub fn ready_after(&self) -> Duration {
         self.ready_after
+    }
+
+    /// Ends the server at once, with SIGKILL, and waits until it is gone. Gives its log.
+    #[must_use]
+    pub fn kill(mut self) -> String {
+        self.child.kill().expect("the server is our child and runs");
+        self.child.wait().expect("the server is our child");
+        self.log.take().and_then(|log| log.join().ok()).unwrap_or_default()
     }
 
     /// Asks the server to stop, as an init system would, and waits until it has ended.
