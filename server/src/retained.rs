@@ -6,7 +6,7 @@
 
 mod keeper;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod watch;
 
 use std::fmt::Write as _;
@@ -180,7 +180,8 @@ fn is_foreign(state: &State, project: &Project) -> bool {
 fn take_over(state: &State, project: &mut Project, image: &mut Image) -> Taken {
     let mut taken = Taken::default();
     for axis in &state.axes {
-        let Some(place) = find_axis(axis, project) else {
+        let found = find_axis(axis, project).filter(|place| within_its_turn(axis, &project.machine.axes[*place]));
+        let Some(place) = found else {
             taken.left.push(format!("axis {} ({})", axis.name, axis.kind));
             continue;
         };
@@ -215,6 +216,12 @@ fn take_over(state: &State, project: &mut Project, image: &mut Image) -> Taken {
 fn find_axis(axis: &Axis, project: &Project) -> Option<usize> {
     let place = usize::from(project.machine.axis(&axis.name)?);
     (axis_kind(project.machine.axes.get(place)?) == axis.kind).then_some(place)
+}
+
+/// A machine relies on it.
+fn within_its_turn(axis: &Axis, of: &machine::Axis) -> bool {
+    of.unwind
+        .is_none_or(|unwind| (0.0..unwind).contains(&axis.state.position))
 }
 
 fn find_tag<'p>(tag: &Tag, project: &'p Project) -> Option<&'p str> {

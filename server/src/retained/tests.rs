@@ -4,6 +4,7 @@ use std::sync::mpsc;
 
 use arcline_controller::{AxisSnapshot, Snapshot};
 use arcline_instruction_set::predefined::{axis_status, cip_axis_status, motion_status};
+use arcline_realtime::Handle;
 use arcline_state::Change;
 use arcline_tag::Value;
 
@@ -105,10 +106,23 @@ fn states_of_other_machines_are_foreign() {
 
 #[test]
 fn a_rotary_axis_is_kept_with_its_turn() {
-    let mut axis = project().machine.axes.remove(0);
-    assert_eq!(axis_kind(&axis), "servo, mm");
-    (axis.units, axis.unwind, axis.kind) = ("deg".to_owned(), Some(360.0), machine::AxisKind::Virtual);
-    assert_eq!(axis_kind(&axis), "virtual, deg, unwind 360");
+    let mut project = project();
+    let table = &mut project.machine.axes[0];
+    assert_eq!(axis_kind(table), "servo, mm");
+    (table.units, table.unwind, table.kind) = ("deg".to_owned(), Some(360.0), machine::AxisKind::Virtual);
+    let kind = axis_kind(table);
+    assert_eq!(kind, "virtual, deg, unwind 360");
+    for (position, taken) in [(0.0, true), (359.9, true), (360.0, false), (-0.1, false)] {
+        let axes = vec![axis("X", &kind, at(position, false))];
+        let (state, mut project) = (State { axes, tags: vec![] }, project.clone());
+        let mut image = image_of(&project);
+        let left = take_over(&state, &mut project, &mut image).left;
+        assert_eq!(left.is_empty(), taken, "{position}");
+        assert_eq!(
+            project.machine.axes[0].start.position,
+            if taken { position } else { 0.0 }
+        );
+    }
 }
 
 const ON: u32 = axis_status::SERVO_ACTION_STATUS | axis_status::DRIVE_ENABLE_STATUS;
@@ -244,22 +258,27 @@ fn a_slow_disk_makes_axes_come_less_often() {
     assert_eq!(sent(&jobs), Some(at(7.0, false)), "what it has become meanwhile");
 }
 
+/// A plant whose state nobody can keep.
+pub(crate) fn plant_that_cannot_keep(project: &Project) -> (Plant, Handle) {
+    let (plant, handle, _) = plant(project);
+    (plant, handle)
+}
+
 /// A plant whose state somebody else keeps.
-fn plant() -> (Plant, arcline_realtime::Handle, mpsc::Receiver<Job>) {
-    let project = project();
-    let mut image = image_of(&project);
+fn plant(project: &Project) -> (Plant, Handle, mpsc::Receiver<Job>) {
+    let mut image = image_of(project);
     image.remember_written();
     let (sender, jobs) = mpsc::channel();
-    let (state, tags) = state_of(&project, &image);
+    let (state, tags) = state_of(project, &image);
     let axes = state.axes.iter().map(|axis| axis.state).collect();
     let watch = Watch::new(sender, axes, tags, project.machine.period_ns);
-    let (plant, handle) = Plant::start_with(&project, image, Some(watch)).expect("a thread");
+    let (plant, handle) = Plant::start_with(project, image, Some(watch)).expect("a thread");
     (plant, handle, jobs)
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_write_is_answered_when_it_is_kept() {
-    let (plant, handle, jobs) = plant();
+    let (plant, handle, jobs) = plant(&project());
     let write = |path: &str| {
         let path = path.parse().expect("a path");
         let (written, fire) = plant.write(|image, edges| {
