@@ -14,7 +14,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use arcline_config::Project;
-use arcline_controller::image::{Image, TagId, TagKind};
+use arcline_controller::image::{self, Image, TagId, TagKind};
 use arcline_controller::machine;
 use arcline_state::{Axis, AxisState, Damage, Kept, OpenError, Place, ReadError, State, Tag};
 
@@ -100,8 +100,9 @@ impl Retained {
     pub(crate) fn open(file: &Path, project: &mut Project) -> Result<Self, RetainError> {
         let at = |file: &Path| file.to_owned();
         let place = Place::lock(file).map_err(|error| RetainError::Open { file: at(file), error })?;
+        let mut image = image_of(project);
         let kept = match place.read() {
-            Ok(Some(kept)) if is_foreign(&kept.state, project) => Err(Unusable::Foreign),
+            Ok(Some(kept)) if is_foreign(&kept.state, project, &image) => Err(Unusable::Foreign),
             Ok(kept) => Ok(kept),
             Err(ReadError::Damage(damage)) => Err(Unusable::Damage(damage)),
             Err(ReadError::Io(error)) => return Err(RetainError::Read { file: at(file), error }),
@@ -124,7 +125,6 @@ impl Retained {
                 None
             }
         };
-        let mut image = image_of(project);
         if let Some(kept) = &kept {
             let taken = take_over(&kept.state, project, &mut image);
             taken.report(file);
@@ -170,10 +170,11 @@ impl Taken {
 }
 
 /// Whether nothing of a state is in a project.
-fn is_foreign(state: &State, project: &Project) -> bool {
-    let known = state.axes.iter().any(|axis| find_axis(axis, project).is_some())
-        || state.tags.iter().any(|tag| find_tag(tag, project).is_some());
-    !known && !(state.axes.is_empty() && state.tags.is_empty())
+fn is_foreign(state: &State, project: &Project, image: &Image) -> bool {
+    let nothing = state.axes.is_empty() && state.tags.is_empty();
+    let axis = state.axes.iter().any(|axis| find_axis(axis, project).is_some());
+    let tag = state.tags.iter().any(|tag| find_tag(tag, image).is_some());
+    !(nothing || axis || tag)
 }
 
 /// Makes a project and its tags start as a state says, wherever name and type are the same.
@@ -201,13 +202,9 @@ fn take_over(state: &State, project: &mut Project, image: &mut Image) -> Taken {
         };
     }
     for tag in &state.tags {
-        let id = find_tag(tag, project)
-            .and_then(|name| image.find(name))
-            .map(|tag| tag.id);
-        let written = id.filter(|id| image.bytes(*id).len() == tag.bytes.len());
-        match written.map(|id| image.write(id, 0, &tag.bytes)) {
-            Some(Ok(_)) => {}
-            Some(Err(_)) | None => taken.left.push(format!("tag {} ({})", tag.name, tag.kind)),
+        match find_tag(tag, image) {
+            Some(id) => image.restore(id, &tag.bytes),
+            None => taken.left.push(format!("tag {} ({})", tag.name, tag.kind)),
         }
     }
     taken
@@ -224,13 +221,14 @@ fn within_its_turn(axis: &Axis, of: &machine::Axis) -> bool {
         .is_none_or(|unwind| (0.0..unwind).contains(&axis.state.position))
 }
 
-fn find_tag<'p>(tag: &Tag, project: &'p Project) -> Option<&'p str> {
-    let known = project.tags.iter().find(|known| {
-        known.name.eq_ignore_ascii_case(&tag.name)
-            && known.tag_type.size() == tag.bytes.len()
-            && known.tag_type.to_string() == tag.kind
-    });
-    known.map(|known| known.name.as_str())
+fn find_tag(tag: &Tag, image: &Image) -> Option<TagId> {
+    let known = image.find(&tag.name).filter(|known| is_kept(known))?;
+    let same = known.tag_type.to_string() == tag.kind && image.bytes(known.id).len() == tag.bytes.len();
+    same.then_some(known.id)
+}
+
+fn is_kept(tag: &image::Tag) -> bool {
+    tag.kind == TagKind::Plain
 }
 
 /// What a position of the axis means: a position of an axis in inches is none of one in millimetres.
@@ -254,7 +252,7 @@ fn state_of(project: &Project, image: &Image) -> (State, Vec<TagId>) {
             ..AxisState::default()
         },
     });
-    let plain = || image.tags().iter().filter(|tag| tag.kind == TagKind::Plain);
+    let plain = || image.tags().iter().filter(|tag| is_kept(tag));
     let tags = plain().map(|tag| Tag {
         name: tag.name.clone(),
         kind: tag.tag_type.to_string(),

@@ -1,6 +1,9 @@
 //! The plant on the real thread, and its records.
 
-use super::records::RECORDS;
+use arcline_controller::Ticket;
+use arcline_instruction_set::Flag;
+
+use super::records::{RECORDS, Records};
 use super::*;
 
 fn project() -> Project {

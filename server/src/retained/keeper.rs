@@ -19,11 +19,14 @@ use tokio::sync::oneshot;
 #[error("it could not be written to the file of the retained state")]
 pub struct NotKept;
 
+/// Is told that changes are kept, or that they are not.
+type WhenKept = oneshot::Sender<Result<(), NotKept>>;
+
 /// What the writing thread is told.
 #[derive(Debug)]
 pub(super) enum Job {
     /// Keep these changes, all or none, and say so.
-    Keep(Vec<Change>, oneshot::Sender<Result<(), NotKept>>),
+    Keep(Vec<Change>, WhenKept),
     /// The disk has what it was to synchronise.
     Synchronised(What, io::Result<()>),
     /// Write everything once more and end.
@@ -150,7 +153,7 @@ impl Writer {
         }
     }
 
-    fn append(&mut self, batch: &mut Vec<(Vec<Change>, oneshot::Sender<Result<(), NotKept>>)>) {
+    fn append(&mut self, batch: &mut Vec<(Vec<Change>, WhenKept)>) {
         let written = self.store.append(batch.iter().map(|(changes, _)| changes.as_slice()));
         if let Err(error) = &written
             && !self.failed

@@ -64,8 +64,8 @@ fn what_has_the_same_name_and_type_is_taken_over() {
     };
     let mut project = project();
     let configured = project.machine.clone();
-    assert!(!is_foreign(&state, &project));
     let mut image = image_of(&project);
+    assert!(!is_foreign(&state, &project, &image));
     let taken = take_over(&state, &mut project, &mut image);
     let left = [
         "axis Z (servo, in)",
@@ -93,7 +93,7 @@ fn what_has_the_same_name_and_type_is_taken_over() {
 
 #[test]
 fn states_of_other_machines_are_foreign() {
-    let only = |axes, tags| is_foreign(&State { axes, tags }, &project());
+    let only = |axes, tags| is_foreign(&State { axes, tags }, &project(), &image_of(&project()));
     let elsewhere = || vec![axis("Arm", "servo, deg", at(0.0, false))];
     assert!(only(elsewhere(), vec![tag("Speed", "REAL", &[0; 4])]));
     assert!(

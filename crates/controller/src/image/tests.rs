@@ -378,12 +378,14 @@ fn only_written_parts_of_plain_tags_are_remembered() {
         image.write_value(&path(written), Value::Real(value)).expect("writable");
     }
     assert!(image.write_value(&path("Recipe[99]"), one).is_err(), "refused");
-    let part = |name: &str, offset, length| Written {
-        id: image.find(name).expect("it is there").id,
-        offset,
-        length,
-    };
-    let expected = [part("Recipe", 12, 4), part("Count", 1, 1), part("Count", 0, 2)];
+    let [recipe, count, axis] = ["Recipe", "Count", "X"].map(|name| image.find(name).expect("it is there").id);
+    let expected = [(recipe, 12, 4), (count, 1, 1), (count, 0, 2)];
+    let expected = expected.map(|(id, offset, length)| Written { id, offset, length });
     assert_eq!(image.take_written(), expected);
-    assert_eq!(image.take_written(), []);
+    image.restore(count, &[8, 0]);
+    image.restore(count, &[9, 0, 0]);
+    let before = image.bytes(axis).to_vec();
+    image.restore(axis, &vec![1; before.len()]);
+    assert_eq!((image.bytes(count), image.bytes(axis)), (&[8, 0][..], &before[..]));
+    assert_eq!(image.take_written(), [], "what is restored is not written");
 }

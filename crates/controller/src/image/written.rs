@@ -1,4 +1,4 @@
-//! Which parts of plain tags were written, for whoever keeps them over a restart.
+//! Which parts of plain tags were written, for whoever keeps them over a restart, and what they held before it.
 
 use super::{Image, TagId, TagKind};
 
@@ -14,6 +14,14 @@ pub struct Written {
 }
 
 impl Image {
+    /// Makes a plain tag hold what it once held. Nothing comes of bytes of another length, or of another tag.
+    pub fn restore(&mut self, id: TagId, kept: &[u8]) {
+        let plain = self.tag(id).is_some_and(|tag| tag.kind == TagKind::Plain);
+        if let Some(bytes) = self.bytes_mut(id).filter(|bytes| plain && bytes.len() == kept.len()) {
+            bytes.copy_from_slice(kept);
+        }
+    }
+
     /// From now on remembers which parts of plain tags are written, until [`Image::take_written`] takes them.
     pub fn remember_written(&mut self) {
         self.written.get_or_insert_default();
