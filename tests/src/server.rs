@@ -39,9 +39,23 @@ impl Server {
     /// state file.
     #[must_use]
     pub fn start_with(arguments: &[&str]) -> Self {
-        let program = crate::programs::arcline_server();
+        Self::start_by(Command::new(crate::programs::arcline_server()), arguments)
+    }
+
+    /// The same, but no file that it writes may become longer than so many blocks of 512 or 1024 bytes: a write beyond
+    /// fails, as on a full disk.
+    #[must_use]
+    pub fn start_short_of_space(blocks: u32, arguments: &[&str]) -> Self {
+        // The shell becomes the server, which is not to end by the signal that goes with the limit.
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
+        let mut shell = Command::new("sh");
+        shell.arg("-c").arg(script).arg(crate::programs::arcline_server());
+        Self::start_by(shell, arguments)
+    }
+
+    fn start_by(mut command: Command, arguments: &[&str]) -> Self {
         let began = Instant::now();
-        let mut child = Command::new(program)
+        let mut child = command
             .args(["run", "--listen", "127.0.0.1:0", "--hmi", "off"])
             .args(if arguments.contains(&"--state") {
                 &[][..]

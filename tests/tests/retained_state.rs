@@ -517,6 +517,55 @@ async fn a_file_that_cannot_be_used_is_set_aside_with_a_message() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_full_disk_refuses_what_it_cannot_keep_and_nothing_else() {
+    let files = Files::new(&[("Table", "DINT[16]")]);
+    let server = Server::start_short_of_space(64, &files.arguments());
+    let client = connect(&server).await;
+    let mut acknowledged = 0;
+    let refused = loop {
+        assert!(acknowledged < 10_000, "the file has a limit");
+        match client.write("Table", table(acknowledged + 1)).await {
+            Ok(()) => acknowledged += 1,
+            Err(error) => break error,
+        }
+    };
+    assert!(refused.to_string().contains("store operation failure"), "{refused}");
+    assert!(acknowledged > 10, "there was room for a few");
+    let kept = files.read();
+    assert_eq!(elements(&kept.tags[0].bytes).next(), i32::try_from(acknowledged).ok());
+    assert_eq!(
+        numbers(&client, "Table").await,
+        [acknowledged as f64 + 1.0; 16],
+        "the tag has it all the same"
+    );
+    client.write("Move1.Speed", 20.0).await.expect("it is not kept");
+    client
+        .execute(Mnemonic::Mso, "X", "", &[])
+        .await
+        .expect("it is no write");
+    // Written anew the file is short again.
+    let mut tries = 0;
+    while client.write("Table", table(acknowledged + 100)).await.is_err() {
+        tries += 1;
+        assert!(tries < 1000, "it is never written again");
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    let log = server.kill();
+    assert!(
+        log.contains("cannot be written") && log.contains("is written again"),
+        "{log}"
+    );
+    assert_eq!(
+        log.lines().filter(|line| line.contains("cannot be written")).count(),
+        1,
+        "said once"
+    );
+    let server = files.start();
+    let shown = numbers(&connect(&server).await, "Table").await;
+    assert_eq!(shown, [acknowledged as f64 + 100.0; 16]);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_changed_configuration_takes_over_what_it_still_has() {
     let files = Files::new(&[("Count", "DINT"), ("Old", "DINT"), ("Wider", "INT")]);
     let server = files.start();
