@@ -150,7 +150,9 @@ impl Place {
             return Ok(store);
         };
         let file = OpenOptions::new().append(true).open(&store.place.file)?;
-        file.set_len(kept.end as u64)?;
+        if file.metadata()?.len() != kept.end as u64 {
+            file.set_len(kept.end as u64)?;
+        }
         store.log = Some(Log {
             file,
             length: kept.end,
