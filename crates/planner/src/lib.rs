@@ -15,6 +15,7 @@ mod contour;
 mod junction;
 mod look_ahead;
 mod planner;
+mod queue;
 mod track;
 
 pub use clock::{Clock, Instant};

@@ -1,11 +1,10 @@
 //! One coordinate system's active move, the end of the one before it, and its queue.
 
-use std::collections::VecDeque;
-
 use arcline_geometry::{Path, Point};
-use arcline_profile::{Limits, Profile, State};
+use arcline_profile::{Limits, Profile, State, entry_speed, passing_speed};
 
-use crate::junction::{Ending, Junction, braking, is_along, junction};
+use crate::junction::{Ending, Junction, braking, is_along, junction, same_rates};
+use crate::queue::Queue;
 use crate::track::{Approach, Part, Residual, Sample, Track};
 use crate::{Clock, Instant};
 
@@ -34,6 +33,10 @@ pub struct Running<T> {
     pub(crate) joined: usize,
     /// Whether something blended into it.
     pub(crate) blended: bool,
+    /// Where on its run of moves it begins.
+    pub(crate) place: f64,
+    /// Whether a stop brakes it: nothing changes that.
+    pub(crate) stopped: bool,
 }
 
 /// A point on the way of the active move that lies at or before the present tick.
@@ -64,13 +67,14 @@ pub struct Planner<T> {
     pub(crate) active: Option<Running<T>>,
     /// The end of a move that the active one blends with.
     pub(crate) tail: Option<Track>,
-    pub(crate) pending: VecDeque<Move<T>>,
+    pub(crate) queue: Queue<T>,
     depth: usize,
-    pub(crate) corner_step: Point,
     /// Seconds after the active track's start at which the successor takes over before the programmed end.
     pub(crate) hand_over_at: Option<f64>,
 }
 
+/// Seconds to an instant that does not come.
+const NEVER: f64 = 1e9;
 /// Share of an acceleration that is none: what rounding leaves across the direction of motion.
 const NO_ACCELERATION: f64 = 1e-9;
 
@@ -81,9 +85,8 @@ impl<T: Copy> Planner<T> {
         Planner {
             active: None,
             tail: None,
-            pending: VecDeque::with_capacity(depth),
+            queue: Queue::new(depth, corner_step),
             depth,
-            corner_step,
             hand_over_at: None,
         }
     }
@@ -100,22 +103,22 @@ impl<T: Copy> Planner<T> {
 
     /// The moves that wait, oldest first.
     pub fn pending(&self) -> impl Iterator<Item = &Move<T>> {
-        self.pending.iter()
+        self.queue.iter()
     }
 
     /// The moves that wait, oldest first, to change; [`Planner::change_limits`] makes it take effect.
     pub fn pending_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
-        self.pending.iter_mut()
+        self.queue.iter_mut()
     }
 
     /// Whether every pending place is taken.
     pub fn is_full(&self) -> bool {
-        self.pending.len() >= self.depth
+        self.queue.len() >= self.depth
     }
 
     /// Programmed end point of the last move in the queue: where the next one begins.
     pub fn last_end(&self) -> Option<Point> {
-        let last = self.pending.back();
+        let last = self.queue.back();
         last.map(|waiting| waiting.path.end())
             .or_else(|| self.active.map(|running| running.motion.path.end()))
     }
@@ -189,10 +192,20 @@ impl<T: Copy> Planner<T> {
         if self.is_full() {
             return Err(QueueFull);
         }
-        self.pending.push_back(motion);
+        let active = self.active.as_ref();
+        self.queue
+            .push(motion, active.map(|running| (&running.motion, running.blended, running.place)));
         self.raise_exit(clock);
-        self.schedule(clock);
+        self.schedule(clock.now(), clock);
         Ok(())
+    }
+
+    /// Goes on with the look-ahead where it was too long for one tick: to be called at every tick.
+    pub fn look_on(&mut self, clock: &Clock) {
+        if self.queue.carry_on() {
+            self.raise_exit(clock);
+            self.schedule(clock.now(), clock);
+        }
     }
 
     /// The next point on the way that lies at or before the present tick.
@@ -209,7 +222,9 @@ impl<T: Copy> Planner<T> {
             return None;
         }
         let mut end = running.track.duration(clock);
-        if let Some(tail) = &self.tail {
+        if running.exit == 0.0
+            && let Some(tail) = &self.tail
+        {
             end = end.max(tail.duration(clock) + elapsed - tail.start.elapsed(clock));
         }
         (elapsed >= end).then(|| Passage::Reached(instant(end)))
@@ -217,35 +232,35 @@ impl<T: Copy> Planner<T> {
 
     /// Whether the active move goes over into its successor without rest.
     pub fn passes_on(&self) -> bool {
-        self.active.is_some_and(|running| running.exit > 0.0) && !self.pending.is_empty()
+        self.active.is_some_and(|running| running.exit > 0.0) && self.queue.front().is_some()
     }
 
     /// The oldest pending move becomes active at an instant: from rest, blending, or at the speed of the junction.
     pub fn hand_over(&mut self, at: Instant, clock: &Clock) -> Option<&mut T> {
         let last = self.active.take();
         let early = self.hand_over_at.take().is_some();
-        let next = self.pending.pop_front()?;
+        let next = self.queue.pop()?;
         let Some(last) = last else {
             self.start(next, at, clock);
             return self.active_data();
         };
-        if early && last.joined > 0 {
-            self.go_on(&last, next, clock);
+        let between = junction(&last.motion, &next, last.blended);
+        if last.joined > 0 {
+            self.go_on(&last, next, between, at, clock);
             return self.active_data();
         }
         let end = last.track.profile.end();
-        let joined = junction(&last.motion, &next, last.blended);
-        match joined {
+        match between {
             Junction::Blend { .. } if early => {
                 self.tail = Some(last.track);
                 self.run(next, State::default(), at, None, true, clock);
             }
             Junction::Overtake { .. } if early => {
-                let since = at.elapsed(clock) - last.track.start.elapsed(clock);
-                let mut from = last.track.profile.at(-since);
+                let since = last.track.start.elapsed(clock) - at.elapsed(clock);
+                let mut from = last.track.profile.at(since);
                 from.position -= last.track.offset + last.motion.path.length();
-                self.run(next, from, at, None, true, clock);
-                self.set_lead(last.motion.path);
+                let lead = (from.position < 0.0).then_some(last.motion.path);
+                self.run_behind(next, from, at, lead, clock);
             }
             Junction::Pass { .. } if early => {
                 let start = last.track.start.after(last.track.profile.duration(), clock);
@@ -254,6 +269,7 @@ impl<T: Copy> Planner<T> {
                     profile: last.track.profile,
                     start: last.track.start,
                     offset: last.track.offset,
+                    limits: last.motion.limits,
                 };
                 self.run(next, passing(end), start, None, false, clock);
                 if let Some(running) = &mut self.active {
@@ -282,7 +298,7 @@ impl<T: Copy> Planner<T> {
     /// Takes the oldest pending move out of the queue.
     pub fn cancel_pending(&mut self) -> Option<T> {
         self.hand_over_at = None;
-        self.pending.pop_front().map(|waiting| waiting.data)
+        self.queue.pop().map(|waiting| waiting.data)
     }
 
     /// Whether two moves are superposed at the present tick.
@@ -292,23 +308,121 @@ impl<T: Copy> Planner<T> {
     }
 
     /// Gives the active move new limits from the present tick on: the profile is planned again from the
-    /// present state, in two stages when the end can no longer be met (spec/motion-core.md §5).
+    /// present state, in two stages when the end can no longer be met (spec/motion-core.md §5). Rates with which a
+    /// corner that the motion is to pass could no longer be met hold from there on only (§5.3).
     pub fn change_limits(&mut self, limits: Limits, clock: &Clock) {
-        let Some(mut running) = self.active else {
+        self.queue.refresh();
+        let Some(running) = &mut self.active else {
             return;
         };
+        let before = running.motion.limits;
         running.motion.limits = limits;
-        let limits = running.limits();
+        if self.replan(clock) && !same_rates(&before, &limits) {
+            let kept = Limits {
+                speed: limits.speed,
+                ..before
+            };
+            for limits in [kept, limits] {
+                if let Some(running) = &mut self.active {
+                    running.motion.limits = limits;
+                }
+                if !self.replan(clock) {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Takes a share (at least 0) of the programmed speeds of the active move, the pending and all later ones, from the
+    /// present tick on; 0 holds. Of no effect on a stop that is under way.
+    pub fn set_rate(&mut self, rate: f64, clock: &Clock) {
+        self.queue.set_rate(rate);
+        self.replan(clock);
+    }
+
+    /// Plans the active move again from its present state. Whether it comes to the next corner too fast.
+    fn replan(&mut self, clock: &Clock) -> bool {
+        let Some(mut running) = self.active.filter(|running| !running.stopped) else {
+            return false;
+        };
+        running.place = self.queue.relink(&running.motion, running.blended);
+        if let Some(approach) = running.track.approach.filter(|_| running.track.is_approaching(clock))
+            && !same_rates(&approach.limits, &running.motion.limits)
+        {
+            let start = self.approach_again(&mut running, approach, clock);
+            return self.plan_from(running, start, clock);
+        }
         let from = running.track.state(clock);
         let plan = self.plan(&running, from);
-        let profile = if plan.exit > 0.0 {
-            Profile::to_position(from, plan.target, plan.exit, &plan.limits(limits))
+        let profile = if plan.exit > 0.0 || plan.cap == 0.0 {
+            self.profile(&running, from, &plan)
         } else {
+            let limits = Limits {
+                speed: plan.cap,
+                ..self.limits(&running)
+            };
             Profile::to_position_two_stage(from, plan.target, &limits)
         };
-        running.follow(plan, profile, clock);
+        running.follow(&plan, profile, clock.now());
         self.active = Some(running);
-        self.schedule(clock);
+        self.schedule(clock.now(), clock);
+        plan.broken
+    }
+
+    /// The way to the start of the active path, which has other rates, is planned again. The state there.
+    fn approach_again(&self, running: &mut Running<T>, mut approach: Approach, clock: &Clock) -> State {
+        let elapsed = approach.start.elapsed(clock);
+        let mut from = approach.profile.at(elapsed);
+        from.position -= approach.offset;
+        let limits = Limits {
+            speed: approach.limits.speed * self.queue.rate(),
+            ..approach.limits
+        };
+        let length = approach.path.length();
+        let wanted = self.entry(running).min(limits.speed);
+        let exit = passing_speed(from, length - from.position, wanted, &limits);
+        let capped = Limits {
+            speed: limits.speed.max(exit),
+            ..limits
+        };
+        approach.profile = Profile::to_position(from, length, exit, &capped);
+        approach.offset = 0.0;
+        approach.start = clock.now();
+        let arrives = approach.profile.arrives();
+        let way = if arrives { approach.profile.duration() } else { NEVER };
+        running.track.start = clock.now().after(way, clock);
+        running.track.approach = Some(approach);
+        State {
+            position: 0.0,
+            velocity: exit,
+            acceleration: 0.0,
+        }
+    }
+
+    /// The highest speed with which the active path can be begun.
+    fn entry(&self, running: &Running<T>) -> f64 {
+        let rest = State::default();
+        let plan = self.plan(running, rest);
+        let limits = self.limits(running);
+        let end = self.queue.run_end(running.place + running.motion.path.length());
+        let exit = self.queue.speed(&end);
+        let way = if plan.joined == 0 {
+            running.motion.path.length()
+        } else {
+            end.at - running.place
+        };
+        limits.speed.min(entry_speed(way, exit, &limits))
+    }
+
+    /// The profile of the active path from its beginning, which lies ahead.
+    fn plan_from(&mut self, mut running: Running<T>, from: State, clock: &Clock) -> bool {
+        let plan = self.plan(&running, from);
+        running.track.profile = self.profile(&running, from, &plan);
+        running.track.offset = 0.0;
+        running.aim(&plan);
+        self.active = Some(running);
+        self.schedule(clock.now(), clock);
+        plan.broken
     }
 
     /// Brakes the active move on its path from the present tick on, and what still blends with it.
@@ -321,11 +435,12 @@ impl<T: Copy> Planner<T> {
             .chain(&mut self.tail);
         for track in tracks {
             let from = track.state(clock);
-            track.replan(Profile::stop(from, limits), clock);
+            track.replan(Profile::stop(from, limits), clock.now());
         }
         if let Some(running) = &mut self.active {
             running.exit = 0.0;
             running.joined = 0;
+            running.stopped = true;
         }
     }
 
@@ -350,50 +465,75 @@ impl<T: Copy> Planner<T> {
         blended: bool,
         clock: &Clock,
     ) {
+        let track = Track {
+            path: motion.path,
+            lead: None,
+            approach: None,
+            profile: Profile::rest(0.0),
+            start: at,
+            offset: 0.0,
+            residual,
+        };
+        self.begin(motion, track, from, blended, clock);
+    }
+
+    /// Begins a move on the way to its path, which is `lead`.
+    fn run_behind(&mut self, motion: Move<T>, from: State, at: Instant, lead: Option<Path>, clock: &Clock) {
+        let track = Track {
+            path: motion.path,
+            lead,
+            approach: None,
+            profile: Profile::rest(0.0),
+            start: at,
+            offset: 0.0,
+            residual: None,
+        };
+        self.begin(motion, track, from, true, clock);
+    }
+
+    /// Begins a move on a track whose profile is still to be planned from `from`.
+    fn begin(&mut self, motion: Move<T>, track: Track, from: State, blended: bool, clock: &Clock) {
         let mut running = Running {
             motion,
-            track: Track {
-                path: motion.path,
-                lead: None,
-                approach: None,
-                profile: Profile::rest(0.0),
-                start: at,
-                offset: 0.0,
-                residual,
-            },
+            track,
             exit: 0.0,
             joined: 0,
             blended,
+            place: self.queue.relink(&motion, blended),
+            stopped: false,
         };
         let plan = self.plan(&running, from);
-        running.exit = plan.exit;
-        running.joined = plan.joined;
-        let limits = plan.limits(running.limits());
-        running.track.profile = Profile::to_position(from, plan.target, plan.exit, &limits);
+        running.aim(&plan);
+        running.track.profile = self.profile(&running, from, &plan);
         self.active = Some(running);
-        self.schedule(clock);
+        self.schedule(track.start, clock);
     }
 
-    /// The next of several joined moves becomes active; the profile runs on.
-    fn go_on(&mut self, last: &Running<T>, next: Move<T>, clock: &Clock) {
+    /// The next of several joined moves becomes active: the profile runs on, or is planned again where the new move
+    /// has another speed.
+    fn go_on(&mut self, last: &Running<T>, next: Move<T>, between: Junction, at: Instant, clock: &Clock) {
         let mut track = last.track;
         track.offset += last.motion.path.length();
         track.path = next.path;
-        track.lead = None;
+        let blended = matches!(between, Junction::Overtake { .. });
+        track.lead = blended.then_some(last.motion.path);
+        if last.motion.limits.speed != next.limits.speed {
+            let mut from = track.profile.at(track.start.elapsed(clock) - at.elapsed(clock));
+            from.position -= track.offset;
+            track.replan(track.profile, at);
+            self.begin(next, track, from, blended, clock);
+            return;
+        }
         self.active = Some(Running {
             motion: next,
             track,
             exit: last.exit,
             joined: last.joined - 1,
-            blended: false,
+            blended,
+            place: self.queue.relink(&next, blended),
+            stopped: false,
         });
-        self.schedule(clock);
-    }
-
-    fn set_lead(&mut self, path: Path) {
-        if let Some(running) = &mut self.active {
-            running.track.lead = Some(path);
-        }
+        self.schedule(at, clock);
     }
 }
 

@@ -18,6 +18,7 @@ impl Motion {
             self.advance_contour(index);
             return;
         }
+        self.systems[index].planner.look_on(&self.clock);
         for _ in 0..MAX_ENDS_PER_TICK {
             let at = match self.systems[index].planner.passage(&self.clock) {
                 None => break,
