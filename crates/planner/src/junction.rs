@@ -97,8 +97,6 @@ pub(crate) enum Link {
     /// A speed with acceleration 0: at most the lower programmed one and what the corner allows. `constrained`: and
     /// what the second move can slow down from.
     Pass { speed: f64, corner: f64, constrained: bool },
-    /// As `Pass`, `tolerance` before the end of the first move, at its programmed speed at most.
-    Overtake { speed: f64, tolerance: f64 },
 }
 
 impl Link {
@@ -107,20 +105,12 @@ impl Link {
         !matches!(self, Link::Free | Link::Slower { .. })
     }
 
-    /// How far before the end of the first move it lies.
-    pub(crate) fn tolerance(&self) -> f64 {
-        match self {
-            Link::Overtake { tolerance, .. } => *tolerance,
-            _ => 0.0,
-        }
-    }
-
     /// The highest speed that programmed ones leave.
     pub(crate) fn programmed(&self) -> f64 {
         match self {
             Link::Free => f64::INFINITY,
             Link::Rest => 0.0,
-            Link::Slower { speed } | Link::Pass { speed, .. } | Link::Overtake { speed, .. } => *speed,
+            Link::Slower { speed } | Link::Pass { speed, .. } => *speed,
         }
     }
 
@@ -147,9 +137,11 @@ pub(crate) fn link<T>(first: &Move<T>, second: &Move<T>, blended: bool, corner_s
     match junction(first, second, blended) {
         Junction::Rest | Junction::Blend { .. } => Link::Rest,
         Junction::Overtake { .. } if rates_stay => Link::Free,
-        Junction::Overtake { tolerance } => Link::Overtake {
+        // Where it is safe, the successor slows down from its tolerance on.
+        Junction::Overtake { .. } => Link::Pass {
             speed: first.limits.speed,
-            tolerance,
+            corner: f64::INFINITY,
+            constrained: true,
         },
         Junction::Pass { constrained, .. } => {
             let corner = corner_speed(&first.path, &second.path, corner_step);

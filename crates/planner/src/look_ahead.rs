@@ -6,7 +6,7 @@
 //! such place: it is led over. At the end of a run the speed may then be higher than programmed, but never such that
 //! the path must be left. Bounded: a fixed number of bounds is looked at (spec/motion-core.md §7).
 
-use arcline_profile::{Jerk, Limits, Profile, State, passing_speed};
+use arcline_profile::{Jerk, Limits, Passing, Profile, State, passing_speed};
 
 use crate::junction::{Junction, Link, junction};
 use crate::planner::{Planner, Running};
@@ -28,20 +28,20 @@ impl<T: Copy> Planner<T> {
                 exit: 0.0,
                 joined: 0,
                 cap,
-                broken: false,
+                ends: Ends::AsItMust,
             };
         }
         let queue = &self.queue;
-        let towards = |at: f64, exit: f64, joined: usize, cap: f64| Plan {
-            target: if joined == 0 && at > running.place + length {
-                length
-            } else {
-                at - running.place
-            },
-            exit,
-            joined,
-            cap,
-            broken: false,
+        let towards = |at: f64, exit: f64, joined: usize, cap: f64| {
+            let target = at - running.place;
+            let at_end = joined == 0 && (target - length).abs() <= ROUNDING * length;
+            Plan {
+                target: if at_end { length } else { target },
+                exit,
+                joined,
+                cap,
+                ends: Ends::AsItMust,
+            }
         };
         if cap > 0.0 {
             let mut seen = 0;
@@ -49,9 +49,10 @@ impl<T: Copy> Planner<T> {
                 let joined = queue.moves_before(bound);
                 let way = bound.at - running.place - from.position;
                 let wanted = queue.speed(bound).min(cap);
-                let speed = passing_speed(from, way, wanted, &Limits { speed: cap, ..limits });
+                let Passing { speed, level } = passing_speed(from, way, wanted, &Limits { speed: cap, ..limits });
                 seen += 1;
-                if speed == wanted || (seen == LED_OVER && speed < wanted && from.velocity <= cap) {
+                let slow = seen == LED_OVER && speed < wanted && from.velocity <= cap;
+                if level && (speed == wanted || slow) {
                     return towards(bound.at, speed, joined, cap);
                 }
                 if seen == LED_OVER {
@@ -61,22 +62,17 @@ impl<T: Copy> Planner<T> {
             }
         }
         let end = queue.run_end(running.place + length);
-        let joined = queue.moves_before(&end);
-        // A successor in line that came too late for its tolerance takes over at the end.
-        let late = joined == 0 && end.at - running.place < from.position;
-        let at = if late { running.place + length } else { end.at };
         let wanted = queue.speed(&end).min(cap);
-        let exit = if end.link == Link::Rest {
-            0.0
-        } else {
-            passing_speed(from, at - running.place - from.position, wanted, &Limits { speed: cap, ..limits })
-        };
-        let mut plan = towards(at, exit, joined, cap);
-        if joined == 0 && end.link.tolerance() == 0.0 {
-            plan.target = length;
+        let way = end.at - running.place - from.position;
+        let Passing { speed, level } = passing_speed(from, way, wanted, &Limits { speed: cap, ..limits });
+        let plan = towards(end.at, speed, queue.moves_before(&end), cap);
+        if end.link == Link::Rest {
+            let ends = if level && speed == 0.0 { Ends::AsItMust } else { Ends::Overshooting };
+            return Plan { exit: 0.0, ends, ..plan };
         }
-        plan.broken = exit > wanted && exit > queue.must(&end) * (1.0 + ROUNDING);
-        plan
+        let too_fast = speed > wanted && speed > queue.must(&end) * (1.0 + ROUNDING);
+        let ends = if !level || too_fast { Ends::TooFast } else { Ends::AsItMust };
+        Plan { ends, ..plan }
     }
 
     /// The limits that the profile along the path keeps.
@@ -170,8 +166,7 @@ impl<T: Copy> Planner<T> {
             Junction::Rest | Junction::Pass { early: false, .. } => return,
             Junction::Pass { .. } | Junction::Overtake { .. } if track.residual.is_some() => return,
             Junction::Pass { early: true, .. } => profile.brakes_from(),
-            // It was aimed at.
-            Junction::Overtake { .. } => profile.duration(),
+            Junction::Overtake { tolerance } => reaches(tolerance).unwrap_or(0.0).min(profile.duration()),
             Junction::Blend { tolerance } => {
                 let within = if tolerance.is_finite() {
                     reaches(tolerance).unwrap_or(0.0)
@@ -188,7 +183,13 @@ impl<T: Copy> Planner<T> {
                 begins + (braking - rising.accelerates_until()).max(0.0)
             }
         };
-        let mut at = at.max(since);
+        // Not while the end of the move before the active one is still being travelled.
+        let begun = if profile.start().position < track.offset {
+            reaches(length).unwrap_or(0.0)
+        } else {
+            0.0
+        };
+        let mut at = at.max(since).max(begun);
         if running.joined > 0 {
             self.hand_over_at = Some(at);
             return;
@@ -214,8 +215,18 @@ pub(crate) struct Plan {
     pub(crate) joined: usize,
     /// The speed limit on the way.
     pub(crate) cap: f64,
-    /// Whether the exit speed is more than the corner, or the way behind it, allows.
-    pub(crate) broken: bool,
+    pub(crate) ends: Ends,
+}
+
+/// How a profile meets what lies ahead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ends {
+    /// Such that the rest of the queue can be travelled.
+    AsItMust,
+    /// With more speed than the corner, or the way behind it, allows; or before the acceleration is 0.
+    TooFast,
+    /// Beyond the rest that it was to come to, and back.
+    Overshooting,
 }
 
 impl<T> Running<T> {

@@ -4,6 +4,7 @@ use arcline_geometry::{Path, Point};
 use arcline_profile::{Limits, Profile, State, entry_speed, passing_speed};
 
 use crate::junction::{Ending, Junction, braking, is_along, junction, same_rates};
+use crate::look_ahead::Ends;
 use crate::queue::Queue;
 use crate::track::{Approach, Part, Residual, Sample, Track};
 use crate::{Clock, Instant};
@@ -73,6 +74,8 @@ pub struct Planner<T> {
     pub(crate) hand_over_at: Option<f64>,
 }
 
+/// Share of a distance that is rounding.
+const NEAR: f64 = 1e-12;
 /// Seconds to an instant that does not come.
 const NEVER: f64 = 1e9;
 /// Share of an acceleration that is none: what rounding leaves across the direction of motion.
@@ -200,7 +203,8 @@ impl<T: Copy> Planner<T> {
         Ok(())
     }
 
-    /// Goes on with the look-ahead where it was too long for one tick: to be called at every tick.
+    /// Goes on with the look-ahead where it was too long for one tick: to be called at every tick, after
+    /// all that [`Planner::passage`] tells.
     pub fn look_on(&mut self, clock: &Clock) {
         if self.queue.carry_on() {
             self.raise_exit(clock);
@@ -255,14 +259,8 @@ impl<T: Copy> Planner<T> {
                 self.tail = Some(last.track);
                 self.run(next, State::default(), at, None, true, clock);
             }
-            Junction::Overtake { .. } if early => {
-                let since = last.track.start.elapsed(clock) - at.elapsed(clock);
-                let mut from = last.track.profile.at(since);
-                from.position -= last.track.offset + last.motion.path.length();
-                let lead = (from.position < 0.0).then_some(last.motion.path);
-                self.run_behind(next, from, at, lead, clock);
-            }
-            Junction::Pass { .. } if early => {
+            Junction::Overtake { .. } if early && self.overtake(&last, next, at, clock) => {}
+            Junction::Pass { .. } | Junction::Overtake { .. } if early => {
                 let start = last.track.start.after(last.track.profile.duration(), clock);
                 let approach = Approach {
                     path: last.motion.path,
@@ -271,7 +269,8 @@ impl<T: Copy> Planner<T> {
                     offset: last.track.offset,
                     limits: last.motion.limits,
                 };
-                self.run(next, passing(end), start, None, false, clock);
+                let blended = matches!(between, Junction::Overtake { .. });
+                self.run(next, passing(end), start, None, blended, clock);
                 if let Some(running) = &mut self.active {
                     running.track.approach = Some(approach);
                 }
@@ -366,7 +365,7 @@ impl<T: Copy> Planner<T> {
         running.follow(&plan, profile, clock.now());
         self.active = Some(running);
         self.schedule(clock.now(), clock);
-        plan.broken
+        plan.ends == Ends::TooFast
     }
 
     /// The way to the start of the active path, which has other rates, is planned again. The state there.
@@ -380,7 +379,7 @@ impl<T: Copy> Planner<T> {
         };
         let length = approach.path.length();
         let wanted = self.entry(running).min(limits.speed);
-        let exit = passing_speed(from, length - from.position, wanted, &limits);
+        let exit = passing_speed(from, length - from.position, wanted, &limits).speed;
         let capped = Limits {
             speed: limits.speed.max(exit),
             ..limits
@@ -401,17 +400,11 @@ impl<T: Copy> Planner<T> {
 
     /// The highest speed with which the active path can be begun.
     fn entry(&self, running: &Running<T>) -> f64 {
-        let rest = State::default();
-        let plan = self.plan(running, rest);
         let limits = self.limits(running);
         let end = self.queue.run_end(running.place + running.motion.path.length());
-        let exit = self.queue.speed(&end);
-        let way = if plan.joined == 0 {
-            running.motion.path.length()
-        } else {
-            end.at - running.place
-        };
-        limits.speed.min(entry_speed(way, exit, &limits))
+        let bound = self.queue.slower().next().unwrap_or(&end);
+        let way = bound.at - running.place;
+        limits.speed.min(entry_speed(way, self.queue.speed(bound), &limits))
     }
 
     /// The profile of the active path from its beginning, which lies ahead.
@@ -422,7 +415,7 @@ impl<T: Copy> Planner<T> {
         running.aim(&plan);
         self.active = Some(running);
         self.schedule(clock.now(), clock);
-        plan.broken
+        plan.ends == Ends::TooFast
     }
 
     /// Brakes the active move on its path from the present tick on, and what still blends with it.
@@ -477,18 +470,37 @@ impl<T: Copy> Planner<T> {
         self.begin(motion, track, from, blended, clock);
     }
 
-    /// Begins a move on the way to its path, which is `lead`.
-    fn run_behind(&mut self, motion: Move<T>, from: State, at: Instant, lead: Option<Path>, clock: &Clock) {
+    /// Begins a move within its tolerance before its path, with its own rates; not where these are too low for what
+    /// lies ahead.
+    fn overtake(&mut self, last: &Running<T>, next: Move<T>, at: Instant, clock: &Clock) -> bool {
+        let mut from = last
+            .track
+            .profile
+            .at(last.track.start.elapsed(clock) - at.elapsed(clock));
+        from.position -= last.track.offset + last.motion.path.length();
         let track = Track {
-            path: motion.path,
-            lead,
+            path: next.path,
+            lead: (from.position < 0.0).then_some(last.motion.path),
             approach: None,
             profile: Profile::rest(0.0),
             start: at,
             offset: 0.0,
             residual: None,
         };
-        self.begin(motion, track, from, true, clock);
+        let running = Running {
+            motion: next,
+            track,
+            exit: 0.0,
+            joined: 0,
+            blended: true,
+            place: self.queue.relink(&next, true),
+            stopped: false,
+        };
+        let safe = self.plan(&running, from).ends == Ends::AsItMust;
+        if safe {
+            self.begin(next, track, from, true, clock);
+        }
+        safe
     }
 
     /// Begins a move on a track whose profile is still to be planned from `from`.
@@ -517,9 +529,13 @@ impl<T: Copy> Planner<T> {
         track.path = next.path;
         let blended = matches!(between, Junction::Overtake { .. });
         track.lead = blended.then_some(last.motion.path);
+        track.approach = None;
         if last.motion.limits.speed != next.limits.speed {
             let mut from = track.profile.at(track.start.elapsed(clock) - at.elapsed(clock));
             from.position -= track.offset;
+            if from.position.abs() <= NEAR * track.offset {
+                from.position = 0.0;
+            }
             track.replan(track.profile, at);
             self.begin(next, track, from, blended, clock);
             return;

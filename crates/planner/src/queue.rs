@@ -13,7 +13,7 @@ use std::collections::VecDeque;
 use arcline_geometry::Point;
 use arcline_profile::{Limits, entry_speed};
 
-use crate::junction::{Link, link};
+use crate::junction::{Junction, Link, junction, link};
 use crate::planner::Move;
 
 /// Pending moves, oldest first, each known by its number.
@@ -40,6 +40,8 @@ pub(crate) struct Waiting<T> {
     pub(crate) motion: Move<T>,
     /// Where on its run it begins.
     start: f64,
+    /// Whether the move before it blends into it.
+    blended: bool,
 }
 
 /// A place that must not be passed faster than at a speed, with acceleration 0 if it is passed at that speed.
@@ -115,13 +117,15 @@ impl<T: Copy> Queue<T> {
     pub(crate) fn push(&mut self, motion: Move<T>, active: Option<(&Move<T>, bool, f64)>) {
         let next = self.first + self.moves.len() as u64;
         let before = match self.moves.back() {
-            Some(last) => Some((last.motion, true, last.start)),
-            None => active.map(|(motion, blended, start)| (*motion, blended, start)),
+            Some(last) => Some(*last),
+            None => active.map(|(motion, blended, start)| Waiting {
+                motion: *motion,
+                start,
+                blended,
+            }),
         };
-        let start = before.map_or(0.0, |(before, blended, start)| {
-            self.join(&before, &motion, blended, start, next)
-        });
-        self.moves.push_back(Waiting { motion, start });
+        let (start, blended) = before.map_or((0.0, false), |before| self.join(&before, &motion, next));
+        self.moves.push_back(Waiting { motion, start, blended });
         let stale = self.carry.map_or(0, |carry| carry.next);
         self.carry = Some(Carry { next, stale });
         self.carry_on();
@@ -153,7 +157,7 @@ impl<T: Copy> Queue<T> {
         let link = link(active, &front.motion, blended, &self.corner_step);
         let length = active.path.length();
         let (start, at) = if link.ends_run() {
-            (0.0, length - link.tolerance())
+            (0.0, length)
         } else {
             (front.start - length, front.start)
         };
@@ -188,7 +192,8 @@ impl<T: Copy> Queue<T> {
         for place in 1..self.moves.len() {
             let (before, motion) = (self.moves[place - 1], self.moves[place].motion);
             let next = self.first + place as u64;
-            self.moves[place].start = self.join(&before.motion, &motion, true, before.start, next);
+            let (start, blended) = self.join(&before, &motion, next);
+            self.moves[place] = Waiting { motion, start, blended };
         }
         self.look_again();
     }
@@ -247,8 +252,7 @@ impl<T: Copy> Queue<T> {
 
     /// The speed that must be kept at a bound whatever is programmed.
     pub(crate) fn must(&self, bound: &Bound) -> f64 {
-        let programmed = bound.link;
-        self.bounded(bound, programmed.corner(), self.following(bound.next))
+        self.bounded(bound, bound.link.corner(), self.following(bound.next))
     }
 
     /// Bounds have to be computed anew: those of the nearest moves at once, as if the others stayed as they are.
@@ -266,22 +270,25 @@ impl<T: Copy> Queue<T> {
         });
     }
 
-    /// Adds the bound between two moves, if there is one. Returns where on its run the second one begins.
-    fn join(&mut self, before: &Move<T>, motion: &Move<T>, blended: bool, start: f64, next: u64) -> f64 {
-        let link = link(before, motion, blended, &self.corner_step);
-        let end = start + before.path.length();
+    /// Adds the bound between two moves, if there is one. Returns where on its run the second one begins, and whether the
+    /// first one blends into it.
+    fn join(&mut self, before: &Waiting<T>, motion: &Move<T>, next: u64) -> (f64, bool) {
+        let link = link(&before.motion, motion, before.blended, &self.corner_step);
+        let between = junction(&before.motion, motion, before.blended);
+        let blends = matches!(between, Junction::Blend { .. } | Junction::Overtake { .. });
+        let end = before.start + before.motion.path.length();
         let bound = Bound {
             next,
-            at: end - link.tolerance(),
+            at: end,
             link,
             speed: 0.0,
         };
         match link {
-            Link::Free => return end,
+            Link::Free => {}
             Link::Slower { .. } => self.slower.push_back(bound),
             _ => self.ends.push_back(bound),
         }
-        if link.ends_run() { 0.0 } else { end }
+        (if link.ends_run() { 0.0 } else { end }, blends)
     }
 
     /// Where the last move ends on its run.
@@ -327,7 +334,7 @@ impl<T: Copy> Queue<T> {
             return 0.0;
         };
         let limits: &Limits = &behind.motion.limits;
-        most.min(entry_speed(at - behind.start + bound.link.tolerance(), speed, limits))
+        most.min(entry_speed(at - behind.start, speed, limits))
     }
 
     fn set_speed(&mut self, bound: &Bound, speed: f64) {

@@ -30,5 +30,5 @@ mod tests;
 
 pub use limits::{Jerk, Limits, jerk_from_percent_of_time, percent_of_time_from_jerk};
 pub use lookahead::{entry_speed, exit_speed, stop_distance};
-pub use passing::passing_speed;
+pub use passing::{Passing, passing_speed};
 pub use profile::{Phase, Profile, State};

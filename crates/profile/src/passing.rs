@@ -10,6 +10,15 @@ use crate::profile::State;
 use crate::ramp::ramp;
 use crate::root;
 
+/// How a place ahead is passed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passing {
+    /// Position units per second.
+    pub speed: f64,
+    /// Whether the acceleration is 0 there: the way is long enough for that.
+    pub level: bool,
+}
+
 /// The speed nearest to `wanted` (at least 0) at which the place `length` ahead of `from` can be passed with
 /// acceleration 0. `limits.speed` bounds what is sped up to; `from.position` is not read.
 ///
@@ -19,18 +28,17 @@ use crate::root;
 /// can stop behind it too from what this returns. Where the way is too short even to bring the acceleration to 0, it
 /// is the speed that results when that is begun at once.
 #[must_use]
-pub fn passing_speed(from: State, length: f64, wanted: f64, limits: &Limits) -> f64 {
+pub fn passing_speed(from: State, length: f64, wanted: f64, limits: &Limits) -> Passing {
     let (length, wanted) = (sane(length).max(0.0), sane(wanted).max(0.0));
     let upwards = Limits {
         speed: wanted,
         ..*limits
     };
-    if wanted > 0.0 {
-        let reached = exit_speed(from, length, &upwards);
-        if reached < wanted {
-            return reached;
-        }
-    }
+    let wanted = if wanted > 0.0 {
+        exit_speed(from, length, &upwards)
+    } else {
+        wanted
+    };
     let now = Trial {
         x: 0.0,
         v: sane(from.velocity),
@@ -39,43 +47,45 @@ pub fn passing_speed(from: State, length: f64, wanted: f64, limits: &Limits) -> 
     match limits.shape() {
         Shape::Trapezoid(limits) => {
             let square = now.v * now.v - 2.0 * limits.deceleration * length * (1.0 + ROUNDING);
-            if now.v <= wanted || square <= wanted * wanted {
-                wanted
-            } else {
-                square.max(0.0).sqrt()
+            let slow = now.v <= wanted || square <= wanted * wanted;
+            Passing {
+                speed: if slow { wanted } else { square.max(0.0).sqrt() },
+                level: true,
             }
         }
         Shape::SCurve(limits) => brake(now, length, wanted, &limits),
     }
 }
 
-/// As [`passing_speed`] where `wanted` is not too high.
-fn brake(now: Trial, length: f64, wanted: f64, limits: &SCurve) -> f64 {
+/// As [`passing_speed`] where `wanted` is not too much to speed up to.
+fn brake(now: Trial, length: f64, wanted: f64, limits: &SCurve) -> Passing {
     let misses_by = |speed: f64| {
         let mut trial = now;
         ramp(&mut trial, speed, limits);
         trial.x - length
     };
+    let at = |speed: f64, level: bool| Passing { speed, level };
     let missed = misses_by(wanted);
     let tolerance = ROUNDING * length;
     if missed <= tolerance {
-        return wanted;
-    }
-    // Levelled off at once.
-    let side = if now.a > 0.0 { &limits.up } else { &limits.down };
-    let level = now.v + 0.5 * now.a * now.a.abs() * side.per_jerk;
-    if level <= wanted {
-        return wanted;
+        return at(wanted, true);
     }
     let at_rest = misses_by(0.0);
     if at_rest <= tolerance {
-        return root::solve(wanted, at_rest.min(0.0), missed, tolerance, misses_by);
+        let speed = root::solve(wanted, at_rest.min(0.0), missed, tolerance, misses_by);
+        return at(speed, true);
     }
+    // Levelled off at once.
+    let side = if now.a > 0.0 { &limits.up } else { &limits.down };
+    let level = (now.v + 0.5 * now.a * now.a.abs() * side.per_jerk).max(0.0);
     let levelled = misses_by(level);
-    if levelled >= 0.0 {
-        return level;
+    if level <= wanted || levelled > tolerance {
+        return at(level.max(wanted), false);
     }
-    level - root::solve(level - wanted, levelled, missed, tolerance, |less| misses_by(level - less))
+    let less = root::solve(level - wanted, levelled.min(0.0), missed, tolerance, |less| {
+        misses_by(level - less)
+    });
+    at(level - less, true)
 }
 
 /// Share of a way that is rounding.

@@ -18,7 +18,6 @@ impl Motion {
             self.advance_contour(index);
             return;
         }
-        self.systems[index].planner.look_on(&self.clock);
         for _ in 0..MAX_ENDS_PER_TICK {
             let at = match self.systems[index].planner.passage(&self.clock) {
                 None => break,
@@ -33,6 +32,7 @@ impl Motion {
                 break;
             }
         }
+        self.systems[index].planner.look_on(&self.clock);
         if self.systems[index].is_busy() {
             self.sample_system(index);
         }
