@@ -67,11 +67,23 @@ impl<T: Copy> Planner<T> {
         let Passing { speed, level } = passing_speed(from, way, wanted, &Limits { speed: cap, ..limits });
         let plan = towards(end.at, speed, queue.moves_before(&end), cap);
         if end.link == Link::Rest {
-            let ends = if level && speed == 0.0 { Ends::AsItMust } else { Ends::Overshooting };
-            return Plan { exit: 0.0, ends, ..plan };
+            let ends = if level && speed == 0.0 {
+                Ends::AsItMust
+            } else {
+                Ends::Overshooting
+            };
+            return Plan {
+                exit: 0.0,
+                ends,
+                ..plan
+            };
         }
         let too_fast = speed > wanted && speed > queue.must(&end) * (1.0 + ROUNDING);
-        let ends = if !level || too_fast { Ends::TooFast } else { Ends::AsItMust };
+        let ends = if !level || too_fast || turns_back(&from, &limits) {
+            Ends::TooFast
+        } else {
+            Ends::AsItMust
+        };
         Plan { ends, ..plan }
     }
 
@@ -223,10 +235,17 @@ pub(crate) struct Plan {
 pub(crate) enum Ends {
     /// Such that the rest of the queue can be travelled.
     AsItMust,
-    /// With more speed than the corner, or the way behind it, allows; or before the acceleration is 0.
+    /// With more speed than the corner, or the way behind it, allows; or before the acceleration is 0; or turning back.
     TooFast,
     /// Beyond the rest that it was to come to, and back.
     Overshooting,
+}
+
+/// Whether a deceleration can only be taken back when the motion has passed through rest.
+pub(crate) fn turns_back(from: &State, limits: &Limits) -> bool {
+    let relieved = |jerk: Jerk| 0.5 * from.acceleration * from.acceleration / jerk.deceleration;
+    let least = (1.0 + ROUNDING) * from.velocity;
+    from.acceleration < 0.0 && limits.jerk.is_some_and(|jerk| least < relieved(jerk))
 }
 
 impl<T> Running<T> {

@@ -4,7 +4,7 @@ use arcline_geometry::{Path, Point};
 use arcline_profile::{Limits, Profile, State, entry_speed, passing_speed};
 
 use crate::junction::{Ending, Junction, braking, is_along, junction, same_rates};
-use crate::look_ahead::Ends;
+use crate::look_ahead::{Ends, turns_back};
 use crate::queue::Queue;
 use crate::track::{Approach, Part, Residual, Sample, Track};
 use crate::{Clock, Instant};
@@ -196,8 +196,10 @@ impl<T: Copy> Planner<T> {
             return Err(QueueFull);
         }
         let active = self.active.as_ref();
-        self.queue
-            .push(motion, active.map(|running| (&running.motion, running.blended, running.place)));
+        self.queue.push(
+            motion,
+            active.map(|running| (&running.motion, running.blended, running.place)),
+        );
         self.raise_exit(clock);
         self.schedule(clock.now(), clock);
         Ok(())
@@ -317,13 +319,14 @@ impl<T: Copy> Planner<T> {
         let before = running.motion.limits;
         running.motion.limits = limits;
         if self.replan(clock) && !same_rates(&before, &limits) {
-            let kept = Limits {
-                speed: limits.speed,
-                ..before
-            };
-            for limits in [kept, limits] {
+            // The old rates; those of the moves that the motion was already braking along; the new ones all the same.
+            let following = self.queue.front().map_or(limits, |next| next.limits);
+            for rates in [before, following, limits] {
                 if let Some(running) = &mut self.active {
-                    running.motion.limits = limits;
+                    running.motion.limits = Limits {
+                        speed: limits.speed,
+                        ..rates
+                    };
                 }
                 if !self.replan(clock) {
                     break;
@@ -496,7 +499,7 @@ impl<T: Copy> Planner<T> {
             place: self.queue.relink(&next, true),
             stopped: false,
         };
-        let safe = self.plan(&running, from).ends == Ends::AsItMust;
+        let safe = self.plan(&running, from).ends == Ends::AsItMust && !turns_back(&from, &next.limits);
         if safe {
             self.begin(next, track, from, true, clock);
         }

@@ -293,9 +293,7 @@ impl<T: Copy> Queue<T> {
 
     /// Where the last move ends on its run.
     fn end(&self) -> Option<f64> {
-        self.moves
-            .back()
-            .map(|last| last.start + last.motion.path.length())
+        self.moves.back().map(|last| last.start + last.motion.path.length())
     }
 
     /// The last bound up to a number.
