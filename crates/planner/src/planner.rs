@@ -1,12 +1,11 @@
 //! One coordinate system's active move, the end of the one before it, and its queue.
 
 use arcline_geometry::{Path, Point};
-use arcline_profile::{Limits, Profile, State, entry_speed, passing_speed};
+use arcline_profile::{Limits, Profile, State};
 
-use crate::junction::{Ending, Junction, braking, is_along, junction, same_rates};
-use crate::look_ahead::{Ends, turns_back};
+use crate::junction::{Ending, braking, is_along};
 use crate::queue::Queue;
-use crate::track::{Approach, Part, Residual, Sample, Track};
+use crate::track::{Part, Residual, Sample, Track};
 use crate::{Clock, Instant};
 
 /// A path to travel and the limits along it. `T` is whatever the owner wants back with it.
@@ -74,10 +73,6 @@ pub struct Planner<T> {
     pub(crate) hand_over_at: Option<f64>,
 }
 
-/// Share of a distance that is rounding.
-const NEAR: f64 = 1e-12;
-/// Seconds to an instant that does not come.
-const NEVER: f64 = 1e9;
 /// Share of an acceleration that is none: what rounding leaves across the direction of motion.
 const NO_ACCELERATION: f64 = 1e-9;
 
@@ -241,54 +236,6 @@ impl<T: Copy> Planner<T> {
         self.active.is_some_and(|running| running.exit > 0.0) && self.queue.front().is_some()
     }
 
-    /// The oldest pending move becomes active at an instant: from rest, blending, or at the speed of the junction.
-    pub fn hand_over(&mut self, at: Instant, clock: &Clock) -> Option<&mut T> {
-        let last = self.active.take();
-        let early = self.hand_over_at.take().is_some();
-        let next = self.queue.pop()?;
-        let Some(last) = last else {
-            self.start(next, at, clock);
-            return self.active_data();
-        };
-        let between = junction(&last.motion, &next, last.blended);
-        if last.joined > 0 {
-            self.go_on(&last, next, between, at, clock);
-            return self.active_data();
-        }
-        let end = last.track.profile.end();
-        match between {
-            Junction::Blend { .. } if early => {
-                self.tail = Some(last.track);
-                self.run(next, State::default(), at, None, true, clock);
-            }
-            Junction::Overtake { .. } if early && self.overtake(&last, next, at, clock) => {}
-            Junction::Pass { .. } | Junction::Overtake { .. } if early => {
-                let start = last.track.start.after(last.track.profile.duration(), clock);
-                let approach = Approach {
-                    path: last.motion.path,
-                    profile: last.track.profile,
-                    start: last.track.start,
-                    offset: last.track.offset,
-                    limits: last.motion.limits,
-                };
-                let blended = matches!(between, Junction::Overtake { .. });
-                self.run(next, passing(end), start, None, blended, clock);
-                if let Some(running) = &mut self.active {
-                    running.track.approach = Some(approach);
-                }
-            }
-            _ => {
-                let from = if last.exit > 0.0 {
-                    passing(end)
-                } else {
-                    State::default()
-                };
-                self.run(next, from, at, None, false, clock);
-            }
-        }
-        self.active_data()
-    }
-
     /// Ends the active move and forgets it.
     pub fn clear_active(&mut self) -> Option<T> {
         self.tail = None;
@@ -306,119 +253,6 @@ impl<T: Copy> Planner<T> {
     pub fn in_transition(&self, clock: &Clock) -> bool {
         self.tail
             .is_some_and(|tail| tail.start.elapsed(clock) < tail.duration(clock))
-    }
-
-    /// Gives the active move new limits from the present tick on: the profile is planned again from the
-    /// present state, in two stages when the end can no longer be met (spec/motion-core.md §5). Rates with which a
-    /// corner that the motion is to pass could no longer be met hold from there on only (§5.3).
-    pub fn change_limits(&mut self, limits: Limits, clock: &Clock) {
-        self.queue.refresh();
-        let Some(running) = &mut self.active else {
-            return;
-        };
-        let before = running.motion.limits;
-        running.motion.limits = limits;
-        if self.replan(clock) && !same_rates(&before, &limits) {
-            // The old rates; those of the moves that the motion was already braking along; the new ones all the same.
-            let following = self.queue.front().map_or(limits, |next| next.limits);
-            for rates in [before, following, limits] {
-                if let Some(running) = &mut self.active {
-                    running.motion.limits = Limits {
-                        speed: limits.speed,
-                        ..rates
-                    };
-                }
-                if !self.replan(clock) {
-                    break;
-                }
-            }
-        }
-    }
-
-    /// Takes a share (at least 0) of the programmed speeds of the active move, the pending and all later ones, from the
-    /// present tick on; 0 holds. Of no effect on a stop that is under way.
-    pub fn set_rate(&mut self, rate: f64, clock: &Clock) {
-        self.queue.set_rate(rate);
-        self.replan(clock);
-    }
-
-    /// Plans the active move again from its present state. Whether it comes to the next corner too fast.
-    fn replan(&mut self, clock: &Clock) -> bool {
-        let Some(mut running) = self.active.filter(|running| !running.stopped) else {
-            return false;
-        };
-        running.place = self.queue.relink(&running.motion, running.blended);
-        if let Some(approach) = running.track.approach.filter(|_| running.track.is_approaching(clock))
-            && !same_rates(&approach.limits, &running.motion.limits)
-        {
-            let start = self.approach_again(&mut running, approach, clock);
-            return self.plan_from(running, start, clock);
-        }
-        let from = running.track.state(clock);
-        let plan = self.plan(&running, from);
-        let profile = if plan.exit > 0.0 || plan.cap == 0.0 {
-            self.profile(&running, from, &plan)
-        } else {
-            let limits = Limits {
-                speed: plan.cap,
-                ..self.limits(&running)
-            };
-            Profile::to_position_two_stage(from, plan.target, &limits)
-        };
-        running.follow(&plan, profile, clock.now());
-        self.active = Some(running);
-        self.schedule(clock.now(), clock);
-        plan.ends == Ends::TooFast
-    }
-
-    /// The way to the start of the active path, which has other rates, is planned again. The state there.
-    fn approach_again(&self, running: &mut Running<T>, mut approach: Approach, clock: &Clock) -> State {
-        let elapsed = approach.start.elapsed(clock);
-        let mut from = approach.profile.at(elapsed);
-        from.position -= approach.offset;
-        let limits = Limits {
-            speed: approach.limits.speed * self.queue.rate(),
-            ..approach.limits
-        };
-        let length = approach.path.length();
-        let wanted = self.entry(running).min(limits.speed);
-        let exit = passing_speed(from, length - from.position, wanted, &limits).speed;
-        let capped = Limits {
-            speed: limits.speed.max(exit),
-            ..limits
-        };
-        approach.profile = Profile::to_position(from, length, exit, &capped);
-        approach.offset = 0.0;
-        approach.start = clock.now();
-        let arrives = approach.profile.arrives();
-        let way = if arrives { approach.profile.duration() } else { NEVER };
-        running.track.start = clock.now().after(way, clock);
-        running.track.approach = Some(approach);
-        State {
-            position: 0.0,
-            velocity: exit,
-            acceleration: 0.0,
-        }
-    }
-
-    /// The highest speed with which the active path can be begun.
-    fn entry(&self, running: &Running<T>) -> f64 {
-        let limits = self.limits(running);
-        let end = self.queue.run_end(running.place + running.motion.path.length());
-        let bound = self.queue.slower().next().unwrap_or(&end);
-        let way = bound.at - running.place;
-        limits.speed.min(entry_speed(way, self.queue.speed(bound), &limits))
-    }
-
-    /// The profile of the active path from its beginning, which lies ahead.
-    fn plan_from(&mut self, mut running: Running<T>, from: State, clock: &Clock) -> bool {
-        let plan = self.plan(&running, from);
-        running.track.profile = self.profile(&running, from, &plan);
-        running.track.offset = 0.0;
-        running.aim(&plan);
-        self.active = Some(running);
-        self.schedule(clock.now(), clock);
-        plan.ends == Ends::TooFast
     }
 
     /// Brakes the active move on its path from the present tick on, and what still blends with it.
@@ -452,7 +286,7 @@ impl<T: Copy> Planner<T> {
         Some(sample)
     }
 
-    fn run(
+    pub(crate) fn run(
         &mut self,
         motion: Move<T>,
         from: State,
@@ -473,41 +307,8 @@ impl<T: Copy> Planner<T> {
         self.begin(motion, track, from, blended, clock);
     }
 
-    /// Begins a move within its tolerance before its path, with its own rates; not where these are too low for what
-    /// lies ahead.
-    fn overtake(&mut self, last: &Running<T>, next: Move<T>, at: Instant, clock: &Clock) -> bool {
-        let mut from = last
-            .track
-            .profile
-            .at(last.track.start.elapsed(clock) - at.elapsed(clock));
-        from.position -= last.track.offset + last.motion.path.length();
-        let track = Track {
-            path: next.path,
-            lead: (from.position < 0.0).then_some(last.motion.path),
-            approach: None,
-            profile: Profile::rest(0.0),
-            start: at,
-            offset: 0.0,
-            residual: None,
-        };
-        let running = Running {
-            motion: next,
-            track,
-            exit: 0.0,
-            joined: 0,
-            blended: true,
-            place: self.queue.relink(&next, true),
-            stopped: false,
-        };
-        let safe = self.plan(&running, from).ends == Ends::AsItMust && !turns_back(&from, &next.limits);
-        if safe {
-            self.begin(next, track, from, true, clock);
-        }
-        safe
-    }
-
     /// Begins a move on a track whose profile is still to be planned from `from`.
-    fn begin(&mut self, motion: Move<T>, track: Track, from: State, blended: bool, clock: &Clock) {
+    pub(crate) fn begin(&mut self, motion: Move<T>, track: Track, from: State, blended: bool, clock: &Clock) {
         let mut running = Running {
             motion,
             track,
@@ -523,40 +324,4 @@ impl<T: Copy> Planner<T> {
         self.active = Some(running);
         self.schedule(track.start, clock);
     }
-
-    /// The next of several joined moves becomes active: the profile runs on, or is planned again where the new move
-    /// has another speed.
-    fn go_on(&mut self, last: &Running<T>, next: Move<T>, between: Junction, at: Instant, clock: &Clock) {
-        let mut track = last.track;
-        track.offset += last.motion.path.length();
-        track.path = next.path;
-        let blended = matches!(between, Junction::Overtake { .. });
-        track.lead = blended.then_some(last.motion.path);
-        track.approach = None;
-        if last.motion.limits.speed != next.limits.speed {
-            let mut from = track.profile.at(track.start.elapsed(clock) - at.elapsed(clock));
-            from.position -= track.offset;
-            if from.position.abs() <= NEAR * track.offset {
-                from.position = 0.0;
-            }
-            track.replan(track.profile, at);
-            self.begin(next, track, from, blended, clock);
-            return;
-        }
-        self.active = Some(Running {
-            motion: next,
-            track,
-            exit: last.exit,
-            joined: last.joined - 1,
-            blended,
-            place: self.queue.relink(&next, blended),
-            stopped: false,
-        });
-        self.schedule(at, clock);
-    }
-}
-
-/// The state in which a junction is passed, on the path behind it.
-fn passing(end: State) -> State {
-    State { position: 0.0, ..end }
 }

@@ -118,7 +118,7 @@ fn other_speeds_within_a_run_are_kept_and_others_reached() {
 fn rates_that_change_from_piece_to_piece_are_seen_to_the_end_of_the_queue() {
     // The acceleration is 0 between any two pieces, so that all of them bind; still, the speed grows over many.
     let limits = |data: usize| Limits {
-        deceleration: if data % 2 == 0 { 1000.0 } else { 1100.0 },
+        deceleration: if data.is_multiple_of(2) { 1000.0 } else { 1100.0 },
         jerk: None,
         ..LIMITS
     };
@@ -131,14 +131,14 @@ fn rates_that_change_from_piece_to_piece_are_seen_to_the_end_of_the_queue() {
 #[test]
 fn changes_anywhere_in_it_stay_on_the_path() {
     let limits = |data: usize| Limits {
-        speed: if data % 3 == 0 { 150.0 } else { 200.0 },
-        deceleration: if data % 2 == 0 { 1000.0 } else { 1100.0 },
+        speed: if data.is_multiple_of(3) { 150.0 } else { 200.0 },
+        deceleration: if data.is_multiple_of(2) { 1000.0 } else { 1100.0 },
         ..LIMITS
     };
     let (mut planner, clock) = queue(limits);
     let mut rate = 1.0;
     travel(&mut planner, clock, |planner, clock| {
-        if clock.tick % 37 == 0 && clock.tick < 5000 {
+        if clock.tick.is_multiple_of(37) && clock.tick < 5000 {
             rate = if rate == 1.0 { 0.3 } else { 1.0 };
             planner.set_rate(rate, clock);
         } else if clock.tick == 5000 {

@@ -197,7 +197,7 @@ impl<'k> Storm<'k> {
     }
 
     fn disturb(&mut self) {
-        let often = if self.seed % 3 == 0 { 0.3 } else { 0.03 };
+        let often = if self.seed.is_multiple_of(3) { 0.3 } else { 0.03 };
         if self.random.share() < often {
             let rate = if self.random.share() < 0.4 {
                 0.0
