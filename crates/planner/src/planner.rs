@@ -1,5 +1,7 @@
 //! One coordinate system's active move, the end of the one before it, and its queue.
 
+use std::collections::VecDeque;
+
 use arcline_geometry::{Path, Point};
 use arcline_profile::{Limits, Profile, State};
 
@@ -71,6 +73,8 @@ pub struct Planner<T> {
     depth: usize,
     /// Seconds after the active track's start at which the successor takes over before the programmed end.
     pub(crate) hand_over_at: Option<f64>,
+    /// Paths of cancelled moves along which a stop of the active one may have to go on.
+    trail: VecDeque<Path>,
 }
 
 /// Share of an acceleration that is none: what rounding leaves across the direction of motion.
@@ -86,6 +90,7 @@ impl<T: Copy> Planner<T> {
             queue: Queue::new(depth, corner_step),
             depth,
             hand_over_at: None,
+            trail: VecDeque::with_capacity(depth),
         }
     }
 
@@ -238,15 +243,22 @@ impl<T: Copy> Planner<T> {
 
     /// Ends the active move and forgets it.
     pub fn clear_active(&mut self) -> Option<T> {
+        self.trail.clear();
         self.tail = None;
         self.hand_over_at = None;
         self.active.take().map(|running| running.motion.data)
     }
 
-    /// Takes the oldest pending move out of the queue.
+    /// Takes the oldest pending move out of the queue. Where the profile of the active one leads over it, its path is
+    /// kept for [`Planner::stop`].
     pub fn cancel_pending(&mut self) -> Option<T> {
         self.hand_over_at = None;
-        self.queue.pop().map(|waiting| waiting.data)
+        let cancelled = self.queue.pop()?;
+        let joined = self.active.map_or(0, |running| running.joined);
+        if self.trail.len() < joined {
+            self.trail.push_back(cancelled.path);
+        }
+        Some(cancelled.data)
     }
 
     /// Whether two moves are superposed at the present tick.
@@ -255,7 +267,8 @@ impl<T: Copy> Planner<T> {
             .is_some_and(|tail| tail.start.elapsed(clock) < tail.duration(clock))
     }
 
-    /// Brakes the active move on its path from the present tick on, and what still blends with it.
+    /// Brakes the active move on its path from the present tick on, and what still blends with it. The path goes on
+    /// along the cancelled moves that the profile was leading over.
     pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
         self.hand_over_at = None;
         let tracks = self
@@ -276,7 +289,7 @@ impl<T: Copy> Planner<T> {
 
     /// Where the coordinate system is at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
-        let mut sample = self.active.as_ref()?.track.sample(clock);
+        let mut sample = self.active.as_ref()?.track.sample_along(&self.trail, clock);
         if let Some(tail) = &self.tail {
             let rest = tail.sample(clock);
             sample.position += rest.position - tail.path.end();
@@ -309,6 +322,7 @@ impl<T: Copy> Planner<T> {
 
     /// Begins a move on a track whose profile is still to be planned from `from`.
     pub(crate) fn begin(&mut self, motion: Move<T>, track: Track, from: State, blended: bool, clock: &Clock) {
+        self.trail.clear();
         let mut running = Running {
             motion,
             track,

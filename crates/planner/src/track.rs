@@ -1,5 +1,7 @@
 //! One path in execution: the geometry, the profile along it, and what is superposed.
 
+use std::collections::VecDeque;
+
 use arcline_geometry::{Path, PathPoint, Point};
 use arcline_profile::{Limits, Phase, Profile, State};
 
@@ -80,6 +82,25 @@ impl Track {
         };
         if let Some(residual) = &self.residual {
             residual.add(&mut sample, self.path.length(), clock);
+        }
+        sample
+    }
+
+    /// As [`Track::sample`], but behind the end of its path on those of a trail: at most as many as a profile leads over.
+    pub(crate) fn sample_along(&self, trail: &VecDeque<Path>, clock: &Clock) -> Sample {
+        let mut sample = self.sample(clock);
+        let (mut path, mut place) = (&self.path, sample.along.position);
+        for next in trail {
+            if place <= path.length() || self.is_approaching(clock) {
+                break;
+            }
+            place -= path.length();
+            path = next;
+            let on = at(path, place, sample.along, sample.phase);
+            sample = Sample {
+                along: sample.along,
+                ..on
+            };
         }
         sample
     }

@@ -1,7 +1,7 @@
 //! Storms of overrides, holds and changes of dynamics over random queues: whatever comes at whatever tick, the path is
 //! kept, nothing turns back, limits hold, and the end is exact.
 //!
-//! `ARCLINE_CASES` sets how many storms of each kind are run (60 unless told).
+//! `ARCLINE_CASES` sets how many storms of each kind are run (25 unless told).
 #![allow(missing_docs)]
 
 use arcline_planner::geometry::{Line, Path, Point};
@@ -18,7 +18,7 @@ fn cases() -> u64 {
     std::env::var("ARCLINE_CASES")
         .ok()
         .and_then(|count| count.parse().ok())
-        .unwrap_or(60)
+        .unwrap_or(25)
 }
 
 /// A generator of its own, so that a seed means the same storm for ever (SplitMix64).
