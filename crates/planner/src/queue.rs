@@ -66,7 +66,9 @@ struct Carry {
 }
 
 /// Bounds that are looked at in one tick.
-const WORK: usize = 32;
+const WORK: usize = 8;
+/// Bounds that are looked at at once when limits of moves have changed: those behind them are taken to be rests.
+const AT_ONCE: usize = 32;
 
 impl<T: Copy> Queue<T> {
     /// The only allocation.
@@ -179,7 +181,7 @@ impl<T: Copy> Queue<T> {
     /// Takes a share of the programmed speeds.
     pub(crate) fn set_rate(&mut self, rate: f64) {
         self.rate = rate;
-        self.look_again();
+        self.look_again(WORK);
     }
 
     /// After [`Queue::iter_mut`]: finds runs and bounds anew. Grows with the queue.
@@ -195,18 +197,22 @@ impl<T: Copy> Queue<T> {
             let (start, blended) = self.join(&before, &motion, next);
             self.moves[place] = Waiting { motion, start, blended };
         }
-        self.look_again();
+        self.look_again(AT_ONCE);
     }
 
     /// Goes on with a backward pass that was too long for one tick; whether there was anything to do. At most
     /// [`WORK`] bounds.
     pub(crate) fn carry_on(&mut self) -> bool {
+        self.look_at(WORK)
+    }
+
+    fn look_at(&mut self, count: usize) -> bool {
         let Some(mut carry) = self.carry.take() else {
             return false;
         };
         let mut next = carry.next;
         let mut following = self.following(next);
-        for _ in 0..WORK {
+        for _ in 0..count {
             let Some(bound) = self.before(next) else {
                 return true;
             };
@@ -256,14 +262,15 @@ impl<T: Copy> Queue<T> {
     }
 
     /// Bounds have to be computed anew: those of the nearest moves at once, as if the others stayed as they are.
-    fn look_again(&mut self) {
-        let nearest = self.first + WORK as u64;
+    fn look_again(&mut self, count: usize) {
+        let nearest = self.first + count as u64;
         self.carry = Some(Carry {
             next: nearest,
             stale: nearest,
         });
-        self.carry_on();
+        self.look_at(count);
         let last = self.first + self.moves.len() as u64;
+        // `nearest` is a number of moves, of which each has one bound at most.
         self.carry = (last > nearest).then_some(Carry {
             next: last,
             stale: last,
