@@ -494,7 +494,8 @@ fn positions_are_redefined_and_nothing_moves() {
 #[test]
 fn a_redefined_position_disturbs_no_motion() {
     let run = |redefine: &str| {
-        let mut bench = machine("drive = { position_bandwidth_hz = 5, velocity_feedforward = 0 }\n");
+        let mut bench =
+            machine("drive = { position_bandwidth_hz = 5, velocity_feedforward = 0, position_error_tolerance = 0 }\n");
         bench.call(&format!("MCLM(XY, M1, 0, [100, 50], {ALONG})"));
         bench.call(&format!("MAM(X, M2, 1, 30, {RATES})"));
         let mut seen = Vec::new();

@@ -209,7 +209,8 @@ fn a_queued_move_takes_over_at_the_exact_end() {
 
 #[test]
 fn actual_tolerance_waits_for_the_axis() {
-    let slow = "max_deceleration_jerk = 200000.0\ndrive = { position_bandwidth_hz = 5.0, velocity_feedforward = 0.0 }";
+    let slow = "max_deceleration_jerk = 200000.0\ndrive = { position_bandwidth_hz = 5.0, velocity_feedforward = 0.0, \
+                position_error_tolerance = 0 }";
     let config = arcline_config::DEFAULT.replace("max_deceleration_jerk = 200000.0", slow);
     let mut bench = Bench::with(&config.replace("type = \"virtual\"", "type = \"servo\""));
     bench.execute(&MOVE.replace("2, 1);", "2, 0);"));

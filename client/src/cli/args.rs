@@ -8,14 +8,14 @@ use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use arcline_client::{Input, QueueFull};
+use arcline_client::{FaultKind, Input, QueueFull};
 use arcline_instruction_set::enumerations;
 
 pub(crate) use axis::{AxisMotion, Jog, MoveAxis};
 pub(crate) use help::command;
 pub(crate) use values::{Percent, Point, Rate};
 
-use values::word_parser;
+use values::{fault_parser, word_parser};
 
 /// Commands a coordinated-motion server over EtherNet/IP.
 #[derive(Parser, Debug)]
@@ -101,6 +101,12 @@ pub(crate) enum Command {
     /// Switch the servo of axes on (MSO) or off (MSF)
     #[command(after_help = "--all leaves virtual axes out, which have no drive.\nExample: arcline servo on X Y Z")]
     Servo(Servo),
+    /// Inject faults into axes, clear and list them
+    #[command(
+        subcommand,
+        after_help = "An injected cause is there until it is cleared.\nExample: arcline fault inject X overcurrent"
+    )]
+    Fault(FaultCommand),
     /// Home axes (MAH), all at the same time, by the sequence of the server's configuration
     #[command(
         after_help = "Without an end of its own when the sequence is passive: others must move the axis.\n\
@@ -303,6 +309,49 @@ pub(crate) struct Override {
     /// Percent of the programmed speeds, 0 to 200
     #[arg(value_name = "PERCENT[%]", allow_hyphen_values = true)]
     pub(crate) percent: Percent,
+}
+
+#[derive(Subcommand, Debug)]
+pub(crate) enum FaultCommand {
+    /// Put the cause of a fault on an axis; it is there until it is cleared
+    #[command(after_help = "Example: arcline fault inject X overcurrent")]
+    Inject(FaultInject),
+    /// Take injected causes away and clear the faults of an axis (MAFR)
+    #[command(
+        after_help = "A faulted axis is then stopped: servo on. One that is shut down stays so: MASR.\n\
+        Example: arcline fault clear X"
+    )]
+    Clear(FaultClear),
+    /// Show the faults of axes
+    #[command(after_help = "Example: arcline fault list")]
+    List(FaultList),
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct FaultInject {
+    /// The axis
+    #[arg(value_name = "AXIS")]
+    pub(crate) axis: String,
+    /// Which fault
+    #[arg(value_name = "KIND", value_parser = fault_parser())]
+    pub(crate) kind: FaultKind,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct FaultClear {
+    /// The axis
+    #[arg(value_name = "AXIS")]
+    pub(crate) axis: String,
+    /// The cause that is taken away; all of them unless given
+    #[arg(value_name = "KIND", value_parser = fault_parser())]
+    pub(crate) kind: Option<FaultKind>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct FaultList {
+    /// Axes; all of them unless given
+    #[arg(value_name = "AXIS")]
+    pub(crate) axes: Vec<String>,
 }
 
 #[derive(Args, Debug)]

@@ -120,6 +120,7 @@ pub(crate) const KEYS: &[(&str, &[&str])] = &[
     ("## `[[axis]]`", AXIS),
     ("### `start = { … }`", axis::START),
     ("### `drive = { … }`", axis::DRIVE),
+    ("### `exception_actions = { … }`", &axis::EXCEPTION_ACTIONS),
     ("### `travel = { … }`", axis::TRAVEL),
     ("### `home = { … }`", home::HOME),
     ("### `switch = { … }`", home::SWITCH),

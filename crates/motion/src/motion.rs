@@ -1,6 +1,7 @@
 //! The machine in motion: one tick after another.
 
 mod advance;
+mod faults;
 mod generators;
 mod homing;
 mod take_over;
@@ -66,7 +67,11 @@ impl Motion {
                 tick: 0,
                 period_ns: machine.period_ns.max(1),
             },
-            axes: machine.axes.iter().map(Axis::new).collect(),
+            axes: machine
+                .axes
+                .iter()
+                .map(|axis| Axis::new(axis, machine.period()))
+                .collect(),
             systems: systems(machine),
             controls: Controls::new(),
             layouts: Layouts::new(),
@@ -94,6 +99,7 @@ impl Motion {
             }
         }
         self.advance_axes();
+        self.check_faults();
         for index in 0..self.systems.len() {
             self.finish_stop(index);
         }

@@ -1,9 +1,10 @@
 //! Status words, from the state at a tick.
 
 use arcline_drive::{Motion as Point, Saturation};
+use arcline_instruction_set::FaultWord;
 use arcline_instruction_set::predefined::{
-    axis_event, axis_status, cip_axis_status, coordinate_motion_status as motion, coordinate_system_status as status,
-    motion_status,
+    axis_event, axis_fault, axis_status, cip_axis_status, coordinate_motion_status as motion,
+    coordinate_system_status as status, motion_status,
 };
 use arcline_planner::Clock;
 use arcline_planner::profile::Phase;
@@ -24,7 +25,12 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
     let saturation = axis.drive.saturation();
     let command = axis.command;
     AxisSnapshot {
-        fault: 0,
+        fault: axis.faults.axis_fault(axis.is_virtual),
+        motion_faults: [
+            axis.faults.word(FaultWord::Motion) as u32,
+            axis.faults.alarms(FaultWord::Motion) as u32,
+        ],
+        cip_faults: [axis.faults.word(FaultWord::Cip), axis.faults.alarms(FaultWord::Cip)],
         status: axis_word(axis),
         event: [
             (axis.awaits_home_event(), axis_event::HOME_EVENT_ARMED_STATUS),
@@ -38,11 +44,14 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
             AxisState::Starting => 3,
             AxisState::Running => 4,
             AxisState::Stopping => 6,
+            AxisState::Aborting => 7,
+            AxisState::Faulted => 8,
             AxisState::Shutdown => 10,
         },
         cip_status: [
+            (axis.faults.alarms(FaultWord::Cip) != 0, cip_axis_status::ALARM_STATUS),
             (
-                axis.state == AxisState::Running,
+                matches!(axis.state, AxisState::Running | AxisState::Aborting),
                 cip_axis_status::POWER_STRUCTURE_ENABLED_STATUS,
             ),
             (
@@ -65,6 +74,7 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         .fold(0, with),
         command: [axis.shown(command.position), command.velocity, command.acceleration],
         actual: [axis.shown(actual.position), actual.velocity, actual.acceleration],
+        average_velocity: axis.average.velocity,
         position_error: axis.drive.error(),
         started_at: axis.started_at.map(|position| axis.shown(position)),
         strobed: axis.strobed,
@@ -75,7 +85,10 @@ fn axis_word(axis: &Axis) -> u32 {
     let on = axis.state == AxisState::Running;
     [
         (on, axis_status::SERVO_ACTION_STATUS),
-        (on, axis_status::DRIVE_ENABLE_STATUS),
+        (
+            on || axis.state == AxisState::Aborting,
+            axis_status::DRIVE_ENABLE_STATUS,
+        ),
         (axis.state == AxisState::Shutdown, axis_status::SHUTDOWN_STATUS),
         (true, axis_status::AXIS_UPDATE_STATUS),
     ]
@@ -153,18 +166,23 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
         let Some(axis) = axes.get(usize::from(*axis)) else {
             continue;
         };
+        let faulted = axis.faults.axis_fault(axis.is_virtual) != 0;
+        shown.axes_faulted |= u32::from(faulted) << place;
         shown.axes_shutdown |= u32::from(axis.state == AxisState::Shutdown) << place;
         shown.axes_servo_on |= u32::from(axis.state == AxisState::Running) << place;
         if let Some(actual) = shown.actual.get_mut(place) {
             *actual = axis.shown(axis.drive.actual().position);
         }
     }
+    if shown.axes_faulted != 0 {
+        shown.fault = axis_fault::PHYSICAL_AXIS_FAULT;
+    }
     let moving = system.activity == Activity::Moving;
     let on_path = moving && !system.in_transition;
     let pending = system.has_pending();
     shown.status = [
         (system.shutdown, status::SHUTDOWN_STATUS),
-        (shown.axes_shutdown == 0, status::READY_STATUS),
+        (shown.axes_shutdown | shown.axes_faulted == 0, status::READY_STATUS),
         (system.is_busy(), status::MOTION_STATUS),
     ]
     .into_iter()

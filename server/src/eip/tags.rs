@@ -214,7 +214,7 @@ fn path_status(error: &PathError) -> CipStatus {
 fn write_status(error: &WriteError) -> CipStatus {
     match error {
         WriteError::ReadOnly { .. } => CipStatus::PRIVILEGE_VIOLATION,
-        WriteError::OutOfRange { .. } => CipStatus::INVALID_PARAMETER,
+        WriteError::OutOfRange { .. } | WriteError::NoSuchFault { .. } => CipStatus::INVALID_PARAMETER,
         _ => unknown(),
     }
 }

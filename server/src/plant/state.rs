@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use arcline_controller::image::{Edge, Image, TagKind};
 use arcline_controller::{Command, Ticket};
-use arcline_instruction_set::{Call, Flag, MotionControl, MotionError};
+use arcline_instruction_set::{Call, FaultSet, Flag, MotionControl, MotionError};
 use arcline_realtime::Link;
 use tokio::sync::oneshot;
 
@@ -28,6 +28,8 @@ pub(super) struct State {
     lost: u64,
     /// The overrides that the controller has been sent, percent.
     overrides: Vec<f32>,
+    /// The injected causes of faults that the controller has been sent.
+    injected: Vec<FaultSet>,
     /// Sees what is kept over a restart.
     pub(super) watch: Option<Watch>,
 }
@@ -37,6 +39,7 @@ impl State {
     pub(super) fn new(image: Image, link: Link, watch: Option<Watch>) -> Self {
         State {
             overrides: image.feed_overrides().collect(),
+            injected: image.injected_faults().collect(),
             image,
             link,
             began: false,
@@ -162,10 +165,30 @@ impl State {
         }
     }
 
+    /// Tells the controller which injected causes of faults have changed.
+    fn send_injected(&mut self) {
+        let injected: Vec<FaultSet> = self.image.injected_faults().collect();
+        for ((axis, causes), sent) in (0..)
+            .zip(&injected)
+            .zip(std::mem::replace(&mut self.injected, injected.clone()))
+        {
+            if *causes != sent {
+                self.push(Command::Inject { axis, causes: *causes });
+            }
+        }
+    }
+
     pub(super) fn edge(&mut self, edge: Edge) -> Option<oneshot::Receiver<()>> {
-        let (Edge::Rising(id) | Edge::Falling(id)) = edge else {
-            self.send_overrides();
-            return None;
+        let id = match edge {
+            Edge::Rising(id) | Edge::Falling(id) => id,
+            Edge::FeedOverride => {
+                self.send_overrides();
+                return None;
+            }
+            Edge::FaultInject => {
+                self.send_injected();
+                return None;
+            }
         };
         let TagKind::Instruction(kind) = self.image.tag(id)?.kind else {
             return None;

@@ -35,6 +35,8 @@ pub enum TagKind {
     RealTime,
     /// The feed override of every coordinate system.
     FeedOverride,
+    /// The injected causes of faults of every axis.
+    FaultInject,
 }
 
 /// The fixed part of an instruction tag.
@@ -63,7 +65,9 @@ impl Tag {
     /// Whether clients may write at least a part of it.
     pub fn access(&self) -> Access {
         match self.kind {
-            TagKind::Instruction(_) | TagKind::Plain | TagKind::FeedOverride => Access::ReadWrite,
+            TagKind::Instruction(_) | TagKind::Plain | TagKind::FeedOverride | TagKind::FaultInject => {
+                Access::ReadWrite
+            }
             _ => Access::ReadOnly,
         }
     }
@@ -89,7 +93,8 @@ pub struct PlainTag {
     pub tag_type: TagType,
 }
 
-/// A write that the controller is to know of: `EnableIn` of an instruction tag changed, or an override was written.
+/// A write that the controller is to know of: `EnableIn` of an instruction tag changed, or an override or injected
+/// faults were written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Edge {
     /// False to true: the instruction executes.
@@ -98,4 +103,6 @@ pub enum Edge {
     Falling(TagId),
     /// The tag `FeedOverride` was written: [`Image::feed_overrides`](super::Image::feed_overrides).
     FeedOverride,
+    /// The tag `FaultInject` was written: [`Image::injected_faults`](super::Image::injected_faults).
+    FaultInject,
 }

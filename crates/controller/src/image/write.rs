@@ -14,7 +14,7 @@ impl Image {
             return false;
         }
         match tag.kind {
-            TagKind::Plain | TagKind::FeedOverride => true,
+            TagKind::Plain | TagKind::FeedOverride | TagKind::FaultInject => true,
             TagKind::Instruction(_) => {
                 let DataType::Structure(template) = &tag.tag_type.data_type else {
                     return false;
@@ -48,8 +48,10 @@ impl Image {
     /// Nothing is written when there is no such tag, or a byte of it is beyond its end or read-only.
     pub fn write(&mut self, id: TagId, offset: usize, data: &[u8]) -> Result<Option<Edge>, WriteError> {
         self.check_write(id, offset, data.len())?;
-        if self.tag(id).is_some_and(|tag| tag.kind == TagKind::FeedOverride) {
-            return self.write_feed_override(id, offset, data);
+        match self.tag(id).map(|tag| tag.kind) {
+            Some(TagKind::FeedOverride) => return self.write_feed_override(id, offset, data),
+            Some(TagKind::FaultInject) => return self.write_fault_inject(id, offset, data),
+            _ => {}
         }
         if let Some(bytes) = self.bytes_mut(id) {
             bytes[offset..offset + data.len()].copy_from_slice(data);
@@ -71,6 +73,11 @@ impl Image {
         if let Some(tag) = self.tag(id).filter(|tag| tag.kind == TagKind::FeedOverride) {
             // A REAL has no bits.
             return Err(WriteError::ReadOnly { name: tag.name.clone() });
+        }
+        if self.tag(id).is_some_and(|tag| tag.kind == TagKind::FaultInject) {
+            let mut byte = self.bytes(id).get(offset).copied().unwrap_or_default();
+            put_bit(&mut byte, mask, on);
+            return self.write_fault_inject(id, offset, &[byte]);
         }
         let out = self.member_bit(id, ENABLE_OUT);
         let Some(bytes) = self.bytes_mut(id) else {

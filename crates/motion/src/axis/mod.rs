@@ -1,5 +1,7 @@
 //! One axis: its state, its drive, and what moves it.
 
+mod average;
+pub(crate) mod faults;
 pub(crate) mod generator;
 pub(crate) mod homing;
 mod sensor;
@@ -14,6 +16,8 @@ use crate::dynamics::Maxima;
 use crate::follow::gear::Gear;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
 use crate::rotary;
+use average::Average;
+use faults::{Faults, Observed};
 use generator::{Generator, Law};
 use homing::Homing;
 use sum::{Slot, Sum};
@@ -29,6 +33,10 @@ pub(crate) enum AxisState {
     Running,
     /// MSF is under way.
     Stopping,
+    /// A fault brakes the axis; the servo goes off when it stands.
+    Aborting,
+    /// A fault has switched the servo off.
+    Faulted,
     /// Shut down until a shutdown reset.
     Shutdown,
 }
@@ -73,6 +81,8 @@ pub(crate) struct Axis {
     pub(crate) after_stop: AfterStop,
     /// Command and actual position at the last MGSP, as shown.
     pub(crate) strobed: [f64; 2],
+    pub(crate) faults: Faults,
+    pub(crate) average: Average,
 }
 
 /// An axis's part in transforms (`crate::follow::transform`).
@@ -91,7 +101,8 @@ pub(crate) struct Linked {
 }
 
 impl Axis {
-    pub(crate) fn new(description: &Description) -> Self {
+    /// `period`: the coarse update period, seconds.
+    pub(crate) fn new(description: &Description, period: f64) -> Self {
         let position = description.start.position;
         let (drive, state) = match &description.kind {
             AxisKind::Virtual => (Drive::ideal(position), AxisState::Running),
@@ -123,6 +134,8 @@ impl Axis {
             stop_mode: description.programmed_stop_mode,
             after_stop: AfterStop::Hold,
             strobed: [0.0; 2],
+            faults: Faults::new(description),
+            average: Average::new(position, description.average_velocity_timebase, period),
         }
     }
 
@@ -151,7 +164,10 @@ impl Axis {
 
     /// Whether its drive follows the command.
     pub(crate) fn has_torque(&self) -> bool {
-        matches!(self.state, AxisState::Running | AxisState::Starting)
+        matches!(
+            self.state,
+            AxisState::Running | AxisState::Starting | AxisState::Aborting
+        )
     }
 
     /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others.
@@ -302,6 +318,31 @@ impl Axis {
             let now = self.drive.coast(period);
             self.stand_at(now.position);
         }
+        self.average.take(self.drive.actual().position - self.redefined);
+    }
+
+    /// Whether its servo is off for another reason than a fault or a shutdown.
+    pub(crate) fn is_off(&self) -> bool {
+        matches!(
+            self.state,
+            AxisState::Stopped | AxisState::Starting | AxisState::Stopping
+        )
+    }
+
+    /// Whether a fault keeps it from being moved.
+    pub(crate) fn is_faulted(&self) -> bool {
+        matches!(self.state, AxisState::Aborting | AxisState::Faulted) || self.faults.block()
+    }
+
+    /// What faults look at.
+    pub(crate) fn observed(&self) -> Observed {
+        let loop_closed = self.has_torque() && !self.is_virtual;
+        Observed {
+            position: self.drive.actual().position,
+            homed: self.homed,
+            velocity: self.command.velocity,
+            error: loop_closed.then(|| self.drive.error()),
+        }
     }
 
     /// Opens the loop: whatever moved the axis is over. Whoever had begun it is told nothing here.
@@ -381,6 +422,7 @@ impl Axis {
         self.drive.redefine(offset);
         self.command = self.sum.command();
         self.redefined += offset;
+        self.faults.redefined(self.drive.actual().position);
     }
 
     /// A position as the axis shows it: rotary ones within one turn.

@@ -128,13 +128,35 @@ pub(super) fn not_homing(axis: &Axis) -> Result<(), MotionError> {
     Ok(())
 }
 
-/// Not shut down, servo on.
+/// Not shut down, servo on, no fault.
 pub(super) fn ready(axis: &Axis) -> Result<(), MotionError> {
-    not_shut_down(axis)?;
-    match axis.state {
-        AxisState::Running => Ok(()),
-        _ => Err(MotionError::ServoOffState(AxisIndex(0))),
+    switched_on(axis)?;
+    not_faulted(axis)
+}
+
+/// No fault; the servo may be off.
+pub(super) fn not_faulted(axis: &Axis) -> Result<(), MotionError> {
+    if axis.is_faulted() {
+        return Err(MotionError::AxisInFaultedState(AxisIndex(0)));
     }
+    Ok(())
+}
+
+/// Not shut down, servo on but for a fault: what a stop asks for.
+pub(super) fn switched_on(axis: &Axis) -> Result<(), MotionError> {
+    not_shut_down(axis)?;
+    if axis.is_off() {
+        return Err(MotionError::ServoOffState(AxisIndex(0)));
+    }
+    Ok(())
+}
+
+/// An axis outside of its travel moves in a direction that leads back.
+pub(super) fn no_overtravel(axis: &Axis, direction: f64) -> Result<(), MotionError> {
+    if axis.faults.forbids(direction) {
+        return Err(MotionError::OvertravelCondition);
+    }
+    Ok(())
 }
 
 /// Not shut down; the servo may be off.

@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::{AxisIndex, Call, Culprit, MotionError};
 
-use super::axis_moves::{not_homing, not_shut_down, ready};
+use super::axis_moves::{not_faulted, not_homing, not_shut_down, ready};
 use crate::axis::Axis;
 use crate::control::Execution;
 use crate::machine::{HomeMode, HomeSequence};
@@ -18,6 +18,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         ready(state)?;
     } else {
         not_shut_down(state)?;
+        if active {
+            not_faulted(state)?;
+        }
     }
     not_homing(state)?;
     if active {

@@ -48,6 +48,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     } else {
         dynamics.speed
     };
+    axis_moves::no_overtravel(state, velocity)?;
     let beginning = Beginning {
         execution,
         dynamics,

@@ -115,6 +115,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     }
     axis_moves::not_stopping(state)?;
     let target = layout.target(state, call)?;
+    axis_moves::no_overtravel(state, target - state.command.position)?;
     let mut dynamics = if call.word(layout.common.dynamics.rates.speed_units) == SECONDS {
         let distance = (target - state.command.position).abs();
         seconds::dynamics(&layout.common.dynamics, call, distance, &state.dynamics)

@@ -3,7 +3,7 @@
 use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
 use arcline_planner::profile::{Jerk, Limits};
 
-use super::axis_moves::ready;
+use super::axis_moves::switched_on;
 use super::place;
 use super::programmed::positive;
 use crate::axis::sum::Slot;
@@ -93,7 +93,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let at = usize::from(axis);
     motion.verify_operands(call)?;
     let state = &motion.axes[at];
-    ready(state)?;
+    switched_on(state)?;
     let tick = motion.clock.tick;
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
     if matches!(stopped(call.word(layout.stop_type)), Some(None | Some(Slot::Home))) {

@@ -45,7 +45,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let layout = motion.layouts.mcs;
     let index = motion.target_system(call)?;
     motion.verify_operands(call)?;
-    verify::axes_ready(&motion.systems[index], &motion.axes)?;
+    verify::axes_on(&motion.systems[index], &motion.axes)?;
     verify::stoppable(&motion.systems[index], &motion.axes, is_s_curve(motion, index))?;
     let stop_type = call.word(layout.stop_type);
     let rates = rates(motion, index, call)?;

@@ -32,6 +32,7 @@ use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
 
 use crate::control::Execution;
 use crate::motion::Motion;
+pub(crate) use masd::shut_down;
 use moves::MoveLayout;
 
 /// Places of the operands on the faceplates, looked up in the catalogue once.

@@ -124,6 +124,7 @@ pub(super) fn execute(
     };
     let path = path(motion, system, start + shift)?.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
+    verify::no_overtravel(system, &motion.axes, &path.end())?;
 
     let momentum = terminated(motion, index, merge);
     let current = command(motion, index, |axis| axis.command.velocity).norm();
