@@ -208,6 +208,62 @@ fn no_instruction_allocates() {
     }
 }
 
+/// Overrides, holds, pauses and their ends at any tick of a deep queue, of blends and of a planned contour.
+#[test]
+fn no_override_allocates() {
+    let config = arcline_config::DEFAULT
+        .replacen("name = \"CS1\"", "name = \"CS1\"\nqueue_depth = 200", 1)
+        .replacen(
+            "name = \"CS3\"",
+            "name = \"CS3\"\nqueue_depth = 200\ncorner = \"precise\"",
+            1,
+        );
+    let project = arcline_config::load(&config, "deep.toml").expect("the default with deep queues is valid");
+    let (mut rings, mut link) = link(&project.machine);
+    let mut planning = link.planning.take();
+    let mut controller = Controller::new(&project.machine);
+    let mut outer = Outer::new(link);
+    let [deep, contours] = ["CS1", "CS3"].map(|name| {
+        Names(&project)
+            .object(Object::CoordinateSystem, name)
+            .expect("it exists")
+    });
+    let dynamics = "200, 0, 1000, 0, 1000, 0, 1, 20000, 20000, 0";
+    for place in 0..180_u32 {
+        let (x, y) = (f64::from(place + 1), f64::from(place % 2));
+        let kind = ["4", "4", "2", "3", "6, 0, 0, 0.3", "5"][place as usize % 6];
+        for (system, kind) in [("CS1", kind), ("CS3", "6, 0, 0, 0.1")] {
+            let text = format!("MCLM({system}, M{}, 0, [{x}, {y}, 0], {dynamics}, {kind});", 50 + place);
+            outer.burst(&[call(&project, &text)]);
+        }
+        assert_no_alloc(|| step(&mut controller, &mut rings));
+        outer.drain();
+    }
+    let pause = |speed: u32| format!("MCCD(CS1, M1, 1, 1, {speed}, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1);");
+    let changes = [pause(0), pause(150)].map(|text| call(&project, &text));
+    let mut moved = false;
+    for tick in 0..6000_u32 {
+        if let Some(planning) = &mut planning {
+            planning.step();
+        }
+        if tick % 13 == 0 {
+            let rate = [0.0, 1.0, 0.3, 2.0, 0.0, 0.7][(tick / 13) as usize % 6];
+            for system in [deep, contours] {
+                let _ = outer.link.commands.push(Command::Override { system, rate });
+            }
+        }
+        if tick % 101 < 2 {
+            outer.burst(&changes[tick as usize % 101..][..1]);
+        }
+        assert_no_alloc(|| step(&mut controller, &mut rings));
+        outer.drain();
+        moved |= [deep, contours]
+            .iter()
+            .all(|system| outer.link.snapshots.read().systems[usize::from(*system)].path_speed > 10.0);
+    }
+    assert!(moved, "both systems were on their way at once");
+}
+
 /// Two clients that press at any instant, as many ticks as the machine can make.
 #[test]
 fn no_tick_allocates_while_clients_press() {

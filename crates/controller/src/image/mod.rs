@@ -19,6 +19,7 @@ mod tag;
 #[cfg(test)]
 mod tests;
 mod write;
+mod written;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -34,6 +35,7 @@ pub use fault_inject::FAULT_INJECT_TAG;
 pub use feed_override::{FEED_OVERRIDE_PERCENT, FEED_OVERRIDE_TAG};
 pub use health::{Health, Measured, REAL_TIME_TAG};
 pub use tag::{Access, Edge, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind};
+pub use written::Written;
 
 /// Every tag of a machine.
 #[derive(Clone, Debug)]
@@ -48,6 +50,8 @@ pub struct Image {
     snapshot_tick: u64,
     /// The last override of each coordinate system that was not 0, percent.
     before_hold: Vec<f32>,
+    /// Parts of plain tags that were written; `None`: nobody wants to know.
+    written: Option<Vec<Written>>,
     /// What can be injected into each axis.
     possible_faults: Vec<FaultSet>,
     /// Whether the latest tick overran.
@@ -67,6 +71,7 @@ impl Image {
             encoder: encode::Encoder::new(machine),
             snapshot_tick: 0,
             before_hold: vec![feed_override::AS_PROGRAMMED; machine.systems.len()],
+            written: None,
             possible_faults: machine
                 .axes
                 .iter()

@@ -56,6 +56,7 @@ impl Image {
         if let Some(bytes) = self.bytes_mut(id) {
             bytes[offset..offset + data.len()].copy_from_slice(data);
         }
+        self.note_written(id, offset, data.len());
         Ok(None)
     }
 
@@ -85,6 +86,7 @@ impl Image {
         let before = bytes[offset] & mask != 0;
         put_bit(&mut bytes[offset], mask, on);
         if enable.is_none() {
+            self.note_written(id, offset, 1);
             return Ok(None);
         }
         if let Some((offset, mask)) = out {
