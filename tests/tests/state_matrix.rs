@@ -22,7 +22,7 @@ fn machine() -> Bench {
     let home = |name: &str, mode: &str| {
         let axis = format!("name = \"{name}\"\ntype = \"servo\"");
         let home = format!(
-            "{axis}\nhome = {{ mode = \"{mode}\", sequence = \"switch\", direction = \"forward_bidirectional\", \
+            "{axis}\nhome = {{ mode = \"{mode}\", sequence = \"switch\", direction = \"bidirectional-forward\", \
              speed = 20.0, return_speed = 5.0, switch = {{ min = 1000.0, max = 1100.0 }} }}"
         );
         (axis, home)
