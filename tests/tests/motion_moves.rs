@@ -329,9 +329,7 @@ fn bits_of_a_move_and_its_axis_at_their_ticks() {
                 _ => ("EN DN PC", [false; 3]),
             };
             // Joints of segments lie on ticks but for rounding.
-            let joint = [ramp, ramp + cruise, 2 * ramp + cruise]
-                .iter()
-                .any(|joint| tick == *joint);
+            let joint = [ramp, ramp + cruise, 2 * ramp + cruise].contains(&tick);
             if !joint {
                 assert_eq!(bench.bits("M1"), phase, "{why} at {tick}");
                 let shown = [MOVE_STATUS, ACCEL_STATUS, DECEL_STATUS].map(|bit| shows(&bench, "X", bit));

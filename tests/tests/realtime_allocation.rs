@@ -51,8 +51,24 @@ const CALLS: &[&str] = &[
     "MASR(S, M14);",
     "MCSD(CS2, M15);",
     "MCSR(CS2, M16);",
+    "MAH(X, M35);",
+    "MRP(Y, M36, Relative, Command, 10);",
+    "MGSP(Motion, M37);",
+    "MGS(Motion, M38, FastStop);",
     "MCS(XY, M17, CoordinatedMove, No, 0, Unitspersec2, No, 0, %ofTime);",
 ];
+
+/// What makes everything ready again, with the ticks that it takes.
+const READY: &[(&str, u32)] = &[
+    ("MGSD(Motion, M33);", 1500),
+    ("MGSR(Motion, M34);", 2),
+    ("MSO(X, M1);", 0),
+    ("MSO(Y, M1);", 0),
+    ("MSO(Z, M1);", 0),
+    ("MSO(S, M1);", 2),
+];
+/// Instructions between two times that this is done.
+const READY_EVERY: usize = 8;
 
 struct Names<'p>(&'p Project);
 
@@ -192,6 +208,15 @@ fn no_instruction_allocates() {
         // Another one is the first each time, and some find the machine as the ones before them left it ticks ago.
         let first = burst as usize % calls.len();
         for (place, call) in calls.iter().cycle().skip(first).take(calls.len()).enumerate() {
+            if place % READY_EVERY == 0 {
+                for (text, ticks) in READY {
+                    outer.burst(&[self::call(&project, text)]);
+                    for _ in 0..*ticks {
+                        assert_no_alloc(|| step(&mut controller, &mut rings));
+                        outer.drain();
+                    }
+                }
+            }
             outer.burst(std::slice::from_ref(call));
             for _ in 0..pause(burst + 7 * place as u64) / 4 {
                 assert_no_alloc(|| step(&mut controller, &mut rings));

@@ -6,8 +6,11 @@ use arcline_tests::bench::{Bench, OK};
 /// A trapezoid at 50 units/s, from Speed on.
 const RATES: &str = "50, 0, 500, 0, 500, 0, 0, 100, 100, 2";
 
+/// A name, and what makes a machine that is in this state.
+type State = (&'static str, fn() -> Bench);
+
 /// The states, in the order of the matrix's columns.
-const STATES: [(&str, fn() -> Bench); 7] = [
+const STATES: [State; 7] = [
     ("servo off", servo_off),
     ("shutdown", shutdown),
     ("axis fault", axis_fault),
