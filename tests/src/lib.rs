@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 pub mod bench;
 pub mod capture;
 pub mod command_line;
+pub mod follow;
 pub mod interop;
 pub mod programs;
 pub mod python;
