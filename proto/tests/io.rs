@@ -669,7 +669,7 @@ fn sequences_addresses_and_modes() {
 fn data_of_every_length() {
     let mut bench = Bench::new();
     let id = bench.run(&owner(1));
-    let mut data = vec![0; 64];
+    let mut data = [0; 64];
     data[2] = 1;
     for (sequence, length) in (1..).zip(0..=64) {
         data[0] = sequence as u8;
