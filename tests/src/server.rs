@@ -38,10 +38,16 @@ impl Server {
     /// Starts the server with `arguments` besides those for a free port, no HMI and no state file.
     #[must_use]
     pub fn start_with(arguments: &[&str]) -> Self {
+        Self::start_at("127.0.0.1:0", arguments)
+    }
+
+    /// The same at an address and port, port 0 for a free one.
+    #[must_use]
+    pub fn start_at(listen: &str, arguments: &[&str]) -> Self {
         let program = crate::programs::arcline_server();
         let began = Instant::now();
         let mut child = Command::new(program)
-            .args(["run", "--listen", "127.0.0.1:0", "--hmi", "off", "--state", "off"])
+            .args(["run", "--listen", listen, "--hmi", "off", "--state", "off"])
             .args(arguments)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
