@@ -41,6 +41,7 @@
 mod client;
 mod discover;
 mod error;
+mod fault;
 mod feed_override;
 mod input;
 mod link;
@@ -52,13 +53,14 @@ mod tags;
 mod template;
 mod write;
 
-pub use arcline_instruction_set::{Flag, Given, Mnemonic, MotionControl, Object};
+pub use arcline_instruction_set::{FaultKind, FaultSet, Flag, Given, Mnemonic, MotionControl, Object};
 pub use arcline_proto::identity::Identity;
 pub use arcline_tag::{Elementary, TagType, Value};
 
 pub use client::{Client, DEFAULT_PORT, Options};
 pub use discover::{Discovered, discover};
 pub use error::{ClientError, nearest};
+pub use fault::shown_faults;
 pub use input::Input;
 pub use motion::{Execution, Operands};
 pub use program::{Event, OnError, ProgramError, QueueFull, Runner, TICK};

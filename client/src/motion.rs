@@ -110,7 +110,7 @@ impl Client {
     /// (made on first use; empty: none). `given` are the operands behind target and motion control in faceplate order,
     /// trailing ones may be missing; numbers travel as LREAL.
     ///
-    /// The answer comes when DN or ER is set.
+    /// The answer comes when DN or ER is set, of homing when it is in process: its DN is its end.
     ///
     /// # Errors
     /// [`ClientError::Motion`] with ERR and EXERR, [`ClientError::Operand`] for a word or type that the operand does not

@@ -19,8 +19,29 @@ fn in_a_blend() -> Bench {
     bench
 }
 
+/// A thousand short pieces on CS1, travelled so slowly that hardly one is done; every one binds the look-ahead, since its
+/// deceleration differs from its neighbour's.
+fn deep() -> Bench {
+    let mut bench = Bench::replacing("name = \"CS1\"", "name = \"CS1\"\nqueue_depth = 1000");
+    bench.set_override("CS1", 0.0);
+    for place in 0..1000 {
+        let (x, decel) = (f64::from(place + 1) * 0.1, 1000 + place % 7);
+        let call = format!("MCLM(CS1, M{place}, 0, [{x}, 0, 0], 200, 0, 1000, 0, {decel}, 0, 1, 20000, 20000, 0, 4)");
+        assert_eq!(bench.call(&call), (0, 0));
+    }
+    bench.set_override("CS1", 0.001);
+    bench.run(1000);
+    bench
+}
+
 /// 256 axes, four to each of 64 machines of which three move together.
 fn large() -> Bench {
+    let mut bench = large_at_rest();
+    start(&mut bench);
+    bench
+}
+
+fn large_at_rest() -> Bench {
     let mut config = String::from("[motion_group]\nname = \"Motion\"\n");
     let limits = "max_speed = 1000.0\nmax_acceleration = 10000.0";
     for axis in 0..256 {
@@ -38,12 +59,31 @@ fn large() -> Bench {
         );
         let _ = writeln!(config, "axes = [{x}, {y}, {z}]\n{limits}\nactual_tolerance = 0.01");
     }
-    let mut bench = Bench::with(&config);
+    Bench::with(&config)
+}
+
+fn start(bench: &mut Bench) {
     for system in 0..64 {
         let call =
             format!("MCLM(CS{system}, M{system}, 0, [1e9, 5e8, 2e8], 500, 0, 100, 0, 100, 0, 1, 100, 100, 2, 1)");
         assert_eq!(bench.call(&call), (0, 0));
     }
+}
+
+/// The same, and half of its systems lead the other half; the fourth axis of each is geared to its first.
+fn following() -> Bench {
+    let mut bench = large_at_rest();
+    for system in 0..32 {
+        let (source, target) = (2 * system, 2 * system + 1);
+        let call = format!("MCT(CS{source}, CS{target}, T{target}, [10, 20, 30], [0, 0, 0])");
+        assert_eq!(bench.call(&call), (0, 0));
+    }
+    for system in 0..64 {
+        let (slave, master) = (4 * system + 3, 4 * system);
+        let call = format!("MAG(A{slave}, A{master}, G{system}, 0, 0.5, 1, 1, 1, 0, 1)");
+        assert_eq!(bench.call(&call), (0, 0));
+    }
+    start(&mut bench);
     bench
 }
 
@@ -51,10 +91,29 @@ fn tick(criterion: &mut Criterion) {
     criterion.bench_function("tick, three axes in a blend", |bencher| {
         bencher.iter_batched_ref(in_a_blend, |bench| black_box(bench).run(100), BatchSize::LargeInput);
     });
+    let mut bench = deep();
+    let mut share = 0.001;
+    criterion.bench_function(
+        "tick with a change of the override, 1000 moves in the queue",
+        |bencher| {
+            bencher.iter(|| {
+                share = if share == 0.001 { 0.002 } else { 0.001 };
+                bench.set_override("CS1", share);
+                black_box(&mut bench).tick();
+            });
+        },
+    );
     let mut bench = large();
     criterion.bench_function("tick, 256 axes in 64 moving systems", |bencher| {
         bencher.iter(|| black_box(&mut bench).tick());
     });
+    let mut bench = following();
+    criterion.bench_function(
+        "tick, 256 axes in 64 moving systems, 32 transforms, 64 gears",
+        |bencher| {
+            bencher.iter(|| black_box(&mut bench).tick());
+        },
+    );
 }
 
 criterion_group!(benches, tick);

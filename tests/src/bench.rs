@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use arcline_config::Project;
 use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket};
-use arcline_instruction_set::{ControlSlot, Directory, Flag, MotionControl, Object, bind};
+use arcline_instruction_set::{ControlSlot, Directory, FaultKind, FaultSet, Flag, MotionControl, Object, bind};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
 
 /// A controller between the beginning and the end of a tick, and everything it has reported so far.
@@ -89,6 +89,14 @@ impl Bench {
         let index = self.project.machine.system(system);
         let index = index.expect("the machine has the coordinate system");
         self.controller.set_override(index, share);
+    }
+
+    /// Puts causes of faults on an axis now, in place of those that were put there; they are found at the next tick.
+    pub fn inject(&mut self, axis: &str, causes: &[FaultKind]) {
+        let index = self.project.machine.axis(axis);
+        let index = index.expect("the machine has the axis");
+        let causes = causes.iter().fold(FaultSet::default(), |set, kind| set.with(*kind));
+        self.controller.inject(index, causes);
     }
 
     /// Ends the present tick and begins the next one.

@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 pub mod bench;
 pub mod capture;
 pub mod command_line;
+pub mod follow;
 pub mod foreign;
 pub mod interop;
 pub mod libplctag;

@@ -197,6 +197,53 @@ fn control_c_stops_what_was_begun() {
     );
 }
 
+#[test]
+fn single_axes_move_and_jog() {
+    let server = Server::start();
+    let at = server.address();
+    let position = || read_numbers(at, &["X.CommandPosition"])[0];
+    let speed = || read_numbers(at, &["X.CommandVelocity"])[0];
+    let moved = arcline(at, &["--json", "move-axis", "X", "12.5", "--speed", "50%"]).expect(0);
+    assert_eq!(moved.objects()[0]["instruction"], "MAM", "{moved:?}");
+    assert_eq!(position(), 12.5);
+    let _ = arcline(at, &["move-axis", "X", "-2.5", "--relative", "--trapezoid"]).expect(0);
+    assert_eq!(position(), 10.0);
+    let refused = arcline(at, &["move-axis", "X", "5", "--shortest"]).expect(1);
+    assert!(refused.stderr.contains("ERR 17 Axis Mode Not Rotary"), "{refused:?}");
+
+    // A jog is waited for until Ctrl-C; then it is stopped, and nothing else.
+    let mut waiting = command(at, &["jog", "X", "-40"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the command line was just built");
+    eventually("the jog", Duration::from_secs(20), || {
+        ((speed() + 40.0).abs() < 1e-3).then_some(())
+    });
+    signal("INT", waiting.id());
+    let ended = eventually("the end of the command", Duration::from_secs(20), || {
+        waiting.try_wait().ok().flatten()
+    });
+    assert_eq!(ended.code(), Some(130), "{ended:?}");
+    assert_eq!(speed(), 0.0, "the jog has been stopped");
+    let output = waiting.wait_with_output().expect("it has ended");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("interrupted: X is stopped"), "{text}");
+
+    // One that somebody else stops ends well.
+    let waiting = command(at, &["jog", "X", "5%"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the command line was just built");
+    eventually("the jog", Duration::from_secs(20), || (speed() > 49.0).then_some(()));
+    let _ = arcline(at, &["exec", "MAS(X, S1, Jog)"]).expect(0);
+    let output = waiting.wait_with_output().expect("it ends");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && text.contains("MAJ X: EN DN"), "{text}");
+    let started = arcline(at, &["jog", "X", "5", "--no-wait"]).expect(0);
+    assert!(started.stdout.contains("IP"), "{started:?}");
+}
+
 /// As a user does it: the key makes the signal, and the progress leaves the terminal for what was done.
 #[test]
 fn control_c_at_a_terminal() {
@@ -315,4 +362,53 @@ fn override_hold_and_resume() {
     }
     let _ = arcline(at, &["stop"]).expect(0);
     assert_eq!(shown(), 50.0, "kept until it is changed");
+}
+
+#[test]
+fn axes_are_homed() {
+    let server = Server::start_on(&fixture("config/home.toml"));
+    let at = server.address();
+    let homed = |axis: &str| {
+        let read = arcline(at, &["--json", "read", &format!("{axis}.AxisHomedStatus")]).expect(0);
+        read.objects()[0]["value"] == true
+    };
+    assert_eq!((homed("P"), homed("Q")), (false, false));
+    let home = arcline(at, &["--json", "home", "P", "Q"]).expect(0).objects();
+    for (object, axis) in home.iter().zip(["P", "Q"]) {
+        assert_eq!(
+            (&object["instruction"], &object["target"]),
+            (&"MAH".into(), &axis.into())
+        );
+        assert_eq!(object["status"], serde_json::json!(["EN", "DN", "PC"]), "{axis}");
+    }
+    assert_eq!((homed("P"), homed("Q")), (true, true));
+    assert_eq!(
+        read_numbers(at, &["P.CommandPosition", "Q.CommandPosition"]),
+        [5.0, 0.0]
+    );
+
+    let refused = arcline(at, &["home", "N"]).expect(1);
+    assert!(
+        refused.stderr.contains("ERR 84 Drive Digital Input Not Assigned"),
+        "{refused:?}"
+    );
+    let _ = arcline(at, &["home"]).expect(2);
+
+    // Nobody moves R: its homing lasts until Ctrl-C ends it.
+    let homing = || arcline(at, &["--json", "read", "R.HomingStatus"]).expect(0).objects()[0]["value"].clone();
+    let mut waiting = command(at, &["home", "R"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the command line was just built");
+    eventually("homing is under way", Duration::from_secs(20), || {
+        (homing() == true).then_some(())
+    });
+    signal("INT", waiting.id());
+    let ended = eventually("the end of the command", Duration::from_secs(20), || {
+        waiting.try_wait().ok().flatten()
+    });
+    assert_eq!(ended.code(), Some(130));
+    assert_eq!((homing(), homed("R")), (false.into(), false));
+    let _ = arcline(at, &["home", "R", "--no-wait"]).expect(0);
+    assert_eq!(homing(), true);
 }

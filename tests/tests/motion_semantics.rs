@@ -79,15 +79,10 @@ fn operands_out_of_range_in_faceplate_order() {
 fn what_later_issues_bring_is_bound_verified_and_refused() {
     #[rustfmt::skip]
     let cases = [
-        ("MAM(X,M,0,10,50,0,500,0,500,0)", (99, 0)),
         ("MAM(X,M,0,10,-1,0,500,0,500,0)", (13, 4)),
-        ("MAJ(X,M,0,50,0,500,0,500,0)", (99, 0)),
-        ("MAS(X,M,0)", (99, 0)),
         ("MAS(X,M,11)", (13, 2)),
-        ("MAH(X,M)", (99, 0)),
-        ("MGS(Motion,M,0)", (99, 0)),
         ("MGS(Motion,M,3)", (13, 2)),
-        ("MGSD(Motion,M)", (99, 0)),
+        ("MDAC(X,Y,M,0,0)", (99, 0)),
         ("MDCC(CS1,A,M,0,50)", (99, 0)),
         ("MCLM(CS1,M,0,[9,0,0], 50,0,500,0,500,0,1,100,100,2,1,0,0,0,0,0,[0])", (99, 0)),
     ];
@@ -214,7 +209,8 @@ fn a_queued_move_takes_over_at_the_exact_end() {
 
 #[test]
 fn actual_tolerance_waits_for_the_axis() {
-    let slow = "max_deceleration_jerk = 200000.0\ndrive = { position_bandwidth_hz = 5.0, velocity_feedforward = 0.0 }";
+    let slow = "max_deceleration_jerk = 200000.0\ndrive = { position_bandwidth_hz = 5.0, velocity_feedforward = 0.0, \
+                position_error_tolerance = 0 }";
     let config = arcline_config::DEFAULT.replace("max_deceleration_jerk = 200000.0", slow);
     let mut bench = Bench::with(&config.replace("type = \"virtual\"", "type = \"servo\""));
     bench.execute(&MOVE.replace("2, 1);", "2, 0);"));

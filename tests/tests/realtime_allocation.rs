@@ -20,6 +20,19 @@ static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 /// What is executed so far, with both profiles, all circle types, merges, refusals and stops on the way.
 const CALLS: &[&str] = &[
+    "MCT(CS3, CS1, M20, [0, 0, 90], [0, 0, 0]);",
+    "MCT(CS1, CS2, M21, [0, 0, 0], [0, 0, 0]);",
+    "MAG(S, A, M22, Same, 0.5, 1, 1, Command, Real, Enabled, 1000, Unitspersec2);",
+    "MAG(A, S, M23, Same, 0.5, 1, 1, Actual, Real, Disabled);",
+    "MAM(A, M24, 1, 20, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
+    "MAM(X, M25, 1, 20, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, Trapezoidal, 100, 100, %ofTime, Enabled, Current);",
+    "MAM(B, M29, Incremental, 20, 0.05, Seconds, 0.01, Seconds, 0.01, Seconds, S-curve, 0.002, 0.005, Seconds);",
+    "MAJ(C, M30, Reverse, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, Enabled);",
+    "MCD(C, M31, Jog, Yes, 0);",
+    "MCD(B, M32, Move, Yes, 10, No, 0, Yes, 100);",
+    "MCS(CS3, M26, CoordinatedTransform, Yes, 3000, Unitspersec2, No, 0, %ofTime);",
+    "MAS(S, M27, Gear, Yes, 3000, Unitspersec2, No, 0, %ofTime);",
+    "MAS(X, M28, All, No, 0, Unitspersec2, No, 0, %ofTime);",
     "MSO(X, M1);",
     "MSO(Y, M1);",
     "MSO(Z, M1);",
@@ -38,8 +51,24 @@ const CALLS: &[&str] = &[
     "MASR(S, M14);",
     "MCSD(CS2, M15);",
     "MCSR(CS2, M16);",
+    "MAH(X, M35);",
+    "MRP(Y, M36, Relative, Command, 10);",
+    "MGSP(Motion, M37);",
+    "MGS(Motion, M38, FastStop);",
     "MCS(XY, M17, CoordinatedMove, No, 0, Unitspersec2, No, 0, %ofTime);",
 ];
+
+/// What makes everything ready again, with the ticks that it takes.
+const READY: &[(&str, u32)] = &[
+    ("MGSD(Motion, M33);", 1500),
+    ("MGSR(Motion, M34);", 2),
+    ("MSO(X, M1);", 0),
+    ("MSO(Y, M1);", 0),
+    ("MSO(Z, M1);", 0),
+    ("MSO(S, M1);", 2),
+];
+/// Instructions between two times that this is done.
+const READY_EVERY: usize = 8;
 
 struct Names<'p>(&'p Project);
 
@@ -179,6 +208,15 @@ fn no_instruction_allocates() {
         // Another one is the first each time, and some find the machine as the ones before them left it ticks ago.
         let first = burst as usize % calls.len();
         for (place, call) in calls.iter().cycle().skip(first).take(calls.len()).enumerate() {
+            if place % READY_EVERY == 0 {
+                for (text, ticks) in READY {
+                    outer.burst(&[self::call(&project, text)]);
+                    for _ in 0..*ticks {
+                        assert_no_alloc(|| step(&mut controller, &mut rings));
+                        outer.drain();
+                    }
+                }
+            }
             outer.burst(std::slice::from_ref(call));
             for _ in 0..pause(burst + 7 * place as u64) / 4 {
                 assert_no_alloc(|| step(&mut controller, &mut rings));
@@ -193,6 +231,62 @@ fn no_instruction_allocates() {
             outer.accepted
         );
     }
+}
+
+/// Overrides, holds, pauses and their ends at any tick of a deep queue, of blends and of a planned contour.
+#[test]
+fn no_override_allocates() {
+    let config = arcline_config::DEFAULT
+        .replacen("name = \"CS1\"", "name = \"CS1\"\nqueue_depth = 200", 1)
+        .replacen(
+            "name = \"CS3\"",
+            "name = \"CS3\"\nqueue_depth = 200\ncorner = \"precise\"",
+            1,
+        );
+    let project = arcline_config::load(&config, "deep.toml").expect("the default with deep queues is valid");
+    let (mut rings, mut link) = link(&project.machine);
+    let mut planning = link.planning.take();
+    let mut controller = Controller::new(&project.machine);
+    let mut outer = Outer::new(link);
+    let [deep, contours] = ["CS1", "CS3"].map(|name| {
+        Names(&project)
+            .object(Object::CoordinateSystem, name)
+            .expect("it exists")
+    });
+    let dynamics = "200, 0, 1000, 0, 1000, 0, 1, 20000, 20000, 0";
+    for place in 0..180_u32 {
+        let (x, y) = (f64::from(place + 1), f64::from(place % 2));
+        let kind = ["4", "4", "2", "3", "6, 0, 0, 0.3", "5"][place as usize % 6];
+        for (system, kind) in [("CS1", kind), ("CS3", "6, 0, 0, 0.1")] {
+            let text = format!("MCLM({system}, M{}, 0, [{x}, {y}, 0], {dynamics}, {kind});", 50 + place);
+            outer.burst(&[call(&project, &text)]);
+        }
+        assert_no_alloc(|| step(&mut controller, &mut rings));
+        outer.drain();
+    }
+    let pause = |speed: u32| format!("MCCD(CS1, M1, 1, 1, {speed}, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1);");
+    let changes = [pause(0), pause(150)].map(|text| call(&project, &text));
+    let mut moved = false;
+    for tick in 0..6000_u32 {
+        if let Some(planning) = &mut planning {
+            planning.step();
+        }
+        if tick % 13 == 0 {
+            let rate = [0.0, 1.0, 0.3, 2.0, 0.0, 0.7][(tick / 13) as usize % 6];
+            for system in [deep, contours] {
+                let _ = outer.link.commands.push(Command::Override { system, rate });
+            }
+        }
+        if tick % 101 < 2 {
+            outer.burst(&changes[tick as usize % 101..][..1]);
+        }
+        assert_no_alloc(|| step(&mut controller, &mut rings));
+        outer.drain();
+        moved |= [deep, contours]
+            .iter()
+            .all(|system| outer.link.snapshots.read().systems[usize::from(*system)].path_speed > 10.0);
+    }
+    assert!(moved, "both systems were on their way at once");
 }
 
 /// Two clients that press at any instant, as many ticks as the machine can make.

@@ -130,3 +130,41 @@ fn a_program_sets_the_override() {
         "{errors}"
     );
 }
+
+#[test]
+fn a_program_injects_faults_and_sees_them() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("program.st");
+    let trace = folder.path().join("trace.csv");
+    let run = |text: &str| {
+        fs::write(&file, text).expect("the folder is writable");
+        let run = Command::new(programs::arcline_server())
+            .args([Path::new("simulate"), &file, Path::new("--trace"), &trace])
+            .output()
+            .expect("the server was just built");
+        (run.status.code(), String::from_utf8_lossy(&run.stderr).into_owned())
+    };
+    // X stops by itself at 10,000 units/s² and ends behind 20 by half a unit and what an update makes.
+    let (code, errors) = run(
+        "MCLM(CS1, M, 0, [100, 0, 0], 100, 0, 2000, 0, 2000, 0, 0, 100, 100, 2, 1);\n\
+         WAIT(X.ActualPosition > 20);\nFaultInject[0] := 16;\nWAIT(X.CIPAxisState = 8);\n\
+         FaultInject[0] := 0;\nMAFR(X, R);\nWAIT(X.CIPAxisState = 2);\nMSO(X, On);\nWAIT(On.DN);\n\
+         MAM(X, Back, 0, 20, 100, 0, 2000, 0, 2000, 0, 0, 100, 100, 2);\nWAIT(Back.PC);",
+    );
+    assert_eq!(code, Some(0), "{errors}");
+    let text = fs::read_to_string(&trace).expect("a trace was written");
+    let positions = text
+        .lines()
+        .skip(1)
+        .filter_map(|row| row.split(',').nth(2)?.parse::<f64>().ok());
+    let positions: Vec<f64> = positions.collect();
+    let furthest = positions.iter().copied().fold(0.0, f64::max);
+    assert!((20.5..20.8).contains(&furthest), "{furthest}");
+    assert_eq!(positions.last(), Some(&20.0));
+    let (code, errors) = run("FaultInject[4] := 16;");
+    assert_ne!(code, Some(0));
+    assert!(
+        errors.contains("FaultInject[4] cannot be 0x10, expected bits of 0x3"),
+        "{errors}"
+    );
+}

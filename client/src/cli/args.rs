@@ -1,5 +1,6 @@
 //! The arguments of every command, as data; what they mean is up to the commands.
 
+mod axis;
 mod help;
 mod values;
 
@@ -7,13 +8,14 @@ use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use arcline_client::{Input, QueueFull};
+use arcline_client::{FaultKind, Input, QueueFull};
 use arcline_instruction_set::enumerations;
 
+pub(crate) use axis::{AxisMotion, Jog, MoveAxis};
 pub(crate) use help::command;
 pub(crate) use values::{Percent, Point, Rate};
 
-use values::word_parser;
+use values::{fault_parser, word_parser};
 
 /// Commands a coordinated-motion server over EtherNet/IP.
 #[derive(Parser, Debug)]
@@ -64,6 +66,20 @@ pub(crate) enum Command {
     #[command(after_help = "Example: arcline arc XY 100,0 --center 50,0 --cw\n         \
         arcline arc XY 0,0 --center 50,0 --ccw --full --speed 80")]
     Arc(Arc),
+    /// Move one axis (MAM)
+    #[command(
+        after_help = "Full-speed S-curve unless told otherwise; adds to what else moves the axis.
+\
+        Example: arcline move-axis X 100 --speed 50%\n         arcline move-axis R 90 --shortest"
+    )]
+    MoveAxis(MoveAxis),
+    /// Jog one axis (MAJ) until Ctrl-C stops it
+    #[command(
+        after_help = "--no-wait leaves it running; `arcline exec 'MAS(X, M1, Jog)'` stops it then.
+\
+        Example: arcline jog X 50\n         arcline jog X -10% --no-wait"
+    )]
+    Jog(Jog),
     /// Change the dynamics of the running move (MCCD)
     #[command(after_help = "Example: arcline change CS1 --speed 20%")]
     Change(Change),
@@ -85,6 +101,18 @@ pub(crate) enum Command {
     /// Switch the servo of axes on (MSO) or off (MSF)
     #[command(after_help = "--all leaves virtual axes out, which have no drive.\nExample: arcline servo on X Y Z")]
     Servo(Servo),
+    /// Inject faults into axes, clear and list them
+    #[command(
+        subcommand,
+        after_help = "An injected cause is there until it is cleared.\nExample: arcline fault inject X overcurrent"
+    )]
+    Fault(FaultCommand),
+    /// Home axes (MAH), all at the same time, by the sequence of the server's configuration
+    #[command(
+        after_help = "Without an end of its own when the sequence is passive: others must move the axis.\n\
+        Example: arcline home X Y"
+    )]
+    Home(Home),
     /// Show axes, coordinate systems, the group, and the health of the real-time thread
     #[command(after_help = "Example: arcline status X CS1")]
     Status(Status),
@@ -283,6 +311,49 @@ pub(crate) struct Override {
     pub(crate) percent: Percent,
 }
 
+#[derive(Subcommand, Debug)]
+pub(crate) enum FaultCommand {
+    /// Put the cause of a fault on an axis; it is there until it is cleared
+    #[command(after_help = "Example: arcline fault inject X overcurrent")]
+    Inject(FaultInject),
+    /// Take injected causes away and clear the faults of an axis (MAFR)
+    #[command(
+        after_help = "A faulted axis is then stopped: servo on. One that is shut down stays so: MASR.\n\
+        Example: arcline fault clear X"
+    )]
+    Clear(FaultClear),
+    /// Show the faults of axes
+    #[command(after_help = "Example: arcline fault list")]
+    List(FaultList),
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct FaultInject {
+    /// The axis
+    #[arg(value_name = "AXIS")]
+    pub(crate) axis: String,
+    /// Which fault
+    #[arg(value_name = "KIND", value_parser = fault_parser())]
+    pub(crate) kind: FaultKind,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct FaultClear {
+    /// The axis
+    #[arg(value_name = "AXIS")]
+    pub(crate) axis: String,
+    /// The cause that is taken away; all of them unless given
+    #[arg(value_name = "KIND", value_parser = fault_parser())]
+    pub(crate) kind: Option<FaultKind>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct FaultList {
+    /// Axes; all of them unless given
+    #[arg(value_name = "AXIS")]
+    pub(crate) axes: Vec<String>,
+}
+
 #[derive(Args, Debug)]
 pub(crate) struct System {
     /// The coordinate system
@@ -312,6 +383,16 @@ pub(crate) struct Servo {
     /// Every axis that has a drive
     #[arg(long)]
     pub(crate) all: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Home {
+    /// Axes
+    #[arg(value_name = "AXIS", required = true)]
+    pub(crate) axes: Vec<String>,
+    /// Do not wait until they are homed
+    #[arg(long)]
+    pub(crate) no_wait: bool,
 }
 
 #[derive(ValueEnum, Clone, Copy, PartialEq, Debug)]

@@ -4,6 +4,7 @@
 //! programs that do not parse); 3 no connection, or it was lost; 130 interrupted with Ctrl-C.
 
 mod args;
+mod fault;
 mod feed_override;
 mod moves;
 mod operands;
@@ -20,7 +21,7 @@ use clap::FromArgMatches;
 
 use arcline_client::{Client, ClientError, ProgramError};
 
-use args::{Arguments, Command};
+use args::{Arguments, Command, FaultCommand};
 use output::Output;
 
 /// Why a command failed.
@@ -32,6 +33,8 @@ pub(crate) enum Failure {
     Program(#[from] ProgramError),
     #[error("{path}: {source}")]
     File { path: String, source: std::io::Error },
+    #[error("{axis} cannot have the fault {fault}: it has no drive")]
+    NoSuchFault { axis: String, fault: &'static str },
     /// What has been done about it has been told already.
     #[error("interrupted")]
     Interrupted,
@@ -44,7 +47,7 @@ impl Failure {
     fn code(&self) -> u8 {
         match self {
             Self::Client(error) | Self::Program(ProgramError::Client { source: error, .. }) => client_code(error),
-            Self::Program(ProgramError::Syntax(_)) | Self::File { .. } => 2,
+            Self::Program(ProgramError::Syntax(_)) | Self::File { .. } | Self::NoSuchFault { .. } => 2,
             Self::Program(ProgramError::Runtime(_)) | Self::Several { .. } => 1,
             Self::Interrupted => 130,
         }
@@ -104,11 +107,17 @@ async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
         Command::Run(run) => programs::run(&client, &run, output).await,
         Command::Move(command) => moves::line(&client, command, output).await,
         Command::Arc(command) => moves::arc(&client, command, output).await,
+        Command::MoveAxis(command) => moves::axis(&client, command, output).await,
+        Command::Jog(command) => moves::jog(&client, command, output).await,
         Command::Change(command) => moves::change(&client, command, output).await,
         Command::Override(command) => feed_override::set(&client, &command, output).await,
         Command::Hold(command) => feed_override::hold(&client, &command, output).await,
         Command::Resume(command) => feed_override::resume(&client, &command, output).await,
+        Command::Fault(FaultCommand::Inject(command)) => fault::inject(&client, &command, output).await,
+        Command::Fault(FaultCommand::Clear(command)) => fault::clear(&client, &command, output).await,
+        Command::Fault(FaultCommand::List(command)) => fault::list(&client, &command, output).await,
         Command::Stop(command) => moves::stop(&client, command, output).await,
+        Command::Home(command) => moves::home(&client, command, output).await,
         Command::Servo(command) => moves::servo(&client, command, output).await,
         Command::Status(command) => status::status(&client, &command.names, output).await,
         Command::Tags(command) => tags::list(&client, command.pattern.as_deref(), output).await,

@@ -1,11 +1,11 @@
-//! `move`, `arc`, `change`, `stop`, `servo`: executed, waited for, told.
+//! `move`, `arc`, `move-axis`, `jog`, `change`, `stop`, `servo`, `home`: executed, waited for, told.
 
 use arcline_client::{Client, ClientError, Execution, Flag, Given, Mnemonic, Object, Operands};
 
-use super::args::{Arc, Change, Dynamics, Move, OnOff, Servo, Stop, StopType};
+use super::args::{Arc, Change, Home, Jog, Move, MoveAxis, OnOff, Servo, Stop, StopType};
 use super::operands;
 use super::sweep::Sweep;
-use super::wait::{self, Course};
+use super::wait::{self, Course, Stopping};
 use super::{Failure, Output};
 
 /// `move`.
@@ -17,22 +17,34 @@ pub(crate) async fn line(client: &Client, command: Move, output: &Output) -> Res
     } = command;
     let length = line_length(client, &system, &position.0, dynamics.relative).await;
     let operands = operands::line(&position, &dynamics)?;
-    execute(client, &system, &operands, &dynamics, Course { length }, output).await
+    let waited = (!dynamics.no_wait).then_some(Course { length });
+    execute(client, &system, &operands, dynamics.tag.as_deref(), waited, output).await
 }
 
 /// `arc`.
 pub(crate) async fn arc(client: &Client, command: Arc, output: &Output) -> Result<(), Failure> {
     let length = arc_length(client, &command).await;
     let operands = operands::arc(&command)?;
-    execute(
-        client,
-        &command.system,
-        &operands,
-        &command.dynamics,
-        Course { length },
-        output,
-    )
-    .await
+    let waited = (!command.dynamics.no_wait).then_some(Course { length });
+    let tag = command.dynamics.tag.as_deref();
+    execute(client, &command.system, &operands, tag, waited, output).await
+}
+
+/// `move-axis`.
+pub(crate) async fn axis(client: &Client, command: MoveAxis, output: &Output) -> Result<(), Failure> {
+    let length = axis_length(client, &command).await;
+    let operands = operands::axis(&command)?;
+    let waited = (!command.motion.no_wait).then_some(Course { length });
+    let tag = command.motion.tag.as_deref();
+    execute(client, &command.axis, &operands, tag, waited, output).await
+}
+
+/// `jog`: waits until something ends it.
+pub(crate) async fn jog(client: &Client, command: Jog, output: &Output) -> Result<(), Failure> {
+    let operands = operands::jog(&command)?;
+    let waited = (!command.motion.no_wait).then_some(Course::default());
+    let tag = command.motion.tag.as_deref();
+    execute(client, &command.axis, &operands, tag, waited, output).await
 }
 
 /// `change`.
@@ -93,6 +105,32 @@ pub(crate) async fn servo(client: &Client, command: Servo, output: &Output) -> R
     each(executions, wait, output).await
 }
 
+/// `home`. Ctrl-C stops all of the axes.
+pub(crate) async fn home(client: &Client, command: Home, output: &Output) -> Result<(), Failure> {
+    // All of them begin before the first is waited for.
+    let mut executions = Vec::new();
+    for axis in &command.axes {
+        executions.push(client.execute(Mnemonic::Mah, axis, "", &[]).await);
+    }
+    let started = executions.iter().flatten();
+    let stops: Vec<_> = started
+        .filter_map(|execution| Stopping::all(Object::Axis, execution.target.clone()))
+        .collect();
+    let wait = async |execution: &Execution| {
+        let control = if command.no_wait {
+            execution.control
+        } else {
+            tokio::select! {
+                control = client.wait_for(execution, Flag::Pc, wait::FOREVER) => control?,
+                () = wait::interrupted() => return Err(wait::interrupt(client, stops.clone(), output).await),
+            }
+        };
+        output.execution(execution, &control);
+        Ok(())
+    };
+    each(executions, wait, output).await
+}
+
 /// Axes that have a drive.
 async fn drives(client: &Client) -> Result<Vec<String>, ClientError> {
     let tags = client.browse().await?.into_iter();
@@ -133,26 +171,39 @@ async fn each(
     }
 }
 
-/// Executes a move and waits for its end.
+/// Executes a move and, if it is `waited` for, waits for its end.
 async fn execute(
     client: &Client,
-    system: &str,
+    target: &str,
     operands: &Operands,
-    dynamics: &Dynamics,
-    course: Course,
+    tag: Option<&str>,
+    waited: Option<Course>,
     output: &Output,
 ) -> Result<(), Failure> {
-    let tag = dynamics.tag.as_deref().unwrap_or_default();
     let execution = client
-        .execute(operands.mnemonic(), system, tag, operands.given())
+        .execute(operands.mnemonic(), target, tag.unwrap_or_default(), operands.given())
         .await?;
-    let control = if dynamics.no_wait {
-        execution.control
-    } else {
-        wait::complete(client, &execution, course, output).await?
+    let control = match waited {
+        Some(course) => wait::complete(client, &execution, course, output).await?,
+        None => execution.control,
     };
     output.execution(&execution, &control);
     Ok(())
+}
+
+/// How far an axis goes from where it stands, for the progress only; `None` when it cannot be told.
+async fn axis_length(client: &Client, command: &MoveAxis) -> Option<f64> {
+    if command.shortest || command.positive || command.negative {
+        return None;
+    }
+    if command.relative {
+        return Some(command.position.abs());
+    }
+    let start = client
+        .read_numbers(&format!("{}.ActualPosition", command.axis))
+        .await
+        .ok()?;
+    Some((command.position - start.first()?).abs())
 }
 
 /// Length of an arc from where the system stands, for the progress only; `None` when it cannot be told, as for a move

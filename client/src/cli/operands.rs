@@ -2,7 +2,7 @@
 
 use arcline_client::{ClientError, Given, Mnemonic, Operands};
 
-use super::args::{Arc, Change, Circle, Direction, Dynamics, Point, Rate};
+use super::args::{Arc, AxisMotion, Change, Circle, Direction, Dynamics, Jog, MoveAxis, Point, Rate};
 
 /// Operands of `move`.
 pub(super) fn line(position: &Point, dynamics: &Dynamics) -> Result<Operands, ClientError> {
@@ -58,17 +58,65 @@ fn with_dynamics(mut operands: Operands, dynamics: &Dynamics) -> Result<Operands
     } = dynamics;
     operands = operands.with("Move Type", Given::Integer(i64::from(*relative)))?;
     operands = with_rate(operands, "Speed", "Speed Units", *speed)?;
-    operands = with_rate(operands, "Accel Rate", "Accel Units", *accel)?;
-    operands = with_rate(operands, "Decel Rate", "Decel Units", *decel)?;
-    if *trapezoid {
-        operands = operands.with("Profile", Given::Integer(0))?;
-    }
+    operands = with_rates(operands, *accel, *decel, *trapezoid)?;
     for (name, value) in [("Termination Type", termination), ("Merge", merge)] {
         if let Some(value) = value {
             operands = operands.with(name, Given::Integer(i64::from(*value)))?;
         }
     }
     Ok(operands)
+}
+
+/// Operands of `move-axis`.
+pub(super) fn axis(command: &MoveAxis) -> Result<Operands, ClientError> {
+    let MoveAxis {
+        position,
+        relative,
+        shortest,
+        positive,
+        negative,
+        speed,
+        motion,
+        ..
+    } = command;
+    let ways = [*relative, *shortest, *positive, *negative];
+    let kind = ways.iter().position(|way| *way).map_or(0, |place| place as i64 + 1);
+    let operands = Operands::full_speed(Mnemonic::Mam)
+        .with("Move Type", Given::Integer(kind))?
+        .with("Position", *position)?;
+    let operands = with_rate(operands, "Speed", "Speed Units", *speed)?;
+    with_motion(operands, motion)
+}
+
+/// Operands of `jog`: the sign of the speed is the direction.
+pub(super) fn jog(command: &Jog) -> Result<Operands, ClientError> {
+    let (reverse, speed) = match command.speed {
+        Rate::Units(speed) => (speed < 0.0, Rate::Units(speed.abs())),
+        Rate::Percent(speed) => (speed < 0.0, Rate::Percent(speed.abs())),
+    };
+    let operands = Operands::full_speed(Mnemonic::Maj).with("Direction", Given::Integer(i64::from(reverse)))?;
+    let operands = with_rate(operands, "Speed", "Speed Units", Some(speed))?;
+    with_motion(operands, &command.motion)
+}
+
+fn with_motion(operands: Operands, motion: &AxisMotion) -> Result<Operands, ClientError> {
+    let operands = with_rates(operands, motion.accel, motion.decel, motion.trapezoid)?;
+    operands.with("Merge", Given::Integer(i64::from(motion.merge)))
+}
+
+fn with_rates(
+    operands: Operands,
+    accel: Option<Rate>,
+    decel: Option<Rate>,
+    trapezoid: bool,
+) -> Result<Operands, ClientError> {
+    let operands = with_rate(operands, "Accel Rate", "Accel Units", accel)?;
+    let operands = with_rate(operands, "Decel Rate", "Decel Units", decel)?;
+    if trapezoid {
+        operands.with("Profile", Given::Integer(0))
+    } else {
+        Ok(operands)
+    }
 }
 
 /// Operands of `change`.
@@ -198,6 +246,54 @@ mod tests {
             let operands = arc(&command).expect("operands");
             assert_eq!(number(&operands, "Circle Type"), circle_type, "{command:?}");
             assert_eq!(number(&operands, "Direction"), expected, "{command:?}");
+        }
+    }
+
+    #[test]
+    fn moves_and_jogs_of_an_axis() {
+        let motion = || AxisMotion {
+            accel: Some(Rate::Units(20.0)),
+            merge: true,
+            ..AxisMotion::default()
+        };
+        let command = |ways: [bool; 4]| MoveAxis {
+            axis: "R".to_owned(),
+            position: 90.0,
+            relative: ways[0],
+            shortest: ways[1],
+            positive: ways[2],
+            negative: ways[3],
+            speed: None,
+            motion: motion(),
+        };
+        for (kind, ways) in [
+            (0.0, [false; 4]),
+            (1.0, [true, false, false, false]),
+            (4.0, [false, false, false, true]),
+        ] {
+            let operands = axis(&command(ways)).expect("operands");
+            assert_eq!(number(&operands, "Move Type"), kind);
+            assert_eq!(number(&operands, "Position"), 90.0);
+            assert_eq!(
+                (number(&operands, "Accel Rate"), number(&operands, "Merge")),
+                (20.0, 1.0)
+            );
+        }
+        for (speed, direction, units) in [(Rate::Units(-5.0), 1.0, 0.0), (Rate::Percent(5.0), 0.0, 1.0)] {
+            let command = Jog {
+                axis: "X".to_owned(),
+                speed,
+                motion: motion(),
+            };
+            let operands = jog(&command).expect("operands");
+            assert_eq!(
+                (number(&operands, "Direction"), number(&operands, "Speed")),
+                (direction, 5.0)
+            );
+            assert_eq!(
+                (number(&operands, "Speed Units"), number(&operands, "Accel Units")),
+                (units, 0.0)
+            );
         }
     }
 

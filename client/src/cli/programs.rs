@@ -5,7 +5,7 @@ use serde_json::json;
 use arcline_client::{Client, Event, OnError, Runner};
 
 use super::args::{Exec, Run};
-use super::wait::{self, Course};
+use super::wait::{self, Course, Stopping};
 use super::{Failure, Output, moves};
 
 /// `exec`: executes, waits for moves and stops, prints how the instruction stands.
@@ -91,7 +91,11 @@ pub(crate) async fn run(client: &Client, command: &Run, output: &Output) -> Resu
     };
     match result {
         Some(result) => result?,
-        None => return Err(wait::interrupt(client, &runner.targets(), output).await),
+        None => {
+            let targets = runner.targets().into_iter();
+            let stops = targets.filter_map(|(object, target)| Stopping::all(object, target));
+            return Err(wait::interrupt(client, stops, output).await);
+        }
     }
     let file = &command.file;
     output.result(

@@ -123,7 +123,7 @@ fn kind(tag: &Tag) -> Option<Kind> {
 }
 
 /// Names of the members that are true, in the words of the table.
-fn words(reading: &Reading, members: &[(&str, &str)]) -> String {
+pub(super) fn words(reading: &Reading, members: &[(&str, &str)]) -> String {
     let set: Vec<&str> = members
         .iter()
         .filter(|(member, _)| reading.flag(member))
@@ -136,7 +136,7 @@ fn or(text: String, otherwise: &str) -> String {
     if text.is_empty() { otherwise.to_owned() } else { text }
 }
 
-const AXIS_FAULTS: &[(&str, &str)] = &[
+pub(super) const AXIS_FAULTS: &[(&str, &str)] = &[
     ("PhysicalAxisFault", "axis-fault"),
     ("ModuleFault", "module-fault"),
     ("ConfigFault", "configuration-fault"),

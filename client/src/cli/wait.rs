@@ -9,13 +9,19 @@ use arcline_client::{Client, ClientError, Execution, Flag, Given, Mnemonic, Moti
 use super::{Failure, Output};
 
 /// No deadline of our own: the user has Ctrl-C.
-const FOREVER: Duration = Duration::from_secs(365 * 24 * 3600);
+pub(crate) const FOREVER: Duration = Duration::from_secs(365 * 24 * 3600);
 /// Time for a stop to come to its end.
 const STOPPING: Duration = Duration::from_secs(60);
 /// Time between two updates of the progress.
 const REFRESH: Duration = Duration::from_millis(100);
 /// MCS, Stop Type: Coordinated Move.
 const COORDINATED_MOVE: i64 = 2;
+/// MAS, Stop Type: everything on the axis.
+const ALL: i64 = 0;
+/// MAS, Stop Type: Jog.
+const JOG: i64 = 1;
+/// MAS, Stop Type: Move.
+const MOVE: i64 = 2;
 
 /// How far a move goes, where that is known.
 #[derive(Clone, Debug, Default)]
@@ -24,17 +30,52 @@ pub(crate) struct Course {
     pub(crate) length: Option<f64>,
 }
 
-/// Waits for PC. Ctrl-C stops the coordinate system and fails with [`Failure::Interrupted`].
+/// Waits for PC, or for the end of what has none. Ctrl-C stops what was begun and fails with [`Failure::Interrupted`].
 pub(crate) async fn complete(
     client: &Client,
     execution: &Execution,
     course: Course,
     output: &Output,
 ) -> Result<MotionControl, Failure> {
-    let targets = [(execution.mnemonic.instruction().object, execution.target.clone())];
+    let stopping = Stopping::of(execution);
     tokio::select! {
-        result = watched(client, execution, course, output) => Ok(result?),
-        () = interrupted() => Err(interrupt(client, &targets, output).await),
+        result = watched(client, execution, course, output) => match result {
+            // A jog comes to no end by itself.
+            Err(ClientError::Ended { control, .. }) if !execution.completes() => Ok(control),
+            result => Ok(result?),
+        },
+        () = interrupted() => Err(interrupt(client, stopping, output).await),
+    }
+}
+
+/// What Ctrl-C stops: an instruction, its Stop Type and its target.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Stopping {
+    mnemonic: Mnemonic,
+    kind: i64,
+    target: String,
+}
+
+impl Stopping {
+    /// The stop of one execution.
+    fn of(execution: &Execution) -> Option<Self> {
+        let stopping = Self::all(execution.mnemonic.instruction().object, execution.target.clone())?;
+        let kind = match execution.mnemonic {
+            Mnemonic::Maj => JOG,
+            Mnemonic::Mam => MOVE,
+            _ => stopping.kind,
+        };
+        Some(Stopping { kind, ..stopping })
+    }
+
+    /// The stop of what instructions on an object can have begun.
+    pub(crate) fn all(object: Object, target: String) -> Option<Self> {
+        let (mnemonic, kind) = match object {
+            Object::CoordinateSystem => (Mnemonic::Mcs, COORDINATED_MOVE),
+            Object::Axis => (Mnemonic::Mas, ALL),
+            Object::MotionGroup => return None,
+        };
+        Some(Stopping { mnemonic, kind, target })
     }
 }
 
@@ -46,14 +87,10 @@ pub(crate) async fn interrupted() {
 }
 
 /// Stops what was begun and says so.
-pub(crate) async fn interrupt(client: &Client, targets: &[(Object, String)], output: &Output) -> Failure {
-    for (object, target) in targets {
-        let result = match object {
-            Object::CoordinateSystem => stop(client, Mnemonic::Mcs, target).await,
-            Object::Axis => stop(client, Mnemonic::Mas, target).await,
-            Object::MotionGroup => continue,
-        };
-        match result {
+pub(crate) async fn interrupt(client: &Client, stops: impl IntoIterator<Item = Stopping>, output: &Output) -> Failure {
+    for stopping in stops {
+        let target = &stopping.target;
+        match stop(client, &stopping).await {
             Ok(()) => output.result(format!("interrupted: {target} is stopped"), || {
                 serde_json::json!({"interrupted": true, "stopped": target})
             }),
@@ -65,10 +102,10 @@ pub(crate) async fn interrupt(client: &Client, targets: &[(Object, String)], out
     Failure::Interrupted
 }
 
-async fn stop(client: &Client, mnemonic: Mnemonic, target: &str) -> Result<(), ClientError> {
-    let kind = if mnemonic == Mnemonic::Mcs { COORDINATED_MOVE } else { 0 };
-    let operands = Operands::full_speed(mnemonic).with("Stop Type", Given::Integer(kind))?;
-    let execution = client.execute(mnemonic, target, "", operands.given()).await?;
+async fn stop(client: &Client, stopping: &Stopping) -> Result<(), ClientError> {
+    let Stopping { mnemonic, kind, target } = stopping;
+    let operands = Operands::full_speed(*mnemonic).with("Stop Type", Given::Integer(*kind))?;
+    let execution = client.execute(*mnemonic, target, "", operands.given()).await?;
     client.wait_for(&execution, Flag::Pc, STOPPING).await.map(drop)
 }
 
@@ -79,8 +116,7 @@ async fn watched(
     output: &Output,
 ) -> Result<MotionControl, ClientError> {
     let waiting = client.wait_for(execution, Flag::Pc, FOREVER);
-    let coordinated = execution.mnemonic.instruction().object == Object::CoordinateSystem;
-    if !output.is_watched() || !coordinated {
+    if !output.is_watched() || execution.mnemonic.instruction().object == Object::MotionGroup {
         return waiting.await;
     }
     tokio::select! {
@@ -97,10 +133,14 @@ async fn show(client: &Client, execution: &Execution, course: Course) -> ClientE
     };
     let _cleared = Cleared(bar.clone());
     bar.set_prefix(format!("{} {}", execution.mnemonic, execution.target));
-    let path = format!("{}.ActualPosition", execution.target);
+    // The position of a rotary axis jumps at the unwind; its velocity does not.
+    let single = execution.mnemonic.instruction().object == Object::Axis;
+    let member = if single { "ActualVelocity" } else { "ActualPosition" };
+    let path = format!("{}.{member}", execution.target);
     let mut travelled = Travelled::default();
     loop {
         match client.read_numbers(&path).await {
+            Ok(velocity) if single => travelled.moving(velocity.first().map_or(0.0, |v| v.abs()), Instant::now()),
             Ok(position) => travelled.at(position, Instant::now()),
             Err(error) => return error,
         }
@@ -152,6 +192,15 @@ impl Travelled {
         self.last = Some((position, now));
     }
 
+    /// By its speed.
+    fn moving(&mut self, speed: f64, now: Instant) {
+        if let Some((_, then)) = &self.last {
+            self.distance += 0.5 * (self.speed + speed) * now.duration_since(*then).as_secs_f64();
+        }
+        self.speed = speed;
+        self.last = Some((Vec::new(), now));
+    }
+
     fn message(&self, length: Option<f64>) -> String {
         let (distance, speed) = (self.distance, self.speed);
         match length {
@@ -178,5 +227,10 @@ mod tests {
         travelled.at(vec![3.0, 4.0], start + Duration::from_secs(2));
         assert_eq!(travelled.message(Some(10.0)), "5.0 of 10.0, 2.5/s, 2.0 s left");
         assert_eq!(travelled.message(None), "5.0 done, 2.5/s");
+        let mut travelled = Travelled::default();
+        travelled.moving(0.0, start);
+        travelled.moving(10.0, start + Duration::from_secs(1));
+        travelled.moving(10.0, start + Duration::from_secs(2));
+        assert_eq!(travelled.message(None), "15.0 done, 10.0/s");
     }
 }

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use arcline_controller::machine::{AxisKind, AxisLimits, Corner};
+use arcline_controller::machine::{AxisKind, AxisLimits, Corner, Home, HomeMode, HomeSequence};
 
-use crate::{Project, TagTypeName};
+use crate::Project;
 
 /// What the project would create, one line a thing, ending with a newline.
 pub fn describe(project: &Project) -> String {
@@ -54,7 +54,8 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         if matches!(axis.kind, AxisKind::Servo(_)) {
             write!(out, ", servo {}", if axis.start.servo_on { "on" } else { "off" })?;
         }
-        writeln!(out, "{}", if axis.start.homed { ", homed" } else { ", not homed" })?;
+        write!(out, "{}", if axis.start.homed { ", homed" } else { ", not homed" })?;
+        writeln!(out, "{}", homing(&axis.home))?;
     }
     for system in &machine.systems {
         let axes: Vec<&str> = system
@@ -99,7 +100,7 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         writeln!(out, "instruction tag {}: {} on {}", tag.name, tag.mnemonic, tag.target)?;
     }
     for tag in tags {
-        writeln!(out, "tag {}: {}", tag.name, TagTypeName(&tag.tag_type))?;
+        writeln!(out, "tag {}: {}", tag.name, tag.tag_type)?;
     }
     writeln!(
         out,
@@ -110,4 +111,18 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         instruction_tags.len(),
         tags.len(),
     )
+}
+
+/// How an axis is homed, where that is not by itself understood.
+fn homing(home: &Home) -> &'static str {
+    match (home.mode, home.sequence) {
+        (_, HomeSequence::Immediate) => "",
+        (HomeMode::Active, HomeSequence::Switch) => ", homes on a switch",
+        (HomeMode::Active, HomeSequence::Marker) => ", homes on a marker",
+        (HomeMode::Active, HomeSequence::SwitchMarker) => ", homes on a marker behind a switch",
+        (HomeMode::Passive, HomeSequence::Switch) => ", homes on a switch when moved there",
+        (HomeMode::Passive, HomeSequence::Marker) => ", homes on a marker when moved there",
+        (HomeMode::Passive, HomeSequence::SwitchMarker) => ", homes on a marker behind a switch when moved there",
+        (_, HomeSequence::Torque | HomeSequence::TorqueMarker) => ", homes by torque, which is not simulated",
+    }
 }

@@ -4,6 +4,7 @@
 
 mod axis;
 mod dynamics;
+mod home;
 mod names;
 mod server;
 mod system;
@@ -124,7 +125,11 @@ pub(crate) const KEYS: &[(&str, &[&str])] = &[
     ("## `[[axis]]`", AXIS),
     ("### `start = { … }`", axis::START),
     ("### `drive = { … }`", axis::DRIVE),
+    ("### `exception_actions = { … }`", &axis::EXCEPTION_ACTIONS),
     ("### `travel = { … }`", axis::TRAVEL),
+    ("### `home = { … }`", home::HOME),
+    ("### `switch = { … }`", home::SWITCH),
+    ("### `marker = { … }`", home::MARKER),
     ("## `[[coordinate_system]]`", COORDINATE_SYSTEM),
     ("## `[[transform]]`", TRANSFORM),
     ("## `[[instruction]]`", tags::INSTRUCTION),

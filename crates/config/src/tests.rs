@@ -1,6 +1,9 @@
 //! Texts in, projects and errors out.
 
-use arcline_controller::machine::{AxisKind, AxisLimits, Corner, Drive, Start, Travel};
+use arcline_controller::machine::{
+    AxisKind, AxisLimits, Corner, Drive, Home, HomeDirection, HomeMarker, HomeMode, HomeSequence, HomeSwitch, Start,
+    Travel,
+};
 use arcline_instruction_set::Mnemonic;
 
 use crate::{DEFAULT, describe, load};
@@ -36,6 +39,7 @@ fn the_default_is_what_the_contract_says() {
             (200_000.0, 200_000.0)
         );
         assert_eq!((axis.travel, axis.unwind), (None, None));
+        assert_eq!(axis.home, Home::immediate(10000.0, 10000.0));
         assert_eq!(
             axis.start,
             Start {
@@ -98,6 +102,8 @@ fn the_default_is_what_the_contract_says() {
 
 const AXIS: &str = "[[axis]]\nname = \"X\"\ntype = \"servo\"\nmax_speed = 10\nmax_acceleration = 100\n";
 const TURN: &str = "[[axis]]\nname = \"R\"\ntype = \"virtual\"\nmax_speed = 10\nmax_acceleration = 100\nunwind = 360\n";
+const TURNTABLE: &str =
+    "[[axis]]\nname = \"X\"\ntype = \"servo\"\nmax_speed = 10\nmax_acceleration = 100\nunwind = 360\n";
 const SYSTEM: &str = "[[coordinate_system]]\nname = \"CS\"\naxes = [\"x\"]\nmax_speed = 5\nmax_acceleration = 50\n";
 
 #[test]
@@ -204,6 +210,61 @@ fn everything_can_be_said() {
 }
 
 #[test]
+fn homing_can_be_said() {
+    let full = Home {
+        mode: HomeMode::Passive,
+        sequence: HomeSequence::SwitchMarker,
+        direction: HomeDirection::UnidirectionalReverse,
+        position: 5.0,
+        offset: -2.0,
+        speed: 8.0,
+        return_speed: 3.0,
+        acceleration: 60.0,
+        deceleration: 70.0,
+        switch: Some(HomeSwitch { min: -1.0, max: 1.5 }),
+        marker: Some(HomeMarker {
+            at: 0.25,
+            every: Some(2.0),
+        }),
+    };
+    let moving = Home {
+        sequence: HomeSequence::Switch,
+        speed: 8.0,
+        return_speed: 8.0,
+        ..Home::immediate(100.0, 100.0)
+    };
+    let switch = |min, max| Some(HomeSwitch { min, max });
+    let infinity = f64::INFINITY;
+    #[rustfmt::skip]
+    let cases = [
+        // why,                    of the axis,       keys of home,  what is read
+        ("nothing",                AXIS,              "",            Home::immediate(100.0, 100.0)),
+        ("everything",             AXIS,
+            "mode = \"passive\", sequence = \"Switch-Marker\", direction = \"unidirectional-reverse\", position = 5, \
+             offset = -2, speed = 8, return_speed = 3, acceleration = 60, deceleration = 70, \
+             switch = { min = -1, max = 1.5 }, marker = { at = 0.25, every = 2 }", full),
+        ("no input",               AXIS,              "sequence = \"switch\", speed = 8", moving),
+        ("the usual switch",       AXIS,              "sequence = \"switch\", speed = 8, switch = {}", Home { switch: switch(0.0, infinity), ..moving }),
+        ("a switch up to",         AXIS,              "sequence = \"switch\", speed = 8, switch = { max = 3 }", Home { switch: switch(-infinity, 3.0), ..moving }),
+        ("the only marker",        AXIS,              "marker = {}", Home { marker: Some(HomeMarker { at: 0.0, every: None }), ..Home::immediate(100.0, 100.0) }),
+        ("a marker a turn",        TURNTABLE,         "marker = {}", Home { marker: Some(HomeMarker { at: 0.0, every: Some(360.0) }), ..Home::immediate(100.0, 100.0) }),
+        ("a switch across 0",      TURNTABLE,         "switch = { min = 350, max = 10 }", Home { switch: switch(350.0, 10.0), ..Home::immediate(100.0, 100.0) }),
+    ];
+    for (why, axis, keys, expected) in cases {
+        let text = format!("{axis}home = {{ {keys} }}\n");
+        let project = load(&text, "m.toml").unwrap_or_else(|error| panic!("{why}: {error}"));
+        assert_eq!(project.machine.axes[0].home, expected, "{why}");
+    }
+    let text = format!("{AXIS}home = {{ sequence = \"marker\", speed = 1, marker = {{}} }}\n");
+    let project = load(&text, "m.toml").unwrap_or_else(|error| panic!("{error}"));
+    assert!(
+        describe(&project).contains(", homes on a marker\n"),
+        "{}",
+        describe(&project)
+    );
+}
+
+#[test]
 fn errors_name_place_key_and_expectation() {
     let two = format!("{AXIS}{TURN}");
     let base = format!("{two}{SYSTEM}");
@@ -245,6 +306,17 @@ fn errors_name_place_key_and_expectation() {
         ("a motor without torque", format!("{AXIS}drive = {{ torque_limit = 0 }}"), "m.toml:6:26: axis[1].drive.torque_limit: found 0, expected a number above 0 (units/s²)".into()),
         ("an encoder without counts", format!("{AXIS}drive = {{ encoder_resolution = 0 }}"), "m.toml:6:32: axis[1].drive.encoder_resolution: found 0, expected a number above 0 (counts per position unit)".into()),
         ("a flag that is none", format!("{AXIS}start = {{ homed = 1 }}"), "m.toml:6:19: axis[1].start.homed: found 1, expected true or false".into()),
+        ("homing without a speed", format!("{AXIS}home = {{ sequence = \"switch\" }}"), "m.toml:6:8: axis[1].home.speed: missing, expected a number above 0 (units/s)".into()),
+        ("a sequence that is none", format!("{AXIS}home = {{ sequence = \"swich\" }}"), "m.toml:6:21: axis[1].home.sequence: found \"swich\" (did you mean `switch`?), expected \"immediate\"".into()),
+        ("a direction that is none", format!("{AXIS}home = {{ direction = \"forward\" }}"), "m.toml:6:22: axis[1].home.direction: found \"forward\"".into()),
+        ("a mode that is none", format!("{AXIS}home = {{ mode = 1 }}"), "m.toml:6:17: axis[1].home.mode: found 1, expected \"active\" or \"passive\"".into()),
+        ("a home position beyond the turn", format!("{TURN}home = {{ position = 360 }}"), "m.toml:7:21: axis[1].home.position: found 360, expected a number from 0 to below `unwind`".into()),
+        ("a switch the wrong way round", format!("{AXIS}home = {{ switch = {{ min = 5, max = 4 }} }}"), "m.toml:6:36: axis[1].home.switch.max: found 4, expected a number above `min`".into()),
+        ("half a switch of a turntable", format!("{TURNTABLE}home = {{ switch = {{ min = 5 }} }}"), "m.toml:7:19: axis[1].home.switch.max: missing, expected a finite number".into()),
+        ("a switch beyond the turn", format!("{TURNTABLE}home = {{ switch = {{ min = 5, max = 400 }} }}"), "m.toml:7:36: axis[1].home.switch.max: found 400, expected a number from 0 to below `unwind`".into()),
+        ("a switch of no width", format!("{TURNTABLE}home = {{ switch = {{ min = 5, max = 5 }} }}"), "m.toml:7:36: axis[1].home.switch.max: found 5, expected another number than `min`".into()),
+        ("markers on top of each other", format!("{AXIS}home = {{ marker = {{ every = 0 }} }}"), "m.toml:6:29: axis[1].home.marker.every: found 0, expected a number above 0".into()),
+        ("a sensor of a virtual axis", format!("{TURN}home = {{ marker = {{}} }}"), "m.toml:7:19: axis[1].home.marker: cannot stand together with `type = \"virtual\"`".into()),
         ("no such axis", SYSTEM.replace("\"x\"", "\"y\""), "m.toml:3:9: coordinate_system[1].axes[1]: there is no axis `y`".into()),
         ("an axis twice", format!("{AXIS}{}", SYSTEM.replace("[\"x\"]", "[\"x\", \"X\"]")), "m.toml:8:14: coordinate_system[1].axes[2]: found \"X\", expected each axis once".into()),
         ("no axes", format!("{AXIS}{}", SYSTEM.replace("[\"x\"]", "[]")), "m.toml:8:8: coordinate_system[1].axes: found [], expected a list of 1 to 3 names of axes".into()),

@@ -1,6 +1,6 @@
 //! The tick: commands in, motion, drives, events and a snapshot out.
 
-use arcline_instruction_set::{Call, ControlSlot, MotionControl};
+use arcline_instruction_set::{Call, ControlSlot, FaultSet, MotionControl};
 use arcline_motion::machine::Machine;
 use arcline_motion::{ContourRequest, Event, Motion, Ticket, Trajectory};
 
@@ -20,6 +20,13 @@ pub enum Command {
         system: u16,
         /// The share.
         rate: f64,
+    },
+    /// Put causes of faults on an axis, and take all others away that were put there.
+    Inject {
+        /// Index of the axis.
+        axis: u16,
+        /// The causes.
+        causes: FaultSet,
     },
     /// Stop all motion of every coordinate system in a controlled way: what a shutdown of the process needs.
     StopAll,
@@ -106,6 +113,7 @@ impl Controller {
                 }
                 Some(Command::RungFalse(control)) => self.rung_false(control),
                 Some(Command::Override { system, rate }) => self.set_override(system, rate),
+                Some(Command::Inject { axis, causes }) => self.inject(axis, causes),
                 Some(Command::StopAll) => self.stop_all(),
                 None => break,
             }
@@ -147,6 +155,11 @@ impl Controller {
     /// Takes a share of the programmed speeds of a coordinate system's moves: see [`Motion::set_override`]. Real-time.
     pub fn set_override(&mut self, system: u16, rate: f64) {
         self.motion.set_override(system, rate);
+    }
+
+    /// Puts causes of faults on an axis: see [`Motion::inject`]. Real-time.
+    pub fn inject(&mut self, axis: u16, causes: FaultSet) {
+        self.motion.inject(axis, causes);
     }
 
     /// Stops everything that moves, every axis by itself. Real-time.

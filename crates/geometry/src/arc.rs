@@ -287,6 +287,15 @@ impl Arc {
         arc
     }
 
+    pub(crate) fn shifted(self, by: &Point) -> Arc {
+        Arc {
+            start: self.start + by,
+            end: self.end + by,
+            center: self.center + by,
+            ..self
+        }
+    }
+
     /// True arc length in position units. For differing radii this is the length of the spiral,
     /// along which the programmed speed is kept; see [`Arc::reported_length`].
     #[must_use]

@@ -31,6 +31,14 @@ impl Line {
         }
     }
 
+    pub(crate) fn shifted(self, by: &Point) -> Line {
+        Line {
+            start: self.start + by,
+            end: self.end + by,
+            ..self
+        }
+    }
+
     /// Length in position units.
     #[must_use]
     pub fn length(&self) -> f64 {

@@ -35,6 +35,22 @@ impl Path {
         Path::Line(Line::new(from, to))
     }
 
+    /// The same path elsewhere: every point of it moved by `by`.
+    ///
+    /// ```
+    /// use arcline_geometry::{Path, Point};
+    ///
+    /// let path = Path::line(Point::zeros(), Point::new(3.0, 4.0, 0.0)).shifted(&Point::new(10.0, 0.0, 0.0));
+    /// assert_eq!((path.length(), path.end()), (5.0, Point::new(13.0, 4.0, 0.0)));
+    /// ```
+    #[must_use]
+    pub fn shifted(self, by: &Point) -> Path {
+        match self {
+            Path::Line(line) => Path::Line(line.shifted(by)),
+            Path::Arc(arc) => Path::Arc(arc.shifted(by)),
+        }
+    }
+
     /// Arc length in position units.
     #[must_use]
     pub fn length(&self) -> f64 {

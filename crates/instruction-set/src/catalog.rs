@@ -49,7 +49,16 @@ const EN_DN_ER: &[Flag] = &[Flag::En, Flag::Dn, Flag::Er];
 const EN_DN_ER_IP: &[Flag] = &[Flag::En, Flag::Dn, Flag::Er, Flag::Ip];
 const EN_DN_ER_IP_AC: &[Flag] = &[Flag::En, Flag::Dn, Flag::Er, Flag::Ip, Flag::Ac];
 const EN_DN_ER_IP_PC: &[Flag] = &[Flag::En, Flag::Dn, Flag::Er, Flag::Ip, Flag::Pc];
-const JOG_BITS: &[Flag] = &[Flag::En, Flag::Dn, Flag::Er, Flag::Ip, Flag::Ac, Flag::TrackingMaster];
+const JOG_BITS: &[Flag] = &[
+    Flag::En,
+    Flag::Dn,
+    Flag::Er,
+    Flag::Ip,
+    Flag::Ac,
+    Flag::Accel,
+    Flag::Decel,
+    Flag::TrackingMaster,
+];
 const PATH_BITS: &[Flag] = &[
     Flag::En,
     Flag::Dn,

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::instruction::{ArrayRule, Axes, Condition, Instruction, Kind, Object, Operand, Range, services};
-use crate::{ERRORS, Words};
+use crate::{ERRORS, ExceptionAction, FAULTS, FaultWord, Words};
 
 /// docs/INSTRUCTIONS.md: every instruction with its operands.
 pub fn instructions() -> String {
@@ -36,6 +36,46 @@ pub fn errors() -> String {
         );
     }
     page
+}
+
+/// docs/FAULTS.md: every fault of an axis and every action.
+pub fn faults() -> String {
+    let mut page = String::from(FAULTS_HEAD);
+    for (place, fault) in FAULTS.iter().enumerate() {
+        let word = match fault.shows {
+            FaultWord::Motion => "MotionFaultStatus",
+            FaultWord::Cip => "CIPAxisFaults",
+        };
+        let found = if fault.detected { "" } else { " Injected only." };
+        let _ = writeln!(
+            page,
+            "| `{}` | {place} | {word}.{} | `{}` | {}{found} |",
+            fault.word,
+            fault.bit,
+            fault.default.word(),
+            fault.meaning
+        );
+    }
+    page.push_str("\n## Actions\n\n| action | value | effect |\n|---|---|---|\n");
+    for (value, (word, action)) in ExceptionAction::ALL.into_iter().enumerate() {
+        let _ = writeln!(page, "| `{word}` | {value} | {} |", action_effect(action));
+    }
+    page.push_str(FAULTS_TAIL);
+    page
+}
+
+fn action_effect(action: ExceptionAction) -> &'static str {
+    match action {
+        ExceptionAction::Ignore => "Nothing.",
+        ExceptionAction::Alarm => "The alarm bit (MotionAlarmStatus, CIPAxisAlarms), while the cause is there.",
+        ExceptionAction::FaultStatusOnly => "The fault bits. Motion goes on, and instructions work.",
+        ExceptionAction::StopPlanner => "The axis decelerates at Maximum Deceleration. The servo stays on.",
+        ExceptionAction::StopDrive => {
+            "The axis decelerates at Maximum Deceleration (CIPAxisState 7), then the servo goes off (8). A virtual axis, \
+             which has no drive: as `stop_planner`."
+        }
+        ExceptionAction::Shutdown => "Servo off and shutdown at once (10); the axis coasts.",
+    }
 }
 
 /// The Structured Text form, such as `MSO(Axis, MotionControl);`.
@@ -159,6 +199,43 @@ fn condition(instruction: &Instruction, operand: u8, value: i32) -> String {
     format!("{} is {}", operand.name, word.unwrap_or_else(|| value.to_string()))
 }
 
+const FAULTS_HEAD: &str = "# Faults of an axis
+
+Written by a test from the catalogue; do not edit. The word of a fault is its key in `exception_actions` of an axis in the
+configuration and its name for `arcline fault`; the bit is its bit in the tag `FaultInject`.
+
+| fault | bit | shows as | default action | meaning |
+|---|---|---|---|---|
+";
+
+const FAULTS_TAIL: &str = "
+A fault of MotionFaultStatus sets AxisFault.MotionFault (bit 4), one of CIPAxisFaults AxisFault.PhysicalAxisFault (bit 0). A
+virtual axis has only soft travel faults, as PhysicalAxisFault. In COORDINATE_SYSTEM both show as PhysicalAxisFault and as the
+axis's bit of PhysicalAxesFaulted, in MOTION_GROUP as PhysicalAxisFault. A fault whose action stops the axis ends the coordinated
+motion that the axis takes part in: IP of its instructions clears without PC, the queue is emptied, and the other axes decelerate
+each by itself. Until it is cleared, instructions that would move the axis err with 20.
+
+## Clearing
+
+MAFR clears the faults of an axis (a faulted axis is then Stopped: MSO), MASR, MCSR and MGSR clear them and leave shutdown. A cause
+that is still there faults again at the next update; MCSR then errs with 20 and the axis's index, MGSR with 81.
+
+## Soft travel
+
+Limits hold for a homed axis. Leaving them is a fault, and so is moving further out beyond them; standing beyond one or moving back
+is none. Beyond one whose action stops the axis, an instruction that would move it further out errs with 9.
+
+## Injection
+
+An injected cause is there until it is taken away.
+
+- Tag `FaultInject`: DINT, an element for each axis in the order of the configuration, a bit for each cause that is there. In a
+  program too: `FaultInject[0] := 16;`.
+- Attribute 9 of the axis (class 0x0301): the same element, UDINT, can be set. Attribute 10: the bits that the axis can have.
+- `arcline fault inject AXIS KIND`, `arcline fault list`, and `arcline fault clear AXIS [KIND]`, which takes causes away and executes
+  MAFR.
+";
+
 #[cfg(test)]
 mod tests {
     #[test]
@@ -167,6 +244,7 @@ mod tests {
         for (name, page) in [
             ("INSTRUCTIONS.md", super::instructions()),
             ("ERRORS.md", super::errors()),
+            ("FAULTS.md", super::faults()),
         ] {
             let path = docs.join(name);
             if std::env::var_os("UPDATE_EXPECT").is_some() {

@@ -3,10 +3,62 @@
 
 use arcline_profile::{Jerk, Limits, jerk_from_percent_of_time};
 
+use crate::machine::{Axis, CoordinateSystem};
+
 /// Speed Units, Accel Units, Decel Units, Jerk Units: % of Maximum.
 pub(crate) const PERCENT_OF_MAXIMUM: i32 = 1;
 /// Jerk Units: % of Time.
 pub(crate) const PERCENT_OF_TIME: i32 = 2;
+
+/// The maxima of an axis or, along the path, of a coordinate system: units/s, units/s², units/s³.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Maxima {
+    pub(crate) speed: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) deceleration: f64,
+    pub(crate) acceleration_jerk: f64,
+    pub(crate) deceleration_jerk: f64,
+}
+
+impl Maxima {
+    /// The limits of a stop of an axis by itself: its Maximum Deceleration and, where the motion was an S-curve, its
+    /// Maximum Deceleration Jerk.
+    pub(crate) fn stop(&self, s_curve: bool) -> Limits {
+        Limits {
+            speed: self.speed,
+            acceleration: self.deceleration,
+            deceleration: self.deceleration,
+            jerk: s_curve.then_some(Jerk {
+                acceleration: self.deceleration_jerk,
+                deceleration: self.deceleration_jerk,
+            }),
+        }
+    }
+}
+
+impl From<&Axis> for Maxima {
+    fn from(axis: &Axis) -> Self {
+        Maxima {
+            speed: axis.max_speed,
+            acceleration: axis.max_acceleration,
+            deceleration: axis.max_deceleration,
+            acceleration_jerk: axis.max_acceleration_jerk,
+            deceleration_jerk: axis.max_deceleration_jerk,
+        }
+    }
+}
+
+impl From<&CoordinateSystem> for Maxima {
+    fn from(system: &CoordinateSystem) -> Self {
+        Maxima {
+            speed: system.max_speed,
+            acceleration: system.max_acceleration,
+            deceleration: system.max_deceleration,
+            acceleration_jerk: system.max_acceleration_jerk,
+            deceleration_jerk: system.max_deceleration_jerk,
+        }
+    }
+}
 
 /// A jerk as programmed: one in percent of time follows the speed and the rate when these change.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,16 +97,7 @@ pub(crate) struct Dynamics {
 }
 
 impl Dynamics {
-    /// The limits of a profile with a share of the programmed speed, the override. Rates and jerks are as
-    /// programmed, those in percent of time too.
-    pub(crate) fn overridden(&self, share: f64) -> Limits {
-        let programmed = self.limits();
-        Limits {
-            speed: programmed.speed * share,
-            ..programmed
-        }
-    }
-
+    /// The limits of a profile, as programmed.
     pub(crate) fn limits(&self) -> Limits {
         let jerk = match self.shape {
             Shape::Trapezoidal(_) => None,
@@ -69,6 +112,17 @@ impl Dynamics {
             deceleration: self.deceleration,
             jerk,
         }
+    }
+
+    /// The limits of a jog that goes from one velocity to another, both with a sign. A jerk in percent of time makes
+    /// at least that share of each ramp, whatever speed the ramp begins at (axis-and-data-types §10.3).
+    pub(crate) fn jog_limits(&self, from: f64, to: f64) -> Limits {
+        let mut limits = self.limits();
+        let reference = to.abs().max((from - to).abs());
+        if let (Shape::SCurve(jerks), Some(jerk), true) = (self.shape, &mut limits.jerk, reference > 0.0) {
+            jerk.deceleration = resolve(jerks.deceleration, reference, self.deceleration);
+        }
+        limits
     }
 
     /// Takes a new speed; the last one that was not 0 is kept for jerks in percent of time.

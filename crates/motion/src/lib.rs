@@ -18,6 +18,7 @@ mod follow;
 mod instructions;
 pub mod machine;
 mod motion;
+mod rotary;
 mod snapshot;
 mod status;
 mod stop;

@@ -6,6 +6,12 @@
 //! Units: positions in the axis's own units (u), speeds u/s, rates u/s², jerks u/s³, times in
 //! nanoseconds or seconds as named. Places (`u16`) count from 0 in configuration order.
 
+mod home;
+
+pub use home::{Home, HomeDirection, HomeMarker, HomeMode, HomeSequence, HomeSwitch};
+
+use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind};
+
 /// Largest number of axes of one machine.
 pub const MAX_AXES: usize = 256;
 
@@ -68,7 +74,7 @@ impl Machine {
     }
 }
 
-/// One axis (axis-and-data-types.md §9.1 to §9.3).
+/// One axis (axis-and-data-types.md §9.1 to §9.4).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Axis {
     /// Name, the axis's tag.
@@ -93,8 +99,39 @@ pub struct Axis {
     pub unwind: Option<f64>,
     /// State at start-up.
     pub start: Start,
+    /// How it is homed.
+    pub home: Home,
     /// What a group stop in mode Programmed does with the axis.
     pub programmed_stop_mode: ProgrammedStopMode,
+    /// What each fault does.
+    pub exception_actions: ExceptionActions,
+    /// Time over which AverageVelocity is taken, above 0, at most 1 s.
+    pub average_velocity_timebase: f64,
+}
+
+/// The action of every kind of fault (axis-and-data-types.md §9.3).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ExceptionActions([ExceptionAction; FaultKind::COUNT]);
+
+impl ExceptionActions {
+    /// The action of one kind. Real-time.
+    pub fn of(&self, kind: FaultKind) -> ExceptionAction {
+        self.0[kind as usize]
+    }
+
+    /// With another action for one kind.
+    #[must_use]
+    pub fn with(mut self, kind: FaultKind, action: ExceptionAction) -> Self {
+        self.0[kind as usize] = action;
+        self
+    }
+}
+
+impl Default for ExceptionActions {
+    /// As the catalogue says.
+    fn default() -> Self {
+        ExceptionActions(FAULTS.each_ref().map(|fault| fault.default))
+    }
 }
 
 /// Programmed Stop Mode of an axis (axis-and-data-types.md §4).

@@ -1,10 +1,12 @@
 //! The machine in motion: one tick after another.
 
 mod advance;
+mod faults;
 mod generators;
+mod homing;
 mod take_over;
 
-use arcline_instruction_set::{Call, Flag, MotionControl, MotionError, Object};
+use arcline_instruction_set::{Call, Flag, Mnemonic, MotionControl, MotionError, Object};
 use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::{AxisLimits, Trajectory};
@@ -65,7 +67,11 @@ impl Motion {
                 tick: 0,
                 period_ns: machine.period_ns.max(1),
             },
-            axes: machine.axes.iter().map(Axis::new).collect(),
+            axes: machine
+                .axes
+                .iter()
+                .map(|axis| Axis::new(axis, machine.period()))
+                .collect(),
             systems: systems(machine),
             controls: Controls::new(),
             layouts: Layouts::new(),
@@ -93,6 +99,7 @@ impl Motion {
             }
         }
         self.advance_axes();
+        self.check_faults();
         for index in 0..self.systems.len() {
             self.finish_stop(index);
         }
@@ -154,7 +161,10 @@ impl Motion {
                 .systems
                 .iter()
                 .all(|system| !system.is_busy() && system.stop.is_none())
-            && self.axes.iter().all(|axis| !axis.will_end())
+            && self
+                .axes
+                .iter()
+                .all(|axis| !axis.will_end() && !axis.is_homed_actively())
     }
 
     /// Stops everything that moves, every axis by itself; the instructions end without PC. Real-time.
@@ -199,8 +209,9 @@ impl Motion {
 
     /// Every coordinate system at the present tick, in configuration order.
     pub fn systems(&self) -> impl Iterator<Item = SystemSnapshot> {
-        let role = |index: usize| status::Role {
-            source: self.links().any(|(_, link)| link.from == index),
+        let sources = self.links().fold(0_u64, |bits, (_, link)| bits | 1 << link.from);
+        let role = move |index: usize| status::Role {
+            source: sources & (1 << index) != 0,
             target: self.links.get(index).is_some_and(Option::is_some),
         };
         let systems = self.systems.iter().enumerate();
@@ -261,6 +272,12 @@ impl Motion {
         }
     }
 
+    /// Whether the positions of an axis are being redefined.
+    pub(crate) fn is_redefining(&self, axis: u16) -> bool {
+        let redefines = |message: &Message| message.axis == axis && message.execution.mnemonic == Mnemonic::Mrp;
+        self.messages.iter().any(redefines)
+    }
+
     /// Sets DN at the next update.
     pub(crate) fn done_at_next_update(&mut self, execution: Execution) {
         self.done_next_update(execution, 0, None);
@@ -268,6 +285,11 @@ impl Motion {
 
     /// Ends a move's instruction: it will never report again.
     pub(crate) fn end_move(&mut self, execution: Execution, set: u32) {
+        // Homing is done when it has ended, whichever way.
+        let set = match execution.mnemonic {
+            Mnemonic::Mah => set | Flag::Dn.mask(),
+            _ => set,
+        };
         self.controls.write(execution, set, UNDER_WAY & !set, self.clock.tick);
     }
 

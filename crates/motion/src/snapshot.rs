@@ -7,8 +7,14 @@ pub struct AxisSnapshot {
     pub fault: u32,
     /// AxisStatus.
     pub status: u32,
+    /// AxisEvent.
+    pub event: u32,
     /// MotionStatus.
     pub motion_status: u32,
+    /// MotionFaultStatus and MotionAlarmStatus.
+    pub motion_faults: [u32; 2],
+    /// CIPAxisFaults and CIPAxisAlarms.
+    pub cip_faults: [u64; 2],
     /// CIPAxisState.
     pub cip_state: i16,
     /// CIPAxisStatus.
@@ -17,6 +23,8 @@ pub struct AxisSnapshot {
     pub command: [f64; 3],
     /// ActualPosition, ActualVelocity, ActualAcceleration.
     pub actual: [f64; 3],
+    /// AverageVelocity.
+    pub average_velocity: f64,
     /// PositionError.
     pub position_error: f64,
     /// StartCommandPosition, StartActualPosition.
@@ -32,6 +40,10 @@ pub struct SystemSnapshot {
     pub status: u32,
     /// CoordinateMotionStatus.
     pub motion_status: u32,
+    /// AxisFault.
+    pub fault: u32,
+    /// PhysicalAxesFaulted.
+    pub axes_faulted: u32,
     /// AxesShutdownStatus.
     pub axes_shutdown: u32,
     /// AxesServoOnStatus.
@@ -54,6 +66,8 @@ impl Default for SystemSnapshot {
         SystemSnapshot {
             status: 0,
             motion_status: 0,
+            fault: 0,
+            axes_faulted: 0,
             axes_shutdown: 0,
             axes_servo_on: 0,
             actual: [0.0; 3],

@@ -1,8 +1,10 @@
 //! Status words, from the state at a tick.
 
-use arcline_drive::Saturation;
+use arcline_drive::{Motion as Point, Saturation};
+use arcline_instruction_set::FaultWord;
 use arcline_instruction_set::predefined::{
-    axis_status, cip_axis_status, coordinate_motion_status as motion, coordinate_system_status as status, motion_status,
+    axis_event, axis_fault, axis_status, cip_axis_status, coordinate_motion_status as motion,
+    coordinate_system_status as status, motion_status,
 };
 use arcline_planner::Clock;
 use arcline_planner::profile::Phase;
@@ -23,19 +25,33 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
     let saturation = axis.drive.saturation();
     let command = axis.command;
     AxisSnapshot {
-        fault: 0,
+        fault: axis.faults.axis_fault(axis.is_virtual),
+        motion_faults: [
+            axis.faults.word(FaultWord::Motion) as u32,
+            axis.faults.alarms(FaultWord::Motion) as u32,
+        ],
+        cip_faults: [axis.faults.word(FaultWord::Cip), axis.faults.alarms(FaultWord::Cip)],
         status: axis_word(axis),
+        event: [
+            (axis.awaits_home_event(), axis_event::HOME_EVENT_ARMED_STATUS),
+            (axis.home_event, axis_event::HOME_EVENT_STATUS),
+        ]
+        .into_iter()
+        .fold(0, with),
         motion_status: motion_word(axis, clock),
         cip_state: match axis.state {
             AxisState::Stopped => 2,
             AxisState::Starting => 3,
             AxisState::Running => 4,
             AxisState::Stopping => 6,
+            AxisState::Aborting => 7,
+            AxisState::Faulted => 8,
             AxisState::Shutdown => 10,
         },
         cip_status: [
+            (axis.faults.alarms(FaultWord::Cip) != 0, cip_axis_status::ALARM_STATUS),
             (
-                axis.state == AxisState::Running,
+                matches!(axis.state, AxisState::Running | AxisState::Aborting),
                 cip_axis_status::POWER_STRUCTURE_ENABLED_STATUS,
             ),
             (
@@ -58,6 +74,7 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         .fold(0, with),
         command: [axis.shown(command.position), command.velocity, command.acceleration],
         actual: [axis.shown(actual.position), actual.velocity, actual.acceleration],
+        average_velocity: axis.average.velocity,
         position_error: axis.drive.error(),
         started_at: axis.started_at.map(|position| axis.shown(position)),
         strobed: axis.strobed,
@@ -68,7 +85,10 @@ fn axis_word(axis: &Axis) -> u32 {
     let on = axis.state == AxisState::Running;
     [
         (on, axis_status::SERVO_ACTION_STATUS),
-        (on, axis_status::DRIVE_ENABLE_STATUS),
+        (
+            on || axis.state == AxisState::Aborting,
+            axis_status::DRIVE_ENABLE_STATUS,
+        ),
         (axis.state == AxisState::Shutdown, axis_status::SHUTDOWN_STATUS),
         (true, axis_status::AXIS_UPDATE_STATUS),
     ]
@@ -77,19 +97,18 @@ fn axis_word(axis: &Axis) -> u32 {
 }
 
 fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
-    let rising = axis.command.velocity * axis.command.acceleration;
-    let from_rest = axis.command.velocity == 0.0 && axis.command.acceleration != 0.0;
+    let phase = phase(axis);
     let runs = |slot| axis.sum.get(slot).is_some_and(|generator| !generator.stopping);
     let braking = axis.sum.active().any(|(_, generator)| generator.stopping);
     [
-        (rising > 0.0 || from_rest, motion_status::ACCEL_STATUS),
-        (rising < 0.0, motion_status::DECEL_STATUS),
+        (phase == Phase::Accelerating, motion_status::ACCEL_STATUS),
+        (phase == Phase::Decelerating, motion_status::DECEL_STATUS),
         (braking, motion_status::STOPPING_STATUS),
         (axis.homed, motion_status::AXIS_HOMED_STATUS),
         (runs(Slot::Move), motion_status::MOVE_STATUS),
         (runs(Slot::Jog), motion_status::JOG_STATUS),
         (runs(Slot::Gear), motion_status::GEARING_STATUS),
-        (runs(Slot::Home), motion_status::HOMING_STATUS),
+        (axis.homing().is_some(), motion_status::HOMING_STATUS),
         (
             axis.gear().is_some_and(|gear| gear.is_locked(clock)),
             motion_status::GEARING_LOCK_STATUS,
@@ -104,6 +123,27 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     ]
     .into_iter()
     .fold(0, with)
+}
+
+/// What an axis does: by its profile if it has one, otherwise by what its command does.
+fn phase(axis: &Axis) -> Phase {
+    let mut active = axis.sum.active();
+    if let (Some((_, only)), None) = (active.next(), active.next())
+        && only.is_planned()
+    {
+        return only.shown_phase;
+    }
+    let Point {
+        velocity, acceleration, ..
+    } = axis.command;
+    let rising = velocity * acceleration;
+    if rising > 0.0 || (velocity == 0.0 && acceleration != 0.0) {
+        Phase::Accelerating
+    } else if rising < 0.0 {
+        Phase::Decelerating
+    } else {
+        Phase::Steady
+    }
 }
 
 /// A coordinate system's part in transforms under way.
@@ -126,18 +166,23 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
         let Some(axis) = axes.get(usize::from(*axis)) else {
             continue;
         };
+        let faulted = axis.faults.axis_fault(axis.is_virtual) != 0;
+        shown.axes_faulted |= u32::from(faulted) << place;
         shown.axes_shutdown |= u32::from(axis.state == AxisState::Shutdown) << place;
         shown.axes_servo_on |= u32::from(axis.state == AxisState::Running) << place;
         if let Some(actual) = shown.actual.get_mut(place) {
             *actual = axis.shown(axis.drive.actual().position);
         }
     }
+    if shown.axes_faulted != 0 {
+        shown.fault = axis_fault::PHYSICAL_AXIS_FAULT;
+    }
     let moving = system.activity == Activity::Moving;
     let on_path = moving && !system.in_transition;
     let pending = system.has_pending();
     shown.status = [
         (system.shutdown, status::SHUTDOWN_STATUS),
-        (shown.axes_shutdown == 0, status::READY_STATUS),
+        (shown.axes_shutdown | shown.axes_faulted == 0, status::READY_STATUS),
         (system.is_busy(), status::MOTION_STATUS),
     ]
     .into_iter()

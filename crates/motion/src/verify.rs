@@ -7,21 +7,40 @@
 
 use arcline_instruction_set::{AxisIndex, Culprit, MotionError};
 
+use arcline_planner::geometry::Point;
+
 use crate::axis::{Axis, AxisState};
-use crate::system::System;
+use crate::system::{System, component};
 
 /// Whether a Units word belongs to a master axis.
 pub(crate) fn is_master_driven(units: f64) -> bool {
     units >= 4.0
 }
 
-/// Step 8: no axis in shutdown, every axis with its servo on. Lowest index first.
+/// Step 8: no axis in shutdown, every axis with its servo on and without fault. Lowest index first.
 pub(crate) fn axes_ready(system: &System, axes: &[Axis]) -> Result<(), MotionError> {
+    axes_on(system, axes)?;
+    match first(system, axes, Axis::is_faulted) {
+        Some(place) => Err(MotionError::AxisInFaultedState(place)),
+        None => Ok(()),
+    }
+}
+
+/// Step 8 of a stop: no axis in shutdown, every axis with its servo on but for those that a fault has switched off.
+pub(crate) fn axes_on(system: &System, axes: &[Axis]) -> Result<(), MotionError> {
     if let Some(place) = first(system, axes, |axis| axis.state == AxisState::Shutdown) {
         return Err(MotionError::ShutdownState(place));
     }
-    match first(system, axes, |axis| axis.state != AxisState::Running) {
+    match first(system, axes, Axis::is_off) {
         Some(place) => Err(MotionError::ServoOffState(place)),
+        None => Ok(()),
+    }
+}
+
+/// Step 8, after [`axes_ready`]: no axis is homed. Lowest index first.
+pub(crate) fn not_homing(system: &System, axes: &[Axis]) -> Result<(), MotionError> {
+    match first(system, axes, Axis::is_homed_actively) {
+        Some(place) => Err(MotionError::HomeInProcess(place)),
         None => Ok(()),
     }
 }
@@ -53,6 +72,18 @@ pub(crate) fn not_stopping(system: &System, axes: &[Axis]) -> Result<(), MotionE
     }
     if system.stop.is_some_and(|stop| stop.of_moves) {
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
+    }
+    Ok(())
+}
+
+/// Step 12, overtravel: no axis outside of its travel moves on a point further out.
+pub(crate) fn no_overtravel(system: &System, axes: &[Axis], end: &Point) -> Result<(), MotionError> {
+    let out = |(place, axis): (usize, &u16)| {
+        let axis = axes.get(usize::from(*axis));
+        axis.is_some_and(|axis| axis.faults.forbids(component(end, place) - axis.command.position))
+    };
+    if system.description.axes.iter().enumerate().any(out) {
+        return Err(MotionError::OvertravelCondition);
     }
     Ok(())
 }

@@ -1,6 +1,8 @@
 //! The loop body allocates nothing, and what a tick says of itself is out before its snapshot.
 
-use arcline_controller::machine::{Axis, AxisKind, CoordinateSystem, Drive, Machine, ProgrammedStopMode, Start};
+use arcline_controller::machine::{
+    Axis, AxisKind, CoordinateSystem, Drive, ExceptionActions, Machine, ProgrammedStopMode, Start,
+};
 use arcline_controller::{Command, Controller, Ticket};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MAX_OPERANDS, Mnemonic, RealArray};
 use arcline_realtime::{Options, link, spawn, step};
@@ -23,6 +25,9 @@ fn machine(period_ns: u64) -> Machine {
         unwind: None,
         start: Start::default(),
         programmed_stop_mode: ProgrammedStopMode::default(),
+        exception_actions: ExceptionActions::default(),
+        average_velocity_timebase: 0.25,
+        home: arcline_controller::machine::Home::immediate(1.0, 1.0),
     };
     Machine {
         period_ns,

@@ -8,7 +8,7 @@ use arcline_proto::cip::{CipStatus, Reply, Request, service};
 use arcline_proto::epath::Target;
 use arcline_proto::logix::{ReadModifyWrite, ReadTag, WireType, WriteTag};
 use arcline_proto::status::general_error;
-use arcline_tag::{DataType, Elementary, Location, PathError, PathSegment, STRING_CAPACITY, STRING_INSTANCE, Template};
+use arcline_tag::{DataType, Elementary, Location, PathError, STRING_CAPACITY, STRING_INSTANCE, Template};
 
 use super::objects::symbol;
 use super::router::{Context, Memory};
@@ -223,7 +223,7 @@ fn path_status(error: &PathError) -> CipStatus {
 fn write_status(error: &WriteError) -> CipStatus {
     match error {
         WriteError::ReadOnly { .. } => CipStatus::PRIVILEGE_VIOLATION,
-        WriteError::OutOfRange { .. } => CipStatus::INVALID_PARAMETER,
+        WriteError::OutOfRange { .. } | WriteError::NoSuchFault { .. } => CipStatus::INVALID_PARAMETER,
         _ => unknown(),
     }
 }

@@ -263,7 +263,7 @@ impl<'m> Runner<'m> {
         match tag.map(|tag| tag.kind) {
             Some(TagKind::MotionControl(slot)) => self.watch(slot),
             Some(TagKind::Instruction(kind)) => self.watch(kind.control),
-            Some(TagKind::Plain | TagKind::FeedOverride) => {}
+            Some(TagKind::Plain | TagKind::FeedOverride | TagKind::FaultInject) => {}
             Some(_) => {
                 self.reads_motion = true;
                 self.show(tick);
@@ -325,6 +325,11 @@ impl<'m> Runner<'m> {
                     self.controller.set_override(system, f64::from(percent) / 100.0);
                 }
                 self.shown = None;
+            }
+            Some(Edge::FaultInject) => {
+                for (axis, causes) in (0..).zip(self.image.injected_faults()) {
+                    self.controller.inject(axis, causes);
+                }
             }
             Some(Edge::Rising(id)) => {
                 let call = self

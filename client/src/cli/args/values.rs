@@ -2,7 +2,8 @@
 
 use std::str::FromStr;
 
-use arcline_instruction_set::Words;
+use arcline_instruction_set::{FAULTS, FaultKind, Words};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 
 /// A magnitude in units or in percent of the maximum.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -77,4 +78,14 @@ pub(super) fn word_parser(
             .filter(|value| words.contains(*value))
             .ok_or_else(|| format!("expected {}", words.choices()))
     }
+}
+
+/// A kind of fault by its word.
+pub(super) fn fault_parser() -> impl clap::builder::TypedValueParser<Value = FaultKind> {
+    PossibleValuesParser::new(
+        FAULTS
+            .iter()
+            .map(|fault| PossibleValue::new(fault.word).help(fault.meaning)),
+    )
+    .try_map(|word| FaultKind::from_word(&word).ok_or("no kind of fault"))
 }

@@ -1,9 +1,11 @@
 //! An `[[axis]]` table.
 
-use arcline_controller::machine::{Axis, AxisKind, Drive, ProgrammedStopMode, Start, Travel};
+use arcline_controller::machine::{Axis, AxisKind, Drive, ExceptionActions, ProgrammedStopMode, Start, Travel};
+use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 
 use super::NOT_NEGATIVE_LENGTH;
 use super::dynamics::{Dynamics, POSITIVE_RATE, POSITIVE_SPEED};
+use super::home::home;
 use super::names::{Taken, required_name};
 use crate::error::{ConfigError, Problem};
 use crate::section::{NumberRule, Section};
@@ -29,6 +31,7 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         };
         return Err(section.refuse_key("travel", problem));
     }
+    let home = home(section, &dynamics, unwind, servo)?;
     let drive = drive(section)?;
     let kind = match (servo, drive) {
         (true, drive) => AxisKind::Servo(drive.unwrap_or_default()),
@@ -53,7 +56,12 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         travel,
         unwind,
         start: start(section, unwind)?,
+        home,
         programmed_stop_mode: stop_mode(section)?,
+        exception_actions: exception_actions(section, servo)?,
+        average_velocity_timebase: section
+            .number("average_velocity_timebase", &TIMEBASE)?
+            .unwrap_or(AVERAGE_VELOCITY_TIMEBASE),
     })
 }
 
@@ -102,6 +110,28 @@ fn stop_mode(axis: &Section<'_>) -> Result<ProgrammedStopMode, ConfigError> {
     Ok(place.map_or_else(ProgrammedStopMode::default, |place| ProgrammedStopMode::ALL[place].1))
 }
 
+/// A key for each kind of fault of the catalogue.
+fn exception_actions(axis: &Section<'_>, servo: bool) -> Result<ExceptionActions, ConfigError> {
+    let (section, _) = axis.table("exception_actions", &EXCEPTION_ACTIONS, EXCEPTIONS)?;
+    let words = ExceptionAction::ALL.map(|(word, _)| word);
+    let possible = FaultSet::possible(servo);
+    let mut actions = ExceptionActions::default();
+    for fault in &FAULTS {
+        let Some(place) = section.word(fault.word, &words, ACTION)? else {
+            continue;
+        };
+        if !possible.contains(fault.kind) {
+            let problem = Problem::Conflict {
+                other: "type = \"virtual\"",
+                reason: "only a servo has faults of a drive",
+            };
+            return Err(section.refuse_key(fault.word, problem));
+        }
+        actions = actions.with(fault.kind, ExceptionAction::ALL[place].1);
+    }
+    Ok(actions)
+}
+
 fn start(axis: &Section<'_>, unwind: Option<f64>) -> Result<Start, ConfigError> {
     let (section, _) = axis.table("start", START, "a table such as { position = 0.0, servo_on = true }")?;
     let default = Start::default();
@@ -137,7 +167,10 @@ pub(super) const AXIS: &[&str] = &[
     "unwind",
     "start",
     "drive",
+    "home",
     "programmed_stop_mode",
+    "exception_actions",
+    "average_velocity_timebase",
 ];
 pub(super) const START: &[&str] = &["position", "servo_on", "homed"];
 pub(super) const TRAVEL: &[&str] = &["min", "max"];
@@ -150,17 +183,34 @@ pub(super) const DRIVE: &[&str] = &[
     "torque_limit",
     "encoder_resolution",
 ];
+pub(super) static EXCEPTION_ACTIONS: [&str; FaultKind::COUNT] = {
+    let mut words = [""; FaultKind::COUNT];
+    let mut place = 0;
+    while place < words.len() {
+        words[place] = FAULTS[place].word;
+        place += 1;
+    }
+    words
+};
 const UNITS: &str = "a label of up to 40 bytes such as \"mm\"";
 const STOP_MODE: &str = "\"fast_stop\", \"fast_disable\", \"hard_disable\", \"fast_shutdown\" or \"hard_shutdown\"";
+const EXCEPTIONS: &str = "a table such as { position_error = \"stop_drive\" }";
+const ACTION: &str = "\"ignore\", \"alarm\", \"fault_status_only\", \"stop_planner\", \"stop_drive\" or \"shutdown\"";
 const AXIS_TYPE: &str = "\"servo\" or \"virtual\"";
 
-const POSITIVE_LENGTH: NumberRule = NumberRule {
+pub(super) const POSITIVE_LENGTH: NumberRule = NumberRule {
     expected: "a number above 0 (position units)",
     holds: |x| x > 0.0,
 };
 const BANDWIDTH: NumberRule = NumberRule {
     expected: "a number above 0, at most 10000 (Hz)",
     holds: |x| x > 0.0 && x <= 10_000.0,
+};
+/// Average Velocity Timebase of an axis that is not configured otherwise, s (axis-and-data-types.md §9.1).
+const AVERAGE_VELOCITY_TIMEBASE: f64 = 0.25;
+const TIMEBASE: NumberRule = NumberRule {
+    expected: "a number above 0, at most 1 (seconds)",
+    holds: |x| x > 0.0 && x <= 1.0,
 };
 const SHARE: NumberRule = NumberRule {
     expected: "a number from 0 to 1",
@@ -174,7 +224,7 @@ const RESOLUTION: NumberRule = NumberRule {
     expected: "a number above 0 (counts per position unit)",
     holds: |x| x > 0.0,
 };
-const ANY: NumberRule = NumberRule {
+pub(super) const ANY: NumberRule = NumberRule {
     expected: "a finite number (position units)",
     holds: |_| true,
 };

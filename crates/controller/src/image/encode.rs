@@ -1,6 +1,6 @@
 //! Snapshots as the bytes of the predefined types: which number goes to which member, found once by name.
 
-use arcline_instruction_set::predefined;
+use arcline_instruction_set::predefined::{self, axis_fault};
 use arcline_motion::{AxisSnapshot, SystemSnapshot};
 use arcline_tag::Template;
 
@@ -13,7 +13,12 @@ use crate::machine::{AxisKind, Machine};
 enum AxisField {
     Fault,
     Status,
+    Event,
     MotionStatus,
+    MotionFaults,
+    MotionAlarms,
+    CipFaults,
+    CipAlarms,
     CipState,
     CipStatus,
     Real(fn(&AxisSnapshot) -> f64),
@@ -40,6 +45,8 @@ pub(super) struct Encoder {
 struct SystemLayout {
     status: usize,
     motion_status: usize,
+    fault: usize,
+    faulted: usize,
     shutdown: usize,
     servo_on: usize,
     actual: usize,
@@ -65,6 +72,8 @@ impl Encoder {
             system: SystemLayout {
                 status: at(&system, "CoordinateSystemStatus"),
                 motion_status: at(&system, "CoordinateMotionStatus"),
+                fault: at(&system, "AxisFault"),
+                faulted: at(&system, "PhysicalAxesFaulted"),
                 shutdown: at(&system, "AxesShutdownStatus"),
                 servo_on: at(&system, "AxesServoOnStatus"),
                 actual: at(&system, "ActualPosition"),
@@ -86,23 +95,29 @@ impl Encoder {
         }
     }
 
-    pub(super) fn snapshot(&self, snapshot: &Snapshot, bytes: &mut [Vec<u8>]) {
+    /// `overlapping`: the motion task was still running when its next period began.
+    pub(super) fn snapshot(&self, snapshot: &Snapshot, overlapping: bool, bytes: &mut [Vec<u8>]) {
+        let group_fault = if overlapping { axis_fault::GROUP_FAULT } else { 0 };
         let (group, bytes) = bytes.split_at_mut(1);
         let mut faults = 0;
         for ((axis, is_virtual), bytes) in snapshot.axes.iter().zip(&self.is_virtual).zip(bytes.iter_mut()) {
             faults |= axis.fault;
             let layout = if *is_virtual { &self.virtual_ } else { &self.cip };
-            layout.encode(axis, bytes);
+            layout.encode(axis, group_fault, bytes);
         }
         for (system, bytes) in snapshot
             .systems
             .iter()
             .zip(bytes.iter_mut().skip(self.is_virtual.len()))
         {
-            self.system.encode(system, bytes);
+            self.system.encode(system, group_fault, bytes);
         }
         if let [group] = group {
             put(group, self.group.status, GROUP_RUNNING.to_le_bytes());
+            // The group has no bit for motion faults of axes: they show as physical ones.
+            if faults & axis_fault::MOTION_FAULT != 0 {
+                faults |= axis_fault::PHYSICAL_AXIS_FAULT;
+            }
             put(group, self.group.axis_fault, (faults & GROUP_AXIS_FAULTS).to_le_bytes());
         }
     }
@@ -145,11 +160,19 @@ impl Encoder {
 
 impl AxisLayout {
     fn new(template: &Template) -> Self {
-        use AxisField::{CipState, CipStatus, Fault, MotionStatus, Real, Status};
-        let fields: [(&str, AxisField); 21] = [
+        use AxisField::{
+            CipAlarms, CipFaults, CipState, CipStatus, Event, Fault, MotionAlarms, MotionFaults, MotionStatus, Real,
+            Status,
+        };
+        let fields: [(&str, AxisField); 26] = [
             ("AxisFault", Fault),
             ("AxisStatus", Status),
+            ("AxisEvent", Event),
             ("MotionStatus", MotionStatus),
+            ("MotionFaultStatus", MotionFaults),
+            ("MotionAlarmStatus", MotionAlarms),
+            ("CIPAxisFaults", CipFaults),
+            ("CIPAxisAlarms", CipAlarms),
             ("CIPAxisState", CipState),
             ("CIPAxisStatus", CipStatus),
             ("CommandPosition", Real(|axis| axis.command[0])),
@@ -157,7 +180,7 @@ impl AxisLayout {
             ("CommandAcceleration", Real(|axis| axis.command[2])),
             ("ActualPosition", Real(|axis| axis.actual[0])),
             ("ActualVelocity", Real(|axis| axis.actual[1])),
-            ("AverageVelocity", Real(|axis| axis.actual[1])),
+            ("AverageVelocity", Real(|axis| axis.average_velocity)),
             ("ActualAcceleration", Real(|axis| axis.actual[2])),
             ("VelocityFeedback", Real(|axis| axis.actual[1])),
             ("VelocityError", Real(|axis| axis.command[1] - axis.actual[1])),
@@ -180,12 +203,17 @@ impl AxisLayout {
         }
     }
 
-    fn encode(&self, axis: &AxisSnapshot, bytes: &mut [u8]) {
+    fn encode(&self, axis: &AxisSnapshot, group_fault: u32, bytes: &mut [u8]) {
         for (offset, field) in &self.fields {
             match field {
-                AxisField::Fault => put(bytes, *offset, axis.fault.to_le_bytes()),
+                AxisField::Fault => put(bytes, *offset, (axis.fault | group_fault).to_le_bytes()),
                 AxisField::Status => put(bytes, *offset, axis.status.to_le_bytes()),
+                AxisField::Event => put(bytes, *offset, axis.event.to_le_bytes()),
                 AxisField::MotionStatus => put(bytes, *offset, axis.motion_status.to_le_bytes()),
+                AxisField::MotionFaults => put(bytes, *offset, axis.motion_faults[0].to_le_bytes()),
+                AxisField::MotionAlarms => put(bytes, *offset, axis.motion_faults[1].to_le_bytes()),
+                AxisField::CipFaults => put(bytes, *offset, axis.cip_faults[0].to_le_bytes()),
+                AxisField::CipAlarms => put(bytes, *offset, axis.cip_faults[1].to_le_bytes()),
                 AxisField::CipState => put(bytes, *offset, axis.cip_state.to_le_bytes()),
                 AxisField::CipStatus => put(bytes, *offset, axis.cip_status.to_le_bytes()),
                 AxisField::Real(of) => put(bytes, *offset, (of(axis) as f32).to_le_bytes()),
@@ -195,9 +223,11 @@ impl AxisLayout {
 }
 
 impl SystemLayout {
-    fn encode(&self, system: &SystemSnapshot, bytes: &mut [u8]) {
+    fn encode(&self, system: &SystemSnapshot, group_fault: u32, bytes: &mut [u8]) {
         put(bytes, self.status, system.status.to_le_bytes());
         put(bytes, self.motion_status, system.motion_status.to_le_bytes());
+        put(bytes, self.fault, (system.fault | group_fault).to_le_bytes());
+        put(bytes, self.faulted, system.axes_faulted.to_le_bytes());
         put(bytes, self.shutdown, system.axes_shutdown.to_le_bytes());
         put(bytes, self.servo_on, system.axes_servo_on.to_le_bytes());
         for (place, actual) in system.actual.iter().enumerate() {

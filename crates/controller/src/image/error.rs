@@ -56,6 +56,18 @@ pub enum WriteError {
         /// The most.
         high: f32,
     },
+    /// A fault that the axis cannot have.
+    #[error("{name}[{axis}] cannot be {bits:#x}, expected bits of {possible:#x}")]
+    NoSuchFault {
+        /// The tag.
+        name: String,
+        /// Place of the axis.
+        axis: usize,
+        /// What was to be injected.
+        bits: u32,
+        /// What can be.
+        possible: u32,
+    },
     /// The path leads nowhere.
     #[error(transparent)]
     Read(#[from] ReadError),

@@ -11,6 +11,7 @@ mod calls;
 mod controls;
 mod encode;
 mod error;
+mod fault_inject;
 mod feed_override;
 mod health;
 mod read;
@@ -18,20 +19,23 @@ mod tag;
 #[cfg(test)]
 mod tests;
 mod write;
+mod written;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use arcline_instruction_set::{instruction_tag_defaults, instruction_tag_template, predefined};
+use arcline_instruction_set::{FaultSet, instruction_tag_defaults, instruction_tag_template, predefined};
 use arcline_tag::{DataType, Elementary, TagType, Template, write_string};
 
 use crate::machine::Machine;
 use crate::{Event, Snapshot, UNNAMED};
 
 pub use error::{ControlError, ReadError, WriteError};
+pub use fault_inject::FAULT_INJECT_TAG;
 pub use feed_override::{FEED_OVERRIDE_PERCENT, FEED_OVERRIDE_TAG};
 pub use health::{Health, Measured, REAL_TIME_TAG};
 pub use tag::{Access, AliasOf, Edge, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind};
+pub use written::Written;
 
 /// Every tag of a machine.
 #[derive(Clone, Debug)]
@@ -48,6 +52,12 @@ pub struct Image {
     snapshot_tick: u64,
     /// The last override of each coordinate system that was not 0, percent.
     before_hold: Vec<f32>,
+    /// Parts of plain tags that were written; `None`: nobody wants to know.
+    written: Option<Vec<Written>>,
+    /// What can be injected into each axis.
+    possible_faults: Vec<FaultSet>,
+    /// Whether the latest tick overran.
+    overlapping: bool,
 }
 
 impl Image {
@@ -64,6 +74,13 @@ impl Image {
             encoder: encode::Encoder::new(machine),
             snapshot_tick: 0,
             before_hold: vec![feed_override::AS_PROGRAMMED; machine.systems.len()],
+            written: None,
+            possible_faults: machine
+                .axes
+                .iter()
+                .map(|axis| FaultSet::possible(!axis.is_virtual()))
+                .collect(),
+            overlapping: false,
         };
         image.add(
             &machine.group,
@@ -103,6 +120,7 @@ impl Image {
             }
         }
         image.add_feed_override(machine);
+        image.add_fault_inject(machine);
         image.add_template(&predefined::motion_instruction());
         image.encoder.constants(machine, &mut image.bytes);
         image.apply_snapshot(&Snapshot::new(machine));
@@ -119,9 +137,17 @@ impl Image {
         &self.programs
     }
 
-    /// The tag of that name in the controller's scope, case ignored.
+    /// The tag of that name, case ignored: `X` in the controller's scope, `Program:Main.X` in a program's.
     pub fn find(&self, name: &str) -> Option<&Tag> {
         self.tag(*self.names.get(&name.to_ascii_lowercase())?)
+    }
+
+    /// The name of a tag with its program: what [`Image::find`] finds.
+    pub fn full_name(&self, tag: &Tag) -> String {
+        match tag.program.and_then(|place| self.programs.get(usize::from(place))) {
+            Some(program) => format!("Program:{program}.{}", tag.name),
+            None => tag.name.clone(),
+        }
     }
 
     /// The tag of that id.
@@ -164,11 +190,12 @@ impl Image {
     /// Takes over the state of axes, coordinate systems and group at one tick.
     pub fn apply_snapshot(&mut self, snapshot: &Snapshot) {
         self.snapshot_tick = snapshot.tick;
-        self.encoder.snapshot(snapshot, &mut self.bytes);
+        self.encoder.snapshot(snapshot, self.overlapping, &mut self.bytes);
     }
 
     /// Takes over the real-time thread's health, into its own tag and the group's Task members.
     pub fn apply_health(&mut self, health: &Health) {
+        self.overlapping = health.overlapping;
         self.encoder.health(health, &mut self.bytes);
         let real_time = self.tags.iter().position(|tag| tag.kind == TagKind::RealTime);
         if let Some(bytes) = real_time.and_then(|place| self.bytes.get_mut(place)) {

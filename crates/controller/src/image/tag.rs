@@ -39,6 +39,8 @@ pub enum TagKind {
     RealTime,
     /// The feed override of every coordinate system.
     FeedOverride,
+    /// The injected causes of faults of every axis.
+    FaultInject,
 }
 
 /// What an alias stands for.
@@ -95,7 +97,9 @@ impl TagKind {
     /// Whether clients may write at least a part of such a tag.
     pub(super) fn access(self) -> Access {
         match self {
-            TagKind::Instruction(_) | TagKind::Plain | TagKind::FeedOverride => Access::ReadWrite,
+            TagKind::Instruction(_) | TagKind::Plain | TagKind::FeedOverride | TagKind::FaultInject => {
+                Access::ReadWrite
+            }
             _ => Access::ReadOnly,
         }
     }
@@ -143,7 +147,8 @@ impl PlainTag {
     }
 }
 
-/// A write that the controller is to know of: `EnableIn` of an instruction tag changed, or an override was written.
+/// A write that the controller is to know of: `EnableIn` of an instruction tag changed, or an override or injected
+/// faults were written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Edge {
     /// False to true: the instruction executes.
@@ -152,4 +157,6 @@ pub enum Edge {
     Falling(TagId),
     /// The tag `FeedOverride` was written: [`Image::feed_overrides`](super::Image::feed_overrides).
     FeedOverride,
+    /// The tag `FaultInject` was written: [`Image::injected_faults`](super::Image::injected_faults).
+    FaultInject,
 }

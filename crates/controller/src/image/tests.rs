@@ -1,10 +1,11 @@
 //! The tag memory: names, paths, who may write, edges, and what events and snapshots make of it.
 
+use arcline_instruction_set::predefined::axis_fault;
 use arcline_instruction_set::{Argument, Directory, Flag, Mnemonic};
 use arcline_tag::{Elementary, TagPath, Value};
 
 use super::*;
-use crate::machine::{Axis, AxisKind, CoordinateSystem, Drive, Start};
+use crate::machine::{Axis, AxisKind, CoordinateSystem, Drive, ExceptionActions, ProgrammedStopMode, Start};
 use crate::{AxisSnapshot, Ticket};
 
 fn axis(name: &str, kind: AxisKind) -> Axis {
@@ -20,7 +21,10 @@ fn axis(name: &str, kind: AxisKind) -> Axis {
         travel: None,
         unwind: None,
         start: Start::default(),
-        programmed_stop_mode: Default::default(),
+        programmed_stop_mode: ProgrammedStopMode::default(),
+        exception_actions: ExceptionActions::default(),
+        average_velocity_timebase: 0.25,
+        home: crate::machine::Home::immediate(1.0, 1.0),
     }
 }
 
@@ -84,7 +88,7 @@ fn every_tag_has_a_permanent_id_a_type_and_bytes() {
         ("Motion", 1, "MOTION_GROUP", 88), ("X", 2, "AXIS_CIP_DRIVE", 1040), ("V", 3, "AXIS_VIRTUAL", 132),
         ("CS1", 4, "COORDINATE_SYSTEM", 104), ("Move1", 5, "MCLM", 368), ("Recipe", 6, "REAL", 64),
         ("Count", 7, "INT", 2), ("Label", 8, "STRING", 88), ("RealTime", 9, "REAL_TIME", 248),
-        ("FeedOverride", 10, "REAL", 4),
+        ("FeedOverride", 10, "REAL", 4), ("FaultInject", 11, "DINT", 8),
     ];
     for (name, id, data_type, size) in cases {
         let tag = image.find(&name.to_uppercase()).unwrap_or_else(|| panic!("{name}"));
@@ -325,6 +329,79 @@ fn arrays_that_are_written_are_found_again() {
 }
 
 #[test]
+fn only_faults_that_an_axis_can_have_are_injected() {
+    let mut image = image();
+    let soft = 0b11;
+    #[rustfmt::skip]
+    let cases = [
+        // why,                      path,               value,   taken, injected
+        ("a servo",                  "FaultInject[0]",   16.0,    true,  [16, 0]),
+        ("one more, as a bit",       "FaultInject[0].2", 1.0,     true,  [20, 0]),
+        ("a bit away",               "FaultInject[0].4", 0.0,     true,  [4, 0]),
+        ("a fault that there isn't", "FaultInject[0]",   512.0,   false, [4, 0]),
+        ("as a bit",                 "FaultInject[0].9", 1.0,     false, [4, 0]),
+        ("below zero",               "FaultInject[0]",   -1.0,    false, [4, 0]),
+        ("a virtual axis",           "FaultInject[1]",   3.0,     true,  [4, 3]),
+        ("a drive it has not",       "FaultInject[1]",   4.0,     false, [4, 3]),
+        ("nothing",                  "FaultInject[0]",   0.0,     true,  [0, 3]),
+    ];
+    for (why, place, value, taken, injected) in cases {
+        let result = image.write_value(&path(place), Value::Lreal(value));
+        match result {
+            Ok(edge) => assert_eq!((edge, taken), (Some(Edge::FaultInject), true), "{why}"),
+            Err(error) => assert!(
+                !taken && matches!(error, WriteError::NoSuchFault { .. }),
+                "{why}: {error}"
+            ),
+        }
+        let shown: Vec<u32> = image.injected_faults().map(FaultSet::bits).collect();
+        assert_eq!(shown, injected, "{why}");
+    }
+    assert_eq!(image.possible_faults(1).map(FaultSet::bits), Some(soft));
+    assert_eq!(image.inject_faults(1, 1), Ok(Some(Edge::FaultInject)));
+    assert!(image.inject_faults(2, 1).is_err(), "no such axis");
+}
+
+#[test]
+fn faults_show_in_the_axis_the_system_and_the_group() {
+    let mut image = image();
+    let mut snapshot = Snapshot::new(&machine());
+    snapshot.axes[0].fault = axis_fault::MOTION_FAULT;
+    snapshot.axes[0].motion_faults = [1 << 1, 1 << 2];
+    snapshot.axes[0].cip_faults = [1 << 54, 1 << 62];
+    snapshot.axes[0].average_velocity = 2.5;
+    snapshot.systems[0].fault = axis_fault::PHYSICAL_AXIS_FAULT;
+    snapshot.systems[0].axes_faulted = 1;
+    image.apply_snapshot(&snapshot);
+    #[rustfmt::skip]
+    let cases = [
+        ("X.MotionFault", 1.0), ("X.SoftTravelLimitPositiveFault", 1.0), ("X.SoftTravelLimitNegativeFault", 0.0),
+        ("X.SoftTravelLimitNegativeAlarm", 1.0), ("X.ExcessivePositionErrorFault", 1.0),
+        ("X.ControllerInitiatedAlarm", 1.0), ("X.AverageVelocity", 2.5), ("X.GroupFault", 0.0),
+        ("CS1.PhysicalAxisFault", 1.0), ("CS1.PhysicalAxesFaulted", 1.0), ("CS1.ModulesFaulted", 0.0),
+        ("Motion.PhysicalAxisFault", 1.0), ("V.PhysicalAxisFault", 0.0),
+    ];
+    for (member, value) in cases {
+        assert_eq!(number(&image, member), value, "{member}");
+    }
+    // A tick that overran is a fault of the group, which axes and coordinate systems show too.
+    let health = Health {
+        overlapping: true,
+        ..Health::default()
+    };
+    image.apply_health(&health);
+    image.apply_snapshot(&snapshot);
+    for member in [
+        "Motion.GroupOverlapFault",
+        "X.GroupFault",
+        "V.GroupFault",
+        "CS1.GroupFault",
+    ] {
+        assert_eq!(number(&image, member), 1.0, "{member}");
+    }
+}
+
+#[test]
 fn an_override_is_written_in_percent_and_within_its_range() {
     let mut image = image();
     assert_eq!(image.feed_overrides().collect::<Vec<_>>(), [100.0]);
@@ -404,4 +481,32 @@ fn programs_have_scopes_and_aliases_stand_for_parts() {
     for text in ["Program:Main", "Program:Main.Second", "Program:Other.Word", "Main.Word"] {
         assert!(image.read(&path(text)).is_err(), "{text}");
     }
+}
+
+#[test]
+fn only_written_parts_of_plain_tags_are_remembered() {
+    let mut image = image();
+    let one = Value::Real(1.0);
+    image.write_value(&path("Count"), one).expect("writable");
+    assert_eq!(image.take_written(), [], "nobody wants to know yet");
+    image.remember_written();
+    for (written, value) in [
+        ("Recipe[3]", 2.5),
+        ("Count.9", 1.0),
+        ("Move1.Speed", 5.0),
+        ("Count", 7.0),
+    ] {
+        image.write_value(&path(written), Value::Real(value)).expect("writable");
+    }
+    assert!(image.write_value(&path("Recipe[99]"), one).is_err(), "refused");
+    let [recipe, count, axis] = ["Recipe", "Count", "X"].map(|name| image.find(name).expect("it is there").id);
+    let expected = [(recipe, 12, 4), (count, 1, 1), (count, 0, 2)];
+    let expected = expected.map(|(id, offset, length)| Written { id, offset, length });
+    assert_eq!(image.take_written(), expected);
+    image.restore(count, &[8, 0]);
+    image.restore(count, &[9, 0, 0]);
+    let before = image.bytes(axis).to_vec();
+    image.restore(axis, &vec![1; before.len()]);
+    assert_eq!((image.bytes(count), image.bytes(axis)), (&[8, 0][..], &before[..]));
+    assert_eq!(image.take_written(), [], "what is restored is not written");
 }

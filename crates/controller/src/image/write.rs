@@ -15,7 +15,7 @@ impl Image {
         }
         match tag.kind {
             TagKind::Plain => tag.access == Access::ReadWrite,
-            TagKind::FeedOverride => true,
+            TagKind::FeedOverride | TagKind::FaultInject => true,
             TagKind::Instruction(_) => {
                 let DataType::Structure(template) = &tag.tag_type.data_type else {
                     return false;
@@ -49,12 +49,15 @@ impl Image {
     /// Nothing is written when there is no such tag, or a byte of it is beyond its end or read-only.
     pub fn write(&mut self, id: TagId, offset: usize, data: &[u8]) -> Result<Option<Edge>, WriteError> {
         self.check_write(id, offset, data.len())?;
-        if self.tag(id).is_some_and(|tag| tag.kind == TagKind::FeedOverride) {
-            return self.write_feed_override(id, offset, data);
+        match self.tag(id).map(|tag| tag.kind) {
+            Some(TagKind::FeedOverride) => return self.write_feed_override(id, offset, data),
+            Some(TagKind::FaultInject) => return self.write_fault_inject(id, offset, data),
+            _ => {}
         }
         if let Some(bytes) = self.bytes_mut(id) {
             bytes[offset..offset + data.len()].copy_from_slice(data);
         }
+        self.note_written(id, offset, data.len());
         Ok(None)
     }
 
@@ -72,6 +75,11 @@ impl Image {
             // A REAL has no bits.
             return Err(WriteError::ReadOnly { name: tag.name.clone() });
         }
+        if self.tag(id).is_some_and(|tag| tag.kind == TagKind::FaultInject) {
+            let mut byte = self.bytes(id).get(offset).copied().unwrap_or_default();
+            put_bit(&mut byte, mask, on);
+            return self.write_fault_inject(id, offset, &[byte]);
+        }
         let out = self.member_bit(id, ENABLE_OUT);
         let Some(bytes) = self.bytes_mut(id) else {
             return Err(WriteError::NoSuchTag);
@@ -79,6 +87,7 @@ impl Image {
         let before = bytes[offset] & mask != 0;
         put_bit(&mut bytes[offset], mask, on);
         if enable.is_none() {
+            self.note_written(id, offset, 1);
             return Ok(None);
         }
         if let Some((offset, mask)) = out {

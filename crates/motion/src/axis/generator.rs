@@ -13,7 +13,6 @@ use crate::follow::gear::Gear;
 
 /// How a generator comes to its position.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "a box would allocate in the tick")]
 pub(crate) enum Law {
     /// Somebody else computes it every tick: a coordinate system, a master axis, a transform.
     Followed,
@@ -35,7 +34,7 @@ pub(crate) struct Program {
 pub(crate) enum Goal {
     /// To a position of its frame: MAM.
     Position(f64),
-    /// To a velocity with a sign, without an end: MAJ.
+    /// To a velocity with a sign, which is the direction at a speed of 0 too, without an end: MAJ.
     Velocity(f64),
 }
 
@@ -109,12 +108,37 @@ impl Generator {
         self.over = false;
     }
 
+    /// Whether it runs along a profile.
+    pub(crate) fn is_planned(&self) -> bool {
+        matches!(self.law, Law::Planned { .. })
+    }
+
     /// What the profile does at the present tick.
     pub(crate) fn phase(&self, clock: &Clock) -> Phase {
         match &self.law {
             Law::Planned { profile, start } => profile.phase(start.elapsed(clock)),
             Law::Followed | Law::Geared(_) => Phase::Steady,
         }
+    }
+
+    /// A jog at constant speed goes back by the whole turns of a rotary axis that it has gone, once they are many, so that its
+    /// position keeps its digits for ever. Returns the shift of its position: 0 for everything else.
+    pub(super) fn fold(&mut self, unwind: f64, clock: &Clock) -> f64 {
+        let (Law::Planned { profile, start }, Some(program)) = (&self.law, &self.program) else {
+            return 0.0;
+        };
+        let Goal::Velocity(velocity) = program.goal else {
+            return 0.0;
+        };
+        let turns = (self.displacement() / unwind).trunc();
+        if turns.abs() < FOLDED_TURNS || start.elapsed(clock) < profile.duration() {
+            return 0.0;
+        }
+        let offset = -turns * unwind;
+        self.now.position += offset;
+        let profile = Profile::to_velocity(self.state(), velocity, &program.dynamics.limits());
+        self.follow(profile, clock.now());
+        offset
     }
 
     pub(super) fn displacement(&self) -> f64 {
@@ -140,6 +164,9 @@ impl Generator {
         }
     }
 }
+
+/// Turns of a jog that are folded away at once.
+const FOLDED_TURNS: f64 = 16.0;
 
 fn point(state: State) -> Point {
     Point {

@@ -1,16 +1,26 @@
 //! One axis: its state, its drive, and what moves it.
 
+mod average;
+pub(crate) mod faults;
+mod following;
 pub(crate) mod generator;
+pub(crate) mod homing;
+mod sensor;
 pub(crate) mod sum;
 
 use arcline_drive::{Drive, Motion as Point};
-use arcline_planner::profile::{Jerk, Limits, Profile, State};
+use arcline_planner::profile::{Limits, Profile, State};
 use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
-use crate::follow::gear::Gear;
-use crate::machine::{Axis as Description, AxisKind, ProgrammedStopMode};
-use generator::{Generator, Law};
+use crate::dynamics::Maxima;
+use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
+use crate::rotary;
+use average::Average;
+use faults::{Faults, Observed};
+use following::Linked;
+use generator::Generator;
+use homing::Homing;
 use sum::{Slot, Sum};
 
 /// The axis state machine (spec/axis-and-data-types.md §12), as far as instructions see it.
@@ -24,6 +34,10 @@ pub(crate) enum AxisState {
     Running,
     /// MSF is under way.
     Stopping,
+    /// A fault brakes the axis; the servo goes off when it stands.
+    Aborting,
+    /// A fault has switched the servo off.
+    Faulted,
     /// Shut down until a shutdown reset.
     Shutdown,
 }
@@ -51,11 +65,15 @@ pub(crate) struct Axis {
     /// Something began since the command of this tick was computed.
     pub(crate) stale: bool,
     pub(crate) homed: bool,
+    pub(crate) home: Home,
+    pub(crate) homing: Option<Homing>,
+    /// The home event of the last MAH came.
+    pub(crate) home_event: bool,
     /// What positions were shifted by so far without motion: who follows the axis subtracts its changes.
     pub(crate) redefined: f64,
     /// Command and actual position when the last motion began.
     pub(crate) started_at: [f64; 2],
-    pub(crate) dynamics: AxisDynamics,
+    pub(crate) dynamics: Maxima,
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
     pub(crate) linked: Linked,
@@ -64,49 +82,13 @@ pub(crate) struct Axis {
     pub(crate) after_stop: AfterStop,
     /// Command and actual position at the last MGSP, as shown.
     pub(crate) strobed: [f64; 2],
-}
-
-/// An axis's part in transforms (`crate::follow::transform`).
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Linked {
-    /// Transforms under way that it is part of.
-    pub(crate) links: u16,
-    /// Where it would be led to when nothing leads it any more, in the frame of its generator.
-    pub(crate) rest: f64,
-    /// What transforms that are over had led it back by.
-    pub(crate) settled: f64,
-    /// A transform moves it.
-    pub(crate) controlled: bool,
-}
-
-/// The maxima of an axis: units/s, units/s², units/s³.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct AxisDynamics {
-    pub(crate) speed: f64,
-    pub(crate) acceleration: f64,
-    pub(crate) deceleration: f64,
-    pub(crate) acceleration_jerk: f64,
-    pub(crate) deceleration_jerk: f64,
-}
-
-impl AxisDynamics {
-    /// The limits of a stop of the axis by itself: its Maximum Deceleration and, where the motion was an S-curve, its
-    /// Maximum Deceleration Jerk.
-    pub(crate) fn stop(&self, s_curve: bool) -> Limits {
-        Limits {
-            speed: self.speed,
-            acceleration: self.deceleration,
-            deceleration: self.deceleration,
-            jerk: s_curve.then_some(Jerk {
-                acceleration: self.deceleration_jerk,
-                deceleration: self.deceleration_jerk,
-            }),
-        }
-    }
+    pub(crate) faults: Faults,
+    pub(crate) average: Average,
 }
 
 impl Axis {
-    pub(crate) fn new(description: &Description) -> Self {
+    /// `period`: the coarse update period, seconds.
+    pub(crate) fn new(description: &Description, period: f64) -> Self {
         let position = description.start.position;
         let (drive, state) = match &description.kind {
             AxisKind::Virtual => (Drive::ideal(position), AxisState::Running),
@@ -126,21 +108,20 @@ impl Axis {
             sum: Sum::at_rest(position),
             stale: false,
             homed: description.start.homed,
+            home: description.home,
+            homing: None,
+            home_event: false,
             redefined: 0.0,
             started_at: [position; 2],
-            dynamics: AxisDynamics {
-                speed: description.max_speed,
-                acceleration: description.max_acceleration,
-                deceleration: description.max_deceleration,
-                acceleration_jerk: description.max_acceleration_jerk,
-                deceleration_jerk: description.max_deceleration_jerk,
-            },
+            dynamics: Maxima::from(description),
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
             linked: Linked::default(),
             stop_mode: description.programmed_stop_mode,
             after_stop: AfterStop::Hold,
             strobed: [0.0; 2],
+            faults: Faults::new(description),
+            average: Average::new(position, description.average_velocity_timebase, period),
         }
     }
 
@@ -154,22 +135,12 @@ impl Axis {
         self.sum.active().any(|(slot, _)| slot != Slot::Transform)
     }
 
-    /// Whether it is part of a transform.
-    pub(crate) fn is_linked(&self) -> bool {
-        self.linked.links > 0
-    }
-
-    /// The master and the law of its gearing.
-    pub(crate) fn gear(&self) -> Option<&Gear> {
-        match &self.sum.get(Slot::Gear)?.law {
-            Law::Geared(gear) => Some(gear),
-            _ => None,
-        }
-    }
-
     /// Whether its drive follows the command.
     pub(crate) fn has_torque(&self) -> bool {
-        matches!(self.state, AxisState::Running | AxisState::Starting)
+        matches!(
+            self.state,
+            AxisState::Running | AxisState::Starting | AxisState::Aborting
+        )
     }
 
     /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others.
@@ -188,11 +159,6 @@ impl Axis {
     /// Whether anything on the axis brakes that a coordinate system's stop waits for.
     pub(crate) fn is_braking(&self) -> bool {
         self.is_stopping() || self.sum.is_active(Slot::Parting)
-    }
-
-    /// Whether something brakes that a cancelled transform had moved.
-    pub(crate) fn is_parting(&self) -> bool {
-        self.sum.active().any(|(_, generator)| generator.parting)
     }
 
     /// Whether a coordinate system moves the axis, and not only its brake.
@@ -276,37 +242,14 @@ impl Axis {
         self.started_at = started_at;
     }
 
-    /// What a cancelled transform moved brakes, together with what earlier ones did.
-    pub(crate) fn part(&mut self, moved: Point, limits: &Limits, now: Instant) {
-        let mut from = State {
-            position: self.command.position,
-            velocity: moved.velocity,
-            acceleration: moved.acceleration,
-        };
-        if let Some(earlier) = self.sum.get(Slot::Parting) {
-            from.velocity += earlier.now.velocity;
-            from.acceleration += earlier.now.acceleration;
-        }
-        if limits.jerk.is_none() {
-            from.acceleration = 0.0;
-        }
-        let mut generator = Generator::planned(Profile::stop(from, limits), now);
-        generator.stopping = true;
-        generator.parting = true;
-        generator.s_curve = limits.jerk.is_some();
-        self.sum.begin(Slot::Parting, generator);
-        self.command = self.sum.command();
-        self.stale = true;
-    }
-
     /// Whether anything on the axis is an S-curve: a stop of everything is one then.
     pub(crate) fn is_s_curve(&self) -> bool {
         self.sum.active().any(|(_, generator)| generator.s_curve)
     }
 
-    /// The command at the present tick, but for what a coordinate system gives.
+    /// The command at the present tick, but for what a coordinate system or homing gives.
     pub(crate) fn advance(&mut self, clock: &Clock) {
-        if !self.sum.is_idle() {
+        if !self.sum.is_idle() && !self.is_driven_home() {
             self.sum.advance(clock);
             self.command = self.sum.command();
         }
@@ -319,6 +262,31 @@ impl Axis {
         } else {
             let now = self.drive.coast(period);
             self.stand_at(now.position);
+        }
+        self.average.take(self.drive.actual().position - self.redefined);
+    }
+
+    /// Whether its servo is off for another reason than a fault or a shutdown.
+    pub(crate) fn is_off(&self) -> bool {
+        matches!(
+            self.state,
+            AxisState::Stopped | AxisState::Starting | AxisState::Stopping
+        )
+    }
+
+    /// Whether a fault keeps it from being moved.
+    pub(crate) fn is_faulted(&self) -> bool {
+        matches!(self.state, AxisState::Aborting | AxisState::Faulted) || self.faults.block()
+    }
+
+    /// What faults look at.
+    pub(crate) fn observed(&self) -> Observed {
+        let loop_closed = self.has_torque() && !self.is_virtual;
+        Observed {
+            position: self.drive.actual().position,
+            homed: self.homed,
+            velocity: self.command.velocity,
+            error: loop_closed.then(|| self.drive.error()),
         }
     }
 
@@ -340,11 +308,19 @@ impl Axis {
         self.stale = true;
     }
 
-    /// An axis without a drive stands somewhere else at once; that is no motion that others would follow.
-    pub(crate) fn set_virtual(&mut self, position: f64) {
-        self.redefine(position - self.command.position);
-        self.stand_at(position);
-        self.drive.cycle(self.command, 0.0);
+    /// Shifts every position so that the command is at one, to the last bit.
+    pub(crate) fn redefine_command(&mut self, position: f64) {
+        // What the first shift rounds off, the second one adds.
+        for _ in 0..2 {
+            self.redefine(position - self.command.position);
+        }
+    }
+
+    /// The same for the actual position.
+    pub(crate) fn redefine_actual(&mut self, position: f64) {
+        for _ in 0..2 {
+            self.redefine(position - self.drive.actual().position);
+        }
     }
 
     fn stand_at(&mut self, position: f64) {
@@ -359,20 +335,38 @@ impl Axis {
         self.shift(offset);
     }
 
+    /// Folds whole turns of a rotary axis away where what is shown stays the same: at rest, and in an endless jog.
+    pub(crate) fn fold(&mut self, clock: &Clock) {
+        let Some(unwind) = self.unwind else {
+            return;
+        };
+        let offset = if self.sum.is_idle() {
+            let position = self.command.position;
+            let shown = rotary::shown(position, unwind);
+            if shown != position {
+                self.sum.place(shown);
+            }
+            shown - position
+        } else {
+            self.sum.fold_jog(unwind, clock)
+        };
+        if offset != 0.0 {
+            self.shift(offset);
+        }
+    }
+
     /// The drive goes along with a command whose positions were shifted.
     fn shift(&mut self, offset: f64) {
         self.drive.redefine(offset);
         self.command = self.sum.command();
         self.redefined += offset;
+        self.faults.redefined(self.drive.actual().position);
     }
 
     /// A position as the axis shows it: rotary ones within one turn.
     pub(crate) fn shown(&self, position: f64) -> f64 {
         match self.unwind {
-            Some(unwind) => {
-                let turn = position - unwind * (position / unwind).floor();
-                if turn >= unwind { 0.0 } else { turn }
-            }
+            Some(unwind) => rotary::shown(position, unwind),
             None => position,
         }
     }

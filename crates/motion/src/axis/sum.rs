@@ -43,6 +43,16 @@ impl Slot {
         Slot::Parting,
     ];
 
+    /// Whether a single-axis instruction begins it: what merges and stops of the axis end.
+    pub(crate) fn is_single_axis(self) -> bool {
+        matches!(self, Slot::Move | Slot::Jog | Slot::Home | Slot::Gear)
+    }
+
+    /// Whether a transform moves the axis by it, or what is left of one.
+    pub(crate) fn is_of_transforms(self) -> bool {
+        matches!(self, Slot::Transform | Slot::Parting)
+    }
+
     const fn bit(self) -> u8 {
         1 << self as u8
     }
@@ -146,16 +156,27 @@ impl Sum {
         }
     }
 
-    /// Velocity and acceleration of everything but one kind; the position is 0.
-    pub(crate) fn own_motion(&self, but: Slot) -> Point {
+    /// Folds away whole turns of an endless jog. Returns the shift of every position.
+    pub(super) fn fold_jog(&mut self, unwind: f64, clock: &Clock) -> f64 {
+        let jog = self.get_mut(Slot::Jog).filter(|jog| !jog.stopping);
+        jog.map_or(0.0, |jog| jog.fold(unwind, clock))
+    }
+
+    /// Velocity and acceleration of some kinds of generators together; the position is 0.
+    pub(crate) fn motion_of(&self, which: impl Fn(Slot) -> bool) -> Point {
         let mut total = Point::default();
         for (slot, generator) in self.active() {
-            if slot != but {
+            if which(slot) {
                 total.velocity += generator.now.velocity;
                 total.acceleration += generator.now.acceleration;
             }
         }
         total
+    }
+
+    /// What positions were redefined by since a generator began: its frame does not know.
+    pub(crate) fn shift_of(&self, slot: Slot) -> f64 {
+        self.get(slot).map_or(0.0, |generator| generator.shift)
     }
 
     /// Says where a generator that somebody else computes is, in its own frame.

@@ -4,6 +4,7 @@
 use arcline_drive::Motion as Point;
 use arcline_planner::profile::{Jerk, Limits};
 
+use super::transform::bit;
 use crate::axis::AxisState;
 use crate::axis::sum::Slot;
 use crate::motion::Motion;
@@ -53,11 +54,15 @@ impl Motion {
         }
         // Everything is let go of before anything brakes: positions stay as they are throughout.
         for (axis, back) in link.source().iter().zip(&link.back) {
-            self.axes[usize::from(*axis)].linked.settled += back.position;
+            let linked = &mut self.axes[usize::from(*axis)].linked;
+            linked.settled += back.position;
+            linked.led_back_by &= !bit(index);
             self.let_go(*axis);
         }
         for (axis, led) in link.target().iter().zip(&link.led) {
-            self.axes[usize::from(*axis)].linked.rest = led.position;
+            let linked = &mut self.axes[usize::from(*axis)].linked;
+            linked.rest = led.position;
+            linked.leader = None;
             self.let_go(*axis);
         }
         for (axis, back) in link.source().iter().zip(&link.back) {
@@ -77,12 +82,11 @@ impl Motion {
     /// An axis is part of one transform less.
     fn let_go(&mut self, axis: u16) {
         let state = &mut self.axes[usize::from(axis)];
-        state.linked.links = state.linked.links.saturating_sub(1);
-        if state.linked.links == 0 {
+        if state.is_linked() {
+            self.compose(axis);
+        } else {
             state.linked.controlled = false;
             state.end(Slot::Transform);
-        } else {
-            self.compose(axis);
         }
     }
 

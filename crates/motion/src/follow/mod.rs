@@ -23,7 +23,6 @@ use transform::Link;
 impl Motion {
     /// Commands and drives of all axes at the present tick, in order, and what came to its end.
     pub(crate) fn advance_followers(&mut self) {
-        let period = self.clock.period();
         let mut followers = 0;
         for place in 0..self.order.len() {
             let Some(step) = self.order.step(place) else {
@@ -31,12 +30,9 @@ impl Motion {
             };
             self.compute(step);
             if let Step::Whole(axis) = step {
-                let state = &mut self.axes[usize::from(axis)];
-                state.follow(period);
+                self.follow_command(axis);
+                let state = &self.axes[usize::from(axis)];
                 followers += usize::from(state.is_linked()) + usize::from(state.gear().is_some());
-                if state.in_motion() {
-                    self.report_generators(axis);
-                }
             }
         }
         if followers == 0 {
@@ -119,7 +115,7 @@ impl Motion {
     /// When the axes would follow each other in a circle.
     pub(crate) fn plan_transform(&mut self, target: usize, link: &Link) -> Result<(), Circle> {
         let Motion { axes, links, order, .. } = self;
-        let before = std::mem::replace(&mut links[target], Some(*link));
+        let before = links[target].replace(*link);
         let planned = order.plan(&Followers {
             axes: axes.len(),
             master: |axis: u16| axes[usize::from(axis)].gear().map(|gear| gear.master),

@@ -180,8 +180,11 @@ pub(crate) fn share(some: &[u16], others: &[u16]) -> bool {
 mod tests {
     use super::*;
 
+    type Gear = (u16, u16);
+    type Transform = ([u16; 2], [u16; 2]);
+
     /// Orders gears (slave, master) and transforms (source axes, target axes) of a machine of nine axes.
-    fn plan(gears: &[(u16, u16)], transforms: &[([u16; 2], [u16; 2])]) -> Result<Vec<Step>, Circle> {
+    fn plan(gears: &[Gear], transforms: &[Transform]) -> Result<Vec<Step>, Circle> {
         let links: Vec<Option<Link>> = transforms
             .iter()
             .map(|(source, target)| Some(Link::between(source, target)))
@@ -203,9 +206,8 @@ mod tests {
 
     #[test]
     fn what_is_followed_comes_first() {
-        #[rustfmt::skip]
-        type Pair = (Step, Step);
-        let cases: [(&str, &[(u16, u16)], &[([u16; 2], [u16; 2])], &[Pair]); 5] = [
+        type Case<'a> = (&'a str, &'a [Gear], &'a [Transform], &'a [(Step, Step)]);
+        let cases: [Case<'_>; 5] = [
             ("a master", &[(0, 5)], &[], &[(Step::Whole(5), Step::Own(0))]),
             (
                 "a master of a master",
@@ -256,14 +258,9 @@ mod tests {
 
     #[test]
     fn circles_are_found() {
-        type Case = (
-            &'static str,
-            &'static [(u16, u16)],
-            &'static [([u16; 2], [u16; 2])],
-            bool,
-        );
+        type Case<'a> = (&'a str, &'a [Gear], &'a [Transform], bool);
         #[rustfmt::skip]
-        let cases: [Case; 9] = [
+        let cases: [Case<'_>; 9] = [
             ("nothing follows",                       &[], &[], true),
             ("its own master",                        &[(0, 0)], &[], false),
             ("three gears in a ring",                 &[(0, 1), (1, 2), (2, 0)], &[], false),

@@ -14,7 +14,7 @@ use arcline_planner::geometry::{Frame, Point as Vector};
 use crate::axis::generator::Generator;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
-use crate::machine::MAX_PRIMARY_AXES;
+use crate::machine::{MAX_PRIMARY_AXES, MAX_SYSTEMS};
 use crate::motion::Motion;
 
 /// Position, velocity and acceleration of each axis of one side.
@@ -60,9 +60,9 @@ impl Link {
             leads: false,
             leads_back: false,
         };
-        for place in 0..link.dimension {
-            link.source[place] = source[place];
-            link.target[place] = target[place];
+        let places = link.source.iter_mut().zip(&mut link.target);
+        for ((from, to), (source, target)) in places.zip(source.iter().zip(target)) {
+            (*from, *to) = (*source, *target);
         }
         link
     }
@@ -114,21 +114,30 @@ impl Motion {
         links.filter_map(|(index, link)| link.as_ref().map(|link| (index, link)))
     }
 
-    /// The transform that has this axis on its target's side.
+    /// The transform that has this axis on its target's side, and the axis's place there.
     fn leader(&self, axis: u16) -> Option<(&Link, usize)> {
-        self.links().find_map(|(_, link)| {
-            let place = link.target().iter().position(|other| *other == axis)?;
-            Some((link, place))
+        let index = self.axes[usize::from(axis)].linked.leader?;
+        let link = self.links.get(usize::from(index))?.as_ref()?;
+        let place = link.target().iter().position(|other| *other == axis)?;
+        Some((link, place))
+    }
+
+    /// Transforms that have this axis on their source's side, but for one.
+    fn followed_by(&self, axis: u16, but: Option<usize>) -> impl Iterator<Item = &Link> {
+        let mut left = self.axes[usize::from(axis)].linked.led_back_by & !but.map_or(0, bit);
+        std::iter::from_fn(move || {
+            let index = left.trailing_zeros() as usize;
+            left &= left.wrapping_sub(1);
+            self.links.get(index)
         })
+        .flatten()
     }
 
     /// What the targets' own motions add to an axis, but for one transform's.
     fn led_back(&self, axis: u16, but: Option<usize>) -> Point {
         let mut total = Point::default();
-        for (index, link) in self.links() {
-            if but != Some(index)
-                && let Some(place) = link.source().iter().position(|other| *other == axis)
-            {
+        for link in self.followed_by(axis, but) {
+            if let Some(place) = link.source().iter().position(|other| *other == axis) {
                 add(&mut total, &link.back[place]);
             }
         }
@@ -150,7 +159,7 @@ impl Motion {
     fn without(&self, axis: u16, link: usize) -> Point {
         let lead = self.lead(axis);
         let state = &self.axes[usize::from(axis)];
-        let mut total = state.sum.own_motion(Slot::Transform);
+        let mut total = state.sum.motion_of(|slot| slot != Slot::Transform);
         // `lead` is in the frame of the generator; the axis is where that shows.
         let position = state.sum.seen_from(Slot::Transform, Some(lead.position));
         total.position = position.unwrap_or(state.command.position);
@@ -163,7 +172,7 @@ impl Motion {
     /// What has been added to an axis by others than the transforms that lead it, ever since it became part of one.
     fn added(&self, axis: u16) -> Point {
         let state = &self.axes[usize::from(axis)];
-        let mut added = state.sum.own_motion(Slot::Transform);
+        let mut added = state.sum.motion_of(|slot| slot != Slot::Transform);
         added.position = state.sum.seen_from(Slot::Transform, Some(0.0)).unwrap_or(0.0) + state.linked.settled;
         add(&mut added, &self.led_back(axis, None));
         added
@@ -171,8 +180,7 @@ impl Motion {
 
     /// Whether the targets' own motions lead an axis, but for one transform's.
     fn is_led_back(&self, axis: u16, but: Option<usize>) -> bool {
-        let mut links = self.links();
-        links.any(|(index, link)| but != Some(index) && link.leads_back && link.source().contains(&axis))
+        self.followed_by(axis, but).any(|link| link.leads_back)
     }
 
     /// What the target's own motion adds to the source now.
@@ -228,7 +236,7 @@ impl Motion {
 
     /// What all transforms make of an axis now.
     pub(super) fn compose(&mut self, axis: u16) {
-        if self.axes[usize::from(axis)].linked.links == 0 {
+        if !self.axes[usize::from(axis)].is_linked() {
             return;
         }
         let mut total = self.lead(axis);
@@ -245,12 +253,11 @@ impl Motion {
     pub(crate) fn begin_transform(&mut self, target: usize, mut link: Link) {
         for axis in link.source().iter().chain(link.target()) {
             let state = &mut self.axes[usize::from(*axis)];
-            if state.linked.links == 0 {
+            if !state.is_linked() {
                 state.linked.rest = state.command.position;
                 state.linked.settled = 0.0;
                 state.sum.begin(Slot::Transform, Generator::followed(false));
             }
-            state.linked.links += 1;
             state.stale = true;
         }
         let targets = link.target;
@@ -263,10 +270,21 @@ impl Motion {
             let rest = self.axes[usize::from(*axis)].linked.rest;
             link.offset[place] = rest - placed[place].position;
             link.led[place] = standing(rest);
+            // No machine has more systems than a byte counts.
+            self.axes[usize::from(*axis)].linked.leader = Some(target as u8);
+        }
+        for axis in link.source() {
+            self.axes[usize::from(*axis)].linked.led_back_by |= bit(target);
         }
         self.links[target] = Some(link);
         self.order.take();
     }
+}
+
+/// The bit of a transform in an axis's `Linked`, by the place of its target system.
+pub(super) fn bit(index: usize) -> u64 {
+    const { assert!(MAX_SYSTEMS <= 64) };
+    1 << index
 }
 
 fn vectors(side: &Side) -> [Vector; 3] {

@@ -1,58 +1,32 @@
-//! What MAM and MAJ share: dynamics in units of the axis, verification, and how a generator begins.
+//! What MAM, MAJ and MCD share: verification, what a merge takes over, and how a generator begins.
 
-use arcline_instruction_set::{AxisIndex, Call, Culprit, Mnemonic, MotionError};
+use arcline_instruction_set::{AxisIndex, Call, Culprit, Flag, Mnemonic, MotionError};
+use arcline_planner::profile::{Limits, Profile, State};
 
-use super::moves::positive;
 use super::place;
-use crate::axis::{Axis, AxisDynamics, AxisState};
-use crate::dynamics::{Dynamics, Jerks, Shape, in_units, jerk_in_units, reference_speed};
+use super::programmed::DynamicsLayout;
+use crate::axis::generator::{Generator, Goal, Program};
+use crate::axis::sum::Slot;
+use crate::axis::{Axis, AxisState};
+use crate::control::Execution;
+use crate::dynamics::Dynamics;
 use crate::motion::Motion;
-use crate::verify;
 
 /// Places of the operands that every single-axis move has.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AxisMoveLayout {
-    pub(super) speed: usize,
-    pub(super) speed_units: usize,
-    accel_rate: usize,
-    accel_units: usize,
-    decel_rate: usize,
-    decel_units: usize,
-    profile: usize,
-    accel_jerk: usize,
-    decel_jerk: usize,
-    jerk_units: usize,
+    pub(super) dynamics: DynamicsLayout,
     merge: usize,
     merge_speed: usize,
-    lock_direction: usize,
 }
-
-/// Profile: S-curve.
-const S_CURVE: i32 = 1;
 
 impl AxisMoveLayout {
     pub(super) fn of(mnemonic: Mnemonic) -> Self {
-        let place = |name| place(mnemonic, name);
         AxisMoveLayout {
-            speed: place("Speed"),
-            speed_units: place("Speed Units"),
-            accel_rate: place("Accel Rate"),
-            accel_units: place("Accel Units"),
-            decel_rate: place("Decel Rate"),
-            decel_units: place("Decel Units"),
-            profile: place("Profile"),
-            accel_jerk: place("Accel Jerk"),
-            decel_jerk: place("Decel Jerk"),
-            jerk_units: place("Jerk Units"),
-            merge: place("Merge"),
-            merge_speed: place("Merge Speed"),
-            lock_direction: place("Lock Direction"),
+            dynamics: DynamicsLayout::of(mnemonic),
+            merge: place(mnemonic, "Merge"),
+            merge_speed: place(mnemonic, "Merge Speed"),
         }
-    }
-
-    /// Whether the instruction ends what other single-axis instructions move.
-    pub(super) fn merges(&self, call: &Call) -> bool {
-        call.is_one(self.merge)
     }
 
     /// Whether the present speed of the axis is the one to go on with.
@@ -60,80 +34,135 @@ impl AxisMoveLayout {
         self.merges(call) && call.is_one(self.merge_speed)
     }
 
-    pub(super) fn is_s_curve(&self, call: &Call) -> bool {
-        call.word(self.profile) == S_CURVE
+    /// Whether the instruction ends what other single-axis instructions move.
+    fn merges(&self, call: &Call) -> bool {
+        call.is_one(self.merge)
     }
 
-    /// Speed, rates and jerks in units.
-    pub(super) fn dynamics(&self, call: &Call, axis: &AxisDynamics) -> Result<Dynamics, MotionError> {
-        let units = |value, word, maximum| in_units(call.number(value), call.word(word), maximum);
-        let jerk = |value, maximum| jerk_in_units(call.number(value), call.word(self.jerk_units), maximum);
-        let speed = units(self.speed, self.speed_units, axis.speed);
-        let jerks = Jerks {
-            acceleration: jerk(self.accel_jerk, axis.acceleration_jerk),
-            deceleration: jerk(self.decel_jerk, axis.deceleration_jerk),
-        };
-        let dynamics = Dynamics {
-            speed,
-            acceleration: units(self.accel_rate, self.accel_units, axis.acceleration),
-            deceleration: units(self.decel_rate, self.decel_units, axis.deceleration),
-            shape: if self.is_s_curve(call) {
-                Shape::SCurve(jerks)
-            } else {
-                Shape::Trapezoidal(jerks)
-            },
-            last_speed: reference_speed(speed, axis.speed),
-        };
-        positive(dynamics.acceleration, self.accel_rate)?;
-        positive(dynamics.deceleration, self.decel_rate)?;
-        if let Some(jerk) = dynamics.limits().jerk {
-            positive(jerk.acceleration, self.accel_jerk)?;
-            positive(jerk.deceleration, self.decel_jerk)?;
+    /// Velocity and acceleration of what the instruction takes over: of its own kind, or of all that single-axis
+    /// instructions move. The position is where the axis is commanded to be.
+    pub(super) fn taken_over(&self, axis: &Axis, slot: Slot, call: &Call) -> State {
+        let taken = axis
+            .sum
+            .motion_of(|other| other == slot || (self.merges(call) && other.is_single_axis()));
+        State {
+            position: axis.command.position,
+            velocity: taken.velocity,
+            acceleration: taken.acceleration,
         }
-        Ok(dynamics)
     }
 
-    /// One mode for all units, a lock direction of that mode, a link for a master driven move.
-    pub(super) fn verify_mode(&self, call: &Call) -> Result<(), MotionError> {
-        let master = verify::is_master_driven(call.number(self.speed_units));
-        let others = [self.accel_units, self.decel_units, self.jerk_units];
-        if others
-            .iter()
-            .any(|units| verify::is_master_driven(call.number(*units)) != master)
-        {
-            return Err(MotionError::MdscUnitsConflict);
+    /// Begins a move or a jog out of what it takes over, along the profile that `plan` makes of that.
+    pub(super) fn begin(
+        &self,
+        motion: &mut Motion,
+        axis: u16,
+        slot: Slot,
+        call: &Call,
+        beginning: Beginning,
+        plan: impl FnOnce(State) -> Profile,
+    ) {
+        let Beginning {
+            execution,
+            dynamics,
+            goal,
+        } = beginning;
+        let at = usize::from(axis);
+        let from = steady(self.taken_over(&motion.axes[at], slot, call), &dynamics.limits());
+        if self.merges(call) {
+            motion.end_single_axis(axis, Some(slot));
         }
-        if (call.word(self.lock_direction) != 0) != master {
-            return Err(MotionError::MdscLockDirectionConflict);
-        }
-        if master {
-            return Err(MotionError::MdscNotActivated);
-        }
-        Ok(())
+        motion.end_generator(axis, slot);
+        let mut generator = Generator::planned(plan(from), motion.clock.now());
+        generator.execution = Some(execution);
+        generator.s_curve = dynamics.is_s_curve();
+        generator.program = Some(Program { dynamics, goal });
+        motion.axes[at].begin(slot, generator);
+        motion.axes[at].stale = true;
+        let accepted = Flag::Dn.mask() | Flag::Ip.mask();
+        motion.controls.write(execution, accepted, 0, motion.clock.tick);
     }
 }
 
-/// The axis may be moved: not shut down, servo on, no stop of everything under way, and its stops can be made.
-pub(super) fn verify_axis(motion: &Motion, axis: u16, s_curve: bool) -> Result<(), MotionError> {
-    let state = &motion.axes[usize::from(axis)];
-    ready(state)?;
-    if state.dynamics.deceleration <= 0.0 {
+/// A move or a jog that is to begin.
+pub(super) struct Beginning {
+    pub(super) execution: Execution,
+    pub(super) dynamics: Dynamics,
+    pub(super) goal: Goal,
+}
+
+/// A trapezoid begins with an acceleration of its own.
+pub(super) fn steady(from: State, limits: &Limits) -> State {
+    State {
+        acceleration: if limits.jerk.is_some() { from.acceleration } else { 0.0 },
+        ..from
+    }
+}
+
+/// The axis may be moved: not shut down, servo on, not homed, and its stops can be made.
+pub(super) fn verify_axis(axis: &Axis, s_curve: bool) -> Result<(), MotionError> {
+    ready(axis)?;
+    not_homing(axis)?;
+    if axis.dynamics.deceleration <= 0.0 {
         return Err(MotionError::ZeroMaxDecel(Culprit::Axis(AxisIndex(0))));
     }
-    if s_curve && state.dynamics.deceleration_jerk <= 0.0 {
+    if s_curve && axis.dynamics.deceleration_jerk <= 0.0 {
         return Err(MotionError::ZeroMaxDecelJerk(Culprit::Axis(AxisIndex(0))));
     }
-    if state.is_stopping() {
+    Ok(())
+}
+
+/// No stop of everything is under way.
+pub(super) fn not_stopping(axis: &Axis) -> Result<(), MotionError> {
+    if axis.is_stopping() {
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
     }
     Ok(())
 }
 
-/// Not shut down, servo on.
+/// Not homed by an active sequence.
+pub(super) fn not_homing(axis: &Axis) -> Result<(), MotionError> {
+    if axis.is_homed_actively() {
+        return Err(MotionError::HomeInProcess(AxisIndex(0)));
+    }
+    Ok(())
+}
+
+/// Not shut down, servo on, no fault.
 pub(super) fn ready(axis: &Axis) -> Result<(), MotionError> {
+    switched_on(axis)?;
+    not_faulted(axis)
+}
+
+/// No fault; the servo may be off.
+pub(super) fn not_faulted(axis: &Axis) -> Result<(), MotionError> {
+    if axis.is_faulted() {
+        return Err(MotionError::AxisInFaultedState(AxisIndex(0)));
+    }
+    Ok(())
+}
+
+/// Not shut down, servo on but for a fault: what a stop asks for.
+pub(super) fn switched_on(axis: &Axis) -> Result<(), MotionError> {
+    not_shut_down(axis)?;
+    if axis.is_off() {
+        return Err(MotionError::ServoOffState(AxisIndex(0)));
+    }
+    Ok(())
+}
+
+/// An axis outside of its travel moves in a direction that leads back.
+pub(super) fn no_overtravel(axis: &Axis, direction: f64) -> Result<(), MotionError> {
+    if axis.faults.forbids(direction) {
+        return Err(MotionError::OvertravelCondition);
+    }
+    Ok(())
+}
+
+/// Not shut down; the servo may be off.
+pub(super) fn not_shut_down(axis: &Axis) -> Result<(), MotionError> {
     match axis.state {
         AxisState::Shutdown => Err(MotionError::ShutdownState(AxisIndex(0))),
-        AxisState::Running => Ok(()),
-        _ => Err(MotionError::ServoOffState(AxisIndex(0))),
+        _ => Ok(()),
     }
 }

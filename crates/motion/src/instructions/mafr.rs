@@ -1,5 +1,5 @@
-//! MAFR, Motion Axis Fault Reset (spec/axis-and-data-types.md §2). No fault can occur yet, so there is none
-//! to clear; the request is answered all the same.
+//! MAFR, Motion Axis Fault Reset (spec/axis-and-data-types.md §2). A cause that is still there faults again at the
+//! next update.
 
 use arcline_instruction_set::{Call, MotionError};
 
@@ -9,6 +9,7 @@ use crate::motion::Motion;
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
     motion.verify_operands(call)?;
+    motion.reset_faults(axis);
     motion.done_next_update(execution, axis, None);
     Ok(())
 }

@@ -3,7 +3,7 @@
 use arcline_drive::Motion as Point;
 use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError, OperandIndex};
 
-use super::moves::positive;
+use super::programmed::positive;
 use super::{axis_moves, place};
 use crate::axis::generator::{Generator, Law};
 use crate::axis::sum::Slot;
@@ -84,7 +84,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     } else {
         None
     };
-    axis_moves::verify_axis(motion, axis, false)?;
+    axis_moves::verify_axis(&motion.axes[at], false)?;
+    axis_moves::not_stopping(&motion.axes[at])?;
     if motion.plan_gear(axis, master).is_err() {
         return Err(MotionError::MasterAxisConflict);
     }
@@ -114,9 +115,12 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     motion.end_generator(axis, Slot::Gear);
     let met = motion.master_at(master, reference);
+    let mut gear = Gear::new(master, reference, ratio, &met, slave, clutch, now);
     let mut generator = Generator::followed(false);
     generator.execution = Some(execution);
-    generator.law = Law::Geared(Gear::new(master, reference, ratio, &met, slave, clutch, now));
+    // What is executed next at this tick finds the slave in motion.
+    generator.now = gear.follow(&met, slave.position, &motion.clock);
+    generator.law = Law::Geared(gear);
     let state = &mut motion.axes[at];
     state.begin(Slot::Gear, generator);
     state.stale = true;

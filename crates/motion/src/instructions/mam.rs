@@ -1,14 +1,17 @@
 //! MAM, Motion Axis Move (spec/axis-and-data-types.md §3.4).
 
-use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
-use arcline_planner::profile::{Profile, State};
+use arcline_instruction_set::{AxisIndex, Call, Mnemonic, MotionError, OperandIndex};
+use arcline_planner::profile::Profile;
 
-use super::axis_moves::{self, AxisMoveLayout};
+use super::axis_moves::{self, AxisMoveLayout, Beginning};
 use super::place;
-use crate::axis::generator::{Generator, Goal, Program};
+use super::seconds::{self, SECONDS};
+use crate::axis::Axis;
+use crate::axis::generator::Goal;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::motion::Motion;
+use crate::rotary::Turn;
 
 /// Places of MAM's operands.
 #[derive(Clone, Copy, Debug)]
@@ -16,17 +19,83 @@ pub(crate) struct Layout {
     common: AxisMoveLayout,
     move_type: usize,
     position: usize,
+    event_distance: usize,
 }
 
 /// Move Type: by a distance.
 const INCREMENTAL: i32 = 1;
+/// Move Type: to a position within one turn, the short way.
+const SHORTEST: i32 = 2;
+/// Move Type: to a position within one turn, forwards.
+const POSITIVE: i32 = 3;
+/// Move Type: to a position within one turn, backwards.
+const NEGATIVE: i32 = 4;
+/// Speed Units: duration in master units.
+const MASTER_UNITS: i32 = 7;
 
 impl Layout {
     pub(super) fn new() -> Self {
+        let place = |name| place(Mnemonic::Mam, name);
         Layout {
             common: AxisMoveLayout::of(Mnemonic::Mam),
-            move_type: place(Mnemonic::Mam, "Move Type"),
-            position: place(Mnemonic::Mam, "Position"),
+            move_type: place("Move Type"),
+            position: place("Position"),
+            event_distance: place("Event Distance"),
+        }
+    }
+
+    fn is_rotary(&self, call: &Call) -> bool {
+        (SHORTEST..=NEGATIVE).contains(&call.word(self.move_type))
+    }
+
+    /// Ranges, in the order of the faceplate: a position of a rotary move type lies within one turn.
+    fn verify_ranges(&self, motion: &Motion, axis: &Axis, call: &Call) -> Result<(), MotionError> {
+        let position = MotionError::ParameterOutOfRange(OperandIndex(self.position as u8));
+        let beyond = |unwind| self.is_rotary(call) && !Turn::contains(unwind, call.number(self.position));
+        match (motion.verify_operands(call), axis.unwind.is_some_and(beyond)) {
+            (Err(MotionError::ParameterOutOfRange(first)), _) if usize::from(first.0) <= self.position => {
+                Err(MotionError::ParameterOutOfRange(first))
+            }
+            (_, true) => Err(position),
+            (result, false) => result,
+        }
+    }
+
+    /// Units that go together, and what moves of a programmed duration need.
+    fn verify_units(&self, axis: &Axis, call: &Call) -> Result<(), MotionError> {
+        let dynamics = &self.common.dynamics;
+        dynamics.verify_units(call)?;
+        for duration in [SECONDS, MASTER_UNITS] {
+            seconds::verify_units(&dynamics.rates, call, duration)?;
+        }
+        let units = call.word(dynamics.rates.speed_units);
+        if units == SECONDS {
+            seconds::verify_durations(dynamics, call)?;
+        }
+        if matches!(units, SECONDS | MASTER_UNITS) {
+            if axis.command.velocity != 0.0 || axis.command.acceleration != 0.0 {
+                return Err(MotionError::AxisNotAtRest(AxisIndex(0)));
+            }
+            if self.common.keeps_speed(call) {
+                return Err(MotionError::MergeToCurrentUsingSeconds);
+            }
+        }
+        dynamics.verify_link(call)
+    }
+
+    /// Where the move ends, as a position that is not unwound. Offsets of a master need a position cam.
+    fn target(&self, axis: &Axis, call: &Call) -> Result<f64, MotionError> {
+        let present = axis.command.position;
+        let position = call.number(self.position);
+        let turn = axis.unwind.map(|unwind| Turn::at(present, unwind));
+        match (call.word(self.move_type), turn) {
+            (INCREMENTAL, _) => Ok(present + position),
+            (SHORTEST, Some(turn)) => Ok(turn.shortest(position)),
+            (POSITIVE, Some(turn)) => Ok(turn.forward(position)),
+            (NEGATIVE, Some(turn)) => Ok(turn.backward(position)),
+            (0, Some(turn)) => Ok(turn.absolute(position)),
+            (0, None) => Ok(position),
+            _ => Err(MotionError::PositionCamNotEnabled),
         }
     }
 }
@@ -34,56 +103,38 @@ impl Layout {
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let layout = motion.layouts.mam;
     let axis = motion.target_axis(call)?;
-    let at = usize::from(axis);
-    motion.verify_operands(call)?;
-    layout.common.verify_mode(call)?;
-    axis_moves::verify_axis(motion, axis, layout.common.is_s_curve(call))?;
-    let state = &motion.axes[at];
-    let mut dynamics = layout.common.dynamics(call, &state.dynamics)?;
-    if layout.common.keeps_speed(call) && state.command.velocity != 0.0 {
-        dynamics.set_speed(state.command.velocity.abs());
+    let state = &motion.axes[usize::from(axis)];
+    layout.verify_ranges(motion, state, call)?;
+    layout.verify_units(state, call)?;
+    if !call.array(layout.event_distance).is_empty() {
+        return Err(MotionError::FeatureNotSupported);
     }
-    let position = state.command.position;
-    let target = match call.word(layout.move_type) {
-        0 => call.number(layout.position),
-        INCREMENTAL => position + call.number(layout.position),
-        _ => return Err(MotionError::FeatureNotSupported),
-    };
-    // Of what it takes over, the move keeps the speed: of its own kind, or of everything.
-    let taken = if layout.common.merges(call) {
-        let but_coordinated = |state: &crate::axis::Axis| {
-            let mut taken = state.command;
-            if let Some(system) = state.sum.get(Slot::System) {
-                taken.velocity -= system.now.velocity;
-                taken.acceleration -= system.now.acceleration;
-            }
-            taken
-        };
-        let taken = but_coordinated(state);
-        motion.end_single_axis(axis, Some(Slot::Move));
-        taken
+    axis_moves::verify_axis(state, layout.common.dynamics.is_s_curve(call))?;
+    if layout.is_rotary(call) && state.unwind.is_none() {
+        return Err(MotionError::AxisModeNotRotary);
+    }
+    axis_moves::not_stopping(state)?;
+    let target = layout.target(state, call)?;
+    axis_moves::no_overtravel(state, target - state.command.position)?;
+    let mut dynamics = if call.word(layout.common.dynamics.rates.speed_units) == SECONDS {
+        let distance = (target - state.command.position).abs();
+        seconds::dynamics(&layout.common.dynamics, call, distance, &state.dynamics)
     } else {
-        let own = motion.axes[at].sum.get(Slot::Move);
-        own.map(|generator| generator.now).unwrap_or_default()
+        layout.common.dynamics.read(call, &state.dynamics)?
     };
-    motion.end_generator(axis, Slot::Move);
-    let limits = dynamics.limits();
-    let from = State {
-        position,
-        velocity: taken.velocity,
-        acceleration: if limits.jerk.is_some() { taken.acceleration } else { 0.0 },
-    };
-    let now = motion.clock.now();
-    let mut generator = Generator::planned(Profile::to_position(from, target, 0.0, &limits), now);
-    generator.execution = Some(execution);
-    generator.s_curve = dynamics.is_s_curve();
-    generator.program = Some(Program {
+    if layout.common.keeps_speed(call) {
+        let taken = layout.common.taken_over(state, Slot::Move, call);
+        if taken.velocity != 0.0 {
+            dynamics.set_speed(taken.velocity.abs());
+        }
+    }
+    let beginning = Beginning {
+        execution,
         dynamics,
         goal: Goal::Position(target),
+    };
+    layout.common.begin(motion, axis, Slot::Move, call, beginning, |from| {
+        Profile::to_position(from, target, 0.0, &dynamics.limits())
     });
-    motion.axes[at].begin(Slot::Move, generator);
-    motion.axes[at].stale = true;
-    let accepted = Flag::Dn.mask() | Flag::Ip.mask();
-    motion.controls.write(execution, accepted, 0, motion.clock.tick);
     Ok(())
 }

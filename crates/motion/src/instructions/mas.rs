@@ -3,9 +3,9 @@
 use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
 use arcline_planner::profile::{Jerk, Limits};
 
-use super::axis_moves::ready;
-use super::moves::positive;
+use super::axis_moves::switched_on;
 use super::place;
+use super::programmed::positive;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::{in_units, jerk_in_units, resolve};
@@ -93,9 +93,13 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let at = usize::from(axis);
     motion.verify_operands(call)?;
     let state = &motion.axes[at];
-    ready(state)?;
+    switched_on(state)?;
     let tick = motion.clock.tick;
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
+    if matches!(stopped(call.word(layout.stop_type)), Some(None | Some(Slot::Home))) {
+        motion.end_passive_homing(axis);
+    }
+    let state = &motion.axes[at];
     match stopped(call.word(layout.stop_type)) {
         Some(None) if state.in_motion() => {
             let limits = layout.limits(motion, axis, call, state.command.velocity.abs(), state.is_s_curve())?;

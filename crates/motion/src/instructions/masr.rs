@@ -14,8 +14,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     Ok(())
 }
 
-/// Leaves shutdown for Ready: a servo stays off, a virtual axis is ready at once.
-pub(super) fn reset(motion: &mut Motion, axis: u16) {
+/// Clears faults and leaves shutdown for Ready: a servo stays off, a virtual axis is ready at once. Returns whether no
+/// cause of a fault is left.
+pub(super) fn reset(motion: &mut Motion, axis: u16) -> bool {
+    let gone = motion.reset_faults(axis);
     let axis = &mut motion.axes[usize::from(axis)];
     if axis.state == AxisState::Shutdown {
         axis.state = if axis.is_virtual {
@@ -24,4 +26,5 @@ pub(super) fn reset(motion: &mut Motion, axis: u16) {
             AxisState::Stopped
         };
     }
+    gone
 }

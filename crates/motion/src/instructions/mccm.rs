@@ -1,12 +1,14 @@
 //! MCCM, Motion Coordinated Circular Move (spec/coordinated-instructions.md §13, the MCCM seed).
 
-use arcline_instruction_set::{Call, Mnemonic, MotionError};
+use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
 use arcline_planner::geometry::{Arc, ArcError, CirclePoint, Dimension, Direction, Path};
 
-use super::moves::{self, INCREMENTAL, target_point};
+use super::moves::{self, INCREMENTAL, primary, target_point, unwinds};
 use super::place;
 use crate::control::Execution;
 use crate::motion::Motion;
+use crate::rotary::Turn;
+use crate::system::{System, component};
 
 /// Places of the operands that only MCCM has.
 #[derive(Clone, Copy, Debug)]
@@ -38,36 +40,48 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let layout = motion.layouts.mccm;
     let circle = motion.layouts.circle;
     moves::execute(motion, execution, call, &layout, 2, |motion, system, start| {
-        let rotary = |axis: &u16| {
-            motion
-                .axes
-                .get(usize::from(*axis))
-                .is_some_and(|axis| axis.unwind.is_some())
-        };
-        if system.description.axes.iter().any(rotary) {
-            return Err(MotionError::FeatureNotSupported);
-        }
         let axes = system.description.axes.len();
-        let primary = |operand: usize| {
-            let values = call.array(operand);
-            &values[..axes.min(values.len())]
-        };
         let incremental = call.word(layout.move_type) == INCREMENTAL;
-        let end = target_point(primary(layout.position), &start, incremental);
-        let values = primary(circle.circle_point);
+        let position = primary(system, call, layout.position);
+        let mut end = target_point(position, &start, incremental);
+        if incremental {
+            verify_turns(motion, system, position, layout.position)?;
+        } else {
+            moves::unwind(motion, system, &start, position, &mut end, layout.position)?;
+        }
+        let values = primary(system, call, circle.circle_point);
+        let point = |incremental: bool| {
+            let mut point = target_point(values, &start, incremental);
+            if !incremental {
+                // Of all the turns of a rotary axis the one in which the arc is.
+                for (place, unwind) in unwinds(motion, system) {
+                    let middle = 0.5 * (component(&start, place) + component(&end, place));
+                    point[place] = Turn::nearest(unwind, point[place], middle);
+                }
+            }
+            point
+        };
         let circle_point = match call.word(circle.circle_type) {
-            VIA => CirclePoint::Via(target_point(values, &start, incremental)),
+            VIA => CirclePoint::Via(point(incremental)),
             RADIUS => CirclePoint::Radius(values.first().copied().unwrap_or(0.0)),
-            CENTER_INCREMENTAL => CirclePoint::Center(target_point(values, &start, true)),
-            _ => CirclePoint::Center(target_point(values, &start, incremental)),
+            CENTER_INCREMENTAL => CirclePoint::Center(point(true)),
+            _ => CirclePoint::Center(point(incremental)),
         };
         let dimension = if axes == 2 { Dimension::Two } else { Dimension::Three };
-        let direction = Direction::from_word(call.word(circle.direction)).ok_or(MotionError::ParameterOutOfRange(
-            arcline_instruction_set::OperandIndex(circle.direction as u8),
-        ))?;
+        let direction = Direction::from_word(call.word(circle.direction))
+            .ok_or(MotionError::ParameterOutOfRange(OperandIndex(circle.direction as u8)))?;
         let arc = Arc::new(dimension, start, end, circle_point, direction).map_err(error)?;
         Ok(Path::Arc(arc))
     })
+}
+
+/// No increment moves a rotary axis by more than one turn (§13.6).
+fn verify_turns(motion: &Motion, system: &System, increments: &[f64], operand: usize) -> Result<(), MotionError> {
+    let beyond = |(place, unwind): (usize, f64)| increments.get(place).is_some_and(|by| by.abs() > unwind);
+    if unwinds(motion, system).any(beyond) {
+        return Err(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)));
+    }
+    Ok(())
 }
 
 fn error(error: ArcError) -> MotionError {

@@ -3,7 +3,8 @@
 use arcline_instruction_set::{AxisIndex, Call, Culprit, Flag, Mnemonic, MotionError};
 use arcline_planner::profile::{Jerk, Limits};
 
-use super::{moves, place};
+use super::place;
+use super::programmed::positive;
 use crate::control::Execution;
 use crate::dynamics::{in_units, jerk_in_units, resolve};
 use crate::follow::Release;
@@ -44,7 +45,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let layout = motion.layouts.mcs;
     let index = motion.target_system(call)?;
     motion.verify_operands(call)?;
-    verify::axes_ready(&motion.systems[index], &motion.axes)?;
+    verify::axes_on(&motion.systems[index], &motion.axes)?;
     verify::stoppable(&motion.systems[index], &motion.axes, is_s_curve(motion, index))?;
     let stop_type = call.word(layout.stop_type);
     let rates = rates(motion, index, call)?;
@@ -129,7 +130,7 @@ fn rates(motion: &Motion, index: usize, call: &Call) -> Result<Rates, MotionErro
         ));
     }
     let deceleration = release.deceleration.unwrap_or(description.max_deceleration);
-    moves::positive(deceleration, layout.decel_rate)?;
+    positive(deceleration, layout.decel_rate)?;
     if call.is_one(layout.change_decel_jerk) {
         let programmed = jerk_in_units(
             call.number(layout.decel_jerk),
@@ -143,7 +144,7 @@ fn rates(motion: &Motion, index: usize, call: &Call) -> Result<Rates, MotionErro
     }
     let jerk = release.jerk.unwrap_or(description.max_deceleration_jerk);
     if is_s_curve(motion, index) {
-        moves::positive(jerk, layout.decel_jerk)?;
+        positive(jerk, layout.decel_jerk)?;
     }
     Ok(Rates {
         deceleration,

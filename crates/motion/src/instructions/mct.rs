@@ -82,6 +82,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     for index in [source, target] {
         let system = &motion.systems[index];
         verify::axes_ready(system, &motion.axes)?;
+        verify::not_homing(system, &motion.axes)?;
+        verify::not_homing(system, &motion.axes)?;
         verify::stoppable(system, &motion.axes, true)?;
     }
     verify_chain(motion, target, &link)?;

@@ -9,11 +9,15 @@ use crate::motion::Motion;
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     motion.target_group(call)?;
     motion.verify_operands(call)?;
+    let mut all = true;
     for axis in 0..motion.axes.len() as u16 {
-        masr::reset(motion, axis);
+        all &= masr::reset(motion, axis);
     }
     for system in &mut motion.systems {
         system.shutdown = false;
+    }
+    if !all {
+        return Err(MotionError::PartialGroupShutdownReset);
     }
     motion.done_at_next_update(execution);
     Ok(())

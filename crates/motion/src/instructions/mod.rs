@@ -3,12 +3,15 @@
 mod axis_moves;
 mod mafr;
 mod mag;
+mod mah;
+mod maj;
 mod mam;
 mod mas;
 mod masd;
 mod masr;
 mod mccd;
 mod mccm;
+mod mcd;
 mod mclm;
 mod mcs;
 mod mcsd;
@@ -19,13 +22,17 @@ mod mgsd;
 mod mgsp;
 mod mgsr;
 mod moves;
+mod mrp;
 mod msf;
 mod mso;
+mod programmed;
+mod seconds;
 
 use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
 
 use crate::control::Execution;
 use crate::motion::Motion;
+pub(crate) use masd::shut_down;
 use moves::MoveLayout;
 
 /// Places of the operands on the faceplates, looked up in the catalogue once.
@@ -37,10 +44,13 @@ pub(crate) struct Layouts {
     mccd: mccd::Layout,
     mcs: mcs::Layout,
     mam: mam::Layout,
+    maj: maj::Layout,
+    mcd: mcd::Layout,
     mas: mas::Layout,
     mag: mag::Layout,
     mct: mct::Layout,
     mgs: mgs::Layout,
+    mrp: mrp::Layout,
 }
 
 impl Layouts {
@@ -52,10 +62,13 @@ impl Layouts {
             mccd: mccd::Layout::new(),
             mcs: mcs::Layout::new(),
             mam: mam::Layout::new(),
+            maj: maj::Layout::new(),
+            mcd: mcd::Layout::new(),
             mas: mas::Layout::new(),
             mag: mag::Layout::new(),
             mct: mct::Layout::new(),
             mgs: mgs::Layout::new(),
+            mrp: mrp::Layout::new(),
         }
     }
 }
@@ -82,8 +95,12 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Mgsp => mgsp::execute(motion, execution, call),
         Mnemonic::Mas => mas::execute(motion, execution, call),
         Mnemonic::Mam => mam::execute(motion, execution, call),
+        Mnemonic::Maj => maj::execute(motion, execution, call),
+        Mnemonic::Mcd => mcd::execute(motion, execution, call),
         Mnemonic::Mag => mag::execute(motion, execution, call),
         Mnemonic::Mct => mct::execute(motion, execution, call),
+        Mnemonic::Mah => mah::execute(motion, execution, call),
+        Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
         _ => {
             motion.verify_operands(call)?;

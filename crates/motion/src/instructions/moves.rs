@@ -6,12 +6,14 @@ use arcline_planner::profile::Phase;
 use arcline_planner::{Ending, Momentum, Move};
 
 use super::place;
+use super::programmed::DynamicsLayout;
 use crate::axis::Axis;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
-use crate::dynamics::{Dynamics, Jerks, Shape, in_units, jerk_in_units, reference_speed};
+use crate::dynamics::Maxima;
 use crate::machine::{AxisLimits, CoordinateSystem, Corner};
 use crate::motion::Motion;
+use crate::rotary::Turn;
 use crate::system::{Activity, Planned, System, Termination, component};
 use crate::verify;
 
@@ -20,28 +22,16 @@ use crate::verify;
 pub(crate) struct MoveLayout {
     pub(super) move_type: usize,
     pub(super) position: usize,
-    speed: usize,
-    speed_units: usize,
-    accel_rate: usize,
-    accel_units: usize,
-    decel_rate: usize,
-    decel_units: usize,
-    profile: usize,
-    accel_jerk: usize,
-    decel_jerk: usize,
-    jerk_units: usize,
+    dynamics: DynamicsLayout,
     termination_type: usize,
     merge: usize,
     merge_speed: usize,
     command_tolerance: usize,
-    lock_direction: usize,
     event_distance: usize,
 }
 
 /// Move Type: the position counts from the start of the move.
 pub(super) const INCREMENTAL: i32 = 1;
-/// Profile: S-curve.
-const S_CURVE: i32 = 1;
 /// Merge: Disabled.
 const MERGE_DISABLED: i32 = 0;
 /// Merge: All Motion.
@@ -55,52 +45,13 @@ impl MoveLayout {
         MoveLayout {
             move_type: place("Move Type"),
             position: place("Position"),
-            speed: place("Speed"),
-            speed_units: place("Speed Units"),
-            accel_rate: place("Accel Rate"),
-            accel_units: place("Accel Units"),
-            decel_rate: place("Decel Rate"),
-            decel_units: place("Decel Units"),
-            profile: place("Profile"),
-            accel_jerk: place("Accel Jerk"),
-            decel_jerk: place("Decel Jerk"),
-            jerk_units: place("Jerk Units"),
+            dynamics: DynamicsLayout::of(mnemonic),
             termination_type: place("Termination Type"),
             merge: place("Merge"),
             merge_speed: place("Merge Speed"),
             command_tolerance: place("Command Tolerance"),
-            lock_direction: place("Lock Direction"),
             event_distance: place("Event Distance"),
         }
-    }
-
-    /// Speed, rates and jerks of a move, in units.
-    fn dynamics(&self, call: &Call, system: &CoordinateSystem) -> Result<Dynamics, MotionError> {
-        let units = |value, word, maximum| in_units(call.number(value), call.word(word), maximum);
-        let jerk = |value, maximum| jerk_in_units(call.number(value), call.word(self.jerk_units), maximum);
-        let speed = units(self.speed, self.speed_units, system.max_speed);
-        let jerks = Jerks {
-            acceleration: jerk(self.accel_jerk, system.max_acceleration_jerk),
-            deceleration: jerk(self.decel_jerk, system.max_deceleration_jerk),
-        };
-        let dynamics = Dynamics {
-            speed,
-            acceleration: units(self.accel_rate, self.accel_units, system.max_acceleration),
-            deceleration: units(self.decel_rate, self.decel_units, system.max_deceleration),
-            shape: if call.word(self.profile) == S_CURVE {
-                Shape::SCurve(jerks)
-            } else {
-                Shape::Trapezoidal(jerks)
-            },
-            last_speed: reference_speed(speed, system.max_speed),
-        };
-        positive(dynamics.acceleration, self.accel_rate)?;
-        positive(dynamics.deceleration, self.decel_rate)?;
-        if let Some(jerk) = dynamics.limits().jerk {
-            positive(jerk.acceleration, self.accel_jerk)?;
-            positive(jerk.deceleration, self.decel_jerk)?;
-        }
-        Ok(dynamics)
     }
 
     /// How the move completes, and what happens there if it has a successor.
@@ -132,34 +83,6 @@ impl MoveLayout {
         };
         Ok((settles, ending))
     }
-
-    /// Step 6: one mode for all units, a lock direction of that mode, a link for a master driven move.
-    fn verify_mode(&self, call: &Call) -> Result<(), MotionError> {
-        let master = verify::is_master_driven(call.number(self.speed_units));
-        let others = [self.accel_units, self.decel_units, self.jerk_units];
-        if others
-            .iter()
-            .any(|units| verify::is_master_driven(call.number(*units)) != master)
-        {
-            return Err(MotionError::MdscUnitsConflict);
-        }
-        if (call.word(self.lock_direction) != 0) != master {
-            return Err(MotionError::MdscLockDirectionConflict);
-        }
-        if master {
-            return Err(MotionError::MdscNotActivated);
-        }
-        Ok(())
-    }
-}
-
-/// A percentage of a maximum that is 0 leaves nothing to move with.
-pub(super) fn positive(value: f64, operand: usize) -> Result<(), MotionError> {
-    if value > 0.0 {
-        Ok(())
-    } else {
-        Err(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))
-    }
 }
 
 /// Verifies what every coordinated move has in common, lets `path` find the geometry between the start point
@@ -177,13 +100,15 @@ pub(super) fn execute(
         return Err(super::no_target());
     }
     motion.verify_operands(call)?;
-    layout.verify_mode(call)?;
+    layout.dynamics.verify_units(call)?;
+    layout.dynamics.verify_link(call)?;
     if !call.array(layout.event_distance).is_empty() {
         return Err(MotionError::FeatureNotSupported);
     }
     let system = &motion.systems[index];
     verify::axes_ready(system, &motion.axes)?;
-    let mut dynamics = layout.dynamics(call, &system.description)?;
+    verify::not_homing(system, &motion.axes)?;
+    let mut dynamics = layout.dynamics.read(call, &Maxima::from(&system.description))?;
     verify::stoppable(system, &motion.axes, dynamics.is_s_curve())?;
     let (termination, ending) = layout.termination(call, &system.description)?;
     let merge = call.word(layout.merge);
@@ -192,8 +117,14 @@ pub(super) fn execute(
     } else {
         command(motion, index, |axis| axis.command.position)
     };
-    let path = path(motion, system, start)?;
+    // The queue goes on in the frame in which it began, the operands are of the positions as they are now.
+    let shift = match merge {
+        MERGE_DISABLED => queue_shift(motion, index),
+        _ => Point::zeros(),
+    };
+    let path = path(motion, system, start + shift)?.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
+    verify::no_overtravel(system, &motion.axes, &path.end())?;
 
     let momentum = terminated(motion, index, merge);
     let current = command(motion, index, |axis| axis.command.velocity).norm();
@@ -202,11 +133,7 @@ pub(super) fn execute(
     }
     let planned = Move {
         path,
-        // Contours are planned for the override when their turn comes.
-        limits: match &motion.systems[index] {
-            system if system.contour.is_some() => dynamics.limits(),
-            system => dynamics.overridden(system.feed_override),
-        },
+        limits: dynamics.limits(),
         ending,
         data: Planned {
             execution,
@@ -253,7 +180,8 @@ pub(super) fn execute(
 fn terminated(motion: &Motion, index: usize, merge: i32) -> Momentum {
     let quantity = |axis: &Axis| match merge {
         MERGE_DISABLED => Default::default(),
-        MERGE_ALL => axis.command,
+        // What a transform gives goes on.
+        MERGE_ALL => axis.sum.motion_of(|slot| !slot.is_of_transforms()),
         _ => axis
             .sum
             .get(Slot::System)
@@ -294,6 +222,14 @@ fn command(motion: &Motion, index: usize, quantity: impl Fn(&Axis) -> f64) -> Po
         *coordinate = motion.axes.get(usize::from(*axis)).map_or(0.0, &quantity);
     }
     point
+}
+
+/// What positions were redefined by since the queue of a coordinate system began.
+fn queue_shift(motion: &Motion, index: usize) -> Point {
+    match motion.systems[index].activity {
+        Activity::Moving => command(motion, index, |axis| axis.sum.shift_of(Slot::System)),
+        _ => Point::zeros(),
+    }
 }
 
 /// The end of the last move in the queue, or where the axes are commanded to be.
@@ -339,4 +275,40 @@ pub(super) fn target_point(values: &[f64], start: &Point, incremental: bool) -> 
         };
     }
     target
+}
+
+/// The elements of an array operand that belong to the axes of a coordinate system.
+pub(super) fn primary<'a>(system: &System, call: &'a Call, operand: usize) -> &'a [f64] {
+    let values = call.array(operand);
+    &values[..system.description.axes.len().min(values.len())]
+}
+
+/// The unwinds of the axes of a coordinate system, with their places; linear axes have none.
+pub(super) fn unwinds(motion: &Motion, system: &System) -> impl Iterator<Item = (usize, f64)> {
+    let axes = system.description.axes.iter().enumerate();
+    axes.filter_map(|(place, axis)| Some((place, motion.axes.get(usize::from(*axis))?.unwind?)))
+}
+
+/// Sets the ends of rotary axes to where absolute positions lie from the start: the sign is the direction, the magnitude
+/// the position within one turn (spec/coordinated-instructions.md §12.2).
+///
+/// # Errors
+/// `ParameterOutOfRange` (13) with the operand when a magnitude is beyond the unwind.
+pub(super) fn unwind(
+    motion: &Motion,
+    system: &System,
+    start: &Point,
+    values: &[f64],
+    target: &mut Point,
+    operand: usize,
+) -> Result<(), MotionError> {
+    for (place, unwind) in unwinds(motion, system) {
+        if let Some(position) = values.get(place) {
+            let turn = Turn::at(component(start, place), unwind);
+            target[place] = turn
+                .signed(*position)
+                .ok_or(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))?;
+        }
+    }
+    Ok(())
 }

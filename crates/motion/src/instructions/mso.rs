@@ -14,6 +14,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         return Err(MotionError::WrongAxisType(AxisIndex(0)));
     }
     match state.state {
+        _ if state.state != AxisState::Shutdown && state.is_faulted() => {
+            return Err(MotionError::AxisInFaultedState(AxisIndex(0)));
+        }
+        AxisState::Aborting | AxisState::Faulted => {}
         AxisState::Shutdown => return Err(MotionError::ShutdownState(AxisIndex(0))),
         AxisState::Running if state.in_motion() => return Err(MotionError::AxisInMotion(AxisIndex(0))),
         AxisState::Running => {

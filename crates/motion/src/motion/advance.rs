@@ -34,6 +34,7 @@ impl Motion {
                 break;
             }
         }
+        self.systems[index].planner.look_on(&self.clock);
         if self.systems[index].is_busy() {
             self.sample_system(index);
         }

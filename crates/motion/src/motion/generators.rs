@@ -10,9 +10,6 @@ use crate::axis::sum::Slot;
 use crate::axis::{AfterStop, Axis, AxisState};
 use crate::control::Execution;
 
-/// What single-axis instructions begin.
-pub(crate) const SINGLE_AXIS: [Slot; 4] = [Slot::Move, Slot::Jog, Slot::Home, Slot::Gear];
-
 impl Motion {
     /// Commands and drives of all axes at the present tick, and what came to its end.
     pub(super) fn advance_axes(&mut self) {
@@ -20,14 +17,9 @@ impl Motion {
             self.advance_followers();
             return;
         }
-        let period = self.clock.period();
         for index in 0..self.axes.len() {
-            let axis = &mut self.axes[index];
-            axis.advance(&self.clock);
-            axis.follow(period);
-            if axis.in_motion() {
-                self.report_generators(index as u16);
-            }
+            self.axes[index].advance(&self.clock);
+            self.follow_command(index as u16);
         }
     }
 
@@ -56,8 +48,8 @@ impl Motion {
 
     /// Ends what single-axis instructions began on an axis, but for one kind of it.
     pub(crate) fn end_single_axis(&mut self, axis: u16, but: Option<Slot>) {
-        for slot in SINGLE_AXIS {
-            if but != Some(slot) {
+        for slot in Slot::ALL {
+            if slot.is_single_axis() && but != Some(slot) {
                 self.end_generator(axis, slot);
             }
         }
@@ -82,8 +74,13 @@ impl Motion {
     /// As [`Motion::stop_axis`], at given rates.
     pub(crate) fn stop_axis_at(&mut self, axis: u16, limits: &Limits, execution: Option<Execution>) {
         let at = usize::from(axis);
+        self.end_passive_homing(axis);
         self.cancel_transforms_of(axis);
         if !self.axes[at].in_motion() {
+            // All that was to be stopped was a transform that did not move this axis.
+            if let Some(execution) = execution {
+                self.end_move(execution, Flag::Pc.mask());
+            }
             return;
         }
         for slot in Slot::ALL {
@@ -134,11 +131,15 @@ impl Motion {
         }
     }
 
-    /// ACCEL and DECEL of what is under way, and PC of what has come to its end.
+    /// ACCEL and DECEL of what is under way, and PC of what has come to its end. Homing tells its end by itself.
     pub(crate) fn report_generators(&mut self, axis: u16) {
         let at = usize::from(axis);
         let tick = self.clock.tick;
+        let is_driven_home = self.axes[at].is_driven_home();
         for slot in Slot::ALL {
+            if slot == Slot::Home && is_driven_home {
+                continue;
+            }
             let Some(generator) = self.axes[at].sum.get_mut(slot) else {
                 continue;
             };

@@ -87,6 +87,7 @@ impl Motion {
             }
         }
         self.end_generators(axis);
+        self.end_passive_homing(axis);
     }
 
     /// Takes the axes of a system into its coordinated move, or on into the next one.

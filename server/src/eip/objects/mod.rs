@@ -154,9 +154,12 @@ pub(crate) fn serve(
                     machine: device.plant.machine(),
                     image,
                     overrides: RefCell::default(),
+                    injected: RefCell::default(),
                 };
                 let reply = with(&objects);
-                write_overrides(memory, &objects.overrides.take());
+                let (overrides, injected) = (objects.overrides.take(), objects.injected.take());
+                write_overrides(memory, &overrides);
+                write_injected(memory, &injected);
                 reply
             }
             None => Reply::error(request.service, unknown()),
@@ -176,6 +179,17 @@ fn write_overrides(memory: &mut Memory<'_>, overrides: &[(u16, f32)]) {
         match image.set_feed_override(*system, *percent) {
             Ok(edge) => edges.extend(edge),
             Err(error) => tracing::warn!(%error, "an override was not written"),
+        }
+    }
+}
+
+/// Injected faults that were set as attributes are in range: they are written like the tag.
+fn write_injected(memory: &mut Memory<'_>, injected: &[(u16, u32)]) {
+    let Memory::Write(image, edges) = memory else { return };
+    for (axis, bits) in injected {
+        match image.inject_faults(*axis, *bits) {
+            Ok(edge) => edges.extend(edge),
+            Err(error) => tracing::warn!(%error, "injected faults were not written"),
         }
     }
 }

@@ -11,11 +11,12 @@
 //! | 6 | | maximum acceleration jerk | maximum acceleration jerk |
 //! | 7 | | maximum deceleration jerk | maximum deceleration jerk |
 //! | 8 | | position units, SHORT_STRING | actual position tolerance, LREAL |
-//! | 9 | | | command position tolerance, LREAL |
-//! | 10 | | | feed override, REAL, percent, 0 to 200; can be set |
+//! | 9 | | injected faults, UDINT, can be set | command position tolerance, LREAL |
+//! | 10 | | what can be injected, UDINT | feed override, REAL, percent, 0 to 200; can be set |
 //! | 11 | | | the last feed override that was not 0, REAL, percent |
 //!
-//! Attribute 10 is the coordinate system's element of the tag `FeedOverride`. A value out of range is refused with 0x09.
+//! Attribute 10 of a coordinate system is its element of the tag `FeedOverride`, attribute 9 of an axis that of the tag
+//! `FaultInject`: bits of docs/FAULTS.md. A value out of range is refused with 0x09.
 //!
 //! Position units of the axis, per second, per second², per second³. Get Attributes All returns all of them in order.
 
@@ -23,7 +24,7 @@ use std::cell::RefCell;
 
 use arcline_controller::image::{FEED_OVERRIDE_PERCENT, Image};
 use arcline_controller::machine::{Axis, CoordinateSystem, Machine};
-use arcline_instruction_set::Object;
+use arcline_instruction_set::{FaultSet, Object};
 use arcline_proto::cip::CipStatus;
 use bytes::{BufMut, Bytes, BytesMut};
 
@@ -36,6 +37,8 @@ pub(super) struct MotionObjects<'a> {
     pub(super) image: &'a Image,
     /// Overrides that were set, for the tag memory: place of the coordinate system and percent.
     pub(super) overrides: RefCell<Vec<(u16, f32)>>,
+    /// Injected faults that were set, for the tag memory: place of the axis and bits.
+    pub(super) injected: RefCell<Vec<(u16, u32)>>,
 }
 
 /// Objects of a kind; instances count from 1.
@@ -60,7 +63,15 @@ impl Class for MotionObjects<'_> {
         let place = usize::try_from(instance).unwrap_or(usize::MAX).wrapping_sub(1);
         match self.object {
             Object::MotionGroup => group(self.machine, id),
-            Object::Axis => axis(self.machine.axes.get(place).ok_or_else(unknown)?, id),
+            Object::Axis => {
+                let described = self.machine.axes.get(place).ok_or_else(unknown)?;
+                let place = u16::try_from(place).map_err(|_| unknown())?;
+                match id {
+                    INJECTED => word_value(self.image.injected_faults().nth(place.into())),
+                    POSSIBLE => word_value(self.image.possible_faults(place)),
+                    id => axis(described, id),
+                }
+            }
             Object::CoordinateSystem => {
                 let described = self.machine.systems.get(place).ok_or_else(unknown)?;
                 let place = u16::try_from(place).map_err(|_| unknown())?;
@@ -76,22 +87,43 @@ impl Class for MotionObjects<'_> {
     fn all(&self) -> &'static [u16] {
         match self.object {
             Object::MotionGroup => &[1, 2, 3],
-            Object::Axis => &[1, 2, 3, 4, 5, 6, 7, 8],
+            Object::Axis => &[1, 2, 3, 4, 5, 6, 7, 8, INJECTED, POSSIBLE],
             Object::CoordinateSystem => &[1, 2, 3, 4, 5, 6, 7, 8, 9, FEED_OVERRIDE, BEFORE_HOLD],
         }
     }
 
     fn settable(&self, id: u16) -> Option<usize> {
-        (self.object == Object::CoordinateSystem && id == FEED_OVERRIDE).then_some(4)
+        let settable = match self.object {
+            Object::MotionGroup => false,
+            Object::Axis => id == INJECTED,
+            Object::CoordinateSystem => id == FEED_OVERRIDE,
+        };
+        settable.then_some(4)
     }
 
     fn set(&self, instance: u32, _id: u16, value: &[u8]) -> Result<(), CipStatus> {
-        let percent = f32::from_le_bytes(*value.first_chunk().ok_or(CipStatus::NOT_ENOUGH_DATA)?);
+        let value = *value.first_chunk().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
+        if self.object == Object::Axis {
+            return self.inject(instance, u32::from_le_bytes(value));
+        }
+        let percent = f32::from_le_bytes(value);
         if !FEED_OVERRIDE_PERCENT.contains(&percent) {
             return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
         }
         let place = u16::try_from(instance.wrapping_sub(1)).map_err(|_| unknown())?;
         self.overrides.borrow_mut().push((place, percent));
+        Ok(())
+    }
+}
+
+impl MotionObjects<'_> {
+    fn inject(&self, instance: u32, bits: u32) -> Result<(), CipStatus> {
+        let place = u16::try_from(instance.wrapping_sub(1)).map_err(|_| unknown())?;
+        let possible = self.image.possible_faults(place).ok_or_else(unknown)?;
+        if bits & !possible.bits() != 0 {
+            return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
+        }
+        self.injected.borrow_mut().push((place, bits));
         Ok(())
     }
 }
@@ -142,6 +174,18 @@ fn real_value(value: Option<f32>) -> Result<Bytes, CipStatus> {
     }
 }
 
+/// 0x14 where there is none: the tag's name is taken by another one.
+fn word_value(value: Option<FaultSet>) -> Result<Bytes, CipStatus> {
+    match value {
+        Some(value) => u32_value(value.bits()),
+        None => no_attribute(),
+    }
+}
+
+/// Attribute of an axis: the causes of faults that are injected.
+const INJECTED: u16 = 9;
+/// Attribute of an axis: the causes that can be.
+const POSSIBLE: u16 = 10;
 /// Attribute of a coordinate system: its feed override.
 const FEED_OVERRIDE: u16 = 10;
 /// Attribute of a coordinate system: the override that a hold has replaced.

@@ -236,3 +236,46 @@ async fn an_override_is_set_as_an_attribute_or_a_tag() {
         "what a hold has replaced is not settable"
     );
 }
+
+#[tokio::test]
+async fn faults_are_injected_as_an_attribute_and_as_a_tag() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    let get = |id| {
+        Request::new(
+            service::GET_ATTRIBUTE_SINGLE,
+            Epath::attribute(0x301, 1, id),
+            Bytes::new(),
+        )
+    };
+    let set = |instance, id, value: &[u8]| {
+        Request::new(
+            service::SET_ATTRIBUTE_SINGLE,
+            Epath::attribute(0x301, instance, id),
+            Bytes::copy_from_slice(value),
+        )
+    };
+    let word = |value: u32| value.to_le_bytes();
+    let tag = |value: u32| write("FaultInject[0]", Elementary::Dint.into(), 1, &word(value));
+    #[rustfmt::skip]
+    let cases = [
+        // why,                        request,                   status, injected
+        ("as it starts",               get(9),                    (0, 0),    0),
+        ("as an attribute",            set(1, 9, &word(16)),      (0, 0),    16),
+        ("two",                        set(1, 9, &word(0x104)),   (0, 0),    0x104),
+        ("a fault that there isn't",   set(1, 9, &word(0x200)),   (0x09, 0), 0x104),
+        ("too short",                  set(1, 9, &[0, 0]),        (0x13, 0), 0x104),
+        ("too long",                   set(1, 9, &[0; 5]),        (0x15, 0), 0x104),
+        ("an axis beyond",             set(99, 9, &word(1)),      (0x05, 0), 0x104),
+        ("what is possible",           set(1, 10, &word(1)),      (0x0E, 0), 0x104),
+        ("as a tag",                   tag(1),                    (0, 0),    1),
+        ("as a tag, a fault too many", tag(0x200),                (0x20, 0), 1),
+    ];
+    for (why, request, status, injected) in cases {
+        let reply = client.ask(&request).await;
+        assert_eq!(codes(reply.status), status, "{why}");
+        assert_eq!(client.ask(&get(9)).await.data[..], word(injected), "{why}");
+        assert_eq!(client.read("FaultInject[0]").await.data[..], word(injected), "{why}");
+    }
+    assert_eq!(client.ask(&get(10)).await.data[..], word(0x1FF));
+}

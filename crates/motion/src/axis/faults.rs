@@ -1,0 +1,284 @@
+//! The faults of one axis: whether a cause is there, what has been found out, what it shows as
+//! (spec/axis-and-data-types.md §9.3, §12).
+//!
+//! Not here: what a fault does to motion (`motion::faults`). Real-time: nothing allocates. Units: position units, seconds.
+
+use arcline_instruction_set::predefined::axis_fault;
+use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet, FaultWord};
+
+use crate::machine::{Axis as Description, AxisKind, ExceptionActions, Travel};
+
+/// What an axis does at one update, as far as faults look at it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Observed {
+    /// Actual position.
+    pub(crate) position: f64,
+    pub(crate) homed: bool,
+    /// Command velocity.
+    pub(crate) velocity: f64,
+    /// Following error; `None`: the loop is open.
+    pub(crate) error: Option<f64>,
+}
+
+/// The faults of an axis.
+#[derive(Clone, Debug)]
+pub(crate) struct Faults {
+    actions: ExceptionActions,
+    possible: FaultSet,
+    travel: Option<Travel>,
+    /// Position Error Tolerance and its time; 0: unchecked.
+    tolerance: [f64; 2],
+    /// Causes that somebody has put there.
+    injected: FaultSet,
+    /// Causes that are there.
+    causes: FaultSet,
+    /// Causes that the last check found to raise a fault, but for the injected ones.
+    found: FaultSet,
+    /// Faults since the last reset.
+    latched: FaultSet,
+    /// For how long the following error has been above its tolerance.
+    exceeded: f64,
+    /// On which side of its travel the axis is: -1, 0 within, 1.
+    side: i8,
+    /// Its travel counts.
+    homed: bool,
+}
+
+/// A position beyond a limit by less than this, units, is rounding.
+const ROUNDING: f64 = 1e-9;
+
+impl Faults {
+    pub(crate) fn new(description: &Description) -> Self {
+        let tolerance = match description.kind {
+            AxisKind::Servo(drive) => [drive.position_error_tolerance, drive.position_error_tolerance_time],
+            AxisKind::Virtual => [0.0; 2],
+        };
+        let mut faults = Faults {
+            actions: description.exception_actions,
+            possible: FaultSet::possible(!description.is_virtual()),
+            travel: description.travel,
+            tolerance,
+            injected: FaultSet::default(),
+            causes: FaultSet::default(),
+            found: FaultSet::default(),
+            latched: FaultSet::default(),
+            exceeded: 0.0,
+            side: 0,
+            homed: description.start.homed,
+        };
+        // An axis that starts outside stands there: that is no fault.
+        faults.side = faults.side_of(description.start.position);
+        faults
+    }
+
+    /// Puts causes there, and takes all others away that were put there.
+    pub(crate) fn inject(&mut self, causes: FaultSet) {
+        self.injected = FaultSet::from_bits(causes.bits() & self.possible.bits());
+    }
+
+    /// Looks for causes, once an update. Returns the strongest action of those that are faults only now.
+    pub(crate) fn check(&mut self, observed: &Observed, period: f64) -> Option<ExceptionAction> {
+        let mut causes = self.injected;
+        let mut found = FaultSet::default();
+        let side = self.side_of(observed.position);
+        let before = std::mem::replace(&mut self.side, side);
+        self.homed = observed.homed;
+        for (side, kind) in TRAVEL {
+            if self.homed && self.side == side {
+                causes = causes.with(kind);
+                if before != side || observed.velocity * f64::from(side) > 0.0 {
+                    found = found.with(kind);
+                }
+            }
+        }
+        let [tolerance, time] = self.tolerance;
+        match observed.error {
+            Some(error) if tolerance > 0.0 && error.abs() > tolerance => {
+                // Half an update: sums of periods are not exact.
+                if self.exceeded + 0.5 * period >= time {
+                    causes = causes.with(FaultKind::PositionError);
+                    found = found.with(FaultKind::PositionError);
+                }
+                self.exceeded += period;
+            }
+            _ => self.exceeded = 0.0,
+        }
+        self.causes = causes;
+        self.found = found;
+        let raised = found
+            .union(self.injected)
+            .kinds()
+            .map(|kind| (kind, self.actions.of(kind)));
+        let raised = raised.filter(|(_, action)| *action >= ExceptionAction::FaultStatusOnly);
+        let mut strongest = None;
+        for (kind, action) in raised {
+            if !self.latched.contains(kind) {
+                strongest = strongest.max(Some(action));
+            }
+            self.latched = self.latched.with(kind);
+        }
+        strongest
+    }
+
+    /// Clears every fault. Returns whether none of their causes is still there.
+    pub(crate) fn reset(&mut self) -> bool {
+        self.latched = FaultSet::default();
+        let faults = |kind| self.actions.of(kind) >= ExceptionAction::FaultStatusOnly;
+        !self.injected.union(self.found).kinds().any(faults)
+    }
+
+    /// Whether a fault keeps the axis from being moved.
+    pub(crate) fn block(&self) -> bool {
+        self.latched.kinds().any(|kind| self.actions.of(kind).stops())
+    }
+
+    /// Whether motion in a direction leads further out of the travel that the axis has left.
+    pub(crate) fn forbids(&self, direction: f64) -> bool {
+        TRAVEL.into_iter().any(|(side, kind)| {
+            let outside = (self.homed && self.side == side) || self.injected.contains(kind);
+            outside && direction * f64::from(side) > 0.0 && self.actions.of(kind).stops()
+        })
+    }
+
+    /// Faults since the last reset, in a word of the tag.
+    pub(crate) fn word(&self, word: FaultWord) -> u64 {
+        self.latched.word(word)
+    }
+
+    /// Causes that are there and only alarm, in a word of the tag.
+    pub(crate) fn alarms(&self, word: FaultWord) -> u64 {
+        let alarms = self.causes.kinds();
+        alarms
+            .filter(|kind| self.actions.of(*kind) == ExceptionAction::Alarm)
+            .fold(FaultSet::default(), FaultSet::with)
+            .word(word)
+    }
+
+    /// AxisFault. AXIS_VIRTUAL has no MotionFault: a physical one stands for it.
+    pub(crate) fn axis_fault(&self, is_virtual: bool) -> u32 {
+        let mut shown = 0;
+        if self.latched.word(FaultWord::Cip) != 0 {
+            shown |= axis_fault::PHYSICAL_AXIS_FAULT;
+        }
+        if self.latched.word(FaultWord::Motion) != 0 {
+            shown |= if is_virtual {
+                axis_fault::PHYSICAL_AXIS_FAULT
+            } else {
+                axis_fault::MOTION_FAULT
+            };
+        }
+        shown
+    }
+
+    /// Positions were shifted without motion: where the axis is now is where it was.
+    pub(crate) fn redefined(&mut self, position: f64) {
+        self.side = self.side_of(position);
+    }
+
+    fn side_of(&self, position: f64) -> i8 {
+        match self.travel {
+            Some(travel) if position > travel.max + ROUNDING => 1,
+            Some(travel) if position < travel.min - ROUNDING => -1,
+            _ => 0,
+        }
+    }
+}
+
+/// Sides of the travel and their faults.
+const TRAVEL: [(i8, FaultKind); 2] = [(1, FaultKind::SoftTravelPositive), (-1, FaultKind::SoftTravelNegative)];
+
+const _: () = assert!(FAULTS.len() == FaultKind::COUNT);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::{Drive, Home, ProgrammedStopMode, Start};
+
+    const PERIOD: f64 = 0.001;
+
+    fn axis(time: f64) -> Description {
+        Description {
+            name: "X".into(),
+            kind: AxisKind::Servo(Drive {
+                position_error_tolerance: 2.0,
+                position_error_tolerance_time: time,
+                ..Drive::default()
+            }),
+            units: String::new(),
+            max_speed: 100.0,
+            max_acceleration: 1000.0,
+            max_deceleration: 1000.0,
+            max_acceleration_jerk: 10_000.0,
+            max_deceleration_jerk: 10_000.0,
+            travel: Some(Travel { min: -10.0, max: 10.0 }),
+            unwind: None,
+            start: Start::default(),
+            home: Home::immediate(100.0, 1000.0),
+            programmed_stop_mode: ProgrammedStopMode::default(),
+            exception_actions: ExceptionActions::default(),
+            average_velocity_timebase: 0.25,
+        }
+    }
+
+    fn at(position: f64, velocity: f64) -> Observed {
+        Observed {
+            position,
+            homed: true,
+            velocity,
+            error: Some(0.0),
+        }
+    }
+
+    #[test]
+    fn travel_is_left_once_and_standing_outside_is_no_fault() {
+        let mut faults = Faults::new(&axis(0.0));
+        let stop = Some(ExceptionAction::StopPlanner);
+        #[rustfmt::skip]
+        let cases = [
+            // why,                       observed,            reset before, result, direction forbidden
+            ("inside",                    at(9.0, 50.0),       false, None,  false),
+            ("on the limit",              at(10.0, 50.0),      false, None,  false),
+            ("out",                       at(10.1, 50.0),      false, stop,  true),
+            ("further out, still there",  at(10.2, 50.0),      false, None,  true),
+            ("cleared while it moves on", at(10.3, 40.0),      true,  stop,  true),
+            ("cleared and standing",      at(10.5, 0.0),       true,  None,  true),
+            ("back in",                   at(10.4, -5.0),      false, None,  true),
+            ("out again",                 at(10.5, 5.0),       false, stop,  true),
+            ("inside, not cleared",       at(9.0, -5.0),       false, None,  false),
+            ("coasting out",              at(-10.1, 0.0),      true,  stop,  false),
+        ];
+        for (why, observed, reset, expected, forbidden) in cases {
+            if reset {
+                faults.reset();
+            }
+            assert_eq!(faults.check(&observed, PERIOD), expected, "{why}");
+            assert_eq!(faults.forbids(1.0), forbidden, "{why}");
+        }
+        assert_eq!(faults.word(FaultWord::Motion), 1 << 2);
+        let mut not_homed = Faults::new(&axis(0.0));
+        let observed = Observed {
+            homed: false,
+            ..at(11.0, 1.0)
+        };
+        assert_eq!(not_homed.check(&observed, PERIOD), None);
+        assert!(!not_homed.forbids(1.0));
+        assert_eq!(not_homed.check(&at(11.0, 0.0), PERIOD), None, "homed while it stands");
+    }
+
+    #[test]
+    fn a_position_error_must_last() {
+        let erring = |error| Observed {
+            error: Some(error),
+            ..at(0.0, 0.0)
+        };
+        for (time, updates) in [(0.0, 1), (0.001, 2), (0.005, 6)] {
+            let mut faults = Faults::new(&axis(time));
+            assert_eq!(faults.check(&erring(2.0), PERIOD), None, "at the tolerance");
+            let first = (1..20).find(|_| faults.check(&erring(-2.1), PERIOD).is_some());
+            assert_eq!(first, Some(updates), "{time} s");
+            assert!(!faults.reset(), "it is still there");
+            faults.check(&erring(1.0), PERIOD);
+            assert!(faults.reset());
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! What an axis keeps of gears and transforms: its master, its part in transforms, and the brake of what one moved.
+//!
+//! Not here: where it follows to (`crate::follow`).
+
+use arcline_drive::Motion as Point;
+use arcline_planner::Instant;
+use arcline_planner::profile::{Limits, Profile, State};
+
+use super::Axis;
+use super::generator::{Generator, Law};
+use super::sum::Slot;
+use crate::follow::gear::Gear;
+
+/// An axis's part in transforms (`crate::follow::transform`).
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Linked {
+    /// The transform that leads it, by the place of its target system.
+    pub(crate) leader: Option<u8>,
+    /// Transforms whose targets lead it back, a bit for each.
+    pub(crate) led_back_by: u64,
+    /// Where it would be led to when nothing leads it any more, in the frame of its generator.
+    pub(crate) rest: f64,
+    /// What transforms that are over had led it back by.
+    pub(crate) settled: f64,
+    /// A transform moves it.
+    pub(crate) controlled: bool,
+}
+
+impl Axis {
+    /// Whether it is part of a transform.
+    pub(crate) fn is_linked(&self) -> bool {
+        self.linked.leader.is_some() || self.linked.led_back_by != 0
+    }
+
+    /// The master and the law of its gearing.
+    pub(crate) fn gear(&self) -> Option<&Gear> {
+        match &self.sum.get(Slot::Gear)?.law {
+            Law::Geared(gear) => Some(gear),
+            _ => None,
+        }
+    }
+
+    /// Whether something brakes that a cancelled transform had moved.
+    pub(crate) fn is_parting(&self) -> bool {
+        self.sum.active().any(|(_, generator)| generator.parting)
+    }
+
+    /// What a cancelled transform moved brakes, together with what earlier ones did.
+    pub(crate) fn part(&mut self, moved: Point, limits: &Limits, now: Instant) {
+        let mut from = State {
+            position: self.command.position,
+            velocity: moved.velocity,
+            acceleration: moved.acceleration,
+        };
+        if let Some(earlier) = self.sum.get(Slot::Parting) {
+            from.velocity += earlier.now.velocity;
+            from.acceleration += earlier.now.acceleration;
+        }
+        if limits.jerk.is_none() {
+            from.acceleration = 0.0;
+        }
+        let mut generator = Generator::planned(Profile::stop(from, limits), now);
+        generator.stopping = true;
+        generator.parting = true;
+        generator.s_curve = limits.jerk.is_some();
+        self.sum.begin(Slot::Parting, generator);
+        self.command = self.sum.command();
+        self.stale = true;
+    }
+
+    /// An axis without a drive stands somewhere else at once; that is no motion that others would follow.
+    pub(crate) fn set_virtual(&mut self, position: f64) {
+        self.redefine(position - self.command.position);
+        self.stand_at(position);
+        self.drive.cycle(self.command, 0.0);
+    }
+}

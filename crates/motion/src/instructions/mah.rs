@@ -1,0 +1,65 @@
+//! MAH, Motion Axis Home (spec/axis-and-data-types.md §3.2, §11).
+
+use arcline_instruction_set::{AxisIndex, Call, Culprit, MotionError};
+
+use super::axis_moves::{not_faulted, not_homing, not_shut_down, ready};
+use crate::axis::Axis;
+use crate::control::Execution;
+use crate::machine::{HomeMode, HomeSequence};
+use crate::motion::Motion;
+
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
+    let axis = motion.target_axis(call)?;
+    motion.verify_operands(call)?;
+    let state = &motion.axes[usize::from(axis)];
+    let active = state.home.mode == HomeMode::Active;
+    verify_configuration(state)?;
+    if active && state.home.sequence != HomeSequence::Immediate {
+        ready(state)?;
+    } else {
+        not_shut_down(state)?;
+        if active {
+            not_faulted(state)?;
+        }
+    }
+    not_homing(state)?;
+    if active {
+        if state.dynamics.deceleration <= 0.0 && (state.in_motion() || state.home.sequence != HomeSequence::Immediate) {
+            return Err(MotionError::ZeroMaxDecel(Culprit::Axis(AxisIndex(0))));
+        }
+        if state.is_stopping() {
+            return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
+        }
+    }
+    if motion.is_redefining(axis) {
+        return Err(MotionError::RedefinePositionInProcess);
+    }
+    motion.not_in_transform(axis)?;
+    motion.begin_homing(axis, execution);
+    Ok(())
+}
+
+/// The sequence can be run: its inputs are there, and the edge of the switch that it seeks.
+fn verify_configuration(axis: &Axis) -> Result<(), MotionError> {
+    let home = &axis.home;
+    let (switch, marker) = (home.switch.is_some(), home.marker.is_some());
+    let assigned = match home.sequence {
+        HomeSequence::Immediate => true,
+        HomeSequence::Switch => switch,
+        HomeSequence::Marker => marker,
+        HomeSequence::SwitchMarker => switch && marker,
+        // The simulated drive has no torque level.
+        HomeSequence::Torque | HomeSequence::TorqueMarker => return Err(MotionError::IllegalHomingConfig),
+    };
+    if !assigned {
+        return Err(MotionError::DriveDigitalInputNotAssigned);
+    }
+    if let Some(switch) = home.switch
+        && home.mode == HomeMode::Active
+        && matches!(home.sequence, HomeSequence::Switch | HomeSequence::SwitchMarker)
+        && !switch.edge(home.direction.sign()).is_finite()
+    {
+        return Err(MotionError::IllegalHomingConfig);
+    }
+    Ok(())
+}

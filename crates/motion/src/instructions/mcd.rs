@@ -1,0 +1,74 @@
+//! MCD, Motion Change Dynamics (spec/axis-and-data-types.md §3.6).
+
+use arcline_instruction_set::{AxisIndex, Call, Mnemonic, MotionError};
+use arcline_planner::profile::Profile;
+
+use super::axis_moves;
+use super::place;
+use super::programmed::ChangeLayout;
+use crate::axis::generator::{Goal, Program};
+use crate::axis::sum::Slot;
+use crate::control::Execution;
+use crate::motion::Motion;
+
+/// Places of MCD's operands.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layout {
+    dynamics: ChangeLayout,
+    motion_type: usize,
+}
+
+/// Motion Type: the move of the axis; otherwise its jog.
+const MOVE: i32 = 1;
+
+impl Layout {
+    pub(super) fn new() -> Self {
+        Layout {
+            dynamics: ChangeLayout::of(Mnemonic::Mcd),
+            motion_type: place(Mnemonic::Mcd, "Motion Type"),
+        }
+    }
+}
+
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
+    let layout = motion.layouts.mcd;
+    let axis = motion.target_axis(call)?;
+    motion.verify_operands(call)?;
+    layout.dynamics.verify_mode(call)?;
+    let slot = if call.word(layout.motion_type) == MOVE {
+        Slot::Move
+    } else {
+        Slot::Jog
+    };
+    let state = &mut motion.axes[usize::from(axis)];
+    let running = state.sum.get(slot).and_then(|generator| generator.program);
+    axis_moves::verify_axis(state, running.is_some_and(|program| program.dynamics.is_s_curve()))?;
+    axis_moves::not_stopping(state)?;
+    let maxima = state.dynamics;
+    let Some(generator) = state.sum.get_mut(slot) else {
+        return Err(MotionError::IllegalDynamicChange);
+    };
+    let Some(Program { dynamics, goal }) = running else {
+        // Without a program it only brakes.
+        return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
+    };
+    let dynamics = layout.dynamics.change(call, &maxima, dynamics)?;
+    let now = axis_moves::steady(generator.state(), &dynamics.limits());
+    let (profile, goal) = match goal {
+        Goal::Position(target) => {
+            let profile = Profile::to_position_two_stage(now, target, &dynamics.limits());
+            (profile, goal)
+        }
+        Goal::Velocity(velocity) => {
+            // The direction is kept in the sign of a speed of 0 too.
+            let velocity = dynamics.speed.copysign(velocity);
+            let limits = dynamics.jog_limits(now.velocity, velocity);
+            (Profile::to_velocity(now, velocity, &limits), Goal::Velocity(velocity))
+        }
+    };
+    generator.follow(profile, motion.clock.now());
+    generator.program = Some(Program { dynamics, goal });
+    state.stale = true;
+    motion.done(execution);
+    Ok(())
+}

@@ -1,0 +1,242 @@
+//! Speed, rates and jerks as operands: what moves and jogs are programmed with, and what MCCD and MCD change.
+//!
+//! Not here: what becomes of them, and MAM's durations in seconds.
+
+use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
+
+use super::place;
+use crate::dynamics::{Dynamics, Jerks, Maxima, Shape, in_units, jerk_in_units, reference_speed};
+use crate::verify::is_master_driven;
+
+/// Profile: S-curve.
+const S_CURVE: i32 = 1;
+
+/// Places of magnitudes and of their units.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rates {
+    pub(super) speed: usize,
+    pub(super) speed_units: usize,
+    pub(super) accel_rate: usize,
+    pub(super) accel_units: usize,
+    pub(super) decel_rate: usize,
+    pub(super) decel_units: usize,
+    pub(super) accel_jerk: usize,
+    pub(super) decel_jerk: usize,
+    pub(super) jerk_units: usize,
+}
+
+impl Rates {
+    fn of(mnemonic: Mnemonic) -> Self {
+        let place = |name| place(mnemonic, name);
+        Rates {
+            speed: place("Speed"),
+            speed_units: place("Speed Units"),
+            accel_rate: place("Accel Rate"),
+            accel_units: place("Accel Units"),
+            decel_rate: place("Decel Rate"),
+            decel_units: place("Decel Units"),
+            accel_jerk: place("Accel Jerk"),
+            decel_jerk: place("Decel Jerk"),
+            jerk_units: place("Jerk Units"),
+        }
+    }
+
+    fn speed(&self, call: &Call, maxima: &Maxima) -> f64 {
+        in_units(call.number(self.speed), call.word(self.speed_units), maxima.speed)
+    }
+
+    fn acceleration(&self, call: &Call, maxima: &Maxima) -> f64 {
+        let units = call.word(self.accel_units);
+        in_units(call.number(self.accel_rate), units, maxima.acceleration)
+    }
+
+    fn deceleration(&self, call: &Call, maxima: &Maxima) -> f64 {
+        let units = call.word(self.decel_units);
+        in_units(call.number(self.decel_rate), units, maxima.deceleration)
+    }
+
+    fn jerks(&self, call: &Call, maxima: &Maxima) -> Jerks {
+        let jerk = |value, maximum| jerk_in_units(call.number(value), call.word(self.jerk_units), maximum);
+        Jerks {
+            acceleration: jerk(self.accel_jerk, maxima.acceleration_jerk),
+            deceleration: jerk(self.decel_jerk, maxima.deceleration_jerk),
+        }
+    }
+
+    /// A percentage of a maximum that is 0 leaves nothing to move with.
+    fn verify(&self, dynamics: &Dynamics) -> Result<(), MotionError> {
+        positive(dynamics.acceleration, self.accel_rate)?;
+        positive(dynamics.deceleration, self.decel_rate)?;
+        if let Some(jerk) = dynamics.limits().jerk {
+            positive(jerk.acceleration, self.accel_jerk)?;
+            positive(jerk.deceleration, self.decel_jerk)?;
+        }
+        Ok(())
+    }
+}
+
+/// Places of the operands that say how something moves: MCLM, MCCM, MAM, MAJ.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DynamicsLayout {
+    pub(super) rates: Rates,
+    profile: usize,
+    lock_direction: usize,
+}
+
+impl DynamicsLayout {
+    pub(super) fn of(mnemonic: Mnemonic) -> Self {
+        DynamicsLayout {
+            rates: Rates::of(mnemonic),
+            profile: place(mnemonic, "Profile"),
+            lock_direction: place(mnemonic, "Lock Direction"),
+        }
+    }
+
+    pub(super) fn is_s_curve(&self, call: &Call) -> bool {
+        call.word(self.profile) == S_CURVE
+    }
+
+    /// The shape with these jerks.
+    pub(super) fn shape(&self, call: &Call, jerks: Jerks) -> Shape {
+        if self.is_s_curve(call) {
+            Shape::SCurve(jerks)
+        } else {
+            Shape::Trapezoidal(jerks)
+        }
+    }
+
+    /// Speed, rates and jerks in units.
+    ///
+    /// # Errors
+    /// `ParameterOutOfRange` (13) where a percentage of a maximum is 0.
+    pub(super) fn read(&self, call: &Call, maxima: &Maxima) -> Result<Dynamics, MotionError> {
+        let rates = &self.rates;
+        let speed = rates.speed(call, maxima);
+        let dynamics = Dynamics {
+            speed,
+            acceleration: rates.acceleration(call, maxima),
+            deceleration: rates.deceleration(call, maxima),
+            shape: self.shape(call, rates.jerks(call, maxima)),
+            last_speed: reference_speed(speed, maxima.speed),
+        };
+        rates.verify(&dynamics)?;
+        Ok(dynamics)
+    }
+
+    /// One mode for all units: 94.
+    pub(super) fn verify_units(&self, call: &Call) -> Result<(), MotionError> {
+        let rates = &self.rates;
+        let master = is_master_driven(call.number(rates.speed_units));
+        let others = [rates.accel_units, rates.decel_units, rates.jerk_units];
+        if others
+            .iter()
+            .any(|units| is_master_driven(call.number(*units)) != master)
+        {
+            return Err(MotionError::MdscUnitsConflict);
+        }
+        Ok(())
+    }
+
+    /// A lock direction of the mode of the units (95), and a link for what is master driven (93).
+    pub(super) fn verify_link(&self, call: &Call) -> Result<(), MotionError> {
+        let master = is_master_driven(call.number(self.rates.speed_units));
+        if (call.word(self.lock_direction) != 0) != master {
+            return Err(MotionError::MdscLockDirectionConflict);
+        }
+        if master {
+            return Err(MotionError::MdscNotActivated);
+        }
+        Ok(())
+    }
+}
+
+/// Places of the operands that change how something moves: MCCD, MCD.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ChangeLayout {
+    rates: Rates,
+    change_speed: usize,
+    change_accel: usize,
+    change_decel: usize,
+    change_accel_jerk: usize,
+    change_decel_jerk: usize,
+}
+
+impl ChangeLayout {
+    pub(super) fn of(mnemonic: Mnemonic) -> Self {
+        let place = |name| place(mnemonic, name);
+        ChangeLayout {
+            rates: Rates::of(mnemonic),
+            change_speed: place("Change Speed"),
+            change_accel: place("Change Accel"),
+            change_decel: place("Change Decel"),
+            change_accel_jerk: place("Change Accel Jerk"),
+            change_decel_jerk: place("Change Decel Jerk"),
+        }
+    }
+
+    pub(super) fn changes_speed(&self, call: &Call) -> bool {
+        call.is_one(self.change_speed)
+    }
+
+    /// What is under way is time driven, so every unit of a change must be: 94, and 105 for the speed's.
+    pub(super) fn verify_mode(&self, call: &Call) -> Result<(), MotionError> {
+        let rates = &self.rates;
+        let master = |units: usize| is_master_driven(call.number(units));
+        let changed = [
+            (call.is_one(self.change_accel), rates.accel_units),
+            (call.is_one(self.change_decel), rates.decel_units),
+            (
+                call.is_one(self.change_accel_jerk) || call.is_one(self.change_decel_jerk),
+                rates.jerk_units,
+            ),
+        ];
+        let mixed = |mode: bool| {
+            changed
+                .iter()
+                .any(|(changed, units)| *changed && master(*units) != mode)
+        };
+        let mode = self.changes_speed(call) && master(rates.speed_units);
+        if mixed(mode) {
+            Err(MotionError::MdscUnitsConflict)
+        } else if mode {
+            Err(MotionError::MdscInvalidModeOrMasterChange)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// `dynamics` with what the call changes. A jerk in percent of time follows whatever is changed.
+    ///
+    /// # Errors
+    /// `ParameterOutOfRange` (13) where a percentage of a maximum is 0.
+    pub(super) fn change(&self, call: &Call, maxima: &Maxima, mut dynamics: Dynamics) -> Result<Dynamics, MotionError> {
+        let rates = &self.rates;
+        if self.changes_speed(call) {
+            dynamics.set_speed(rates.speed(call, maxima));
+        }
+        if call.is_one(self.change_accel) {
+            dynamics.acceleration = rates.acceleration(call, maxima);
+        }
+        if call.is_one(self.change_decel) {
+            dynamics.deceleration = rates.deceleration(call, maxima);
+        }
+        let jerks = rates.jerks(call, maxima);
+        if call.is_one(self.change_accel_jerk) {
+            dynamics.jerks_mut().acceleration = jerks.acceleration;
+        }
+        if call.is_one(self.change_decel_jerk) {
+            dynamics.jerks_mut().deceleration = jerks.deceleration;
+        }
+        rates.verify(&dynamics)?;
+        Ok(dynamics)
+    }
+}
+
+/// A percentage of a maximum that is 0 leaves nothing to move with.
+pub(super) fn positive(value: f64, operand: usize) -> Result<(), MotionError> {
+    if value > 0.0 {
+        Ok(())
+    } else {
+        Err(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))
+    }
+}

@@ -1,0 +1,125 @@
+//! How an axis is homed, and the simulated sensor it is homed on (spec/axis-and-data-types.md §9.4, §11).
+//!
+//! The sensor sees the machine position: the actual position without any redefinition since the start, position units.
+
+/// Homing of an axis.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Home {
+    /// Whether MAH moves the axis.
+    pub mode: HomeMode,
+    /// Which event makes the home point.
+    pub sequence: HomeSequence,
+    /// Which way an active sequence begins, and whether it comes back.
+    pub direction: HomeDirection,
+    /// Home Position: the position that the home point is given, u; of a rotary axis within one turn.
+    pub position: f64,
+    /// Home Offset: the distance from the event to the Home Position, u.
+    pub offset: f64,
+    /// Home Speed of the first leg, u/s; above 0 where an active sequence moves.
+    pub speed: f64,
+    /// Home Return Speed of later legs, u/s; above 0 where an active sequence moves.
+    pub return_speed: f64,
+    /// Home Acceleration, u/s²; above 0.
+    pub acceleration: f64,
+    /// Home Deceleration, u/s². 0 is possible where the axis's Maximum Deceleration is 0: MAH errs with 54.
+    pub deceleration: f64,
+    /// The home switch; `None`: not configured.
+    pub switch: Option<HomeSwitch>,
+    /// The marker; `None`: not configured.
+    pub marker: Option<HomeMarker>,
+}
+
+impl Home {
+    /// Immediate homing to position 0: what an axis has without configuration. Rates in u/s².
+    pub fn immediate(acceleration: f64, deceleration: f64) -> Self {
+        Home {
+            mode: HomeMode::Active,
+            sequence: HomeSequence::Immediate,
+            direction: HomeDirection::BidirectionalForward,
+            position: 0.0,
+            offset: 0.0,
+            speed: 0.0,
+            return_speed: 0.0,
+            acceleration,
+            deceleration,
+            switch: None,
+            marker: None,
+        }
+    }
+}
+
+/// Home Mode.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum HomeMode {
+    /// MAH waits for the event while others move the axis.
+    Passive,
+    /// MAH moves the axis.
+    Active,
+}
+
+/// Home Sequence.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum HomeSequence {
+    /// Where the axis stands.
+    Immediate,
+    /// An edge of the switch.
+    Switch,
+    /// The marker.
+    Marker,
+    /// The first marker after an edge of the switch.
+    SwitchMarker,
+    /// A held torque level.
+    Torque,
+    /// The first marker after a held torque level.
+    TorqueMarker,
+}
+
+/// Home Direction.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum HomeDirection {
+    /// Forward only.
+    UnidirectionalForward,
+    /// Forward, then back.
+    BidirectionalForward,
+    /// Reverse only.
+    UnidirectionalReverse,
+    /// Reverse, then back.
+    BidirectionalReverse,
+}
+
+impl HomeDirection {
+    /// 1 forward, -1 reverse.
+    pub fn sign(self) -> f64 {
+        match self {
+            HomeDirection::UnidirectionalForward | HomeDirection::BidirectionalForward => 1.0,
+            HomeDirection::UnidirectionalReverse | HomeDirection::BidirectionalReverse => -1.0,
+        }
+    }
+
+    /// Whether the axis comes back to the home point.
+    pub fn is_bidirectional(self) -> bool {
+        matches!(
+            self,
+            HomeDirection::BidirectionalForward | HomeDirection::BidirectionalReverse
+        )
+    }
+}
+
+/// Where the home switch is active: machine positions `min` to `max`, u. `min < max` and infinite where it has no end;
+/// of a rotary axis both within one turn, and `min > max` leads across 0.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct HomeSwitch {
+    /// Where it becomes active going forward.
+    pub min: f64,
+    /// Where it becomes active going in reverse.
+    pub max: f64,
+}
+
+/// Where the marker is: machine positions, u.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct HomeMarker {
+    /// One of them.
+    pub at: f64,
+    /// The distance between two, above 0; `None`: there is only one.
+    pub every: Option<f64>,
+}

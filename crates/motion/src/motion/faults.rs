@@ -1,0 +1,85 @@
+//! What faults of axes do to motion: looked for once an update, on actual positions (spec/axis-and-data-types.md §9.3, §12).
+//!
+//! Real-time: no allocation; bounded by the axes, the coordinate systems and the depth of their queues.
+
+use arcline_instruction_set::{ExceptionAction, FaultSet};
+
+use super::Motion;
+use crate::axis::AxisState;
+use crate::instructions::shut_down;
+
+impl Motion {
+    /// Puts causes of faults on an axis, to be found at the next update, and takes those away that were put there before.
+    /// Causes that the axis cannot have, and an axis that does not exist, change nothing. Real-time.
+    pub fn inject(&mut self, axis: u16, causes: FaultSet) {
+        if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
+            axis.faults.inject(causes);
+        }
+    }
+
+    /// Clears the faults of an axis. A faulted one is then stopped, a shut down one stays so. Returns whether no
+    /// cause is left, which would fault it again at the next update.
+    pub(crate) fn reset_faults(&mut self, axis: u16) -> bool {
+        let axis = &mut self.axes[usize::from(axis)];
+        let gone = axis.faults.reset();
+        if axis.state == AxisState::Faulted {
+            axis.state = AxisState::Stopped;
+        }
+        gone
+    }
+
+    /// Looks at every axis, and does what its faults ask for.
+    pub(super) fn check_faults(&mut self) {
+        let period = self.clock.period();
+        for index in 0..self.axes.len() {
+            let axis = &mut self.axes[index];
+            let observed = axis.observed();
+            if let Some(action) = axis.faults.check(&observed, period) {
+                self.act(index as u16, action);
+            }
+            let axis = &mut self.axes[index];
+            if axis.state == AxisState::Aborting && !axis.in_motion() {
+                let next = if axis.faults.block() {
+                    AxisState::Faulted
+                } else {
+                    AxisState::Stopped
+                };
+                axis.disable(next);
+            }
+        }
+    }
+
+    fn act(&mut self, axis: u16, action: ExceptionAction) {
+        let at = usize::from(axis);
+        match action {
+            ExceptionAction::Ignore | ExceptionAction::Alarm | ExceptionAction::FaultStatusOnly => {}
+            ExceptionAction::StopPlanner => self.stop_planner(axis),
+            ExceptionAction::StopDrive if self.axes[at].is_virtual => self.stop_planner(axis),
+            ExceptionAction::StopDrive => match self.axes[at].state {
+                AxisState::Running | AxisState::Starting => {
+                    self.stop_planner(axis);
+                    self.axes[at].state = AxisState::Aborting;
+                }
+                AxisState::Stopped | AxisState::Stopping => self.axes[at].state = AxisState::Faulted,
+                AxisState::Aborting | AxisState::Faulted | AxisState::Shutdown => {}
+            },
+            ExceptionAction::Shutdown => shut_down(self, axis),
+        }
+    }
+
+    /// Everything that moves the axis ends; it decelerates by itself, and so do the axes that moved with it.
+    fn stop_planner(&mut self, axis: u16) {
+        for index in 0..self.systems.len() {
+            if self.systems[index].has(axis) {
+                self.end_stop(index);
+                self.abort_system(index, |_| false);
+            }
+        }
+        if self.axes[usize::from(axis)].dynamics.deceleration > 0.0 {
+            self.stop_axis(axis, None);
+        } else {
+            // Nothing that could be stopped was ever started.
+            self.end_generators(axis);
+        }
+    }
+}
