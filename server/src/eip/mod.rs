@@ -4,7 +4,7 @@
 //! [`Plant`](crate::plant::Plant). Here they meet: a socket's bytes become requests, requests become reads and writes of
 //! tags or calls of instructions, and replies go back. Nothing here knows what an instruction does.
 //!
-//! Implicit I/O ([`io`]) is beside all that: a socket and a thread of its own.
+//! Implicit I/O (`io`) is beside all that: a socket and a thread of its own.
 //!
 //! One CIP message (a single request, or a whole Multiple Service Packet) is one action: all its tag writes are applied
 //! first, then the rising edges of `EnableIn` are executed, then it is answered.

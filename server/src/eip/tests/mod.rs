@@ -4,6 +4,8 @@ mod browse;
 mod hostile;
 mod io;
 mod motion;
+mod pitfalls;
+mod published;
 mod sessions;
 mod tag_face;
 mod tag_services;
