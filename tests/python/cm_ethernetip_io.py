@@ -36,7 +36,7 @@ async def main():
         config = ForwardOpenConfig(consumed_assembly=150, produced_assembly=100, config_assembly=151,
                                    consumed_size=OUTPUT + COUNT, produced_size=INPUT + COUNT, rpi=10_000)
         connection = await scanner.forward_open(config)
-        await until("inputs come", lambda: connection.receive_count > 10)
+        await until("inputs come", lambda: connection.receive_count > 100)
         await until("it owns the outputs, in run", lambda: connection.read_dint(STATUS) == OWNED | RUN)
         equal("size of the inputs", len(connection.produced_data) - COUNT, INPUT)
 
