@@ -20,6 +20,7 @@
 use crate::Point;
 use crate::banded::Banded;
 use crate::course::Course;
+use crate::nodes::LEAD;
 use crate::steps::smooth_lengths;
 use crate::tube::TubeRow;
 
@@ -52,6 +53,11 @@ pub(crate) struct Problem<'a> {
     pub(crate) fixed: Vec<bool>,
     pub(crate) spans: Vec<f64>,
     pub(crate) lateral: usize,
+    /// It continues a motion: the first nodes and spans are given.
+    pub(crate) led: bool,
+    /// What is left of the reciprocal limits of speed, acceleration and jerk, by node from -1 on, where the start
+    /// is outside of them; empty: all of it.
+    pub(crate) ease: Vec<[f64; 3]>,
 }
 
 /// How hard to work.
@@ -66,6 +72,11 @@ pub(crate) struct Effort {
 impl Problem<'_> {
     /// Lengthens all spans until every limit is kept with room to spare.
     pub(crate) fn make_feasible(&mut self) {
+        if self.led {
+            // A motion under way cannot be slowed down as a whole: the limits give way instead, and close in.
+            self.ease = vec![[0.0; 3]; self.points.len() + 1];
+            return;
+        }
         for _ in 0..200 {
             if self.worst() < FEASIBLE {
                 return;
@@ -109,6 +120,9 @@ impl Problem<'_> {
         let limits = &self.limits[i.clamp(0, n) as usize];
         let zero = Point::zeros();
         let none = (zero, 0.0, 0.0);
+        let ease = self.ease.get((i + 1) as usize).copied().unwrap_or([1.0; 3]);
+        // What the given nodes and spans decide alone is not asked for.
+        let free = |first: isize| !self.led || i >= first;
         // Index k stands for node or interval i - 2 + k.
         let tau = [span(i - 2), span(i - 1), span(i), span(i + 1), span(i + 2)];
         let p = [node(i - 1), node(i), node(i + 1), node(i + 2)];
@@ -128,13 +142,14 @@ impl Problem<'_> {
             v[1] * (-wide[1] / 3.0),
             v[2] * (-wide[2] / 3.0),
         ];
-        if i >= 0 && i < n {
+        if i >= 0 && i < n && free(2) {
             each(Quantity {
+                kind: 0,
                 value: v[1],
                 by_span: [zero, fade[1] * tau[1], fade[1] * tau[2], fade[1] * tau[3], zero],
                 by_node: [0.0, -wide[1], wide[1], 0.0],
-                axes: limits.speed,
-                vector: limits.vector_speed,
+                axes: limits.speed * ease[0],
+                vector: limits.vector_speed * ease[0],
                 along: none,
             });
         }
@@ -146,8 +161,9 @@ impl Problem<'_> {
             (fade[1] - fade[0] - here * 0.5) * r0,
             fade[1] * r0,
         ];
-        if i >= 0 {
+        if i >= 0 && free(2) {
             each(Quantity {
+                kind: 1,
                 value: here,
                 by_span: [
                     here_by[0] * tau[0],
@@ -157,12 +173,16 @@ impl Problem<'_> {
                     zero,
                 ],
                 by_node: [wide[0] * r0, -(wide[0] + wide[1]) * r0, wide[1] * r0, 0.0],
-                axes: limits.acceleration,
-                vector: limits.vector_acceleration,
-                along: (self.tangents[i as usize], limits.speeding_up, limits.slowing_down),
+                axes: limits.acceleration * ease[1],
+                vector: limits.vector_acceleration * ease[1],
+                along: (
+                    self.tangents[i as usize],
+                    limits.speeding_up * ease[1],
+                    limits.slowing_down * ease[1],
+                ),
             });
         }
-        if limits.jerk != zero || limits.vector_jerk > 0.0 {
+        if free(1) && (limits.jerk != zero || limits.vector_jerk > 0.0) {
             let next = (v[2] - v[1]) * r1;
             let next_by = [
                 fade[1] * -r1,
@@ -180,6 +200,7 @@ impl Problem<'_> {
                 tau[4] * inverse,
             ];
             each(Quantity {
+                kind: 2,
                 value,
                 by_span: [
                     here_by[0] * -relative[0],
@@ -194,8 +215,8 @@ impl Problem<'_> {
                     -((wide[1] + wide[2]) * r1 + wide[1] * r0) * inverse,
                     wide[2] * r1 * inverse,
                 ],
-                axes: limits.jerk,
-                vector: limits.vector_jerk,
+                axes: limits.jerk * ease[2],
+                vector: limits.vector_jerk * ease[2],
                 along: none,
             });
         }
@@ -218,6 +239,39 @@ impl Problem<'_> {
         }
         self.tube = tube;
         changed
+    }
+
+    /// Closes eased limits in, as [`Problem::narrow`] does with the tube.
+    fn tighten(&mut self, points: &[Point], spans: &[f64]) -> bool {
+        if !self.is_eased() {
+            return false;
+        }
+        let eased = core::mem::take(&mut self.ease);
+        let mut ease = eased.clone();
+        for (place, ease) in ease.iter_mut().enumerate() {
+            // Without `self.ease` the limits are the full ones.
+            let mut worst = [0.0_f64; 3];
+            self.for_each_quantity(place as isize - 1, points, spans, |q| {
+                let most = &mut worst[q.kind];
+                for axis in 0..3 {
+                    *most = most.max((q.value[axis] * q.axes[axis]).abs());
+                }
+                *most = most.max(q.value.norm() * q.vector);
+                let along = q.along.0.dot(&q.value);
+                *most = most.max(along * q.along.1).max(-along * q.along.2);
+            });
+            for (kind, ease) in ease.iter_mut().enumerate().filter(|(_, ease)| **ease < 1.0) {
+                let off = worst[kind];
+                let slack = if *ease > 0.0 { 0.5 * (1.0 / *ease - off) } else { WIDEN_LIMIT * off };
+                *ease = (1.0 / (off + slack.max(LEAST_WIDTH * off)).max(1.0)).max(*ease);
+            }
+        }
+        self.ease = ease;
+        true
+    }
+
+    fn is_eased(&self) -> bool {
+        self.ease.iter().flatten().any(|&ease| ease < 1.0)
     }
 
     fn place(&self, offsets: &[[f64; 2]], points: &mut [Point]) {
@@ -317,6 +371,7 @@ impl Problem<'_> {
             row.radius = f64::INFINITY;
         }
         self.narrow(&points);
+        self.tighten(&points, &spans);
         loop {
             let mut value = self.merit(t, &points, &spans);
             if !value.is_finite() {
@@ -325,7 +380,8 @@ impl Problem<'_> {
             let last = t >= effort.last;
             for _ in 0..effort.steps {
                 // Where the start is outside, the tube is wider and closes in from step to step.
-                if self.narrow(&points) {
+                let narrower = self.narrow(&points);
+                if self.tighten(&points, &spans) || narrower {
                     value = self.merit(t, &points, &spans);
                 }
                 self.assemble(t, &points, &spans, &mut matrix, &mut right);
@@ -333,7 +389,7 @@ impl Problem<'_> {
                 matrix.solve(&mut right);
                 let decrement: f64 = -gradient.iter().zip(&right).map(|(g, s)| g * s).sum::<f64>();
                 steps += 1;
-                if !decrement.is_finite() || -decrement < CONVERGED * count as f64 {
+                if !decrement.is_finite() || (-decrement < CONVERGED * count as f64 && !self.is_eased()) {
                     break;
                 }
                 // Where a step would leave the feasible set it is shortened, there and about there.
@@ -533,6 +589,12 @@ impl Problem<'_> {
                 }
             }
         }
+        if self.led {
+            for k in 0..LEAD {
+                matrix.fix(k * block);
+                right[k * block] = 0.0;
+            }
+        }
         // The last node has no interval behind it.
         let idle = (points.len() - 1) * block;
         matrix.fix(idle);
@@ -546,6 +608,8 @@ impl Problem<'_> {
 
 /// A vector that is limited, and what it depends on: spans of intervals `i-1..=i+1`, nodes `i-1..=i+2`.
 struct Quantity {
+    /// 0: velocity, 1: acceleration, 2: jerk.
+    kind: usize,
     value: Point,
     by_span: [Point; 5],
     by_node: [f64; 4],
@@ -562,6 +626,9 @@ const FEASIBLE: f64 = 0.7;
 const CONVERGED: f64 = 1e-3;
 /// A step that leaves less than this share of a slack is shortened.
 const NEARER: f64 = 0.03;
+/// Room that a limit which is exceeded is given, and the least of it, as shares of the quotient.
+const WIDEN_LIMIT: f64 = 0.3;
+const LEAST_WIDTH: f64 = 1e-3;
 /// Room that a point outside the tube is given, as a share of its distance.
 const WIDEN: f64 = 0.02;
 /// The logarithm of a span changes by no more than this in one step.

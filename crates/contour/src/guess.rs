@@ -1,0 +1,158 @@
+//! The first guess of a motion that continues another one: that one up to where it brakes for its end, from there on the
+//! rounded course. Position units and seconds.
+
+use crate::course::along;
+use crate::nodes::{Nodes, led_grid};
+use crate::nominal::{Sample, Speeds, sample, sites, speeds};
+use crate::rounding::Smoothness;
+use crate::section::Section;
+use crate::{Point, State, Trajectory};
+
+/// What is continued.
+#[derive(Clone, Copy)]
+pub(crate) struct Running<'a> {
+    pub(crate) trajectory: &'a Trajectory,
+    /// From when on it is planned anew.
+    pub(crate) splice: f64,
+    /// From when on it is no longer followed.
+    pub(crate) leave: f64,
+    /// The piece of the section's course that it is on at the splice.
+    pub(crate) piece: usize,
+}
+
+/// A point of the guess.
+struct Site {
+    /// Seconds from the splice.
+    time: f64,
+    point: Point,
+    progress: f64,
+    /// Speed, units / s.
+    speed: f64,
+    cruise: bool,
+}
+
+/// Nodes of the whole motion from the splice to the end of the section.
+pub(crate) fn guess(section: &Section<'_>, running: Running<'_>) -> Nodes {
+    let course = &section.course;
+    let lead = running.trajectory.at(running.splice);
+    let mut route = followed(section, running);
+    let left = running.leave - running.splice;
+    let from = running.trajectory.at(running.leave);
+    let at = route.last().map_or(0.0, |site| site.progress);
+    lead_on(section, &mut route, &from, left, at);
+    let whole = route.last().map_or(left, |site| site.time);
+    let busy: Vec<(f64, f64)> = route
+        .windows(2)
+        .filter(|pair| !pair[1].cruise)
+        .map(|pair| (pair[0].time, pair[1].time))
+        .collect();
+    let grid = led_grid(whole, &busy);
+    let mut nodes = Nodes {
+        points: Vec::with_capacity(grid.len()),
+        progress: Vec::with_capacity(grid.len()),
+        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
+        lead: Some(lead),
+    };
+    let mut i = 0;
+    for time in sites(&grid) {
+        while i + 2 < route.len() && route[i + 1].time < time {
+            i += 1;
+        }
+        let (here, next) = (&route[i], &route[i + 1]);
+        let (span, t) = (next.time - here.time, (time - here.time).max(0.0));
+        let gone = (here.speed + (next.speed - here.speed) / span * t / 2.0) * t;
+        let part = gone / (0.5 * (here.speed + next.speed) * span);
+        let part = if part.is_finite() { part.clamp(0.0, 1.0) } else { t / span };
+        nodes.points.push(here.point + (next.point - here.point) * part);
+        nodes
+            .progress
+            .push(here.progress + (next.progress - here.progress) * part);
+    }
+    let last = grid.len() - 1;
+    nodes.points[last] = course.pieces[course.pieces.len() - 1].end();
+    nodes.progress[last] = course.length();
+    nodes.set_lead();
+    nodes
+}
+
+/// The running motion from the splice until it is left.
+fn followed(section: &Section<'_>, running: Running<'_>) -> Vec<Site> {
+    let course = &section.course;
+    let left = running.leave - running.splice;
+    let count = (left / STEP).ceil().max(1.0) as usize;
+    let (mut piece, mut least) = (running.piece, 0.0);
+    (0..=count)
+        .map(|k| {
+            let time = left * k as f64 / count as f64;
+            let state = running.trajectory.at(running.splice + time);
+            piece = course.foot(&state.position, piece).1;
+            least = f64::max(
+                least,
+                course.starts[piece] + along(&course.pieces[piece], &state.position),
+            );
+            Site {
+                time,
+                point: state.position,
+                progress: least,
+                speed: state.velocity.norm(),
+                cruise: state.acceleration == Point::zeros(),
+            }
+        })
+        .collect()
+}
+
+/// From a state near the course at arc length `at` along the rounded course to its end.
+fn lead_on(section: &Section<'_>, route: &mut Vec<Site>, from: &State, start: f64, at: f64) {
+    let course = &section.course;
+    let (free, stretches) = section.first_guess();
+    let mut samples = sample(course, &stretches);
+    let behind = samples.partition_point(|s| s.progress <= at + LEAST_STEP);
+    let base = match (behind.checked_sub(1).map(|k| &samples[k]), samples.get(behind)) {
+        (Some(here), Some(next)) => {
+            let part = ((at - here.progress) / (next.progress - here.progress)).clamp(0.0, 1.0);
+            here.point + (next.point - here.point) * part
+        }
+        (Some(end), None) => end.point,
+        _ => samples[0].point,
+    };
+    let mut ahead: Vec<Sample> = samples.drain(behind.max(1) - 1..).collect();
+    if ahead.len() < 2 {
+        return;
+    }
+    // The first one is where it is, and the offset from the rounded course fades out.
+    ahead[0].progress = at;
+    let speed = from.velocity.norm();
+    let fade = (speed * FADE).max(LEAST_FADE);
+    let offset = from.position - base;
+    for (k, one) in ahead.iter_mut().enumerate() {
+        let u = ((one.progress - at) / fade).clamp(0.0, 1.0);
+        if k == 0 {
+            one.point = from.position;
+        } else {
+            one.point += offset * (1.0 - u * u * (3.0 - 2.0 * u));
+        }
+    }
+    let Speeds { square, times, .. } = speeds(course, &ahead, &free, Smoothness::Trapezoid, speed * speed);
+    for k in 1..ahead.len() {
+        route.push(Site {
+            time: start + times[k],
+            point: ahead[k].point,
+            progress: ahead[k].progress,
+            speed: square[k].sqrt(),
+            cruise: square[k - 1] == square[k] && u_done(&ahead[k], at, fade),
+        });
+    }
+}
+
+/// Whether the offset has faded out.
+fn u_done(sample: &Sample, at: f64, fade: f64) -> bool {
+    sample.progress > at + fade
+}
+
+/// Seconds from point to point of the motion that is followed.
+const STEP: f64 = 5e-4;
+/// Seconds, at least so many position units, in which the offset from the rounded course fades out.
+const FADE: f64 = 0.015;
+const LEAST_FADE: f64 = 1e-6;
+/// Position units that the first step goes at least.
+const LEAST_STEP: f64 = 1e-7;
