@@ -2,8 +2,8 @@
 //! rounded course. Position units and seconds.
 
 use crate::course::along;
-use crate::nodes::{Nodes, led_grid};
-use crate::nominal::{Sample, Speeds, sample, sites, speeds};
+use crate::nodes::{LEAD, Nodes, blossom, led_grid};
+use crate::nominal::{NODE_TIME, Sample, Speeds, sample, speeds};
 use crate::rounding::Smoothness;
 use crate::section::Section;
 use crate::{Point, State, Trajectory};
@@ -34,7 +34,6 @@ struct Site {
 /// Nodes of the whole motion from the splice to the end of the section.
 pub(crate) fn guess(section: &Section<'_>, running: Running<'_>) -> Nodes {
     let course = &section.course;
-    let lead = running.trajectory.at(running.splice);
     let mut route = followed(section, running);
     let left = running.leave - running.splice;
     let from = running.trajectory.at(running.leave);
@@ -46,15 +45,23 @@ pub(crate) fn guess(section: &Section<'_>, running: Running<'_>) -> Nodes {
         .filter(|pair| !pair[1].cruise)
         .map(|pair| (pair[0].time, pair[1].time))
         .collect();
-    let grid = led_grid(whole, &busy);
+    let running_knots = knots(running);
+    let followed = running_knots.len();
+    let grid = led_grid(running_knots, whole, &busy);
     let mut nodes = Nodes {
         points: Vec::with_capacity(grid.len()),
         progress: Vec::with_capacity(grid.len()),
         spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
-        lead: Some(lead),
+        lead: Some(running.trajectory.at(running.splice)),
+        // The end of what is followed is free to be passed faster.
+        kept: (followed * 2 / 3).max(LEAD + 1).min(followed - 1),
     };
     let mut i = 0;
-    for time in sites(&grid) {
+    for k in 0..grid.len() {
+        let before = grid[k.max(1)] - grid[k.max(1) - 1];
+        let behind = grid.get(k + 1).map_or(before, |next| next - grid[k]);
+        // The mean of three knots.
+        let time = grid[k] + (behind - before) / 3.0;
         while i + 2 < route.len() && route[i + 1].time < time {
             i += 1;
         }
@@ -63,7 +70,12 @@ pub(crate) fn guess(section: &Section<'_>, running: Running<'_>) -> Nodes {
         let gone = (here.speed + (next.speed - here.speed) / span * t / 2.0) * t;
         let part = gone / (0.5 * (here.speed + next.speed) * span);
         let part = if part.is_finite() { part.clamp(0.0, 1.0) } else { t / span };
-        nodes.points.push(here.point + (next.point - here.point) * part);
+        let point = if k + 1 < followed {
+            blossom(&running.trajectory.at(running.splice + grid[k]), [-before, 0.0, behind])
+        } else {
+            here.point + (next.point - here.point) * part
+        };
+        nodes.points.push(point);
         nodes
             .progress
             .push(here.progress + (next.progress - here.progress) * part);
@@ -73,6 +85,31 @@ pub(crate) fn guess(section: &Section<'_>, running: Running<'_>) -> Nodes {
     nodes.progress[last] = course.length();
     nodes.set_lead();
     nodes
+}
+
+/// The knots of the running motion from the splice until it is left, long spans divided, from one span before it on.
+/// On these the curve that is followed is a spline, to the last bit of its limits.
+fn knots(running: Running<'_>) -> Vec<f64> {
+    let own = &running.trajectory.knots;
+    let first = own.partition_point(|knot| knot.time <= running.splice);
+    let inner = own[first..].iter().map(|knot| knot.time).take_while(|&time| time < running.leave);
+    let mut times = vec![0.0];
+    for time in inner.chain([running.leave]) {
+        let from = times[times.len() - 1];
+        let span = time - running.splice - from;
+        // Knots that are nearly the same would be one.
+        if span < LEAST_SPAN && time < running.leave {
+            continue;
+        }
+        let parts = (span / MOST_SPAN).ceil().max(1.0);
+        times.extend((1..=parts as usize).map(|k| from + span * k as f64 / parts));
+    }
+    while times.len() < LEAD + 2 {
+        let last = times[times.len() - 1];
+        times.push(last + NODE_TIME);
+    }
+    times.insert(0, -times[1]);
+    times
 }
 
 /// The running motion from the splice until it is left.
@@ -149,6 +186,9 @@ fn u_done(sample: &Sample, at: f64, fade: f64) -> bool {
     sample.progress > at + fade
 }
 
+/// Shortest and longest time between the knots of a motion that is followed, seconds.
+const LEAST_SPAN: f64 = 2e-5;
+const MOST_SPAN: f64 = 0.002;
 /// Seconds from point to point of the motion that is followed.
 const STEP: f64 = 5e-4;
 /// Seconds, at least so many position units, in which the offset from the rounded course fades out.

@@ -13,6 +13,8 @@ pub(crate) struct Nodes {
     pub(crate) spans: Vec<f64>,
     /// The motion that it continues, at the knot of node 1. The first three nodes and spans are given by it.
     pub(crate) lead: Option<State>,
+    /// How many nodes are close to what the running motion does, and keep their knots from run to run.
+    pub(crate) kept: usize,
 }
 
 /// Nodes and spans that a running motion gives.
@@ -21,13 +23,13 @@ pub(crate) const LEAD: usize = 3;
 impl Nodes {
     /// Sets the first nodes, so that the curve is in the state of the lead at the knot of node 1.
     pub(crate) fn set_lead(&mut self) {
-        let Some(lead) = self.lead else { return };
-        let h = self.spans[0];
-        let middle = lead.position - lead.acceleration * (h * h / 6.0);
-        let half = lead.acceleration * (h * h / 2.0);
-        self.points[0] = middle - lead.velocity * h + half;
-        self.points[1] = middle;
-        self.points[2] = middle + lead.velocity * h + half;
+        let (Some(lead), &[h0, h1, h2, ..]) = (self.lead, self.spans.as_slice()) else {
+            return;
+        };
+        // The span before the first one is as long as that.
+        self.points[0] = blossom(&lead, [-2.0 * h0, -h0, 0.0]);
+        self.points[1] = blossom(&lead, [-h0, 0.0, h1]);
+        self.points[2] = blossom(&lead, [0.0, h1, h1 + h2]);
     }
 
     /// The motion. Its time begins at the lead where there is one.
@@ -73,20 +75,20 @@ impl Nodes {
     }
 }
 
-/// [`grid`] for a motion that continues another one: its first spans are equal, and the second node is at 0.
-pub(crate) fn led_grid(whole: f64, busy: &[(f64, f64)]) -> Vec<f64> {
-    let mut shifted = vec![(0.0, 2.0 * LEAD as f64 * NODE_TIME)];
-    shifted.extend(busy.iter().map(|(from, to)| (from + NODE_TIME, to + NODE_TIME)));
-    let mut times = grid(whole + NODE_TIME, &shifted);
-    let last = times.len() - 1;
-    let (start, scale) = (times[1], whole / (times[last] - times[1]));
-    for time in &mut times {
-        *time = (*time - start) * scale;
-    }
-    let span = times[2];
-    for (k, time) in times.iter_mut().enumerate().take(LEAD + 1) {
-        *time = (k as f64 - 1.0) * span;
-    }
-    times[last] = whole;
-    times
+/// The control point of three knots, given relative to the instant of a state; one of them must be 0.
+pub(crate) fn blossom(state: &State, knots: [f64; 3]) -> Point {
+    let [a, b, c] = knots;
+    state.position + state.velocity * ((a + b + c) / 3.0) + state.acceleration * ((a * b + b * c + c * a) / 6.0)
+}
+
+/// Knots of a motion that goes on from `kept` ones (at least [`LEAD`]` + 1`, ascending) until `whole`, close together where
+/// it is busy. The last span is left out: there the motion comes to rest.
+pub(crate) fn led_grid(mut kept: Vec<f64>, whole: f64, busy: &[(f64, f64)]) -> Vec<f64> {
+    let from = kept[kept.len() - 1];
+    let mut shifted = vec![(0.0, NODE_TIME)];
+    let later = busy.iter().filter(|(_, to)| *to > from);
+    shifted.extend(later.map(|(begin, end)| ((begin - from).max(0.0), end - from)));
+    kept.extend(grid(whole - from, &shifted).into_iter().skip(1).map(|time| time + from));
+    kept.pop();
+    kept
 }

@@ -62,6 +62,7 @@ pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], s
         progress: Vec::with_capacity(grid.len()),
         spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
         lead: None,
+        kept: 0,
     };
     let mut i = 0;
     for at in sites(&grid) {

@@ -243,11 +243,10 @@ impl Problem<'_> {
 
     /// Closes eased limits in, as [`Problem::narrow`] does with the tube.
     fn tighten(&mut self, points: &[Point], spans: &[f64]) -> bool {
-        if !self.is_eased() {
+        if !self.ease.iter().flatten().any(|&ease| ease < 1.0) {
             return false;
         }
-        let eased = core::mem::take(&mut self.ease);
-        let mut ease = eased.clone();
+        let mut ease = core::mem::take(&mut self.ease);
         for (place, ease) in ease.iter_mut().enumerate() {
             // Without `self.ease` the limits are the full ones.
             let mut worst = [0.0_f64; 3];
@@ -262,16 +261,33 @@ impl Problem<'_> {
             });
             for (kind, ease) in ease.iter_mut().enumerate().filter(|(_, ease)| **ease < 1.0) {
                 let off = worst[kind];
-                let slack = if *ease > 0.0 { 0.5 * (1.0 / *ease - off) } else { WIDEN_LIMIT * off };
-                *ease = (1.0 / (off + slack.max(LEAST_WIDTH * off)).max(1.0)).max(*ease);
+                let slack = match off {
+                    _ if *ease > 0.0 => (0.5 * (1.0 / *ease - off)).max(LEAST_WIDTH * off),
+                    _ if off < INSIDE => 0.0,
+                    _ if off < 1.0 + LEAST_WIDTH => LEAST_WIDTH * off,
+                    _ => WIDEN_LIMIT * off,
+                };
+                *ease = (1.0 / (off + slack).max(1.0)).max(*ease);
             }
         }
         self.ease = ease;
         true
     }
 
+    pub(crate) fn debug(&self) {
+        for i in 1..7 {
+            self.for_each_quantity(i, &self.points, &self.spans, |q| {
+                println!("      i {i} kind {} {:.3} {:.3} {:.3}", q.kind, q.value[0]*q.axes[0], q.value[1]*q.axes[1], q.value[2]*q.axes[2]);
+            });
+        }
+        for row in self.tube.iter().take(3) { println!("      tube {} slack {:.4} r {:.3e} t {:.3e}", row.first, row.slack(self.course, &self.points), row.radius, row.target); }
+        println!("      spans {:?} fixed {:?}", &self.spans[..8], &self.fixed[..6]);
+    }
+
     fn is_eased(&self) -> bool {
-        self.ease.iter().flatten().any(|&ease| ease < 1.0)
+        let full = |place: usize| if place < LEAD + 2 { NEAR_FULL } else { 1.0 };
+        let mut eased = self.ease.iter().enumerate();
+        eased.any(|(place, ease)| ease.iter().any(|&ease| ease < full(place)))
     }
 
     fn place(&self, offsets: &[[f64; 2]], points: &mut [Point]) {
@@ -378,7 +394,11 @@ impl Problem<'_> {
                 break;
             }
             let last = t >= effort.last;
-            for _ in 0..effort.steps {
+            for step in 0..effort.steps + MOST_CLOSING {
+                // Before it works harder the limits have to be the full ones.
+                if step >= effort.steps && !self.is_eased() {
+                    break;
+                }
                 // Where the start is outside, the tube is wider and closes in from step to step.
                 let narrower = self.narrow(&points);
                 if self.tighten(&points, &spans) || narrower {
@@ -626,6 +646,13 @@ const FEASIBLE: f64 = 0.7;
 const CONVERGED: f64 = 1e-3;
 /// A step that leaves less than this share of a slack is shortened.
 const NEARER: f64 = 0.03;
+/// A quotient up to which a limit is kept with room to spare.
+const INSIDE: f64 = 1.0 - 1e-5;
+/// What counts as a full limit where a motion is continued: next to it the hull of the spline is a little wider than
+/// the motion itself, which is measured when it is done.
+const NEAR_FULL: f64 = 0.9995;
+/// Further steps in which limits that were eased close in, in each stage.
+const MOST_CLOSING: usize = 24;
 /// Room that a limit which is exceeded is given, and the least of it, as shares of the quotient.
 const WIDEN_LIMIT: f64 = 0.3;
 const LEAST_WIDTH: f64 = 1e-3;

@@ -1,7 +1,7 @@
 //! The nodes of the next run: at equal times of the curve that the last one found. Position units and seconds.
 
 use crate::course::{Course, along};
-use crate::nodes::{Nodes, led_grid};
+use crate::nodes::{Nodes, blossom, led_grid};
 use crate::nominal::{Warp, grid, sites};
 use crate::rounding::Smoothness;
 use crate::{Bounds, Point, Trajectory};
@@ -26,10 +26,10 @@ pub(crate) fn resample(trajectory: &Trajectory, times: &[f64], nodes: &Nodes, bo
             busy.push((warp.warped(here.time), warp.warped(next.time)));
         }
     }
-    let grid = match nodes.lead {
-        None => grid(whole, &busy),
-        Some(_) => led_grid(whole, &busy),
-    };
+    if nodes.lead.is_some() {
+        return resample_led(trajectory, times, nodes, &busy, whole, &warp);
+    }
+    let grid = grid(whole, &busy);
     let intervals = grid.len() - 1;
     let mut points = Vec::with_capacity(intervals + 1);
     let mut progress = Vec::with_capacity(intervals + 1);
@@ -53,14 +53,48 @@ pub(crate) fn resample(trajectory: &Trajectory, times: &[f64], nodes: &Nodes, bo
     if let Some(inner) = points.get_mut(3..intervals.saturating_sub(2)) {
         inner.copy_from_slice(&through[2..intervals - 3]);
     }
-    let mut nodes = Nodes {
+    Nodes {
         points,
         progress,
         spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
-        lead: nodes.lead,
-    };
-    nodes.set_lead();
-    nodes
+        lead: None,
+        kept: 0,
+    }
+}
+
+/// The same for a motion that continues another one: its first nodes stay.
+fn resample_led(
+    trajectory: &Trajectory,
+    times: &[f64],
+    nodes: &Nodes,
+    busy: &[(f64, f64)],
+    whole: f64,
+    warp: &Warp,
+) -> Nodes {
+    let kept = nodes.kept;
+    let mut fresh = nodes.clone();
+    let grid = led_grid(times[..=kept].to_vec(), whole, busy);
+    fresh.spans = grid.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    fresh.points.truncate(kept);
+    fresh.progress.truncate(kept);
+    let mut i = 0;
+    for k in kept..grid.len() {
+        let time = warp.nominal(grid[k]);
+        let before = time - warp.nominal(grid[k - 1]);
+        let behind = grid.get(k + 1).map_or(whole, |&next| warp.nominal(next)) - time;
+        fresh.points.push(blossom(&trajectory.at(time), [-before, 0.0, behind]));
+        while i + 2 < times.len() && times[i + 1] < time {
+            i += 1;
+        }
+        let part = ((time - times[i]) / (times[i + 1] - times[i])).clamp(0.0, 1.0);
+        let (here, next) = (nodes.progress[i], nodes.progress[i + 1]);
+        fresh.progress.push(here + (next - here) * part);
+    }
+    if let (Some(point), Some(progress)) = (fresh.points.last_mut(), fresh.progress.last_mut()) {
+        *point = trajectory.end;
+        *progress = nodes.progress[nodes.progress.len() - 1];
+    }
+    fresh
 }
 
 /// Sets the progress of every node to that of the nearest point of the course, ascending.

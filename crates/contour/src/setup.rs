@@ -8,11 +8,12 @@ use crate::share::tolerance_at;
 use crate::tube::TubeRow;
 use crate::{Bounds, Point};
 
-/// The optimisation of the nodes as they stand; `shares` of the tolerance make the tube.
+/// The optimisation of the nodes as they stand within `bounds`, the kept ones within theirs; `shares` of the
+/// tolerance make the tube.
 pub(crate) fn problem<'a>(
     course: &'a Course,
     nodes: &Nodes,
-    bounds: &[Bounds],
+    (bounds, kept): (&[Bounds], &[Bounds]),
     tolerances: &[f64],
     effort: Effort,
     shares: &[f64],
@@ -22,6 +23,7 @@ pub(crate) fn problem<'a>(
     let pieces: Vec<usize> = nodes.progress.iter().map(|&s| course.piece_at(s)).collect();
     let limits: Vec<Limits> = (0..count)
         .map(|i| {
+            let bounds = if i < nodes.kept { kept } else { bounds };
             let mut limit = reciprocal(&bounds[pieces[i]], span);
             for other in [i.saturating_sub(1), (i + 1).min(count - 1)] {
                 if pieces[other] != pieces[i] {

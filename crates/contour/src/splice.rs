@@ -106,7 +106,7 @@ fn instant(
     }
     let mut best = (f64::INFINITY, first);
     for k in 0..=CHOICE {
-        let t = first + f64::from(k) * CHOICE_STEP;
+        let t = near_knot(running, first + f64::from(k) * CHOICE_STEP);
         if t > last {
             break;
         }
@@ -128,6 +128,13 @@ fn instant(
         }
     }
     Some(best.1)
+}
+
+/// The next knot, if it is near.
+fn near_knot(running: &Trajectory, t: f64) -> f64 {
+    let next = running.knots.partition_point(|knot| knot.time < t);
+    let near = running.knots.get(next).map(|knot| knot.time);
+    near.filter(|&near| near < t + 2.0 * CHOICE_STEP).unwrap_or(t)
 }
 
 /// How long before its end a motion brakes, seconds, times a factor.
