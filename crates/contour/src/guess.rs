@@ -21,14 +21,27 @@ pub(crate) struct Running<'a> {
 }
 
 /// A point of the guess.
-struct Site {
+pub(crate) struct Site {
     /// Seconds from the splice.
-    time: f64,
-    point: Point,
-    progress: f64,
+    pub(crate) time: f64,
+    pub(crate) point: Point,
+    pub(crate) progress: f64,
     /// Speed, units / s.
-    speed: f64,
+    pub(crate) speed: f64,
     cruise: bool,
+}
+
+impl Site {
+    /// Where nothing is followed.
+    pub(crate) fn none() -> Site {
+        Site {
+            time: 0.0,
+            point: Point::zeros(),
+            progress: 0.0,
+            speed: 0.0,
+            cruise: false,
+        }
+    }
 }
 
 /// Nodes of the whole motion from the splice to the end of the section.
@@ -89,7 +102,7 @@ pub(crate) fn guess(section: &Section<'_>, running: Running<'_>) -> Nodes {
 
 /// The knots of the running motion from the splice until it is left, long spans divided, from one span before it on.
 /// On these the curve that is followed is a spline, to the last bit of its limits.
-fn knots(running: Running<'_>) -> Vec<f64> {
+pub(crate) fn knots(running: Running<'_>) -> Vec<f64> {
     let own = &running.trajectory.knots;
     let first = own.partition_point(|knot| knot.time <= running.splice);
     let inner = own[first..].iter().map(|knot| knot.time).take_while(|&time| time < running.leave);
@@ -113,7 +126,7 @@ fn knots(running: Running<'_>) -> Vec<f64> {
 }
 
 /// The running motion from the splice until it is left.
-fn followed(section: &Section<'_>, running: Running<'_>) -> Vec<Site> {
+pub(crate) fn followed(section: &Section<'_>, running: Running<'_>) -> Vec<Site> {
     let course = &section.course;
     let left = running.leave - running.splice;
     let count = (left / STEP).ceil().max(1.0) as usize;

@@ -22,6 +22,7 @@ mod rounding;
 mod section;
 mod setup;
 mod share;
+mod slow;
 mod splice;
 mod steps;
 mod straight;

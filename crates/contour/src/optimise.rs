@@ -87,19 +87,41 @@ impl Problem<'_> {
         }
     }
 
+    /// By how much longer everything from a node on must take, so that every limit is kept with room to spare.
+    pub(crate) fn slowness(&self, first: usize) -> f64 {
+        let worst = self.worst_from(first as isize).map(|quotient| quotient / FEASIBLE);
+        worst[0].max(worst[1].sqrt()).max(libm::cbrt(worst[2])).max(1.0)
+    }
+
     /// The largest quotient of a quantity and its limit.
     fn worst(&self) -> f64 {
-        let mut worst = 0.0_f64;
-        for i in -1..=self.intervals() {
-            self.for_each_quantity(i, &self.points, &self.spans, |q| {
-                for axis in 0..3 {
-                    worst = worst.max((q.value[axis] * q.axes[axis]).abs());
-                }
-                worst = worst.max(q.value.norm() * q.vector);
-                let along = q.along.0.dot(&q.value);
-                worst = worst.max(along * q.along.1).max(-along * q.along.2);
-            });
+        self.worst_from(-1).into_iter().fold(0.0, f64::max)
+    }
+
+    /// The largest quotients of speed, acceleration and jerk and their limits, from a node on.
+    fn worst_from(&self, first: isize) -> [f64; 3] {
+        let mut worst = [0.0; 3];
+        for i in first..=self.intervals() {
+            let here = self.quotients(i, &self.points, &self.spans);
+            for (most, here) in worst.iter_mut().zip(here) {
+                *most = f64::max(*most, here);
+            }
         }
+        worst
+    }
+
+    /// The largest quotients at one node.
+    fn quotients(&self, i: isize, points: &[Point], spans: &[f64]) -> [f64; 3] {
+        let mut worst = [0.0_f64; 3];
+        self.for_each_quantity(i, points, spans, |q| {
+            let most = &mut worst[q.kind];
+            for axis in 0..3 {
+                *most = most.max((q.value[axis] * q.axes[axis]).abs());
+            }
+            *most = most.max(q.value.norm() * q.vector);
+            let along = q.along.0.dot(&q.value);
+            *most = most.max(along * q.along.1).max(-along * q.along.2);
+        });
         worst
     }
 
@@ -249,16 +271,7 @@ impl Problem<'_> {
         let mut ease = core::mem::take(&mut self.ease);
         for (place, ease) in ease.iter_mut().enumerate() {
             // Without `self.ease` the limits are the full ones.
-            let mut worst = [0.0_f64; 3];
-            self.for_each_quantity(place as isize - 1, points, spans, |q| {
-                let most = &mut worst[q.kind];
-                for axis in 0..3 {
-                    *most = most.max((q.value[axis] * q.axes[axis]).abs());
-                }
-                *most = most.max(q.value.norm() * q.vector);
-                let along = q.along.0.dot(&q.value);
-                *most = most.max(along * q.along.1).max(-along * q.along.2);
-            });
+            let worst = self.quotients(place as isize - 1, points, spans);
             for (kind, ease) in ease.iter_mut().enumerate().filter(|(_, ease)| **ease < 1.0) {
                 let off = worst[kind];
                 let slack = match off {

@@ -58,16 +58,16 @@ pub fn extend(
     let section = Section::new(&moves[back..end], limits);
     let piece = moves[back..here].iter().filter(|m| m.path.length() > SHORTEST).count();
     let leave = (running.duration() - reach(&moves[old - 1], limits, 1.0)).max(splice + LEAST_FOLLOWED);
-    let nodes = guess(
-        &section,
-        Running {
-            trajectory: running,
-            splice,
-            leave,
-            piece: piece.min(section.course.pieces.len().checked_sub(1)?),
-        },
-    );
-    let tail = section.improve(nodes, Effort::Full)?;
+    let running_on = Running {
+        trajectory: running,
+        splice,
+        leave,
+        piece: piece.min(section.course.pieces.len().checked_sub(1)?),
+    };
+    let nodes = guess(&section, running_on);
+    let tail = section
+        .improve(nodes.clone(), Effort::Full, None)
+        .or_else(|| section.improve(nodes, Effort::Full, Some(running_on)))?;
     let mut whole = cut(running, now, splice, passed, here);
     whole
         .move_ends
