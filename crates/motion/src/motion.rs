@@ -3,6 +3,8 @@
 mod advance;
 mod take_over;
 
+use std::sync::Arc;
+
 use arcline_instruction_set::{Call, Flag, MotionControl, MotionError, Object};
 use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
@@ -27,11 +29,7 @@ pub struct Motion {
     pub(crate) controls: Controls,
     pub(crate) layouts: Layouts,
     /// Trajectories that are no longer needed, to be freed outside the tick.
-    #[expect(
-        clippy::vec_box,
-        reason = "taken out of its box, the box would be freed within the tick"
-    )]
-    pub(crate) retired: Vec<Box<Trajectory>>,
+    pub(crate) retired: Vec<Arc<Trajectory>>,
     messages: Vec<Message>,
 }
 
