@@ -21,6 +21,7 @@ pub(crate) struct Running<'a> {
 }
 
 /// A point of the guess.
+#[derive(Clone, Copy)]
 pub(crate) struct Site {
     /// Seconds from the splice.
     pub(crate) time: f64,
@@ -29,19 +30,6 @@ pub(crate) struct Site {
     /// Speed, units / s.
     pub(crate) speed: f64,
     cruise: bool,
-}
-
-impl Site {
-    /// Where nothing is followed.
-    pub(crate) fn none() -> Site {
-        Site {
-            time: 0.0,
-            point: Point::zeros(),
-            progress: 0.0,
-            speed: 0.0,
-            cruise: false,
-        }
-    }
 }
 
 /// Nodes of the whole motion from the splice to the end of the section.

@@ -143,6 +143,7 @@ impl Problem<'_> {
         let zero = Point::zeros();
         let none = (zero, 0.0, 0.0);
         let ease = self.ease.get((i + 1) as usize).copied().unwrap_or([1.0; 3]);
+        let weights = ease.map(|ease| if ease < 1.0 { EASED } else { 1.0 });
         // What the given nodes and spans decide alone is not asked for.
         let free = |first: isize| !self.led || i >= first;
         // Index k stands for node or interval i - 2 + k.
@@ -167,6 +168,7 @@ impl Problem<'_> {
         if i >= 0 && i < n && free(2) {
             each(Quantity {
                 kind: 0,
+                weight: weights[0],
                 value: v[1],
                 by_span: [zero, fade[1] * tau[1], fade[1] * tau[2], fade[1] * tau[3], zero],
                 by_node: [0.0, -wide[1], wide[1], 0.0],
@@ -186,6 +188,7 @@ impl Problem<'_> {
         if i >= 0 && free(2) {
             each(Quantity {
                 kind: 1,
+                weight: weights[1],
                 value: here,
                 by_span: [
                     here_by[0] * tau[0],
@@ -223,6 +226,7 @@ impl Problem<'_> {
             ];
             each(Quantity {
                 kind: 2,
+                weight: weights[2],
                 value,
                 by_span: [
                     here_by[0] * -relative[0],
@@ -346,7 +350,9 @@ impl Problem<'_> {
         for i in -1..=self.intervals() {
             let mut product = 1.0;
             let mut inside = true;
+            let mut weighted = 0.0;
             self.for_each_quantity(i, points, spans, |q| {
+                let others = core::mem::replace(&mut product, 1.0);
                 for axis in 0..3 {
                     let x = q.value[axis] * q.axes[axis];
                     let slack = 1.0 - x * x;
@@ -364,11 +370,16 @@ impl Problem<'_> {
                     inside &= up > 0.0 && down > 0.0;
                     product *= up * down;
                 }
+                if q.weight > 1.0 {
+                    weighted += q.weight * libm::log(product);
+                    product = 1.0;
+                }
+                product *= others;
             });
             if !inside {
                 return f64::INFINITY;
             }
-            sum -= libm::log(product);
+            sum -= libm::log(product) + weighted;
         }
         if self.lateral > 0 {
             for row in &self.tube {
@@ -543,6 +554,7 @@ impl Problem<'_> {
                     }
                 }
                 let mut add = |row: &[f64; MAX_LOCAL], slope: f64, weight: f64| {
+                    let (slope, weight) = (slope * q.weight, weight * q.weight);
                     for r in 0..size {
                         slopes[r] += slope * row[r];
                         let weighted = weight * row[r];
@@ -643,6 +655,8 @@ impl Problem<'_> {
 struct Quantity {
     /// 0: velocity, 1: acceleration, 2: jerk.
     kind: usize,
+    /// How much its barrier counts.
+    weight: f64,
     value: Point,
     by_span: [Point; 5],
     by_node: [f64; 4],
@@ -659,6 +673,8 @@ const FEASIBLE: f64 = 0.7;
 const CONVERGED: f64 = 1e-3;
 /// A step that leaves less than this share of a slack is shortened.
 const NEARER: f64 = 0.03;
+/// How much more a limit counts while it is eased: so that it is not where the others push to.
+const EASED: f64 = 30.0;
 /// A quotient up to which a limit is kept with room to spare.
 const INSIDE: f64 = 1.0 - 1e-5;
 /// What counts as a full limit where a motion is continued: next to it the hull of the spline is a little wider than

@@ -109,7 +109,7 @@ impl<'a> Section<'a> {
             if !trajectory.duration().is_finite() {
                 return None;
             }
-            if nodes.lead.is_some() && round.jerk && excess > HOPELESS {
+            if nodes.lead.is_some() && round.jerk && slow.is_none() && excess > HOPELESS {
                 return None;
             }
             let worst = share.tighten(&trajectory, &nodes, course, tolerances);
