@@ -22,7 +22,6 @@ mod rounding;
 mod section;
 mod setup;
 mod share;
-mod slow;
 mod splice;
 mod steps;
 mod straight;

@@ -87,27 +87,10 @@ impl Problem<'_> {
         }
     }
 
-    /// By how much longer everything from a node on must take, so that every limit is kept with room to spare.
-    pub(crate) fn slowness(&self, first: usize) -> f64 {
-        let worst = self.worst_from(first as isize).map(|quotient| quotient / FEASIBLE);
-        worst[0].max(worst[1].sqrt()).max(libm::cbrt(worst[2])).max(1.0)
-    }
-
     /// The largest quotient of a quantity and its limit.
     fn worst(&self) -> f64 {
-        self.worst_from(-1).into_iter().fold(0.0, f64::max)
-    }
-
-    /// The largest quotients of speed, acceleration and jerk and their limits, from a node on.
-    fn worst_from(&self, first: isize) -> [f64; 3] {
-        let mut worst = [0.0; 3];
-        for i in first..=self.intervals() {
-            let here = self.quotients(i, &self.points, &self.spans);
-            for (most, here) in worst.iter_mut().zip(here) {
-                *most = f64::max(*most, here);
-            }
-        }
-        worst
+        let here = |i| self.quotients(i, &self.points, &self.spans);
+        (-1..=self.intervals()).flat_map(here).fold(0.0, f64::max)
     }
 
     /// The largest quotients at one node.

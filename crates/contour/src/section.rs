@@ -4,7 +4,6 @@
 //! the curve was outside. Position units and seconds.
 
 use crate::course::Course;
-use crate::guess::Running;
 use crate::nodes::Nodes;
 use crate::nominal::nodes;
 use crate::optimise;
@@ -13,7 +12,6 @@ use crate::resample::{project, resample};
 use crate::rounding::{Smoothness, Stretch, round};
 use crate::setup::problem;
 use crate::share::Share;
-use crate::slow::slowed;
 use crate::{AxisLimits, Bounds, ContourMove, Trajectory};
 
 /// Moves from rest to rest without a stop between them.
@@ -51,11 +49,11 @@ impl<'a> Section<'a> {
     /// From rest to rest; `None` where the result is not inside the tube and the limits.
     pub(crate) fn plan(&self, effort: Effort) -> Option<Trajectory> {
         let (free, stretches) = self.first_guess();
-        self.improve(nodes(&self.course, &stretches, &free, Smoothness::Trapezoid), effort, None)
+        self.improve(nodes(&self.course, &stretches, &free, Smoothness::Trapezoid), effort)
     }
 
     /// From a first guess to rest; `None` where the result is not inside the tube and the limits.
-    pub(crate) fn improve(&self, mut nodes: Nodes, effort: Effort, slow: Option<Running<'_>>) -> Option<Trajectory> {
+    pub(crate) fn improve(&self, mut nodes: Nodes, effort: Effort) -> Option<Trajectory> {
         let Section {
             course,
             bounds,
@@ -69,7 +67,6 @@ impl<'a> Section<'a> {
         let mut share = Share::new();
         let mut last: Option<(Trajectory, Vec<f64>)> = None;
         let mut warped = Smoothness::Trapezoid;
-        let mut jerks = 0;
         for (index, round) in rounds.iter().enumerate() {
             let limited = if round.jerk { bounds } else { &free };
             // One that continues a motion is close to its limits everywhere: repairs keep its nodes.
@@ -86,12 +83,6 @@ impl<'a> Section<'a> {
             if !round.jerk {
                 warped = smoothness;
             }
-            if let Some(running) = slow.filter(|_| index == 0 || (round.jerk && jerks == 0)) {
-                let shares = vec![1.0; nodes.points.len()];
-                let first = problem(course, &nodes, (limited, bounds), tolerances, effort, &shares);
-                nodes = slowed(self, running, &nodes, first.slowness(nodes.kept));
-            }
-            jerks += usize::from(round.jerk);
             let shares: Vec<f64> = nodes.progress.iter().map(|&s| share.at(s)).collect();
             let mut problem = problem(course, &nodes, (limited, bounds), tolerances, effort, &shares);
             problem.make_feasible();
@@ -107,9 +98,6 @@ impl<'a> Section<'a> {
             nodes.spans = problem.spans.iter().map(|h| span * h).collect();
             let (trajectory, times, excess) = timed(&nodes, limited, course, round.last_one);
             if !trajectory.duration().is_finite() {
-                return None;
-            }
-            if nodes.lead.is_some() && round.jerk && slow.is_none() && excess > HOPELESS {
                 return None;
             }
             let worst = share.tighten(&trajectory, &nodes, course, tolerances);
@@ -265,5 +253,3 @@ fn move_ends(moves: &[ContourMove], course: &Course, nodes: &Nodes, times: &[f64
 const REPAIRS: usize = 5;
 /// What rounding errors make of a limit that is reached exactly, relative.
 const ROUNDING: f64 = 1e-10;
-/// What is so far from its limits after one of the runs will not come inside.
-const HOPELESS: f64 = 1.5;

@@ -64,10 +64,7 @@ pub fn extend(
         leave,
         piece: piece.min(section.course.pieces.len().checked_sub(1)?),
     };
-    let nodes = guess(&section, running_on);
-    let tail = section
-        .improve(nodes.clone(), Effort::Full, None)
-        .or_else(|| section.improve(nodes, Effort::Full, Some(running_on)))?;
+    let tail = section.improve(guess(&section, running_on), Effort::Full)?;
     let mut whole = cut(running, now, splice, passed, here);
     whole
         .move_ends
