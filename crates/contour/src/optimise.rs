@@ -55,6 +55,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) lateral: usize,
     /// It continues a motion: the first nodes and spans are given.
     pub(crate) led: bool,
+    /// How many nodes are close to what the running motion does.
+    pub(crate) kept: usize,
     /// What is left of the reciprocal limits of speed, acceleration and jerk, by node from -1 on, where the start
     /// is outside of them; empty: all of it.
     pub(crate) ease: Vec<[f64; 3]>,
@@ -74,6 +76,7 @@ impl Problem<'_> {
     pub(crate) fn make_feasible(&mut self) {
         if self.led {
             // A motion under way cannot be slowed down as a whole: the limits give way instead, and close in.
+            self.slow_down();
             self.ease = vec![[0.0; 3]; self.points.len() + 1];
             return;
         }
@@ -84,6 +87,24 @@ impl Problem<'_> {
             for rate in &mut self.spans {
                 *rate *= 1.2;
             }
+        }
+    }
+
+    /// Lengthens the spans behind the given beginning, gradually, where most of what comes there is far from its limits.
+    fn slow_down(&mut self) {
+        let (mut most, mut far) = (0.0_f64, 0);
+        for i in self.kept as isize..=self.intervals() {
+            let [speed, acceleration, jerk] = self.quotients(i, &self.points, &self.spans);
+            let factor = speed.max(acceleration.sqrt()).max(libm::cbrt(jerk));
+            most = most.max(factor);
+            far += usize::from(factor > FAR);
+        }
+        if 2 * far < self.points.len() - self.kept {
+            return;
+        }
+        for (k, span) in self.spans.iter_mut().enumerate().skip(self.kept) {
+            let u = ((k - self.kept) as f64 / RAMP).min(1.0);
+            *span *= 1.0 + (most / FEASIBLE - 1.0) * u * u * (3.0 - 2.0 * u);
         }
     }
 
@@ -658,6 +679,9 @@ const CONVERGED: f64 = 1e-3;
 const NEARER: f64 = 0.03;
 /// How much more a limit counts while it is eased: so that it is not where the others push to.
 const EASED: f64 = 30.0;
+/// How much too fast a start is slowed down, and within how many nodes.
+const FAR: f64 = 1.5;
+const RAMP: f64 = 80.0;
 /// A quotient up to which a limit is kept with room to spare.
 const INSIDE: f64 = 1.0 - 1e-5;
 /// What counts as a full limit where a motion is continued: next to it the hull of the spline is a little wider than

@@ -100,6 +100,10 @@ impl<'a> Section<'a> {
             if !trajectory.duration().is_finite() {
                 return None;
             }
+            // A motion that waits for its continuation does not wait for ever.
+            if nodes.lead.is_some() && round.last_one && excess > HOPELESS {
+                return None;
+            }
             let worst = share.tighten(&trajectory, &nodes, course, tolerances);
             if std::env::var("DBG").is_ok() && nodes.lead.is_some() {
                 let open: Vec<_> = problem.ease.iter().enumerate().filter(|(_, e)| e.iter().any(|&x| x < 1.0)).map(|(i, e)| (i, *e)).collect();
@@ -253,3 +257,5 @@ fn move_ends(moves: &[ContourMove], course: &Course, nodes: &Nodes, times: &[f64
 const REPAIRS: usize = 5;
 /// What rounding errors make of a limit that is reached exactly, relative.
 const ROUNDING: f64 = 1e-10;
+/// By what factor a plan may exceed its limits and still be expected to come inside.
+const HOPELESS: f64 = 1.2;

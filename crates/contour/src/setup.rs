@@ -87,6 +87,7 @@ pub(crate) fn problem<'a>(
         spans: nodes.spans.iter().map(|h| h / span).collect(),
         lateral,
         led: nodes.lead.is_some(),
+        kept: nodes.kept,
         ease: Vec::new(),
     }
 }
