@@ -295,16 +295,6 @@ impl Problem<'_> {
         true
     }
 
-    pub(crate) fn debug(&self) {
-        for i in 1..7 {
-            self.for_each_quantity(i, &self.points, &self.spans, |q| {
-                println!("      i {i} kind {} {:.3} {:.3} {:.3}", q.kind, q.value[0]*q.axes[0], q.value[1]*q.axes[1], q.value[2]*q.axes[2]);
-            });
-        }
-        for row in self.tube.iter().take(3) { println!("      tube {} slack {:.4} r {:.3e} t {:.3e}", row.first, row.slack(self.course, &self.points), row.radius, row.target); }
-        println!("      spans {:?} fixed {:?}", &self.spans[..8], &self.fixed[..6]);
-    }
-
     fn is_eased(&self) -> bool {
         let full = |place: usize| if place < LEAD + 2 { NEAR_FULL } else { 1.0 };
         let mut eased = self.ease.iter().enumerate();

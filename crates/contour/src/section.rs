@@ -86,14 +86,13 @@ impl<'a> Section<'a> {
             let shares: Vec<f64> = nodes.progress.iter().map(|&s| share.at(s)).collect();
             let mut problem = problem(course, &nodes, (limited, bounds), tolerances, effort, &shares);
             problem.make_feasible();
-            let st = problem.run(optimise::Effort {
+            problem.run(optimise::Effort {
                 first: round.first,
                 last: round.last,
                 factor: 5.0,
                 steps: round.steps,
             });
             let span = nodes.spans[0];
-            if std::env::var("DBG").is_ok_and(|v| v == "2") && nodes.lead.is_some() { problem.debug(); }
             nodes.points = core::mem::take(&mut problem.points);
             nodes.spans = problem.spans.iter().map(|h| span * h).collect();
             let (trajectory, times, excess) = timed(&nodes, limited, course, round.last_one);
@@ -105,11 +104,6 @@ impl<'a> Section<'a> {
                 return None;
             }
             let worst = share.tighten(&trajectory, &nodes, course, tolerances);
-            if std::env::var("DBG").is_ok() && nodes.lead.is_some() {
-                let open: Vec<_> = problem.ease.iter().enumerate().filter(|(_, e)| e.iter().any(|&x| x < 1.0)).map(|(i, e)| (i, *e)).collect();
-                let rows: Vec<_> = problem.tube.iter().filter(|r| r.radius > r.target).map(|r| (r.first, r.radius / r.target)).collect();
-                println!("   round {index} jerk {} steps {st} n {} dur {:.4} excess {excess:.6} worst {worst:.4} open {} {:?} rows {} {:?}", round.jerk, nodes.points.len(), trajectory.duration(), open.len(), &open[..open.len().min(4)], rows.len(), &rows[..rows.len().min(4)]);
-            }
             if round.last_one && worst <= 1.0 && excess <= 1.0 + ROUNDING {
                 return Some(self.finish(trajectory, &nodes, &times));
             }
