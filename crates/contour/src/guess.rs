@@ -70,7 +70,11 @@ pub(crate) fn guess(section: &Section<'_>, running: Running<'_>) -> Nodes {
         let (span, t) = (next.time - here.time, (time - here.time).max(0.0));
         let gone = (here.speed + (next.speed - here.speed) / span * t / 2.0) * t;
         let part = gone / (0.5 * (here.speed + next.speed) * span);
-        let part = if part.is_finite() { part.clamp(0.0, 1.0) } else { t / span };
+        let part = if part.is_finite() {
+            part.clamp(0.0, 1.0)
+        } else {
+            t / span
+        };
         let point = if k + 1 < followed {
             blossom(&running.trajectory.at(running.splice + grid[k]), [-before, 0.0, behind])
         } else {
@@ -93,7 +97,10 @@ pub(crate) fn guess(section: &Section<'_>, running: Running<'_>) -> Nodes {
 pub(crate) fn knots(running: Running<'_>) -> Vec<f64> {
     let own = &running.trajectory.knots;
     let first = own.partition_point(|knot| knot.time <= running.splice);
-    let inner = own[first..].iter().map(|knot| knot.time).take_while(|&time| time < running.leave);
+    let inner = own[first..]
+        .iter()
+        .map(|knot| knot.time)
+        .take_while(|&time| time < running.leave);
     let mut times = vec![0.0];
     for time in inner.chain([running.leave]) {
         let from = times[times.len() - 1];

@@ -7,12 +7,22 @@ use crate::rounding::Smoothness;
 use crate::{Bounds, Point, Trajectory};
 
 /// The same curve with nodes at equal intervals of its time, warped at its ends for an S-curve.
-pub(crate) fn resample(trajectory: &Trajectory, times: &[f64], nodes: &Nodes, bounds: &[Bounds], smoothness: Smoothness) -> Nodes {
+pub(crate) fn resample(
+    trajectory: &Trajectory,
+    times: &[f64],
+    nodes: &Nodes,
+    bounds: &[Bounds],
+    smoothness: Smoothness,
+) -> Nodes {
     let rate = |bound: Option<&Bounds>| bound.map_or(f64::INFINITY, |b| b.axes.acceleration.min().min(b.acceleration));
     let warp = Warp::new(
         trajectory.duration(),
         // A motion that is continued does not begin at rest.
-        if nodes.lead.is_some() { 0.0 } else { rate(bounds.first()) },
+        if nodes.lead.is_some() {
+            0.0
+        } else {
+            rate(bounds.first())
+        },
         rate(bounds.last()),
         bounds,
         smoothness,

@@ -246,7 +246,6 @@ fn move_ends(moves: &[ContourMove], course: &Course, nodes: &Nodes, times: &[f64
     ends
 }
 
-
 /// How often the tube is tightened where the result is outside.
 const REPAIRS: usize = 5;
 /// What rounding errors make of a limit that is reached exactly, relative.

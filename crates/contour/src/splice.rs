@@ -31,7 +31,10 @@ pub fn extend(
         return None;
     }
     // The section that the end belongs to: from behind the last stop on.
-    let begin = (1..=old).rev().find(|&k| !can_pass(&moves[k - 1], &moves[k])).unwrap_or(0);
+    let begin = (1..=old)
+        .rev()
+        .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
+        .unwrap_or(0);
     let stop = begin
         .checked_sub(1)
         .and_then(|last| running.move_end(passed + last))
@@ -66,9 +69,11 @@ pub fn extend(
     };
     let tail = section.improve(guess(&section, running_on), Effort::Full)?;
     let mut whole = cut(running, now, splice, passed, here);
-    whole
-        .move_ends
-        .extend(tail.move_ends[here - back..].iter().map(|&end| (end + splice).max(splice)));
+    whole.move_ends.extend(
+        tail.move_ends[here - back..]
+            .iter()
+            .map(|&end| (end + splice).max(splice)),
+    );
     whole.join(tail, splice);
     if end < moves.len() {
         whole.append(plan_with(&moves[end..], limits, Effort::Full));

@@ -174,9 +174,8 @@ impl<T: Copy> ContourQueue<T> {
         };
         let now = run.pace.at(run.start.elapsed(clock)).position;
         let since = run.passed.saturating_sub(passed);
-        let fits = |plan: &Arc<Trajectory>| {
-            now <= plan.splice() && since < plan.moves() && plan.moves() - since <= left
-        };
+        let fits =
+            |plan: &Arc<Trajectory>| now <= plan.splice() && since < plan.moves() && plan.moves() - since <= left;
         match planned {
             Some(plan) if fits(&plan) => {
                 let old = std::mem::replace(&mut run.trajectory, plan);
@@ -214,7 +213,7 @@ const FEW: usize = 4;
 /// when this is left of it, seconds.
 const NEAR: f64 = 0.5;
 /// Seconds that an extension may take to be planned, at first and at most.
-const LEAD: f64 = 0.05;
+const LEAD: f64 = 0.03;
 const MOST_LEAD: f64 = 0.8;
 /// Share of what is left of a trajectory before which an extension that failed is not tried again.
 const RETRY: f64 = 0.3;
