@@ -50,7 +50,7 @@ pub(crate) struct RunArgs {
     /// Where the HMI listens.
     #[arg(long, value_name = "ADDR:PORT|off")]
     pub(crate) hmi: Option<OrOff<SocketAddr>>,
-    /// Where positions and tags are kept between runs.
+    /// Where positions and plain tags are kept between runs; without it nowhere.
     #[arg(long, value_name = "FILE|off")]
     pub(crate) state: Option<OrOff<PathBuf>>,
 }

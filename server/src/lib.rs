@@ -9,7 +9,9 @@
 mod cli;
 pub mod eip;
 pub mod plant;
+mod retained;
 mod run;
 mod simulate;
 
 pub use cli::main;
+pub use retained::NotKept;

@@ -6,20 +6,22 @@
 //! never across an await; the real-time thread knows nothing of it.
 
 mod records;
+mod state;
 
-use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
 use arcline_config::{Project, ServerConfig};
-use arcline_controller::image::{ControlError, Edge, Health, Image, TagKind};
+use arcline_controller::UNNAMED;
+use arcline_controller::image::{ControlError, Edge, Health, Image};
 use arcline_controller::machine::Machine;
-use arcline_controller::{Command, Ticket, UNNAMED};
-use arcline_instruction_set::{BindError, Call, Flag, Given, Mnemonic, MotionControl, MotionError, bind};
+use arcline_instruction_set::{BindError, Given, Mnemonic, MotionControl, bind};
 use arcline_realtime::{Handle, Link, Options, SpawnError};
-use tokio::sync::{Notify, oneshot};
+use tokio::sync::Notify;
 
-use records::{Records, instance_of};
+use crate::retained::{NotKept, Watch, WhenKept};
+use records::instance_of;
+use state::State;
 
 /// The running machine. Clones are the same one.
 #[derive(Clone, Debug)]
@@ -32,6 +34,16 @@ pub struct Executed {
     pub instance: u32,
     /// What its motion control tag showed when DN or ER was set.
     pub control: MotionControl,
+}
+
+/// What a write brought about, for [`Plant::fire`].
+#[derive(Debug, Default)]
+#[must_use = "what was written has no effect on the controller yet, and may not be kept"]
+pub struct Written {
+    /// What the controller is to know of, in order.
+    edges: Vec<Edge>,
+    /// Tells when it is kept; `None`: nothing of it is kept over a restart.
+    kept: Option<WhenKept>,
 }
 
 /// Why an instruction was not executed. Motion errors are not here: they are in [`Executed`].
@@ -60,22 +72,6 @@ struct Shared {
     sent: Notify,
 }
 
-#[derive(Debug)]
-struct State {
-    image: Image,
-    link: Link,
-    /// Whether a snapshot was ever published.
-    began: bool,
-    next_ticket: u64,
-    waiting: BTreeMap<Ticket, oneshot::Sender<()>>,
-    /// What found no room in the ring, in order.
-    backlog: VecDeque<Command>,
-    records: Records,
-    lost: u64,
-    /// The overrides that the controller has been sent, percent.
-    overrides: Vec<f32>,
-}
-
 impl Plant {
     /// Starts the machine of a project on its real-time thread, and the task that drains its rings.
     ///
@@ -85,26 +81,28 @@ impl Plant {
     /// # Panics
     /// Outside of a tokio runtime.
     pub fn start(project: &Project) -> Result<(Plant, Handle), SpawnError> {
+        Plant::start_with(project, image_of(project), None)
+    }
+
+    /// The same with tags that hold something already, and with what sees their changes.
+    pub(crate) fn start_with(
+        project: &Project,
+        image: Image,
+        watch: Option<Watch>,
+    ) -> Result<(Plant, Handle), SpawnError> {
         let (link, handle) = arcline_realtime::spawn(&project.machine, Options::default())?;
-        let plant = Plant::new(project, link);
+        let plant = Plant::with(project, link, image, watch);
         tokio::spawn(pump(Arc::downgrade(&plant.0)));
         Ok((plant, handle))
     }
 
     /// A plant on rings whose other ends somebody else serves. Nothing drains them but reads.
     pub fn new(project: &Project, link: Link) -> Plant {
-        let image = image_of(project);
-        let state = State {
-            overrides: image.feed_overrides().collect(),
-            image,
-            link,
-            began: false,
-            next_ticket: 1,
-            waiting: BTreeMap::new(),
-            backlog: VecDeque::new(),
-            records: Records::default(),
-            lost: 0,
-        };
+        Plant::with(project, link, image_of(project), None)
+    }
+
+    fn with(project: &Project, link: Link, image: Image, watch: Option<Watch>) -> Plant {
+        let state = State::new(image, link, watch);
         Plant(Arc::new(Shared {
             state: Mutex::new(state),
             machine: project.machine.clone(),
@@ -135,18 +133,37 @@ impl Plant {
         read(&state.image)
     }
 
-    /// Writes tags. The edges of `EnableIn` that came of it are given back, for [`Plant::fire`].
-    pub fn write<R>(&self, write: impl FnOnce(&mut Image, &mut Vec<Edge>) -> R) -> (R, Vec<Edge>) {
+    /// Writes tags. What the closure gives as edges and what comes of the write besides is for [`Plant::fire`].
+    pub fn write<R>(&self, write: impl FnOnce(&mut Image, &mut Vec<Edge>) -> R) -> (R, Written) {
         let mut state = self.0.lock();
         state.refresh();
         let mut edges = Vec::new();
         let result = write(&mut state.image, &mut edges);
-        (result, edges)
+        // Sent under the lock: kept in the order in which it was written.
+        let State { watch, image, .. } = &mut *state;
+        let kept = watch.as_mut().and_then(|watch| watch.tags(image));
+        (result, Written { edges, kept })
     }
 
-    /// Sends what writes brought about. Executes the instruction tags whose `EnableIn` rose, with the operands they hold now, in order, and waits until
-    /// each shows DN or ER, at most [`ANSWER_WITHIN`]. Those whose `EnableIn` fell have a false rung.
-    pub async fn fire(&self, edges: Vec<Edge>) {
+    /// Sends what writes brought about, and waits until it is kept. Executes the instruction tags whose `EnableIn` rose,
+    /// with the operands they hold now, in order, and waits until each shows DN or ER, at most [`ANSWER_WITHIN`]. Those
+    /// whose `EnableIn` fell have a false rung.
+    ///
+    /// # Errors
+    /// [`NotKept`]: plain tags have what was written to them, but may not have it after a restart.
+    pub async fn fire(&self, written: Written) -> Result<(), NotKept> {
+        let Written { edges, kept } = written;
+        self.execute(edges).await;
+        match kept {
+            None => Ok(()),
+            Some(kept) => match tokio::time::timeout(ANSWER_WITHIN, kept).await {
+                Ok(Ok(kept)) => kept,
+                Ok(Err(_)) | Err(_) => Err(NotKept),
+            },
+        }
+    }
+
+    async fn execute(&self, edges: Vec<Edge>) {
         if edges.is_empty() {
             return;
         }
@@ -166,6 +183,16 @@ impl Plant {
         };
         if tokio::time::timeout(ANSWER_WITHIN, all).await.is_err() {
             tracing::warn!("the controller did not answer a written EnableIn in time");
+        }
+    }
+
+    /// Sends the axes as they are after the real-time thread has stopped them, to be kept.
+    pub(crate) fn keep_at_the_end(&self) {
+        let mut state = self.0.lock();
+        state.refresh();
+        let State { watch, link, .. } = &mut *state;
+        if let Some(watch) = watch {
+            watch.axes_at_the_end(link.snapshots.output_buffer());
         }
     }
 
@@ -228,151 +255,6 @@ impl Shared {
     }
 }
 
-impl State {
-    /// Takes the newest snapshot and everything that happened up to its tick.
-    fn refresh(&mut self) {
-        let updated = self.link.snapshots.update();
-        self.began |= updated;
-        if !self.began {
-            return;
-        }
-        let tick = self.link.snapshots.output_buffer().tick;
-        while let Ok(event) = self.link.events.peek() {
-            if event.tick > tick {
-                break;
-            }
-            let event = *event;
-            let _ = self.link.events.pop();
-            self.image.apply_event(&event);
-            let record = self.records.get_mut(event.ticket);
-            if let Some(control) = record {
-                event.apply(control);
-                if is_answered(control) {
-                    self.complete(event.ticket);
-                }
-            }
-        }
-        while let Ok(answer) = self.link.answers.peek() {
-            if answer.tick > tick {
-                break;
-            }
-            let answer = *answer;
-            let _ = self.link.answers.pop();
-            if is_answered(&answer.control) {
-                // Its event says the same, unless that was lost.
-                if let Some(control) = self
-                    .records
-                    .get_mut(answer.ticket)
-                    .filter(|control| !is_answered(control))
-                {
-                    *control = answer.control;
-                }
-                self.complete(answer.ticket);
-            }
-        }
-        if updated {
-            let snapshot = self.link.snapshots.output_buffer();
-            self.image.apply_snapshot(snapshot);
-            let health = self.link.meter.health();
-            self.image.apply_health(&health);
-            let lost = snapshot.lost_events + health.lost_events + health.lost_answers;
-            if lost > self.lost {
-                tracing::warn!(
-                    lost = lost - self.lost,
-                    "status changes were lost, too many came within one tick"
-                );
-                self.lost = lost;
-            }
-        }
-    }
-
-    fn complete(&mut self, ticket: Ticket) {
-        if let Some(waiting) = self.waiting.remove(&ticket) {
-            // Whoever waited may have given up.
-            let _ = waiting.send(());
-        }
-    }
-
-    /// Sends a call; the receiver is told when DN or ER is set.
-    fn send(&mut self, call: Call) -> (Ticket, oneshot::Receiver<()>) {
-        let ticket = self.ticket();
-        let (sender, receiver) = oneshot::channel();
-        self.waiting.insert(ticket, sender);
-        self.push(Command::Call(ticket, call));
-        (ticket, receiver)
-    }
-
-    fn ticket(&mut self) -> Ticket {
-        let ticket = Ticket(self.next_ticket);
-        self.next_ticket += 1;
-        self.records.begin(ticket);
-        ticket
-    }
-
-    fn push(&mut self, command: Command) {
-        self.backlog.push_back(command);
-        self.flush();
-    }
-
-    fn flush(&mut self) {
-        while let Some(command) = self.backlog.pop_front() {
-            if let Err(rtrb::PushError::Full(command)) = self.link.commands.push(command) {
-                self.backlog.push_front(command);
-                break;
-            }
-        }
-    }
-
-    /// Tells the controller which overrides have changed.
-    fn send_overrides(&mut self) {
-        let overrides: Vec<f32> = self.image.feed_overrides().collect();
-        for ((system, now), sent) in (0..)
-            .zip(&overrides)
-            .zip(std::mem::replace(&mut self.overrides, overrides.clone()))
-        {
-            if *now != sent {
-                self.push(Command::Override {
-                    system,
-                    rate: f64::from(*now) / 100.0,
-                });
-            }
-        }
-    }
-
-    fn edge(&mut self, edge: Edge) -> Option<oneshot::Receiver<()>> {
-        let (Edge::Rising(id) | Edge::Falling(id)) = edge else {
-            self.send_overrides();
-            return None;
-        };
-        let TagKind::Instruction(kind) = self.image.tag(id)?.kind else {
-            return None;
-        };
-        if let Edge::Falling(_) = edge {
-            // Of a call that was refused below, the controller knows nothing.
-            let mut control = self.image.control(kind.control);
-            if is_answered(&control) {
-                control.clear(Flag::En);
-                self.image.set_control(kind.control, control);
-            }
-            self.push(Command::RungFalse(kind.control));
-            return None;
-        }
-        let error = match self.image.call_of(id)? {
-            Ok(call) if self.waiting.len() < OUTSTANDING => return Some(self.send(call).1),
-            Ok(_) => MotionError::from_codes(EXECUTION_COLLISION, 0)?,
-            // A name among the operands that means nothing is a value out of range.
-            Err(error) => MotionError::from_codes(OUT_OF_RANGE, error.operand().map_or(0, |operand| operand.0 as i8))?,
-        };
-        let ticket = self.ticket();
-        let refused = MotionControl::refused(error);
-        self.image.set_control(kind.control, refused);
-        if let Some(control) = self.records.get_mut(ticket) {
-            *control = refused;
-        }
-        None
-    }
-}
-
 /// Drains the rings as long as somebody has the plant.
 async fn pump(plant: Weak<Shared>) {
     loop {
@@ -395,20 +277,12 @@ pub fn image_of(project: &Project) -> Image {
     Image::new(&project.machine, &project.instruction_tags, &project.tags)
 }
 
-fn is_answered(control: &MotionControl) -> bool {
-    control.has(Flag::Dn) || control.has(Flag::Er)
-}
-
 /// Calls that may wait for the controller at a time.
 const OUTSTANDING: usize = 2048;
 /// Longest wait for DN or ER.
 pub const ANSWER_WITHIN: Duration = Duration::from_secs(5);
 const PAUSE_BUSY: Duration = Duration::from_millis(1);
 const PAUSE_IDLE: Duration = Duration::from_millis(10);
-/// ERR of a call that finds no room.
-const EXECUTION_COLLISION: i16 = 3;
-/// ERR of an operand out of range.
-const OUT_OF_RANGE: i16 = 13;
 
 #[cfg(test)]
 mod tests;

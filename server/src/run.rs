@@ -5,20 +5,16 @@ use std::net::SocketAddr;
 use std::process::ExitCode;
 
 use arcline_config::Project;
+use arcline_controller::image::Image;
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::cli::{Failure, OrOff, RunArgs, project};
 use crate::eip::{Listener, Settings};
 use crate::plant::Plant;
+use crate::retained::{Keeper, Retained, Watch};
 
 /// Runs the server until SIGTERM or SIGINT.
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
-    if let Some(OrOff::On(file)) = &args.state {
-        return Err(Failure::usage(format!(
-            "--state {}: retained state is not there yet, expected `off`",
-            file.display()
-        )));
-    }
     let mut project = project(args.config.as_deref())?;
     if let Some(listen) = args.listen {
         project.server.listen = listen;
@@ -31,25 +27,43 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     if let Some(address) = hmi {
         tracing::info!(%address, "the web HMI is not there yet: it stays off");
     }
+    let (retained, keeper) = match &args.state {
+        Some(OrOff::On(file)) => {
+            let retained = Retained::open(file, &mut project).map_err(|error| Failure::usage(error.to_string()))?;
+            (Some((retained.image, retained.watch)), Some(retained.keeper))
+        }
+        Some(OrOff::Off) | None => (None, None),
+    };
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(WORKERS)
         .enable_all()
         .build()
         .map_err(|error| Failure::new(1, format!("the runtime could not be started: {error}")))?;
-    let handle = runtime.block_on(serve(&project))?;
+    let (plant, handle) = runtime.block_on(serve(&project, retained))?;
     // The thread stops all motion and waits until it stands still; no client is heard any more.
     handle.stop();
-    Ok(ExitCode::SUCCESS)
+    plant.keep_at_the_end();
+    match keeper.map(Keeper::close) {
+        None | Some(Ok(())) => Ok(ExitCode::SUCCESS),
+        Some(Err(error)) => Err(Failure::new(1, format!("the state could not be saved: {error}"))),
+    }
 }
 
-async fn serve(project: &Project) -> Result<arcline_realtime::Handle, Failure> {
+async fn serve(
+    project: &Project,
+    retained: Option<(Image, Watch)>,
+) -> Result<(Plant, arcline_realtime::Handle), Failure> {
     let failed = |what: &str, error: &dyn std::fmt::Display| Failure::new(1, format!("{what}: {error}"));
     let mut terminate = signal(SignalKind::terminate()).map_err(|error| failed("SIGTERM", &error))?;
     let mut interrupt = signal(SignalKind::interrupt()).map_err(|error| failed("SIGINT", &error))?;
-    let (plant, handle) = Plant::start(project).map_err(|error| Failure::new(1, error.to_string()))?;
+    let started = match retained {
+        None => Plant::start(project),
+        Some((image, watch)) => Plant::start_with(project, image, Some(watch)),
+    };
+    let (plant, handle) = started.map_err(|error| Failure::new(1, error.to_string()))?;
     let listen = project.server.listen;
     let settings = Settings::new(&project.server.name);
-    let listener = Listener::bind(listen, plant, settings)
+    let listener = Listener::bind(listen, plant.clone(), settings)
         .await
         .map_err(|error| cannot_listen(listen, &error))?;
     ready(listener.local_addr()).map_err(|error| failed("standard output", &error))?;
@@ -58,7 +72,7 @@ async fn serve(project: &Project) -> Result<arcline_realtime::Handle, Failure> {
         _ = terminate.recv() => tracing::info!("SIGTERM: stopping"),
         _ = interrupt.recv() => tracing::info!("SIGINT: stopping"),
     }
-    Ok(handle)
+    Ok((plant, handle))
 }
 
 /// The line that scripts wait for.

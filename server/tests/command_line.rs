@@ -114,13 +114,13 @@ fn the_default_configuration_checks() {
 }
 
 #[test]
-fn retained_state_is_refused_until_it_is_there() {
+fn retained_state_needs_a_folder_that_is_there() {
     let out = server()
-        .args(["--state", "somewhere"])
+        .args(["--listen", "127.0.0.1:0", "--state", "nowhere/machine.state"])
         .output()
         .expect("the server runs");
     assert_eq!(out.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&out.stderr).contains("--state somewhere"));
+    assert!(String::from_utf8_lossy(&out.stderr).contains("--state nowhere/machine.state"));
 }
 
 /// A running server that is ended when the test ends.

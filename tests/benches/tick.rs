@@ -19,6 +19,21 @@ fn in_a_blend() -> Bench {
     bench
 }
 
+/// A thousand short pieces on CS1, travelled so slowly that hardly one is done; every one binds the look-ahead, since its
+/// deceleration differs from its neighbour's.
+fn deep() -> Bench {
+    let mut bench = Bench::replacing("name = \"CS1\"", "name = \"CS1\"\nqueue_depth = 1000");
+    bench.set_override("CS1", 0.0);
+    for place in 0..1000 {
+        let (x, decel) = (f64::from(place + 1) * 0.1, 1000 + place % 7);
+        let call = format!("MCLM(CS1, M{place}, 0, [{x}, 0, 0], 200, 0, 1000, 0, {decel}, 0, 1, 20000, 20000, 0, 4)");
+        assert_eq!(bench.call(&call), (0, 0));
+    }
+    bench.set_override("CS1", 0.001);
+    bench.run(1000);
+    bench
+}
+
 /// 256 axes, four to each of 64 machines of which three move together.
 fn large() -> Bench {
     let mut config = String::from("[motion_group]\nname = \"Motion\"\n");
@@ -51,6 +66,18 @@ fn tick(criterion: &mut Criterion) {
     criterion.bench_function("tick, three axes in a blend", |bencher| {
         bencher.iter_batched_ref(in_a_blend, |bench| black_box(bench).run(100), BatchSize::LargeInput);
     });
+    let mut bench = deep();
+    let mut share = 0.001;
+    criterion.bench_function(
+        "tick with a change of the override, 1000 moves in the queue",
+        |bencher| {
+            bencher.iter(|| {
+                share = if share == 0.001 { 0.002 } else { 0.001 };
+                bench.set_override("CS1", share);
+                black_box(&mut bench).tick();
+            });
+        },
+    );
     let mut bench = large();
     criterion.bench_function("tick, 256 axes in 64 moving systems", |bencher| {
         bencher.iter(|| black_box(&mut bench).tick());

@@ -35,13 +35,33 @@ impl Server {
         Self::start_with(&["--config", file.to_str().expect("the project's paths are UTF-8")])
     }
 
-    /// Starts the server with `arguments` besides those for a free port, no HMI and no state file.
+    /// Starts the server with `arguments` besides those for a free port, no HMI and, unless they name one, no
+    /// state file.
     #[must_use]
     pub fn start_with(arguments: &[&str]) -> Self {
-        let program = crate::programs::arcline_server();
+        Self::start_by(Command::new(crate::programs::arcline_server()), arguments)
+    }
+
+    /// The same, but no file that it writes may become longer than so many blocks of 512 or 1024 bytes: a write beyond
+    /// fails, as on a full disk.
+    #[must_use]
+    pub fn start_short_of_space(blocks: u32, arguments: &[&str]) -> Self {
+        // The shell becomes the server, which is not to end by the signal that goes with the limit.
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
+        let mut shell = Command::new("sh");
+        shell.arg("-c").arg(script).arg(crate::programs::arcline_server());
+        Self::start_by(shell, arguments)
+    }
+
+    fn start_by(mut command: Command, arguments: &[&str]) -> Self {
         let began = Instant::now();
-        let mut child = Command::new(program)
-            .args(["run", "--listen", "127.0.0.1:0", "--hmi", "off", "--state", "off"])
+        let mut child = command
+            .args(["run", "--listen", "127.0.0.1:0", "--hmi", "off"])
+            .args(if arguments.contains(&"--state") {
+                &[][..]
+            } else {
+                &["--state", "off"]
+            })
             .args(arguments)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -92,6 +112,14 @@ impl Server {
     #[must_use]
     pub fn ready_after(&self) -> Duration {
         self.ready_after
+    }
+
+    /// Ends the server at once, with SIGKILL, and waits until it is gone. Gives its log.
+    #[must_use]
+    pub fn kill(mut self) -> String {
+        self.child.kill().expect("the server is our child and runs");
+        self.child.wait().expect("the server is our child");
+        self.log.take().and_then(|log| log.join().ok()).unwrap_or_default()
     }
 
     /// Asks the server to stop, as an init system would, and waits until it has ended.

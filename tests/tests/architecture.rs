@@ -20,8 +20,9 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("arcline-controller",      &["arcline-motion"]),
     ("arcline-realtime",        &["arcline-controller"]),
     ("arcline-config",          &["arcline-controller"]),
+    ("arcline-state",           &[]),
     ("arcline-client",          &["arcline-proto", "arcline-structured-text", "arcline-instruction-set", "arcline-tag"]),
-    ("arcline-server",          &["arcline-realtime", "arcline-controller", "arcline-config",
+    ("arcline-server",          &["arcline-realtime", "arcline-controller", "arcline-config", "arcline-state",
                                   "arcline-proto", "arcline-structured-text"]),
 ];
 

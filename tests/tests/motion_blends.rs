@@ -273,6 +273,31 @@ fn collinear_moves_stay_on_the_line_and_change_speed_where_the_type_says() {
 }
 
 #[test]
+fn a_stop_goes_on_along_the_moves_that_the_speed_was_kept_for() {
+    let mut bench = Bench::replacing("name = \"XY\"", "name = \"XY\"\nqueue_depth = 10");
+    bench.execute("MCLM(XY, M1, 0, [100, 0], 200, 0, 2000, 0, 2000, 0, 0, 1, 1, 2, 4)");
+    bench.execute("MCCM(XY, M2, 0, [100, 100], 1, [100, 50], 1, 200, 0, 2000, 0, 2000, 0, 0, 100, 100, 2, 4)");
+    bench.execute("MCLM(XY, M3, 0, [0, 100], 200, 0, 2000, 0, 2000, 0, 0, 1, 1, 2, 1)");
+    while bench.position("X") < 98.0 {
+        bench.tick();
+    }
+    // From 200 at 500 units/s² it takes 40 units to rest.
+    bench.execute("MCS(XY, S, CoordinatedMove, Yes, 500, Unitspersec2)");
+    while !bench.control("S").has(Flag::Pc) {
+        bench.tick();
+        let (x, y) = (bench.position("X"), bench.position("Y"));
+        let off = if x <= 100.0 && y < 50.0 {
+            y
+        } else {
+            (x - 100.0).hypot(y - 50.0) - 50.0
+        };
+        assert!(off.abs() < 1e-9, "{x} {y}");
+    }
+    let angle = (bench.position("X") - 100.0).atan2(50.0 - bench.position("Y"));
+    assert!((angle * 50.0 - 38.0).abs() < 0.5, "{angle}");
+}
+
+#[test]
 fn tangent_contours_keep_the_speed_and_corners_do_not() {
     let mut bench = Bench::new();
     bench.execute(&line("M1", 100.0, 0.0, S_CURVE, "4"));

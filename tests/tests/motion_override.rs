@@ -481,6 +481,48 @@ fn storms_over_queues_of_every_junction_end_exactly_and_in_order() {
 }
 
 #[test]
+fn storms_along_a_line_never_turn_back() {
+    for seed in 0..40 {
+        let mut random = generator(1000 + seed);
+        let mut bench = deep();
+        let mut x = 0.0;
+        let mut calls = Vec::new();
+        for place in 0..12 {
+            x += 1.0 + (15.0 * random()).round();
+            // Types that keep to the path; type 5 enters a move at a speed that it may not be able to stop from.
+            let kinds = ["3", "4", "4"];
+            let termination = kinds[((kinds.len() as f64) * random()) as usize % kinds.len()];
+            let speed = 40.0 + 20.0 * (4.0 * random()).floor();
+            calls.push(format!(
+                "MCLM(XY, M{place}, 0, [{x}, {}], {speed}, 0, {RATE}, 0, {RATE}, 0, 1, {JERK}, {JERK}, 0, {termination})",
+                0.5 * x
+            ));
+        }
+        for call in &calls {
+            assert_eq!(bench.call(call), OK, "seed {seed}: {call}");
+        }
+        let mut watch = Watch::new(&bench, 1.0);
+        let mut last = 0.0;
+        while !bench.control("M11").has(Flag::Pc) {
+            if random() < 0.03 {
+                let share = if random() < 0.4 { 0.0 } else { 2.0 * random() };
+                bench.set_override("XY", share);
+            }
+            let (now, y) = watch.tick(&mut bench);
+            on_line(now, y);
+            assert!(
+                now >= last - 1e-9,
+                "seed {seed}, tick {}: {now} after {last} {calls:#?}",
+                bench.now()
+            );
+            last = now;
+            assert!(bench.now() < 100_000, "seed {seed}: {calls:#?}");
+        }
+        assert_eq!((bench.position("X"), bench.position("Y")), (x, 0.5 * x), "seed {seed}");
+    }
+}
+
+#[test]
 fn a_slower_move_behind_joined_ones_begins_where_they_end() {
     for (third, termination) in [(40, "4"), (40, "6, 0, 0, 0.5"), (100, "6, 0, 0, 0.5")] {
         let mut bench = deep();

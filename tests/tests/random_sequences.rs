@@ -50,6 +50,8 @@ struct Sequence {
     arcs: bool,
     /// S-curves on lines with rates that keep every jerk below [`JERK`]: the acceleration must not step.
     smooth: bool,
+    /// Changes of the override at any tick, from a generator of its own.
+    overrides: Option<Random>,
 }
 
 impl Sequence {
@@ -66,6 +68,14 @@ impl Sequence {
             corners,
             arcs,
             smooth,
+            overrides: None,
+        }
+    }
+
+    fn under_overrides(seed: u64) -> Self {
+        Sequence {
+            overrides: Some(Random(!seed)),
+            ..Sequence::new(seed)
         }
     }
 
@@ -154,6 +164,16 @@ impl Sequence {
     /// One tick: nothing jumps, and the commanded velocity is that of the commanded positions.
     fn tick(&mut self) {
         let before = ["X", "Y"].map(|axis| self.bench.axis(axis).command);
+        if let Some(random) = &mut self.overrides
+            && random.below(30) == 0
+        {
+            let share = if random.below(3) == 0 {
+                0.0
+            } else {
+                random.between(0.0, 1.0)
+            };
+            self.bench.set_override("XY", share);
+        }
         self.bench.tick();
         let after = ["X", "Y"].map(|axis| self.bench.axis(axis).command);
         for (b, a) in before.iter().zip(&after) {
@@ -180,6 +200,11 @@ impl Sequence {
     }
 
     fn finish(&mut self) {
+        for _ in 0..if self.overrides.is_some() { 300 } else { 0 } {
+            self.tick();
+        }
+        self.overrides = None;
+        self.bench.set_override("XY", 1.0);
         for _ in 0..200_000 {
             if self.bench.system("XY").status & 4 == 0 {
                 break;
@@ -239,6 +264,16 @@ fn random_sequences_are_continuous_and_every_instruction_ends_once() {
     let cases = std::env::var("ARCLINE_CASES").map_or(300, |cases| cases.parse().expect("a number"));
     for seed in 0..cases {
         let mut one = Sequence::new(seed);
+        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| sequence(&mut one)));
+        assert!(result.is_ok(), "seed {seed}:\n{}", one.program);
+    }
+}
+
+#[test]
+fn overrides_at_any_tick_leave_random_sequences_continuous() {
+    let cases = std::env::var("ARCLINE_CASES").map_or(60, |cases| cases.parse().expect("a number"));
+    for seed in 0..cases {
+        let mut one = Sequence::under_overrides(seed);
         let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| sequence(&mut one)));
         assert!(result.is_ok(), "seed {seed}:\n{}", one.program);
     }

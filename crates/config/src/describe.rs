@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use arcline_controller::machine::{AxisKind, AxisLimits, Corner};
 
-use crate::{Project, TagTypeName};
+use crate::Project;
 
 /// What the project would create, one line a thing, ending with a newline.
 pub fn describe(project: &Project) -> String {
@@ -99,7 +99,7 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         writeln!(out, "instruction tag {}: {} on {}", tag.name, tag.mnemonic, tag.target)?;
     }
     for tag in tags {
-        writeln!(out, "tag {}: {}", tag.name, TagTypeName(&tag.tag_type))?;
+        writeln!(out, "tag {}: {}", tag.name, tag.tag_type)?;
     }
     writeln!(
         out,

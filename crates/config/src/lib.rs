@@ -9,11 +9,9 @@ mod error;
 mod read;
 mod section;
 
-use std::fmt;
 use std::net::SocketAddr;
 
 use arcline_controller::machine::Machine;
-use arcline_tag::TagType;
 
 pub use arcline_controller::image::{InstructionTag, PlainTag};
 pub use describe::describe;
@@ -62,19 +60,6 @@ impl Default for ServerConfig {
 /// The first thing that is wrong, with its line, column and key, what was found and what was expected.
 pub fn load(text: &str, file: &str) -> Result<Project, ConfigError> {
     read::project(text, file)
-}
-
-/// Prints a type as it is written in a configuration: `REAL[16]`.
-struct TagTypeName<'t>(&'t TagType);
-
-impl fmt::Display for TagTypeName<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.0.data_type.name())?;
-        match self.0.dimensions {
-            [0, ..] => Ok(()),
-            [count, ..] => write!(f, "[{count}]"),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -130,7 +130,8 @@ fn everything_can_be_said() {
         "[server]\nlisten = \"0.0.0.0:0\"\nhmi = \"off\"\n[motion_group]\nname = \"G\"\n\
          coarse_update_period_ms = 0.25\n{AXIS}max_deceleration = 0\nmax_deceleration_jerk = 0.0\n\
          travel = {{ min = -5, max = 15.5 }}\nstart = {{ position = 1.5, servo_on = false, homed = false }}\n\
-         drive = {{ position_bandwidth_hz = 10, velocity_feedforward = 0.5, position_error_tolerance = 0 }}\n{TURN}\
+         drive = {{ position_bandwidth_hz = 10, velocity_feedforward = 0.5, position_error_tolerance = 0,\
+         position_error_tolerance_time = 0.02, speed_limit = 12, torque_limit = 150, encoder_resolution = 1000 }}\n{TURN}\
          start.position = 359.5\n{SYSTEM}queue_depth = 1000\ncorner = \"Precise\"\naxis_limits = \"enforce\"\n\
          [[coordinate_system]]\nname = \"CS2\"\ntype = \"cartesian\"\naxes = [\"R\"]\nmax_speed = 1\n\
          max_acceleration = 1\n[[transform]]\nname = \"T\"\nsource = \"CS\"\ntarget = \"cs2\"\n\
@@ -156,6 +157,10 @@ fn everything_can_be_said() {
         position_bandwidth_hz: 10.0,
         velocity_feedforward: 0.5,
         position_error_tolerance: 0.0,
+        position_error_tolerance_time: 0.02,
+        speed_limit: Some(12.0),
+        torque_limit: Some(150.0),
+        encoder_resolution: Some(1000.0),
     };
     assert_eq!(axis.kind, AxisKind::Servo(drive));
     assert_eq!(
@@ -235,6 +240,10 @@ fn errors_name_place_key_and_expectation() {
         ("a rotary axis has no travel", format!("{AXIS}unwind = 360\ntravel = {{ min = 1, max = 5 }}"), "m.toml:7:10: axis[1].travel: cannot stand together with `unwind`".into()),
         ("a start beyond the turn", format!("{TURN}start = {{ position = 360 }}"), "m.toml:7:22: axis[1].start.position: found 360, expected a number from 0 to below `unwind`".into()),
         ("a virtual axis has no drive", format!("{TURN}drive = {{ position_bandwidth_hz = 40 }}"), "m.toml:7:9: axis[1].drive: cannot stand together with `type = \"virtual\"`".into()),
+        ("an error for less than no time", format!("{AXIS}drive = {{ position_error_tolerance_time = -1 }}"), "m.toml:6:43: axis[1].drive.position_error_tolerance_time: found -1, expected a number, 0 or more (s)".into()),
+        ("a motor that cannot turn", format!("{AXIS}drive = {{ speed_limit = 0 }}"), "m.toml:6:25: axis[1].drive.speed_limit: found 0, expected a number above 0 (units/s)".into()),
+        ("a motor without torque", format!("{AXIS}drive = {{ torque_limit = 0 }}"), "m.toml:6:26: axis[1].drive.torque_limit: found 0, expected a number above 0 (units/s²)".into()),
+        ("an encoder without counts", format!("{AXIS}drive = {{ encoder_resolution = 0 }}"), "m.toml:6:32: axis[1].drive.encoder_resolution: found 0, expected a number above 0 (counts per position unit)".into()),
         ("a flag that is none", format!("{AXIS}start = {{ homed = 1 }}"), "m.toml:6:19: axis[1].start.homed: found 1, expected true or false".into()),
         ("no such axis", SYSTEM.replace("\"x\"", "\"y\""), "m.toml:3:9: coordinate_system[1].axes[1]: there is no axis `y`".into()),
         ("an axis twice", format!("{AXIS}{}", SYSTEM.replace("[\"x\"]", "[\"x\", \"X\"]")), "m.toml:8:14: coordinate_system[1].axes[2]: found \"X\", expected each axis once".into()),

@@ -62,7 +62,7 @@ impl Axis {
         let (drive, state) = match &description.kind {
             AxisKind::Virtual => (Drive::ideal(position), AxisState::Running),
             AxisKind::Servo(drive) => (
-                Drive::servo(position, drive.position_bandwidth_hz, drive.velocity_feedforward),
+                Drive::servo(position, &drive.settings()),
                 if description.start.servo_on {
                     AxisState::Running
                 } else {

@@ -47,16 +47,7 @@ pub(crate) struct Dynamics {
 }
 
 impl Dynamics {
-    /// The limits of a profile with a share of the programmed speed, the override. Rates and jerks are as
-    /// programmed, those in percent of time too.
-    pub(crate) fn overridden(&self, share: f64) -> Limits {
-        let programmed = self.limits();
-        Limits {
-            speed: programmed.speed * share,
-            ..programmed
-        }
-    }
-
+    /// The limits of a profile, as programmed.
     pub(crate) fn limits(&self) -> Limits {
         let jerk = match self.shape {
             Shape::Trapezoidal(_) => None,

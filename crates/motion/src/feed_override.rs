@@ -32,16 +32,7 @@ impl System {
         if let Some(contour) = &mut self.contour {
             contour.set_rate(share, clock);
         }
-        if self.activity != Activity::Moving {
-            return;
-        }
-        for waiting in self.planner.pending_mut() {
-            waiting.limits = waiting.data.dynamics.overridden(share);
-        }
-        if let Some(active) = self.planner.active_data() {
-            let limits = active.dynamics.overridden(share);
-            self.planner.change_limits(limits, clock);
-        }
-        self.stale = true;
+        self.planner.set_rate(share, clock);
+        self.stale = self.activity == Activity::Moving;
     }
 }

@@ -125,6 +125,27 @@ pub struct Drive {
     pub velocity_feedforward: f64,
     /// Position error above which the drive faults, u; 0 switches the check off (axis-and-data-types.md §9.3).
     pub position_error_tolerance: f64,
+    /// How long the position error must stay above its tolerance, s, 0 or more (axis-and-data-types.md §9.3).
+    pub position_error_tolerance_time: f64,
+    /// Highest speed of the motor, above 0, u/s; `None`: as fast as the loop asks for.
+    pub speed_limit: Option<f64>,
+    /// Acceleration of the axis under the highest torque of the motor, above 0, u/s²; `None`: as the loop asks for.
+    pub torque_limit: Option<f64>,
+    /// Encoder counts per unit, above 0: what the actual position is rounded to; `None`: it is not.
+    pub encoder_resolution: Option<f64>,
+}
+
+impl Drive {
+    /// The same for the simulation.
+    pub(crate) fn settings(&self) -> arcline_drive::Settings {
+        arcline_drive::Settings {
+            bandwidth: self.position_bandwidth_hz,
+            feedforward: self.velocity_feedforward,
+            speed_limit: self.speed_limit.unwrap_or(f64::INFINITY),
+            torque_limit: self.torque_limit.unwrap_or(f64::INFINITY),
+            encoder_resolution: self.encoder_resolution,
+        }
+    }
 }
 
 impl Default for Drive {
@@ -133,6 +154,10 @@ impl Default for Drive {
             position_bandwidth_hz: 40.0,
             velocity_feedforward: 1.0,
             position_error_tolerance: 5.0,
+            position_error_tolerance_time: 0.0,
+            speed_limit: None,
+            torque_limit: None,
+            encoder_resolution: None,
         }
     }
 }

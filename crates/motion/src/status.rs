@@ -1,5 +1,6 @@
 //! Status words, from the state at a tick.
 
+use arcline_drive::Saturation;
 use arcline_instruction_set::predefined::{
     axis_status, cip_axis_status, coordinate_motion_status as motion, coordinate_system_status as status, motion_status,
 };
@@ -17,6 +18,7 @@ const STANDSTILL: f64 = 1e-3;
 /// One axis as its tag shows it.
 pub(crate) fn axis(axis: &Axis) -> AxisSnapshot {
     let actual = axis.drive.actual();
+    let saturation = axis.drive.saturation();
     let command = axis.command;
     AxisSnapshot {
         fault: 0,
@@ -46,6 +48,8 @@ pub(crate) fn axis(axis: &Axis) -> AxisSnapshot {
                 actual.velocity.abs() <= STANDSTILL,
                 cip_axis_status::VELOCITY_STANDSTILL_STATUS,
             ),
+            (saturation == Saturation::Speed, cip_axis_status::VELOCITY_LIMIT_STATUS),
+            (saturation == Saturation::Torque, cip_axis_status::TORQUE_LIMIT_STATUS),
             (axis.state == AxisState::Shutdown, cip_axis_status::CIP_SHUTDOWN_STATUS),
         ]
         .into_iter()

@@ -1,7 +1,7 @@
 //! Where one move becomes the next (spec/coordinated-instructions.md §7).
 
 use arcline_geometry::{Path, Point};
-use arcline_profile::{Limits, entry_speed};
+use arcline_profile::Limits;
 
 use crate::Move;
 
@@ -85,50 +85,90 @@ fn effective_tolerance<T>(tolerance: f64, first: &Move<T>, second: &Move<T>, ble
         .min(after * second.path.length())
 }
 
-/// The highest speed at the junction of two moves, `exit` being the speed at the end of the second one.
-/// `corner_step` bounds the change of each axis's velocity there, units/s.
-pub(crate) fn junction_speed<T>(
-    first: &Move<T>,
-    second: &Move<T>,
-    junction: Junction,
-    exit: f64,
-    corner_step: &Point,
-) -> f64 {
-    let both = first.limits.speed.min(second.limits.speed);
-    match junction {
-        Junction::Rest | Junction::Blend { .. } => 0.0,
-        Junction::Overtake { tolerance } => {
-            first
-                .limits
-                .speed
-                .min(entry_speed(tolerance + second.path.length(), exit, &second.limits))
+/// What the place between two moves asks of a profile that comes to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Link {
+    /// Nothing: the profile goes on.
+    Free,
+    /// The second move is slower: its programmed speed.
+    Slower { speed: f64 },
+    /// Rest.
+    Rest,
+    /// A speed with acceleration 0: at most the lower programmed one and what the corner allows. `constrained`: and
+    /// what the second move can slow down from.
+    Pass { speed: f64, corner: f64, constrained: bool },
+}
+
+impl Link {
+    /// Whether one profile cannot lead over the place.
+    pub(crate) fn ends_run(&self) -> bool {
+        !matches!(self, Link::Free | Link::Slower { .. })
+    }
+
+    /// The highest speed that programmed ones leave.
+    pub(crate) fn programmed(&self) -> f64 {
+        match self {
+            Link::Free => f64::INFINITY,
+            Link::Rest => 0.0,
+            Link::Slower { speed } | Link::Pass { speed, .. } => *speed,
         }
+    }
+
+    /// The highest speed that the corner leaves.
+    pub(crate) fn corner(&self) -> f64 {
+        match self {
+            Link::Pass { corner, .. } => *corner,
+            Link::Rest => 0.0,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Whether the second move has to be able to slow down in time.
+    pub(crate) fn is_constrained(&self) -> bool {
+        !matches!(self, Link::Pass { constrained: false, .. })
+    }
+}
+
+/// What lies between two moves. One profile can lead over both where the path goes on without a corner, the rates are
+/// the same, and the second one is to be able to stop in time (motion-core §7). `corner_step` bounds the change of
+/// each axis's velocity in a corner, units/s.
+pub(crate) fn link<T>(first: &Move<T>, second: &Move<T>, blended: bool, corner_step: &Point) -> Link {
+    let rates_stay = same_rates(&first.limits, &second.limits);
+    match junction(first, second, blended) {
+        Junction::Rest | Junction::Blend { .. } => Link::Rest,
+        Junction::Overtake { .. } if rates_stay => Link::Free,
+        // Where it is safe, the successor slows down from its tolerance on.
+        Junction::Overtake { .. } => Link::Pass {
+            speed: first.limits.speed,
+            corner: f64::INFINITY,
+            constrained: true,
+        },
         Junction::Pass { constrained, .. } => {
             let corner = corner_speed(&first.path, &second.path, corner_step);
-            let stoppable = if constrained {
-                entry_speed(second.path.length(), exit, &second.limits)
+            let speed = first.limits.speed.min(second.limits.speed);
+            if corner == 0.0 {
+                Link::Rest
+            } else if !constrained || !rates_stay || corner.is_finite() {
+                Link::Pass {
+                    speed,
+                    corner,
+                    constrained,
+                }
+            } else if second.limits.speed < first.limits.speed {
+                Link::Slower { speed }
             } else {
-                f64::INFINITY
-            };
-            both.min(corner).min(stoppable)
+                Link::Free
+            }
         }
     }
 }
 
-/// Whether one profile can run over both moves: the path goes on without a corner, the limits are the same, and
-/// the second one is to be able to stop in time (motion-core §7).
-pub(crate) fn joins<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> bool {
-    let passes = matches!(
-        junction(first, second, blended),
-        Junction::Pass {
-            constrained: true,
-            early: false
-        }
-    );
-    passes && first.limits == second.limits && {
-        let turn = second.path.start_tangent() - first.path.end_tangent();
-        turn.norm() <= TANGENT || collinear(&first.path, &second.path)
-    }
+/// Whether two limits differ in their speed at most.
+pub(crate) fn same_rates(first: &Limits, second: &Limits) -> bool {
+    Limits {
+        speed: second.speed,
+        ..*first
+    } == *second
 }
 
 fn corner_speed(first: &Path, second: &Path, corner_step: &Point) -> f64 {

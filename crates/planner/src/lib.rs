@@ -2,19 +2,22 @@
 //!
 //! A [`Move`] is a geometric path with the limits of its speed along it. A [`Planner`] holds the active
 //! move, the pending ones behind it, and evaluates the active one in closed form: nothing is integrated from
-//! tick to tick, so the trajectory is the same at every update period (spec/motion-core.md §1, §12). How one
-//! move becomes the next stands in `junction`.
+//! tick to tick, so the trajectory is the same at every update period (spec/motion-core.md §1, §12). What lies
+//! between two moves stands in `junction`, how one becomes the next in `hand_over`, what the queue allows in `queue`.
 //!
 //! Not here: instructions, status bits, axes, drives, and anything that knows what a tick does. Units:
 //! position units, seconds. Nothing here allocates after [`Planner::new`].
 
 #![forbid(unsafe_code)]
 
+mod change;
 mod clock;
 mod contour;
+mod hand_over;
 mod junction;
 mod look_ahead;
 mod planner;
+mod queue;
 mod track;
 
 pub use clock::{Clock, Instant};

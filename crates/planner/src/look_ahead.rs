@@ -1,153 +1,216 @@
-//! What a profile aims at: the end of its path or of several joined ones, at the speed that the queue behind it
-//! allows, and when the successor takes over.
+//! What a profile aims at: the next place that binds it, at the speed that the queue behind it allows, and when the
+//! successor takes over.
 //!
-//! Bounded: a fixed number of pending moves is looked at (spec/motion-core.md §7).
+//! Whatever changes, and whenever: a profile ends with acceleration 0 at a place from which the rest of the queue can
+//! be travelled, or where a stop has led it. A place within a run of equal rates that is met too fast or too slow is no
+//! such place: it is led over. At the end of a run the speed may then be higher than programmed, but never such that
+//! the path must be left. Bounded: a fixed number of bounds is looked at (spec/motion-core.md §7).
 
-use arcline_profile::{Jerk, Limits, Profile, State, exit_speed};
+use arcline_profile::{Jerk, Limits, Passing, Profile, State, passing_speed};
 
-use crate::Clock;
-use crate::junction::{Junction, joins, junction, junction_speed};
-use crate::planner::{Move, Planner, Running};
+use crate::junction::{Junction, Link, junction};
+use crate::planner::{Planner, Running};
+use crate::{Clock, Instant};
 
-/// Pending moves that a junction speed looks at. Behind them the path is taken to end at rest, which is always
-/// possible, so the work of a tick is bounded.
-const LOOK_AHEAD: usize = 32;
-/// How far behind its end, as a share of a path, a stop on it may seem to be by rounding.
-const STOP_ROUNDING: f64 = 1e-12;
+/// Slower moves of a run that a profile may lead over.
+const LED_OVER: usize = 6;
 
 impl<T: Copy> Planner<T> {
     /// What the profile of a move that is in state `from` aims at.
     pub(crate) fn plan(&self, running: &Running<T>, from: State) -> Plan {
-        let mut target = running.motion.path.length();
-        let mut joined = 0;
+        let limits = self.limits(running);
+        let length = running.motion.path.length();
+        let mut cap = limits.speed;
         if running.track.residual.is_some() {
             // Its compensation moves with the speed along the path, so the path ends at rest.
             return Plan {
-                target,
+                target: length,
                 exit: 0.0,
+                joined: 0,
+                cap,
+                ends: Ends::AsItMust,
+            };
+        }
+        let queue = &self.queue;
+        let towards = |at: f64, exit: f64, joined: usize, cap: f64| {
+            let target = at - running.place;
+            let at_end = joined == 0 && (target - length).abs() <= ROUNDING * length;
+            Plan {
+                target: if at_end { length } else { target },
+                exit,
                 joined,
-            };
-        }
-        let mut first = &running.motion;
-        for second in self.pending.iter().take(LOOK_AHEAD) {
-            if !joins(first, second, joined > 0 || running.blended) {
-                break;
+                cap,
+                ends: Ends::AsItMust,
             }
-            target += second.path.length();
-            joined += 1;
-            first = second;
-        }
-        let wanted = self.look_ahead(first, joined, running.blended);
-        let exit = if wanted > 0.0 {
-            wanted.min(exit_speed(from, target - from.position, &running.motion.limits))
-        } else {
-            self.unavoidable_exit(first, joined, running, from, target)
         };
-        Plan { target, exit, joined }
-    }
-
-    /// The speed at the end of a path that is to be held, but too late for that: what braking leaves there. The
-    /// moves behind it brake on, so that a hold stays on the path.
-    fn unavoidable_exit(&self, last: &Move<T>, joined: usize, running: &Running<T>, from: State, target: f64) -> f64 {
-        let Some(next) = self.pending.get(joined) else {
-            return 0.0;
-        };
-        let passable = matches!(
-            junction(last, next, joined > 0 || running.blended),
-            Junction::Pass { .. } | Junction::Overtake { .. }
-        );
-        if !passable || running.motion.limits.speed > 0.0 {
-            return 0.0;
+        if cap > 0.0 {
+            let mut seen = 0;
+            for bound in queue.slower() {
+                let joined = queue.moves_before(bound);
+                let way = bound.at - running.place - from.position;
+                let wanted = queue.speed(bound).min(cap);
+                let Passing { speed, level } = passing_speed(from, way, wanted, &Limits { speed: cap, ..limits });
+                seen += 1;
+                let slow = seen == LED_OVER && speed < wanted && from.velocity <= cap;
+                if level && (speed == wanted || slow) {
+                    return towards(bound.at, speed, joined, cap);
+                }
+                if seen == LED_OVER {
+                    break;
+                }
+                cap = cap.min(bound.link.programmed() * queue.rate());
+            }
         }
-        let stop = Profile::stop(from, &running.motion.limits);
-        if stop.end().position <= target + STOP_ROUNDING * target.abs() {
-            return 0.0;
-        }
-        stop.time_at_position(target).map_or(0.0, |time| stop.at(time).velocity)
-    }
-
-    /// The speed that the junction behind a move allows, seen from the end of the queue. `place` is that of the
-    /// pending move behind it.
-    fn look_ahead(&self, from: &Move<T>, from_place: usize, blended: bool) -> f64 {
-        let seen = self.pending.len().min(from_place + LOOK_AHEAD);
-        let mut exit = 0.0;
-        for place in (from_place..seen).rev() {
-            let second = &self.pending[place];
-            let first = if place == from_place {
-                from
+        let end = queue.run_end(running.place + length);
+        let wanted = queue.speed(&end).min(cap);
+        let way = end.at - running.place - from.position;
+        let Passing { speed, level } = passing_speed(from, way, wanted, &Limits { speed: cap, ..limits });
+        let plan = towards(end.at, speed, queue.moves_before(&end), cap);
+        if end.link == Link::Rest {
+            let ends = if level && speed == 0.0 {
+                Ends::AsItMust
             } else {
-                &self.pending[place - 1]
+                Ends::Overshooting
             };
-            let joined = junction(first, second, blended || place > 0);
-            exit = junction_speed(first, second, joined, exit, &self.corner_step);
+            return Plan {
+                exit: 0.0,
+                ends,
+                ..plan
+            };
         }
-        exit
+        let too_fast = speed > wanted && speed > queue.must(&end) * (1.0 + ROUNDING);
+        let ends = if !level || too_fast || turns_back(&from, &limits) {
+            Ends::TooFast
+        } else {
+            Ends::AsItMust
+        };
+        Plan { ends, ..plan }
     }
 
-    /// After the queue has grown: the active move may end faster than it was planned to, or be joined.
+    /// The limits that the profile along the path keeps.
+    pub(crate) fn limits(&self, running: &Running<T>) -> Limits {
+        let pace = match &running.track.residual {
+            Some(residual) => residual.pace,
+            None => 1.0,
+        };
+        let limits = running.motion.limits;
+        let speed = limits.speed * self.queue.rate();
+        if pace >= 1.0 {
+            return Limits { speed, ..limits };
+        }
+        Limits {
+            speed: speed * pace,
+            acceleration: limits.acceleration * pace,
+            deceleration: limits.deceleration * pace,
+            jerk: limits.jerk.map(|jerk| Jerk {
+                acceleration: jerk.acceleration * pace,
+                deceleration: jerk.deceleration * pace,
+            }),
+        }
+    }
+
+    /// A profile that does what a plan says.
+    pub(crate) fn profile(&self, running: &Running<T>, from: State, plan: &Plan) -> Profile {
+        // The exit speed may be above that of a move that is held.
+        let limits = Limits {
+            speed: plan.cap.max(plan.exit),
+            ..self.limits(running)
+        };
+        Profile::to_position(from, plan.target, plan.exit, &limits)
+    }
+
+    /// After the queue has grown, or more of it has been looked at: the active move may go over into what lies behind
+    /// it, or end faster than it was planned to.
     pub(crate) fn raise_exit(&mut self, clock: &Clock) {
-        let Some(mut running) = self.active else {
+        let Some(mut running) = self.active.filter(|running| !running.stopped) else {
             return;
         };
-        let from = running.track.state(clock);
+        let approaching = running.track.is_approaching(clock);
+        let from = if approaching {
+            running.track.profile.start()
+        } else {
+            running.track.state(clock)
+        };
         let plan = self.plan(&running, from);
-        if plan.exit > running.exit || plan.joined > running.joined {
-            let profile = Profile::to_position(from, plan.target, plan.exit, &plan.limits(running.limits()));
-            running.follow(plan, profile, clock);
+        if plan.exit > running.exit || plan.joined != running.joined {
+            let profile = self.profile(&running, from, &plan);
+            if approaching {
+                running.track.profile = profile;
+                running.aim(&plan);
+            } else {
+                running.follow(&plan, profile, clock.now());
+            }
             self.active = Some(running);
         }
     }
 
-    /// Finds when the successor takes over, if it does so before the programmed end.
-    pub(crate) fn schedule(&mut self, clock: &Clock) {
+    /// Finds when the successor takes over, if it does so before the programmed end; not before `since`.
+    pub(crate) fn schedule(&mut self, since: Instant, clock: &Clock) {
         self.hand_over_at = None;
-        let (Some(running), Some(next)) = (&self.active, self.pending.front()) else {
+        let (Some(running), Some(next)) = (&self.active, self.queue.front()) else {
             return;
         };
         let track = &running.track;
+        let profile = &track.profile;
         // A pause may end behind the active path where the profile runs over several.
-        let paused = !track.profile.arrives();
+        let paused = !profile.arrives();
         if paused && running.joined == 0 {
             return;
         }
-        let now = track.start.elapsed(clock);
+        let elapsed = track.start.elapsed(clock);
+        let since = elapsed - since.elapsed(clock);
         let length = running.motion.path.length();
-        let reaches = |distance: f64| {
-            track
-                .profile
-                .time_at_position(track.offset + length - distance)
-                .unwrap_or(0.0)
-        };
-        let mut at = match junction(&running.motion, next, running.blended) {
+        let reaches = |distance: f64| profile.time_at_position(track.offset + length - distance);
+        let between = junction(&running.motion, next, running.blended);
+        let at = match between {
             _ if running.joined > 0 => {
-                let end = track.offset + length;
-                match track.profile.time_at_position(end) {
+                let tolerance = match between {
+                    Junction::Overtake { tolerance } => tolerance,
+                    _ => 0.0,
+                };
+                match reaches(tolerance) {
                     Some(at) => at,
+                    None if track.offset + length - tolerance <= profile.start().position => 0.0,
                     None if paused => return,
-                    None => track.profile.duration(),
+                    None => profile.duration(),
                 }
             }
             Junction::Rest | Junction::Pass { early: false, .. } => return,
-            Junction::Pass { early: true, .. } => track.profile.brakes_from(),
-            Junction::Overtake { tolerance } => reaches(tolerance),
+            Junction::Pass { .. } | Junction::Overtake { .. } if track.residual.is_some() => return,
+            Junction::Pass { early: true, .. } => profile.brakes_from(),
+            Junction::Overtake { tolerance } => reaches(tolerance).unwrap_or(0.0).min(profile.duration()),
             Junction::Blend { tolerance } => {
-                let begins =
-                    track
-                        .profile
-                        .brakes_from()
-                        .max(if tolerance.is_finite() { reaches(tolerance) } else { 0.0 });
-                let begins = begins.max(now);
-                let braking = track.profile.duration() - begins;
-                let rising = Profile::to_position(State::default(), next.path.length(), 0.0, &next.limits);
+                let within = if tolerance.is_finite() {
+                    reaches(tolerance).unwrap_or(0.0)
+                } else {
+                    0.0
+                };
+                let begins = profile.brakes_from().max(within).max(since);
+                let braking = profile.duration() - begins;
+                let limits = Limits {
+                    speed: next.limits.speed * self.queue.rate(),
+                    ..next.limits
+                };
+                let rising = Profile::to_position(State::default(), next.path.length(), 0.0, &limits);
                 begins + (braking - rising.accelerates_until()).max(0.0)
             }
         };
+        // Not while the end of the move before the active one is still being travelled.
+        let begun = if profile.start().position < track.offset {
+            reaches(length).unwrap_or(0.0)
+        } else {
+            0.0
+        };
+        let mut at = at.max(since).max(begun);
+        if running.joined > 0 {
+            self.hand_over_at = Some(at);
+            return;
+        }
         if let Some(tail) = &self.tail {
             // Two moves overlap at most: a third waits.
-            at = at.max(tail.duration(clock) + now - tail.start.elapsed(clock));
+            at = at.max(tail.duration(clock) + elapsed - tail.start.elapsed(clock));
         }
-        let at = at.max(now);
-        if at < track.duration(clock) {
+        if at < track.duration(clock) || matches!(between, Junction::Overtake { .. }) {
             self.hand_over_at = Some(at);
         }
     }
@@ -162,39 +225,40 @@ pub(crate) struct Plan {
     pub(crate) exit: f64,
     /// Pending moves on the way.
     pub(crate) joined: usize,
+    /// The speed limit on the way.
+    pub(crate) cap: f64,
+    pub(crate) ends: Ends,
 }
 
-impl Plan {
-    /// The limits for a profile that ends at the exit speed, which may be above that of a move that is held.
-    pub(crate) fn limits(&self, limits: Limits) -> Limits {
-        Limits {
-            speed: limits.speed.max(self.exit),
-            ..limits
-        }
-    }
+/// How a profile meets what lies ahead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ends {
+    /// Such that the rest of the queue can be travelled.
+    AsItMust,
+    /// With more speed than the corner, or the way behind it, allows; or before the acceleration is 0; or turning back.
+    TooFast,
+    /// Beyond the rest that it was to come to, and back.
+    Overshooting,
+}
+
+/// Whether a deceleration can only be taken back when the motion has passed through rest.
+pub(crate) fn turns_back(from: &State, limits: &Limits) -> bool {
+    let relieved = |jerk: Jerk| 0.5 * from.acceleration * from.acceleration / jerk.deceleration;
+    let least = (1.0 + ROUNDING) * from.velocity;
+    from.acceleration < 0.0 && limits.jerk.is_some_and(|jerk| least < relieved(jerk))
 }
 
 impl<T> Running<T> {
-    /// The limits that the profile along the path keeps.
-    pub(crate) fn limits(&self) -> Limits {
-        let limits = self.motion.limits;
-        match &self.track.residual {
-            Some(residual) if residual.pace < 1.0 => Limits {
-                speed: limits.speed * residual.pace,
-                acceleration: limits.acceleration * residual.pace,
-                deceleration: limits.deceleration * residual.pace,
-                jerk: limits.jerk.map(|jerk| Jerk {
-                    acceleration: jerk.acceleration * residual.pace,
-                    deceleration: jerk.deceleration * residual.pace,
-                }),
-            },
-            _ => limits,
-        }
+    pub(crate) fn follow(&mut self, plan: &Plan, profile: Profile, at: Instant) {
+        self.track.replan(profile, at);
+        self.aim(plan);
     }
 
-    pub(crate) fn follow(&mut self, plan: Plan, profile: Profile, clock: &Clock) {
-        self.track.replan(profile, clock);
+    pub(crate) fn aim(&mut self, plan: &Plan) {
         self.exit = plan.exit;
         self.joined = plan.joined;
     }
 }
+
+/// Share of a speed that is rounding.
+const ROUNDING: f64 = 1e-9;

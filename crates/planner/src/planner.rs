@@ -5,8 +5,9 @@ use std::collections::VecDeque;
 use arcline_geometry::{Path, Point};
 use arcline_profile::{Limits, Profile, State};
 
-use crate::junction::{Ending, Junction, braking, is_along, junction};
-use crate::track::{Approach, Part, Residual, Sample, Track};
+use crate::junction::{Ending, braking, is_along};
+use crate::queue::Queue;
+use crate::track::{Part, Residual, Sample, Track};
 use crate::{Clock, Instant};
 
 /// A path to travel and the limits along it. `T` is whatever the owner wants back with it.
@@ -34,6 +35,10 @@ pub struct Running<T> {
     pub(crate) joined: usize,
     /// Whether something blended into it.
     pub(crate) blended: bool,
+    /// Where on its run of moves it begins.
+    pub(crate) place: f64,
+    /// Whether a stop brakes it: nothing changes that.
+    pub(crate) stopped: bool,
 }
 
 /// A point on the way of the active move that lies at or before the present tick.
@@ -64,11 +69,12 @@ pub struct Planner<T> {
     pub(crate) active: Option<Running<T>>,
     /// The end of a move that the active one blends with.
     pub(crate) tail: Option<Track>,
-    pub(crate) pending: VecDeque<Move<T>>,
+    pub(crate) queue: Queue<T>,
     depth: usize,
-    pub(crate) corner_step: Point,
     /// Seconds after the active track's start at which the successor takes over before the programmed end.
     pub(crate) hand_over_at: Option<f64>,
+    /// Paths of cancelled moves along which a stop of the active one may have to go on.
+    trail: VecDeque<Path>,
 }
 
 /// Share of an acceleration that is none: what rounding leaves across the direction of motion.
@@ -81,10 +87,10 @@ impl<T: Copy> Planner<T> {
         Planner {
             active: None,
             tail: None,
-            pending: VecDeque::with_capacity(depth),
+            queue: Queue::new(depth, corner_step),
             depth,
-            corner_step,
             hand_over_at: None,
+            trail: VecDeque::with_capacity(depth),
         }
     }
 
@@ -100,22 +106,22 @@ impl<T: Copy> Planner<T> {
 
     /// The moves that wait, oldest first.
     pub fn pending(&self) -> impl Iterator<Item = &Move<T>> {
-        self.pending.iter()
+        self.queue.iter()
     }
 
     /// The moves that wait, oldest first, to change; [`Planner::change_limits`] makes it take effect.
     pub fn pending_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
-        self.pending.iter_mut()
+        self.queue.iter_mut()
     }
 
     /// Whether every pending place is taken.
     pub fn is_full(&self) -> bool {
-        self.pending.len() >= self.depth
+        self.queue.len() >= self.depth
     }
 
     /// Programmed end point of the last move in the queue: where the next one begins.
     pub fn last_end(&self) -> Option<Point> {
-        let last = self.pending.back();
+        let last = self.queue.back();
         last.map(|waiting| waiting.path.end())
             .or_else(|| self.active.map(|running| running.motion.path.end()))
     }
@@ -189,10 +195,23 @@ impl<T: Copy> Planner<T> {
         if self.is_full() {
             return Err(QueueFull);
         }
-        self.pending.push_back(motion);
+        let active = self.active.as_ref();
+        self.queue.push(
+            motion,
+            active.map(|running| (&running.motion, running.blended, running.place)),
+        );
         self.raise_exit(clock);
-        self.schedule(clock);
+        self.schedule(clock.now(), clock);
         Ok(())
+    }
+
+    /// Goes on with the look-ahead where it was too long for one tick: to be called at every tick, after
+    /// all that [`Planner::passage`] tells.
+    pub fn look_on(&mut self, clock: &Clock) {
+        if self.queue.carry_on() {
+            self.raise_exit(clock);
+            self.schedule(clock.now(), clock);
+        }
     }
 
     /// The next point on the way that lies at or before the present tick.
@@ -209,7 +228,9 @@ impl<T: Copy> Planner<T> {
             return None;
         }
         let mut end = running.track.duration(clock);
-        if let Some(tail) = &self.tail {
+        if running.exit == 0.0
+            && let Some(tail) = &self.tail
+        {
             end = end.max(tail.duration(clock) + elapsed - tail.start.elapsed(clock));
         }
         (elapsed >= end).then(|| Passage::Reached(instant(end)))
@@ -217,72 +238,27 @@ impl<T: Copy> Planner<T> {
 
     /// Whether the active move goes over into its successor without rest.
     pub fn passes_on(&self) -> bool {
-        self.active.is_some_and(|running| running.exit > 0.0) && !self.pending.is_empty()
-    }
-
-    /// The oldest pending move becomes active at an instant: from rest, blending, or at the speed of the junction.
-    pub fn hand_over(&mut self, at: Instant, clock: &Clock) -> Option<&mut T> {
-        let last = self.active.take();
-        let early = self.hand_over_at.take().is_some();
-        let next = self.pending.pop_front()?;
-        let Some(last) = last else {
-            self.start(next, at, clock);
-            return self.active_data();
-        };
-        if early && last.joined > 0 {
-            self.go_on(&last, next, clock);
-            return self.active_data();
-        }
-        let end = last.track.profile.end();
-        let joined = junction(&last.motion, &next, last.blended);
-        match joined {
-            Junction::Blend { .. } if early => {
-                self.tail = Some(last.track);
-                self.run(next, State::default(), at, None, true, clock);
-            }
-            Junction::Overtake { .. } if early => {
-                let since = at.elapsed(clock) - last.track.start.elapsed(clock);
-                let mut from = last.track.profile.at(-since);
-                from.position -= last.track.offset + last.motion.path.length();
-                self.run(next, from, at, None, true, clock);
-                self.set_lead(last.motion.path);
-            }
-            Junction::Pass { .. } if early => {
-                let start = last.track.start.after(last.track.profile.duration(), clock);
-                let approach = Approach {
-                    path: last.motion.path,
-                    profile: last.track.profile,
-                    start: last.track.start,
-                    offset: last.track.offset,
-                };
-                self.run(next, passing(end), start, None, false, clock);
-                if let Some(running) = &mut self.active {
-                    running.track.approach = Some(approach);
-                }
-            }
-            _ => {
-                let from = if last.exit > 0.0 {
-                    passing(end)
-                } else {
-                    State::default()
-                };
-                self.run(next, from, at, None, false, clock);
-            }
-        }
-        self.active_data()
+        self.active.is_some_and(|running| running.exit > 0.0) && self.queue.front().is_some()
     }
 
     /// Ends the active move and forgets it.
     pub fn clear_active(&mut self) -> Option<T> {
+        self.trail.clear();
         self.tail = None;
         self.hand_over_at = None;
         self.active.take().map(|running| running.motion.data)
     }
 
-    /// Takes the oldest pending move out of the queue.
+    /// Takes the oldest pending move out of the queue. Where the profile of the active one leads over it, its path is
+    /// kept for [`Planner::stop`].
     pub fn cancel_pending(&mut self) -> Option<T> {
         self.hand_over_at = None;
-        self.pending.pop_front().map(|waiting| waiting.data)
+        let cancelled = self.queue.pop()?;
+        let joined = self.active.map_or(0, |running| running.joined);
+        if self.trail.len() < joined {
+            self.trail.push_back(cancelled.path);
+        }
+        Some(cancelled.data)
     }
 
     /// Whether two moves are superposed at the present tick.
@@ -291,27 +267,8 @@ impl<T: Copy> Planner<T> {
             .is_some_and(|tail| tail.start.elapsed(clock) < tail.duration(clock))
     }
 
-    /// Gives the active move new limits from the present tick on: the profile is planned again from the
-    /// present state, in two stages when the end can no longer be met (spec/motion-core.md §5).
-    pub fn change_limits(&mut self, limits: Limits, clock: &Clock) {
-        let Some(mut running) = self.active else {
-            return;
-        };
-        running.motion.limits = limits;
-        let limits = running.limits();
-        let from = running.track.state(clock);
-        let plan = self.plan(&running, from);
-        let profile = if plan.exit > 0.0 {
-            Profile::to_position(from, plan.target, plan.exit, &plan.limits(limits))
-        } else {
-            Profile::to_position_two_stage(from, plan.target, &limits)
-        };
-        running.follow(plan, profile, clock);
-        self.active = Some(running);
-        self.schedule(clock);
-    }
-
-    /// Brakes the active move on its path from the present tick on, and what still blends with it.
+    /// Brakes the active move on its path from the present tick on, and what still blends with it. The path goes on
+    /// along the cancelled moves that the profile was leading over.
     pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
         self.hand_over_at = None;
         let tracks = self
@@ -321,17 +278,18 @@ impl<T: Copy> Planner<T> {
             .chain(&mut self.tail);
         for track in tracks {
             let from = track.state(clock);
-            track.replan(Profile::stop(from, limits), clock);
+            track.replan(Profile::stop(from, limits), clock.now());
         }
         if let Some(running) = &mut self.active {
             running.exit = 0.0;
             running.joined = 0;
+            running.stopped = true;
         }
     }
 
     /// Where the coordinate system is at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
-        let mut sample = self.active.as_ref()?.track.sample(clock);
+        let mut sample = self.active.as_ref()?.track.sample_along(&self.trail, clock);
         if let Some(tail) = &self.tail {
             let rest = tail.sample(clock);
             sample.position += rest.position - tail.path.end();
@@ -341,7 +299,7 @@ impl<T: Copy> Planner<T> {
         Some(sample)
     }
 
-    fn run(
+    pub(crate) fn run(
         &mut self,
         motion: Move<T>,
         from: State,
@@ -350,54 +308,34 @@ impl<T: Copy> Planner<T> {
         blended: bool,
         clock: &Clock,
     ) {
+        let track = Track {
+            path: motion.path,
+            lead: None,
+            approach: None,
+            profile: Profile::rest(0.0),
+            start: at,
+            offset: 0.0,
+            residual,
+        };
+        self.begin(motion, track, from, blended, clock);
+    }
+
+    /// Begins a move on a track whose profile is still to be planned from `from`.
+    pub(crate) fn begin(&mut self, motion: Move<T>, track: Track, from: State, blended: bool, clock: &Clock) {
+        self.trail.clear();
         let mut running = Running {
             motion,
-            track: Track {
-                path: motion.path,
-                lead: None,
-                approach: None,
-                profile: Profile::rest(0.0),
-                start: at,
-                offset: 0.0,
-                residual,
-            },
+            track,
             exit: 0.0,
             joined: 0,
             blended,
+            place: self.queue.relink(&motion, blended),
+            stopped: false,
         };
         let plan = self.plan(&running, from);
-        running.exit = plan.exit;
-        running.joined = plan.joined;
-        let limits = plan.limits(running.limits());
-        running.track.profile = Profile::to_position(from, plan.target, plan.exit, &limits);
+        running.aim(&plan);
+        running.track.profile = self.profile(&running, from, &plan);
         self.active = Some(running);
-        self.schedule(clock);
+        self.schedule(track.start, clock);
     }
-
-    /// The next of several joined moves becomes active; the profile runs on.
-    fn go_on(&mut self, last: &Running<T>, next: Move<T>, clock: &Clock) {
-        let mut track = last.track;
-        track.offset += last.motion.path.length();
-        track.path = next.path;
-        track.lead = None;
-        self.active = Some(Running {
-            motion: next,
-            track,
-            exit: last.exit,
-            joined: last.joined - 1,
-            blended: false,
-        });
-        self.schedule(clock);
-    }
-
-    fn set_lead(&mut self, path: Path) {
-        if let Some(running) = &mut self.active {
-            running.track.lead = Some(path);
-        }
-    }
-}
-
-/// The state in which a junction is passed, on the path behind it.
-fn passing(end: State) -> State {
-    State { position: 0.0, ..end }
 }

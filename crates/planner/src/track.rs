@@ -1,7 +1,9 @@
 //! One path in execution: the geometry, the profile along it, and what is superposed.
 
+use std::collections::VecDeque;
+
 use arcline_geometry::{Path, PathPoint, Point};
-use arcline_profile::{Phase, Profile, State};
+use arcline_profile::{Limits, Phase, Profile, State};
 
 use crate::{Clock, Instant};
 
@@ -28,6 +30,8 @@ pub(crate) struct Approach {
     pub(crate) start: Instant,
     /// Where on the profile the path begins.
     pub(crate) offset: f64,
+    /// Limits of the predecessor, as programmed.
+    pub(crate) limits: Limits,
 }
 
 /// Motion of what was terminated that ramps out while its displacement is compensated in proportion to the
@@ -82,6 +86,25 @@ impl Track {
         sample
     }
 
+    /// As [`Track::sample`], but behind the end of its path on those of a trail: at most as many as a profile leads over.
+    pub(crate) fn sample_along(&self, trail: &VecDeque<Path>, clock: &Clock) -> Sample {
+        let mut sample = self.sample(clock);
+        let (mut path, mut place) = (&self.path, sample.along.position);
+        for next in trail {
+            if place <= path.length() || self.is_approaching(clock) {
+                break;
+            }
+            place -= path.length();
+            path = next;
+            let on = at(path, place, sample.along, sample.phase);
+            sample = Sample {
+                along: sample.along,
+                ..on
+            };
+        }
+        sample
+    }
+
     /// State along the path at the present tick; before its start the distance is negative.
     pub(crate) fn state(&self, clock: &Clock) -> State {
         let elapsed = self.start.elapsed(clock);
@@ -112,15 +135,21 @@ impl Track {
         (self.profile.end().position - self.offset - length).abs() <= 1e-12 * (self.offset + length)
     }
 
-    /// Runs another profile from the present tick on, beginning in the present state.
-    pub(crate) fn replan(&mut self, profile: Profile, clock: &Clock) {
-        if let (Some(approach), true) = (self.approach, self.start.elapsed(clock) < 0.0) {
+    /// Runs another profile from an instant on, beginning in the state of that instant.
+    pub(crate) fn replan(&mut self, profile: Profile, at: Instant) {
+        if let Some(approach) = self.approach.take()
+            && profile.start().position < 0.0
+        {
             self.lead = Some(approach.path);
         }
-        self.approach = None;
         self.offset = 0.0;
         self.profile = profile;
-        self.start = clock.now();
+        self.start = at;
+    }
+
+    /// Whether the path has not begun: the predecessor is still being interpolated to its end.
+    pub(crate) fn is_approaching(&self, clock: &Clock) -> bool {
+        self.approach.is_some() && self.start.elapsed(clock) < 0.0
     }
 
     /// Seconds after the start at which everything of this track has come to its end.

@@ -17,6 +17,7 @@ mod builder;
 mod early;
 mod limits;
 mod lookahead;
+mod passing;
 mod peak;
 mod position;
 mod profile;
@@ -29,4 +30,5 @@ mod tests;
 
 pub use limits::{Jerk, Limits, jerk_from_percent_of_time, percent_of_time_from_jerk};
 pub use lookahead::{entry_speed, exit_speed, stop_distance};
+pub use passing::{Passing, passing_speed};
 pub use profile::{Phase, Profile, State};

@@ -5,6 +5,7 @@ use crate::builder::MAX_SEGMENTS;
 use crate::*;
 
 mod lookahead;
+mod passing;
 
 /// SplitMix64: a case is found again from its number.
 #[derive(Clone)]

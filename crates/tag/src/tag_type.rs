@@ -1,5 +1,7 @@
 //! The type of a tag, and where a path leads in its bytes.
 
+use std::fmt;
+
 use crate::{DataType, Elementary, PathError, PathSegment};
 
 /// The type of a tag: an element type and up to three dimensions.
@@ -9,6 +11,19 @@ pub struct TagType {
     pub data_type: DataType,
     /// Elements of each dimension, 0 for one that is not used; the last one changes fastest.
     pub dimensions: [u32; 3],
+}
+
+/// As a configuration spells it: `REAL[16]`.
+impl fmt::Display for TagType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.data_type.name())?;
+        match self.dimensions {
+            [0, ..] => Ok(()),
+            [count, 0, _] => write!(f, "[{count}]"),
+            [planes, rows, 0] => write!(f, "[{planes},{rows}]"),
+            [planes, rows, columns] => write!(f, "[{planes},{rows},{columns}]"),
+        }
+    }
 }
 
 /// A part of a tag.

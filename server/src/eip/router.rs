@@ -15,6 +15,7 @@ use tracing::{debug, debug_span};
 use super::device::Device;
 use super::objects::motion::{self, MotionRequest};
 use super::{objects, tags};
+use crate::retained::NotKept;
 
 /// Routes the messages of one connection.
 pub(crate) struct Router {
@@ -61,6 +62,18 @@ enum Step<'r> {
     Execution(&'r Request, Target),
 }
 
+impl<'r> Step<'r> {
+    /// A write that is not kept does not succeed.
+    fn unless(self, kept: Result<(), NotKept>, request: &Request) -> Step<'r> {
+        match (self, kept) {
+            (Self::Done(reply), Err(NotKept)) if reply.status.is_success() && tags::is_write(request.service) => {
+                Self::Done(Reply::error(request.service, CipStatus::STORE_FAILURE))
+            }
+            (step, _) => step,
+        }
+    }
+}
+
 impl Router {
     pub(crate) fn new(device: Arc<Device>, local: SocketAddrV4) -> Self {
         Self { device, local }
@@ -82,12 +95,13 @@ impl Router {
     async fn single(&self, request: &Request, budget: usize, transport: Transport) -> Reply {
         let context = self.context(budget, transport);
         let mut step = None;
-        self.with_memory(std::slice::from_ref(request), |memory| {
-            step = Some(answer(&context, memory, request))
-        })
-        .await;
+        let kept = self
+            .with_memory(std::slice::from_ref(request), |memory| {
+                step = Some(answer(&context, memory, request))
+            })
+            .await;
         match step {
-            Some(step) => self.finish(step, &context).await,
+            Some(step) => self.finish(step.unless(kept, request), &context).await,
             None => Reply::error(request.service, CipStatus::RESOURCE_UNAVAILABLE),
         }
     }
@@ -117,40 +131,49 @@ impl Router {
         let mut room = replies.budget().saturating_sub(late * motion::REPLY_DATA);
         let readable: Vec<Request> = requests.iter().flatten().cloned().collect();
         let mut steps = Vec::with_capacity(requests.len());
-        self.with_memory(&readable, |memory| {
-            for request in &requests {
-                let context = self.context(room, transport);
-                let step = match request {
-                    Ok(request) => answer(&context, memory, request),
-                    Err(error) => Step::Done(error.reply()),
-                };
-                if let Step::Done(reply) = &step
-                    && reply.len() <= room
-                {
-                    room -= reply.len() - REPLY_HEAD;
+        let kept = self
+            .with_memory(&readable, |memory| {
+                for request in &requests {
+                    let context = self.context(room, transport);
+                    let step = match request {
+                        Ok(request) => answer(&context, memory, request),
+                        Err(error) => Step::Done(error.reply()),
+                    };
+                    if let Step::Done(reply) = &step
+                        && reply.len() <= room
+                    {
+                        room -= reply.len() - REPLY_HEAD;
+                    }
+                    steps.push(step);
                 }
-                steps.push(step);
-            }
-        })
-        .await;
-        for step in steps {
+            })
+            .await;
+        for (step, request) in steps.into_iter().zip(&requests) {
             let context = self.context(replies.budget(), transport);
+            let step = match request {
+                Ok(request) => step.unless(kept, request),
+                Err(_) => step,
+            };
             replies.push(&self.finish(step, &context).await);
         }
         replies.finish()
     }
 
     /// Runs `work` on the tag memory, for writing only if one of the requests writes, then executes the edges it made.
-    async fn with_memory(&self, requests: &[Request], work: impl FnOnce(&mut Memory<'_>)) {
+    ///
+    /// # Errors
+    /// The tags have what was written, but may not have it after a restart.
+    async fn with_memory(&self, requests: &[Request], work: impl FnOnce(&mut Memory<'_>)) -> Result<(), NotKept> {
         let writes = |request: &Request| tags::is_write(request.service) || objects::is_set(request.service);
         if requests.iter().any(writes) {
-            let ((), edges) = self
+            let ((), written) = self
                 .device
                 .plant
                 .write(|image, edges| work(&mut Memory::Write(image, edges)));
-            self.device.plant.fire(edges).await;
+            self.device.plant.fire(written).await
         } else {
             self.device.plant.with_image(|image| work(&mut Memory::Read(image)));
+            Ok(())
         }
     }
 

@@ -1,6 +1,9 @@
 //! The plant on the real thread, and its records.
 
-use super::records::RECORDS;
+use arcline_controller::Ticket;
+use arcline_instruction_set::Flag;
+
+use super::records::{RECORDS, Records};
 use super::*;
 
 fn project() -> Project {
@@ -15,8 +18,8 @@ fn number(plant: &Plant, path: &str) -> f64 {
         .as_f64()
 }
 
-fn write(plant: &Plant, values: &[(&str, f64)]) -> Vec<Edge> {
-    let (result, edges) = plant.write(|image, edges| {
+fn write(plant: &Plant, values: &[(&str, f64)]) -> Written {
+    let (result, written) = plant.write(|image, edges| {
         for (path, value) in values {
             let path = path.parse().expect("a path");
             edges.extend(image.write_value(&path, arcline_tag::Value::Lreal(*value))?);
@@ -24,7 +27,7 @@ fn write(plant: &Plant, values: &[(&str, f64)]) -> Vec<Edge> {
         Ok::<_, arcline_controller::image::WriteError>(())
     });
     result.expect("writable");
-    edges
+    written
 }
 
 async fn wait(plant: &Plant, path: &str) {
@@ -49,7 +52,7 @@ async fn a_written_enable_in_moves_to_the_exact_end() {
             ("Move1.EnableIn", 1.0),
         ],
     );
-    plant.fire(edges).await;
+    plant.fire(edges).await.expect("nothing is kept");
     assert_eq!(
         ["EN", "DN", "IP"].map(|bit| number(&plant, &format!("Move1.{bit}"))),
         [1.0; 3],
@@ -71,14 +74,14 @@ async fn a_written_enable_in_moves_to_the_exact_end() {
 async fn what_is_refused_is_shown() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");
     let speed = write(&plant, &[("Move1.Speed", -1.0), ("Move1.EnableIn", 1.0)]);
-    plant.fire(speed).await;
+    plant.fire(speed).await.expect("nothing is kept");
     assert_eq!(
         ["ER", "ERR", "EXERR"].map(|name| number(&plant, &format!("Move1.{name}"))),
         [1.0, 13.0, 4.0]
     );
 
     let target = write(&plant, &[("Move2.CoordinateSystem.LEN", 1.0), ("Move2.EnableIn", 1.0)]);
-    plant.fire(target).await;
+    plant.fire(target).await.expect("nothing is kept");
     assert_eq!(
         ["ER", "ERR", "EXERR"].map(|name| number(&plant, &format!("Move2.{name}"))),
         [1.0, 13.0, 0.0]
@@ -156,7 +159,7 @@ async fn an_override_holds_and_resumes() {
             ("Move1.EnableIn", 1.0),
         ],
     );
-    plant.fire(held).await;
+    plant.fire(held).await.expect("nothing is kept");
     assert_eq!(
         ["IP", "AC", "PC"].map(|bit| number(&plant, &format!("Move1.{bit}"))),
         [1.0, 1.0, 0.0]
@@ -167,7 +170,7 @@ async fn an_override_holds_and_resumes() {
     }
     assert_eq!(number(&plant, "X.CommandPosition"), 0.0, "held");
     let resumed = write(&plant, &[("FeedOverride[0]", 100.0)]);
-    plant.fire(resumed).await;
+    plant.fire(resumed).await.expect("nothing is kept");
     wait(&plant, "Move1.PC").await;
     assert_eq!(number(&plant, "X.CommandPosition"), 20.0);
     handle.stop();

@@ -3,7 +3,7 @@
 use arcline_controller::machine::{Axis, AxisKind, Drive, Start, Travel};
 
 use super::NOT_NEGATIVE_LENGTH;
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, POSITIVE_RATE, POSITIVE_SPEED};
 use super::names::{Taken, required_name};
 use crate::error::{ConfigError, Problem};
 use crate::section::{NumberRule, Section};
@@ -80,10 +80,18 @@ fn drive(axis: &Section<'_>) -> Result<Option<Drive>, ConfigError> {
     let bandwidth = section.number("position_bandwidth_hz", &BANDWIDTH)?;
     let feedforward = section.number("velocity_feedforward", &SHARE)?;
     let tolerance = section.number("position_error_tolerance", &NOT_NEGATIVE_LENGTH)?;
+    let tolerance_time = section.number("position_error_tolerance_time", &NOT_NEGATIVE_TIME)?;
+    let speed_limit = section.number("speed_limit", &POSITIVE_SPEED)?;
+    let torque_limit = section.number("torque_limit", &POSITIVE_RATE)?;
+    let encoder_resolution = section.number("encoder_resolution", &RESOLUTION)?;
     Ok(present.then(|| Drive {
         position_bandwidth_hz: bandwidth.unwrap_or(default.position_bandwidth_hz),
         velocity_feedforward: feedforward.unwrap_or(default.velocity_feedforward),
         position_error_tolerance: tolerance.unwrap_or(default.position_error_tolerance),
+        position_error_tolerance_time: tolerance_time.unwrap_or(default.position_error_tolerance_time),
+        speed_limit,
+        torque_limit,
+        encoder_resolution,
     }))
 }
 
@@ -128,6 +136,10 @@ const DRIVE: &[&str] = &[
     "position_bandwidth_hz",
     "velocity_feedforward",
     "position_error_tolerance",
+    "position_error_tolerance_time",
+    "speed_limit",
+    "torque_limit",
+    "encoder_resolution",
 ];
 const UNITS: &str = "a label of up to 40 bytes such as \"mm\"";
 const AXIS_TYPE: &str = "\"servo\" or \"virtual\"";
@@ -143,6 +155,14 @@ const BANDWIDTH: NumberRule = NumberRule {
 const SHARE: NumberRule = NumberRule {
     expected: "a number from 0 to 1",
     holds: |x| (0.0..=1.0).contains(&x),
+};
+const NOT_NEGATIVE_TIME: NumberRule = NumberRule {
+    expected: "a number, 0 or more (s)",
+    holds: |x| x >= 0.0,
+};
+const RESOLUTION: NumberRule = NumberRule {
+    expected: "a number above 0 (counts per position unit)",
+    holds: |x| x > 0.0,
 };
 const ANY: NumberRule = NumberRule {
     expected: "a finite number (position units)",

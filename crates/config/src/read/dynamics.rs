@@ -33,11 +33,11 @@ impl Dynamics {
     }
 }
 
-const POSITIVE_SPEED: NumberRule = NumberRule {
+pub(super) const POSITIVE_SPEED: NumberRule = NumberRule {
     expected: "a number above 0 (units/s)",
     holds: |x| x > 0.0,
 };
-const POSITIVE_RATE: NumberRule = NumberRule {
+pub(super) const POSITIVE_RATE: NumberRule = NumberRule {
     expected: "a number above 0 (units/s²)",
     holds: |x| x > 0.0,
 };

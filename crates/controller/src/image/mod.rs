@@ -18,6 +18,7 @@ mod tag;
 #[cfg(test)]
 mod tests;
 mod write;
+mod written;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -32,6 +33,7 @@ pub use error::{ControlError, ReadError, WriteError};
 pub use feed_override::{FEED_OVERRIDE_PERCENT, FEED_OVERRIDE_TAG};
 pub use health::{Health, Measured, REAL_TIME_TAG};
 pub use tag::{Access, Edge, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind};
+pub use written::Written;
 
 /// Every tag of a machine.
 #[derive(Clone, Debug)]
@@ -46,6 +48,8 @@ pub struct Image {
     snapshot_tick: u64,
     /// The last override of each coordinate system that was not 0, percent.
     before_hold: Vec<f32>,
+    /// Parts of plain tags that were written; `None`: nobody wants to know.
+    written: Option<Vec<Written>>,
 }
 
 impl Image {
@@ -61,6 +65,7 @@ impl Image {
             encoder: encode::Encoder::new(machine),
             snapshot_tick: 0,
             before_hold: vec![feed_override::AS_PROGRAMMED; machine.systems.len()],
+            written: None,
         };
         image.add(
             &machine.group,

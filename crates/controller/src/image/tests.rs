@@ -361,3 +361,31 @@ fn an_override_is_written_in_percent_and_within_its_range() {
         "not for instructions to write"
     );
 }
+
+#[test]
+fn only_written_parts_of_plain_tags_are_remembered() {
+    let mut image = image();
+    let one = Value::Real(1.0);
+    image.write_value(&path("Count"), one).expect("writable");
+    assert_eq!(image.take_written(), [], "nobody wants to know yet");
+    image.remember_written();
+    for (written, value) in [
+        ("Recipe[3]", 2.5),
+        ("Count.9", 1.0),
+        ("Move1.Speed", 5.0),
+        ("Count", 7.0),
+    ] {
+        image.write_value(&path(written), Value::Real(value)).expect("writable");
+    }
+    assert!(image.write_value(&path("Recipe[99]"), one).is_err(), "refused");
+    let [recipe, count, axis] = ["Recipe", "Count", "X"].map(|name| image.find(name).expect("it is there").id);
+    let expected = [(recipe, 12, 4), (count, 1, 1), (count, 0, 2)];
+    let expected = expected.map(|(id, offset, length)| Written { id, offset, length });
+    assert_eq!(image.take_written(), expected);
+    image.restore(count, &[8, 0]);
+    image.restore(count, &[9, 0, 0]);
+    let before = image.bytes(axis).to_vec();
+    image.restore(axis, &vec![1; before.len()]);
+    assert_eq!((image.bytes(count), image.bytes(axis)), (&[8, 0][..], &before[..]));
+    assert_eq!(image.take_written(), [], "what is restored is not written");
+}

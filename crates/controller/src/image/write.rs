@@ -54,6 +54,7 @@ impl Image {
         if let Some(bytes) = self.bytes_mut(id) {
             bytes[offset..offset + data.len()].copy_from_slice(data);
         }
+        self.note_written(id, offset, data.len());
         Ok(None)
     }
 
@@ -78,6 +79,7 @@ impl Image {
         let before = bytes[offset] & mask != 0;
         put_bit(&mut bytes[offset], mask, on);
         if enable.is_none() {
+            self.note_written(id, offset, 1);
             return Ok(None);
         }
         if let Some((offset, mask)) = out {

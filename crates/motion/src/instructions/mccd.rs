@@ -130,7 +130,6 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         motion.done(execution);
         return Ok(());
     }
-    let share = system.feed_override;
     if call.word(layout.scope) == ACTIVE_AND_PENDING {
         for waiting in system.planner.pending() {
             layout.change(call, &system.description, waiting.data.dynamics)?;
@@ -138,13 +137,13 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         let description = &system.description;
         for waiting in system.planner.pending_mut() {
             waiting.data.dynamics = layout.change(call, description, waiting.data.dynamics)?;
-            waiting.limits = waiting.data.dynamics.overridden(share);
+            waiting.limits = waiting.data.dynamics.limits();
         }
     }
     if let Some(active) = system.planner.active_data() {
         active.dynamics = dynamics;
     }
-    system.planner.change_limits(dynamics.overridden(share), &motion.clock);
+    system.planner.change_limits(dynamics.limits(), &motion.clock);
     system.stale = true;
     motion.done(execution);
     Ok(())

@@ -203,11 +203,7 @@ pub(super) fn execute(
     }
     let planned = Move {
         path,
-        // Contours are planned for the override when their turn comes.
-        limits: match &motion.systems[index] {
-            system if system.contour.is_some() => dynamics.limits(),
-            system => dynamics.overridden(system.feed_override),
-        },
+        limits: dynamics.limits(),
         ending,
         data: Planned {
             execution,

@@ -3,6 +3,7 @@
 //! Real-time: no allocation; bounded by the axes and coordinate systems and by [`MAX_ENDS_PER_TICK`]. Positions are
 //! position units, times seconds.
 
+use arcline_drive::Settling;
 use arcline_instruction_set::Flag;
 use arcline_planner::geometry::Point;
 use arcline_planner::profile::Phase;
@@ -32,6 +33,7 @@ impl Motion {
                 break;
             }
         }
+        self.systems[index].planner.look_on(&self.clock);
         if self.systems[index].is_busy() {
             self.sample_system(index);
         }
@@ -142,47 +144,24 @@ impl Motion {
 
     /// The instant at which the axes came within the Actual Tolerance of the end that the command reached
     /// before the present tick: found inside the tick, so that a successor's start does not depend on the period.
-    pub(crate) fn settled(&self, index: usize, end: &Point, reached: Instant) -> Option<Instant> {
+    pub(crate) fn settled(&mut self, index: usize, end: &Point, reached: Instant) -> Option<Instant> {
         let system = &self.systems[index];
-        let period = self.clock.period();
-        let mut drives = [arcline_drive::Drive::ideal(0.0); crate::machine::MAX_PRIMARY_AXES];
-        for ((place, axis), drive) in system.description.axes.iter().enumerate().zip(&mut drives) {
-            *drive = self.axes.get(usize::from(*axis))?.drive;
-            drive.cycle(
-                arcline_drive::Motion {
-                    position: component(end, place),
-                    velocity: 0.0,
-                    acceleration: 0.0,
-                },
-                period,
-            );
-        }
-        let distance = |before: f64| {
-            let squares = drives.iter().map(|drive| {
-                let error = drive.error_before(before);
-                error * error
-            });
-            squares.sum::<f64>().sqrt()
+        let elapsed = reached.elapsed(&self.clock);
+        let mut settling = Settling {
+            drives: [arcline_drive::Drive::ideal(0.0); crate::machine::MAX_PRIMARY_AXES],
+            ends: [0.0; crate::machine::MAX_PRIMARY_AXES],
+            tolerance: system.description.actual_tolerance,
+            period: self.clock.period(),
+            rest: elapsed,
         };
-        let tolerance = system.description.actual_tolerance;
-        if distance(0.0) > tolerance {
-            return None;
+        for (place, axis) in system.description.axes.iter().enumerate() {
+            let axis = self.axes.get_mut(usize::from(*axis))?;
+            axis.drive.rest_for(elapsed);
+            settling.drives[place] = axis.drive;
+            settling.ends[place] = component(end, place);
         }
-        let available = reached.elapsed(&self.clock).min(period);
-        if distance(available) <= tolerance {
-            let early = reached.elapsed(&self.clock) - available;
-            return Some(reached.after(early, &self.clock));
-        }
-        let (mut inside, mut outside) = (0.0, available);
-        for _ in 0..SETTLING_BISECTIONS {
-            let middle = 0.5 * (inside + outside);
-            if distance(middle) <= tolerance {
-                inside = middle;
-            } else {
-                outside = middle;
-            }
-        }
-        Some(reached.after(reached.elapsed(&self.clock) - inside, &self.clock))
+        let before = settling.within()?;
+        Some(reached.after(elapsed - before, &self.clock))
     }
 
     pub(super) fn finish_stop(&mut self, index: usize) {
@@ -221,5 +200,3 @@ impl Motion {
 
 /// Moves of one coordinate system that can end within one tick; the rest end in the next one.
 pub(crate) const MAX_ENDS_PER_TICK: usize = 64;
-/// Bisections of a settling time: to the last bit of a period.
-const SETTLING_BISECTIONS: u32 = 60;

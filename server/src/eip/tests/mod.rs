@@ -84,10 +84,13 @@ pub(super) struct Bench {
     _thread: Handle,
 }
 
-pub(super) fn plant() -> (Plant, Handle) {
+pub(super) fn project() -> arcline_config::Project {
     let text = format!("{}{TAGS}", arcline_config::DEFAULT);
-    let project = arcline_config::load(&text, "test").expect("a valid configuration");
-    Plant::start(&project).expect("a thread")
+    arcline_config::load(&text, "test").expect("a valid configuration")
+}
+
+pub(super) fn plant() -> (Plant, Handle) {
+    Plant::start(&project()).expect("a thread")
 }
 
 impl Bench {
@@ -96,9 +99,12 @@ impl Bench {
     }
 
     pub(super) fn with(change: impl FnOnce(&mut Settings)) -> Self {
-        let (plant, thread) = plant();
         let mut settings = Settings::new("Bench");
         change(&mut settings);
+        Self::of(plant(), settings)
+    }
+
+    pub(super) fn of((plant, thread): (Plant, Handle), settings: Settings) -> Self {
         Self {
             device: Arc::new(Device::new(plant, settings)),
             _thread: thread,

@@ -287,3 +287,32 @@ async fn bits_in_a_dotted_name_are_booleans() {
         [0xC1, 0, 1]
     );
 }
+
+#[tokio::test]
+async fn a_write_that_cannot_be_kept_is_not_acknowledged() {
+    let plant = crate::retained::tests::plant_that_cannot_keep(&project());
+    let bench = Bench::of(plant, Settings::new("Bench"));
+    let mut client = bench.client().await;
+    let number = 7_i32.to_le_bytes();
+    assert_eq!(client.write("aDint", DINT, &number).await, CipStatus::STORE_FAILURE);
+    assert_eq!(
+        client.write("Move1.MoveType", DINT, &number).await,
+        CipStatus::SUCCESS,
+        "never kept"
+    );
+    assert_eq!(
+        client.write("X.ActualPosition", REAL, &number).await,
+        CipStatus::PRIVILEGE_VIOLATION
+    );
+    let requests = [
+        write("aDint", DINT, 1, &number),
+        read("aDint", 1),
+        write("Nothing", DINT, 1, &number),
+    ];
+    let data = join_multiple(&requests).expect("short paths");
+    let packet = Request::new(service::MULTIPLE_SERVICE_PACKET, Epath::object(2, 1), data);
+    let reply = client.ask(&packet).await;
+    let replies = split_multiple_replies(&reply.data).expect("replies");
+    let general: Vec<u8> = replies.iter().map(|reply| reply.status.general()).collect();
+    assert_eq!(general, [0x19, 0, 0x05], "what is read is not kept");
+}

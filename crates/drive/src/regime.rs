@@ -1,0 +1,217 @@
+//! A servo loop within limits of speed and torque, solved exactly between one switch of its regime and the next.
+//!
+//! With `w` the velocity that the loop asks for, cut to the speed limit, the axis has it, `x' = w`, as long as its
+//! torque suffices; otherwise it accelerates with all its torque towards it, until it has it. In each regime the
+//! following error and the velocity are [`Curve`]s, and what ends the regime is a curve that rises above 0, so the
+//! instant of the switch is found on the exact solution and does not depend on the update period.
+//!
+//! Not here: what the axis does after a period without limits ([`crate::servo`]). Units: position units, seconds.
+
+use crate::curve::Curve;
+use crate::servo::Velocity;
+
+/// A position loop.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Loop {
+    /// 1/s.
+    pub(crate) gain: f64,
+    /// Share of the command velocity.
+    pub(crate) feedforward: f64,
+}
+
+/// The limits of a drive, more than 0; infinite where there is none.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    /// Units/s.
+    pub(crate) speed: f64,
+    /// Units/s².
+    pub(crate) torque: f64,
+}
+
+/// What decides the velocity of the axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Regime {
+    /// The loop: the axis has the velocity that it asks for.
+    Linear,
+    /// The speed limit, with its direction.
+    Speed(f64),
+    /// The torque limit, with its direction: velocity is on the way to what the loop asks for.
+    Torque(f64),
+}
+
+/// The axis at an instant, and the command from there on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct State {
+    pub(crate) error: f64,
+    pub(crate) velocity: f64,
+    pub(crate) regime: Regime,
+    pub(crate) command: Velocity,
+}
+
+/// What a regime makes of error and velocity, from its beginning on.
+struct Course {
+    error: Curve,
+    asked: Curve,
+    velocity: Curve,
+}
+
+/// Switches within one period. A torque limit that lets the axis swing gives about `sqrt(K · period / 2)` of them:
+/// 32 at the longest period and the highest bandwidth that there are. The last regime keeps the rest of the period.
+pub(crate) const MAX_SWITCHES: usize = 64;
+
+/// A limit counts as exceeded beyond these shares of it, so that a switch is one switch whatever rounds.
+const SPEED_MARGIN: f64 = 1e-12;
+const TORQUE_MARGIN: f64 = 1e-9;
+/// What the terms of a reckoning may lose by rounding, as a share of them: far above the true figure.
+const ROUNDING: f64 = 1e-13;
+
+impl Loop {
+    /// `p0 + p1 t + p2 t²`, the following error that the command alone makes, without what is left of the past.
+    pub(crate) fn particular(&self, velocity: &Velocity) -> [f64; 3] {
+        let [c0, c1, c2] = velocity.c;
+        let g = 1.0 - self.feedforward;
+        let k = self.gain;
+        let p2 = g * c2 / k;
+        let p1 = (g * c1 - 2.0 * p2) / k;
+        let p0 = (g * c0 - p1) / k;
+        [p0, p1, p2]
+    }
+
+    /// The velocity that the loop asks for.
+    fn asked(&self, error: &Curve, command: &Velocity) -> Curve {
+        let [c0, c1, c2] = command.c;
+        let [e0, e1, e2, e3] = error.c;
+        let (k, f) = (self.gain, self.feedforward);
+        Curve {
+            c: [k * e0 + f * c0, k * e1 + f * c1, k * e2 + f * c2, k * e3],
+            d: k * error.d,
+            k: error.k,
+        }
+    }
+}
+
+impl Limits {
+    /// The regime of an axis whose velocity has not followed what the loop asks for.
+    pub(crate) fn regime_at(&self, asked: f64, velocity: f64) -> Regime {
+        let wanted = asked.clamp(-self.speed, self.speed);
+        if self.torque.is_finite() && wanted != velocity {
+            Regime::Torque((wanted - velocity).signum() * self.torque)
+        } else if wanted != asked {
+            Regime::Speed(wanted)
+        } else {
+            Regime::Linear
+        }
+    }
+}
+
+impl State {
+    /// The state after a span of time, and how long its regime has lasted within it. Bounded.
+    pub(crate) fn after(mut self, control: &Loop, limits: &Limits, span: f64) -> (State, f64) {
+        let mut left = span;
+        for _ in 0..MAX_SWITCHES {
+            let course = self.course(control);
+            let Some(end) = self.end(&course, control, limits, left) else {
+                break;
+            };
+            self.advance(&course, limits, end);
+            left = (left - end).max(0.0);
+            self.switch(control, limits);
+        }
+        let course = self.course(control);
+        self.advance(&course, limits, left);
+        (self, left)
+    }
+
+    fn course(&self, control: &Loop) -> Course {
+        let (error, velocity) = match self.regime {
+            Regime::Linear => {
+                let [p0, p1, p2] = control.particular(&self.command);
+                let error = Curve {
+                    c: [p0, p1, p2, 0.0],
+                    d: self.error - p0,
+                    k: control.gain,
+                };
+                (error, control.asked(&error, &self.command))
+            }
+            Regime::Speed(velocity) => (self.behind(velocity, 0.0), cubic([velocity, 0.0, 0.0, 0.0])),
+            Regime::Torque(rate) => (self.behind(self.velocity, rate), cubic([self.velocity, rate, 0.0, 0.0])),
+        };
+        Course {
+            error,
+            asked: control.asked(&error, &self.command),
+            velocity,
+        }
+    }
+
+    /// The following error at a velocity that changes at a constant rate.
+    fn behind(&self, velocity: f64, rate: f64) -> Curve {
+        let [c0, c1, c2] = self.command.c;
+        cubic([self.error, c0 - velocity, 0.5 * (c1 - rate), c2 / 3.0])
+    }
+
+    /// When the regime ends, if that is within a span.
+    fn end(&self, course: &Course, control: &Loop, limits: &Limits, span: f64) -> Option<f64> {
+        let mut first = None;
+        let mut ends = |curve: Curve| {
+            first = curve.first_above(first.unwrap_or(span)).or(first);
+        };
+        match self.regime {
+            Regime::Linear => {
+                let rate = course.asked.slope();
+                let [speed, torque] = self.margins(control, limits);
+                for sign in [1.0, -1.0] {
+                    ends(course.asked.above(sign, limits.speed + speed));
+                    ends(rate.above(sign, limits.torque + torque));
+                }
+            }
+            Regime::Speed(velocity) => ends(course.asked.above(-velocity.signum(), -limits.speed)),
+            Regime::Torque(rate) => {
+                ends(course.velocity.minus(&course.asked).above(rate.signum(), 0.0));
+                ends(course.velocity.above(rate.signum(), limits.speed));
+            }
+        }
+        first
+    }
+
+    /// How far beyond the limits of speed and torque the loop may be without being limited.
+    fn margins(&self, control: &Loop, limits: &Limits) -> [f64; 2] {
+        let [c0, c1, c2] = self.command.c.map(f64::abs);
+        let k = control.gain;
+        let speed = k * self.error.abs() + c0 + (c1 + c2 / k) / k;
+        [
+            SPEED_MARGIN * limits.speed + ROUNDING * speed,
+            TORQUE_MARGIN * limits.torque + ROUNDING * k * speed,
+        ]
+    }
+
+    fn advance(&mut self, course: &Course, limits: &Limits, span: f64) {
+        self.error = course.error.at(span);
+        self.velocity = course.velocity.at(span).clamp(-limits.speed, limits.speed);
+        self.command = self.command.from(span);
+    }
+
+    /// The next regime. The axis has just come to have what the loop asks for, or is about to lose it.
+    fn switch(&mut self, control: &Loop, limits: &Limits) {
+        let [c0, c1, _] = self.command.c;
+        let asked = control.gain * self.error + control.feedforward * c0;
+        let rate = control.gain * (c0 - self.velocity) + control.feedforward * c1;
+        let [speed, torque] = self.margins(control, limits);
+        let outward = asked.abs() - limits.speed;
+        if outward > 2.0 * speed || (outward.abs() <= 2.0 * speed && outward.is_finite() && rate * asked >= 0.0) {
+            self.velocity = limits.speed.copysign(asked);
+            self.regime = Regime::Speed(self.velocity);
+            return;
+        }
+        // Exactly what is asked for, so that rounding does not end a torque limit at once.
+        self.velocity = asked;
+        self.regime = if rate.abs() > limits.torque + 0.5 * torque {
+            Regime::Torque(limits.torque.copysign(rate))
+        } else {
+            Regime::Linear
+        };
+    }
+}
+
+fn cubic(c: [f64; 4]) -> Curve {
+    Curve { c, d: 0.0, k: 0.0 }
+}

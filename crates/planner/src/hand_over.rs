@@ -1,0 +1,131 @@
+//! How the oldest pending move becomes the active one: from rest, blending, at a speed, or with the profile running on.
+
+use arcline_profile::{Profile, State};
+
+use crate::junction::{Junction, junction};
+use crate::look_ahead::{Ends, turns_back};
+use crate::planner::{Move, Planner, Running};
+use crate::track::{Approach, Track};
+use crate::{Clock, Instant};
+
+impl<T: Copy> Planner<T> {
+    /// The oldest pending move becomes active at an instant: from rest, blending, or at the speed of the junction.
+    pub fn hand_over(&mut self, at: Instant, clock: &Clock) -> Option<&mut T> {
+        let last = self.active.take();
+        let early = self.hand_over_at.take().is_some();
+        let next = self.queue.pop()?;
+        let Some(last) = last else {
+            self.start(next, at, clock);
+            return self.active_data();
+        };
+        let between = junction(&last.motion, &next, last.blended);
+        if last.joined > 0 {
+            self.go_on(&last, next, between, at, clock);
+            return self.active_data();
+        }
+        let end = last.track.profile.end();
+        match between {
+            Junction::Blend { .. } if early => {
+                self.tail = Some(last.track);
+                self.run(next, State::default(), at, None, true, clock);
+            }
+            Junction::Overtake { .. } if early && self.overtake(&last, next, at, clock) => {}
+            Junction::Pass { .. } | Junction::Overtake { .. } if early => {
+                let start = last.track.start.after(last.track.profile.duration(), clock);
+                let approach = Approach {
+                    path: last.motion.path,
+                    profile: last.track.profile,
+                    start: last.track.start,
+                    offset: last.track.offset,
+                    limits: last.motion.limits,
+                };
+                let blended = matches!(between, Junction::Overtake { .. });
+                self.run(next, passing(end), start, None, blended, clock);
+                if let Some(running) = &mut self.active {
+                    running.track.approach = Some(approach);
+                }
+            }
+            _ => {
+                let from = if last.exit > 0.0 {
+                    passing(end)
+                } else {
+                    State::default()
+                };
+                self.run(next, from, at, None, false, clock);
+            }
+        }
+        self.active_data()
+    }
+
+    /// Begins a move within its tolerance before its path, with its own rates; not where these are too low for what
+    /// lies ahead.
+    fn overtake(&mut self, last: &Running<T>, next: Move<T>, at: Instant, clock: &Clock) -> bool {
+        let mut from = last
+            .track
+            .profile
+            .at(last.track.start.elapsed(clock) - at.elapsed(clock));
+        from.position -= last.track.offset + last.motion.path.length();
+        let track = Track {
+            path: next.path,
+            lead: (from.position < 0.0).then_some(last.motion.path),
+            approach: None,
+            profile: Profile::rest(0.0),
+            start: at,
+            offset: 0.0,
+            residual: None,
+        };
+        let running = Running {
+            motion: next,
+            track,
+            exit: 0.0,
+            joined: 0,
+            blended: true,
+            place: self.queue.relink(&next, true),
+            stopped: false,
+        };
+        let safe = self.plan(&running, from).ends == Ends::AsItMust && !turns_back(&from, &next.limits);
+        if safe {
+            self.begin(next, track, from, true, clock);
+        }
+        safe
+    }
+
+    /// The next of several joined moves becomes active: the profile runs on, or is planned again where the new move
+    /// has another speed.
+    fn go_on(&mut self, last: &Running<T>, next: Move<T>, between: Junction, at: Instant, clock: &Clock) {
+        let mut track = last.track;
+        track.offset += last.motion.path.length();
+        track.path = next.path;
+        let blended = matches!(between, Junction::Overtake { .. });
+        track.lead = blended.then_some(last.motion.path);
+        track.approach = None;
+        if last.motion.limits.speed != next.limits.speed {
+            let mut from = track.profile.at(track.start.elapsed(clock) - at.elapsed(clock));
+            from.position -= track.offset;
+            if from.position.abs() <= NEAR * track.offset {
+                from.position = 0.0;
+            }
+            track.replan(track.profile, at);
+            self.begin(next, track, from, blended, clock);
+            return;
+        }
+        self.active = Some(Running {
+            motion: next,
+            track,
+            exit: last.exit,
+            joined: last.joined - 1,
+            blended,
+            place: self.queue.relink(&next, blended),
+            stopped: false,
+        });
+        self.schedule(at, clock);
+    }
+}
+
+/// The state in which a junction is passed, on the path behind it.
+fn passing(end: State) -> State {
+    State { position: 0.0, ..end }
+}
+
+/// Share of a distance that is rounding.
+const NEAR: f64 = 1e-12;

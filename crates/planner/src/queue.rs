@@ -1,0 +1,355 @@
+//! The moves that wait, and how fast the places between them may be passed: the look-ahead (spec/motion-core.md §7).
+//!
+//! Moves that go over into one another smoothly with the same rates are a *run*: one profile may lead over all of them,
+//! at rest nowhere and with any acceleration in between. Runs end where the acceleration has to be 0: at corners,
+//! rests, and changes of rates. Within a run a slower move is a place that is to be passed at its speed at most.
+//!
+//! Every such place, a [`Bound`], keeps the speed from which all that lies behind it can be kept. A new move changes
+//! the bounds before it, backwards, until one of them stays as it was. What takes longer than a tick should is carried
+//! on later: bounds are then too low, never too high for what must be kept. Position units, seconds.
+
+use std::collections::VecDeque;
+
+use arcline_geometry::Point;
+use arcline_profile::{Limits, entry_speed};
+
+use crate::junction::{Junction, Link, junction, link};
+use crate::planner::Move;
+
+/// Pending moves, oldest first, each known by its number.
+#[derive(Debug)]
+pub(crate) struct Queue<T> {
+    moves: VecDeque<Waiting<T>>,
+    /// Number of the oldest move.
+    first: u64,
+    /// Slower moves within runs.
+    slower: VecDeque<Bound>,
+    /// Ends of runs.
+    ends: VecDeque<Bound>,
+    carry: Option<Carry>,
+    corner_step: Point,
+    /// Share of the programmed speeds.
+    rate: f64,
+    /// Limits of moves may have been changed.
+    touched: bool,
+}
+
+/// A pending move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Waiting<T> {
+    pub(crate) motion: Move<T>,
+    /// Where on its run it begins.
+    start: f64,
+    /// Whether the move before it blends into it.
+    blended: bool,
+}
+
+/// A place that must not be passed faster than at a speed, with acceleration 0 if it is passed at that speed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bound {
+    /// Number of the move behind it.
+    pub(crate) next: u64,
+    /// Where on the run before it.
+    pub(crate) at: f64,
+    pub(crate) link: Link,
+    /// The speed, with the rate it was computed for.
+    speed: f64,
+}
+
+/// A backward pass that is not over.
+#[derive(Clone, Copy, Debug)]
+struct Carry {
+    /// Bounds up to this number are still to be looked at.
+    next: u64,
+    /// Bounds up to this number are to be looked at even where the one behind them has not changed.
+    stale: u64,
+}
+
+/// Bounds that are looked at in one tick.
+const WORK: usize = 8;
+/// Bounds that are looked at at once when limits of moves have changed: those behind them are taken to be rests.
+const AT_ONCE: usize = 32;
+
+impl<T: Copy> Queue<T> {
+    /// The only allocation.
+    pub(crate) fn new(depth: usize, corner_step: Point) -> Self {
+        Queue {
+            moves: VecDeque::with_capacity(depth),
+            first: 1,
+            slower: VecDeque::with_capacity(depth),
+            ends: VecDeque::with_capacity(depth),
+            carry: None,
+            corner_step,
+            rate: 1.0,
+            touched: false,
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.moves.len()
+    }
+
+    pub(crate) fn front(&self) -> Option<&Move<T>> {
+        self.moves.front().map(|waiting| &waiting.motion)
+    }
+
+    pub(crate) fn back(&self) -> Option<&Move<T>> {
+        self.moves.back().map(|waiting| &waiting.motion)
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Move<T>> {
+        self.moves.iter().map(|waiting| &waiting.motion)
+    }
+
+    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
+        self.touched = true;
+        self.moves.iter_mut().map(|waiting| &mut waiting.motion)
+    }
+
+    pub(crate) fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// Pending moves before a bound.
+    pub(crate) fn moves_before(&self, bound: &Bound) -> usize {
+        (bound.next - self.first) as usize
+    }
+
+    /// Puts a move behind the last one. `active` is the move before the first, and where on its run that begins.
+    pub(crate) fn push(&mut self, motion: Move<T>, active: Option<(&Move<T>, bool, f64)>) {
+        let next = self.first + self.moves.len() as u64;
+        let before = match self.moves.back() {
+            Some(last) => Some(*last),
+            None => active.map(|(motion, blended, start)| Waiting {
+                motion: *motion,
+                start,
+                blended,
+            }),
+        };
+        let (start, blended) = before.map_or((0.0, false), |before| self.join(&before, &motion, next));
+        self.moves.push_back(Waiting { motion, start, blended });
+        let stale = self.carry.map_or(0, |carry| carry.next);
+        self.carry = Some(Carry { next, stale });
+        self.carry_on();
+    }
+
+    /// Takes the oldest move out.
+    pub(crate) fn pop(&mut self) -> Option<Move<T>> {
+        let waiting = self.moves.pop_front()?;
+        self.first += 1;
+        for bounds in [&mut self.slower, &mut self.ends] {
+            while bounds.front().is_some_and(|bound| bound.next < self.first) {
+                bounds.pop_front();
+            }
+        }
+        Some(waiting.motion)
+    }
+
+    /// What lies between the active move and the first pending one is found anew. Returns where on its run the active
+    /// move begins.
+    pub(crate) fn relink(&mut self, active: &Move<T>, blended: bool) -> f64 {
+        let Some(front) = self.moves.front() else {
+            return 0.0;
+        };
+        for bounds in [&mut self.slower, &mut self.ends] {
+            while bounds.front().is_some_and(|bound| bound.next <= self.first) {
+                bounds.pop_front();
+            }
+        }
+        let link = link(active, &front.motion, blended, &self.corner_step);
+        let length = active.path.length();
+        let (start, at) = if link.ends_run() {
+            (0.0, length)
+        } else {
+            (front.start - length, front.start)
+        };
+        let mut bound = Bound {
+            next: self.first,
+            at,
+            link,
+            speed: 0.0,
+        };
+        bound.speed = self.speed_at(&bound, self.following(self.first));
+        match link {
+            Link::Free => {}
+            Link::Slower { .. } => self.slower.push_front(bound),
+            _ => self.ends.push_front(bound),
+        }
+        start
+    }
+
+    /// Takes a share of the programmed speeds.
+    pub(crate) fn set_rate(&mut self, rate: f64) {
+        self.rate = rate;
+        self.look_again(WORK);
+    }
+
+    /// After [`Queue::iter_mut`]: finds runs and bounds anew. Grows with the queue.
+    pub(crate) fn refresh(&mut self) {
+        if !std::mem::take(&mut self.touched) {
+            return;
+        }
+        self.slower.clear();
+        self.ends.clear();
+        for place in 1..self.moves.len() {
+            let (before, motion) = (self.moves[place - 1], self.moves[place].motion);
+            let next = self.first + place as u64;
+            let (start, blended) = self.join(&before, &motion, next);
+            self.moves[place] = Waiting { motion, start, blended };
+        }
+        self.look_again(AT_ONCE);
+    }
+
+    /// Goes on with a backward pass that was too long for one tick; whether there was anything to do. At most
+    /// [`WORK`] bounds.
+    pub(crate) fn carry_on(&mut self) -> bool {
+        self.look_at(WORK)
+    }
+
+    fn look_at(&mut self, count: usize) -> bool {
+        let Some(mut carry) = self.carry.take() else {
+            return false;
+        };
+        let mut next = carry.next;
+        let mut following = self.following(next);
+        for _ in 0..count {
+            let Some(bound) = self.before(next) else {
+                return true;
+            };
+            let speed = self.speed_at(&bound, following);
+            following = (bound.at, speed);
+            next = bound.next - 1;
+            let unchanged = speed == bound.speed;
+            self.set_speed(&bound, speed);
+            if unchanged && next > carry.stale {
+                if carry.stale == 0 {
+                    return true;
+                }
+                next = carry.stale;
+                following = self.following(next);
+            }
+        }
+        carry.next = next;
+        carry.stale = carry.stale.min(next);
+        self.carry = Some(carry);
+        true
+    }
+
+    /// Slower moves of the first run, in their order.
+    pub(crate) fn slower(&self) -> impl Iterator<Item = &Bound> {
+        let end = self.ends.front().map_or(u64::MAX, |end| end.next);
+        self.slower.iter().take_while(move |bound| bound.next < end)
+    }
+
+    /// The end of the first run; `end` is that of the active move on it.
+    pub(crate) fn run_end(&self, end: f64) -> Bound {
+        self.ends.front().copied().unwrap_or_else(|| Bound {
+            next: self.first + self.moves.len() as u64,
+            at: self.end().unwrap_or(end),
+            link: Link::Rest,
+            speed: 0.0,
+        })
+    }
+
+    /// The speed of a bound, at most what the present rate leaves of the programmed ones.
+    pub(crate) fn speed(&self, bound: &Bound) -> f64 {
+        bound.speed.min(bound.link.programmed() * self.rate)
+    }
+
+    /// The speed that must be kept at a bound whatever is programmed.
+    pub(crate) fn must(&self, bound: &Bound) -> f64 {
+        self.bounded(bound, bound.link.corner(), self.following(bound.next))
+    }
+
+    /// Bounds have to be computed anew: those of the nearest moves at once, as if the others stayed as they are.
+    fn look_again(&mut self, count: usize) {
+        let nearest = self.first + count as u64;
+        self.carry = Some(Carry {
+            next: nearest,
+            stale: nearest,
+        });
+        self.look_at(count);
+        let last = self.first + self.moves.len() as u64;
+        // `nearest` is a number of moves, of which each has one bound at most.
+        self.carry = (last > nearest).then_some(Carry {
+            next: last,
+            stale: last,
+        });
+    }
+
+    /// Adds the bound between two moves, if there is one. Returns where on its run the second one begins, and whether the
+    /// first one blends into it.
+    fn join(&mut self, before: &Waiting<T>, motion: &Move<T>, next: u64) -> (f64, bool) {
+        let link = link(&before.motion, motion, before.blended, &self.corner_step);
+        let between = junction(&before.motion, motion, before.blended);
+        let blends = matches!(between, Junction::Blend { .. } | Junction::Overtake { .. });
+        let end = before.start + before.motion.path.length();
+        let bound = Bound {
+            next,
+            at: end,
+            link,
+            speed: 0.0,
+        };
+        match link {
+            Link::Free => {}
+            Link::Slower { .. } => self.slower.push_back(bound),
+            _ => self.ends.push_back(bound),
+        }
+        (if link.ends_run() { 0.0 } else { end }, blends)
+    }
+
+    /// Where the last move ends on its run.
+    fn end(&self) -> Option<f64> {
+        self.moves.back().map(|last| last.start + last.motion.path.length())
+    }
+
+    /// The last bound up to a number.
+    fn before(&self, next: u64) -> Option<Bound> {
+        let last = |bounds: &VecDeque<Bound>| {
+            let count = bounds.partition_point(|bound| bound.next <= next);
+            count.checked_sub(1).map(|place| bounds[place])
+        };
+        match (last(&self.slower), last(&self.ends)) {
+            (Some(slower), Some(end)) => Some(if slower.next > end.next { slower } else { end }),
+            (slower, end) => slower.or(end),
+        }
+    }
+
+    /// Place and speed of the first bound behind a number: the end of the queue if there is none.
+    fn following(&self, next: u64) -> (f64, f64) {
+        let first = |bounds: &VecDeque<Bound>| bounds.get(bounds.partition_point(|bound| bound.next <= next)).copied();
+        let bound = match (first(&self.slower), first(&self.ends)) {
+            (Some(slower), Some(end)) => Some(if slower.next < end.next { slower } else { end }),
+            (slower, end) => slower.or(end),
+        };
+        bound.map_or((self.end().unwrap_or(0.0), 0.0), |bound| (bound.at, bound.speed))
+    }
+
+    fn speed_at(&self, bound: &Bound, following: (f64, f64)) -> f64 {
+        let most = (bound.link.programmed() * self.rate).min(bound.link.corner());
+        self.bounded(bound, most, following)
+    }
+
+    /// At most `most`, and what the move behind a bound can slow down from.
+    fn bounded(&self, bound: &Bound, most: f64, (at, speed): (f64, f64)) -> f64 {
+        if most == 0.0 || !bound.link.is_constrained() {
+            return most;
+        }
+        let Some(behind) = self.moves.get((bound.next - self.first) as usize) else {
+            return 0.0;
+        };
+        let limits: &Limits = &behind.motion.limits;
+        most.min(entry_speed(at - behind.start, speed, limits))
+    }
+
+    fn set_speed(&mut self, bound: &Bound, speed: f64) {
+        let bounds = match bound.link {
+            Link::Slower { .. } => &mut self.slower,
+            _ => &mut self.ends,
+        };
+        let place = bounds.partition_point(|other| other.next < bound.next);
+        if let Some(bound) = bounds.get_mut(place) {
+            bound.speed = speed;
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Records as bytes, the only place that knows `bincode`. Numbers are little-endian, counts and integers of variable
+//! length; nothing says what it is, so a changed type is a new [`FORMAT`](crate::FORMAT).
+
+use bincode::config::{self, Configuration, Limit, LittleEndian, Varint};
+use serde::{Deserialize, Serialize};
+
+use crate::{Change, MAX_TOTAL, State};
+
+/// One record of a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Record {
+    /// Everything. The first record, and no other.
+    State(State),
+    /// Changes that belong together.
+    Changes(Vec<Change>),
+}
+
+/// What [`encode`] takes: a record that is borrowed. The names of the variants do not matter, their order does.
+#[derive(Serialize)]
+pub(crate) enum RecordRef<'a> {
+    State(&'a State),
+    Changes(&'a [Change]),
+}
+
+/// Bytes of a tag.
+pub(crate) type Bytes = Vec<u8>;
+
+/// Longest record: tags and, generously, names, types and counts. Nothing claims more memory while it is read.
+pub(crate) const MAX_RECORD: usize = 2 * MAX_TOTAL;
+
+const CONFIG: Configuration<LittleEndian, Varint, Limit<MAX_RECORD>> = config::standard()
+    .with_variable_int_encoding()
+    .with_limit::<MAX_RECORD>();
+
+/// Appends the bytes of a record.
+pub(crate) fn encode(record: &RecordRef<'_>, out: &mut Vec<u8>) {
+    bincode::serde::encode_into_std_write(record, out, CONFIG).expect("plain data goes into a vector");
+}
+
+/// Reads a record; `None`: the bytes are not one record exactly.
+pub(crate) fn decode(bytes: &[u8]) -> Option<Record> {
+    let (record, length) = bincode::serde::borrow_decode_from_slice(bytes, CONFIG).ok()?;
+    (length == bytes.len()).then_some(record)
+}
+
+/// Bytes as one piece; serde would take a vector of them one by one. Read, they are taken from the record, so their
+/// claimed length is never allocated.
+pub(crate) mod bytes {
+    use serde::de::{Error, Visitor};
+    use serde::{Deserializer, Serializer};
+
+    struct Owned;
+
+    impl Visitor<'_> for Owned {
+        type Value = Vec<u8>;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str("bytes")
+        }
+
+        fn visit_bytes<E: Error>(self, bytes: &[u8]) -> Result<Vec<u8>, E> {
+            Ok(bytes.to_vec())
+        }
+    }
+
+    pub(crate) fn serialize<S: Serializer>(bytes: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_bytes(bytes)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u8>, D::Error> {
+        deserializer.deserialize_bytes(Owned)
+    }
+}

@@ -1,0 +1,89 @@
+//! What can be wrong with a file.
+
+/// Why a file is no retained state that can be used.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum Damage {
+    /// It does not begin as one.
+    #[error("it is not a retained state of Arcline")]
+    NotAState,
+    /// It has another format.
+    #[error("it has format {found}, and this version of Arcline reads format {expected}")]
+    OtherFormat {
+        /// Its format.
+        found: u32,
+        /// The format that is read.
+        expected: u32,
+    },
+    /// It ends before the first state in it is whole.
+    #[error("it ends after {length} bytes, before its first state is whole")]
+    TooShort {
+        /// Its length, bytes.
+        length: usize,
+    },
+    /// A checksum does not fit what it stands behind.
+    #[error("its checksum at byte {offset} is wrong")]
+    Checksum {
+        /// Where the checksum stands.
+        offset: usize,
+    },
+    /// A record is not what can stand there.
+    #[error("its record at byte {offset} cannot be read")]
+    Record {
+        /// Where the record begins.
+        offset: usize,
+    },
+    /// A number in it is beyond its limit.
+    #[error("it has {found} {what}, and there are at most {limit}")]
+    Limit {
+        /// Of what there are too many.
+        what: Limit,
+        /// How many there are.
+        found: usize,
+        /// The limit.
+        limit: usize,
+    },
+    /// A position is no number.
+    #[error("the position of its axis {axis} is not a number")]
+    NotANumber {
+        /// Place of the axis.
+        axis: usize,
+    },
+    /// A change of something that its state does not have.
+    #[error("it changes {what} number {place}, which it does not have")]
+    NoSuchPlace {
+        /// What is changed.
+        what: Limit,
+        /// The place that does not exist.
+        place: u32,
+    },
+}
+
+/// What is counted.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Limit {
+    /// Axes.
+    Axes,
+    /// Tags.
+    Tags,
+    /// Bytes of a name or a type.
+    Text,
+    /// Bytes of one tag.
+    TagBytes,
+    /// Bytes of all tags.
+    Total,
+    /// Bytes of the file.
+    File,
+}
+
+impl std::fmt::Display for Limit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Limit::Axes => "axes",
+            Limit::Tags => "tags",
+            Limit::Text => "bytes in a name",
+            Limit::TagBytes => "bytes in a tag",
+            Limit::Total => "bytes in all tags",
+            Limit::File => "bytes",
+        })
+    }
+}

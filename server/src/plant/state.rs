@@ -1,0 +1,206 @@
+//! What the plant's lock guards: tags, rings, and which tickets somebody waits for. It never blocks and knows no
+//! tasks.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use arcline_controller::image::{Edge, Image, TagKind};
+use arcline_controller::{Command, Ticket};
+use arcline_instruction_set::{Call, Flag, MotionControl, MotionError};
+use arcline_realtime::Link;
+use tokio::sync::oneshot;
+
+use super::OUTSTANDING;
+use super::records::Records;
+use crate::retained::Watch;
+
+/// Everything behind the plant's lock.
+#[derive(Debug)]
+pub(super) struct State {
+    pub(super) image: Image,
+    pub(super) link: Link,
+    /// Whether a snapshot was ever published.
+    began: bool,
+    next_ticket: u64,
+    pub(super) waiting: BTreeMap<Ticket, oneshot::Sender<()>>,
+    /// What found no room in the ring, in order.
+    pub(super) backlog: VecDeque<Command>,
+    pub(super) records: Records,
+    lost: u64,
+    /// The overrides that the controller has been sent, percent.
+    overrides: Vec<f32>,
+    /// Sees what is kept over a restart.
+    pub(super) watch: Option<Watch>,
+}
+
+impl State {
+    /// On rings of which nothing has come yet.
+    pub(super) fn new(image: Image, link: Link, watch: Option<Watch>) -> Self {
+        State {
+            overrides: image.feed_overrides().collect(),
+            image,
+            link,
+            began: false,
+            next_ticket: 1,
+            waiting: BTreeMap::new(),
+            backlog: VecDeque::new(),
+            records: Records::default(),
+            lost: 0,
+            watch,
+        }
+    }
+
+    /// Takes the newest snapshot and everything that happened up to its tick.
+    pub(super) fn refresh(&mut self) {
+        let updated = self.link.snapshots.update();
+        self.began |= updated;
+        if !self.began {
+            return;
+        }
+        let tick = self.link.snapshots.output_buffer().tick;
+        while let Ok(event) = self.link.events.peek() {
+            if event.tick > tick {
+                break;
+            }
+            let event = *event;
+            let _ = self.link.events.pop();
+            self.image.apply_event(&event);
+            let record = self.records.get_mut(event.ticket);
+            if let Some(control) = record {
+                event.apply(control);
+                if is_answered(control) {
+                    self.complete(event.ticket);
+                }
+            }
+        }
+        while let Ok(answer) = self.link.answers.peek() {
+            if answer.tick > tick {
+                break;
+            }
+            let answer = *answer;
+            let _ = self.link.answers.pop();
+            if is_answered(&answer.control) {
+                // Its event says the same, unless that was lost.
+                if let Some(control) = self
+                    .records
+                    .get_mut(answer.ticket)
+                    .filter(|control| !is_answered(control))
+                {
+                    *control = answer.control;
+                }
+                self.complete(answer.ticket);
+            }
+        }
+        if updated {
+            let snapshot = self.link.snapshots.output_buffer();
+            self.image.apply_snapshot(snapshot);
+            if let Some(watch) = &mut self.watch {
+                watch.axes(snapshot);
+            }
+            let health = self.link.meter.health();
+            self.image.apply_health(&health);
+            let lost = snapshot.lost_events + health.lost_events + health.lost_answers;
+            if lost > self.lost {
+                tracing::warn!(
+                    lost = lost - self.lost,
+                    "status changes were lost, too many came within one tick"
+                );
+                self.lost = lost;
+            }
+        }
+    }
+
+    fn complete(&mut self, ticket: Ticket) {
+        if let Some(waiting) = self.waiting.remove(&ticket) {
+            // Whoever waited may have given up.
+            let _ = waiting.send(());
+        }
+    }
+
+    /// Sends a call; the receiver is told when DN or ER is set.
+    pub(super) fn send(&mut self, call: Call) -> (Ticket, oneshot::Receiver<()>) {
+        let ticket = self.ticket();
+        let (sender, receiver) = oneshot::channel();
+        self.waiting.insert(ticket, sender);
+        self.push(Command::Call(ticket, call));
+        (ticket, receiver)
+    }
+
+    fn ticket(&mut self) -> Ticket {
+        let ticket = Ticket(self.next_ticket);
+        self.next_ticket += 1;
+        self.records.begin(ticket);
+        ticket
+    }
+
+    fn push(&mut self, command: Command) {
+        self.backlog.push_back(command);
+        self.flush();
+    }
+
+    pub(super) fn flush(&mut self) {
+        while let Some(command) = self.backlog.pop_front() {
+            if let Err(rtrb::PushError::Full(command)) = self.link.commands.push(command) {
+                self.backlog.push_front(command);
+                break;
+            }
+        }
+    }
+
+    /// Tells the controller which overrides have changed.
+    fn send_overrides(&mut self) {
+        let overrides: Vec<f32> = self.image.feed_overrides().collect();
+        for ((system, now), sent) in (0..)
+            .zip(&overrides)
+            .zip(std::mem::replace(&mut self.overrides, overrides.clone()))
+        {
+            if *now != sent {
+                self.push(Command::Override {
+                    system,
+                    rate: f64::from(*now) / 100.0,
+                });
+            }
+        }
+    }
+
+    pub(super) fn edge(&mut self, edge: Edge) -> Option<oneshot::Receiver<()>> {
+        let (Edge::Rising(id) | Edge::Falling(id)) = edge else {
+            self.send_overrides();
+            return None;
+        };
+        let TagKind::Instruction(kind) = self.image.tag(id)?.kind else {
+            return None;
+        };
+        if let Edge::Falling(_) = edge {
+            // Of a call that was refused below, the controller knows nothing.
+            let mut control = self.image.control(kind.control);
+            if is_answered(&control) {
+                control.clear(Flag::En);
+                self.image.set_control(kind.control, control);
+            }
+            self.push(Command::RungFalse(kind.control));
+            return None;
+        }
+        let error = match self.image.call_of(id)? {
+            Ok(call) if self.waiting.len() < OUTSTANDING => return Some(self.send(call).1),
+            Ok(_) => MotionError::from_codes(EXECUTION_COLLISION, 0)?,
+            // A name among the operands that means nothing is a value out of range.
+            Err(error) => MotionError::from_codes(OUT_OF_RANGE, error.operand().map_or(0, |operand| operand.0 as i8))?,
+        };
+        let ticket = self.ticket();
+        let refused = MotionControl::refused(error);
+        self.image.set_control(kind.control, refused);
+        if let Some(control) = self.records.get_mut(ticket) {
+            *control = refused;
+        }
+        None
+    }
+}
+
+fn is_answered(control: &MotionControl) -> bool {
+    control.has(Flag::Dn) || control.has(Flag::Er)
+}
+
+/// ERR of a call that finds no room.
+const EXECUTION_COLLISION: i16 = 3;
+/// ERR of an operand out of range.
+const OUT_OF_RANGE: i16 = 13;

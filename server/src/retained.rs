@@ -1,0 +1,266 @@
+//! Retained state: what a project takes over from the last run, and what keeps it for the next one.
+//!
+//! At start-up [`Retained::open`] reads the file and makes the project start as it says: axes where they stood with
+//! their drives off, plain tags as they were last written. After that a [`Watch`] in the plant sees what changes, and
+//! the thread of a [`Keeper`] writes it. The file is `arcline-state`'s; the real-time thread knows nothing of all this.
+
+mod keeper;
+#[cfg(test)]
+pub(crate) mod tests;
+mod watch;
+
+use std::fmt::Write as _;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use arcline_config::Project;
+use arcline_controller::image::{self, Image, TagId, TagKind};
+use arcline_controller::machine;
+use arcline_state::{Axis, AxisState, Damage, Kept, OpenError, Place, ReadError, State, Tag};
+
+use crate::plant::image_of;
+pub(crate) use keeper::Keeper;
+pub use keeper::NotKept;
+pub(crate) use watch::{Kept as WhenKept, Watch};
+
+/// A project's state, read and kept.
+pub(crate) struct Retained {
+    /// The tags, the plain ones with what they held.
+    pub(crate) image: Image,
+    /// Sees what changes.
+    pub(crate) watch: Watch,
+    /// Writes it.
+    pub(crate) keeper: Keeper,
+}
+
+/// Why no state can be kept in a file.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum RetainError {
+    /// The file cannot be had.
+    #[error("--state {file}: {error}")]
+    Open {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        error: OpenError,
+    },
+    /// The file cannot be read.
+    #[error("--state {file}: cannot be read: {error}")]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+    /// The file cannot be written.
+    #[error("--state {file}: cannot be written: {error}")]
+    Write {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+    /// A file that cannot be used cannot be renamed either.
+    #[error("--state {file}: {damage}, and it cannot be set aside: {error}")]
+    SetAside {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it.
+        damage: Unusable,
+        /// Why it stays.
+        error: io::Error,
+    },
+    /// The machine has more than can be kept.
+    #[error("--state {file}: the state of this configuration cannot be kept: {damage}")]
+    TooLarge {
+        /// The file.
+        file: PathBuf,
+        /// What there is too much of.
+        damage: Damage,
+    },
+}
+
+/// Why a file gives no state.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Unusable {
+    /// It is not whole, or not a state at all.
+    #[error(transparent)]
+    Damage(Damage),
+    /// It is one of another machine.
+    #[error("it is the state of another machine: none of its axes and tags are in this configuration")]
+    Foreign,
+}
+
+impl Retained {
+    /// Reads `file` and makes `project` start as it says, then begins to keep the state there. A file that is damaged
+    /// or foreign is set aside and said so on standard error; the project then starts as it is configured.
+    ///
+    /// # Errors
+    /// When the file cannot be used at all: see [`RetainError`].
+    pub(crate) fn open(file: &Path, project: &mut Project) -> Result<Self, RetainError> {
+        let at = |file: &Path| file.to_owned();
+        let place = Place::lock(file).map_err(|error| RetainError::Open { file: at(file), error })?;
+        let mut image = image_of(project);
+        let kept = match place.read() {
+            Ok(Some(kept)) if is_foreign(&kept.state, project, &image) => Err(Unusable::Foreign),
+            Ok(kept) => Ok(kept),
+            Err(ReadError::Damage(damage)) => Err(Unusable::Damage(damage)),
+            Err(ReadError::Io(error)) => return Err(RetainError::Read { file: at(file), error }),
+        };
+        let kept: Option<Kept> = match kept {
+            Ok(kept) => kept,
+            Err(damage) => {
+                match place.set_aside() {
+                    // For whoever starts the server, whatever the log is set to.
+                    Ok(aside) => eprintln!(
+                        "arcline-server: --state {}: {damage}. It was renamed to {}, and everything starts as configured",
+                        file.display(),
+                        aside.display()
+                    ),
+                    Err(error) => {
+                        let file = at(file);
+                        return Err(RetainError::SetAside { file, damage, error });
+                    }
+                }
+                None
+            }
+        };
+        if let Some(kept) = &kept {
+            let taken = take_over(&kept.state, project, &mut image);
+            taken.report(file);
+        }
+        // Only from here on: what was taken over is not new.
+        image.remember_written();
+        let (state, tags) = state_of(project, &image);
+        state.check().map_err(|damage| {
+            let file = at(file);
+            RetainError::TooLarge { file, damage }
+        })?;
+        let axes = state.axes.iter().map(|axis| axis.state).collect();
+        let store = place
+            .begin(state, kept)
+            .map_err(|error| RetainError::Write { file: at(file), error })?;
+        let keeper = Keeper::start(store).map_err(|error| RetainError::Write { file: at(file), error })?;
+        let watch = Watch::new(keeper.jobs(), axes, tags, project.machine.period_ns);
+        Ok(Retained { image, watch, keeper })
+    }
+}
+
+/// What came of taking over a state.
+#[derive(Debug, Default, PartialEq)]
+struct Taken {
+    /// Axes and tags of the state that the configuration does not have, or not as they were.
+    left: Vec<String>,
+    /// Axes that were moving.
+    moving: Vec<String>,
+}
+
+impl Taken {
+    fn report(&self, file: &Path) {
+        let file = file.display();
+        if !self.left.is_empty() {
+            let left = self.left.join(", ");
+            tracing::warn!("{file}: not in this configuration, or not of that type, and so not taken over: {left}");
+        }
+        if !self.moving.is_empty() {
+            let moving = self.moving.join(", ");
+            tracing::warn!("{file}: moving when the server ended, and so not homed: {moving}");
+        }
+    }
+}
+
+/// Whether nothing of a state is in a project.
+fn is_foreign(state: &State, project: &Project, image: &Image) -> bool {
+    let nothing = state.axes.is_empty() && state.tags.is_empty();
+    let axis = state.axes.iter().any(|axis| find_axis(axis, project).is_some());
+    let tag = state.tags.iter().any(|tag| find_tag(tag, image).is_some());
+    !(nothing || axis || tag)
+}
+
+/// Makes a project and its tags start as a state says, wherever name and type are the same.
+fn take_over(state: &State, project: &mut Project, image: &mut Image) -> Taken {
+    let mut taken = Taken::default();
+    for axis in &state.axes {
+        let found = find_axis(axis, project).filter(|place| within_its_turn(axis, &project.machine.axes[*place]));
+        let Some(place) = found else {
+            taken.left.push(format!("axis {} ({})", axis.name, axis.kind));
+            continue;
+        };
+        let AxisState {
+            position,
+            homed,
+            moving,
+            ..
+        } = axis.state;
+        if moving {
+            taken.moving.push(axis.name.clone());
+        }
+        project.machine.axes[place].start = machine::Start {
+            position,
+            servo_on: false,
+            homed: homed && !moving,
+        };
+    }
+    for tag in &state.tags {
+        match find_tag(tag, image) {
+            Some(id) => image.restore(id, &tag.bytes),
+            None => taken.left.push(format!("tag {} ({})", tag.name, tag.kind)),
+        }
+    }
+    taken
+}
+
+fn find_axis(axis: &Axis, project: &Project) -> Option<usize> {
+    let place = usize::from(project.machine.axis(&axis.name)?);
+    (axis_kind(project.machine.axes.get(place)?) == axis.kind).then_some(place)
+}
+
+/// A machine relies on it.
+fn within_its_turn(axis: &Axis, of: &machine::Axis) -> bool {
+    of.unwind
+        .is_none_or(|unwind| (0.0..unwind).contains(&axis.state.position))
+}
+
+fn find_tag(tag: &Tag, image: &Image) -> Option<TagId> {
+    let known = image.find(&tag.name).filter(|known| is_kept(known))?;
+    let same = known.tag_type.to_string() == tag.kind && image.bytes(known.id).len() == tag.bytes.len();
+    same.then_some(known.id)
+}
+
+fn is_kept(tag: &image::Tag) -> bool {
+    tag.kind == TagKind::Plain
+}
+
+/// What a position of the axis means: a position of an axis in inches is none of one in millimetres.
+fn axis_kind(axis: &machine::Axis) -> String {
+    let kind = if axis.is_virtual() { "virtual" } else { "servo" };
+    let mut text = format!("{kind}, {}", axis.units);
+    if let Some(unwind) = axis.unwind {
+        let _ = write!(text, ", unwind {unwind}");
+    }
+    text
+}
+
+/// The state at start-up, and the tags in it in order.
+fn state_of(project: &Project, image: &Image) -> (State, Vec<TagId>) {
+    let axes = project.machine.axes.iter().map(|axis| Axis {
+        name: axis.name.clone(),
+        kind: axis_kind(axis),
+        state: AxisState {
+            position: axis.start.position,
+            homed: axis.start.homed,
+            ..AxisState::default()
+        },
+    });
+    let plain = || image.tags().iter().filter(|tag| is_kept(tag));
+    let tags = plain().map(|tag| Tag {
+        name: tag.name.clone(),
+        kind: tag.tag_type.to_string(),
+        bytes: image.bytes(tag.id).to_vec(),
+    });
+    let state = State {
+        axes: axes.collect(),
+        tags: tags.collect(),
+    };
+    (state, plain().map(|tag| tag.id).collect())
+}

@@ -1,0 +1,318 @@
+//! What is taken over, what is seen to change, and what becomes of a write that cannot be kept.
+
+use std::sync::mpsc;
+
+use arcline_controller::{AxisSnapshot, Snapshot};
+use arcline_instruction_set::predefined::{axis_status, cip_axis_status, motion_status};
+use arcline_realtime::Handle;
+use arcline_state::Change;
+use arcline_tag::Value;
+
+use super::keeper::Job;
+use super::*;
+use crate::plant::Plant;
+
+const TAGS: &str = r#"
+[[tag]]
+name = "Recipe"
+type = "REAL[4]"
+[[tag]]
+name = "Count"
+type = "DINT"
+"#;
+
+fn project() -> Project {
+    let text = format!("{}{TAGS}", arcline_config::DEFAULT);
+    arcline_config::load(&text, "test").expect("a valid configuration")
+}
+
+fn axis(name: &str, kind: &str, state: AxisState) -> Axis {
+    let (name, kind) = (name.to_owned(), kind.to_owned());
+    Axis { name, kind, state }
+}
+
+fn tag(name: &str, kind: &str, bytes: &[u8]) -> Tag {
+    let (name, kind, bytes) = (name.to_owned(), kind.to_owned(), bytes.to_vec());
+    Tag { name, kind, bytes }
+}
+
+fn at(position: f64, moving: bool) -> AxisState {
+    AxisState {
+        position,
+        homed: true,
+        moving,
+        ..AxisState::default()
+    }
+}
+
+#[test]
+fn what_has_the_same_name_and_type_is_taken_over() {
+    let state = State {
+        axes: vec![
+            axis("x", "servo, mm", at(12.5, false)),
+            axis("Y", "servo, mm", at(-3.0, true)),
+            axis("Z", "servo, in", at(1.0, false)),
+            axis("A", "servo, mm", at(1.0, false)),
+            axis("W", "servo, mm", at(1.0, false)),
+        ],
+        tags: vec![
+            tag("COUNT", "DINT", &7_i32.to_le_bytes()),
+            tag("Recipe", "REAL[3]", &[0; 12]),
+            tag("X", "DINT", &[0; 4]),
+            tag("Gone", "DINT", &[0; 4]),
+        ],
+    };
+    let mut project = project();
+    let configured = project.machine.clone();
+    let mut image = image_of(&project);
+    assert!(!is_foreign(&state, &project, &image));
+    let taken = take_over(&state, &mut project, &mut image);
+    let left = [
+        "axis Z (servo, in)",
+        "axis A (servo, mm)",
+        "axis W (servo, mm)",
+        "tag Recipe (REAL[3])",
+        "tag X (DINT)",
+        "tag Gone (DINT)",
+    ];
+    assert_eq!(taken.left, left);
+    assert_eq!(taken.moving, ["Y"]);
+    let starts: Vec<machine::Start> = project.machine.axes.iter().map(|axis| axis.start).collect();
+    let off = |position, homed| machine::Start {
+        position,
+        servo_on: false,
+        homed,
+    };
+    assert_eq!(starts[..2], [off(12.5, true), off(-3.0, false)]);
+    for (start, axis) in starts.iter().zip(&configured.axes).skip(2) {
+        assert_eq!(*start, axis.start, "{} is as configured", axis.name);
+    }
+    let count = image.read(&"Count".parse().expect("a path"));
+    assert_eq!(count, Ok(Value::Dint(7)));
+}
+
+#[test]
+fn states_of_other_machines_are_foreign() {
+    let only = |axes, tags| is_foreign(&State { axes, tags }, &project(), &image_of(&project()));
+    let elsewhere = || vec![axis("Arm", "servo, deg", at(0.0, false))];
+    assert!(only(elsewhere(), vec![tag("Speed", "REAL", &[0; 4])]));
+    assert!(
+        only(vec![axis("X", "servo, in", at(0.0, false))], vec![]),
+        "other units"
+    );
+    assert!(!only(elsewhere(), vec![tag("count", "DINT", &[0; 4])]));
+    assert!(!only(vec![], vec![]), "nothing was kept: nothing to lose");
+}
+
+#[test]
+fn a_rotary_axis_is_kept_with_its_turn() {
+    let mut project = project();
+    let table = &mut project.machine.axes[0];
+    assert_eq!(axis_kind(table), "servo, mm");
+    (table.units, table.unwind, table.kind) = ("deg".to_owned(), Some(360.0), machine::AxisKind::Virtual);
+    let kind = axis_kind(table);
+    assert_eq!(kind, "virtual, deg, unwind 360");
+    for (position, taken) in [(0.0, true), (359.9, true), (360.0, false), (-0.1, false)] {
+        let axes = vec![axis("X", &kind, at(position, false))];
+        let (state, mut project) = (State { axes, tags: vec![] }, project.clone());
+        let mut image = image_of(&project);
+        let left = take_over(&state, &mut project, &mut image).left;
+        assert_eq!(left.is_empty(), taken, "{position}");
+        assert_eq!(
+            project.machine.axes[0].start.position,
+            if taken { position } else { 0.0 }
+        );
+    }
+}
+
+const ON: u32 = axis_status::SERVO_ACTION_STATUS | axis_status::DRIVE_ENABLE_STATUS;
+const RESTS: u32 = cip_axis_status::VELOCITY_STANDSTILL_STATUS | cip_axis_status::POSITION_LOCK_STATUS;
+
+/// An axis that is on and rests.
+fn resting(position: f64) -> AxisSnapshot {
+    AxisSnapshot {
+        status: ON,
+        motion_status: motion_status::AXIS_HOMED_STATUS,
+        cip_status: RESTS,
+        command: [position, 0.0, 0.0],
+        actual: [position, 0.0, 0.0],
+        ..AxisSnapshot::default()
+    }
+}
+
+fn moving(position: f64) -> AxisSnapshot {
+    AxisSnapshot {
+        motion_status: motion_status::AXIS_HOMED_STATUS | motion_status::COORDINATED_MOTION_STATUS,
+        cip_status: cip_axis_status::POSITION_LOCK_STATUS,
+        command: [position + 0.01, 20.0, 0.0],
+        actual: [position, 20.0, 0.0],
+        ..resting(position)
+    }
+}
+
+/// A watch on one axis that rests at 0, and what it sends.
+fn watch() -> (Watch, mpsc::Receiver<Job>) {
+    let (sender, jobs) = mpsc::channel();
+    (Watch::new(sender, vec![at(0.0, false)], vec![], 1_000_000), jobs)
+}
+
+fn show(watch: &mut Watch, tick: u64, axis: AxisSnapshot) {
+    let (axes, snapshot) = (vec![axis], Snapshot::default());
+    watch.axes(&Snapshot { tick, axes, ..snapshot });
+}
+
+/// The axis that was sent, and it is kept at once.
+fn sent(jobs: &mpsc::Receiver<Job>) -> Option<AxisState> {
+    let Ok(Job::Keep(changes, kept)) = jobs.try_recv() else {
+        return None;
+    };
+    let [Change::Axis { axis: 0, state }] = changes[..] else {
+        panic!("{changes:?}")
+    };
+    kept.send(Ok(())).expect("the watch waits for it");
+    Some(state)
+}
+
+#[test]
+fn the_beginning_and_the_end_of_motion_are_sent_at_once_positions_now_and_then() {
+    let (mut watch, jobs) = watch();
+    let mut look = |tick, axis| {
+        show(&mut watch, tick, axis);
+        sent(&jobs)
+    };
+    assert_eq!(look(1, resting(0.0)), None, "nothing new");
+    assert_eq!(look(50, moving(0.5)), Some(at(0.5, true)), "it began to move");
+    assert_eq!(look(51, moving(0.6)), None);
+    assert_eq!(look(100, moving(9.9)), None);
+    assert_eq!(
+        look(101, moving(10.0)),
+        Some(at(10.0, true)),
+        "100 ms after the last time"
+    );
+    assert_eq!(look(102, moving(10.1)), None);
+    assert_eq!(look(103, resting(10.2)), Some(at(10.2, false)), "it came to rest");
+    assert_eq!(look(104, resting(10.2)), None);
+    assert_eq!(
+        look(105, resting(0.0)),
+        Some(at(0.0, false)),
+        "its position was redefined"
+    );
+    let mut faulted = resting(0.0);
+    faulted.fault = 1;
+    let expected = AxisState {
+        faults: [1, 0, 0, 0],
+        ..at(0.0, false)
+    };
+    assert_eq!(look(106, faulted), Some(expected));
+}
+
+#[test]
+fn an_axis_at_rest_is_where_its_drive_holds_it() {
+    let lagging = |position: f64, actual: f64| AxisSnapshot {
+        actual: [actual, 0.0, 0.0],
+        ..resting(position)
+    };
+    let off = |actual: f64| AxisSnapshot {
+        status: 0,
+        ..lagging(1.0, actual)
+    };
+    let stuck = AxisSnapshot {
+        cip_status: cip_axis_status::VELOCITY_STANDSTILL_STATUS,
+        ..lagging(1.0, 0.5)
+    };
+    let settling = AxisSnapshot {
+        cip_status: 0,
+        ..lagging(1.0, 0.9)
+    };
+    let cases = [
+        ("on and locked", lagging(1.0, 0.999), at(1.0, false)),
+        ("off", off(0.999), at(0.999, false)),
+        ("on and far from its command", stuck, at(0.5, false)),
+        ("on its way to its command", settling, at(0.9, true)),
+    ];
+    for (why, shown, expected) in cases {
+        let (mut watch, jobs) = watch();
+        show(&mut watch, 1, shown);
+        assert_eq!(sent(&jobs), Some(expected), "{why}");
+    }
+    let (mut watch, jobs) = watch();
+    let (axes, snapshot) = (vec![settling], Snapshot::default());
+    watch.axes_at_the_end(&Snapshot { axes, ..snapshot });
+    assert_eq!(sent(&jobs), Some(at(1.0, false)), "after a controlled stop it settles");
+}
+
+#[test]
+fn a_slow_disk_makes_axes_come_less_often() {
+    let (mut watch, jobs) = watch();
+    show(&mut watch, 1, moving(0.5));
+    let Ok(Job::Keep(_, slow)) = jobs.try_recv() else {
+        panic!("nothing was sent")
+    };
+    for tick in 2..1000 {
+        show(&mut watch, tick, moving(tick as f64));
+        assert!(jobs.try_recv().is_err(), "one is on its way");
+    }
+    show(&mut watch, 1000, resting(7.0));
+    slow.send(Err(NotKept)).expect("the watch waits for it");
+    show(&mut watch, 1001, resting(7.0));
+    assert_eq!(sent(&jobs), Some(at(7.0, false)), "what it has become meanwhile");
+}
+
+/// A plant whose state nobody can keep.
+pub(crate) fn plant_that_cannot_keep(project: &Project) -> (Plant, Handle) {
+    let (plant, handle, _) = plant(project);
+    (plant, handle)
+}
+
+/// A plant whose state somebody else keeps.
+fn plant(project: &Project) -> (Plant, Handle, mpsc::Receiver<Job>) {
+    let mut image = image_of(project);
+    image.remember_written();
+    let (sender, jobs) = mpsc::channel();
+    let (state, tags) = state_of(project, &image);
+    let axes = state.axes.iter().map(|axis| axis.state).collect();
+    let watch = Watch::new(sender, axes, tags, project.machine.period_ns);
+    let (plant, handle) = Plant::start_with(project, image, Some(watch)).expect("a thread");
+    (plant, handle, jobs)
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_write_is_answered_when_it_is_kept() {
+    let (plant, handle, jobs) = plant(&project());
+    let write = |path: &str| {
+        let path = path.parse().expect("a path");
+        let (written, fire) = plant.write(|image, edges| {
+            edges.extend(image.write_value(&path, Value::Real(2.0))?);
+            Ok::<_, arcline_controller::image::WriteError>(())
+        });
+        written.expect("writable");
+        fire
+    };
+    plant.fire(write("Move1.Speed")).await.expect("not kept, and not to be");
+    assert!(jobs.try_recv().is_err(), "operands of instructions are not kept");
+    for answer in [Ok(()), Err(NotKept)] {
+        let written = write("Recipe[1]");
+        let Ok(Job::Keep(changes, kept)) = jobs.try_recv() else {
+            panic!("nothing was sent")
+        };
+        let expected = Change::Tag {
+            tag: 0,
+            offset: 4,
+            bytes: 2.0_f32.to_le_bytes().to_vec(),
+        };
+        assert_eq!(changes, [expected]);
+        let answered = plant.fire(written);
+        tokio::pin!(answered);
+        let early = tokio::time::timeout(std::time::Duration::from_millis(1), &mut answered).await;
+        assert!(early.is_err(), "not before it is kept");
+        kept.send(answer).expect("it is waited for");
+        assert_eq!(answered.await, answer);
+    }
+    drop(jobs);
+    assert_eq!(
+        plant.fire(write("Count")).await,
+        Err(NotKept),
+        "nobody keeps it any more"
+    );
+    handle.stop();
+}

@@ -1,0 +1,165 @@
+//! What has changed and is to be kept: parts of tags when they are written, axes when a snapshot shows it.
+//!
+//! It only looks and sends. Of axes one message at a time is on its way, so a slow disk makes them come less often
+//! and never queues them up.
+
+use std::collections::BTreeMap;
+use std::sync::mpsc;
+
+use arcline_controller::image::{Image, TagId};
+use arcline_controller::{AxisSnapshot, Snapshot};
+use arcline_instruction_set::predefined::{axis_status, cip_axis_status, motion_status};
+use arcline_state::{AxisState, Change};
+use tokio::sync::oneshot;
+
+use super::keeper::{Job, NotKept};
+
+/// Tells when changes are kept, or that they are not.
+pub(crate) type Kept = oneshot::Receiver<Result<(), NotKept>>;
+
+/// Sees what changes and sends it to the keeper.
+#[derive(Debug)]
+pub(crate) struct Watch {
+    jobs: mpsc::Sender<Job>,
+    /// Places of the tags in the state.
+    tags: BTreeMap<TagId, u32>,
+    /// The axes as they were last sent.
+    axes: Vec<AxisState>,
+    /// The last message about axes, until it is kept.
+    under_way: Option<Kept>,
+    /// Ticks between two positions of an axis that moves.
+    interval: u64,
+    /// The tick at which positions are due again.
+    due: u64,
+}
+
+impl Watch {
+    /// `axes` is how they stand in the state, in configuration order, `tags` the tags in it, in order.
+    pub(super) fn new(jobs: mpsc::Sender<Job>, axes: Vec<AxisState>, tags: Vec<TagId>, period_ns: u64) -> Self {
+        Watch {
+            jobs,
+            tags: tags.into_iter().zip(0..).collect(),
+            axes,
+            under_way: None,
+            interval: (POSITIONS_NS / period_ns.max(1)).max(1),
+            due: 0,
+        }
+    }
+
+    /// Sends what was written to the tags since the last call, as one change; `None`: nothing was.
+    pub(crate) fn tags(&mut self, image: &mut Image) -> Option<Kept> {
+        let written = image.take_written();
+        let changes = written.iter().filter_map(|part| {
+            Some(Change::Tag {
+                tag: *self.tags.get(&part.id)?,
+                offset: u32::try_from(part.offset).ok()?,
+                bytes: image
+                    .bytes(part.id)
+                    .get(part.offset..part.offset + part.length)?
+                    .to_vec(),
+            })
+        });
+        self.send(changes.collect())
+    }
+
+    /// Sends what a snapshot shows to have changed: at once that an axis began to move or came to rest, that it was
+    /// homed or faulted, that it was put elsewhere; and every 100 ms where the axes are that move.
+    pub(crate) fn axes(&mut self, snapshot: &Snapshot) {
+        if let Some(sent) = &mut self.under_way {
+            if matches!(sent.try_recv(), Err(oneshot::error::TryRecvError::Empty)) {
+                return;
+            }
+            self.under_way = None;
+        }
+        let due = snapshot.tick >= self.due;
+        let news = self.news(snapshot, |was, is| {
+            due || !(was.moving && is.moving) || was.homed != is.homed
+        });
+        if due {
+            self.due = snapshot.tick + self.interval;
+        }
+        self.under_way = self.send(news);
+    }
+
+    /// Sends the axes as they are after a controlled stop. A drive that is on comes to rest where it is told to.
+    pub(crate) fn axes_at_the_end(&mut self, snapshot: &Snapshot) {
+        let settled = Snapshot {
+            axes: snapshot.axes.iter().copied().map(settled).collect(),
+            ..snapshot.clone()
+        };
+        let news = self.news(&settled, |_, _| true);
+        self.under_way = self.send(news);
+    }
+
+    fn news(&mut self, snapshot: &Snapshot, wanted: impl Fn(&AxisState, &AxisState) -> bool) -> Vec<Change> {
+        let axes = (0..).zip(self.axes.iter_mut().zip(&snapshot.axes));
+        axes.filter_map(|(axis, (was, shown))| {
+            let state = state(shown);
+            let news = state != *was && wanted(was, &state) && state.position.is_finite();
+            news.then(|| {
+                *was = state;
+                Change::Axis { axis, state }
+            })
+        })
+        .collect()
+    }
+
+    fn send(&self, changes: Vec<Change>) -> Option<Kept> {
+        if changes.is_empty() {
+            return None;
+        }
+        let (sender, receiver) = oneshot::channel();
+        // A keeper that is gone drops the sender, and so answers.
+        let _ = self.jobs.send(Job::Keep(changes, sender));
+        Some(receiver)
+    }
+}
+
+/// How an axis stands that shows this.
+fn state(axis: &AxisSnapshot) -> AxisState {
+    let [_, velocity, acceleration] = axis.command;
+    let standstill = axis.cip_status & cip_axis_status::VELOCITY_STANDSTILL_STATUS != 0;
+    let moving = axis.motion_status & MOVED != 0 || velocity != 0.0 || acceleration != 0.0 || !standstill;
+    // At rest under its drive the axis is where it is told to be: exactly there, and again so after the next start.
+    let held = is_on(axis) && axis.cip_status & cip_axis_status::POSITION_LOCK_STATUS != 0;
+    AxisState {
+        position: if held && !moving {
+            axis.command[0]
+        } else {
+            axis.actual[0]
+        },
+        homed: axis.motion_status & motion_status::AXIS_HOMED_STATUS != 0,
+        moving,
+        faults: [axis.fault, 0, 0, 0],
+    }
+}
+
+/// The axis when its drive has caught up with the command.
+fn settled(axis: AxisSnapshot) -> AxisSnapshot {
+    if !is_on(&axis) {
+        return axis;
+    }
+    AxisSnapshot {
+        cip_status: axis.cip_status
+            | cip_axis_status::VELOCITY_STANDSTILL_STATUS
+            | cip_axis_status::POSITION_LOCK_STATUS,
+        actual: axis.command,
+        ..axis
+    }
+}
+
+fn is_on(axis: &AxisSnapshot) -> bool {
+    axis.status & axis_status::SERVO_ACTION_STATUS != 0
+}
+
+/// Bits of MotionStatus of a motion that has an end, which it has not come to. An axis in gear may well stand.
+const MOVED: u32 = motion_status::ACCEL_STATUS
+    | motion_status::DECEL_STATUS
+    | motion_status::MOVE_STATUS
+    | motion_status::JOG_STATUS
+    | motion_status::HOMING_STATUS
+    | motion_status::STOPPING_STATUS
+    | motion_status::MASTER_OFFSET_MOVE_STATUS
+    | motion_status::COORDINATED_MOTION_STATUS;
+/// Time between two positions of an axis that moves, ns.
+const POSITIONS_NS: u64 = 100_000_000;
