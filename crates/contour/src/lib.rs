@@ -12,6 +12,7 @@
 
 mod banded;
 mod course;
+mod ease;
 mod guess;
 mod nodes;
 mod nominal;

@@ -22,7 +22,7 @@ fn polyline(legs: &[(f64, f64)], jerk: bool) -> Vec<ContourMove> {
     legs.iter()
         .map(|&(length, turn)| {
             heading += turn;
-            let to = from + Point::new(heading.cos(), heading.sin(), 0.0) * length;
+            let to = from + Point::new(libm::cos(heading), libm::sin(heading), 0.0) * length;
             let path = Path::line(from, to);
             from = to;
             ContourMove {
