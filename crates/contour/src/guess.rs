@@ -177,21 +177,24 @@ fn lead_on(section: &Section<'_>, route: &mut Vec<Site>, from: &State, start: f6
             one.point += offset * (1.0 - u * u * (3.0 - 2.0 * u));
         }
     }
-    let Speeds { square, times, .. } = speeds(course, &ahead, &free, Smoothness::Trapezoid, speed * speed);
+    let Speeds {
+        square,
+        times,
+        curvature,
+        ..
+    } = speeds(course, &ahead, &free, Smoothness::Trapezoid, speed * speed);
     for k in 1..ahead.len() {
         route.push(Site {
             time: start + times[k],
             point: ahead[k].point,
             progress: ahead[k].progress,
             speed: square[k].sqrt(),
-            cruise: square[k - 1] == square[k] && u_done(&ahead[k], at, fade),
+            cruise: square[k - 1] == square[k]
+                && curvature[k - 1] == Point::zeros()
+                && curvature[k] == Point::zeros()
+                && ahead[k].progress > at + fade,
         });
     }
-}
-
-/// Whether the offset has faded out.
-fn u_done(sample: &Sample, at: f64, fade: f64) -> bool {
-    sample.progress > at + fade
 }
 
 /// Shortest and longest time between the knots of a motion that is followed, seconds.

@@ -26,7 +26,7 @@ pub(crate) struct Speeds {
     length: Vec<f64>,
     /// Acceleration along the path from sample to sample.
     rate: Vec<f64>,
-    curvature: Vec<Point>,
+    pub(crate) curvature: Vec<Point>,
 }
 
 /// `bounds[i]` belongs to piece `i` of the course.
