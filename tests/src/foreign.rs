@@ -59,31 +59,30 @@ impl Store {
 /// When it cannot be started, fails (with all it printed) or has not ended within two minutes.
 #[must_use]
 pub fn run(name: &str, command: &mut Command) -> String {
-    run_within(name, command, LIMIT)
+    attempt(name, command, LIMIT).unwrap_or_else(|why| panic!("{why}"))
 }
 
-/// The same with a limit of its own.
+/// Runs a program to its end, which must come before `limit`, and gives what it printed.
 ///
-/// # Panics
-/// As [`run`].
-#[must_use]
-pub fn run_within(name: &str, command: &mut Command, limit: Duration) -> String {
+/// # Errors
+/// Says how it ended, with all it printed.
+pub fn attempt(name: &str, command: &mut Command, limit: Duration) -> Result<String, String> {
     let mut child = command
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
-        .unwrap_or_else(|error| panic!("{name} cannot be started: {error}"));
+        .map_err(|error| format!("{name} cannot be started: {error}"))?;
     let stdout = collect(child.stdout.take());
     let stderr = collect(child.stderr.take());
     let status = ended_within(&mut child, limit);
     let stdout = stdout.join().unwrap_or_default();
     let stderr = stderr.join().unwrap_or_default();
-    assert!(
-        status.is_some_and(|status| status.success()),
-        "{name} ended with {status:?}; it printed:\n{stdout}\n{stderr}"
-    );
-    stdout
+    if status.is_some_and(|status| status.success()) {
+        Ok(stdout)
+    } else {
+        Err(format!("{name} ended with {status:?}; it printed:\n{stdout}\n{stderr}"))
+    }
 }
 
 fn collect(pipe: Option<impl io::Read + Send + 'static>) -> std::thread::JoinHandle<String> {

@@ -88,7 +88,7 @@ pub fn libplctag() {
 ///
 /// # Panics
 /// When the client or the dissectors find a fault; in CI also when something needed is missing.
-fn against_a_server(name: &str, listen: &str, client: impl FnOnce(SocketAddr) -> String) {
+pub fn against_a_server(name: &str, listen: &str, client: impl FnOnce(SocketAddr) -> String) {
     let configuration = configuration(name);
     let file = configuration.to_str().expect("the project's paths are UTF-8");
     let server = Server::start_at(listen, &["--config", file]);

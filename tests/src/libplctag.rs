@@ -18,10 +18,7 @@ impl Libplctag {
     /// Builds the program, if what that takes is here.
     ///
     /// # Errors
-    /// Says what is missing on this machine.
-    ///
-    /// # Panics
-    /// When everything is there and it does not build.
+    /// Says what is missing on this machine, or why it does not build here.
     pub fn build() -> Result<Self, String> {
         for (program, package) in [("cmake", "cmake"), ("cc", "gcc")] {
             Command::new(program).arg("--version").output().map_err(|error| {
@@ -35,10 +32,7 @@ impl Libplctag {
         let client = Self {
             target: store.folder().to_owned(),
         };
-        print!(
-            "{}",
-            foreign::run_within("cargo build", &mut client.cargo("build"), BUILD)
-        );
+        foreign::attempt("cargo build", &mut client.cargo("build"), BUILD)?;
         Ok(client)
     }
 
