@@ -50,6 +50,8 @@ pub struct Connection {
     wanted: Wanted,
     /// Intervals that the target confirmed, µs.
     pub confirmed: [u32; 2],
+    /// The longest time in which [`Self::exchange`] did not look at the socket: what the machine kept it from.
+    pub longest_pause: Duration,
 }
 
 /// A datagram that came.
@@ -175,6 +177,7 @@ impl Session {
             sequence: 0,
             wanted,
             confirmed: [reply.o_to_t_api, reply.t_to_o_api],
+            longest_pause: Duration::ZERO,
         })
     }
 
@@ -222,8 +225,11 @@ impl Connection {
         let began = Instant::now();
         let mut next = began;
         let mut arrivals = Vec::new();
+        let mut looked = began;
         loop {
             let now = Instant::now();
+            self.longest_pause = self.longest_pause.max(now - looked);
+            looked = now;
             if now >= began + time {
                 return arrivals;
             }

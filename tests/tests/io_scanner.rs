@@ -5,6 +5,7 @@
 
 use std::net::{Ipv4Addr, UdpSocket};
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use arcline_proto::cip::CipStatus;
@@ -69,6 +70,33 @@ fn seconds() -> u64 {
 fn status(arrival: &Arrival) -> u32 {
     let bytes = arrival.data[STATUS..STATUS + 4].try_into().expect("four bytes");
     u32::from_le_bytes(bytes)
+}
+
+/// Longer, and the socket may overflow: what is lost then is the scanner's fault, or the machine's.
+const PAUSE: Duration = Duration::from_millis(50);
+/// Runs of which one must be without such a pause.
+const TRIES: usize = 5;
+
+/// Exchanges data for a time on a connection of its own; again, when the machine did not let the scanner look at its
+/// socket. One test at a time: their threads come before all others.
+fn exchanged(session: &mut Session, wanted: Wanted, time: Duration, output: &[u8]) -> Option<Vec<Arrival>> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    for _ in 0..TRIES {
+        let mut connection = session.open(wanted, socket()).expect("it opens");
+        assert_eq!(connection.confirmed, [wanted.rpi; 2]);
+        let arrivals = connection.exchange(time, output);
+        if connection.longest_pause < PAUSE {
+            return Some(arrivals);
+        }
+        println!(
+            "the scanner was kept from its socket for {:?}",
+            connection.longest_pause
+        );
+        assert!(session.close(wanted.serial).is_success());
+    }
+    not_run("the interval of implicit I/O", "the machine is too busy for a scanner");
+    None
 }
 
 /// Nothing lost, nothing twice: sequences and counts go up by one.
@@ -153,10 +181,10 @@ fn two_milliseconds_without_loss_and_nothing_malformed() {
     let server = server();
     let capture = Capture::with_io(server.address());
     let mut session = Session::connect(server.address());
-    let mut connection = session.open(owner(1, 2000), socket()).expect("it opens");
-    assert_eq!(connection.confirmed, [2000, 2000]);
     let time = Duration::from_secs(seconds());
-    let arrivals = connection.exchange(time, &[0; OUTPUT as usize]);
+    let Some(arrivals) = exchanged(&mut session, owner(1, 2000), time, &[0; OUTPUT as usize]) else {
+        return;
+    };
     assert_kept(&arrivals, time, 2000);
     assert_eq!(arrivals[0].sequence, 1, "the first one");
     assert_eq!(status(arrivals.last().expect("some")), OWNED | RUN);
@@ -201,10 +229,10 @@ fn two_milliseconds_without_loss_and_nothing_malformed() {
 fn one_millisecond_is_kept_on_an_absolute_schedule() {
     let server = server();
     let mut session = Session::connect(server.address());
-    let mut connection = session.open(input_only(1, 1000), socket()).expect("it opens");
-    assert_eq!(connection.confirmed, [1000, 1000]);
     let time = Duration::from_secs(seconds());
-    let arrivals = connection.exchange(time, &[]);
+    let Some(arrivals) = exchanged(&mut session, input_only(1, 1000), time, &[]) else {
+        return;
+    };
     assert_kept(&arrivals, time, 1000);
 }
 
