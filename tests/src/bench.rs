@@ -101,6 +101,11 @@ impl Bench {
 
     /// Ends the present tick and begins the next one.
     pub fn tick(&mut self) {
+        self.tick_seen(|_| ());
+    }
+
+    /// The same; in between `look` sees what everybody outside sees of the tick that has ended.
+    pub fn tick_seen<T>(&mut self, look: impl FnOnce(&Self) -> T) -> T {
         let controls = &self.controls;
         let events = &mut self.events;
         self.controller.plan_contours(&mut self.contour);
@@ -108,7 +113,9 @@ impl Bench {
             let name = controls.iter().find(|(_, slot)| **slot == event.control);
             events.push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));
         });
+        let seen = look(self);
         self.controller.begin_tick();
+        seen
     }
 
     /// Runs a number of ticks.
@@ -160,6 +167,11 @@ impl Bench {
             .filter(|flag| control.has(**flag))
             .map(|flag| flag.name());
         shown.collect::<Vec<_>>().join(" ")
+    }
+
+    /// The machine as configured.
+    pub fn machine(&self) -> &arcline_controller::machine::Machine {
+        &self.project.machine
     }
 
     /// The state of the machine at the present tick.
