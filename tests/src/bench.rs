@@ -5,7 +5,9 @@
 use std::collections::BTreeMap;
 
 use arcline_config::Project;
+use arcline_controller::machine::Start;
 use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket};
+use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{ControlSlot, Directory, FaultKind, FaultSet, Flag, MotionControl, Object, bind};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
 
@@ -31,7 +33,11 @@ impl Bench {
 
     /// A machine of a configuration at tick 0.
     pub fn with(config: &str) -> Self {
-        let project = arcline_config::load(config, "bench.toml").expect("the configuration is valid");
+        Self::of(arcline_config::load(config, "bench.toml").expect("the configuration is valid"))
+    }
+
+    /// A project's machine at tick 0.
+    pub fn of(project: Project) -> Self {
         let mut controller = Controller::new(&project.machine);
         controller.begin_tick();
         Bench {
@@ -167,6 +173,21 @@ impl Bench {
             .filter(|flag| control.has(**flag))
             .map(|flag| flag.name());
         shown.collect::<Vec<_>>().join(" ")
+    }
+
+    /// The machine after a restart: axes as the present tick shows them, their drives off, all else as configured.
+    pub fn restarted(&self) -> Self {
+        let mut project = self.project.clone();
+        for (axis, shown) in project.machine.axes.iter_mut().zip(self.snapshot().axes) {
+            axis.start = Start {
+                position: shown.command[0],
+                servo_on: false,
+                homed: shown.motion_status & motion_status::AXIS_HOMED_STATUS != 0,
+                faults: shown.faults,
+                redefined: shown.redefined,
+            };
+        }
+        Self::of(project)
     }
 
     /// The machine as configured.
