@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use arcline_instruction_set::predefined::{coordinate_motion_status, motion_status};
-use arcline_instruction_set::{FaultKind, FaultSet, Flag, Mnemonic};
+use arcline_instruction_set::{FaultKind, FaultSet, Flag};
 use arcline_tests::bench::Bench;
 use arcline_tests::random::Random;
 
@@ -344,7 +344,7 @@ impl Sequence {
         for (name, event) in &self.bench.events {
             let ended = event.set & (Flag::Er.mask() | Flag::Pc.mask()) != 0
                 || event.clear & Flag::Ip.mask() != 0
-                || (event.set & Flag::Dn.mask() != 0 && event.set & Flag::Ip.mask() == 0 && !runs_before_done(event));
+                || (event.set & Flag::Dn.mask() != 0 && event.set & Flag::Ip.mask() == 0);
             let list = ends.entry(event.ticket.0).or_default();
             if ended {
                 list.push(format!(
@@ -366,11 +366,6 @@ impl Sequence {
             );
         }
     }
-}
-
-/// Homing is in process before it is done.
-fn runs_before_done(event: &arcline_controller::Event) -> bool {
-    event.mnemonic == Mnemonic::Mah
 }
 
 fn sequence(sequence: &mut Sequence) {
