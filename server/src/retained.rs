@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use arcline_config::Project;
 use arcline_controller::image::{self, Access, Image, TagId, TagKind};
 use arcline_controller::machine;
+use arcline_instruction_set::FaultSet;
 use arcline_state::{Axis, AxisState, Damage, Kept, OpenError, Place, ReadError, State, Tag};
 
 use crate::plant::image_of;
@@ -190,7 +191,8 @@ fn take_over(state: &State, project: &mut Project, image: &mut Image) -> Taken {
             position,
             homed,
             moving,
-            ..
+            faults,
+            redefined,
         } = axis.state;
         if moving {
             taken.moving.push(axis.name.clone());
@@ -199,6 +201,8 @@ fn take_over(state: &State, project: &mut Project, image: &mut Image) -> Taken {
             position,
             servo_on: false,
             homed: homed && !moving,
+            faults: FaultSet::from_bits(faults),
+            redefined,
         };
     }
     for tag in &state.tags {
@@ -250,7 +254,9 @@ fn state_of(project: &Project, image: &Image) -> (State, Vec<TagId>) {
         state: AxisState {
             position: axis.start.position,
             homed: axis.start.homed,
-            ..AxisState::default()
+            moving: false,
+            faults: axis.start.faults.bits(),
+            redefined: axis.start.redefined,
         },
     });
     let plain = || image.tags().iter().filter(|tag| is_kept(tag));

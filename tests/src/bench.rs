@@ -5,7 +5,9 @@
 use std::collections::BTreeMap;
 
 use arcline_config::Project;
+use arcline_controller::machine::Start;
 use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket};
+use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{ControlSlot, Directory, FaultKind, FaultSet, Flag, MotionControl, Object, bind};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
 
@@ -31,7 +33,11 @@ impl Bench {
 
     /// A machine of a configuration at tick 0.
     pub fn with(config: &str) -> Self {
-        let project = arcline_config::load(config, "bench.toml").expect("the configuration is valid");
+        Self::of(arcline_config::load(config, "bench.toml").expect("the configuration is valid"))
+    }
+
+    /// A project's machine at tick 0.
+    pub fn of(project: Project) -> Self {
         let mut controller = Controller::new(&project.machine);
         controller.begin_tick();
         Bench {
@@ -101,6 +107,11 @@ impl Bench {
 
     /// Ends the present tick and begins the next one.
     pub fn tick(&mut self) {
+        self.tick_seen(|_| ());
+    }
+
+    /// The same; in between `look` sees what everybody outside sees of the tick that has ended.
+    pub fn tick_seen<T>(&mut self, look: impl FnOnce(&Self) -> T) -> T {
         let controls = &self.controls;
         let events = &mut self.events;
         self.controller.plan_contours(&mut self.contour);
@@ -108,7 +119,9 @@ impl Bench {
             let name = controls.iter().find(|(_, slot)| **slot == event.control);
             events.push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));
         });
+        let seen = look(self);
         self.controller.begin_tick();
+        seen
     }
 
     /// Runs a number of ticks.
@@ -160,6 +173,26 @@ impl Bench {
             .filter(|flag| control.has(**flag))
             .map(|flag| flag.name());
         shown.collect::<Vec<_>>().join(" ")
+    }
+
+    /// The machine after a restart: axes as the present tick shows them, their drives off, all else as configured.
+    pub fn restarted(&self) -> Self {
+        let mut project = self.project.clone();
+        for (axis, shown) in project.machine.axes.iter_mut().zip(self.snapshot().axes) {
+            axis.start = Start {
+                position: shown.command[0],
+                servo_on: false,
+                homed: shown.motion_status & motion_status::AXIS_HOMED_STATUS != 0,
+                faults: shown.faults,
+                redefined: shown.redefined,
+            };
+        }
+        Self::of(project)
+    }
+
+    /// The machine as configured.
+    pub fn machine(&self) -> &arcline_controller::machine::Machine {
+        &self.project.machine
     }
 
     /// The state of the machine at the present tick.

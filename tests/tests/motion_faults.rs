@@ -360,3 +360,44 @@ fn the_average_velocity_is_the_way_within_its_timebase() {
     bench.run(100);
     assert_eq!(bench.axis("X").average_velocity, 0.0);
 }
+
+#[test]
+fn faults_survive_a_restart_until_they_are_reset() {
+    use ExceptionAction::{Alarm, FaultStatusOnly, Shutdown, StopDrive, StopPlanner};
+    for fault in &FAULTS {
+        #[rustfmt::skip]
+        let cases = [
+            // action,        comes back, state,    MSO before the reset
+            (Alarm,           false,      STOPPED,  OK),
+            (FaultStatusOnly, true,       STOPPED,  OK),
+            (StopPlanner,     true,       STOPPED,  (20, 0)),
+            (StopDrive,       true,       FAULTED,  (20, 0)),
+            (Shutdown,        true,       SHUTDOWN, (7, 0)),
+        ];
+        for (action, comes_back, state, answer) in cases {
+            let why = format!("{} {}", fault.word, action.word());
+            let keys = format!("exception_actions = {{ {} = \"{}\" }}", fault.word, action.word());
+            let mut bench = machine(&[("X", &keys)]);
+            bench.inject("X", &[fault.kind]);
+            bench.run(10);
+            let before = bench.axis("X");
+            let mut bench = bench.restarted();
+            bench.run(2);
+            let x = bench.axis("X");
+            assert_eq!(x.fault, before.fault, "{why}");
+            assert_eq!(
+                (x.motion_faults[0], x.cip_faults[0]),
+                (before.motion_faults[0], before.cip_faults[0]),
+                "{why}"
+            );
+            assert_eq!((x.fault != 0, x.cip_state), (comes_back, state), "{why}");
+            assert_eq!(bench.call("MSO(X, M1)"), answer, "{why}");
+            // The cause is gone.
+            assert_eq!(bench.call("MASR(X, M2)"), OK, "{why}");
+            bench.run(2);
+            assert_eq!((bench.axis("X").fault, bench.call("MSO(X, M3)")), (0, OK), "{why}");
+            bench.run(2);
+            assert_eq!(bench.axis("X").cip_state, RUNNING, "{why}");
+        }
+    }
+}

@@ -633,3 +633,37 @@ fn the_sensor_stays_where_it_is_when_positions_are_redefined() {
         bench.tick();
     }
 }
+
+#[test]
+fn the_sensor_stands_where_it_is_after_a_restart() {
+    let keys = "drive = { encoder_resolution = 10 }\nhome = { sequence = \"switch\", direction = \"unidirectional-forward\", \
+                speed = 50, acceleration = 1000, deceleration = 1000, switch = { min = 5.0 } }\n";
+    // The switch is at 5 as positions were at the start: after each redefinition somewhere else.
+    for shifts in [vec![], vec![100.03], vec![100.03, -7.0]] {
+        let total: f64 = shifts.iter().sum();
+        let mut bench = machine(keys);
+        for by in &shifts {
+            assert_eq!(bench.call(&format!("MRP(X, P, Relative, Command, {by})")), OK);
+            bench.run(5);
+        }
+        let mut bench = bench.restarted();
+        assert_eq!(bench.axis("X").average_velocity, 0.0);
+        bench.tick();
+        assert_eq!(bench.axis("X").average_velocity, 0.0, "nothing has moved");
+        assert!((bench.position("X") - total).abs() < 1e-9, "{shifts:?}");
+        let actual = bench.axis("X").actual[0];
+        assert!((actual - total).abs() < 1e-9, "a count is where it was: {actual}");
+        assert_eq!(bench.call("MSO(X, O)"), OK);
+        bench.run(3);
+        assert_eq!(bench.call("MAH(X, H)"), OK);
+        bench.until("H", Flag::Pc);
+        // 50 units/s at 1,000 units/s² behind the switch, which has become 0.
+        let stood = bench.position("X");
+        assert!((stood - 1.25).abs() < 0.11, "{shifts:?}: {stood}");
+        let travelled = bench.axis("X").redefined + 5.0;
+        assert!(
+            travelled.abs() < 0.11,
+            "{shifts:?}: the machine position of the switch is 5: {travelled}"
+        );
+    }
+}

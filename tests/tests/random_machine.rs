@@ -2,14 +2,14 @@
 //! bit that stays behind, and every instruction ends in exactly one way (spec/axis-and-data-types.md §1.2).
 //!
 //! Each sequence is a Structured Text program that its seed reproduces and that is printed when it fails.
-//! `ARCLINE_CASES` sets how many are run (100 unless told), `ARCLINE_SEED` the first (0).
+//! `ARCLINE_CASES` sets how many of each kind are run (150 and 50 unless told), `ARCLINE_SEED` the first (0).
 #![allow(missing_docs)]
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use arcline_instruction_set::predefined::{coordinate_motion_status, motion_status};
-use arcline_instruction_set::{Flag, Mnemonic};
+use arcline_instruction_set::{FaultKind, FaultSet, Flag};
 use arcline_tests::bench::Bench;
 use arcline_tests::random::Random;
 
@@ -18,12 +18,55 @@ const PERIOD: f64 = 0.001;
 const RATE: f64 = 1000.0;
 /// Maximum Deceleration of every axis here, units/s²: the rate of stops.
 const STOP_RATE: f64 = 2000.0;
+/// Axes of the other side of a transform, which add up on an axis.
+const SIDES: f64 = 3.0;
 /// What can act on an axis at once: two moves that are superposed, a residual, a move, a jog, a gear, and a brake of each.
 const GENERATORS: f64 = 6.0;
 
 const AXES: [&str; 7] = ["X", "Y", "Z", "S", "A", "B", "C"];
+/// Degrees of a turn where axes are rotary.
+const UNWIND: f64 = 360.0;
 const SERVOS: [&str; 4] = ["X", "Y", "Z", "S"];
 const SYSTEMS: [(&str, usize); 4] = [("CS1", 3), ("CS2", 3), ("CS3", 3), ("XY", 2)];
+
+/// A kind of machine. Each has its own sequences.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Kind {
+    /// Linear axes; servos follow without limits.
+    Linear,
+    /// Rotary axes S, B and C.
+    Rotary,
+    /// Servos with limits of speed and torque, encoders, and position errors that fault.
+    Limited,
+}
+
+impl Kind {
+    fn configuration(self) -> String {
+        let slow = arcline_config::DEFAULT.replace(
+            "max_deceleration = 10000.0",
+            &format!("max_deceleration = {STOP_RATE:?}"),
+        );
+        assert_ne!(slow, arcline_config::DEFAULT);
+        let home = "home = { sequence = \"switch\", speed = 60.0, acceleration = 1000.0, deceleration = 1000.0, \
+                    switch = { min = -20.0, max = 20.0 } }";
+        let passive = "home = { mode = \"passive\", sequence = \"marker\", marker = { every = 30.0 } }";
+        let mut keys = vec![("X", home), ("Y", passive)];
+        match self {
+            Kind::Linear => {}
+            Kind::Rotary => keys.extend(["S", "B", "C"].map(|axis| (axis, "unwind = 360.0"))),
+            Kind::Limited => {
+                let drive = "drive = { speed_limit = 120.0, torque_limit = 1500.0, encoder_resolution = 100.0, \
+                             position_error_tolerance = 20.0 }";
+                keys.extend(["X", "Z", "S"].map(|axis| (axis, drive)));
+            }
+        }
+        keys.iter().fold(slow, |text, (axis, keys)| {
+            let name = format!("name = \"{axis}\"\ntype = ");
+            assert!(text.contains(&name), "{axis}");
+            text.replacen(&name, &format!("{keys}\n{name}"), 1)
+        })
+    }
+}
 
 /// Bits of an axis that must be off when nothing moves.
 const MOVING: u32 = motion_status::ACCEL_STATUS
@@ -40,25 +83,22 @@ struct Sequence {
     random: Random,
     program: String,
     executed: u32,
-    /// Servos are switched, so that axes lose their speed and their command at once.
+    /// Servos are switched and axes fault, so that axes lose their speed and their command at once.
     switching: bool,
+    kind: Kind,
 }
 
 impl Sequence {
-    fn new(seed: u64) -> Self {
+    fn new(seed: u64, kind: Kind) -> Self {
         let mut random = Random(seed);
         let switching = random.below(2) == 0;
-        let slow = arcline_config::DEFAULT.replace(
-            "max_deceleration = 10000.0",
-            &format!("max_deceleration = {STOP_RATE:?}"),
-        );
-        assert_ne!(slow, arcline_config::DEFAULT);
         Sequence {
-            bench: Bench::with(&slow),
+            bench: Bench::with(&kind.configuration()),
             random,
             program: String::new(),
             executed: 0,
             switching,
+            kind,
         }
     }
 
@@ -164,6 +204,47 @@ impl Sequence {
         self.execute(&call);
     }
 
+    /// Changes what a coordinate system does.
+    fn change(&mut self) {
+        let (system, _) = *self.random.one_of(&SYSTEMS);
+        let (speed, scope) = (self.random.between(0.0, 150.0), self.random.below(2));
+        self.execute(&format!(
+            "MCCD({system}, {{tag}}, 1, 1, {speed}, 0, 1, {RATE}, 0, 0, 0, 0, 0, 0, 0, 0, 0, {scope})"
+        ));
+    }
+
+    /// Homes an axis, or redefines its position.
+    fn reference(&mut self) {
+        let axis = self.axis();
+        let call = match self.random.below(3) {
+            0 => format!("MAH({axis}, {{tag}})"),
+            _ => {
+                let (kind, select) = (self.random.below(2), self.random.below(2));
+                let position = self.random.between(0.0, 90.0);
+                format!("MRP({axis}, {{tag}}, {kind}, {select}, {position})")
+            }
+        };
+        self.execute(&call);
+    }
+
+    /// Puts the cause of a fault on an axis, or takes it away and resets what it has done.
+    fn fault(&mut self) {
+        let place = self.random.below(AXES.len() as u64) as usize;
+        let axis = AXES[place];
+        let bits = if self.random.below(3) == 0 {
+            1u32 << self.random.below(FaultKind::COUNT as u64)
+        } else {
+            0
+        };
+        let _ = writeln!(self.program, "FaultInject[{place}] := {bits};");
+        let causes: Vec<FaultKind> = FaultSet::from_bits(bits).kinds().collect();
+        self.bench.inject(axis, &causes);
+        if bits == 0 {
+            let reset = *self.random.one_of(&["MAFR", "MASR"]);
+            self.execute(&format!("{reset}({axis}, {{tag}})"));
+        }
+    }
+
     fn transform(&mut self) {
         let angle = *self.random.one_of(&[0, 30, 90]);
         // A source of servos has to stand where its target says; the other one is put there.
@@ -183,18 +264,29 @@ impl Sequence {
         let before = self.bench.snapshot();
         self.bench.tick();
         let after = self.bench.snapshot();
+        // A position error has switched a servo off: its command goes to where it is.
+        self.switching |= after.axes.iter().any(|axis| axis.faults != FaultSet::default());
         for (name, (before, after)) in AXES.iter().zip(before.axes.iter().zip(&after.axes)) {
             let (b, a) = (before.command, after.command);
             assert!(
                 a.iter().chain(&after.actual).all(|value| value.is_finite()),
                 "{name}: {a:?}"
             );
+            if self.kind == Kind::Limited && SERVOS.contains(name) && *name != "Y" {
+                assert!(
+                    after.actual[1].abs() <= 120.0 + 1e-6,
+                    "{name}: {} units/s with a limit of 120",
+                    after.actual[1]
+                );
+            }
             if self.switching {
                 continue;
             }
+            // Every part of what moves it is programmed with at most 150 units/s; home speeds are less.
+            let fastest = SIDES * GENERATORS * 150.0;
+            assert!(a[1].abs() <= fastest, "{name}: {} units/s", a[1]);
             // An axis of a transform adds up what three axes of the other side do.
-            let axes = 3.0;
-            let most = axes * GENERATORS * STOP_RATE * PERIOD;
+            let most = SIDES * GENERATORS * STOP_RATE * PERIOD;
             assert!(
                 (a[1] - b[1]).abs() <= most,
                 "{name}: velocity from {} to {}",
@@ -202,8 +294,13 @@ impl Sequence {
                 a[1]
             );
             let mean = 0.5 * (a[1] + b[1]) * PERIOD;
+            // Redefinitions are no motion; a rotary axis shows a whole turn less or more.
+            let mut travelled = (a[0] - b[0]) - (after.redefined - before.redefined);
+            if self.kind == Kind::Rotary && ["S", "B", "C"].contains(name) {
+                travelled -= UNWIND * ((travelled - mean) / UNWIND).round();
+            }
             assert!(
-                ((a[0] - b[0]) - mean).abs() <= most * PERIOD,
+                (travelled - mean).abs() <= most * PERIOD,
                 "{name}: position from {} to {} at {} units/s",
                 b[0],
                 a[0],
@@ -214,6 +311,10 @@ impl Sequence {
 
     /// Stops the group; then nothing moves and nothing is left behind.
     fn finish(&mut self) {
+        for (place, axis) in AXES.iter().enumerate() {
+            let _ = writeln!(self.program, "FaultInject[{place}] := 0;");
+            self.bench.inject(axis, &[]);
+        }
         self.execute("MGS(Motion, {tag}, 1)");
         self.bench.until_rest();
         self.run(3);
@@ -237,7 +338,7 @@ impl Sequence {
         for (name, event) in &self.bench.events {
             let ended = event.set & (Flag::Er.mask() | Flag::Pc.mask()) != 0
                 || event.clear & Flag::Ip.mask() != 0
-                || (event.set & Flag::Dn.mask() != 0 && event.set & Flag::Ip.mask() == 0 && !runs_before_done(event));
+                || (event.set & Flag::Dn.mask() != 0 && event.set & Flag::Ip.mask() == 0);
             let list = ends.entry(event.ticket.0).or_default();
             if ended {
                 list.push(format!(
@@ -261,11 +362,6 @@ impl Sequence {
     }
 }
 
-/// Homing is in process before it is done.
-fn runs_before_done(event: &arcline_controller::Event) -> bool {
-    event.mnemonic == Mnemonic::Mah
-}
-
 fn sequence(sequence: &mut Sequence) {
     if sequence.random.below(2) == 0 {
         sequence.transform();
@@ -273,9 +369,20 @@ fn sequence(sequence: &mut Sequence) {
     for _ in 0..8 + sequence.random.below(25) {
         match sequence.random.below(16) {
             0..=3 => sequence.coordinated(),
-            4..=7 => sequence.single_axis(),
+            4..=6 => sequence.single_axis(),
+            7 => match sequence.random.below(3) {
+                0 => sequence.change(),
+                1 => sequence.reference(),
+                _ => sequence.single_axis(),
+            },
             8 | 9 => sequence.stop(),
-            10 if sequence.switching => sequence.switch(),
+            10 if sequence.switching => {
+                if sequence.random.below(3) == 0 {
+                    sequence.fault();
+                } else {
+                    sequence.switch();
+                }
+            }
             11 => sequence.transform(),
             _ => {
                 let ticks = 1 + sequence.random.below(300);
@@ -287,13 +394,27 @@ fn sequence(sequence: &mut Sequence) {
     sequence.check_ends();
 }
 
-#[test]
-fn random_sequences_leave_nothing_behind_and_every_instruction_ends_once() {
-    let cases = std::env::var("ARCLINE_CASES").map_or(100, |cases| cases.parse().expect("a number"));
+fn run(kind: Kind, share: u64) {
+    let cases = std::env::var("ARCLINE_CASES").map_or(150 / share, |cases| cases.parse().expect("a number"));
     let first = std::env::var("ARCLINE_SEED").map_or(0, |seed| seed.parse().expect("a number"));
     for seed in first..first + cases {
-        let mut one = Sequence::new(seed);
+        let mut one = Sequence::new(seed, kind);
         let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| sequence(&mut one)));
-        assert!(result.is_ok(), "seed {seed}:\n{}", one.program);
+        assert!(result.is_ok(), "{kind:?}, seed {seed}:\n{}", one.program);
     }
+}
+
+#[test]
+fn random_sequences_leave_nothing_behind_and_every_instruction_ends_once() {
+    run(Kind::Linear, 1);
+}
+
+#[test]
+fn random_sequences_of_rotary_axes() {
+    run(Kind::Rotary, 3);
+}
+
+#[test]
+fn random_sequences_of_servos_with_limits() {
+    run(Kind::Limited, 3);
 }

@@ -460,6 +460,31 @@ async fn a_controlled_stop_saves_where_it_stopped() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_fault_comes_back_until_it_is_reset() {
+    let files = Files::new(&[]);
+    let server = files.start();
+    let client = connect(&server).await;
+    client.write("FaultInject[0]", 8).await.expect("writable");
+    while !axis(&client, "X").await.flag("PhysicalAxisFault") {}
+    while files.read().axes[0].state.faults != 8 {}
+    let _ = server.kill();
+    let again = files.start();
+    let client = connect(&again).await;
+    for (name, faulted) in [("X", true), ("Y", false)] {
+        let shown = axis(&client, name).await;
+        assert_eq!(shown.flag("PhysicalAxisFault"), faulted, "{name}");
+        assert_eq!(shown.flag("ControllerInitiatedFault"), faulted, "{name}");
+    }
+    let operands = Operands::full_speed(Mnemonic::Mafr);
+    let reset = client.execute(Mnemonic::Mafr, "X", "", operands.given()).await;
+    reset.expect("it can be executed");
+    while axis(&client, "X").await.flag("PhysicalAxisFault") {}
+    let (status, log) = again.terminate();
+    assert_eq!(status.code(), Some(0), "{log}");
+    assert_eq!(files.read().axes[0].state.faults, 0);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn without_a_file_nothing_is_kept() {
     let files = Files::new(&[("Count", "DINT")]);
     for state in [&["--state", "off"][..], &[]] {

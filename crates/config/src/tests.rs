@@ -45,7 +45,8 @@ fn the_default_is_what_the_contract_says() {
             Start {
                 position: 0.0,
                 servo_on: true,
-                homed: true
+                homed: true,
+                ..Start::default()
             }
         );
     }
@@ -156,7 +157,8 @@ fn everything_can_be_said() {
         Start {
             position: 1.5,
             servo_on: false,
-            homed: false
+            homed: false,
+            ..Start::default()
         }
     );
     let drive = Drive {

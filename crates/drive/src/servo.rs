@@ -54,7 +54,7 @@ impl Servo {
             limits: (speed.is_finite() || torque.is_finite()).then_some(Limits { speed, torque }),
             encoder: Encoder {
                 resolution: settings.encoder_resolution,
-                origin: 0.0,
+                origin: settings.encoder_origin,
             },
             command: standing(position),
             error: 0.0,

@@ -10,7 +10,7 @@ mod home;
 
 pub use home::{Home, HomeDirection, HomeMarker, HomeMode, HomeSequence, HomeSwitch};
 
-use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind};
+use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 
 /// Largest number of axes of one machine.
 pub const MAX_AXES: usize = 256;
@@ -202,14 +202,15 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The same for the simulation.
-    pub(crate) fn settings(&self) -> arcline_drive::Settings {
+    /// The same for the simulation, with a count of the encoder at a position.
+    pub(crate) fn settings(&self, encoder_origin: f64) -> arcline_drive::Settings {
         arcline_drive::Settings {
             bandwidth: self.position_bandwidth_hz,
             feedforward: self.velocity_feedforward,
             speed_limit: self.speed_limit.unwrap_or(f64::INFINITY),
             torque_limit: self.torque_limit.unwrap_or(f64::INFINITY),
             encoder_resolution: self.encoder_resolution,
+            encoder_origin,
         }
     }
 }
@@ -246,6 +247,10 @@ pub struct Start {
     pub servo_on: bool,
     /// Whether the axis counts as homed.
     pub homed: bool,
+    /// Faults that have not been reset.
+    pub faults: FaultSet,
+    /// What positions were shifted by since the machine was built: home sensor and encoder stand where they are.
+    pub redefined: f64,
 }
 
 impl Default for Start {
@@ -254,6 +259,8 @@ impl Default for Start {
             position: 0.0,
             servo_on: true,
             homed: true,
+            faults: FaultSet::default(),
+            redefined: 0.0,
         }
     }
 }

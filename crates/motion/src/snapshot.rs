@@ -1,5 +1,7 @@
 //! What the outside sees of an axis and of a coordinate system at one tick.
 
+use arcline_instruction_set::FaultSet;
+
 /// One axis: the words of its tag (spec/axis-and-data-types.md §8.4) and its motion variables.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisSnapshot {
@@ -15,6 +17,10 @@ pub struct AxisSnapshot {
     pub motion_faults: [u32; 2],
     /// CIPAxisFaults and CIPAxisAlarms.
     pub cip_faults: [u64; 2],
+    /// Faults since the last reset: those of the words above.
+    pub faults: FaultSet,
+    /// What positions were shifted by without motion since the machine was built.
+    pub redefined: f64,
     /// CIPAxisState.
     pub cip_state: i16,
     /// CIPAxisStatus.

@@ -31,6 +31,8 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
             axis.faults.alarms(FaultWord::Motion) as u32,
         ],
         cip_faults: [axis.faults.word(FaultWord::Cip), axis.faults.alarms(FaultWord::Cip)],
+        faults: axis.faults.latched(),
+        redefined: axis.redefined,
         status: axis_word(axis),
         event: [
             (axis.awaits_home_event(), axis_event::HOME_EVENT_ARMED_STATUS),

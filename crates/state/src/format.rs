@@ -17,7 +17,7 @@ use crate::state::within;
 use crate::{Change, Damage, Limit, State};
 
 /// The format that is written and read.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 /// Longest file that is read, bytes.
 pub const MAX_FILE: usize = 4 * MAX_RECORD;
 

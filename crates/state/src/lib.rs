@@ -22,7 +22,5 @@ mod tests;
 
 pub use damage::{Damage, Limit};
 pub use format::{FORMAT, Kept, MAX_FILE, parse};
-pub use state::{
-    Axis, AxisState, Change, FAULT_WORDS, MAX_AXES, MAX_TAG_BYTES, MAX_TAGS, MAX_TEXT, MAX_TOTAL, State, Tag,
-};
+pub use state::{Axis, AxisState, Change, MAX_AXES, MAX_TAG_BYTES, MAX_TAGS, MAX_TEXT, MAX_TOTAL, State, Tag};
 pub use store::{OpenError, Place, ReadError, Store};

@@ -34,8 +34,10 @@ pub struct AxisState {
     pub homed: bool,
     /// Whether something moves it: the position is where it was a moment ago.
     pub moving: bool,
-    /// Its fault words: AxisFault first; the others are 0 in this format.
-    pub faults: [u32; FAULT_WORDS],
+    /// Its faults since the last reset, a bit for each kind.
+    pub faults: u32,
+    /// What positions were shifted by without motion since the machine was built, position units; finite.
+    pub redefined: f64,
 }
 
 /// A tag.
@@ -158,7 +160,7 @@ pub(crate) fn within(what: Limit, found: usize, limit: usize) -> Result<(), Dama
 }
 
 fn finite(axis: usize, state: &AxisState) -> Result<(), Damage> {
-    if state.position.is_finite() {
+    if state.position.is_finite() && state.redefined.is_finite() {
         Ok(())
     } else {
         Err(Damage::NotANumber { axis })
@@ -175,5 +177,3 @@ pub const MAX_TEXT: usize = 255;
 pub const MAX_TAG_BYTES: usize = 8 * 1024 * 1024;
 /// Largest sum of all tags, bytes.
 pub const MAX_TOTAL: usize = 64 * 1024 * 1024;
-/// Fault words of an axis.
-pub const FAULT_WORDS: usize = 4;

@@ -49,7 +49,15 @@ fn at(position: f64, moving: bool) -> AxisState {
 fn what_has_the_same_name_and_type_is_taken_over() {
     let state = State {
         axes: vec![
-            axis("x", "servo, mm", at(12.5, false)),
+            axis(
+                "x",
+                "servo, mm",
+                AxisState {
+                    faults: 1 << 31 | 8,
+                    redefined: 2.5,
+                    ..at(12.5, false)
+                },
+            ),
             axis("Y", "servo, mm", at(-3.0, true)),
             axis("Z", "servo, in", at(1.0, false)),
             axis("A", "servo, mm", at(1.0, false)),
@@ -82,8 +90,14 @@ fn what_has_the_same_name_and_type_is_taken_over() {
         position,
         servo_on: false,
         homed,
+        ..machine::Start::default()
     };
-    assert_eq!(starts[..2], [off(12.5, true), off(-3.0, false)]);
+    let first = machine::Start {
+        faults: FaultSet::from_bits(8),
+        redefined: 2.5,
+        ..off(12.5, true)
+    };
+    assert_eq!(starts[..2], [first, off(-3.0, false)]);
     for (start, axis) in starts.iter().zip(&configured.axes).skip(2) {
         assert_eq!(*start, axis.start, "{} is as configured", axis.name);
     }
@@ -198,9 +212,11 @@ fn the_beginning_and_the_end_of_motion_are_sent_at_once_positions_now_and_then()
         "its position was redefined"
     );
     let mut faulted = resting(0.0);
-    faulted.fault = 1;
+    faulted.faults = FaultSet::from_bits(8);
+    faulted.redefined = -10.2;
     let expected = AxisState {
-        faults: [1, 0, 0, 0],
+        faults: 8,
+        redefined: -10.2,
         ..at(0.0, false)
     };
     assert_eq!(look(106, faulted), Some(expected));

@@ -73,7 +73,7 @@ impl Watch {
         }
         let due = snapshot.tick >= self.due;
         let news = self.news(snapshot, |was, is| {
-            due || !(was.moving && is.moving) || was.homed != is.homed
+            due || !(was.moving && is.moving) || was.homed != is.homed || was.faults != is.faults
         });
         if due {
             self.due = snapshot.tick + self.interval;
@@ -95,7 +95,8 @@ impl Watch {
         let axes = (0..).zip(self.axes.iter_mut().zip(&snapshot.axes));
         axes.filter_map(|(axis, (was, shown))| {
             let state = state(shown);
-            let news = state != *was && wanted(was, &state) && state.position.is_finite();
+            let news =
+                state != *was && wanted(was, &state) && state.position.is_finite() && state.redefined.is_finite();
             news.then(|| {
                 *was = state;
                 Change::Axis { axis, state }
@@ -130,7 +131,8 @@ fn state(axis: &AxisSnapshot) -> AxisState {
         },
         homed: axis.motion_status & motion_status::AXIS_HOMED_STATUS != 0,
         moving,
-        faults: [axis.fault, 0, 0, 0],
+        faults: axis.faults.bits(),
+        redefined: axis.redefined,
     }
 }
 

@@ -148,6 +148,7 @@ fn start(axis: &Section<'_>, unwind: Option<f64>) -> Result<Start, ConfigError> 
         position,
         servo_on: section.boolean("servo_on")?.unwrap_or(default.servo_on),
         homed: section.boolean("homed")?.unwrap_or(default.homed),
+        ..default
     })
 }
 

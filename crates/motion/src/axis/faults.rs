@@ -66,6 +66,10 @@ impl Faults {
             side: 0,
             homed: description.start.homed,
         };
+        let latched = description.start.faults.kinds();
+        faults.latched = latched
+            .filter(|kind| faults.possible.contains(*kind) && faults.is_fault(*kind))
+            .fold(FaultSet::default(), FaultSet::with);
         // An axis that starts outside stands there: that is no fault.
         faults.side = faults.side_of(description.start.position);
         faults
@@ -123,8 +127,22 @@ impl Faults {
     /// Clears every fault. Returns whether none of their causes is still there.
     pub(crate) fn reset(&mut self) -> bool {
         self.latched = FaultSet::default();
-        let faults = |kind| self.actions.of(kind) >= ExceptionAction::FaultStatusOnly;
-        !self.injected.union(self.found).kinds().any(faults)
+        !self.injected.union(self.found).kinds().any(|kind| self.is_fault(kind))
+    }
+
+    /// Faults since the last reset.
+    pub(crate) fn latched(&self) -> FaultSet {
+        self.latched
+    }
+
+    /// The strongest action of the faults since the last reset.
+    pub(crate) fn strongest(&self) -> Option<ExceptionAction> {
+        self.latched.kinds().map(|kind| self.actions.of(kind)).max()
+    }
+
+    /// Whether the kind is a fault, and not only an alarm or nothing.
+    fn is_fault(&self, kind: FaultKind) -> bool {
+        self.actions.of(kind) >= ExceptionAction::FaultStatusOnly
     }
 
     /// Whether a fault keeps the axis from being moved.

@@ -9,6 +9,7 @@ mod sensor;
 pub(crate) mod sum;
 
 use arcline_drive::{Drive, Motion as Point};
+use arcline_instruction_set::ExceptionAction;
 use arcline_planner::profile::{Limits, Profile, State};
 use arcline_planner::{Clock, Instant};
 
@@ -89,17 +90,24 @@ pub(crate) struct Axis {
 impl Axis {
     /// `period`: the coarse update period, seconds.
     pub(crate) fn new(description: &Description, period: f64) -> Self {
-        let position = description.start.position;
+        let start = &description.start;
+        let position = start.position;
         let (drive, state) = match &description.kind {
             AxisKind::Virtual => (Drive::ideal(position), AxisState::Running),
             AxisKind::Servo(drive) => (
-                Drive::servo(position, &drive.settings()),
-                if description.start.servo_on {
+                Drive::servo(position, &drive.settings(start.redefined)),
+                if start.servo_on {
                     AxisState::Running
                 } else {
                     AxisState::Stopped
                 },
             ),
+        };
+        let faults = Faults::new(description);
+        let state = match faults.strongest() {
+            Some(ExceptionAction::Shutdown) => AxisState::Shutdown,
+            Some(ExceptionAction::StopDrive) if state == AxisState::Stopped => AxisState::Faulted,
+            _ => state,
         };
         Axis {
             state,
@@ -107,11 +115,11 @@ impl Axis {
             command: standing(position),
             sum: Sum::at_rest(position),
             stale: false,
-            homed: description.start.homed,
+            homed: start.homed,
             home: description.home,
             homing: None,
             home_event: false,
-            redefined: 0.0,
+            redefined: start.redefined,
             started_at: [position; 2],
             dynamics: Maxima::from(description),
             unwind: description.unwind,
@@ -120,8 +128,12 @@ impl Axis {
             stop_mode: description.programmed_stop_mode,
             after_stop: AfterStop::Hold,
             strobed: [0.0; 2],
-            faults: Faults::new(description),
-            average: Average::new(position, description.average_velocity_timebase, period),
+            faults,
+            average: Average::new(
+                position - start.redefined,
+                description.average_velocity_timebase,
+                period,
+            ),
         }
     }
 

@@ -103,11 +103,17 @@ pub(super) fn steady(from: State, limits: &Limits) -> State {
 pub(super) fn verify_axis(axis: &Axis, s_curve: bool) -> Result<(), MotionError> {
     ready(axis)?;
     not_homing(axis)?;
-    if axis.dynamics.deceleration <= 0.0 {
-        return Err(MotionError::ZeroMaxDecel(Culprit::Axis(AxisIndex(0))));
-    }
+    stoppable(axis)?;
     if s_curve && axis.dynamics.deceleration_jerk <= 0.0 {
         return Err(MotionError::ZeroMaxDecelJerk(Culprit::Axis(AxisIndex(0))));
+    }
+    Ok(())
+}
+
+/// There is a rate to stop with.
+pub(super) fn stoppable(axis: &Axis) -> Result<(), MotionError> {
+    if axis.dynamics.deceleration <= 0.0 {
+        return Err(MotionError::ZeroMaxDecel(Culprit::Axis(AxisIndex(0))));
     }
     Ok(())
 }

@@ -1,8 +1,8 @@
 //! MAH, Motion Axis Home (spec/axis-and-data-types.md §3.2, §11).
 
-use arcline_instruction_set::{AxisIndex, Call, Culprit, MotionError};
+use arcline_instruction_set::{Call, MotionError};
 
-use super::axis_moves::{not_faulted, not_homing, not_shut_down, ready};
+use super::axis_moves::{not_faulted, not_homing, not_shut_down, not_stopping, ready, stoppable};
 use crate::axis::Axis;
 use crate::control::Execution;
 use crate::machine::{HomeMode, HomeSequence};
@@ -24,12 +24,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     }
     not_homing(state)?;
     if active {
-        if state.dynamics.deceleration <= 0.0 && (state.in_motion() || state.home.sequence != HomeSequence::Immediate) {
-            return Err(MotionError::ZeroMaxDecel(Culprit::Axis(AxisIndex(0))));
+        if state.in_motion() || state.home.sequence != HomeSequence::Immediate {
+            stoppable(state)?;
         }
-        if state.is_stopping() {
-            return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
-        }
+        not_stopping(state)?;
     }
     if motion.is_redefining(axis) {
         return Err(MotionError::RedefinePositionInProcess);

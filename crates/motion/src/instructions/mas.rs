@@ -3,7 +3,7 @@
 use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
 use arcline_planner::profile::{Jerk, Limits};
 
-use super::axis_moves::switched_on;
+use super::axis_moves::{stoppable, switched_on};
 use super::place;
 use super::programmed::positive;
 use crate::axis::sum::Slot;
@@ -94,6 +94,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     motion.verify_operands(call)?;
     let state = &motion.axes[at];
     switched_on(state)?;
+    stoppable(state)?;
     let tick = motion.clock.tick;
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
     if matches!(stopped(call.word(layout.stop_type)), Some(None | Some(Slot::Home))) {

@@ -83,7 +83,6 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         let system = &motion.systems[index];
         verify::axes_ready(system, &motion.axes)?;
         verify::not_homing(system, &motion.axes)?;
-        verify::not_homing(system, &motion.axes)?;
         verify::stoppable(system, &motion.axes, true)?;
     }
     verify_chain(motion, target, &link)?;

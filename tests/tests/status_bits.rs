@@ -1,0 +1,523 @@
+//! Every bit of the predefined types that Arcline sets, seen set and cleared at its tick, as a client reads it from the
+//! bytes of the tags (spec/axis-and-data-types.md §1.2, §8); the others with the reason why they stay 0.
+//!
+//! A scenario is a machine at rest and what is executed at which tick. A row names a bit and the ticks at which it
+//! changes: the first is that of the first snapshot that shows the change.
+#![allow(missing_docs)]
+
+use std::collections::BTreeSet;
+
+use arcline_controller::image::{Health, Image};
+use arcline_instruction_set::{FAULTS, FaultKind, FaultWord, Flag, predefined};
+use arcline_tests::bench::{Bench, OK};
+
+const MORE: &str = r#"
+[[axis]]
+name = "H"
+type = "servo"
+max_speed = 1000.0
+max_acceleration = 1000.0
+max_deceleration = 1000.0
+start = { homed = false }
+home = { sequence = "switch", direction = "unidirectional-forward", speed = 50.0, switch = { min = 5.0 } }
+
+[[axis]]
+name = "Weak"
+type = "servo"
+max_speed = 1000.0
+max_acceleration = 10000.0
+max_deceleration = 10000.0
+drive = { speed_limit = 40.0, torque_limit = 1000.0, position_error_tolerance = 50.0 }
+
+[[axis]]
+name = "Far"
+type = "servo"
+max_speed = 1000.0
+max_acceleration = 10000.0
+max_deceleration = 10000.0
+travel = { min = -1.0, max = 1.0 }
+
+[[axis]]
+name = "Near"
+type = "servo"
+max_speed = 1000.0
+max_acceleration = 10000.0
+max_deceleration = 10000.0
+travel = { min = -1.0, max = 1.0 }
+exception_actions = { soft_travel_positive = "alarm", soft_travel_negative = "alarm", drive = "alarm" }
+"#;
+
+/// A name, the last tick, and what happens at which tick: a call, `fault AXIS BITS`, `false TAG` of a rung, `late` and
+/// `in time` of the motion task.
+type Scenario = (&'static str, u64, &'static str);
+
+#[rustfmt::skip]
+const SCENARIOS: &[Scenario] = &[
+    // Ramps of 100 ms to 50 units/s; 99.6 ms along.
+    ("move", 330, "10 MAM(X, M, 0, 9.98, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n320 false M"),
+    ("jog and stop", 300, "10 MAJ(X, M, 0, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n160 MAS(X, Stop, Jog, Yes, 500, 0)"),
+    ("too fast", 400, "10 MAJ(X, M, 0, 1500, 0, 10000, 0, 10000, 0, 0, 100, 100, 2)\n200 MAS(X, Stop, All, Yes, 10000, 0)"),
+    // The master runs at 50 units/s, which 10 ms of clutch reach.
+    ("gear", 310, "0 MAJ(Y, J, 0, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n150 MAG(X, Y, M, 0, 1, 1, 1, Command, Real, Enabled, 5000, 0)\n200 MAS(X, Stop, Gear, Yes, 500, 0)"),
+    // 125 ms to the switch at 5 units, then 50 ms of braking.
+    ("home", 300, "10 MAH(H, M)"),
+    ("virtual home", 60, "10 MAH(A, M)"),
+    ("servo", 60, "10 MSF(X, M)\n30 MSO(X, N)"),
+    ("shutdown", 60, "10 MASD(X, M)\n30 MASR(X, N)\n40 MSO(X, O)"),
+    ("virtual shutdown", 60, "10 MASD(A, M)\n30 MASR(A, N)"),
+    ("system shutdown", 60, "10 MCSD(CS1, M)\n30 MCSR(CS1, N)"),
+    ("line", 330, "10 MCLM(CS1, M, 0, [9.98, 0, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 0)\n320 MCLM(CS1, N, 0, [11, 0, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 0)"),
+    ("two lines", 630, "10 MCLM(CS1, M, 0, [9.98, 0, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)\n20 MCLM(CS1, N, 0, [9.98, 9.98, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)"),
+    // The second begins 0.5 units before the end of the first: after 255 ms.
+    ("blend", 630, "10 MCLM(CS1, M, 0, [9.98, 0, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 2)\n20 MCLM(CS1, N, 0, [9.98, 9.98, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 2)"),
+    ("deep queue", 330, "10 MCLM(Deep, M, 0, [9.98, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)\n20 MCLM(Deep, N, 0, [9.98, 9.98], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)\n30 MCLM(Deep, O, 0, [0, 9.98], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)"),
+    ("stopped line", 330, "10 MCLM(CS1, M, 0, [9.98, 0, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)\n160 MCS(CS1, Stop, 2, Yes, 500, 0)"),
+    ("transform", 300, "10 MCT(CS2, CS3, M, [0, 0, 0], [0, 0, 0])\n20 MAM(A, N, 0, 1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MCS(CS2, Stop, 3, No, 0, 0)"),
+    ("transform forwards", 300, "10 MCT(CS2, CS3, M, [0, 0, 0], [0, 0, 0])\n20 MAM(X, N, 0, 1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MCS(CS3, Stop, 3, No, 0, 0)"),
+    ("fault", 60, "10 fault X 8\n20 fault X 0\n30 MAFR(X, M)\n40 MSO(X, N)"),
+    ("virtual fault", 60, "10 fault A 1\n20 fault A 0\n30 MAFR(A, M)"),
+    // A distance of 1 unit at 500 units/s²: √0.004 s.
+    ("out of travel", 300, "10 MAM(Far, M, 0, 5, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MAFR(Far, N)"),
+    ("out of travel backwards", 300, "10 MAM(Far, M, 0, -5, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MAFR(Far, N)"),
+    ("alarm", 400, "10 MAM(Near, M, 0, 2.1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MAM(Near, N, 0, 0, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)"),
+    ("alarm backwards", 400, "10 MAM(Near, M, 0, -2.1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MAM(Near, N, 0, 0, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)"),
+    ("drive alarm", 60, "10 fault Near 8\n30 fault Near 0"),
+    ("weak drive", 600, "10 MAM(Weak, M, 0, 10, 50, 0, 10000, 0, 10000, 0, 0, 100, 100, 2)"),
+    ("error", 60, "10 MAM(X, M, 2, 10, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n20 false M"),
+    ("late", 60, "10 late\n30 in time"),
+];
+
+/// Scenarios that a virtual axis goes through just so.
+const VIRTUAL_TOO: [&str; 5] = ["move", "jog and stop", "too fast", "gear", "line"];
+
+/// A scenario, a bit (`TAG.MEMBER`, or `TAG.MEMBER.BIT` of a word without names), what it is at tick 0, and the ticks at
+/// which it changes.
+type Row = (&'static str, &'static str, bool, &'static [u64]);
+
+#[rustfmt::skip]
+const ROWS: &[Row] = &[
+    // AXIS_CIP_DRIVE, AXIS_VIRTUAL: MotionStatus.
+    ("move",             "X.MoveStatus",                    false, &[10, 310]),
+    ("move",             "X.AccelStatus",                   false, &[10, 110]),
+    ("move",             "X.DecelStatus",                   false, &[210, 310]),
+    ("jog and stop",     "X.JogStatus",                     false, &[10, 160]),
+    ("jog and stop",     "X.StoppingStatus",                false, &[160, 260]),
+    ("too fast",         "X.MaximumSpeedExceeded",          false, &[111, 250]),
+    ("gear",             "X.GearingStatus",                 false, &[150, 200]),
+    ("gear",             "X.GearingLockStatus",             false, &[160, 200]),
+    ("home",             "H.HomingStatus",                  false, &[10, 185]),
+    ("home",             "H.AxisHomedStatus",               false, &[185]),
+    ("virtual home",     "A.HomingStatus",                  false, &[10, 11]),
+    ("virtual home",     "A.AxisHomedStatus",               true,  &[10, 11]),
+    ("line",             "X.CoordinatedMotionStatus",       false, &[10, 310, 320]),
+    ("transform",        "X.TransformStateStatus",          false, &[10, 200]),
+    ("transform",        "X.ControlledByTransformStatus",   false, &[20, 111]),
+    ("transform",        "A.TransformStateStatus",          false, &[10, 200]),
+    ("transform",        "A.ControlledByTransformStatus",   false, &[]),
+    ("transform forwards", "A.ControlledByTransformStatus", false, &[20, 110]),
+    ("transform forwards", "X.ControlledByTransformStatus", false, &[]),
+    // AxisEvent.
+    ("home",             "H.HomeEventArmedStatus",          false, &[10, 135]),
+    ("home",             "H.HomeEventStatus",               false, &[135]),
+    // AxisStatus, CIPAxisStatus.
+    ("servo",            "X.ServoActionStatus",             true,  &[10, 31]),
+    ("servo",            "X.DriveEnableStatus",             true,  &[10, 31]),
+    ("servo",            "X.PowerStructureEnabledStatus",   true,  &[10, 31]),
+    ("servo",            "X.TrackingCommandStatus",         true,  &[10, 31]),
+    ("shutdown",         "X.ShutdownStatus",                false, &[10, 30]),
+    ("shutdown",         "X.CIPShutdownStatus",             false, &[10, 30]),
+    ("shutdown",         "X.ServoActionStatus",             true,  &[10, 41]),
+    ("virtual shutdown", "A.ServoActionStatus",             true,  &[10, 30]),
+    ("virtual shutdown", "A.DriveEnableStatus",             true,  &[10, 30]),
+    ("virtual shutdown", "A.ShutdownStatus",                false, &[10, 30]),
+    ("move",             "X.VelocityStandstillStatus",      true,  &[11, 310]),
+    // 4 ms at 10 times the torque there is: the limit of the torque, then that of the speed, and the way back.
+    ("weak drive",       "Weak.TorqueLimitStatus",          false, &[11, 51, 277, 478]),
+    ("weak drive",       "Weak.VelocityLimitStatus",        false, &[51, 277]),
+    ("weak drive",       "Weak.PositionLockStatus",         true,  &[12, 280, 281, 352, 353, 409, 410, 449, 450, 473]),
+    ("drive alarm",      "Near.AlarmStatus",                false, &[11, 31]),
+    // AxisFault, and what motion shows of it.
+    ("fault",            "X.PhysicalAxisFault",             false, &[11, 30]),
+    ("fault",            "X.ServoActionStatus",             true,  &[11, 41]),
+    ("virtual fault",    "A.PhysicalAxisFault",             false, &[11, 30]),
+    ("out of travel",    "Far.MotionFault",                 false, &[74, 200]),
+    ("out of travel",    "Far.SoftTravelLimitPositiveFault", false, &[74, 200]),
+    ("out of travel",    "Far.StoppingStatus",              false, &[74, 78]),
+    ("out of travel backwards", "Far.SoftTravelLimitNegativeFault", false, &[74, 200]),
+    ("alarm",            "Near.SoftTravelLimitPositiveAlarm", false, &[74, 267]),
+    ("alarm backwards",  "Near.SoftTravelLimitNegativeAlarm", false, &[74, 267]),
+    ("late",             "X.GroupFault",                    false, &[10, 30]),
+    ("late",             "A.GroupFault",                    false, &[10, 30]),
+    // COORDINATE_SYSTEM: CoordinateMotionStatus.
+    ("line",             "CS1.MoveStatus",                  false, &[10, 310, 320]),
+    ("line",             "CS1.AccelStatus",                 false, &[10, 110, 320]),
+    ("line",             "CS1.DecelStatus",                 false, &[210, 310]),
+    ("line",             "CS1.ActualPosToleranceStatus",    false, &[310, 320]),
+    ("line",             "CS1.CommandPosToleranceStatus",   false, &[265, 320]),
+    ("two lines",        "CS1.MovePendingStatus",           false, &[20, 310]),
+    ("two lines",        "CS1.MovePendingQueueFullStatus",  false, &[20, 310]),
+    ("deep queue",       "Deep.MovePendingStatus",          false, &[20]),
+    ("deep queue",       "Deep.MovePendingQueueFullStatus", false, &[30, 310]),
+    ("two lines",        "CS1.MoveTransitionStatus",        false, &[]),
+    ("blend",            "CS1.MoveTransitionStatus",        false, &[265, 310]),
+    ("stopped line",     "CS1.StoppingStatus",              false, &[160, 260]),
+    ("stopped line",     "CS1.DecelStatus",                 false, &[160, 260]),
+    ("stopped line",     "CS1.MoveStatus",                  false, &[10, 160]),
+    ("transform",        "CS2.TransformSourceStatus",       false, &[10, 200]),
+    ("transform",        "CS3.TransformTargetStatus",       false, &[10, 200]),
+    // CoordinateSystemStatus, AxisFault, and the words of its axes.
+    ("line",             "CS1.MotionStatus",                false, &[10, 310, 320]),
+    ("stopped line",     "CS1.MotionStatus",                false, &[10, 260]),
+    ("shutdown",         "CS1.ReadyStatus",                 true,  &[10, 30]),
+    ("shutdown",         "CS1.ShutdownStatus",              false, &[]),
+    ("system shutdown",  "CS1.ShutdownStatus",              false, &[10, 30]),
+    ("system shutdown",  "CS2.ShutdownStatus",              false, &[]),
+    ("fault",            "CS1.ReadyStatus",                 true,  &[11, 30]),
+    ("fault",            "CS1.PhysicalAxisFault",           false, &[11, 30]),
+    ("late",             "CS1.GroupFault",                  false, &[10, 30]),
+    ("fault",            "CS1.PhysicalAxesFaulted.0",       false, &[11, 30]),
+    ("fault",            "CS1.PhysicalAxesFaulted.1",       false, &[]),
+    ("shutdown",         "CS1.AxesShutdownStatus.0",        false, &[10, 30]),
+    ("shutdown",         "CS1.AxesShutdownStatus.1",        false, &[]),
+    ("system shutdown",  "CS1.AxesShutdownStatus.2",        false, &[10, 30]),
+    ("servo",            "CS1.AxesServoOnStatus.0",         true,  &[10, 31]),
+    ("servo",            "CS1.AxesServoOnStatus.1",         true,  &[]),
+    ("servo",            "CS1.AxesServoOnStatus.3",         false, &[]),
+    // MOTION_GROUP.
+    ("fault",            "Motion.PhysicalAxisFault",        false, &[11, 30]),
+    ("out of travel",    "Motion.PhysicalAxisFault",        false, &[74, 200]),
+    ("late",             "Motion.GroupOverlapFault",        false, &[10, 30]),
+    // MOTION_INSTRUCTION.
+    ("move",             "M.EN",                            false, &[10, 320]),
+    ("move",             "M.DN",                            false, &[10]),
+    ("move",             "M.IP",                            false, &[10, 310]),
+    ("move",             "M.PC",                            false, &[310]),
+    ("move",             "M.ACCEL",                         false, &[10, 110]),
+    ("move",             "M.DECEL",                         false, &[210, 310]),
+    ("move",             "M.AC",                            false, &[]),
+    ("servo",            "M.EN",                            false, &[10]),
+    ("servo",            "M.DN",                            false, &[11]),
+    ("servo",            "N.DN",                            false, &[31]),
+    ("home",             "M.IP",                            false, &[10, 185]),
+    ("home",             "M.DN",                            false, &[185]),
+    ("two lines",        "M.AC",                            false, &[10, 310]),
+    ("two lines",        "N.IP",                            false, &[20, 610]),
+    ("two lines",        "N.AC",                            false, &[310, 610]),
+    ("two lines",        "N.ACCEL",                         false, &[310, 410]),
+    ("blend",            "M.PC",                            false, &[265]),
+    ("blend",            "N.AC",                            false, &[265, 565]),
+    ("stopped line",     "M.IP",                            false, &[10, 160]),
+    ("stopped line",     "M.PC",                            false, &[]),
+    ("stopped line",     "Stop.IP",                         false, &[160, 260]),
+    ("stopped line",     "Stop.PC",                         false, &[260]),
+    ("error",            "M.ER",                            false, &[10]),
+    ("error",            "M.EN",                            false, &[10, 20]),
+    ("error",            "M.DN",                            false, &[]),
+];
+
+/// Bits that are always 1.
+const ALWAYS: &[(&str, &str)] = &[
+    ("AxisUpdateStatus", "positions and status are refreshed at every tick"),
+    ("GroupSynced", "the group is synchronized before the first tick"),
+];
+
+/// Bits that are always 0, by name.
+#[rustfmt::skip]
+const NEVER: &[(&str, &str)] = &[
+    ("ModuleFault", "a simulated drive is no module that could be lost"),
+    ("ConfigFault", "a configuration that is not valid does not start"),
+    ("GuardFault", "no guard"), ("InitializationFault", "nothing to initialise"), ("APRFault", "positions are kept by --state"),
+    ("SafetyFault", "no safety functions"),
+    ("ConfigUpdateInProcess", "attributes do not change while it runs"), ("InhibitStatus", "no axis can be inhibited"),
+    ("DirectControlStatus", "no MDS"), ("DirectVelocityControlStatus", "no MDS"), ("DirectTorqueControlStatus", "no MDS"),
+    ("PositionCamStatus", "no cams yet"), ("TimeCamStatus", "no cams yet"), ("PositionCamPendingStatus", "no cams yet"),
+    ("TimeCamPendingStatus", "no cams yet"), ("PositionCamLockStatus", "no cams yet"), ("TimeCamLockStatus", "no cams yet"),
+    ("MasterOffsetMoveStatus", "no cams yet"), ("MasterOffsetMoveLockStatus", "no cams yet"),
+    ("MoveLockStatus", "nothing is master driven yet"), ("JogLockStatus", "nothing is master driven yet"),
+    ("WatchEventArmedStatus", "no MAW"), ("WatchEventStatus", "no MAW"), ("RegEvent1ArmedStatus", "no MAR"),
+    ("RegEvent1Status", "no MAR"), ("RegEvent2ArmedStatus", "no MAR"), ("RegEvent2Status", "no MAR"),
+    ("AxisInhibitStatus", "no axis can be inhibited"), ("InhibStatus", "the group cannot be inhibited"),
+    ("ToolChangeAllowedStatus", "no orientation transforms"), ("CoordinateSystemLockStatus", "nothing is master driven yet"),
+    ("CSTLossFault", "one clock"), ("GroupTaskLoadingFault", "an overlap shows as such"), ("ClockSyncFault", "one clock"),
+    ("ClockSyncAlarm", "one clock"),
+    ("LocalControlStatus", "no local control"), ("DCBusUpStatus", "no bus is simulated"), ("MotorFluxUpStatus", "no flux is simulated"),
+    ("VelocityLockStatus", "no velocity loop of its own"), ("VelocityThresholdStatus", "no threshold"),
+    ("AccelerationLimitStatus", "the torque is the limit"), ("DecelerationLimitStatus", "the torque is the limit"),
+    ("TorqueThresholdStatus", "no threshold"), ("CurrentLimitStatus", "the torque is the limit"),
+    ("ThermalLimitStatus", "no heat is simulated"), ("FeedbackIntegrityStatus", "no feedback device"), ("InProcessStatus", "no procedures"),
+    ("DCBusUnload", "no bus is simulated"), ("ACPowerLossStatus", "no power is simulated"),
+    ("PositionControlModeStatus", "Axis Configuration tells it"), ("VelocityControlModeStatus", "always position control"),
+    ("TorqueControlModeStatus", "always position control"),
+    ("TrackingMaster", "nothing is master driven yet"), ("CalculatedDataAvailable", "Event Distance answers 99"),
+];
+
+/// Words of AXIS_CIP_DRIVE in which every bit is 0, with the reason; of the two last those that no [`FAULTS`] shows.
+#[rustfmt::skip]
+const NEVER_WORDS: &[(&str, &str)] = &[
+    ("ModuleFaults", "no modules"), ("ModuleAlarmStatus", "no modules"), ("GuardStatus", "no guard"), ("GuardFaults", "no guard"),
+    ("CIPAxisStatus2", "no power is simulated"), ("CIPAxisStatusRA", "no tuning"), ("CIPAxisIOStatus", "no digital inputs"),
+    ("CIPAxisIOStatusRA", "no digital inputs"), ("CIPAxisFaults2", "no power is simulated"),
+    ("CIPAxisFaultsRA", "none of one manufacturer"), ("CIPAxisAlarms2", "no power is simulated"),
+    ("CIPAxisAlarmsRA", "none of one manufacturer"), ("AxisSafetyAlarms", "no safety"), ("AxisSafetyAlarmsRA", "no safety"),
+    ("CIPInitializationFaults", "nothing to initialise"), ("CIPInitializationFaultsRA", "nothing to initialise"),
+    ("CIPStartInhibits", "nothing inhibits a start"), ("CIPStartInhibitsRA", "nothing inhibits a start"),
+    ("AxisSafetyStatus", "no safety"), ("AxisSafetyStatusRA", "no safety"), ("AxisSafetyFaults", "no safety"),
+    ("AxisSafetyFaultsRA", "no safety"), ("CIPAPRFaults", "positions are kept by --state"),
+    ("CIPAPRFaultsRA", "positions are kept by --state"),
+    ("CIPAxisFaults", "no such fault is simulated"), ("CIPAxisAlarms", "no such fault is simulated"),
+];
+
+/// The axes and coordinate systems that scenarios move.
+const TAGS: [&str; 11] = [
+    "X", "A", "H", "Weak", "Far", "Near", "CS1", "CS2", "CS3", "Deep", "Motion",
+];
+
+fn machine(keys: &str) -> String {
+    let deep = "[[coordinate_system]]\nname = \"Deep\"\ntype = \"cartesian\"\naxes = [\"X\", \"Y\"]\nmax_speed = 500.0\n\
+                max_acceleration = 5000.0\nmax_deceleration = 5000.0\nqueue_depth = 2\n";
+    let text = format!("{}\n{MORE}\n{deep}", arcline_config::DEFAULT);
+    let axis = "name = \"X\"\ntype = ";
+    assert!(text.contains(axis));
+    text.replacen(axis, &format!("{keys}{axis}"), 1)
+}
+
+fn template(tag: &str) -> std::sync::Arc<arcline_tag::Template> {
+    match tag {
+        "A" => predefined::axis_virtual(),
+        "Motion" => predefined::motion_group(),
+        "CS1" | "CS2" | "CS3" | "Deep" => predefined::coordinate_system(),
+        "X" | "H" | "Weak" | "Far" | "Near" => predefined::axis_cip_drive(),
+        _ => predefined::motion_instruction(),
+    }
+}
+
+/// The word that a bit is in.
+fn host(template: &arcline_tag::Template, bit: &arcline_tag::Member) -> String {
+    let words = template.members.iter().filter(|member| member.bit.is_none());
+    let mut holding = words.filter(|word| (word.offset..word.offset + word.size() as u32).contains(&bit.offset));
+    holding.next().expect("a bit is in a word").name.clone()
+}
+
+/// What every bit asked for is at every tick; wherever something happens, `look` sees all tags.
+fn traces(config: &str, last: u64, steps: &str, bits: &[String], mut look: impl FnMut(&Image)) -> Vec<Vec<bool>> {
+    let mut bench = Bench::with(config);
+    let mut image = Image::new(bench.machine(), &[], &[]);
+    let mut steps = steps
+        .lines()
+        .map(|step| step.split_once(' ').expect("a tick and a step"))
+        .peekable();
+    let mut traces = vec![Vec::new(); bits.len()];
+    let mut health = Health::default();
+    for tick in 0..=last {
+        let mut happens = tick == last;
+        while let Some((_, step)) = steps.next_if(|(due, _)| *due == tick.to_string()) {
+            happens = true;
+            match (step, step.split_once(' ')) {
+                ("late", _) => health.overlapping = true,
+                ("in time", _) => health.overlapping = false,
+                (_, Some(("fault", fault))) => {
+                    let (axis, bits) = fault.split_once(' ').expect("an axis and its bits");
+                    let bits: u32 = bits.parse().expect("bits");
+                    let kinds = FAULTS.iter().map(|fault| fault.kind);
+                    let kinds: Vec<FaultKind> = kinds.filter(|kind| bits & (1 << *kind as u32) != 0).collect();
+                    bench.inject(axis, &kinds);
+                }
+                (_, Some(("false", tag))) => bench.rung_false(tag),
+                _ => {
+                    let found = bench.call(step);
+                    assert!(found == OK || step.starts_with("MAM(X, M, 2"), "{step}: {found:?}");
+                }
+            }
+        }
+        bench.tick_seen(|bench| {
+            image.apply_health(&health);
+            image.apply_snapshot(&bench.snapshot());
+            for (bit, trace) in bits.iter().zip(&mut traces) {
+                trace.push(value(bench, &image, bit));
+            }
+        });
+        if happens {
+            look(&image);
+        }
+    }
+    assert!(steps.next().is_none(), "steps behind the last tick");
+    traces
+}
+
+fn value(bench: &Bench, image: &Image, bit: &str) -> bool {
+    let (tag, member) = bit.split_once('.').expect("a member");
+    if image.find(tag).is_none() {
+        let flag = Flag::ALL.iter().find(|flag| flag.name() == member).expect("a flag");
+        return bench.control(tag).has(*flag);
+    }
+    let value = image.read(&bit.parse().expect("a path")).expect("a bit");
+    match value.to_string().as_str() {
+        "1" | "true" => true,
+        "0" | "false" => false,
+        other => panic!("{bit} is {other}"),
+    }
+}
+
+fn changes(trace: &[bool]) -> Vec<u64> {
+    let ticks = trace.windows(2).zip(1..);
+    ticks
+        .filter(|(pair, _)| pair[0] != pair[1])
+        .map(|(_, tick)| tick)
+        .collect()
+}
+
+/// A row's bit with the template that it is seen in.
+fn seen(bit: &str) -> (String, String) {
+    let (tag, member) = bit.split_once('.').expect("a member");
+    (template(tag).name.clone(), member.to_owned())
+}
+
+#[test]
+fn every_bit_is_set_and_cleared_at_its_tick() {
+    let config = machine("");
+    let mut wrong = Vec::new();
+    let mut covered = BTreeSet::new();
+    for (name, last, steps) in SCENARIOS {
+        let rows: Vec<&Row> = ROWS.iter().filter(|(scenario, ..)| scenario == name).collect();
+        assert!(!rows.is_empty(), "{name} shows nothing");
+        let as_virtual = |text: &str| {
+            let names = [
+                ("(X,", "(A,"),
+                ("(Y,", "(B,"),
+                (", Y,", ", B,"),
+                ("(CS1,", "(CS3,"),
+                ("X.", "A."),
+                ("CS1.", "CS3."),
+            ];
+            names
+                .iter()
+                .fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
+        };
+        let mut variants = vec![false];
+        if VIRTUAL_TOO.contains(name) {
+            variants.push(true);
+        }
+        for is_virtual in variants {
+            let named = |text: &str| if is_virtual { as_virtual(text) } else { text.to_owned() };
+            let rows = rows.iter().map(|row| (named(row.1), row.2, row.3));
+            let known = |bit: &str| {
+                let (tag, member) = bit.split_once('.').expect("a member");
+                let word = member.split('.').next().unwrap_or_default();
+                template(tag).member(word).is_some()
+            };
+            let rows: Vec<_> = rows.filter(|(bit, ..)| !is_virtual || known(bit)).collect();
+            let bits: Vec<String> = rows.iter().map(|(bit, ..)| bit.clone()).collect();
+            let look = |image: &Image| wrong.extend(constant_bits(image).map(|bit| format!("{name}: {bit}")));
+            let found = traces(&config, *last, &named(steps), &bits, look);
+            for ((bit, first, expected), trace) in rows.iter().zip(found) {
+                let changes = changes(&trace);
+                if trace[0] != *first || changes != *expected {
+                    wrong.push(format!(
+                        "{name}: {bit} is {} and changes at {changes:?}, expected {first}, {expected:?}",
+                        trace[0]
+                    ));
+                }
+                if !changes.is_empty() {
+                    covered.insert(seen(bit));
+                }
+            }
+        }
+    }
+    for name in TAGS.into_iter().chain(["M"]) {
+        let template = template(name);
+        for bit in template.members.iter().filter(|member| member.bit.is_some()) {
+            let word = host(&template, bit);
+            let constant = is_constant(&bit.name, &word);
+            // The axis without a home sensor has no event.
+            let constant = constant || (name == "A" && bit.name.starts_with("HomeEvent"));
+            if covered.contains(&(template.name.clone(), bit.name.clone())) == constant {
+                wrong.push(format!(
+                    "{}.{}: constant {constant}, and a row or none",
+                    template.name, bit.name
+                ));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Whether a bit never changes here. Those of faults and their alarms have a test of their own.
+fn is_constant(bit: &str, word: &str) -> bool {
+    NEVER.iter().chain(ALWAYS).any(|(name, _)| *name == bit) || NEVER_WORDS.iter().any(|(name, _)| *name == word)
+}
+
+/// The fault that a bit of CIPAxisFaults or CIPAxisAlarms shows: another test sees to these.
+fn shown_fault(word: &str, bit: &arcline_tag::Member, offset: u32) -> Option<FaultKind> {
+    let place = 8 * (bit.offset - offset) + u32::from(bit.bit?);
+    let shows =
+        |fault: &&arcline_instruction_set::Fault| fault.shows == FaultWord::Cip && u32::from(fault.bit) == place;
+    ["CIPAxisFaults", "CIPAxisAlarms"]
+        .contains(&word)
+        .then(|| FAULTS.iter().find(shows).map(|fault| fault.kind))
+        .flatten()
+}
+
+/// Bits that are not what they always are.
+fn constant_bits(image: &Image) -> impl Iterator<Item = String> {
+    let mut wrong = Vec::new();
+    for tag in TAGS {
+        let template = template(tag);
+        let bytes = image.bytes(image.find(tag).expect("a tag").id);
+        for bit in template.members.iter().filter(|member| member.bit.is_some()) {
+            let word = host(&template, bit);
+            let is = bytes[bit.offset as usize] & (1 << bit.bit.unwrap_or(0)) != 0;
+            let offset = template.member(&word).map_or(0, |word| word.offset);
+            let never = NEVER.iter().any(|(name, _)| *name == bit.name)
+                || NEVER_WORDS.iter().any(|(name, _)| *name == word) && shown_fault(&word, bit, offset).is_none();
+            let always = ALWAYS.iter().any(|(name, _)| *name == bit.name);
+            if (never && is) || (always && !is) {
+                wrong.push(format!("{tag}.{} is {is}", bit.name));
+            }
+        }
+        for word in ["ModulesFaulted", "AxesConfigurationFaulted", "AxesInhibitedStatus"] {
+            if let Some(word) = template.member(word) {
+                let offset = word.offset as usize;
+                if bytes[offset..offset + 4] != [0; 4] {
+                    wrong.push(format!("{tag}.{} is not 0", word.name));
+                }
+            }
+        }
+    }
+    wrong.into_iter()
+}
+
+#[test]
+fn every_fault_and_alarm_shows_its_bit_and_no_other() {
+    let template = predefined::axis_cip_drive();
+    for fault in &FAULTS {
+        let words = match fault.shows {
+            FaultWord::Motion => ["MotionFaultStatus", "MotionAlarmStatus"],
+            FaultWord::Cip => ["CIPAxisFaults", "CIPAxisAlarms"],
+        };
+        for (action, word, cleared) in [("fault_status_only", words[0], 30), ("alarm", words[1], 21)] {
+            let config = machine(&format!("exception_actions = {{ {} = \"{action}\" }}\n", fault.word));
+            let offset = template.member(word).expect("a word").offset + u32::from(fault.bit) / 8;
+            let bits: Vec<String> = template
+                .members
+                .iter()
+                .filter(|member| member.bit.is_some() && words.contains(&host(&template, member).as_str()))
+                .map(|member| format!("X.{}", member.name))
+                .collect();
+            let own = template
+                .members
+                .iter()
+                .find(|member| member.offset == offset && member.bit == Some(fault.bit % 8))
+                .expect("its bit has a name");
+            let steps = format!("10 fault X {}\n20 fault X 0\n30 MAFR(X, M)", 1 << fault.kind as u32);
+            let found = traces(&config, 40, &steps, &bits, |_| ());
+            for (bit, trace) in bits.iter().zip(found) {
+                let expected = if *bit == format!("X.{}", own.name) {
+                    vec![11, cleared]
+                } else {
+                    vec![]
+                };
+                assert_eq!(changes(&trace), expected, "{} {action}: {bit}", fault.word);
+            }
+        }
+    }
+}
