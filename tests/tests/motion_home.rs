@@ -667,3 +667,21 @@ fn the_sensor_stands_where_it_is_after_a_restart() {
         );
     }
 }
+
+#[test]
+fn a_stop_of_everything_ends_homing_that_waits() {
+    for stop in ["MGS(Motion, S1, 1)", "MAS(X, S1, All)"] {
+        let mut bench = machine("home = { mode = \"passive\", sequence = \"marker\", marker = { at = 500 } }\n");
+        assert_eq!(bench.call("MAH(X, H1)"), OK);
+        bench.run(5);
+        assert_eq!(bench.bits("H1"), "EN IP", "{stop}");
+        assert_eq!(bench.call(stop), OK);
+        bench.run(2);
+        assert!(!bench.control("H1").has(Flag::Ip), "{stop}");
+        assert_eq!(
+            bench.axis("X").motion_status & motion_status::HOMING_STATUS,
+            0,
+            "{stop}"
+        );
+    }
+}

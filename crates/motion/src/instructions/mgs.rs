@@ -57,6 +57,7 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
         motion.cancel_transform(index, &Release::default());
     }
     for axis in 0..motion.axes.len() as u16 {
+        motion.end_passive_homing(axis);
         let at = usize::from(axis);
         let state = &motion.axes[at];
         let mode = mode.unwrap_or(state.stop_mode);
