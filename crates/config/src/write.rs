@@ -7,7 +7,7 @@ use arcline_controller::machine::{
     ProgrammedStopMode,
 };
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet};
-use arcline_tag::{DataType, Elementary, Member, PathSegment, STRING_INSTANCE, TagPath, Template, string_text};
+use arcline_tag::{DataType, Elementary, Member, STRING_INSTANCE, Template, string_text};
 use toml::{Table, Value};
 
 use crate::read::KEYS;
@@ -36,7 +36,11 @@ pub fn table(project: &Project) -> Table {
     ];
     root.insert("motion_group".into(), keys(group));
     list(&mut root, "axis", machine.axes.iter().map(axis));
-    list(&mut root, "coordinate_system", machine.systems.iter().map(|one| system(one, machine)));
+    list(
+        &mut root,
+        "coordinate_system",
+        machine.systems.iter().map(|one| system(one, machine)),
+    );
     let system_name = |place: u16| {
         let system = machine.systems.get(usize::from(place));
         text(system.map_or("", |system| &system.name))
@@ -125,7 +129,9 @@ fn write_value(out: &mut String, value: &Value) {
         Value::Table(table) => {
             // `name` and `type` first: the members of a data type read like its definition.
             let first = ["name", "type"].iter().filter_map(|key| table.get_key_value(*key));
-            let others = table.iter().filter(|(key, _)| !["name", "type"].contains(&key.as_str()));
+            let others = table
+                .iter()
+                .filter(|(key, _)| !["name", "type"].contains(&key.as_str()));
             out.push_str("{ ");
             for (place, (key, value)) in first.chain(others).enumerate() {
                 out.push_str(if place == 0 { "" } else { ", " });
@@ -145,6 +151,8 @@ fn write_text(out: &mut String, text: &str) {
         match c {
             '"' => out.push_str("\\\""),
             '\\' => out.push_str("\\\\"),
+            '\n' => out.push_str("\\n"),
+            '\t' => out.push_str("\\t"),
             c if c.is_control() || matches!(c, '\u{FFFE}' | '\u{FFFF}') => {
                 out.push_str(&format!("\\u{:04X}", u32::from(c)));
             }
@@ -167,7 +175,10 @@ fn axis(axis: &Axis) -> Value {
     put("type", text(if axis.is_virtual() { "virtual" } else { "servo" }));
     put("units", text(&axis.units));
     if let Some(travel) = axis.travel {
-        put("travel", keys([("min", Value::Float(travel.min)), ("max", Value::Float(travel.max))]));
+        put(
+            "travel",
+            keys([("min", Value::Float(travel.min)), ("max", Value::Float(travel.max))]),
+        );
     }
     if let Some(unwind) = axis.unwind {
         put("unwind", Value::Float(unwind));
@@ -184,7 +195,10 @@ fn axis(axis: &Axis) -> Value {
             ("position_bandwidth_hz", Some(drive.position_bandwidth_hz)),
             ("velocity_feedforward", Some(drive.velocity_feedforward)),
             ("position_error_tolerance", Some(drive.position_error_tolerance)),
-            ("position_error_tolerance_time", Some(drive.position_error_tolerance_time)),
+            (
+                "position_error_tolerance_time",
+                Some(drive.position_error_tolerance_time),
+            ),
             ("speed_limit", drive.speed_limit),
             ("torque_limit", drive.torque_limit),
             ("encoder_resolution", drive.encoder_resolution),
@@ -194,7 +208,9 @@ fn axis(axis: &Axis) -> Value {
         put("drive", Value::Table(drive_table));
     }
     put("home", home(&axis.home));
-    let mode = ProgrammedStopMode::ALL.iter().find(|(_, mode)| *mode == axis.programmed_stop_mode);
+    let mode = ProgrammedStopMode::ALL
+        .iter()
+        .find(|(_, mode)| *mode == axis.programmed_stop_mode);
     put("programmed_stop_mode", text(mode.map_or("fast_stop", |(word, _)| word)));
     let possible = FaultSet::possible(!axis.is_virtual());
     let mut actions = Table::new();
@@ -205,7 +221,10 @@ fn axis(axis: &Axis) -> Value {
         }
     }
     put("exception_actions", Value::Table(actions));
-    put("average_velocity_timebase", Value::Float(axis.average_velocity_timebase));
+    put(
+        "average_velocity_timebase",
+        Value::Float(axis.average_velocity_timebase),
+    );
     Value::Table(table)
 }
 
@@ -253,7 +272,9 @@ fn home(home: &Home) -> Value {
     }
     if let Some(marker) = home.marker {
         let places = [("at", Some(marker.at)), ("every", marker.every)];
-        let places = places.into_iter().filter_map(|(key, place)| Some((key, Value::Float(place?))));
+        let places = places
+            .into_iter()
+            .filter_map(|(key, place)| Some((key, Value::Float(place?))));
         put("marker", keys(places));
     }
     Value::Table(table)
@@ -267,7 +288,10 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
         system.max_acceleration_jerk,
         system.max_deceleration_jerk,
     ]);
-    let axes = system.axes.iter().filter_map(|place| machine.axes.get(usize::from(*place)));
+    let axes = system
+        .axes
+        .iter()
+        .filter_map(|place| machine.axes.get(usize::from(*place)));
     let corner = match system.corner {
         Corner::Logix => "logix",
         Corner::Precise => "precise",
@@ -294,7 +318,10 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
 fn data_type(template: &Template) -> Value {
     let visible = template.members.iter().filter(|member| !is_host(template, member));
     let members = visible.map(|member| keys([("name", text(&member.name)), ("type", text(&member_type(member)))]));
-    keys([("name", text(&template.name)), ("members", Value::Array(members.collect()))])
+    keys([
+        ("name", text(&template.name)),
+        ("members", Value::Array(members.collect())),
+    ])
 }
 
 /// Whether a member is there only to hold BOOLs.
@@ -325,7 +352,7 @@ fn tag(tag: &PlainTag) -> Value {
     put("access", text(access));
     match &tag.alias {
         Some(path) => {
-            put("alias", text(&path_text(path)));
+            put("alias", text(&path.to_string()));
         }
         None => {
             let [count, ..] = tag.tag_type.dimensions;
@@ -336,29 +363,14 @@ fn tag(tag: &PlainTag) -> Value {
             put("type", text(&tag_type));
             if tag.first.iter().any(|byte| *byte != 0) {
                 let rank = tag.tag_type.rank();
-                put("value", elements(&tag.tag_type.data_type, &tag.tag_type.dimensions[..rank], &tag.first));
+                put(
+                    "value",
+                    elements(&tag.tag_type.data_type, &tag.tag_type.dimensions[..rank], &tag.first),
+                );
             }
         }
     }
     Value::Table(table)
-}
-
-/// A path as a configuration spells it.
-fn path_text(path: &TagPath) -> String {
-    let mut text = String::new();
-    for (place, segment) in path.0.iter().enumerate() {
-        match segment {
-            PathSegment::Symbol(name) if place == 0 => text.push_str(name),
-            PathSegment::Symbol(name) => text.push_str(&format!(".{name}")),
-            PathSegment::Element(index) if text.ends_with(']') => {
-                text.pop();
-                text.push_str(&format!(",{index}]"));
-            }
-            PathSegment::Element(index) => text.push_str(&format!("[{index}]")),
-            PathSegment::Bit(bit) => text.push_str(&format!(".{bit}")),
-        }
-    }
-    text
 }
 
 fn elements(data_type: &DataType, dimensions: &[u32], bytes: &[u8]) -> Value {
@@ -371,7 +383,10 @@ fn elements(data_type: &DataType, dimensions: &[u32], bytes: &[u8]) -> Value {
         return Value::Array((0..32 * count).map(|place| Value::Boolean(bit(place))).collect());
     }
     let size = (bytes.len() / count.max(1)).max(1);
-    let items = bytes.chunks(size).take(count).map(|bytes| elements(data_type, inner, bytes));
+    let items = bytes
+        .chunks(size)
+        .take(count)
+        .map(|bytes| elements(data_type, inner, bytes));
     Value::Array(items.collect())
 }
 
@@ -384,7 +399,10 @@ fn one(data_type: &DataType, bytes: &[u8]) -> Value {
                 // The shortest text of the 32 bits, which reads back to them.
                 return Value::Float(number.to_string().parse().unwrap_or(f64::from(number)));
             }
-            match value.and_then(arcline_tag::Value::to_integer).filter(|_| !kind.is_real()) {
+            match value
+                .and_then(arcline_tag::Value::to_integer)
+                .filter(|_| !kind.is_real())
+            {
                 Some(whole) => Value::Integer(whole),
                 None => Value::Float(value.map_or(0.0, arcline_tag::Value::as_f64)),
             }
@@ -419,7 +437,9 @@ fn dynamics(maxima: [f64; 5]) -> Table {
         "max_deceleration_jerk",
     ];
     let pairs = keys.into_iter().zip(maxima);
-    pairs.map(|(key, number)| (key.to_owned(), Value::Float(number))).collect()
+    pairs
+        .map(|(key, number)| (key.to_owned(), Value::Float(number)))
+        .collect()
 }
 
 fn list(root: &mut Table, key: &str, items: impl Iterator<Item = Value>) {

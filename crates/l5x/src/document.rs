@@ -106,7 +106,10 @@ impl Source<'_> {
 
     /// Adds an attribute to the report.
     pub(crate) fn report_attribute(&mut self, node: Node<'_, '_>, name: &str, reason: Reason) {
-        let line = self.line(node.attribute_node(name).map_or(node.range().start, |one| one.range().start));
+        let line = self.line(
+            node.attribute_node(name)
+                .map_or(node.range().start, |one| one.range().start),
+        );
         self.report.add(reason, format!("{}/@{name}", path(node)), line);
     }
 
@@ -114,7 +117,9 @@ impl Source<'_> {
     pub(crate) fn check(&mut self, node: Node<'_, '_>) {
         let rows = mapping::rows(node.tag_name().name());
         for attribute in node.attributes() {
-            let row = rows.iter().find(|row| row.what.strip_prefix('@') == Some(attribute.name()));
+            let row = rows
+                .iter()
+                .find(|row| row.what.strip_prefix('@') == Some(attribute.name()));
             self.judge(node, row.map(|row| row.meaning), &attribute);
         }
         for child in node.children().filter(Node::is_element) {
@@ -180,7 +185,8 @@ pub(crate) fn children<'a, 't>(
     node: Node<'a, 't>,
     name: &'static str,
 ) -> impl Iterator<Item = Node<'a, 't>> + use<'a, 't> {
-    node.children().filter(move |child| child.is_element() && child.tag_name().name() == name)
+    node.children()
+        .filter(move |child| child.is_element() && child.tag_name().name() == name)
 }
 
 /// The first element with that name.

@@ -77,8 +77,15 @@ impl<'a, 't> Importer<'a, 't> {
         self.source.check(controller);
         self.overlay(controller)?;
         if let Some(name) = controller.attribute("Name") {
-            let fits: String = name.chars().filter(|c| *c == ' ' || c.is_ascii_graphic()).take(32).collect();
-            let said = self.overlay.get("server").is_some_and(|server| server.get("name").is_some());
+            let fits: String = name
+                .chars()
+                .filter(|c| *c == ' ' || c.is_ascii_graphic())
+                .take(32)
+                .collect();
+            let said = self
+                .overlay
+                .get("server")
+                .is_some_and(|server| server.get("name").is_some());
             if fits != name && !said {
                 let words = "cut to 32 printable ASCII characters";
                 self.source.report_attribute(controller, "Name", Reason::Changed(words));
@@ -138,7 +145,10 @@ impl<'a, 't> Importer<'a, 't> {
 
     /// Adds an entry to a list of the configuration.
     fn push(&mut self, section: &str, node: Node<'a, 't>, entry: Table) {
-        let list = self.config.entry(section.to_owned()).or_insert_with(|| Value::Array(Vec::new()));
+        let list = self
+            .config
+            .entry(section.to_owned())
+            .or_insert_with(|| Value::Array(Vec::new()));
         if let Value::Array(items) = list {
             items.push(Value::Table(entry));
             self.places.insert(format!("{section}[{}]", items.len()), node);
@@ -156,20 +166,51 @@ impl<'a, 't> Importer<'a, 't> {
     }
 
     fn finish(mut self, controller: Node<'a, 't>) -> Result<Import, L5xError> {
-        overlay::merge(&mut self.config, std::mem::take(&mut self.overlay));
-        let text = arcline_config::format(&self.config);
-        match arcline_config::load(&text, "") {
-            Ok(project) => Ok(Import {
-                config: self.config,
-                project,
-                report: self.source.report,
-            }),
-            Err(error) => {
-                let entry = error.key.split_inclusive(']').next().unwrap_or_default();
-                let node = self.places.get(entry).copied().unwrap_or(controller);
-                let message = format!("{}: {}", error.key, error.problem);
-                Err(self.source.error(node, Problem::Configuration { message }))
+        overlay::apply(&mut self.config, std::mem::take(&mut self.overlay));
+        // Where an alias leads can only be seen when the rest is there.
+        for _ in 0..MAX_DEAD_ALIASES {
+            let text = arcline_config::format(&self.config);
+            let error = match arcline_config::load(&text, "") {
+                Ok(project) => {
+                    return Ok(Import {
+                        config: self.config,
+                        project,
+                        report: self.source.report,
+                    });
+                }
+                Err(error) => error,
+            };
+            let entry = error.key.split_inclusive(']').next().unwrap_or_default();
+            let node = self.places.get(entry).copied();
+            if error.key.ends_with("].alias")
+                && let Some(node) = node
+                && let Some(Value::Array(tags)) = self.config.get_mut("tag")
+                && let Some(place) = entry.trim_matches(|c: char| !c.is_ascii_digit()).parse::<usize>().ok()
+                && (1..=tags.len()).contains(&place)
+            {
+                tags.remove(place - 1);
+                self.source.report(node, Reason::NoCounterpart);
+                self.places.remove(entry);
+                for next in place..=tags.len() {
+                    if let Some(node) = self.places.remove(&format!("tag[{}]", next + 1)) {
+                        self.places.insert(format!("tag[{next}]"), node);
+                    }
+                }
+                continue;
             }
+            let message = format!("{}: {}", error.key, error.problem);
+            return Err(self
+                .source
+                .error(node.unwrap_or(controller), Problem::Configuration { message }));
         }
+        let problem = Problem::TooMuch {
+            what: "aliases that lead nowhere",
+            found: MAX_DEAD_ALIASES,
+            limit: MAX_DEAD_ALIASES - 1,
+        };
+        Err(self.source.error(controller, problem))
     }
 }
+
+/// How often an alias that leads nowhere is left out and the rest tried again.
+const MAX_DEAD_ALIASES: usize = 64;

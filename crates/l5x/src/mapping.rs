@@ -25,7 +25,10 @@ pub struct Row {
 
 /// The rows of an element; none: nothing in it is known.
 pub fn rows(element: &str) -> &'static [Row] {
-    ELEMENTS.iter().find(|(name, _)| *name == element).map_or(&[], |(_, rows)| rows)
+    ELEMENTS
+        .iter()
+        .find(|(name, _)| *name == element)
+        .map_or(&[], |(_, rows)| rows)
 }
 
 /// The table as Markdown, as docs/L5X.md has it.
@@ -183,7 +186,7 @@ const DATA_TYPES: &[Row] = &[
 const DATA_TYPE: &[Row] = &[
     Row { what: "@Use", meaning: Meaning::Form("about the file") },
     Row { what: "@Name", meaning: Meaning::Key("data_type.name") },
-    Row { what: "@Family", meaning: Meaning::Without("NoFamily") },
+    Row { what: "@Family", meaning: Meaning::Form("StringFamily is reported with its type") },
     Row { what: "@Class", meaning: Meaning::Form("all are User") },
     Row { what: "Description", meaning: Meaning::Without("") },
     Row { what: "Members", meaning: Meaning::Form("holds Member") },

@@ -1,1 +1,4 @@
-//! t
+//! Imports, exports, and one after the other.
+
+mod reading;
+mod round_trip;

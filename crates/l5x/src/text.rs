@@ -7,7 +7,10 @@ use arcline_tag::Elementary;
 pub(crate) fn integer(kind: Elementary, text: &str) -> Option<i64> {
     let text = text.trim();
     let bits = 8 * kind.size() as u32;
-    let signed = matches!(kind, Elementary::Sint | Elementary::Int | Elementary::Dint | Elementary::Lint);
+    let signed = matches!(
+        kind,
+        Elementary::Sint | Elementary::Int | Elementary::Dint | Elementary::Lint
+    );
     let of_bits = |raw: u64| {
         if bits < 64 && raw >> bits != 0 {
             return None;

@@ -117,6 +117,9 @@ pub(super) fn plain_tags(root: &Section<'_>, types: &Types, names: &mut Taken) -
                     },
                 )
             })?;
+            if first.iter().all(|byte| *byte == 0) {
+                first.clear();
+            }
         }
         tags.push(PlainTag {
             name,

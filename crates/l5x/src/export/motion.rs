@@ -11,10 +11,28 @@ use crate::text::write_real;
 
 pub(super) fn motion(xml: &mut Xml, machine: &Machine) {
     let micros = machine.period_ns.div_ceil(1000).to_string();
-    parameters(xml, &machine.group, "MOTION_GROUP", "MotionGroup", "MotionGroupParameters", &[("CoarseUpdatePeriod", micros)]);
+    parameters(
+        xml,
+        &machine.group,
+        "MOTION_GROUP",
+        "MotionGroup",
+        "MotionGroupParameters",
+        &[("CoarseUpdatePeriod", micros)],
+    );
     for axis in &machine.axes {
-        let word = if axis.is_virtual() { "AXIS_VIRTUAL" } else { "AXIS_CIP_DRIVE" };
-        parameters(xml, &axis.name, word, "Axis", "AxisParameters", &attributes(axis, &machine.group));
+        let word = if axis.is_virtual() {
+            "AXIS_VIRTUAL"
+        } else {
+            "AXIS_CIP_DRIVE"
+        };
+        parameters(
+            xml,
+            &axis.name,
+            word,
+            "Axis",
+            "AxisParameters",
+            &attributes(axis, &machine.group),
+        );
     }
     for one in &machine.systems {
         let (element, list) = ("CoordinateSystemParameters", system(one, machine));
@@ -25,7 +43,12 @@ pub(super) fn motion(xml: &mut Xml, machine: &Machine) {
 type Attribute = (&'static str, String);
 
 fn parameters(xml: &mut Xml, name: &str, word: &str, format: &str, element: &str, attributes: &[Attribute]) {
-    let head = [("Name", name), ("TagType", "Base"), ("DataType", word), ("ExternalAccess", "Read/Write")];
+    let head = [
+        ("Name", name),
+        ("TagType", "Base"),
+        ("DataType", word),
+        ("ExternalAccess", "Read/Write"),
+    ];
     xml.open("Tag", &head);
     xml.open("Data", &[("Format", format)]);
     let attributes: Vec<(&str, &str)> = attributes.iter().map(|(key, value)| (*key, value.as_str())).collect();
@@ -45,7 +68,9 @@ fn attributes(axis: &Axis, group: &str) -> Vec<Attribute> {
     }
     // Logix's own first values of the two types (spec/axis-and-data-types.md §9.1).
     let constant = if servo.is_some() { 1_000_000.0 } else { 8000.0 };
-    let counts = (axis.unwind.unwrap_or(1.0) * constant).round().clamp(1.0, f64::from(i32::MAX));
+    let counts = (axis.unwind.unwrap_or(1.0) * constant)
+        .round()
+        .clamp(1.0, f64::from(i32::MAX));
     list.push(("ConversionConstant", write_real(constant)));
     list.push(("PositionUnits", axis.units.clone()));
     list.push(("AverageVelocityTimebase", write_real(axis.average_velocity_timebase)));
@@ -71,9 +96,15 @@ fn attributes(axis: &Axis, group: &str) -> Vec<Attribute> {
     list.push(("ProgrammedStopMode", stop.to_owned()));
     if let Some(drive) = servo {
         list.push(("PositionLoopBandwidth", write_real(drive.position_bandwidth_hz)));
-        list.push(("VelocityFeedforwardGain", write_real(drive.velocity_feedforward * 100.0)));
+        list.push((
+            "VelocityFeedforwardGain",
+            write_real(drive.velocity_feedforward * 100.0),
+        ));
         list.push(("PositionErrorTolerance", write_real(drive.position_error_tolerance)));
-        list.push(("PositionErrorToleranceTime", write_real(drive.position_error_tolerance_time)));
+        list.push((
+            "PositionErrorToleranceTime",
+            write_real(drive.position_error_tolerance_time),
+        ));
         list.push(("SoftTravelLimitChecking", axis.travel.is_some().to_string()));
         if let Some(travel) = axis.travel {
             list.push(("SoftTravelLimitPositive", write_real(travel.max)));
@@ -89,9 +120,16 @@ fn attributes(axis: &Axis, group: &str) -> Vec<Attribute> {
 fn actions(axis: &Axis, word: FaultWord, bits: usize) -> String {
     let possible = FaultSet::possible(true);
     let words = (0..bits).map(|bit| {
-        let here = FAULTS.iter().find(|fault| fault.shows == word && usize::from(fault.bit) == bit);
-        let action = here.filter(|fault| possible.contains(fault.kind)).map(|fault| axis.exception_actions.of(fault.kind));
-        ACTIONS.iter().find(|(_, other)| *other == action).map_or("Unsupported", |(word, _)| word)
+        let here = FAULTS
+            .iter()
+            .find(|fault| fault.shows == word && usize::from(fault.bit) == bit);
+        let action = here
+            .filter(|fault| possible.contains(fault.kind))
+            .map(|fault| axis.exception_actions.of(fault.kind));
+        ACTIONS
+            .iter()
+            .find(|(_, other)| *other == action)
+            .map_or("Unsupported", |(word, _)| word)
     });
     words.collect::<Vec<_>>().join(" ")
 }
@@ -127,7 +165,10 @@ fn home(home: &Home, servo: bool, list: &mut Vec<Attribute>) {
 }
 
 fn system(system: &CoordinateSystem, machine: &Machine) -> Vec<Attribute> {
-    let axes = system.axes.iter().filter_map(|place| machine.axes.get(usize::from(*place)));
+    let axes = system
+        .axes
+        .iter()
+        .filter_map(|place| machine.axes.get(usize::from(*place)));
     let names: Vec<&str> = axes.map(|axis| axis.name.as_str()).collect();
     vec![
         ("MotionGroup", machine.group.clone()),

@@ -87,7 +87,12 @@ fn members(xml: &mut Xml, template: &Template, bytes: &[u8]) {
     if template.instance == STRING_INSTANCE {
         let content = string_text(bytes);
         let length = content.len().to_string();
-        let head = [("Name", "LEN"), ("DataType", "DINT"), ("Radix", "Decimal"), ("Value", length.as_str())];
+        let head = [
+            ("Name", "LEN"),
+            ("DataType", "DINT"),
+            ("Radix", "Decimal"),
+            ("Value", length.as_str()),
+        ];
         xml.empty("DataValueMember", &head);
         let head = [("Name", "DATA"), ("DataType", "STRING"), ("Radix", "ASCII")];
         xml.text("DataValueMember", &head, &text::write_string(content.as_bytes()));
@@ -97,7 +102,11 @@ fn members(xml: &mut Xml, template: &Template, bytes: &[u8]) {
         let from = member.offset as usize;
         if let Some(bit) = member.bit {
             let on = bytes.get(from).is_some_and(|byte| byte >> bit & 1 == 1);
-            let head = [("Name", member.name.as_str()), ("DataType", "BOOL"), ("Value", if on { "1" } else { "0" })];
+            let head = [
+                ("Name", member.name.as_str()),
+                ("DataType", "BOOL"),
+                ("Value", if on { "1" } else { "0" }),
+            ];
             xml.empty("DataValueMember", &head);
             continue;
         }

@@ -1,7 +1,7 @@
 //! The motion group, axes and coordinate systems (spec/axis-and-data-types.md §9).
 
-use arcline_controller::machine::{MAX_AXES, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, MAX_SYSTEMS, ProgrammedStopMode};
 use arcline_config::is_name;
+use arcline_controller::machine::{MAX_AXES, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, MAX_SYSTEMS, ProgrammedStopMode};
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet, FaultWord};
 use roxmltree::Node;
 use toml::{Table, Value};
@@ -43,7 +43,10 @@ impl<'a, 't> Importer<'a, 't> {
                 "AXIS_VIRTUAL" => true,
                 "AXIS_CIP_DRIVE" => false,
                 "AXIS_SERVO" | "AXIS_SERVO_DRIVE" | "AXIS_GENERIC" | "AXIS_GENERIC_DRIVE" => {
-                    self.source.report(*tag, Reason::Changed("an axis of an older drive becomes an AXIS_CIP_DRIVE"));
+                    self.source.report(
+                        *tag,
+                        Reason::Changed("an axis of an older drive becomes an AXIS_CIP_DRIVE"),
+                    );
                     false
                 }
                 "MOTION_GROUP" | "COORDINATE_SYSTEM" => continue,
@@ -76,13 +79,15 @@ impl<'a, 't> Importer<'a, 't> {
                 return Some(parameters);
             }
         }
-        self.source.report(tag, Reason::Changed("without its parameters, so at the defaults"));
+        self.source
+            .report(tag, Reason::Changed("without its parameters, so at the defaults"));
         None
     }
 
     fn access_of_motion(&mut self, tag: Node<'a, 't>) {
         if !matches!(tag.attribute("ExternalAccess"), None | Some("Read/Write")) {
-            self.source.report_attribute(tag, "ExternalAccess", Reason::NoCounterpart);
+            self.source
+                .report_attribute(tag, "ExternalAccess", Reason::NoCounterpart);
         }
     }
 
@@ -112,7 +117,11 @@ impl<'a, 't> Importer<'a, 't> {
         }
         let mut axis = Table::new();
         put(&mut axis, "name", Value::String(name.to_owned()));
-        put(&mut axis, "type", Value::String(if virtual_axis { "virtual" } else { "servo" }.into()));
+        put(
+            &mut axis,
+            "type",
+            Value::String(if virtual_axis { "virtual" } else { "servo" }.into()),
+        );
         let Some(node) = self.parameters(tag, "Axis", "AxisParameters") else {
             put(&mut axis, "max_speed", Value::Float(FALLBACK_SPEED));
             put(&mut axis, "max_acceleration", Value::Float(FALLBACK_RATE));
@@ -123,11 +132,13 @@ impl<'a, 't> Importer<'a, 't> {
             None | Some("Position Loop") => {}
             Some("Velocity Loop" | "Torque Loop" | "Frequency Control") => {
                 let words = "every servo closes the position loop";
-                self.source.report_attribute(node, "AxisConfiguration", Reason::Changed(words));
+                self.source
+                    .report_attribute(node, "AxisConfiguration", Reason::Changed(words));
             }
             Some(_) => {
                 // A converter or an encoder: nothing that moves.
-                self.source.report_attribute(node, "AxisConfiguration", Reason::NoCounterpart);
+                self.source
+                    .report_attribute(node, "AxisConfiguration", Reason::NoCounterpart);
                 self.source.report(tag, Reason::NoCounterpart);
                 return Ok(false);
             }
@@ -137,7 +148,8 @@ impl<'a, 't> Importer<'a, 't> {
             if fits.len() <= MAX_UNITS {
                 put(&mut axis, "units", Value::String(fits));
             } else {
-                self.source.report_attribute(node, "PositionUnits", Reason::NoCounterpart);
+                self.source
+                    .report_attribute(node, "PositionUnits", Reason::NoCounterpart);
             }
         }
         let speed = self.dynamics(node, "axis", name, &mut axis)?;
@@ -146,7 +158,8 @@ impl<'a, 't> Importer<'a, 't> {
                 put(&mut axis, "average_velocity_timebase", Value::Float(time));
             } else {
                 let words = "an average velocity timebase that is not above 0 and at most 1 s becomes 0.25 s";
-                self.source.report_attribute(node, "AverageVelocityTimebase", Reason::Changed(words));
+                self.source
+                    .report_attribute(node, "AverageVelocityTimebase", Reason::Changed(words));
             }
         }
         let turn = self.turn(node, name)?;
@@ -222,7 +235,11 @@ impl<'a, 't> Importer<'a, 't> {
             return Ok(Some(turn));
         }
         if !self.overlaid("axis", name, &["unwind"]) {
-            return Err(self.source.wrong(node, "PositionUnwind", "counts of a turn, above 0, beside a ConversionConstant above 0"));
+            return Err(self.source.wrong(
+                node,
+                "PositionUnwind",
+                "counts of a turn, above 0, beside a ConversionConstant above 0",
+            ));
         }
         Ok(None)
     }
@@ -240,10 +257,14 @@ impl<'a, 't> Importer<'a, 't> {
         }
         if turn.is_some() || min >= max {
             let words = "soft limits of a rotary axis, or a negative one not below the positive one, are not checked";
-            self.source.report_attribute(node, "SoftTravelLimitChecking", Reason::Changed(words));
+            self.source
+                .report_attribute(node, "SoftTravelLimitChecking", Reason::Changed(words));
             return Ok(());
         }
-        let travel = [("min".to_owned(), Value::Float(min)), ("max".to_owned(), Value::Float(max))];
+        let travel = [
+            ("min".to_owned(), Value::Float(min)),
+            ("max".to_owned(), Value::Float(max)),
+        ];
         put(axis, "travel", Value::Table(Table::from_iter(travel)));
         Ok(())
     }
@@ -275,7 +296,8 @@ impl<'a, 't> Importer<'a, 't> {
                 put(&mut home, "position", Value::Float(position));
             } else if !self.overlaid("axis", name, &["home", "position"]) {
                 let words = "a home position outside the turn becomes 0";
-                self.source.report_attribute(node, "HomePosition", Reason::Changed(words));
+                self.source
+                    .report_attribute(node, "HomePosition", Reason::Changed(words));
             }
         }
         if let Some(offset) = self.source.number(node, "HomeOffset")? {
@@ -325,17 +347,27 @@ impl<'a, 't> Importer<'a, 't> {
     fn exceptions(&mut self, node: Node<'a, 't>, virtual_axis: bool, axis: &mut Table) -> Result<(), L5xError> {
         let possible = FaultSet::possible(!virtual_axis);
         let mut actions = Table::new();
-        for (attribute, shows) in [("MotionExceptionAction", FaultWord::Motion), ("CIPAxisExceptionAction", FaultWord::Cip)] {
-            let words: Vec<&str> = node.attribute(attribute).unwrap_or_default().split_whitespace().collect();
+        for (attribute, shows) in [
+            ("MotionExceptionAction", FaultWord::Motion),
+            ("CIPAxisExceptionAction", FaultWord::Cip),
+        ] {
+            let words: Vec<&str> = node
+                .attribute(attribute)
+                .unwrap_or_default()
+                .split_whitespace()
+                .collect();
             let mut lost = false;
             for (bit, word) in words.iter().enumerate() {
                 let action = ACTIONS.iter().find(|(theirs, _)| theirs == word);
-                let expected = "Ignore, Alarm, FaultStatusOnly, StopPlanner, StopDrive, Disable, Shutdown and Unsupported";
+                let expected =
+                    "Ignore, Alarm, FaultStatusOnly, StopPlanner, StopDrive, Disable, Shutdown and Unsupported";
                 let Some((_, action)) = action else {
                     return Err(self.source.wrong(node, attribute, expected));
                 };
                 let Some(action) = action else { continue };
-                let fault = FAULTS.iter().find(|fault| fault.shows == shows && usize::from(fault.bit) == bit);
+                let fault = FAULTS
+                    .iter()
+                    .find(|fault| fault.shows == shows && usize::from(fault.bit) == bit);
                 match (fault, ExceptionAction::ALL.iter().find(|(_, other)| other == action)) {
                     (Some(fault), Some((word, _))) if possible.contains(fault.kind) => {
                         put(&mut actions, fault.word, Value::String((*word).to_owned()));
@@ -344,7 +376,11 @@ impl<'a, 't> Importer<'a, 't> {
                 }
             }
             if lost {
-                self.source.report_attribute(node, attribute, Reason::Changed("actions of faults that Arcline has not fall away"));
+                self.source.report_attribute(
+                    node,
+                    attribute,
+                    Reason::Changed("actions of faults that Arcline has not fall away"),
+                );
             }
         }
         put(axis, "exception_actions", Value::Table(actions));
@@ -357,9 +393,10 @@ impl<'a, 't> Importer<'a, 't> {
         };
         let names: Vec<&str> = node.attribute("Axes").unwrap_or_default().split_whitespace().collect();
         let known = |name: &&str| axes.iter().any(|axis| axis.eq_ignore_ascii_case(name));
-        let each_once = names.iter().enumerate().all(|(place, name)| {
-            names.iter().take(place).all(|other| !other.eq_ignore_ascii_case(name))
-        });
+        let each_once = names
+            .iter()
+            .enumerate()
+            .all(|(place, name)| names.iter().take(place).all(|other| !other.eq_ignore_ascii_case(name)));
         let unlike = if !matches!(node.attribute("SystemType"), None | Some("Cartesian")) {
             Some("SystemType")
         } else if !(1..=MAX_PRIMARY_AXES).contains(&names.len()) || !names.iter().all(known) || !each_once {
@@ -368,7 +405,7 @@ impl<'a, 't> Importer<'a, 't> {
             None
         };
         if unlike.is_some() || self.count("coordinate_system") >= MAX_SYSTEMS {
-            for attribute in unlike {
+            if let Some(attribute) = unlike {
                 self.source.report_attribute(node, attribute, Reason::NoCounterpart);
             }
             self.source.report(tag, Reason::NoCounterpart);
@@ -391,7 +428,11 @@ impl<'a, 't> Importer<'a, 't> {
         if let Some(word) = node.attribute("MaximumPendingMoves") {
             match word.parse() {
                 Ok(depth @ 1..=MAX_QUEUE_DEPTH) => put(&mut system, "queue_depth", Value::Integer(depth as i64)),
-                _ => return Err(self.source.wrong(node, "MaximumPendingMoves", "a whole number from 1 to 1000")),
+                _ => {
+                    return Err(self
+                        .source
+                        .wrong(node, "MaximumPendingMoves", "a whole number from 1 to 1000"));
+                }
             }
         }
         self.push("coordinate_system", tag, system);
@@ -420,11 +461,21 @@ const DYNAMICS: [(&str, &str, Option<f64>); 5] = [
 ];
 
 /// Attribute, key, its words there and here, and what is expected.
-type Words = (&'static str, &'static str, &'static [(&'static str, &'static str)], &'static str);
+type Words = (
+    &'static str,
+    &'static str,
+    &'static [(&'static str, &'static str)],
+    &'static str,
+);
 
 /// The words of homing.
 const HOME_WORDS: &[Words] = &[
-    ("HomeMode", "mode", &[("Passive", "passive"), ("Active", "active")], "Passive, Active or Absolute"),
+    (
+        "HomeMode",
+        "mode",
+        &[("Passive", "passive"), ("Active", "active")],
+        "Passive, Active or Absolute",
+    ),
     (
         "HomeDirection",
         "direction",

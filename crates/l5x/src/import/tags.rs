@@ -15,26 +15,32 @@ use crate::{L5xError, Reason};
 /// A `Tags` element and the program it belongs to.
 pub(super) type Scope<'a, 't> = (Option<&'a str>, Node<'a, 't>);
 
-/// An alias: the tag, its program, and the path behind what it stands for.
-struct Alias<'a, 't> {
-    node: Node<'a, 't>,
+/// An alias: its program, and the path behind what it stands for.
+struct Alias<'a> {
     program: Option<&'a str>,
     path: &'a str,
 }
 
 impl<'a, 't> Importer<'a, 't> {
     pub(super) fn tags(&mut self, scopes: &[Scope<'a, 't>], types: &Types) -> Result<(), L5xError> {
-        let mut aliases: BTreeMap<String, Alias<'a, 't>> = BTreeMap::new();
+        // Every name first, the bases with whether they are in the configuration: an alias may stand above what it is of,
+        // and one of an alias, an axis or a module is told from one of a tag.
+        let mut aliases: BTreeMap<String, Alias<'a>> = BTreeMap::new();
+        let mut bases: BTreeMap<String, bool> = BTreeMap::new();
         for (program, list) in scopes {
-            for node in children(*list, "Tag").filter(|node| node.attribute("TagType") == Some("Alias")) {
+            for node in children(*list, "Tag") {
                 let name = self.source.required(node, "Name", "the tag's name")?;
-                let path = self.source.required(node, "AliasFor", "the tag that the alias stands for")?;
+                if node.attribute("TagType") != Some("Alias") {
+                    bases.insert(full_name(*program, name), false);
+                    continue;
+                }
+                let path = self
+                    .source
+                    .required(node, "AliasFor", "the tag that the alias stands for")?;
                 let program = *program;
-                aliases.insert(full_name(program, name), Alias { node, program, path });
+                aliases.insert(full_name(program, name), Alias { program, path });
             }
         }
-        // The bases there are, so that an alias of an alias, of an axis or of a module is told from one of a tag.
-        let mut bases: BTreeMap<String, ()> = BTreeMap::new();
         let mut late = Vec::new();
         for (program, list) in scopes {
             for node in children(*list, "Tag") {
@@ -51,7 +57,7 @@ impl<'a, 't> Importer<'a, 't> {
                         self.source.report(node, Reason::NoCounterpart);
                         continue;
                     }
-                    bases.insert(full_name(*program, name), ());
+                    bases.insert(full_name(*program, name), true);
                 }
             }
         }
@@ -74,10 +80,19 @@ impl<'a, 't> Importer<'a, 't> {
     ) -> Result<bool, L5xError> {
         let word = self.source.required(node, "DataType", "the tag's type")?;
         let mut dimensions = Vec::new();
-        for count in node.attribute("Dimensions").unwrap_or_default().split([',', ' ']).filter(|word| !word.is_empty()) {
+        for count in node
+            .attribute("Dimensions")
+            .unwrap_or_default()
+            .split([',', ' '])
+            .filter(|word| !word.is_empty())
+        {
             match count.parse() {
                 Ok(count) if (1..=MAX_ELEMENTS).contains(&count) && dimensions.len() < 3 => dimensions.push(count),
-                _ => return Err(self.source.wrong(node, "Dimensions", "up to three whole numbers from 1 to 65535")),
+                _ => {
+                    return Err(self
+                        .source
+                        .wrong(node, "Dimensions", "up to three whole numbers from 1 to 65535"));
+                }
             }
         }
         let Some(kind) = types.kind(word) else {
@@ -85,7 +100,10 @@ impl<'a, 't> Importer<'a, 't> {
         };
         let is_bool = word.eq_ignore_ascii_case("BOOL");
         let too_many = (is_bool && dimensions.len() > 1) || self.count("tag") >= MAX_TAGS;
-        if too_many || types.size(&kind, &dimensions) > MAX_SIZE as u64 || node.attribute("ExternalAccess") == Some("None") {
+        if too_many
+            || types.size(&kind, &dimensions) > MAX_SIZE as u64
+            || node.attribute("ExternalAccess") == Some("None")
+        {
             return Ok(false);
         }
         let mut entry = named(program, name);
@@ -112,7 +130,8 @@ impl<'a, 't> Importer<'a, 't> {
             Some("Read/Write") | None if constant => {}
             Some("Read/Write") | None => return,
             Some(_) => {
-                self.source.report_attribute(node, "ExternalAccess", Reason::NotUnderstood);
+                self.source
+                    .report_attribute(node, "ExternalAccess", Reason::NotUnderstood);
                 return;
             }
         }
@@ -125,8 +144,8 @@ impl<'a, 't> Importer<'a, 't> {
         node: Node<'a, 't>,
         program: Option<&str>,
         name: &str,
-        aliases: &BTreeMap<String, Alias<'a, 't>>,
-        bases: &BTreeMap<String, ()>,
+        aliases: &BTreeMap<String, Alias<'a>>,
+        bases: &BTreeMap<String, bool>,
     ) -> bool {
         let allowed = is_name(name) && program.is_none_or(is_name) && node.attribute("ExternalAccess") != Some("None");
         let mut scope = program;
@@ -160,7 +179,8 @@ impl<'a, 't> Importer<'a, 't> {
                 }
                 continue;
             }
-            if !allowed || self.count("tag") >= MAX_TAGS {
+            let is_there = bases.get(&full).copied().unwrap_or(false);
+            if !is_there || !allowed || self.count("tag") >= MAX_TAGS {
                 return false;
             }
             let path = match found {
@@ -179,7 +199,9 @@ impl<'a, 't> Importer<'a, 't> {
 
 fn named(program: Option<&str>, name: &str) -> Table {
     let pairs = [("name", Some(name)), ("program", program)];
-    let pairs = pairs.into_iter().filter_map(|(key, word)| Some((key.to_owned(), Value::String(word?.to_owned()))));
+    let pairs = pairs
+        .into_iter()
+        .filter_map(|(key, word)| Some((key.to_owned(), Value::String(word?.to_owned()))));
     pairs.collect()
 }
 

@@ -77,7 +77,9 @@ impl Types {
             Kind::Text => arcline_tag::STRING_SIZE as u64,
             Kind::Structure(key) => self.0.get(key).map_or(0, |structure| structure.size),
         };
-        dimensions.iter().fold(one, |size, count| size.saturating_mul(u64::from(*count)))
+        dimensions
+            .iter()
+            .fold(one, |size, count| size.saturating_mul(u64::from(*count)))
     }
 }
 
@@ -142,11 +144,18 @@ impl<'a, 't> Importer<'a, 't> {
                 Ok(dimension) if dimension <= MAX_ELEMENTS => dimension,
                 _ => return Err(self.source.wrong(member, "Dimension", "a whole number from 0 to 65535")),
             };
-            let Some(kind) = types.kind(word).filter(|_| is_name(name) && structure.members.len() < MAX_MEMBERS) else {
+            let Some(kind) = types
+                .kind(word)
+                .filter(|_| is_name(name) && structure.members.len() < MAX_MEMBERS)
+            else {
                 self.source.report(member, Reason::NoCounterpart);
                 continue;
             };
-            if structure.members.iter().any(|other| other.name.eq_ignore_ascii_case(name)) {
+            if structure
+                .members
+                .iter()
+                .any(|other| other.name.eq_ignore_ascii_case(name))
+            {
                 return Err(self.source.wrong(member, "Name", "a name that no other member has"));
             }
             let dimensions = if dimension == 0 { &[][..] } else { &[dimension] };
@@ -164,10 +173,17 @@ impl<'a, 't> Importer<'a, 't> {
             return Ok(());
         }
         if node.attribute("Family") == Some("StringFamily") {
-            self.source.report(node, Reason::Changed("a string type becomes a structure of LEN and DATA"));
+            self.source.report(
+                node,
+                Reason::Changed("a string type becomes a structure of LEN and DATA"),
+            );
         }
         let members = structure.members.iter().map(|member| {
-            let dimensions = if member.dimension == 0 { &[][..] } else { &[member.dimension] };
+            let dimensions = if member.dimension == 0 {
+                &[][..]
+            } else {
+                &[member.dimension]
+            };
             let word = types.word(&member.kind, dimensions);
             Value::Table(Table::from_iter([
                 ("name".to_owned(), Value::String(member.name.clone())),

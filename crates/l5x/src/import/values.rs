@@ -30,7 +30,10 @@ impl<'a, 't> Importer<'a, 't> {
             Some(self.characters(data, types, kind)?)
         } else {
             for data in children(tag, "Data") {
-                self.source.report(data, Reason::Changed("a value that is only there as L5K or bytes becomes 0"));
+                self.source.report(
+                    data,
+                    Reason::Changed("a value that is only there as L5K or bytes becomes 0"),
+                );
             }
             None
         };
@@ -38,13 +41,7 @@ impl<'a, 't> Importer<'a, 't> {
     }
 
     /// A `DataValue`, `Array`, `Structure` or member.
-    fn value(
-        &mut self,
-        node: Node<'a, 't>,
-        types: &Types,
-        kind: &Kind,
-        dimensions: &[u32],
-    ) -> Result<Value, L5xError> {
+    fn value(&mut self, node: Node<'a, 't>, types: &Types, kind: &Kind, dimensions: &[u32]) -> Result<Value, L5xError> {
         self.source.check(node);
         if dimensions.is_empty() {
             return match kind {
@@ -66,7 +63,9 @@ impl<'a, 't> Importer<'a, 't> {
                 },
             });
         }
-        let product = dimensions.iter().fold(1u64, |all, count| all.saturating_mul(u64::from(*count)));
+        let product = dimensions
+            .iter()
+            .fold(1u64, |all, count| all.saturating_mul(u64::from(*count)));
         if values.len() as u64 != product {
             let found = format!("{} Element", values.len());
             let expected = "as many as the tag's or member's dimensions say";
@@ -105,7 +104,10 @@ impl<'a, 't> Importer<'a, 't> {
                     self.source.report_attribute(node, "Value", Reason::Changed(words));
                     return Ok(Value::Integer(0));
                 }
-                (text::integer(kind, word).map(Value::Integer), "a whole number that the type holds")
+                (
+                    text::integer(kind, word).map(Value::Integer),
+                    "a whole number that the type holds",
+                )
             }
         };
         value.ok_or_else(|| self.source.wrong(node, "Value", expected))
@@ -139,7 +141,11 @@ impl<'a, 't> Importer<'a, 't> {
                 self.source.check(child);
                 self.bytes(child, member.dimension)?
             } else {
-                let dimensions = if member.dimension == 0 { &[][..] } else { &[member.dimension] };
+                let dimensions = if member.dimension == 0 {
+                    &[][..]
+                } else {
+                    &[member.dimension]
+                };
                 self.value(child, types, &member.kind, dimensions)?
             };
             if !is_zero(&value) {
@@ -167,7 +173,10 @@ impl<'a, 't> Importer<'a, 't> {
         }
         let bytes = self.quoted(node, STRING_CAPACITY)?;
         Ok(Value::String(String::from_utf8(bytes).unwrap_or_else(|error| {
-            self.source.report(node, Reason::Changed("bytes of a text that are not UTF-8 become \u{FFFD} or fall away"));
+            self.source.report(
+                node,
+                Reason::Changed("bytes of a text that are not UTF-8 become \u{FFFD} or fall away"),
+            );
             let mut text = String::from_utf8_lossy(error.as_bytes()).into_owned();
             while text.len() > STRING_CAPACITY {
                 text.pop();
