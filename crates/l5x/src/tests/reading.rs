@@ -235,7 +235,7 @@ alias = "Program:Main.Hex.3"
         .groups()
         .find(|(_, path, _)| *path == "Controller/Tags/Tag");
     let (reason, _, group) = aliases.expect("the aliases that lead out of the tags");
-    assert_eq!((reason, group.lines.clone()), (Reason::NoCounterpart, vec![17, 18]));
+    assert_eq!((reason, group.lines.clone()), (Reason::NoCounterpart, vec![18, 19]));
 }
 
 #[test]
