@@ -1,8 +1,8 @@
 //! Tests of the whole: what no single crate can test.
 //!
 //! This library is their common ground. It runs Structured Text on a controller tick by tick ([`mod@bench`]), finds
-//! the programs ([`programs`]), runs a server for the length of a test ([`server`]), runs Python scripts with
-//! clients from PyPI ([`python`]) and records what goes over the loopback interface ([`capture`]). It holds no
+//! the programs ([`programs`]), runs a server for the length of a test ([`server`]), runs foreign clients
+//! ([`python`], [`node`], [`libplctag`]) and records what goes over the loopback interface ([`capture`]). It holds no
 //! tests and knows nothing of motion; the tests are in `tests/tests`.
 //!
 //! What a test needs and cannot have is said by [`not_run`]: a printed line on a developer's machine, a failure
@@ -16,7 +16,10 @@ pub mod bench;
 pub mod capture;
 pub mod command_line;
 pub mod follow;
+pub mod foreign;
 pub mod interop;
+pub mod libplctag;
+pub mod node;
 pub mod programs;
 pub mod python;
 pub mod random;

@@ -3,6 +3,8 @@
 mod browse;
 mod hostile;
 mod motion;
+mod pitfalls;
+mod published;
 mod sessions;
 mod tag_face;
 mod tag_services;
