@@ -87,7 +87,7 @@ fn wrong_files_exit_with_2() {
         (&missing, ": cannot be read: "),
         (
             &broken,
-            ":6:102: Controller/Tags/Tag[MOTION_GROUP]/Data/MotionGroupParameters/@CoarseUpdatePeriod: found \"4 ms\", \
+            ":6:110: Controller/Tags/Tag[MOTION_GROUP]/Data/MotionGroupParameters/@CoarseUpdatePeriod: found \"4 ms\", \
              expected a finite number",
         ),
         (&latin, ":2: not UTF-8, expected XML in UTF-8"),
