@@ -503,7 +503,10 @@ const HOME_WORDS: &[Words] = &[
 ];
 
 /// Attribute, key, what the attribute is larger by, the range of the key, and what happens outside of it.
-const DRIVE: [(&str, &str, f64, (f64, f64), &str); 4] = [
+type OfDrive = (&'static str, &'static str, f64, (f64, f64), &'static str);
+
+/// The attributes of a servo's loop.
+const DRIVE: [OfDrive; 4] = [
     (
         "PositionLoopBandwidth",
         "position_bandwidth_hz",
