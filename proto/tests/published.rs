@@ -93,6 +93,7 @@ impl Bench {
                     let reply = Reply::success(request.service, Bytes::new());
                     self.session.reply(id, &reply, self.now);
                 }
+                Event::IoReady(_) => {}
                 Event::Close(reason) => self.closed = Some(reason),
             }
         }

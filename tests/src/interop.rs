@@ -16,7 +16,7 @@ const PAGE_TAGS: usize = 300;
 /// Runs `tests/python/SCRIPT HOST:PORT` with the packages of `python/requirements/CLIENT.txt`.
 ///
 /// # Panics
-/// As [`against_a_server`].
+/// As `against_a_server`.
 pub fn python(client: &str, script: &str) {
     match Python::with(client) {
         Ok(python) => against_a_server(script, "127.0.0.1:0", |server| {
@@ -26,10 +26,38 @@ pub fn python(client: &str, script: &str) {
     }
 }
 
+/// As [`python`], with the default machine alone and implicit I/O on UDP port 2222 of 127.0.0.1: a scanner that does not
+/// say where it listens can only be answered there.
+///
+/// # Panics
+/// As `against_a_server`, and when the port does not become free.
+pub fn python_io(client: &str, script: &str) {
+    let python = match Python::with(client) {
+        Ok(python) => python,
+        Err(why) => return crate::not_run(script, &why),
+    };
+    crate::eventually("UDP port 2222 is free", IO_PORT_FREE, || {
+        std::net::UdpSocket::bind(IO_ADDRESS).ok().map(drop)
+    });
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("io.toml");
+    let io = format!("[server]\nio = \"{IO_ADDRESS}\"\n");
+    std::fs::write(&file, arcline_config::DEFAULT.replacen("[server]\n", &io, 1)).expect("a file");
+    let server = Server::start_on(&file);
+    let capture = Capture::with_io(server.address());
+    print!("{}", python.run(script, &[&server.address().to_string()]));
+    judge(script, capture);
+}
+
+/// Where implicit I/O is.
+const IO_ADDRESS: &str = "127.0.0.1:2222";
+/// How long another test may have it.
+const IO_PORT_FREE: std::time::Duration = std::time::Duration::from_secs(60);
+
 /// Runs `tests/node/SCRIPT ADDRESS`. Its client knows no port but 44818, so the server has an address of its own.
 ///
 /// # Panics
-/// As [`against_a_server`].
+/// As `against_a_server`.
 pub fn node(script: &str) {
     if !cfg!(target_os = "linux") {
         return crate::not_run(script, "only Linux has more loopback addresses than one");
@@ -47,7 +75,7 @@ pub fn node(script: &str) {
 /// Builds and runs the program of `tests/libplctag`.
 ///
 /// # Panics
-/// As [`against_a_server`].
+/// As `against_a_server`.
 pub fn libplctag() {
     match Libplctag::build() {
         Ok(client) => against_a_server("libplctag", "127.0.0.1:0", |server| client.run(&[&server.to_string()])),
@@ -67,6 +95,11 @@ pub fn against_a_server(name: &str, listen: &str, client: impl FnOnce(SocketAddr
     let address = server.address();
     let capture = Capture::of(address);
     print!("{}", client(address));
+    judge(name, capture);
+}
+
+/// Holds that a capture has frames and none that is malformed.
+fn judge(name: &str, capture: Result<Capture, String>) {
     let verdict = match capture.and_then(Capture::finish) {
         Ok(verdict) => verdict,
         Err(why) => return crate::not_run(&format!("capture of {name}"), &why),

@@ -2,7 +2,8 @@
 //!
 //! This library is their common ground. It runs Structured Text on a controller tick by tick ([`mod@bench`]), finds
 //! the programs ([`programs`]), runs a server for the length of a test ([`server`]), runs foreign clients
-//! ([`python`], [`node`], [`libplctag`]) and records what goes over the loopback interface ([`capture`]). It holds no
+//! ([`python`], [`node`], [`libplctag`]), exchanges data in cycles ([`scanner`]) and records what goes over the loopback
+//! interface ([`capture`]). It holds no
 //! tests and knows nothing of motion; the tests are in `tests/tests`.
 //!
 //! What a test needs and cannot have is said by [`not_run`]: a printed line on a developer's machine, a failure
@@ -23,6 +24,7 @@ pub mod node;
 pub mod programs;
 pub mod python;
 pub mod random;
+pub mod scanner;
 pub mod server;
 
 /// The root folder of the workspace.

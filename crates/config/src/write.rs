@@ -11,7 +11,7 @@ use arcline_tag::{DataType, Elementary, Member, STRING_INSTANCE, Template, strin
 use toml::{Table, Value};
 
 use crate::read::KEYS;
-use crate::{PlainTag, Project};
+use crate::{IoListen, PlainTag, Project};
 
 /// The tables of a project with every key, those at their default too.
 pub fn table(project: &Project) -> Table {
@@ -24,11 +24,19 @@ pub fn table(project: &Project) -> Table {
     } = project;
     let mut root = Table::new();
     let hmi = server.hmi.map_or_else(|| "off".to_owned(), |hmi| hmi.to_string());
+    let io = match server.io {
+        IoListen::BesideListen => None,
+        IoListen::At(address) => Some(address.to_string()),
+        IoListen::Off => Some("off".to_owned()),
+    };
     let server = [
-        ("name", text(&server.name)),
-        ("listen", text(&server.listen.to_string())),
-        ("hmi", text(&hmi)),
+        ("name", Some(text(&server.name))),
+        ("listen", Some(text(&server.listen.to_string()))),
+        ("hmi", Some(text(&hmi))),
+        ("io", io.map(|io| text(&io))),
+        ("io_loss", Some(text(server.io_loss.word()))),
     ];
+    let server = server.into_iter().filter_map(|(key, value)| Some((key, value?)));
     root.insert("server".into(), keys(server));
     let group = [
         ("name", text(&machine.group)),

@@ -58,8 +58,8 @@ enum Step<'r> {
     Done(Reply),
     /// Executes an instruction.
     Motion(MotionRequest),
-    /// Asks what became of one.
-    Execution(&'r Request, Target),
+    /// Asks an object that looks at the plant itself.
+    Late(&'r Request, Target),
 }
 
 impl<'r> Step<'r> {
@@ -110,7 +110,7 @@ impl Router {
         match step {
             Step::Done(reply) => reply,
             Step::Motion(motion) => motion.execute(&self.device.plant).await,
-            Step::Execution(request, target) => objects::serve_execution(context, request, &target),
+            Step::Late(request, target) => objects::serve_late(context, request, &target),
         }
     }
 
@@ -193,8 +193,8 @@ fn is_multiple(request: &Request) -> bool {
 
 /// Whether a request is answered after the memory has been let go.
 fn is_late(request: &Request) -> bool {
-    let execution = u32::from(objects::EXECUTION);
-    motion::is_motion(request) || matches!(request.path.0.first(), Some(Segment::Class(class)) if *class == execution)
+    motion::is_motion(request)
+        || matches!(request.path.0.first(), Some(Segment::Class(class)) if objects::LATE.map(u32::from).contains(class))
 }
 
 /// Answers one request that is no packet of requests.
@@ -210,8 +210,8 @@ fn answer<'r>(context: &Context<'_>, memory: &mut Memory<'_>, request: &'r Reque
             Err(status) => refuse(status),
         };
     }
-    if target.class == Some(objects::EXECUTION) && target.symbols.is_empty() {
-        return Step::Execution(request, target);
+    if target.class.is_some_and(|class| objects::LATE.contains(&class)) && target.symbols.is_empty() {
+        return Step::Late(request, target);
     }
     Step::Done(match target.class {
         // Only tags are in the scope of a name, a program's.

@@ -34,6 +34,8 @@ fn what_l5x_has_no_place_for() {
         name = "<A & 'B' \"C\">"
         listen = "[::1]:0"
         hmi = "off"
+        io = "off"
+        io_loss = "finish"
         [motion_group]
         name = "Group"
         coarse_update_period_ms = 0.2501

@@ -4,6 +4,7 @@
 //! class can do besides (paging symbols, reading templates) is in its own file. Tag services and motion services are not
 //! here but in [`tags`](super::tags) and [`motion`].
 
+mod assembly;
 mod change_detection;
 mod connection_manager;
 mod ethernet_link;
@@ -33,9 +34,10 @@ use super::router::{Context, Memory};
 use super::tags::unknown;
 
 /// Every class that answers, ascending: the Message Router's object list.
-const CLASSES: [u16; 14] = [
+const CLASSES: [u16; 15] = [
     class::IDENTITY,
     class::MESSAGE_ROUTER,
+    class::ASSEMBLY,
     class::CONNECTION_MANAGER,
     class::PROGRAM_NAME,
     class::SYMBOL,
@@ -51,7 +53,10 @@ const CLASSES: [u16; 14] = [
 ];
 
 /// The class of executed instructions.
-pub(crate) const EXECUTION: u16 = motion_instruction::CLASS;
+const EXECUTION: u16 = motion_instruction::CLASS;
+
+/// The classes whose objects look at the plant themselves: they are answered when its memory has been let go.
+pub(crate) const LATE: [u16; 2] = [class::ASSEMBLY, EXECUTION];
 
 /// What the class attributes tell (CIP Vol. 1, 4-4).
 struct Extent {
@@ -98,7 +103,7 @@ trait Class {
     }
 
     /// Bytes of an attribute that can be set.
-    fn settable(&self, _id: u16) -> Option<usize> {
+    fn settable(&self, _instance: u32, _id: u16) -> Option<usize> {
         None
     }
 
@@ -108,7 +113,7 @@ trait Class {
     }
 }
 
-/// Answers a request for a class other than [`EXECUTION`].
+/// Answers a request for a class that is not [`LATE`].
 pub(crate) fn serve(
     context: &Context<'_>,
     memory: &mut Memory<'_>,
@@ -194,14 +199,14 @@ fn write_injected(memory: &mut Memory<'_>, injected: &[(u16, u32)]) {
     }
 }
 
-/// Answers a request for an execution (class 0x0303). The plant must not be held: the executions are behind its lock.
-pub(crate) fn serve_execution(context: &Context<'_>, request: &Request, target: &Target) -> Reply {
-    attributes(
-        context,
-        &motion_instruction::MotionInstructions(&context.device.plant),
-        request,
-        target,
-    )
+/// Answers a request for a class that is [`LATE`]. The plant must not be held: what they show is behind its lock.
+pub(crate) fn serve_late(context: &Context<'_>, request: &Request, target: &Target) -> Reply {
+    let with = |object: &dyn Class| attributes(context, object, request, target);
+    if target.class == Some(class::ASSEMBLY) {
+        with(&assembly::Assemblies(context.device))
+    } else {
+        with(&motion_instruction::MotionInstructions(&context.device.plant))
+    }
 }
 
 /// Answers a request for a name that is neither a tag service nor a motion service: attributes of the motion object of
@@ -339,7 +344,7 @@ impl Attributes<'_> {
 
     /// Bytes of an attribute, if it can be set.
     fn width(&self, id: u16) -> Result<usize, CipStatus> {
-        match self.object.settable(id) {
+        match self.object.settable(self.instance, id) {
             Some(width) if self.instance > 0 => Ok(width),
             _ => Err(self
                 .value(id)
