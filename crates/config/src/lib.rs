@@ -8,14 +8,19 @@ mod describe;
 mod error;
 mod read;
 mod section;
+mod write;
 
 use std::net::SocketAddr;
+use std::sync::Arc;
 
 use arcline_controller::machine::Machine;
+use arcline_tag::Template;
 
 pub use arcline_controller::image::{InstructionTag, PlainTag};
 pub use describe::describe;
 pub use error::{ConfigError, Problem};
+pub use read::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TAGS, MAX_TYPES, is_name};
+pub use write::{format, table};
 
 /// The default configuration, commented: what the server runs without `--config`.
 pub const DEFAULT: &str = include_str!("default.toml");
@@ -29,6 +34,8 @@ pub struct Project {
     pub machine: Machine,
     /// Instructions as tags, in configuration order, at most 1024.
     pub instruction_tags: Vec<InstructionTag>,
+    /// The structure types of plain data, in configuration order, at most 1024.
+    pub types: Vec<Arc<Template>>,
     /// Plain data, in configuration order, at most 4096.
     pub tags: Vec<PlainTag>,
 }

@@ -25,7 +25,10 @@ use crate::Project;
 use crate::error::{ConfigError, Problem};
 use crate::section::{NumberRule, Placed, Section, Source};
 
+pub use self::names::is_name;
 pub(crate) use self::server::{DEFAULT_HMI, DEFAULT_LISTEN};
+pub use self::tags::MAX_TAGS;
+pub use self::types::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES};
 
 /// Reads a whole file.
 pub(crate) fn project(text: &str, file: &str) -> Result<Project, ConfigError> {
@@ -56,6 +59,7 @@ pub(crate) fn project(text: &str, file: &str) -> Result<Project, ConfigError> {
         server,
         machine,
         instruction_tags,
+        types: types.in_order(),
         tags,
     })
 }
@@ -118,7 +122,6 @@ const SECTIONS: &[&str] = &[
     "tag",
 ];
 /// Every key that is read, by the heading of its table in docs/CONFIGURATION.md.
-#[cfg(test)]
 pub(crate) const KEYS: &[(&str, &[&str])] = &[
     ("## `[server]`", server::SERVER),
     ("## `[motion_group]`", MOTION_GROUP),

@@ -26,7 +26,7 @@ impl Taken {
 }
 
 /// Whether a tag can have that name: 1 to 40 letters, digits and underscores, no digit first.
-pub(super) fn is_name(text: &str) -> bool {
+pub fn is_name(text: &str) -> bool {
     text.len() <= MAX_NAME
         && text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
