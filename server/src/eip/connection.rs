@@ -22,6 +22,9 @@ use super::router::Router;
 /// Frames that are taken from one connection before the others get their turn.
 const BATCH: usize = 32;
 
+/// How long a changed inactivity time-out may go unnoticed.
+const LOOK: Duration = Duration::from_secs(1);
+
 /// Why a connection ended.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Ended {
@@ -80,7 +83,10 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
 
     async fn serve_frames(&mut self) -> Result<std::convert::Infallible, Ended> {
         loop {
-            let due = self.session.poll_timeout().map(|time| self.epoch + time);
+            self.session.set_inactivity(self.device.inactivity());
+            // A client may set another inactivity time-out: that is looked at now and then.
+            let look = self.now() + LOOK;
+            let due = self.session.poll_timeout().map(|time| self.epoch + time.min(look));
             let next = tokio::select! {
                 next = self.framed.next() => next,
                 () = sleep_until(due.unwrap_or(self.epoch)), if due.is_some() => {

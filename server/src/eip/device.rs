@@ -1,6 +1,7 @@
 //! What all connections of the server share: the plant, the identity, limits and counters.
 
-use std::sync::atomic::{AtomicBool, AtomicI64, AtomicUsize, Ordering};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -22,6 +23,8 @@ pub struct Settings {
     pub max_connections: usize,
     /// How long a peer may take to read what has been written to it.
     pub write_timeout: Duration,
+    /// Where the files are in which the system shows its network.
+    pub system: PathBuf,
     /// Limits of a session.
     pub session: session::Settings,
 }
@@ -34,6 +37,7 @@ impl Settings {
             max_clients: 2048,
             max_connections: 4096,
             write_timeout: Duration::from_secs(30),
+            system: PathBuf::from("/"),
             session: session::Settings::default(),
         }
     }
@@ -54,6 +58,8 @@ pub(crate) struct Device {
     pub(crate) session_settings: Arc<session::Settings>,
     open_connections: AtomicUsize,
     counters: Mutex<Counters>,
+    /// Silence after which a socket is closed, s; 0: never. Clients set it.
+    inactivity: AtomicU64,
     /// µs that a client has moved the wall clock by; the host's own clock is never set.
     clock_offset: AtomicI64,
     /// Whether a client has set daylight saving.
@@ -65,6 +71,7 @@ impl Device {
         Self {
             plant,
             session_settings: Arc::new(settings.session.clone()),
+            inactivity: AtomicU64::new(settings.session.inactivity.map_or(0, |time| time.as_secs())),
             settings,
             open_connections: AtomicUsize::new(0),
             counters: Mutex::new(Counters::default()),
@@ -81,6 +88,17 @@ impl Device {
     /// Attributes of the Connection Manager.
     pub(crate) fn counters(&self) -> Counters {
         *self.lock_counters()
+    }
+
+    /// Silence after which a socket is closed; `None`: never.
+    pub(crate) fn inactivity(&self) -> Option<Duration> {
+        let seconds = self.inactivity.load(Ordering::Relaxed);
+        (seconds > 0).then(|| Duration::from_secs(seconds))
+    }
+
+    /// Sets it, in whole seconds, for every socket; 0: never.
+    pub(crate) fn set_inactivity(&self, time: Duration) {
+        self.inactivity.store(time.as_secs(), Ordering::Relaxed);
     }
 
     /// µs since 1970-01-01 UTC, as clients have set it.

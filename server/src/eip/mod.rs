@@ -7,6 +7,7 @@
 //! One CIP message (a single request, or a whole Multiple Service Packet) is one action: all its tag writes are applied
 //! first, then the rising edges of `EnableIn` are executed, then it is answered.
 
+mod adapter;
 mod codec;
 mod connection;
 mod datagram;

@@ -12,6 +12,7 @@ use arcline_proto::epath::{Segment, Target};
 use arcline_proto::session::Transport;
 use tracing::{debug, debug_span};
 
+use super::adapter::Adapter;
 use super::device::Device;
 use super::objects::motion::{self, MotionRequest};
 use super::{objects, tags};
@@ -33,6 +34,13 @@ pub(crate) struct Context<'a> {
     pub(crate) budget: usize,
     /// What the message came on.
     pub(crate) transport: Transport,
+}
+
+impl Context<'_> {
+    /// The host's adapter through which the message came.
+    pub(crate) fn adapter(&self) -> Adapter {
+        Adapter::of(&self.device.settings.system, *self.local.ip())
+    }
 }
 
 /// The tag memory as one message sees it.
@@ -58,8 +66,8 @@ enum Step<'r> {
     Done(Reply),
     /// Executes an instruction.
     Motion(MotionRequest),
-    /// Asks what became of one.
-    Execution(&'r Request, Target),
+    /// Asks an object for which the memory must not be held.
+    Late(&'r Request, Target),
 }
 
 impl<'r> Step<'r> {
@@ -110,7 +118,7 @@ impl Router {
         match step {
             Step::Done(reply) => reply,
             Step::Motion(motion) => motion.execute(&self.device.plant).await,
-            Step::Execution(request, target) => objects::serve_execution(context, request, &target),
+            Step::Late(request, target) => objects::serve_late(context, request, &target),
         }
     }
 
@@ -193,8 +201,8 @@ fn is_multiple(request: &Request) -> bool {
 
 /// Whether a request is answered after the memory has been let go.
 fn is_late(request: &Request) -> bool {
-    let execution = u32::from(objects::EXECUTION);
-    motion::is_motion(request) || matches!(request.path.0.first(), Some(Segment::Class(class)) if *class == execution)
+    motion::is_motion(request)
+        || matches!(request.path.0.first(), Some(Segment::Class(class)) if objects::LATE.map(u32::from).contains(class))
 }
 
 /// Answers one request that is no packet of requests.
@@ -210,8 +218,8 @@ fn answer<'r>(context: &Context<'_>, memory: &mut Memory<'_>, request: &'r Reque
             Err(status) => refuse(status),
         };
     }
-    if target.class == Some(objects::EXECUTION) && target.symbols.is_empty() {
-        return Step::Execution(request, target);
+    if target.class.is_some_and(|class| objects::LATE.contains(&class)) && target.symbols.is_empty() {
+        return Step::Late(request, target);
     }
     Step::Done(match target.class {
         // Only tags are in the scope of a name, a program's.

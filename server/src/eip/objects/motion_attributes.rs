@@ -92,7 +92,7 @@ impl Class for MotionObjects<'_> {
         }
     }
 
-    fn settable(&self, id: u16) -> Option<usize> {
+    fn settable(&self, _instance: u32, id: u16) -> Option<usize> {
         let settable = match self.object {
             Object::MotionGroup => false,
             Object::Axis => id == INJECTED,

@@ -30,7 +30,7 @@ impl Class for WallClock<'_> {
         }
     }
 
-    fn settable(&self, id: u16) -> Option<usize> {
+    fn settable(&self, _instance: u32, id: u16) -> Option<usize> {
         match id {
             UTC => Some(8),
             DAYLIGHT_SAVING => Some(1),

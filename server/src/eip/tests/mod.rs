@@ -3,6 +3,7 @@
 mod browse;
 mod hostile;
 mod motion;
+mod objects;
 mod sessions;
 mod tag_face;
 mod tag_services;
@@ -153,8 +154,13 @@ impl Bench {
 
     /// A client with a session.
     pub(super) async fn client(&self) -> Client {
+        self.client_on(self.stream()).await
+    }
+
+    /// A client with a session on a stream.
+    pub(super) async fn client_on(&self, stream: DuplexStream) -> Client {
         let mut client = Client {
-            stream: self.stream(),
+            stream,
             buf: BytesMut::new(),
             session: SessionHandle(0),
         };
