@@ -6,6 +6,7 @@
 //! never across an await; the real-time thread knows nothing of it.
 
 mod records;
+mod reload;
 mod state;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -21,6 +22,7 @@ use tokio::sync::Notify;
 
 use crate::retained::{NotKept, Watch, WhenKept};
 use records::instance_of;
+pub use reload::ReloadError;
 use state::State;
 
 /// The running machine. Clones are the same one.
@@ -274,7 +276,9 @@ async fn pump(plant: Weak<Shared>) {
 
 /// The tags of a project.
 pub fn image_of(project: &Project) -> Image {
-    Image::new(&project.machine, &project.instruction_tags, &project.tags)
+    let mut image = Image::new(&project.machine, &project.instruction_tags, &project.tags);
+    image.declare(&project.data_types);
+    image
 }
 
 /// Calls that may wait for the controller at a time.

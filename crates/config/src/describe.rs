@@ -20,6 +20,7 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         machine,
         instruction_tags,
         tags,
+        ..
     } = project;
     writeln!(out, "server {:?}", server.name)?;
     writeln!(out, "  EtherNet/IP on {}", server.listen)?;

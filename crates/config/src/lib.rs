@@ -10,12 +10,16 @@ mod read;
 mod section;
 
 use std::net::SocketAddr;
+use std::sync::Arc;
 
+use arcline_controller::image::Configured;
 use arcline_controller::machine::Machine;
+use arcline_tag::Template;
 
 pub use arcline_controller::image::{InstructionTag, PlainTag};
 pub use describe::describe;
 pub use error::{ConfigError, Problem};
+pub use read::tag_type;
 
 /// The default configuration, commented: what the server runs without `--config`.
 pub const DEFAULT: &str = include_str!("default.toml");
@@ -29,8 +33,21 @@ pub struct Project {
     pub machine: Machine,
     /// Instructions as tags, in configuration order, at most 1024.
     pub instruction_tags: Vec<InstructionTag>,
+    /// Structure types, in configuration order: what one uses stands before it.
+    pub data_types: Vec<Arc<Template>>,
     /// Plain data, in configuration order, at most 4096.
     pub tags: Vec<PlainTag>,
+}
+
+impl Project {
+    /// Its tags and types.
+    pub fn configured(&self) -> Configured<'_> {
+        Configured {
+            data_types: &self.data_types,
+            instructions: &self.instruction_tags,
+            tags: &self.tags,
+        }
+    }
 }
 
 /// The `[server]` table.

@@ -26,6 +26,7 @@ use crate::error::{ConfigError, Problem};
 use crate::section::{NumberRule, Placed, Section, Source};
 
 pub(crate) use self::server::{DEFAULT_HMI, DEFAULT_LISTEN};
+pub use self::types::tag_type;
 
 /// Reads a whole file.
 pub(crate) fn project(text: &str, file: &str) -> Result<Project, ConfigError> {
@@ -56,6 +57,7 @@ pub(crate) fn project(text: &str, file: &str) -> Result<Project, ConfigError> {
         server,
         machine,
         instruction_tags,
+        data_types: types.into_templates(),
         tags,
     })
 }

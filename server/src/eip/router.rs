@@ -74,7 +74,10 @@ impl<'r> Step<'r> {
     /// A write that is not kept does not succeed.
     fn unless(self, kept: Result<(), NotKept>, request: &Request) -> Step<'r> {
         match (self, kept) {
-            (Self::Done(reply), Err(NotKept)) if reply.status.is_success() && tags::is_write(request.service) => {
+            (Self::Done(reply), Err(NotKept))
+                if reply.status.is_success()
+                    && (tags::is_write(request.service) || objects::is_table_change(request.service)) =>
+            {
                 Self::Done(Reply::error(request.service, CipStatus::STORE_FAILURE))
             }
             (step, _) => step,
@@ -172,7 +175,10 @@ impl Router {
     /// # Errors
     /// The tags have what was written, but may not have it after a restart.
     async fn with_memory(&self, requests: &[Request], work: impl FnOnce(&mut Memory<'_>)) -> Result<(), NotKept> {
-        let writes = |request: &Request| tags::is_write(request.service) || objects::is_set(request.service);
+        let writes = |request: &Request| {
+            let code = request.service;
+            tags::is_write(code) || objects::is_set(code) || objects::is_table_change(code)
+        };
         if requests.iter().any(writes) {
             let ((), written) = self
                 .device

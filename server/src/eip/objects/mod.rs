@@ -149,6 +149,9 @@ pub(crate) fn serve(
     code: u16,
     target: &Target,
 ) -> Reply {
+    if code == class::SYMBOL && is_table_change(request.service) {
+        return symbol::change(context, memory, request, target);
+    }
     let image = memory.image();
     let device = context.device;
     let with = |object: &dyn Class| attributes(context, object, request, target);
@@ -202,6 +205,11 @@ pub(crate) fn serve(
 /// Whether a request may set an attribute.
 pub(crate) const fn is_set(code: u8) -> bool {
     matches!(code, service::SET_ATTRIBUTE_SINGLE | service::SET_ATTRIBUTE_LIST)
+}
+
+/// Whether a request may change the table of tags.
+pub(crate) const fn is_table_change(code: u8) -> bool {
+    matches!(code, service::CREATE | service::DELETE)
 }
 
 /// Overrides that were set as attributes are in range: they are written like the tag.

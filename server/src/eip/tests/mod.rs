@@ -7,6 +7,7 @@ mod objects;
 mod sessions;
 mod tag_face;
 mod tag_services;
+mod tag_table;
 
 use std::net::{Ipv4Addr, SocketAddrV4};
 use std::sync::Arc;
