@@ -62,6 +62,7 @@ async fn serve(mut stream: DuplexStream, settings: Settings, mut handler: Handle
                         session.reply(id, &reply, Duration::ZERO);
                     }
                 }
+                Event::IoReady(_) => {}
                 Event::Close(_) => return,
             }
         }

@@ -89,7 +89,7 @@ fn pump(
             Event::Request { id, request, .. } => {
                 server.reply(id, &Reply::success(request.service, request.data), now);
             }
-            Event::Close(_) => {}
+            Event::IoReady(_) | Event::Close(_) => {}
         }
     }
 }

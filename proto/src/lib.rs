@@ -14,6 +14,7 @@ pub mod discovery;
 pub mod encap;
 pub mod epath;
 pub mod identity;
+pub mod io;
 pub mod logix;
 pub mod session;
 pub mod status;

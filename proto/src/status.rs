@@ -191,6 +191,7 @@ additional! {
     0x0120 FIXED_VARIABLE_T_TO_O "target to originator fixed or variable flag wrong"
     0x0123 TYPE_O_TO_T "originator to target connection type wrong"
     0x0124 TYPE_T_TO_O "target to originator connection type wrong"
+    0x0125 REDUNDANT_OWNER "originator to target redundant owner not supported"
     0x0126 CONFIGURATION_SIZE "configuration size wrong"
     0x0127 SIZE_O_TO_T "originator to target size wrong"
     0x0128 SIZE_T_TO_O "target to originator size wrong"

@@ -127,6 +127,7 @@ impl Pair {
                     reply_budget,
                     ..
                 } => self.requests.push((id, request, reply_budget)),
+                Event::IoReady(_) => {}
                 Event::Close(reason) => self.closed = Some(reason),
             }
         }

@@ -5,6 +5,7 @@
 //! that it shows the newest tick, and of that tick positions and bits alike. The lock is held for microseconds and
 //! never across an await; the real-time thread knows nothing of it.
 
+mod io;
 mod records;
 mod reload;
 mod state;

@@ -249,7 +249,7 @@ fn create_again(tag: &Tag, image: &mut Image) -> Option<TagId> {
 
 /// Whether a client had created a tag of this kind, and how it may be accessed then; and its type.
 fn created(kind: &str) -> (Option<Access>, &str) {
-    [(CREATED, Access::ReadWrite), (CREATED_READ_ONLY, Access::ReadOnly)]
+    [(CREATED_READ_ONLY, Access::ReadOnly), (CREATED, Access::ReadWrite)]
         .into_iter()
         .find_map(|(prefix, access)| Some((Some(access), kind.strip_prefix(prefix)?)))
         .unwrap_or((None, kind))

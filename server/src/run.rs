@@ -5,12 +5,12 @@ use std::net::SocketAddr;
 use std::path::Path;
 use std::process::ExitCode;
 
-use arcline_config::Project;
+use arcline_config::{IoListen, Project};
 use arcline_controller::image::Image;
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::cli::{Failure, OrOff, RunArgs, project};
-use crate::eip::{Listener, Settings};
+use crate::eip::{BindError, Listener, Settings};
 use crate::plant::Plant;
 use crate::retained::{Keeper, Retained, Watch};
 
@@ -68,10 +68,13 @@ async fn serve(
     };
     let (plant, handle) = started.map_err(|error| Failure::new(1, error.to_string()))?;
     let listen = project.server.listen;
-    let settings = Settings::new(&project.server.name);
-    let listener = Listener::bind(listen, plant.clone(), settings)
-        .await
-        .map_err(|error| cannot_listen(listen, &error))?;
+    let mut settings = Settings::new(&project.server.name);
+    settings.io = project.server.io.address(listen);
+    settings.io_loss = project.server.io_loss;
+    let listener = bind(project.server.io, listen, plant.clone(), settings).await?;
+    if let Some(address) = listener.io_addr() {
+        tracing::info!(%address, "implicit I/O (class 0 and 1 connections) listens");
+    }
     ready(listener.local_addr()).map_err(|error| failed("standard output", &error))?;
     let served = listener.serve();
     tokio::pin!(served);
@@ -115,6 +118,21 @@ async fn reload(plant: &Plant, config: Option<&Path>, configured: &mut Project) 
     }
 }
 
+/// Binds everything. Where nobody has chosen a port for implicit I/O and 2222 is taken (by a scanner on this host), any
+/// does: originators are told.
+async fn bind(choice: IoListen, listen: SocketAddr, plant: Plant, mut settings: Settings) -> Result<Listener, Failure> {
+    let io = settings.io;
+    let error = match Listener::bind(listen, plant.clone(), settings.clone()).await {
+        Err(error) if choice == IoListen::BesideListen && io == Some(error.address) => error,
+        bound => return bound.map_err(|error| cannot_listen(&error, io)),
+    };
+    tracing::warn!(%error, "implicit I/O takes another port");
+    settings.io = io.map(|address| SocketAddr::new(address.ip(), 0));
+    Listener::bind(listen, plant, settings)
+        .await
+        .map_err(|error| cannot_listen(&error, io))
+}
+
 /// The line that scripts wait for.
 fn ready(eip: SocketAddr) -> io::Result<()> {
     let mut out = io::stdout().lock();
@@ -122,8 +140,9 @@ fn ready(eip: SocketAddr) -> io::Result<()> {
     out.flush()
 }
 
-fn cannot_listen(address: SocketAddr, error: &io::Error) -> Failure {
+fn cannot_listen(BindError { address, error }: &BindError, io: Option<SocketAddr>) -> Failure {
     let hint = match error.kind() {
+        _ if io == Some(*address) => "; choose another address for implicit I/O with `io` in [server], or \"off\"",
         io::ErrorKind::AddrInUse => "; another program uses the port, choose one with --listen ADDR:PORT",
         io::ErrorKind::PermissionDenied => "; ports below 1024 need rights, choose another with --listen ADDR:PORT",
         _ => "",

@@ -25,9 +25,23 @@ impl Capture {
     /// # Errors
     /// Says what is missing on this machine.
     pub fn of(server: SocketAddr) -> Result<Self, String> {
+        Self::with(server, &format!("port {}", server.port()))
+    }
+
+    /// As [`Self::of`], with the datagrams of implicit I/O, which are on UDP port 2222 of the server's address.
+    ///
+    /// # Errors
+    /// Says what is missing on this machine.
+    pub fn with_io(server: SocketAddr) -> Result<Self, String> {
+        Self::with(
+            server,
+            &format!("port {} or (host {} and udp port 2222)", server.port(), server.ip()),
+        )
+    }
+
+    fn with(server: SocketAddr, filter: &str) -> Result<Self, String> {
         let folder = tempfile::tempdir().map_err(|error| format!("no temporary folder: {error}"))?;
         let file = folder.path().join("run.pcapng");
-        let port = server.port();
         for program in ["dumpcap", "tshark"] {
             Command::new(program)
                 .arg("--version")
@@ -35,7 +49,7 @@ impl Capture {
                 .map_err(|error| format!("{program} cannot be started ({error}); install Debian's package tshark"))?;
         }
         let dumpcap = Command::new("dumpcap")
-            .args(["-q", "-i", "lo", "-f", &format!("port {port}"), "-w"])
+            .args(["-q", "-i", "lo", "-B", "64", "-f", filter, "-w"])
             .arg(&file)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
@@ -59,7 +73,7 @@ impl Capture {
         self.wait_for_mark(*b"arcline9")?;
         crate::server::signal("INT", self.dumpcap.id());
         self.dumpcap.wait().map_err(|error| format!("dumpcap: {error}"))?;
-        let frames = dissect(&self.file, self.server.port(), "enip")?;
+        let frames = dissect(&self.file, self.server.port(), "enip || cipio")?;
         let faults = dissect(
             &self.file,
             self.server.port(),

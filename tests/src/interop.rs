@@ -1,29 +1,108 @@
-//! A foreign client's script against a real server, recorded and judged by Wireshark's dissectors.
+//! A foreign client against a real server, recorded and judged by Wireshark's dissectors.
 
-use std::fs;
+use std::fmt::Write as _;
+use std::net::SocketAddr;
 use std::process::Command;
 
 use crate::capture::Capture;
+use crate::libplctag::Libplctag;
+use crate::node::Node;
 use crate::python::Python;
 use crate::server::Server;
 
-/// Runs `tests/python/SCRIPT HOST:PORT` against a server with the default configuration and plain tags of every
-/// type, and holds that the capture of the run has no malformed frame.
+/// Tags beyond those of `config/interop_tags.toml`, so that a list of them takes several pages.
+const PAGE_TAGS: usize = 300;
+
+/// Runs `tests/python/SCRIPT HOST:PORT` with the packages of `python/requirements/CLIENT.txt`.
 ///
 /// # Panics
-/// When the script or the dissectors find a fault; in CI also when something needed is missing.
-pub fn run(script: &str) {
-    let python = match Python::with_clients() {
+/// As `against_a_server`.
+pub fn python(client: &str, script: &str) {
+    match Python::with(client) {
+        Ok(python) => against_a_server(script, "127.0.0.1:0", |server| {
+            python.run(script, &[&server.to_string()])
+        }),
+        Err(why) => crate::not_run(script, &why),
+    }
+}
+
+/// As [`python`], with the default machine alone and implicit I/O on UDP port 2222 of 127.0.0.1: a scanner that does not
+/// say where it listens can only be answered there.
+///
+/// # Panics
+/// As `against_a_server`, and when the port does not become free.
+pub fn python_io(client: &str, script: &str) {
+    let python = match Python::with(client) {
         Ok(python) => python,
         Err(why) => return crate::not_run(script, &why),
     };
-    let server = Server::start_on(&configuration());
+    crate::eventually("UDP port 2222 is free", IO_PORT_FREE, || {
+        std::net::UdpSocket::bind(IO_ADDRESS).ok().map(drop)
+    });
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("io.toml");
+    let io = format!("[server]\nio = \"{IO_ADDRESS}\"\n");
+    std::fs::write(&file, arcline_config::DEFAULT.replacen("[server]\n", &io, 1)).expect("a file");
+    let server = Server::start_on(&file);
+    let capture = Capture::with_io(server.address());
+    print!("{}", python.run(script, &[&server.address().to_string()]));
+    judge(script, capture);
+}
+
+/// Where implicit I/O is.
+const IO_ADDRESS: &str = "127.0.0.1:2222";
+/// How long another test may have it.
+const IO_PORT_FREE: std::time::Duration = std::time::Duration::from_secs(60);
+
+/// Runs `tests/node/SCRIPT ADDRESS`. Its client knows no port but 44818, so the server has an address of its own.
+///
+/// # Panics
+/// As `against_a_server`.
+pub fn node(script: &str) {
+    if !cfg!(target_os = "linux") {
+        return crate::not_run(script, "only Linux has more loopback addresses than one");
+    }
+    match Node::with_client() {
+        Ok(node) => {
+            let [low, high, ..] = std::process::id().to_le_bytes();
+            let listen = format!("127.{}.{low}.1:44818", high.max(1));
+            against_a_server(script, &listen, |server| node.run(script, &[&server.ip().to_string()]));
+        }
+        Err(why) => crate::not_run(script, &why),
+    }
+}
+
+/// Builds and runs the program of `tests/libplctag`.
+///
+/// # Panics
+/// As `against_a_server`.
+pub fn libplctag() {
+    match Libplctag::build() {
+        Ok(client) => against_a_server("libplctag", "127.0.0.1:0", |server| client.run(&[&server.to_string()])),
+        Err(why) => crate::not_run("libplctag", &why),
+    }
+}
+
+/// Runs `client` against a server on `listen` with the default configuration and plain tags of every type and shape,
+/// and holds that the capture of the run has no malformed frame.
+///
+/// # Panics
+/// When the client or the dissectors find a fault; in CI also when something needed is missing.
+pub fn against_a_server(name: &str, listen: &str, client: impl FnOnce(SocketAddr) -> String) {
+    let configuration = configuration(name);
+    let file = configuration.to_str().expect("the project's paths are UTF-8");
+    let server = Server::start_at(listen, &["--config", file]);
     let address = server.address();
     let capture = Capture::of(address);
-    print!("{}", python.run(script, &[&address.to_string()]));
+    print!("{}", client(address));
+    judge(name, capture);
+}
+
+/// Holds that a capture has frames and none that is malformed.
+fn judge(name: &str, capture: Result<Capture, String>) {
     let verdict = match capture.and_then(Capture::finish) {
         Ok(verdict) => verdict,
-        Err(why) => return crate::not_run(&format!("capture of {script}"), &why),
+        Err(why) => return crate::not_run(&format!("capture of {name}"), &why),
     };
     assert!(
         verdict.frames > 100,
@@ -35,19 +114,23 @@ pub fn run(script: &str) {
         "malformed frames:\n{}",
         verdict.faults.join("\n")
     );
-    println!("{} EtherNet/IP frames, none malformed", verdict.frames);
+    println!("{name}: {} EtherNet/IP frames, none malformed", verdict.frames);
 }
 
 /// What `arcline-server default-config` prints, and the tags of `config/interop_tags.toml` behind it.
-fn configuration() -> std::path::PathBuf {
+fn configuration(name: &str) -> std::path::PathBuf {
     let default = Command::new(crate::programs::arcline_server())
         .arg("default-config")
         .output()
         .expect("the server was just built");
     assert!(default.status.success(), "default-config: {default:?}");
-    let mut text = default.stdout;
-    text.extend(fs::read(crate::fixture("config/interop_tags.toml")).expect("a file of this package"));
-    let file = crate::programs::target_directory().join(format!("interop-{}.toml", std::process::id()));
-    fs::write(&file, text).expect("the target folder is writable");
+    let mut text = String::from_utf8(default.stdout).expect("a configuration is UTF-8");
+    text += &std::fs::read_to_string(crate::fixture("config/interop_tags.toml")).expect("a file of this package");
+    for number in 0..PAGE_TAGS {
+        let written = write!(text, "\n[[tag]]\nname = \"Page{number:03}\"\ntype = \"DINT\"\n");
+        written.expect("a String takes everything");
+    }
+    let file = crate::programs::target_directory().join(format!("interop-{name}-{}.toml", std::process::id()));
+    std::fs::write(&file, text).expect("the target folder is writable");
     file
 }

@@ -1,8 +1,9 @@
 //! Tests of the whole: what no single crate can test.
 //!
 //! This library is their common ground. It runs Structured Text on a controller tick by tick ([`mod@bench`]), finds
-//! the programs ([`programs`]), runs a server for the length of a test ([`server`]), runs Python scripts with
-//! clients from PyPI ([`python`]) and records what goes over the loopback interface ([`capture`]). It holds no
+//! the programs ([`programs`]), runs a server for the length of a test ([`server`]), runs foreign clients
+//! ([`python`], [`node`], [`libplctag`]), exchanges data in cycles ([`scanner`]) and records what goes over the loopback
+//! interface ([`capture`]). It holds no
 //! tests and knows nothing of motion; the tests are in `tests/tests`.
 //!
 //! What a test needs and cannot have is said by [`not_run`]: a printed line on a developer's machine, a failure
@@ -16,10 +17,14 @@ pub mod bench;
 pub mod capture;
 pub mod command_line;
 pub mod follow;
+pub mod foreign;
 pub mod interop;
+pub mod libplctag;
+pub mod node;
 pub mod programs;
 pub mod python;
 pub mod random;
+pub mod scanner;
 pub mod server;
 
 /// The root folder of the workspace.

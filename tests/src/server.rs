@@ -39,7 +39,13 @@ impl Server {
     /// state file.
     #[must_use]
     pub fn start_with(arguments: &[&str]) -> Self {
-        Self::start_by(Command::new(crate::programs::arcline_server()), arguments)
+        Self::start_at("127.0.0.1:0", arguments)
+    }
+
+    /// The same at an address and port, port 0 for a free one.
+    #[must_use]
+    pub fn start_at(listen: &str, arguments: &[&str]) -> Self {
+        Self::start_by(Command::new(crate::programs::arcline_server()), listen, arguments)
     }
 
     /// The same, but no file that it writes may become longer than so many blocks of 512 or 1024 bytes: a write beyond
@@ -50,13 +56,13 @@ impl Server {
         let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
         let mut shell = Command::new("sh");
         shell.arg("-c").arg(script).arg(crate::programs::arcline_server());
-        Self::start_by(shell, arguments)
+        Self::start_by(shell, "127.0.0.1:0", arguments)
     }
 
-    fn start_by(mut command: Command, arguments: &[&str]) -> Self {
+    fn start_by(mut command: Command, listen: &str, arguments: &[&str]) -> Self {
         let began = Instant::now();
         let mut child = command
-            .args(["run", "--listen", "127.0.0.1:0", "--hmi", "off"])
+            .args(["run", "--listen", listen, "--hmi", "off"])
             .args(if arguments.contains(&"--state") {
                 &[][..]
             } else {

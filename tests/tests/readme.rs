@@ -23,7 +23,7 @@ fn block(language: &str) -> String {
 
 #[test]
 fn the_tour_with_pycomm3() {
-    let python = match Python::with_clients() {
+    let python = match Python::with("pycomm3") {
         Ok(python) => python,
         Err(why) => return arcline_tests::not_run("the README's tour with pycomm3", &why),
     };

@@ -67,8 +67,6 @@ const READY: &[(&str, u32)] = &[
     ("MSO(Z, M1);", 0),
     ("MSO(S, M1);", 2),
 ];
-/// Instructions between two times that this is done.
-const READY_EVERY: usize = 8;
 
 struct Names<'p>(&'p Project);
 
@@ -196,40 +194,111 @@ fn all_calls(project: &Project) -> Vec<Call> {
     calls
 }
 
-/// The same in every run: the bursts come between two ticks of the same thread.
+/// Every instruction is accepted at least once in these, each of which begins with a machine that is ready. Ticks after
+/// each instruction.
+const SCENES: &[&[(&str, u32)]] = &[
+    &[
+        (
+            "MCLM(CS1, M2, Absolute, [100, 50, 20], 200, Unitspersec, 2000, Unitspersec2, 2000, Unitspersec2, S-curve, 100, 100, %ofTime, 3);",
+            50,
+        ),
+        (
+            "MCLM(CS1, M3, Incremental, [-3, 1, 2], 50, %ofMaximum, 50, %ofMaximum, 50, %ofMaximum, Trapezoidal, 100, 100, %ofTime, 1);",
+            10,
+        ),
+        (
+            "MCCD(CS1, M9, CoordinatedMove, Yes, 50, Unitspersec, No, 0, Unitspersec2, No, 0, Unitspersec2, No, 0, No, 0, %ofTime, ActiveMotion);",
+            50,
+        ),
+        (
+            "MCS(CS1, M10, CoordinatedMove, Yes, 3000, Unitspersec2, Yes, 100, %ofTime);",
+            500,
+        ),
+        (
+            "MCCM(XY, M5, Incremental, [10, 0], Radius, [5], 0, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+            30,
+        ),
+        (
+            "MCCM(XY, M6, Incremental, [10, 0], CenterIncremental, [5, 0], 1, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, Trapezoidal, 100, 100, %ofTime, 0);",
+            900,
+        ),
+        ("MCSD(CS2, M15);", 5),
+        ("MCSR(CS2, M16);", 5),
+    ],
+    &[
+        ("MCT(CS3, CS1, M20, [0, 0, 90], [0, 0, 0]);", 5),
+        ("MCT(CS1, CS2, M21, [0, 0, 0], [0, 0, 0]);", 5),
+        (
+            "MAM(A, M24, 1, 20, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
+            100,
+        ),
+        (
+            "MCS(CS3, M26, CoordinatedTransform, Yes, 3000, Unitspersec2, No, 0, %ofTime);",
+            500,
+        ),
+    ],
+    &[
+        (
+            "MAJ(C, M30, Reverse, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, Enabled);",
+            20,
+        ),
+        ("MCD(C, M31, Jog, Yes, 0);", 20),
+        (
+            "MAM(B, M29, Incremental, 20, 0.05, Seconds, 0.01, Seconds, 0.01, Seconds, S-curve, 0.002, 0.005, Seconds);",
+            5,
+        ),
+        (
+            "MAG(S, A, M22, Same, 0.5, 1, 1, Command, Real, Enabled, 1000, Unitspersec2);",
+            50,
+        ),
+        ("MAS(S, M27, Gear, Yes, 3000, Unitspersec2, No, 0, %ofTime);", 50),
+        ("MRP(Y, M36, Relative, Command, 10);", 5),
+        ("MAH(X, M35);", 5),
+        ("MGSP(Motion, M37);", 5),
+        ("MGS(Motion, M38, FastStop);", 300),
+        ("MSF(S, M11);", 5),
+        ("MASD(S, M12);", 5),
+        ("MAFR(S, M13);", 5),
+        ("MASR(S, M14);", 5),
+    ],
+];
+
+/// The same in every run: what is executed comes between two ticks of the same thread.
 #[test]
 fn no_instruction_allocates() {
     let project = project();
-    let calls = all_calls(&project);
     let (mut rings, link) = link(&project.machine);
     let mut controller = Controller::new(&project.machine);
     let mut outer = Outer::new(link);
-    for burst in 0..BURSTS {
-        // Another one is the first each time, and some find the machine as the ones before them left it ticks ago.
-        let first = burst as usize % calls.len();
-        for (place, call) in calls.iter().cycle().skip(first).take(calls.len()).enumerate() {
-            if place % READY_EVERY == 0 {
-                for (text, ticks) in READY {
-                    outer.burst(&[self::call(&project, text)]);
-                    for _ in 0..*ticks {
-                        assert_no_alloc(|| step(&mut controller, &mut rings));
-                        outer.drain();
-                    }
-                }
-            }
-            outer.burst(std::slice::from_ref(call));
-            for _ in 0..pause(burst + 7 * place as u64) / 4 {
-                assert_no_alloc(|| step(&mut controller, &mut rings));
-                outer.drain();
-            }
+    let mut play = |outer: &mut Outer, call: Call, ticks: u32| {
+        outer.burst(&[call]);
+        for _ in 0..=ticks {
+            assert_no_alloc(|| step(&mut controller, &mut rings));
+            outer.drain();
+        }
+    };
+    for scene in SCENES {
+        for (text, ticks) in READY.iter().chain(*scene) {
+            play(&mut outer, call(&project, text), *ticks);
         }
     }
-    for mnemonic in CALLS.iter().map(|text| call(&project, text).mnemonic) {
+    let executed = SCENES.iter().copied().flatten().chain(READY);
+    for mnemonic in executed.map(|(text, _)| call(&project, text).mnemonic) {
         assert!(
             outer.accepted.contains(&mnemonic),
             "{mnemonic} was never accepted: {:?}",
             outer.accepted
         );
+    }
+    // In any order, at any place of what the ones before are doing.
+    let calls = all_calls(&project);
+    for turn in 0..8 {
+        for (text, ticks) in READY {
+            play(&mut outer, call(&project, text), *ticks);
+        }
+        for (place, call) in calls.iter().cycle().skip(7 * turn).take(calls.len()).enumerate() {
+            play(&mut outer, *call, (37 * (turn + 5 * place) % 120) as u32);
+        }
     }
 }
 

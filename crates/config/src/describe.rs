@@ -24,6 +24,10 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
     } = project;
     writeln!(out, "server {:?}", server.name)?;
     writeln!(out, "  EtherNet/IP on {}", server.listen)?;
+    match server.io.address(server.listen) {
+        Some(io) => writeln!(out, "  I/O on {io}, lost outputs: {}", server.io_loss.word())?,
+        None => writeln!(out, "  I/O off")?,
+    }
     match server.hmi {
         Some(hmi) => writeln!(out, "  HMI on {hmi}")?,
         None => writeln!(out, "  HMI off")?,

@@ -59,6 +59,68 @@ pub struct ServerConfig {
     pub listen: SocketAddr,
     /// Where the HMI listens; `None`: off.
     pub hmi: Option<SocketAddr>,
+    /// Where implicit I/O listens, UDP.
+    pub io: IoListen,
+    /// What motion does when the owner of the outputs is lost, closes its connection or goes idle.
+    pub io_loss: IoLoss,
+}
+
+/// Where implicit I/O (class 0 and 1 connections) listens.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum IoListen {
+    /// On the address of EtherNet/IP: port 2222 beside port 44818, any free one beside another.
+    #[default]
+    BesideListen,
+    /// Here; port 0 picks a free one.
+    At(SocketAddr),
+    /// Nowhere: such connections are refused.
+    Off,
+}
+
+impl IoListen {
+    /// The address to bind when EtherNet/IP is to listen on `listen`.
+    pub fn address(self, listen: SocketAddr) -> Option<SocketAddr> {
+        match self {
+            Self::BesideListen => {
+                let port = if listen.port() == read::DEFAULT_LISTEN.port() {
+                    IO_PORT
+                } else {
+                    0
+                };
+                Some(SocketAddr::new(listen.ip(), port))
+            }
+            Self::At(address) => Some(address),
+            Self::Off => None,
+        }
+    }
+}
+
+/// The UDP port of implicit I/O.
+const IO_PORT: u16 = 2222;
+
+/// What motion does when the owner of the outputs is lost, closes its connection or goes idle.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum IoLoss {
+    /// Everything that moves is stopped, every axis by itself at its maximum deceleration.
+    #[default]
+    Stop,
+    /// Every coordinate system is held: a feed override of 0.
+    Hold,
+    /// Motion goes on to its end.
+    Finish,
+}
+
+impl IoLoss {
+    /// The word of each in a configuration.
+    pub const WORDS: [(&'static str, Self); 3] = [("stop", Self::Stop), ("hold", Self::Hold), ("finish", Self::Finish)];
+
+    /// The word in a configuration.
+    pub fn word(self) -> &'static str {
+        Self::WORDS
+            .iter()
+            .find(|(_, loss)| *loss == self)
+            .map_or("", |(word, _)| word)
+    }
 }
 
 impl Default for ServerConfig {
@@ -67,6 +129,8 @@ impl Default for ServerConfig {
             name: "Arcline".to_owned(),
             listen: read::DEFAULT_LISTEN,
             hmi: Some(read::DEFAULT_HMI),
+            io: IoListen::default(),
+            io_loss: IoLoss::default(),
         }
     }
 }

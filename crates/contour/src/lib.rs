@@ -12,12 +12,18 @@
 
 mod banded;
 mod course;
+mod ease;
+mod guess;
+mod nodes;
 mod nominal;
 mod optimise;
 mod plan;
+mod resample;
 mod rounding;
+mod section;
 mod setup;
 mod share;
+mod splice;
 mod steps;
 mod straight;
 mod trajectory;
@@ -25,6 +31,7 @@ mod tube;
 
 pub use arcline_geometry::{Path, Point};
 pub use plan::{Effort, plan, plan_with};
+pub use splice::extend;
 pub use trajectory::{Peaks, State, Trajectory};
 
 /// One programmed move.

@@ -4,29 +4,99 @@
 //! acceleration, and nodes at equal intervals of the resulting time. Seconds and position units.
 
 use crate::course::Course;
+use crate::nodes::Nodes;
 use crate::rounding::{Smoothness, Stretch};
 use crate::{Bounds, Point};
 
-/// The curve as control points of a spline, evenly spaced in (nominal) time.
-#[derive(Clone, Debug)]
-pub(crate) struct Nodes {
-    pub(crate) points: Vec<Point>,
-    /// Arc length of the course that each node stands for, ascending.
-    pub(crate) progress: Vec<f64>,
-    /// Seconds from node to node.
-    pub(crate) spans: Vec<f64>,
-}
-
-struct Sample {
+/// A point of the rounded course.
+pub(crate) struct Sample {
     stretch: usize,
     u: f64,
-    point: Point,
-    progress: f64,
+    pub(crate) point: Point,
+    pub(crate) progress: f64,
+}
+
+/// How fast the samples are passed, as a first guess.
+pub(crate) struct Speeds {
+    /// Squares of the speed at the samples.
+    pub(crate) square: Vec<f64>,
+    /// Seconds from the first sample.
+    pub(crate) times: Vec<f64>,
+    /// Distance from sample to sample.
+    length: Vec<f64>,
+    /// Acceleration along the path from sample to sample.
+    rate: Vec<f64>,
+    pub(crate) curvature: Vec<Point>,
 }
 
 /// `bounds[i]` belongs to piece `i` of the course.
 pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], smoothness: Smoothness) -> Nodes {
     let samples = sample(course, stretches);
+    let count = samples.len();
+    let Speeds {
+        square,
+        times,
+        length,
+        rate,
+        curvature,
+    } = speeds(course, &samples, bounds, smoothness, 0.0);
+    let total = times[count - 1];
+    let warp = Warp::new(
+        total,
+        rate[0] * TANGENT_SHARE,
+        rate[count - 2] * TANGENT_SHARE,
+        bounds,
+        smoothness,
+    );
+    let whole = warp.stretched(total);
+    let mut busy = Vec::new();
+    for i in 0..count - 1 {
+        let cruise = square[i] == square[i + 1] && curvature[i] == Point::zeros() && curvature[i + 1] == Point::zeros();
+        if !cruise {
+            busy.push((warp.warped(times[i]), warp.warped(times[i + 1])));
+        }
+    }
+    let grid = grid(whole, &busy);
+    let mut nodes = Nodes {
+        points: Vec::with_capacity(grid.len()),
+        progress: Vec::with_capacity(grid.len()),
+        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
+        lead: None,
+        kept: 0,
+    };
+    let mut i = 0;
+    for at in sites(&grid) {
+        let time = warp.nominal(at);
+        while i + 2 < count && times[i + 1] < time {
+            i += 1;
+        }
+        let (v0, v1) = (square[i].sqrt(), square[i + 1].sqrt());
+        let (dt, t) = (times[i + 1] - times[i], time - times[i]);
+        let part = ((v0 + (v1 - v0) / dt * t / 2.0) * t / length[i]).clamp(0.0, 1.0);
+        let (here, next) = (&samples[i], &samples[i + 1]);
+        let begin = if here.stretch == next.stretch { here.u } else { 0.0 };
+        let u = begin + (next.u - begin) * part;
+        nodes.points.push(stretches[next.stretch].at(course, u));
+        nodes
+            .progress
+            .push(here.progress + (next.progress - here.progress) * part);
+    }
+    let last = grid.len() - 1;
+    nodes.points[0] = course.pieces[0].start();
+    nodes.points[last] = course.pieces[course.pieces.len() - 1].end();
+    nodes.progress[last] = course.length();
+    nodes
+}
+
+/// Bounds of the speed from curvature and its change, and what the rates along the path leave of them, from a speed
+/// (its square) at the first sample to rest.
+pub(crate) fn speeds(
+    course: &Course,
+    samples: &[Sample],
+    bounds: &[Bounds],
+    smoothness: Smoothness,
+    start: f64,
+) -> Speeds {
     let count = samples.len();
     let mut length = vec![0.0; count - 1];
     let mut tangent = vec![Point::zeros(); count - 1];
@@ -70,61 +140,31 @@ pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], s
         square[i] = square[i].min(most);
         square[i + 1] = square[i + 1].min(most);
     }
-    (square[0], square[count - 1]) = (0.0, 0.0);
+    (square[0], square[count - 1]) = (start, 0.0);
     for i in (0..count - 1).rev() {
         square[i] = square[i].min(square[i + 1] + 2.0 * TANGENT_SHARE * rate[i] * length[i]);
     }
     for i in 0..count - 1 {
         square[i + 1] = square[i + 1].min(square[i] + 2.0 * TANGENT_SHARE * rate[i] * length[i]);
     }
+    // Too fast for what lies ahead: it brakes with all it has.
+    if square[0] < start {
+        square[0] = start;
+        for i in 0..count - 2 {
+            square[i + 1] = square[i + 1].max(square[i] - 2.0 * rate[i] * length[i]);
+        }
+    }
     let mut times = vec![0.0; count];
     for i in 0..count - 1 {
         times[i + 1] = times[i] + 2.0 * length[i] / (square[i].sqrt() + square[i + 1].sqrt());
     }
-    let total = times[count - 1];
-    let warp = Warp::new(
-        total,
-        rate[0] * TANGENT_SHARE,
-        rate[count - 2] * TANGENT_SHARE,
-        bounds,
-        smoothness,
-    );
-    let whole = warp.stretched(total);
-    let mut busy = Vec::new();
-    for i in 0..count - 1 {
-        let cruise = square[i] == square[i + 1] && curvature[i] == Point::zeros() && curvature[i + 1] == Point::zeros();
-        if !cruise {
-            busy.push((warp.warped(times[i]), warp.warped(times[i + 1])));
-        }
+    Speeds {
+        square,
+        times,
+        length,
+        rate,
+        curvature,
     }
-    let grid = grid(whole, &busy);
-    let mut nodes = Nodes {
-        points: Vec::with_capacity(grid.len()),
-        progress: Vec::with_capacity(grid.len()),
-        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
-    };
-    let mut i = 0;
-    for at in sites(&grid) {
-        let time = warp.nominal(at);
-        while i + 2 < count && times[i + 1] < time {
-            i += 1;
-        }
-        let (v0, v1) = (square[i].sqrt(), square[i + 1].sqrt());
-        let (dt, t) = (times[i + 1] - times[i], time - times[i]);
-        let part = ((v0 + (v1 - v0) / dt * t / 2.0) * t / length[i]).clamp(0.0, 1.0);
-        let (here, next) = (&samples[i], &samples[i + 1]);
-        let begin = if here.stretch == next.stretch { here.u } else { 0.0 };
-        let u = begin + (next.u - begin) * part;
-        nodes.points.push(stretches[next.stretch].at(course, u));
-        nodes
-            .progress
-            .push(here.progress + (next.progress - here.progress) * part);
-    }
-    let last = grid.len() - 1;
-    nodes.points[0] = course.pieces[0].start();
-    nodes.points[last] = course.pieces[course.pieces.len() - 1].end();
-    nodes.progress[last] = course.length();
-    nodes
 }
 
 /// Where on a grid of knots the control points of a line run through evenly would stand: the means of
@@ -166,7 +206,8 @@ pub(crate) fn grid(whole: f64, busy: &[(f64, f64)]) -> Vec<f64> {
     times
 }
 
-fn sample(course: &Course, stretches: &[Stretch]) -> Vec<Sample> {
+/// The rounded course as points.
+pub(crate) fn sample(course: &Course, stretches: &[Stretch]) -> Vec<Sample> {
     let mut samples: Vec<Sample> = Vec::new();
     let whole = course.length();
     for (index, stretch) in stretches.iter().enumerate() {
@@ -258,7 +299,7 @@ impl Warp {
 }
 
 /// Nodes are a millisecond apart where the motion is short enough.
-const NODE_TIME: f64 = 0.001;
+pub(crate) const NODE_TIME: f64 = 0.001;
 const MIN_NODES: f64 = 160.0;
 const MAX_NODES: f64 = 24_000.0;
 /// Seconds next to a busy stretch with close nodes, and how fast they spread beyond.

@@ -20,6 +20,8 @@
 use crate::Point;
 use crate::banded::Banded;
 use crate::course::Course;
+use crate::ease::{EASED, MOST_CLOSING};
+use crate::nodes::LEAD;
 use crate::steps::smooth_lengths;
 use crate::tube::TubeRow;
 
@@ -52,6 +54,13 @@ pub(crate) struct Problem<'a> {
     pub(crate) fixed: Vec<bool>,
     pub(crate) spans: Vec<f64>,
     pub(crate) lateral: usize,
+    /// It continues a motion: the first nodes and spans are given.
+    pub(crate) led: bool,
+    /// How many nodes are close to what the running motion does.
+    pub(crate) kept: usize,
+    /// What is left of the reciprocal limits of speed, acceleration and jerk, by node from -1 on, where the start
+    /// is outside of them; empty: all of it.
+    pub(crate) ease: Vec<[f64; 3]>,
 }
 
 /// How hard to work.
@@ -64,35 +73,7 @@ pub(crate) struct Effort {
 }
 
 impl Problem<'_> {
-    /// Lengthens all spans until every limit is kept with room to spare.
-    pub(crate) fn make_feasible(&mut self) {
-        for _ in 0..200 {
-            if self.worst() < FEASIBLE {
-                return;
-            }
-            for rate in &mut self.spans {
-                *rate *= 1.2;
-            }
-        }
-    }
-
-    /// The largest quotient of a quantity and its limit.
-    fn worst(&self) -> f64 {
-        let mut worst = 0.0_f64;
-        for i in -1..=self.intervals() {
-            self.for_each_quantity(i, &self.points, &self.spans, |q| {
-                for axis in 0..3 {
-                    worst = worst.max((q.value[axis] * q.axes[axis]).abs());
-                }
-                worst = worst.max(q.value.norm() * q.vector);
-                let along = q.along.0.dot(&q.value);
-                worst = worst.max(along * q.along.1).max(-along * q.along.2);
-            });
-        }
-        worst
-    }
-
-    fn intervals(&self) -> isize {
+    pub(crate) fn intervals(&self) -> isize {
         self.points.len() as isize - 1
     }
 
@@ -102,13 +83,17 @@ impl Problem<'_> {
 
     /// Velocity and jerk of interval `i` and the acceleration at node `i`, `-1 <= i <= intervals`.
     #[inline]
-    fn for_each_quantity(&self, i: isize, points: &[Point], spans: &[f64], mut each: impl FnMut(Quantity)) {
+    pub(crate) fn for_each_quantity(&self, i: isize, points: &[Point], spans: &[f64], mut each: impl FnMut(Quantity)) {
         let n = self.intervals();
         let node = |k: isize| points[k.clamp(0, n) as usize];
         let span = |k: isize| Self::span(spans, k);
         let limits = &self.limits[i.clamp(0, n) as usize];
         let zero = Point::zeros();
         let none = (zero, 0.0, 0.0);
+        let ease = self.ease.get((i + 1) as usize).copied().unwrap_or([1.0; 3]);
+        let weights = ease.map(|ease| if ease < 1.0 { EASED } else { 1.0 });
+        // What the given nodes and spans decide alone is not asked for.
+        let free = |first: isize| !self.led || i >= first;
         // Index k stands for node or interval i - 2 + k.
         let tau = [span(i - 2), span(i - 1), span(i), span(i + 1), span(i + 2)];
         let p = [node(i - 1), node(i), node(i + 1), node(i + 2)];
@@ -128,13 +113,15 @@ impl Problem<'_> {
             v[1] * (-wide[1] / 3.0),
             v[2] * (-wide[2] / 3.0),
         ];
-        if i >= 0 && i < n {
+        if i >= 0 && i < n && free(2) {
             each(Quantity {
+                kind: 0,
+                weight: weights[0],
                 value: v[1],
                 by_span: [zero, fade[1] * tau[1], fade[1] * tau[2], fade[1] * tau[3], zero],
                 by_node: [0.0, -wide[1], wide[1], 0.0],
-                axes: limits.speed,
-                vector: limits.vector_speed,
+                axes: limits.speed * ease[0],
+                vector: limits.vector_speed * ease[0],
                 along: none,
             });
         }
@@ -146,8 +133,10 @@ impl Problem<'_> {
             (fade[1] - fade[0] - here * 0.5) * r0,
             fade[1] * r0,
         ];
-        if i >= 0 {
+        if i >= 0 && free(2) {
             each(Quantity {
+                kind: 1,
+                weight: weights[1],
                 value: here,
                 by_span: [
                     here_by[0] * tau[0],
@@ -157,12 +146,16 @@ impl Problem<'_> {
                     zero,
                 ],
                 by_node: [wide[0] * r0, -(wide[0] + wide[1]) * r0, wide[1] * r0, 0.0],
-                axes: limits.acceleration,
-                vector: limits.vector_acceleration,
-                along: (self.tangents[i as usize], limits.speeding_up, limits.slowing_down),
+                axes: limits.acceleration * ease[1],
+                vector: limits.vector_acceleration * ease[1],
+                along: (
+                    self.tangents[i as usize],
+                    limits.speeding_up * ease[1],
+                    limits.slowing_down * ease[1],
+                ),
             });
         }
-        if limits.jerk != zero || limits.vector_jerk > 0.0 {
+        if free(1) && (limits.jerk != zero || limits.vector_jerk > 0.0) {
             let next = (v[2] - v[1]) * r1;
             let next_by = [
                 fade[1] * -r1,
@@ -180,6 +173,8 @@ impl Problem<'_> {
                 tau[4] * inverse,
             ];
             each(Quantity {
+                kind: 2,
+                weight: weights[2],
                 value,
                 by_span: [
                     here_by[0] * -relative[0],
@@ -194,8 +189,8 @@ impl Problem<'_> {
                     -((wide[1] + wide[2]) * r1 + wide[1] * r0) * inverse,
                     wide[2] * r1 * inverse,
                 ],
-                axes: limits.jerk,
-                vector: limits.vector_jerk,
+                axes: limits.jerk * ease[2],
+                vector: limits.vector_jerk * ease[2],
                 along: none,
             });
         }
@@ -263,7 +258,9 @@ impl Problem<'_> {
         for i in -1..=self.intervals() {
             let mut product = 1.0;
             let mut inside = true;
+            let mut weighted = 0.0;
             self.for_each_quantity(i, points, spans, |q| {
+                let others = core::mem::replace(&mut product, 1.0);
                 for axis in 0..3 {
                     let x = q.value[axis] * q.axes[axis];
                     let slack = 1.0 - x * x;
@@ -281,11 +278,16 @@ impl Problem<'_> {
                     inside &= up > 0.0 && down > 0.0;
                     product *= up * down;
                 }
+                if q.weight > 1.0 {
+                    weighted += q.weight * libm::log(product);
+                    product = 1.0;
+                }
+                product *= others;
             });
             if !inside {
                 return f64::INFINITY;
             }
-            sum -= libm::log(product);
+            sum -= libm::log(product) + weighted;
         }
         if self.lateral > 0 {
             for row in &self.tube {
@@ -317,15 +319,21 @@ impl Problem<'_> {
             row.radius = f64::INFINITY;
         }
         self.narrow(&points);
+        self.tighten(&points, &spans);
         loop {
             let mut value = self.merit(t, &points, &spans);
             if !value.is_finite() {
                 break;
             }
             let last = t >= effort.last;
-            for _ in 0..effort.steps {
+            for step in 0..effort.steps + MOST_CLOSING {
+                // Before it works harder the limits have to be the full ones.
+                if step >= effort.steps && !self.is_eased() {
+                    break;
+                }
                 // Where the start is outside, the tube is wider and closes in from step to step.
-                if self.narrow(&points) {
+                let narrower = self.narrow(&points);
+                if self.tighten(&points, &spans) || narrower {
                     value = self.merit(t, &points, &spans);
                 }
                 self.assemble(t, &points, &spans, &mut matrix, &mut right);
@@ -333,7 +341,7 @@ impl Problem<'_> {
                 matrix.solve(&mut right);
                 let decrement: f64 = -gradient.iter().zip(&right).map(|(g, s)| g * s).sum::<f64>();
                 steps += 1;
-                if !decrement.is_finite() || -decrement < CONVERGED * count as f64 {
+                if !decrement.is_finite() || (-decrement < CONVERGED * count as f64 && !self.is_eased()) {
                     break;
                 }
                 // Where a step would leave the feasible set it is shortened, there and about there.
@@ -454,6 +462,7 @@ impl Problem<'_> {
                     }
                 }
                 let mut add = |row: &[f64; MAX_LOCAL], slope: f64, weight: f64| {
+                    let (slope, weight) = (slope * q.weight, weight * q.weight);
                     for r in 0..size {
                         slopes[r] += slope * row[r];
                         let weighted = weight * row[r];
@@ -533,6 +542,12 @@ impl Problem<'_> {
                 }
             }
         }
+        if self.led {
+            for k in 0..LEAD {
+                matrix.fix(k * block);
+                right[k * block] = 0.0;
+            }
+        }
         // The last node has no interval behind it.
         let idle = (points.len() - 1) * block;
         matrix.fix(idle);
@@ -545,19 +560,21 @@ impl Problem<'_> {
 }
 
 /// A vector that is limited, and what it depends on: spans of intervals `i-1..=i+1`, nodes `i-1..=i+2`.
-struct Quantity {
-    value: Point,
-    by_span: [Point; 5],
-    by_node: [f64; 4],
-    axes: Point,
-    vector: f64,
-    along: (Point, f64, f64),
+pub(crate) struct Quantity {
+    /// 0: velocity, 1: acceleration, 2: jerk.
+    pub(crate) kind: usize,
+    /// How much its barrier counts.
+    pub(crate) weight: f64,
+    pub(crate) value: Point,
+    pub(crate) by_span: [Point; 5],
+    pub(crate) by_node: [f64; 4],
+    pub(crate) axes: Point,
+    pub(crate) vector: f64,
+    pub(crate) along: (Point, f64, f64),
 }
 
 /// Five nodes with one span and two offsets each.
 const MAX_LOCAL: usize = 15;
-/// Where the barrier starts, as a share of the limits.
-const FEASIBLE: f64 = 0.7;
 /// Newton decrement per node at which a stage ends.
 const CONVERGED: f64 = 1e-3;
 /// A step that leaves less than this share of a slack is shortened.

@@ -1,18 +1,19 @@
 //! The optimisation problem of one run: limits, directions and tube of every node.
 
 use crate::course::Course;
-use crate::nominal::Nodes;
+use crate::nodes::{LEAD, Nodes};
 use crate::optimise::{Limits, Problem};
 use crate::plan::{Effort, SHORTEST};
 use crate::share::tolerance_at;
 use crate::tube::TubeRow;
 use crate::{Bounds, Point};
 
-/// The optimisation of the nodes as they stand; `shares` of the tolerance make the tube.
+/// The optimisation of the nodes as they stand within `bounds`, the kept ones within theirs; `shares` of the
+/// tolerance make the tube.
 pub(crate) fn problem<'a>(
     course: &'a Course,
     nodes: &Nodes,
-    bounds: &[Bounds],
+    (bounds, kept): (&[Bounds], &[Bounds]),
     tolerances: &[f64],
     effort: Effort,
     shares: &[f64],
@@ -22,6 +23,7 @@ pub(crate) fn problem<'a>(
     let pieces: Vec<usize> = nodes.progress.iter().map(|&s| course.piece_at(s)).collect();
     let limits: Vec<Limits> = (0..count)
         .map(|i| {
+            let bounds = if i < nodes.kept { kept } else { bounds };
             let mut limit = reciprocal(&bounds[pieces[i]], span);
             for other in [i.saturating_sub(1), (i + 1).min(count - 1)] {
                 if pieces[other] != pieces[i] {
@@ -35,6 +37,7 @@ pub(crate) fn problem<'a>(
     let mut normals = Vec::with_capacity(count);
     let mut radii = Vec::with_capacity(count);
     let plane = plane_of(&nodes.points);
+    let given = if nodes.lead.is_some() { LEAD } else { 2 };
     let mut tangent = course.pieces[0].start_tangent();
     for i in 0..count {
         let d = nodes.points[(i + 1).min(count - 1)] - nodes.points[i.saturating_sub(1)];
@@ -46,12 +49,16 @@ pub(crate) fn problem<'a>(
         let tolerance = tolerance_at(course, tolerances, pieces[i], nodes.progress[i]);
         // It leaves and arrives along the programmed direction: the tube opens as a cone.
         let s = nodes.progress[i];
-        let radius = (shares[i] * tolerance).min(CONE * s.min(course.length() - s));
-        radii.push(if i < 2 || i + 3 > count { 0.0 } else { radius });
+        let left = course.length() - s;
+        let end = if nodes.lead.is_some() { left } else { s.min(left) };
+        let radius = (shares[i] * tolerance).min(CONE * end);
+        radii.push(if i < given || i + 3 > count { 0.0 } else { radius });
     }
     let fixed: Vec<bool> = radii.iter().map(|&r| r <= SHORTEST).collect();
     let mut tube = Vec::new();
-    for i in (0..count).filter(|&i| !fixed[i]) {
+    // The first points of a led curve have next to no freedom.
+    let first = if nodes.lead.is_some() { LEAD + 1 } else { 0 };
+    for i in (first..count).filter(|&i| !fixed[i]) {
         tube.push(TubeRow::new(i, 0.0, pieces[i], radii[i]));
         if fixed[i + 1] {
             continue;
@@ -79,6 +86,9 @@ pub(crate) fn problem<'a>(
         fixed,
         spans: nodes.spans.iter().map(|h| h / span).collect(),
         lateral,
+        led: nodes.lead.is_some(),
+        kept: nodes.kept,
+        ease: Vec::new(),
     }
 }
 

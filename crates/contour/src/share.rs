@@ -5,7 +5,7 @@
 
 use crate::Trajectory;
 use crate::course::Course;
-use crate::nominal::Nodes;
+use crate::nodes::Nodes;
 
 /// Shares of the tolerance by arc length of the course.
 pub(crate) struct Share {
@@ -54,10 +54,11 @@ impl Share {
         let mut noted = core::mem::take(&mut self.tightened);
         let old = noted.clone();
         for i in 0..last {
+            let Some(knot) = nodes.knot_of(i) else { continue };
             let s = nodes.progress[i];
             let piece = course.piece_at(s);
             let tolerance = tolerance_at(course, tolerances, piece, s);
-            let (here, next) = (&trajectory.knots[i + 1], &trajectory.knots[i + 2]);
+            let (here, next) = (&trajectory.knots[knot], &trajectory.knots[knot + 1]);
             let mut most = 0.0_f64;
             for part in 0..PARTS {
                 let q = trajectory.at(here.time + (next.time - here.time) * part as f64 / PARTS as f64);

@@ -53,5 +53,6 @@ pub(crate) fn straight(line: &Line, bounds: &Bounds) -> Trajectory {
         knots,
         move_ends: Vec::new(),
         end: line.end(),
+        splice: 0.0,
     }
 }

@@ -24,6 +24,8 @@ pub struct Trajectory {
     /// When the motion passes the end of each move, ascending.
     pub(crate) move_ends: Vec<f64>,
     pub(crate) end: Point,
+    /// Until when it is the trajectory that it extends, seconds; 0 where it extends none.
+    pub(crate) splice: f64,
 }
 
 /// The state where a piece of constant jerk begins.
@@ -53,6 +55,7 @@ impl Trajectory {
             knots: Vec::new(),
             move_ends: Vec::new(),
             end: at,
+            splice: 0.0,
         }
     }
 
@@ -94,6 +97,12 @@ impl Trajectory {
     #[must_use]
     pub fn move_end(&self, index: usize) -> Option<f64> {
         self.move_ends.get(index).copied()
+    }
+
+    /// Until when it is the trajectory that it extends ([`crate::extend`]), seconds; 0 where it extends none.
+    #[must_use]
+    pub fn splice(&self) -> f64 {
+        self.splice
     }
 
     /// How many moves were planned.
@@ -207,6 +216,7 @@ impl Trajectory {
             knots,
             move_ends: Vec::new(),
             end: last,
+            splice: 0.0,
         }
     }
 }

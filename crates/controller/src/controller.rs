@@ -1,5 +1,7 @@
 //! The tick: commands in, motion, drives, events and a snapshot out.
 
+use std::sync::Arc;
+
 use arcline_instruction_set::{Call, ControlSlot, FaultSet, MotionControl};
 use arcline_motion::machine::Machine;
 use arcline_motion::{ContourRequest, Event, Motion, Ticket, Trajectory};
@@ -59,7 +61,7 @@ pub trait Port {
     ///
     /// # Errors
     /// The trajectory, when it cannot be taken now: it is offered again.
-    fn retire(&mut self, trajectory: Box<Trajectory>) -> Result<(), Box<Trajectory>> {
+    fn retire(&mut self, trajectory: Arc<Trajectory>) -> Result<(), Arc<Trajectory>> {
         Err(trajectory)
     }
 }
@@ -71,8 +73,8 @@ pub struct PlannedContour {
     pub system: u16,
     /// The generation of the request.
     pub generation: u32,
-    /// The plan.
-    pub trajectory: Box<Trajectory>,
+    /// The plan; `None`: none was found.
+    pub trajectory: Option<Arc<Trajectory>>,
 }
 
 /// A machine under control. `tick` is the only time there is, so a run can be repeated exactly.

@@ -1,11 +1,13 @@
 //! Coordinate systems whose moves are travelled as planned contours: between the queue of moves and the
 //! planning, which is done outside the tick.
 
+use std::sync::Arc;
+
 use arcline_instruction_set::{Flag, MotionError};
 use arcline_planner::geometry::Point;
-use arcline_planner::precise::{AxisLimits, ContourMove, Trajectory};
+use arcline_planner::precise::{self, AxisLimits, ContourMove, Trajectory};
 use arcline_planner::profile::Phase;
-use arcline_planner::{ContourPassage, Move};
+use arcline_planner::{ContourPassage, Extension, Installed, Move};
 
 use crate::motion::{MAX_ENDS_PER_TICK, Motion};
 use crate::system::{Activity, Planned};
@@ -17,8 +19,10 @@ pub struct ContourRequest {
     pub system: u16,
     /// Tells this request from others of the same system.
     pub generation: u32,
-    /// The moves, from rest to rest.
+    /// The moves, to rest.
     pub moves: Vec<ContourMove>,
+    /// The trajectory in execution that they extend; `None`: they begin at rest.
+    pub extends: Option<Extension>,
     /// Limits of the axes that are kept.
     pub limits: AxisLimits,
 }
@@ -30,6 +34,7 @@ impl ContourRequest {
             system: 0,
             generation: 0,
             moves: Vec::with_capacity(crate::machine::MAX_QUEUE_DEPTH + 1),
+            extends: None,
             limits: AxisLimits {
                 speed: Point::zeros(),
                 acceleration: Point::zeros(),
@@ -38,9 +43,19 @@ impl ContourRequest {
         }
     }
 
-    /// Plans the contour. Not bounded: outside the tick.
-    pub fn plan(&self) -> Box<Trajectory> {
-        Box::new(arcline_planner::precise::plan(&self.moves, &self.limits))
+    /// Plans the contour; `None` where a trajectory in execution cannot be extended. Not bounded: outside the tick, and
+    /// what it has been given is freed.
+    pub fn plan(&mut self) -> Option<Arc<Trajectory>> {
+        let planned = match self.extends.take() {
+            None => precise::plan(&self.moves, &self.limits),
+            Some(Extension {
+                trajectory,
+                passed,
+                now,
+                earliest,
+            }) => precise::extend(&trajectory, passed, &self.moves, &self.limits, now, earliest)?,
+        };
+        Some(Arc::new(planned))
     }
 }
 
@@ -58,9 +73,10 @@ impl Motion {
                 continue;
             };
             request.moves.clear();
-            if let Some(generation) = contour.batch(&self.clock, |motion| request.moves.push(motion)) {
+            if let Some(batch) = contour.batch(&self.clock, |motion| request.moves.push(motion)) {
                 request.system = index as u16;
-                request.generation = generation;
+                request.generation = batch.generation;
+                request.extends = batch.extends;
                 request.limits = system.axis_limits;
                 return true;
             }
@@ -68,30 +84,34 @@ impl Motion {
         false
     }
 
-    /// Begins to travel a planned contour at the present tick, if it is still wanted. Real-time.
-    pub fn install_contour(&mut self, system: u16, generation: u32, trajectory: Box<Trajectory>) {
+    /// Begins to travel a planned contour at the present tick, or goes on with it, if it is still wanted and in time.
+    /// Real-time.
+    pub fn install_contour(&mut self, system: u16, generation: u32, planned: Option<Arc<Trajectory>>) {
         let index = usize::from(system);
         let contour = self.systems.get_mut(index).and_then(|system| system.contour.as_mut());
         let installed = match contour {
-            Some(contour) => contour.install(generation, trajectory, &self.clock),
-            None => Err(trajectory),
+            Some(contour) => contour.install(generation, planned, &self.clock),
+            None => Err(planned),
         };
-        if let Err(unwanted) = installed {
-            self.retired.push(unwanted);
-            return;
+        match installed {
+            Ok(Installed::Started) => {
+                self.systems[index].stale = true;
+                self.activate(index);
+                self.join_axes(index);
+            }
+            // The set-points are the same up to the splice.
+            Ok(Installed::Extended(old)) => self.retired.push(old),
+            Err(unwanted) => self.retired.extend(unwanted),
         }
-        self.systems[index].stale = true;
-        self.activate(index);
-        self.join_axes(index);
     }
 
     /// A trajectory that is no longer needed, to be freed outside the tick. Real-time.
-    pub fn retired_contour(&mut self) -> Option<Box<Trajectory>> {
+    pub fn retired_contour(&mut self) -> Option<Arc<Trajectory>> {
         self.retired.pop()
     }
 
     /// Keeps a trajectory that could not be freed yet.
-    pub fn keep_retired(&mut self, trajectory: Box<Trajectory>) {
+    pub fn keep_retired(&mut self, trajectory: Arc<Trajectory>) {
         self.retired.push(trajectory);
     }
 

@@ -6,6 +6,8 @@ mod generators;
 mod homing;
 mod take_over;
 
+use std::sync::Arc;
+
 use arcline_instruction_set::{Call, Flag, Mnemonic, MotionControl, MotionError, Object};
 use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
@@ -37,11 +39,7 @@ pub struct Motion {
     /// The order of a tick while some axes follow others.
     pub(crate) order: Order,
     /// Trajectories that are no longer needed, to be freed outside the tick.
-    #[expect(
-        clippy::vec_box,
-        reason = "taken out of its box, the box would be freed within the tick"
-    )]
-    pub(crate) retired: Vec<Box<Trajectory>>,
+    pub(crate) retired: Vec<Arc<Trajectory>>,
     /// The group's stop that is under way (MGS).
     pub(crate) group_stop: Option<Stop>,
     messages: Vec<Message>,

@@ -5,13 +5,18 @@
 //! slows down the pace at which the trajectory's own time runs, so it never leaves the path
 //! (spec/motion-core.md §10.3), and so does an override below 100 %. Nothing here allocates or frees: trajectories are handed back.
 
+mod requests;
+
 use std::collections::VecDeque;
+use std::sync::Arc;
 
-use arcline_contour::{ContourMove, Trajectory};
+use arcline_contour::Trajectory;
 use arcline_geometry::Point;
-use arcline_profile::{Jerk, Limits, Phase, Profile, State, stop_distance};
+use arcline_profile::{Jerk, Limits, Phase, Profile, State};
 
-use crate::{Clock, Ending, Instant, Move, QueueFull, Sample};
+use crate::{Clock, Instant, Move, QueueFull, Sample};
+
+pub use requests::{ContourBatch, Extension, Installed};
 
 /// One active move and the pending ones, of which the first few are on a planned trajectory.
 #[derive(Debug)]
@@ -19,7 +24,7 @@ pub struct ContourQueue<T> {
     moves: VecDeque<Move<T>>,
     depth: usize,
     run: Option<Run>,
-    asked: bool,
+    asked: Option<Asked>,
     generation: u32,
     /// When the last move was queued.
     grown: Option<Instant>,
@@ -29,10 +34,22 @@ pub struct ContourQueue<T> {
     scale: f64,
 }
 
+/// A plan under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Asked {
+    /// From rest.
+    Contour,
+    /// Of what follows a trajectory in execution, of which so many moves had been completed then.
+    Extension {
+        /// Moves of it that had been completed.
+        passed: usize,
+    },
+}
+
 /// A trajectory in execution.
 #[derive(Debug)]
 struct Run {
-    trajectory: Box<Trajectory>,
+    trajectory: Arc<Trajectory>,
     /// Moves of it that have been completed.
     passed: usize,
     /// The trajectory's own time, seconds, as a function of time.
@@ -43,6 +60,10 @@ struct Run {
     /// Share of the speed, at most 1, that an instruction has asked for besides the override.
     share: f64,
     course: Course,
+    /// How long a plan that extends it may take, seconds on the trajectory's own time.
+    lead: f64,
+    /// Where on it an extension may be asked for again.
+    retry: f64,
 }
 
 /// What a pace of 0 means.
@@ -70,7 +91,7 @@ impl<T: Copy> ContourQueue<T> {
             moves: VecDeque::with_capacity(depth + 1),
             depth,
             run: None,
-            asked: false,
+            asked: None,
             generation: 0,
             grown: None,
             rate: 1.0,
@@ -119,87 +140,15 @@ impl<T: Copy> ContourQueue<T> {
         Ok(())
     }
 
-    /// The moves that are to be planned now, as one contour from rest to rest: up to the first that ends in a
-    /// stop. Where none does and there is room for more, the queue is given a moment to grow. Asks once; the plan
-    /// is expected with the generation that is returned.
-    pub fn batch(&mut self, clock: &Clock, mut take: impl FnMut(ContourMove)) -> Option<u32> {
-        if self.asked || self.run.is_some() || self.moves.is_empty() {
-            return None;
-        }
-        let open = !self.is_full() && self.moves.iter().all(|motion| motion.ending != Ending::Stop);
-        if open && self.grown.is_some_and(|grown| grown.elapsed(clock) < GATHER) {
-            return None;
-        }
-        self.scale = self.rate.max(1.0);
-        for (place, motion) in self.moves.iter().enumerate() {
-            let (tolerance, last) = match motion.ending {
-                Ending::Stop => (0.0, true),
-                Ending::Blend { tolerance } if tolerance.is_finite() => (tolerance, false),
-                Ending::Blend { .. } => (
-                    self.moves.get(place + 1).map_or(0.0, |next| no_decel(motion, next)),
-                    false,
-                ),
-                Ending::Contour { .. } => (0.0, false),
-            };
-            take(ContourMove {
-                path: motion.path,
-                speed: motion.limits.speed * self.scale,
-                acceleration: motion.limits.acceleration,
-                deceleration: motion.limits.deceleration,
-                jerk: motion.limits.jerk.map(|jerk| jerk.acceleration.min(jerk.deceleration)),
-                tolerance,
-            });
-            if last {
-                break;
-            }
-        }
-        self.asked = true;
-        self.generation = self.generation.wrapping_add(1);
-        Some(self.generation)
-    }
-
-    /// Begins to travel a trajectory at the present tick.
-    ///
-    /// # Errors
-    /// The trajectory itself when it is no longer wanted: the moves were cancelled meanwhile.
-    pub fn install(
-        &mut self,
-        generation: u32,
-        trajectory: Box<Trajectory>,
-        clock: &Clock,
-    ) -> Result<(), Box<Trajectory>> {
-        if !self.asked || generation != self.generation || trajectory.moves() > self.moves.len() {
-            return Err(trajectory);
-        }
-        self.asked = false;
-        // It begins at rest, so its pace may be anything.
-        let pace = (self.rate / self.scale).min(1.0);
-        let running = State {
-            position: 0.0,
-            velocity: pace,
-            acceleration: 0.0,
-        };
-        self.run = Some(Run {
-            pace: Profile::to_velocity(running, pace, &unit_limits(1.0)),
-            trajectory,
-            passed: 0,
-            start: clock.now(),
-            scale: self.scale,
-            share: 1.0,
-            course: Course::Travelling,
-        });
-        Ok(())
-    }
-
     /// Forgets every move and the trajectory, which is handed back to be freed elsewhere.
-    pub fn clear(&mut self) -> Option<Box<Trajectory>> {
+    pub fn clear(&mut self) -> Option<Arc<Trajectory>> {
         self.moves.clear();
-        self.asked = false;
+        self.asked = None;
         self.run.take().map(|run| run.trajectory)
     }
 
     /// The trajectory is at its end: hands it back.
-    pub fn finish(&mut self) -> Option<Box<Trajectory>> {
+    pub fn finish(&mut self) -> Option<Arc<Trajectory>> {
         self.run.take().map(|run| run.trajectory)
     }
 
@@ -227,9 +176,16 @@ impl<T: Copy> ContourQueue<T> {
     }
 
     /// The moves that are not on the trajectory yet, to change.
+    /// A plan of them that is under way is not wanted any more.
     pub fn unplanned_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
-        let planned = self.run.as_ref().map_or(0, |run| run.trajectory.moves() - run.passed);
+        let planned = self.planned();
+        self.asked = None;
         self.moves.iter_mut().skip(planned)
+    }
+
+    /// How many moves are on the trajectory in execution, or still to come on it.
+    fn planned(&self) -> usize {
+        self.run.as_ref().map_or(0, |run| run.trajectory.moves() - run.passed)
     }
 
     /// Takes an override: a share of the programmed speeds, 0 holds. A trajectory in execution is slowed down, but
@@ -239,10 +195,12 @@ impl<T: Copy> ContourQueue<T> {
         self.change_pace(clock);
     }
 
-    /// Takes a share of the planned speed for the trajectory in execution, at most 1; 0 pauses.
+    /// Takes a share of the planned speed for the trajectory in execution, at most 1; 0 pauses. It is for its moves alone,
+    /// so it is not extended before the share is 1 again.
     pub fn set_share(&mut self, share: f64, clock: &Clock) {
         if let Some(run) = &mut self.run {
             run.share = share.clamp(0.0, 1.0);
+            self.asked = None;
         }
         self.change_pace(clock);
     }
@@ -289,6 +247,7 @@ impl<T: Copy> ContourQueue<T> {
 
     /// Brakes on the path from the present tick on. The moves are the caller's to end.
     pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
+        self.asked = None;
         let Some(run) = &mut self.run else {
             return;
         };
@@ -334,16 +293,6 @@ impl<T: Copy> ContourQueue<T> {
             },
         })
     }
-}
-
-/// How long a contour without an end waits for another move, seconds: clients send them one by one.
-const GATHER: f64 = 0.01;
-
-/// How far from a corner superposition without a tolerance would pass it: what No Decel may round by
-/// (spec/motion-core.md §6.1; the lower bound, which holds for S-curves too).
-fn no_decel<T>(first: &Move<T>, second: &Move<T>) -> f64 {
-    let turn = (second.path.start_tangent() - first.path.end_tangent()).norm();
-    0.125 * turn * stop_distance(first.limits.speed, &first.limits)
 }
 
 fn unit_limits(rate: f64) -> Limits {

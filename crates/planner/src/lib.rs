@@ -21,7 +21,7 @@ mod queue;
 mod track;
 
 pub use clock::{Clock, Instant};
-pub use contour::{ContourPassage, ContourQueue};
+pub use contour::{ContourBatch, ContourPassage, ContourQueue, Extension, Installed};
 pub use junction::Ending;
 pub use planner::{Momentum, Move, Passage, Planner, QueueFull, Running};
 pub use track::Sample;

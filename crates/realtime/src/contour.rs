@@ -3,6 +3,7 @@
 //! A request is a buffer that goes round: the tick fills it, the planning thread reads it and sends it back
 //! empty, so neither side makes one while motion runs.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -22,7 +23,7 @@ pub(crate) struct Contours {
     free: rtrb::Consumer<Box<ContourRequest>>,
     asked: rtrb::Producer<Box<ContourRequest>>,
     planned: rtrb::Consumer<PlannedContour>,
-    retired: rtrb::Producer<Box<Trajectory>>,
+    retired: rtrb::Producer<Arc<Trajectory>>,
     filling: Option<Box<ContourRequest>>,
 }
 
@@ -32,7 +33,7 @@ pub struct Planning {
     free: rtrb::Producer<Box<ContourRequest>>,
     asked: rtrb::Consumer<Box<ContourRequest>>,
     planned: rtrb::Producer<PlannedContour>,
-    retired: rtrb::Consumer<Box<Trajectory>>,
+    retired: rtrb::Consumer<Arc<Trajectory>>,
 }
 
 /// Both ends, if the machine has a coordinate system that travels planned contours.
@@ -86,7 +87,7 @@ impl Contours {
         self.planned.pop().ok()
     }
 
-    pub(crate) fn retire(&mut self, trajectory: Box<Trajectory>) -> Result<(), Box<Trajectory>> {
+    pub(crate) fn retire(&mut self, trajectory: Arc<Trajectory>) -> Result<(), Arc<Trajectory>> {
         self.retired
             .push(trajectory)
             .map_err(|rtrb::PushError::Full(trajectory)| trajectory)
@@ -97,7 +98,7 @@ impl Planning {
     /// Plans one request, if one waits, and frees what is no longer needed. Returns whether there was one.
     pub fn step(&mut self) -> bool {
         while self.retired.pop().is_ok() {}
-        let Ok(request) = self.asked.pop() else {
+        let Ok(mut request) = self.asked.pop() else {
             return false;
         };
         let planned = PlannedContour {

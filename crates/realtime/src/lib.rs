@@ -16,5 +16,5 @@ mod thread;
 pub use contour::Planning;
 pub use meter::Meter;
 pub use rings::{Answer, COMMANDS, EVENTS, Link, Rings, link};
-pub use schedule::{Report, Shortfall};
+pub use schedule::{Report, Shortfall, prepare_beside_tick};
 pub use thread::{Handle, Options, SpawnError, spawn, step};

@@ -163,7 +163,7 @@ impl Port for Rings {
         self.contours.as_mut()?.planned()
     }
 
-    fn retire(&mut self, trajectory: Box<Trajectory>) -> Result<(), Box<Trajectory>> {
+    fn retire(&mut self, trajectory: Arc<Trajectory>) -> Result<(), Arc<Trajectory>> {
         match &mut self.contours {
             Some(contours) => contours.retire(trajectory),
             None => Err(trajectory),

@@ -72,6 +72,25 @@ pub(crate) fn prepare(priority: i32, core: Option<usize>) -> Report {
     report
 }
 
+/// Prepares the calling thread for deadlines of its own beside the tick's: a sleep that ends on time, and SCHED_FIFO at a
+/// priority that never delays the tick. Nothing here is necessary: what cannot be had is reported.
+///
+/// The thread must bound its own work: it comes before everything that is not real-time.
+pub fn prepare_beside_tick() -> Report {
+    let mut report = Report::default();
+    if let Err(error) = set_current_timer_slack(NonZeroU64::new(1)) {
+        report.lacks("timer slack of 1 ns", error);
+    }
+    match fifo(BESIDE_TICK) {
+        Ok(()) => report.fifo = true,
+        Err(error) => report.lacks("SCHED_FIFO", error),
+    }
+    report
+}
+
+/// Far below the tick's own priority.
+const BESIDE_TICK: i32 = 40;
+
 fn lock_memory() -> Result<(), Errno> {
     // With a limit, locking what comes later would make later allocations fail: refuse instead.
     let limit = getrlimit(Resource::Memlock).current;

@@ -5,7 +5,7 @@ use arcline_controller::machine::{
 };
 use arcline_controller::{Command, Controller, Ticket};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MAX_OPERANDS, Mnemonic, RealArray};
-use arcline_realtime::{Options, link, spawn, step};
+use arcline_realtime::{Link, Options, link, spawn, step};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 
 #[global_allocator]
@@ -167,6 +167,51 @@ fn contours_are_planned_beside_the_tick_and_freed_there() {
         link.snapshots.update();
         let ends = [20.0, 40.0, 60.0][round as usize];
         assert_eq!(link.snapshots.output_buffer().axes[0].command, [ends, 0.0, 0.0]);
+    }
+}
+
+#[test]
+fn a_contour_is_extended_in_time_or_ends_at_rest() {
+    for late in [false, true] {
+        let mut machine = machine(1_000_000);
+        machine.systems[0].queue_depth = 10;
+        machine.systems[0].corner = arcline_controller::machine::Corner::Precise;
+        let (mut rings, mut link) = link(&machine);
+        let mut planning = link.planning.take().expect("contours");
+        let mut controller = Controller::new(&machine);
+        let queue = |link: &mut Link, ticket: u64, to: [f64; 2]| {
+            let mut call = line(ControlSlot(ticket as u32), to);
+            for (name, number) in [("Termination Type", 6.0), ("Command Tolerance", 0.5)] {
+                let operand = call.mnemonic.instruction().operand(name).expect(name);
+                call.arguments[operand] = Argument::Number(number);
+            }
+            link.commands.push(Command::Call(Ticket(ticket), call)).expect("room");
+        };
+        queue(&mut link, 1, [100.0, 0.0]);
+        for _ in 0..13 {
+            assert_no_alloc(|| step(&mut controller, &mut rings));
+        }
+        assert!(planning.step(), "nothing more has come");
+        for _ in 0..50 {
+            assert_no_alloc(|| step(&mut controller, &mut rings));
+        }
+        queue(&mut link, 2, [200.0, 0.0]);
+        for _ in 0..20 {
+            assert_no_alloc(|| step(&mut controller, &mut rings));
+        }
+        let mut stopped = false;
+        let mut position = 0.0;
+        for tick in 0..20_000 {
+            if !late || tick > 5000 {
+                planning.step();
+            }
+            assert_no_alloc(|| step(&mut controller, &mut rings));
+            link.snapshots.update();
+            let [at, velocity, _] = link.snapshots.output_buffer().axes[0].command;
+            position = at;
+            stopped |= velocity == 0.0 && at < 200.0;
+        }
+        assert_eq!((position, stopped), (200.0, late), "late: {late}");
     }
 }
 

@@ -1,4 +1,5 @@
-//! Forward Open and Forward Close on the connections of one session (spec/ethernet-ip.md §7.2, §7.3).
+//! Forward Open and Forward Close on the connections of one session (spec/ethernet-ip.md §7.2, §7.3). I/O connections
+//! are the host's: they outlive the session.
 //!
 //! Not the other services of the Connection Manager: its attributes are the application's. Intervals are in
 //! microseconds, sizes in bytes.
@@ -8,7 +9,7 @@ use std::time::Duration;
 use super::connections::{Connection, Connections};
 use super::host::nonzero;
 use super::route::is_connection_manager;
-use super::{Host, Settings};
+use super::{Host, IoOpen, IoOpened, Settings};
 use crate::cip::{CipStatus, Reply, Request, class, service};
 use crate::connection::{
     ConnectionKey, ConnectionType, Count, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, refusal,
@@ -21,38 +22,51 @@ use crate::status::connection as extended;
 pub const MIN_CONNECTION_SIZE: u16 = 16;
 
 impl Connections {
-    /// Opens and closes connections. `Err` is the reply, of success too; other requests pass.
+    /// Opens and closes connections. `Err` is the reply, of success too; other requests pass. `port` is the UDP port that
+    /// the originator says it listens on.
     pub(super) fn manage(
         &mut self,
         request: Request,
+        port: Option<u16>,
         settings: &Settings,
         now: Duration,
         host: &mut dyn Host,
-    ) -> Result<Request, Reply> {
+    ) -> Result<Request, Managed> {
         if !is_connection_manager(&request.path) {
             return Ok(request);
         }
         match request.service {
             service::FORWARD_OPEN | service::LARGE_FORWARD_OPEN => {
-                Err(self.forward_open(&request, settings, now, host))
+                Err(self.forward_open(&request, port, settings, now, host))
             }
-            service::FORWARD_CLOSE => Err(self.forward_close(&request, host)),
+            service::FORWARD_CLOSE => Err(self.forward_close(&request, host).into()),
             _ => Ok(request),
         }
     }
 
-    fn forward_open(&mut self, request: &Request, settings: &Settings, now: Duration, host: &mut dyn Host) -> Reply {
+    fn forward_open(
+        &mut self,
+        request: &Request,
+        port: Option<u16>,
+        settings: &Settings,
+        now: Duration,
+        host: &mut dyn Host,
+    ) -> Managed {
         host.count(Count::OpenRequests);
         let large = request.service == service::LARGE_FORWARD_OPEN;
         let open = match ForwardOpen::decode(&request.data, large) {
             Ok(open) => open,
             Err(error) => {
                 host.count(Count::OpenFormatRejects);
-                return refusal(request.service, error.key, error.status, 0);
+                return refusal(request.service, error.key, error.status, 0).into();
             }
         };
-        match self.try_open(&open, settings, now, host) {
-            Ok(reply) => Reply::success(request.service, reply.to_bytes()),
+        match self.try_open(&open, port, settings, now, host) {
+            Ok(Opened::Explicit(reply)) => Reply::success(request.service, reply.to_bytes()).into(),
+            Ok(Opened::Io(opened)) => Managed {
+                reply: Reply::success(request.service, opened.reply.to_bytes()),
+                io: Some(opened),
+            },
             Err((status, left)) => {
                 let resource = status == CipStatus::connection(extended::OUT_OF_CONNECTIONS)
                     || status == CipStatus::RESOURCE_UNAVAILABLE;
@@ -61,7 +75,7 @@ impl Connections {
                 } else {
                     Count::OpenOtherRejects
                 });
-                refusal(request.service, open.key, status, left)
+                refusal(request.service, open.key, status, left).into()
             }
         }
     }
@@ -69,20 +83,27 @@ impl Connections {
     fn try_open(
         &mut self,
         open: &ForwardOpen,
+        port: Option<u16>,
         settings: &Settings,
         now: Duration,
         host: &mut dyn Host,
-    ) -> Result<ForwardOpenReply, (CipStatus, u8)> {
+    ) -> Result<Opened, (CipStatus, u8)> {
         let fail = |code: u16| (CipStatus::connection(code), 0);
         if let Some((id, known)) = self.find(open.key) {
             if !open.is_null() {
                 return Err(fail(extended::DUPLICATE));
             }
             known.heard(now);
-            return Ok(known.reply(id));
+            return Ok(Opened::Explicit(known.reply(id)));
         }
-        if open.is_null() {
-            return Err(fail(extended::NULL_OPEN_UNSUPPORTED));
+        if open.is_null() || matches!(open.transport_class(), 0 | 1) {
+            let application = application_path(&open.path, settings, host)?;
+            let open = IoOpen {
+                open,
+                application: &application,
+                port,
+            };
+            return host.open_io(&open).map(Opened::Io).map_err(|status| (status, 0));
         }
         if open.transport_class() != 3 {
             return Err(fail(extended::CLASS_UNSUPPORTED));
@@ -90,7 +111,10 @@ impl Connections {
         if open.multiplier > 7 {
             return Err(fail(extended::TIMEOUT_MULTIPLIER));
         }
-        check_connection_path(&open.path, settings, host)?;
+        let application = application_path(&open.path, settings, host)?;
+        if !Epath(application).is_object(class::MESSAGE_ROUTER, 1) {
+            return Err(fail(extended::INVALID_SEGMENT));
+        }
         let types = [
             (open.o_to_t, extended::TYPE_O_TO_T),
             (open.t_to_o, extended::TYPE_T_TO_O),
@@ -113,7 +137,7 @@ impl Connections {
         let connection = Connection::new(open, now);
         let reply = connection.reply(id);
         self.insert(id, connection);
-        Ok(reply)
+        Ok(Opened::Explicit(reply))
     }
 
     fn forward_close(&mut self, request: &Request, host: &mut dyn Host) -> Reply {
@@ -128,6 +152,8 @@ impl Connections {
         let id = self.find(close.key).map(|(id, _)| id);
         if id.is_some_and(|id| self.remove(id)) {
             host.release_connections(1);
+            ForwardClose::reply(close.key)
+        } else if host.close_io(close.key) {
             ForwardClose::reply(close.key)
         } else {
             host.count(Count::CloseOtherRejects);
@@ -145,8 +171,26 @@ fn check_size(parameters: NetworkParameters, most: u16) -> Result<(), (CipStatus
     }
 }
 
-/// `[ports] [electronic key] Message Router`; network segments are passed over.
-fn check_connection_path(path: &Epath, settings: &Settings, host: &dyn Host) -> Result<(), (CipStatus, u8)> {
+/// A connection that was opened, or was open already.
+enum Opened {
+    Explicit(ForwardOpenReply),
+    Io(IoOpened),
+}
+
+/// The reply of the Connection Manager, and the I/O connection that it is about.
+pub(super) struct Managed {
+    pub(super) reply: Reply,
+    pub(super) io: Option<IoOpened>,
+}
+
+impl From<Reply> for Managed {
+    fn from(reply: Reply) -> Self {
+        Self { reply, io: None }
+    }
+}
+
+/// What is left of a connection path without ports, electronic key and network segments, which are in order.
+fn application_path(path: &Epath, settings: &Settings, host: &dyn Host) -> Result<Vec<Segment>, (CipStatus, u8)> {
     let (mut route, mut application) = (Vec::new(), Vec::new());
     for segment in &path.0 {
         match segment {
@@ -164,9 +208,5 @@ fn check_connection_path(path: &Epath, settings: &Settings, host: &dyn Host) -> 
         .slots
         .check_route(&route)
         .map_err(|(code, left)| (CipStatus::connection(code), left))?;
-    if Epath(application).is_object(class::MESSAGE_ROUTER, 1) {
-        Ok(())
-    } else {
-        Err((CipStatus::connection(extended::INVALID_SEGMENT), 0))
-    }
+    Ok(application)
 }

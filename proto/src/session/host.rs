@@ -2,8 +2,14 @@
 //!
 //! Not how they are kept; the server implements [`Host`].
 
-use crate::connection::Count;
+use std::net::SocketAddrV4;
+
+use crate::cip::CipStatus;
+use crate::connection::{ConnectionKey, Count, ForwardOpen, ForwardOpenReply};
+use crate::cpf::ConnectionId;
+use crate::epath::Segment;
 use crate::identity::Identity;
+use crate::status::connection as extended;
 
 /// What a session shares with the others of its server.
 pub trait Host {
@@ -19,6 +25,49 @@ pub trait Host {
     fn count(&mut self, count: Count);
     /// Who the device is at present.
     fn identity(&self) -> &Identity;
+    /// Opens an I/O connection, see [`crate::io::IoConnections::open`].
+    ///
+    /// # Errors
+    /// The status of the refusal; without I/O 0x01/0x011C.
+    fn open_io(&mut self, open: &IoOpen<'_>) -> Result<IoOpened, CipStatus> {
+        Err(CipStatus::connection(if open.open.is_null() {
+            extended::NULL_OPEN_UNSUPPORTED
+        } else {
+            extended::CLASS_UNSUPPORTED
+        }))
+    }
+    /// Closes an I/O connection. `false`: this originator has none of that name.
+    fn close_io(&mut self, _key: ConnectionKey) -> bool {
+        false
+    }
+}
+
+/// A Forward Open of transport class 0 or 1, or a null one that is for no class 3 connection of the session. Its route
+/// and electronic key are in order.
+#[derive(Clone, Copy, Debug)]
+pub struct IoOpen<'a> {
+    /// The request.
+    pub open: &'a ForwardOpen,
+    /// Its path without ports, key and network segments.
+    pub application: &'a [Segment],
+    /// The UDP port that the originator listens on, when it says so (item 0x8001).
+    pub port: Option<u16>,
+}
+
+/// An I/O connection that is open; it begins to produce when [`super::Event::IoReady`] has come.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct IoOpened {
+    /// What the originator is told.
+    pub reply: ForwardOpenReply,
+    /// Where the target listens (item 0x8000); the address 0.0.0.0 is that of the TCP connection.
+    pub listens: SocketAddrV4,
+}
+
+impl IoOpened {
+    /// Its name for the host.
+    pub fn id(&self) -> ConnectionId {
+        self.reply.o_to_t_id
+    }
 }
 
 /// A number that is not zero and that `free` accepts; a host that always draws the same gets it counted up. `None` when

@@ -19,17 +19,18 @@ use std::net::SocketAddrV4;
 use std::sync::Arc;
 use std::time::Duration;
 
+use self::connection_manager::Managed;
 use self::connections::{Arrival, Connections};
 use self::host::nonzero;
 use self::replies::{Replies, Way};
 use self::route::unwrap_route;
 use crate::cip::{Reply, Request};
-use crate::cpf::Packet;
+use crate::cpf::{ConnectionId, Item, Packet};
 use crate::discovery::list_reply;
 use crate::encap::{Command, EncapStatus, Frame, FrameDecoder, FrameError, Header, RegisterSession, SessionHandle};
 
 pub use self::connection_manager::MIN_CONNECTION_SIZE;
-pub use self::host::Host;
+pub use self::host::{Host, IoOpen, IoOpened};
 pub use self::replies::RequestId;
 pub use self::route::Slots;
 pub use self::settings::{Settings, UnknownConnection};
@@ -50,6 +51,9 @@ pub enum Event {
         /// On what.
         transport: Transport,
     },
+    /// The reply of this I/O connection's Forward Open is among what was to be sent: send it, then let the connection
+    /// produce.
+    IoReady(ConnectionId),
     /// Send what is left, then close the socket. Nothing follows.
     Close(CloseReason),
 }
@@ -182,7 +186,11 @@ impl ServerSession {
     /// Answers a request. A reply beyond the budget becomes 0x11. `false`: there is no such request, or it has been
     /// answered.
     pub fn reply(&mut self, id: RequestId, reply: &Reply, now: Duration) -> bool {
-        let Some((way, packet)) = self.replies.answer(id, reply) else {
+        self.answer(id, reply, None, now)
+    }
+
+    fn answer(&mut self, id: RequestId, reply: &Reply, io: Option<&IoOpened>, now: Duration) -> bool {
+        let Some((way, packet)) = self.replies.answer(id, reply, io) else {
             return false;
         };
         if let Way::Connected { id, sequence, .. } = way {
@@ -294,13 +302,14 @@ impl ServerSession {
         if let Err(status) = self.check_session(&header) {
             return self.push_ready(Frame::error(&header, status));
         }
-        let message = Packet::decode(&frame.data).and_then(|packet| packet.unconnected_message().cloned());
+        let packet = Packet::decode(&frame.data);
+        let message = packet.and_then(|packet| Ok((packet.unconnected_message()?.clone(), originator_port(&packet))));
         match message {
-            Ok(message) => {
+            Ok((message, port)) => {
                 let way = Way::Unconnected {
                     budget: self.settings.unconnected_reply_limit,
                 };
-                self.message(header, way, &message, now, host);
+                self.message(header, way, &message, port, now, host);
             }
             Err(_) => self.push_ready(Frame::error(&header, EncapStatus::INCORRECT_DATA)),
         }
@@ -323,7 +332,7 @@ impl ServerSession {
                     sequence,
                     budget,
                 };
-                self.message(header, way, &message, now, host);
+                self.message(header, way, &message, None, now, host);
             }
             Some(Arrival::Answered(packet)) => self.push_ready(Frame::reply(&header, packet)),
             Some(Arrival::InProgress) => self.replies.repeat(header, id, sequence),
@@ -337,11 +346,20 @@ impl ServerSession {
     }
 
     /// Gives a message a place in the order of replies; answers it if the Connection Manager can.
-    fn message(&mut self, header: Header, way: Way, message: &Bytes, now: Duration, host: &mut dyn Host) {
+    fn message(
+        &mut self,
+        header: Header,
+        way: Way,
+        message: &Bytes,
+        port: Option<u16>,
+        now: Duration,
+        host: &mut dyn Host,
+    ) {
         let outcome = Request::decode(message)
             .map_err(|error| error.reply())
             .and_then(|request| unwrap_route(request, &self.settings.slots))
-            .and_then(|request| self.connections.manage(request, &self.settings, now, host));
+            .map_err(Managed::from)
+            .and_then(|request| self.connections.manage(request, port, &self.settings, now, host));
         match outcome {
             Ok(request) => {
                 let id = self.replies.wait(request.service, header, way);
@@ -352,9 +370,9 @@ impl ServerSession {
                     transport: way.transport(),
                 });
             }
-            Err(reply) => {
+            Err(Managed { reply, io }) => {
                 let id = self.replies.wait(reply.service, header, way);
-                self.reply(id, &reply, now);
+                self.answer(id, &reply, io.as_ref(), now);
             }
         }
     }
@@ -374,8 +392,17 @@ impl ServerSession {
 
     /// Lets the replies at the front go.
     fn flush(&mut self) {
-        while let Some(frame) = self.replies.pop(&self.connections) {
+        while let Some((frame, io)) = self.replies.pop(&self.connections) {
             self.events.push_back(Event::Outgoing(frame.to_bytes()));
+            self.events.extend(io.map(Event::IoReady));
         }
     }
+}
+
+/// The UDP port in item 0x8001. Its address is not looked at: that of the TCP connection counts.
+fn originator_port(packet: &Packet) -> Option<u16> {
+    packet.items.iter().find_map(|item| match item {
+        Item::SockaddrTToO(address) => Some(address.port()),
+        _ => None,
+    })
 }

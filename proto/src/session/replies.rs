@@ -5,10 +5,10 @@
 use bytes::Bytes;
 use std::collections::VecDeque;
 
-use super::Transport;
 use super::connections::Connections;
+use super::{IoOpened, Transport};
 use crate::cip::{CipStatus, Reply};
-use crate::cpf::{ConnectionId, Packet};
+use crate::cpf::{ConnectionId, Item, Packet};
 use crate::encap::{Frame, Header};
 
 /// Names a request that waits for its answer; never repeats in a session.
@@ -32,8 +32,8 @@ enum Place {
         header: Header,
         way: Way,
     },
-    /// Ready to leave.
-    Ready(Frame),
+    /// Ready to leave; an I/O connection may wait for that.
+    Ready(Frame, Option<ConnectionId>),
     /// Repeats the reply in front of it, which is not there yet.
     Repeat {
         header: Header,
@@ -70,13 +70,15 @@ impl Way {
         }
     }
 
-    fn packet(&self, reply: Bytes) -> Bytes {
-        match self {
-            Self::Unconnected { .. } => Packet::unconnected(reply).to_bytes(),
+    fn packet(&self, reply: Bytes, address: Option<Item>) -> Bytes {
+        let mut packet = match self {
+            Self::Unconnected { .. } => Packet::unconnected(reply),
             Self::Connected {
                 t_to_o_id, sequence, ..
-            } => Packet::connected(*t_to_o_id, *sequence, &reply).to_bytes(),
-        }
+            } => Packet::connected(*t_to_o_id, *sequence, &reply),
+        };
+        packet.items.extend(address);
+        packet.to_bytes()
     }
 }
 
@@ -111,7 +113,7 @@ impl Replies {
 
     /// A reply that is there.
     pub(super) fn push(&mut self, frame: Frame) {
-        self.places.push_back(Place::Ready(frame));
+        self.places.push_back(Place::Ready(frame, None));
     }
 
     /// A place for the reply of a request that still waits in front.
@@ -121,7 +123,8 @@ impl Replies {
 
     /// Puts a reply in its place; one beyond the budget becomes 0x11. Gives the packet and its way; `None` if nothing
     /// waits by this name.
-    pub(super) fn answer(&mut self, id: RequestId, reply: &Reply) -> Option<(Way, Bytes)> {
+    /// `io` is the I/O connection that it confirms.
+    pub(super) fn answer(&mut self, id: RequestId, reply: &Reply, io: Option<&IoOpened>) -> Option<(Way, Bytes)> {
         self.places.iter_mut().find_map(|place| match *place {
             Place::Waiting {
                 id: waiting,
@@ -134,23 +137,24 @@ impl Replies {
                 } else {
                     Reply::error(service, CipStatus::REPLY_TOO_LARGE).to_bytes()
                 };
-                let packet = way.packet(bytes);
-                *place = Place::Ready(Frame::reply(&header, packet.clone()));
+                let packet = way.packet(bytes, io.map(|io| Item::SockaddrOToT(io.listens)));
+                *place = Place::Ready(Frame::reply(&header, packet.clone()), io.map(IoOpened::id));
                 Some((way, packet))
             }
             _ => None,
         })
     }
 
-    /// The next reply that may leave. A repetition leaves with what `connections` have kept.
-    pub(super) fn pop(&mut self, connections: &Connections) -> Option<Frame> {
+    /// The next reply that may leave, and the I/O connection that waits for that. A repetition leaves with what
+    /// `connections` have kept.
+    pub(super) fn pop(&mut self, connections: &Connections) -> Option<(Frame, Option<ConnectionId>)> {
         loop {
             let frame = match self.places.front()? {
                 Place::Waiting { .. } => return None,
-                Place::Ready(frame) => Some(frame.clone()),
+                Place::Ready(frame, io) => Some((frame.clone(), *io)),
                 Place::Repeat { header, id, sequence } => connections
                     .stored(*id, *sequence)
-                    .map(|packet| Frame::reply(header, packet)),
+                    .map(|packet| (Frame::reply(header, packet), None)),
             };
             self.places.pop_front();
             if frame.is_some() {

@@ -3,7 +3,7 @@
 //! Requests of one connection are executed one after the other, in the order in which they came. While a peer does not
 //! read its replies, nothing more is read from it; after [`Settings::write_timeout`](super::Settings) it is closed.
 
-use std::net::SocketAddrV4;
+use std::net::{IpAddr, SocketAddrV4};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ use tokio_util::codec::Framed;
 use tracing::debug;
 
 use super::codec::{FrameCodec, StreamError};
-use super::device::Device;
+use super::device::{Device, Seat};
 use super::router::Router;
 
 /// Frames that are taken from one connection before the others get their turn.
@@ -42,8 +42,8 @@ pub(crate) enum Ended {
     SlowReader,
 }
 
-/// Serves a stream that was accepted at `local` until it ends.
-pub(crate) async fn serve<S>(stream: S, local: SocketAddrV4, device: Arc<Device>) -> Ended
+/// Serves a stream that was accepted at `local` from `peer` until it ends.
+pub(crate) async fn serve<S>(stream: S, local: SocketAddrV4, peer: IpAddr, device: Arc<Device>) -> Ended
 where
     S: AsyncRead + AsyncWrite + Unpin,
 {
@@ -53,6 +53,8 @@ where
         framed: Framed::new(stream, codec),
         session: ServerSession::new(device.session_settings.clone(), local, Duration::ZERO),
         router: Router::new(device.clone(), local),
+        local,
+        peer,
         device,
         epoch,
     };
@@ -65,6 +67,8 @@ struct Connection<S> {
     framed: Framed<S, FrameCodec>,
     session: ServerSession,
     router: Router,
+    local: SocketAddrV4,
+    peer: IpAddr,
     device: Arc<Device>,
     epoch: Instant,
 }
@@ -113,7 +117,11 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
     async fn take(&mut self, next: Option<Result<Frame, StreamError>>) -> Result<(), Ended> {
         let now = self.now();
         match next {
-            Some(Ok(frame)) => self.session.handle_frame(&frame, now, &mut &*self.device),
+            Some(Ok(frame)) => {
+                let (device, local, peer) = (&*self.device, self.local, self.peer);
+                let mut seat = Seat { device, local, peer };
+                self.session.handle_frame(&frame, now, &mut seat);
+            }
             Some(Err(StreamError::Frame(error))) => {
                 let FrameError::TooLong { header, .. } = error;
                 self.send(Frame::error(&header, EncapStatus::INVALID_LENGTH).to_bytes())
@@ -140,6 +148,12 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
                     let reply = self.router.handle(&request, reply_budget, transport).await;
                     let now = self.now();
                     self.session.reply(id, &reply, now);
+                }
+                Event::IoReady(id) => {
+                    self.flush().await?;
+                    if let Some(io) = self.device.io() {
+                        io.start(id);
+                    }
                 }
                 Event::Close(reason) => return Err(reason.into()),
             }

@@ -1,15 +1,20 @@
 //! What all connections of the server share: the plant, the identity, limits and counters.
 
+use std::net::{IpAddr, SocketAddr, SocketAddrV4};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use arcline_proto::connection::{Count, Counters};
+use arcline_config::IoLoss;
+use arcline_proto::cip::CipStatus;
+use arcline_proto::connection::{ConnectionKey, Count, Counters};
+use arcline_proto::encap::Service;
 use arcline_proto::identity::Identity;
-use arcline_proto::session;
+use arcline_proto::session::{self, Host, IoOpen, IoOpened};
 use tracing::error;
 
+use super::io::{Exchange, Io};
 use crate::plant::Plant;
 
 /// Settings of the EtherNet/IP face (spec/ethernet-ip.md §18).
@@ -27,6 +32,10 @@ pub struct Settings {
     pub system: PathBuf,
     /// Limits of a session.
     pub session: session::Settings,
+    /// Where class 0 and 1 connections listen, UDP; `None`: they are refused.
+    pub io: Option<SocketAddr>,
+    /// What motion does when the owner of the outputs is lost.
+    pub io_loss: IoLoss,
 }
 
 impl Settings {
@@ -39,6 +48,8 @@ impl Settings {
             write_timeout: Duration::from_secs(30),
             system: PathBuf::from("/"),
             session: session::Settings::default(),
+            io: None,
+            io_loss: IoLoss::default(),
         }
     }
 }
@@ -56,6 +67,8 @@ pub(crate) struct Device {
     pub(crate) plant: Plant,
     pub(crate) settings: Settings,
     pub(crate) session_settings: Arc<session::Settings>,
+    exchange: Exchange,
+    io: Option<Arc<Io>>,
     open_connections: AtomicUsize,
     counters: Mutex<Counters>,
     /// Silence after which a socket is closed, s; 0: never. Clients set it.
@@ -67,9 +80,23 @@ pub(crate) struct Device {
 }
 
 impl Device {
-    pub(crate) fn new(plant: Plant, settings: Settings) -> Self {
-        Self {
+    /// Binds the socket of I/O, if there is to be one.
+    ///
+    /// # Errors
+    /// Its address cannot be bound.
+    pub(crate) fn new(plant: Plant, mut settings: Settings) -> std::io::Result<Self> {
+        let exchange = Exchange::new(plant.machine(), settings.io_loss);
+        let io = match settings.io {
+            Some(address) => Some(Arc::new(Io::bind(address, *exchange.assemblies())?)),
+            None => None,
+        };
+        if io.is_some() {
+            settings.session.capability |= Service::UDP_IO;
+        }
+        Ok(Self {
             plant,
+            exchange,
+            io,
             session_settings: Arc::new(settings.session.clone()),
             inactivity: AtomicU64::new(settings.session.inactivity.map_or(0, |time| time.as_secs())),
             settings,
@@ -77,7 +104,17 @@ impl Device {
             counters: Mutex::new(Counters::default()),
             clock_offset: AtomicI64::new(0),
             daylight_saving: AtomicBool::new(false),
-        }
+        })
+    }
+
+    /// The assemblies and what they command.
+    pub(crate) fn exchange(&self) -> &Exchange {
+        &self.exchange
+    }
+
+    /// Class 0 and 1 connections, where there may be some.
+    pub(crate) fn io(&self) -> Option<&Arc<Io>> {
+        self.io.as_ref()
     }
 
     /// Class 3 connections that are open.
@@ -134,7 +171,7 @@ fn host_clock() -> u64 {
 }
 
 /// The device as a session sees it.
-impl session::Host for &Device {
+impl Host for &Device {
     /// From the system's generator.
     fn random(&mut self) -> Option<u32> {
         getrandom::u32()
@@ -160,5 +197,50 @@ impl session::Host for &Device {
 
     fn identity(&self) -> &Identity {
         &self.settings.identity
+    }
+}
+
+/// The device as a session sees it whose TCP connection has these ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seat<'d> {
+    /// The device.
+    pub(crate) device: &'d Device,
+    /// The near end.
+    pub(crate) local: SocketAddrV4,
+    /// The far end.
+    pub(crate) peer: IpAddr,
+}
+
+impl Host for Seat<'_> {
+    fn random(&mut self) -> Option<u32> {
+        self.device.random()
+    }
+
+    fn acquire_connection(&mut self) -> bool {
+        self.device.acquire_connection()
+    }
+
+    fn release_connections(&mut self, count: usize) {
+        self.device.release_connections(count);
+    }
+
+    fn count(&mut self, count: Count) {
+        self.device.count(count);
+    }
+
+    fn identity(&self) -> &Identity {
+        &self.device.settings.identity
+    }
+
+    fn open_io(&mut self, open: &IoOpen<'_>) -> Result<IoOpened, CipStatus> {
+        let mut device = self.device;
+        match &self.device.io {
+            Some(io) => io.open(open, self.peer, *self.local.ip(), || device.random()),
+            None => device.open_io(open),
+        }
+    }
+
+    fn close_io(&mut self, key: ConnectionKey) -> bool {
+        self.device.io.as_ref().is_some_and(|io| io.close(key, self.peer))
     }
 }

@@ -11,9 +11,10 @@ use std::time::Duration;
 use tokio::net::{TcpListener, TcpStream, UdpSocket};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::task::JoinSet;
-use tracing::{Instrument, debug, info_span, warn};
+use tracing::{Instrument, debug, error, info_span, warn};
 
 use super::device::{Device, Settings};
+use super::io::IoThread;
 use super::{connection, datagram};
 use crate::plant::Plant;
 
@@ -32,14 +33,17 @@ pub struct Listener {
 }
 
 impl Listener {
-    /// Binds TCP and UDP to one port of `address`; port 0 picks a free one.
+    /// Binds TCP and UDP to one port of `address`, and UDP to that of implicit I/O; port 0 picks a free one.
     ///
     /// # Errors
-    /// The address cannot be bound.
-    pub async fn bind(address: SocketAddr, plant: Plant, settings: Settings) -> io::Result<Self> {
-        let (tcp, udp) = bind_both(address).await?;
-        let local = tcp.local_addr()?;
-        let device = Arc::new(Device::new(plant, settings));
+    /// An address cannot be bound.
+    pub async fn bind(address: SocketAddr, plant: Plant, settings: Settings) -> Result<Self, BindError> {
+        let failed = |address| move |error| BindError { address, error };
+        let (tcp, udp) = bind_both(address).await.map_err(failed(address))?;
+        let local = tcp.local_addr().map_err(failed(address))?;
+        let io = settings.io;
+        let device = Device::new(plant, settings).map_err(failed(io.unwrap_or(address)))?;
+        let device = Arc::new(device);
         Ok(Self {
             tcp,
             udp,
@@ -53,8 +57,19 @@ impl Listener {
         self.local
     }
 
+    /// The address of implicit I/O that was really bound, if there is one.
+    pub fn io_addr(&self) -> Option<SocketAddr> {
+        self.device.io().map(|io| io.local())
+    }
+
     /// Serves until the future is dropped; that closes every connection.
     pub async fn serve(self) {
+        // Ends with this future.
+        let _io = self.device.io().and_then(|io| {
+            IoThread::spawn(self.device.clone(), io.clone())
+                .inspect_err(|error| error!(%error, "no thread for implicit I/O: nothing is produced"))
+                .ok()
+        });
         let permits = Arc::new(Semaphore::new(
             self.device.settings.max_clients.clamp(1, Semaphore::MAX_PERMITS),
         ));
@@ -84,6 +99,17 @@ impl Listener {
     }
 }
 
+/// An address that cannot be bound.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot listen on {address}: {error}")]
+pub struct BindError {
+    /// Which.
+    pub address: SocketAddr,
+    /// Why.
+    #[source]
+    pub error: io::Error,
+}
+
 async fn serve_one(stream: TcpStream, permit: OwnedSemaphorePermit, device: Arc<Device>) {
     if let Err(error) = stream.set_nodelay(true) {
         debug!(%error, "cannot switch off Nagle's algorithm");
@@ -93,7 +119,7 @@ async fn serve_one(stream: TcpStream, permit: OwnedSemaphorePermit, device: Arc<
     };
     let local = reachable(local, peer).await;
     debug!("connected");
-    let ended = connection::serve(stream, local, device).await;
+    let ended = connection::serve(stream, local, peer.ip(), device).await;
     connection::report(&ended);
     drop(permit);
 }

@@ -4,6 +4,8 @@
 //! [`Plant`](crate::plant::Plant). Here they meet: a socket's bytes become requests, requests become reads and writes of
 //! tags or calls of instructions, and replies go back. Nothing here knows what an instruction does.
 //!
+//! Implicit I/O (`io`) is beside all that: a socket and a thread of its own.
+//!
 //! One CIP message (a single request, or a whole Multiple Service Packet) is one action: all its tag writes are applied
 //! first, then the rising edges of `EnableIn` are executed, then it is answered.
 
@@ -12,6 +14,7 @@ mod codec;
 mod connection;
 mod datagram;
 mod device;
+mod io;
 mod listener;
 mod objects;
 mod router;
@@ -21,4 +24,5 @@ mod tags;
 mod tests;
 
 pub use device::Settings;
-pub use listener::Listener;
+pub use io::io_page;
+pub use listener::{BindError, Listener};

@@ -135,7 +135,7 @@ impl State {
         ticket
     }
 
-    fn push(&mut self, command: Command) {
+    pub(super) fn push(&mut self, command: Command) {
         self.backlog.push_back(command);
         self.flush();
     }
@@ -150,7 +150,7 @@ impl State {
     }
 
     /// Tells the controller which overrides have changed.
-    fn send_overrides(&mut self) {
+    pub(super) fn send_overrides(&mut self) {
         let overrides: Vec<f32> = self.image.feed_overrides().collect();
         for ((system, now), sent) in (0..)
             .zip(&overrides)

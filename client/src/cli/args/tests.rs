@@ -86,7 +86,6 @@ fn what_makes_no_sense_is_refused() {
         ("axes and all",          "servo on X --all"),
         ("neither on nor off",    "servo X"),
         ("nothing to read",       "read"),
-        ("a later command",       "home X"),
         ("no speed",              "jog X"),
         ("two ways",              "move-axis R 10 --shortest --positive"),
         ("a way and relative",    "move-axis R 10 --negative --relative"),

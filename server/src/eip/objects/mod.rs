@@ -4,6 +4,7 @@
 //! class can do besides (paging symbols, reading templates) is in its own file. Tag services and motion services are not
 //! here but in [`tags`](super::tags) and [`motion`].
 
+mod assembly;
 mod change_detection;
 mod connection_manager;
 mod ethernet_link;
@@ -35,9 +36,10 @@ use super::router::{Context, Memory};
 use super::tags::unknown;
 
 /// Every class that answers, ascending: the Message Router's object list.
-const CLASSES: [u16; 16] = [
+const CLASSES: [u16; 17] = [
     class::IDENTITY,
     class::MESSAGE_ROUTER,
+    class::ASSEMBLY,
     class::CONNECTION_MANAGER,
     class::QOS,
     class::PROGRAM_NAME,
@@ -57,9 +59,9 @@ const CLASSES: [u16; 16] = [
 /// The class of executed instructions.
 const EXECUTION: u16 = motion_instruction::CLASS;
 
-/// The classes that are answered after the tag memory has been let go: executions are behind the plant's lock, and what
-/// the system shows of its network stands in files.
-pub(crate) const LATE: [u16; 3] = [class::TCP_IP, class::ETHERNET_LINK, EXECUTION];
+/// The classes that are answered after the tag memory has been let go: assemblies and executions are behind the plant's
+/// lock, and what the system shows of its network stands in files.
+pub(crate) const LATE: [u16; 4] = [class::ASSEMBLY, class::TCP_IP, class::ETHERNET_LINK, EXECUTION];
 
 /// What the class attributes tell (CIP Vol. 1, 4-4).
 struct Extent {
@@ -243,6 +245,7 @@ pub(crate) fn serve_late(context: &Context<'_>, request: &Request, target: &Targ
             adapter: context.adapter(),
             device,
         }),
+        Some(class::ASSEMBLY) => with(&assembly::Assemblies(device)),
         Some(class::ETHERNET_LINK) => with(&ethernet_link::EthernetLink(context.adapter())),
         _ => with(&motion_instruction::MotionInstructions(&device.plant)),
     }

@@ -56,7 +56,7 @@ impl Class for Symbols<'_> {
     fn extent(&self) -> Extent {
         let in_scope = self.image.tags().iter().filter(|tag| tag.program == self.scope);
         Extent {
-            highest: in_scope.clone().last().map_or(0, |tag| tag.id.0),
+            highest: in_scope.clone().next_back().map_or(0, |tag| tag.id.0),
             count: u32::try_from(in_scope.count()).unwrap_or(u32::MAX),
             last_attribute: 11,
         }

@@ -3,13 +3,13 @@
 use arcline_proto::cip::{Request, join_multiple, service};
 use arcline_proto::connection::UnconnectedSend;
 use arcline_proto::encap::{Command, Frame};
-use arcline_proto::epath::{Epath, Segment};
+use arcline_proto::epath::Epath;
 use arcline_tag::Elementary;
 
 use super::*;
 
 /// Messages that exercise every service there is.
-fn messages() -> Vec<Bytes> {
+pub(super) fn messages() -> Vec<Bytes> {
     let key = ConnectionKey {
         serial: 1,
         vendor: 2,
@@ -89,57 +89,6 @@ async fn messages_cut_or_altered_anywhere_are_answered() {
         7_i32.to_le_bytes(),
         "it still works"
     );
-}
-
-#[tokio::test]
-async fn nothing_nests() {
-    let bench = Bench::new();
-    let mut client = bench.client().await;
-    let mut packet = read("aDint", 1);
-    let mut send = read("aDint", 1);
-    for depth in 0..40 {
-        let data = join_multiple(std::slice::from_ref(&packet)).expect("short");
-        packet = Request::new(service::MULTIPLE_SERVICE_PACKET, Epath::object(2, 1), data);
-        let route = Epath(vec![]);
-        let inside = UnconnectedSend {
-            time: TickTime::DEFAULT,
-            message: send.to_bytes().expect("short"),
-            route,
-        };
-        send = Request::new(
-            service::UNCONNECTED_SEND,
-            Epath::object(6, 1),
-            inside.to_bytes().expect("short"),
-        );
-        let expected = if depth == 0 { [0, 0] } else { [0x1E, 0x08] };
-        let got = [
-            client.ask(&packet).await.status.general(),
-            client.ask(&send).await.status.general(),
-        ];
-        assert_eq!(got, expected, "{depth} deep");
-    }
-}
-
-#[tokio::test]
-async fn long_paths_are_refused() {
-    let bench = Bench::new();
-    let mut client = bench.client().await;
-    let segments = [
-        Segment::Symbol("A".into()),
-        Segment::Member(1),
-        Segment::Class(1),
-        Segment::Port(arcline_proto::epath::PortSegment::backplane(0)),
-        Segment::Symbol("A[1,1,1,1,1,1,1,1,1,1]".into()),
-    ];
-    for segment in segments {
-        let words = Epath(vec![segment.clone()]).to_bytes().len() / 2;
-        let path = Epath(vec![segment.clone(); 255 / words]);
-        let status = client
-            .ask(&Request::new(service::READ_TAG, path, vec![1, 0]))
-            .await
-            .status;
-        assert!(!status.is_success(), "{segment:?}");
-    }
 }
 
 #[tokio::test]

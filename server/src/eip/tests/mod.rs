@@ -2,14 +2,17 @@
 
 mod browse;
 mod hostile;
+mod io;
 mod motion;
 mod objects;
+mod pitfalls;
+mod published;
 mod sessions;
 mod tag_face;
 mod tag_services;
 mod tag_table;
 
-use std::net::{Ipv4Addr, SocketAddrV4};
+use std::net::{IpAddr, Ipv4Addr, SocketAddrV4};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -28,10 +31,13 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt, DuplexStream};
 
 use super::connection;
 use super::device::{Device, Settings};
+use super::io::IoThread;
 use crate::plant::Plant;
 
 /// Where the in-memory streams were accepted.
 const LOCAL: SocketAddrV4 = SocketAddrV4::new(Ipv4Addr::LOCALHOST, 44818);
+/// Where they come from.
+const PEER: IpAddr = IpAddr::V4(Ipv4Addr::LOCALHOST);
 /// Longer than anything here may take on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -116,6 +122,7 @@ alias = "Grid[1,0]"
 /// A device whose controller runs.
 pub(super) struct Bench {
     pub(super) device: Arc<Device>,
+    _io: Option<IoThread>,
     _thread: Handle,
 }
 
@@ -140,8 +147,11 @@ impl Bench {
     }
 
     pub(super) fn of((plant, thread): (Plant, Handle), settings: Settings) -> Self {
+        let device = Arc::new(Device::new(plant, settings).expect("a free port"));
+        let io = device.io().cloned();
         Self {
-            device: Arc::new(Device::new(plant, settings)),
+            _io: io.map(|io| IoThread::spawn(device.clone(), io).expect("a thread")),
+            device,
             _thread: thread,
         }
     }
@@ -149,7 +159,7 @@ impl Bench {
     /// A stream that the device serves.
     pub(super) fn stream(&self) -> DuplexStream {
         let (ours, theirs) = tokio::io::duplex(64 * 1024);
-        tokio::spawn(connection::serve(theirs, LOCAL, self.device.clone()));
+        tokio::spawn(connection::serve(theirs, LOCAL, PEER, self.device.clone()));
         ours
     }
 

@@ -87,7 +87,12 @@ async fn client(root: &Path) -> (Bench, Client) {
     adapter::tests::host(root);
     let bench = Bench::with(|settings| settings.system = root.to_owned());
     let (ours, theirs) = tokio::io::duplex(64 * 1024);
-    tokio::spawn(connection::serve(theirs, LOCAL, bench.device.clone()));
+    tokio::spawn(connection::serve(
+        theirs,
+        LOCAL,
+        Ipv4Addr::new(192, 168, 1, 20).into(),
+        bench.device.clone(),
+    ));
     let client = bench.client_on(ours).await;
     (bench, client)
 }

@@ -1,0 +1,129 @@
+//! The nodes of the next run: at equal times of the curve that the last one found. Position units and seconds.
+
+use crate::course::{Course, along};
+use crate::nodes::{Nodes, blossom, led_grid};
+use crate::nominal::{Warp, grid, sites};
+use crate::rounding::Smoothness;
+use crate::{Bounds, Point, Trajectory};
+
+/// The same curve with nodes at equal intervals of its time, warped at its ends for an S-curve.
+pub(crate) fn resample(
+    trajectory: &Trajectory,
+    times: &[f64],
+    nodes: &Nodes,
+    bounds: &[Bounds],
+    smoothness: Smoothness,
+) -> Nodes {
+    let rate = |bound: Option<&Bounds>| bound.map_or(f64::INFINITY, |b| b.axes.acceleration.min().min(b.acceleration));
+    let warp = Warp::new(
+        trajectory.duration(),
+        // A motion that is continued does not begin at rest.
+        if nodes.lead.is_some() {
+            0.0
+        } else {
+            rate(bounds.first())
+        },
+        rate(bounds.last()),
+        bounds,
+        smoothness,
+    );
+    let whole = warp.stretched(trajectory.duration());
+    let mut busy: Vec<(f64, f64)> = Vec::new();
+    for pair in trajectory.knots.windows(2) {
+        let (here, next) = (&pair[0], &pair[1]);
+        let most = here.state.acceleration.norm().max(next.state.acceleration.norm());
+        if most > IDLE * rate(bounds.first()).min(rate(bounds.last())) {
+            busy.push((warp.warped(here.time), warp.warped(next.time)));
+        }
+    }
+    if nodes.lead.is_some() {
+        return resample_led(trajectory, times, nodes, &busy, whole, &warp);
+    }
+    let grid = grid(whole, &busy);
+    let intervals = grid.len() - 1;
+    let mut points = Vec::with_capacity(intervals + 1);
+    let mut progress = Vec::with_capacity(intervals + 1);
+    let mut i = 0;
+    for at in sites(&grid) {
+        let time = warp.nominal(at);
+        points.push(trajectory.at(time).position);
+        while i + 2 < times.len() && times[i + 1] < time {
+            i += 1;
+        }
+        let part = ((time - times[i]) / (times[i + 1] - times[i])).clamp(0.0, 1.0);
+        progress.push(nodes.progress[i] + (nodes.progress[i + 1] - nodes.progress[i]) * part);
+    }
+    points[0] = nodes.points[0];
+    points[intervals] = trajectory.end;
+    // Control points whose curve passes through the points (to the fourth order).
+    let through: Vec<Point> = points
+        .windows(3)
+        .map(|p| p[1] - (p[2] - p[1] * 2.0 + p[0]) / 6.0)
+        .collect();
+    if let Some(inner) = points.get_mut(3..intervals.saturating_sub(2)) {
+        inner.copy_from_slice(&through[2..intervals - 3]);
+    }
+    Nodes {
+        points,
+        progress,
+        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
+        lead: None,
+        kept: 0,
+    }
+}
+
+/// The same for a motion that continues another one: its first nodes stay.
+fn resample_led(
+    trajectory: &Trajectory,
+    times: &[f64],
+    nodes: &Nodes,
+    busy: &[(f64, f64)],
+    whole: f64,
+    warp: &Warp,
+) -> Nodes {
+    let kept = nodes.kept;
+    let mut fresh = nodes.clone();
+    let grid = led_grid(times[..=kept].to_vec(), whole, busy);
+    fresh.spans = grid.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    fresh.points.truncate(kept);
+    fresh.progress.truncate(kept);
+    let mut i = 0;
+    for k in kept..grid.len() {
+        let time = warp.nominal(grid[k]);
+        let before = time - warp.nominal(grid[k - 1]);
+        let behind = grid.get(k + 1).map_or(whole, |&next| warp.nominal(next)) - time;
+        fresh.points.push(blossom(&trajectory.at(time), [-before, 0.0, behind]));
+        while i + 2 < times.len() && times[i + 1] < time {
+            i += 1;
+        }
+        let part = ((time - times[i]) / (times[i + 1] - times[i])).clamp(0.0, 1.0);
+        let (here, next) = (nodes.progress[i], nodes.progress[i + 1]);
+        fresh.progress.push(here + (next - here) * part);
+    }
+    if let (Some(point), Some(progress)) = (fresh.points.last_mut(), fresh.progress.last_mut()) {
+        *point = trajectory.end;
+        *progress = nodes.progress[nodes.progress.len() - 1];
+    }
+    fresh
+}
+
+/// Sets the progress of every node to that of the nearest point of the course, ascending.
+pub(crate) fn project(course: &Course, nodes: &mut Nodes) {
+    let mut least = 0.0;
+    for (point, progress) in nodes.points.iter().zip(&mut nodes.progress) {
+        let (_, piece) = course.foot(point, course.piece_at(*progress));
+        let along = course.starts[piece] + along(&course.pieces[piece], point);
+        least = f64::max(least, along);
+        *progress = least;
+    }
+    let whole = course.length();
+    for progress in &mut nodes.progress {
+        *progress = progress.min(whole);
+    }
+    if let Some(last) = nodes.progress.last_mut() {
+        *last = whole;
+    }
+}
+
+/// Share of the acceleration limit below which nothing happens.
+const IDLE: f64 = 1e-3;

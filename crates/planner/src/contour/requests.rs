@@ -1,0 +1,226 @@
+//! Which moves are to be planned, and the plan's way into execution: from rest, or on from a trajectory that runs.
+//!
+//! Real-time: nothing here allocates or frees.
+
+use std::sync::Arc;
+
+use arcline_contour::{ContourMove, Trajectory};
+use arcline_profile::{Profile, State, stop_distance};
+
+use super::{Asked, ContourQueue, Course, Run, unit_limits};
+use crate::{Clock, Ending, Move};
+
+/// A plan that is asked for.
+#[derive(Clone, Debug)]
+pub struct ContourBatch {
+    /// The plan is expected with it.
+    pub generation: u32,
+    /// The trajectory that runs meanwhile; `None`: the plan begins at rest.
+    pub extends: Option<Extension>,
+}
+
+/// A trajectory in execution that is to be extended ([`arcline_contour::extend`]).
+#[derive(Clone, Debug)]
+pub struct Extension {
+    /// The trajectory.
+    pub trajectory: Arc<Trajectory>,
+    /// Moves of it that are complete.
+    pub passed: usize,
+    /// Where on it the motion is, seconds on its own time.
+    pub now: f64,
+    /// Until when it has to stay as it is, seconds on its own time.
+    pub earliest: f64,
+}
+
+impl<T: Copy> ContourQueue<T> {
+    /// The moves that are to be planned now, up to the first that ends in a stop: from rest, or together with what is
+    /// left of the trajectory in execution. A queue with room for more is given a moment to grow. Asks once.
+    pub fn batch(&mut self, clock: &Clock, take: impl FnMut(ContourMove)) -> Option<ContourBatch> {
+        if self.asked.is_some() || self.moves.is_empty() {
+            return None;
+        }
+        let (extends, scale) = match &self.run {
+            None => {
+                let open = !self.is_full() && self.moves.iter().all(|motion| motion.ending != Ending::Stop);
+                if open && self.is_growing(clock) {
+                    return None;
+                }
+                (None, self.rate.max(1.0))
+            }
+            // What is planned faster than programmed stays so until it is at rest: the speed at the splice is.
+            Some(run) => (Some(self.extension(run, clock)?), self.rate.max(run.scale)),
+        };
+        self.scale = scale;
+        self.take_moves(take);
+        self.asked = Some(match &extends {
+            None => Asked::Contour,
+            Some(extension) => Asked::Extension {
+                passed: extension.passed,
+            },
+        });
+        self.generation = self.generation.wrapping_add(1);
+        Some(ContourBatch {
+            generation: self.generation,
+            extends,
+        })
+    }
+
+    /// Whether the next move may be about to come.
+    fn is_growing(&self, clock: &Clock) -> bool {
+        self.grown.is_some_and(|grown| grown.elapsed(clock) < GATHER)
+    }
+
+    /// What is to be extended, if it is time to: many moves wait, or nothing has come for a moment and its end is near.
+    fn extension(&self, run: &Run, clock: &Clock) -> Option<Extension> {
+        let planned = self.planned();
+        let waiting = self.moves.len().checked_sub(planned).filter(|&waiting| waiting > 0)?;
+        let last = self.moves.get(planned.checked_sub(1)?)?;
+        let now = run.pace.at(run.start.elapsed(clock)).position;
+        let left = run.trajectory.duration() - now;
+        let many = waiting * FEW >= planned;
+        let near = left <= NEAR && !self.is_growing(clock);
+        let able = run.course == Course::Travelling && run.share == 1.0 && last.ending != Ending::Stop;
+        (able && (many || near) && now >= run.retry && left > 0.0).then(|| Extension {
+            trajectory: Arc::clone(&run.trajectory),
+            passed: run.passed,
+            now,
+            earliest: now + run.lead,
+        })
+    }
+
+    fn take_moves(&self, mut take: impl FnMut(ContourMove)) {
+        for (place, motion) in self.moves.iter().enumerate() {
+            let (tolerance, last) = match motion.ending {
+                Ending::Stop => (0.0, true),
+                Ending::Blend { tolerance } if tolerance.is_finite() => (tolerance, false),
+                Ending::Blend { .. } => (
+                    self.moves.get(place + 1).map_or(0.0, |next| no_decel(motion, next)),
+                    false,
+                ),
+                Ending::Contour { .. } => (0.0, false),
+            };
+            take(ContourMove {
+                path: motion.path,
+                speed: motion.limits.speed * self.scale,
+                acceleration: motion.limits.acceleration,
+                deceleration: motion.limits.deceleration,
+                jerk: motion.limits.jerk.map(|jerk| jerk.acceleration.min(jerk.deceleration)),
+                tolerance,
+            });
+            if last {
+                break;
+            }
+        }
+    }
+
+    /// Takes a plan at the present tick: begins to travel it, or goes on with it where it extends the trajectory in
+    /// execution, which is handed back. `None`: nothing was found; what runs goes on to its end.
+    ///
+    /// # Errors
+    /// The plan itself when it cannot be used: the moves were cancelled or changed meanwhile, or the motion is already
+    /// beyond the instant up to which both are the same.
+    pub fn install(
+        &mut self,
+        generation: u32,
+        planned: Option<Arc<Trajectory>>,
+        clock: &Clock,
+    ) -> Result<Installed, Option<Arc<Trajectory>>> {
+        let Some(asked) = self.asked.filter(|_| generation == self.generation) else {
+            return Err(planned);
+        };
+        self.asked = None;
+        match asked {
+            Asked::Contour => match planned {
+                Some(plan) if plan.moves() <= self.moves.len() => {
+                    self.start(plan, clock);
+                    Ok(Installed::Started)
+                }
+                unwanted => Err(unwanted),
+            },
+            Asked::Extension { passed } => self.extend(passed, planned, clock),
+        }
+    }
+
+    fn start(&mut self, trajectory: Arc<Trajectory>, clock: &Clock) {
+        // It begins at rest, so its pace may be anything.
+        let pace = (self.rate / self.scale).min(1.0);
+        let running = State {
+            position: 0.0,
+            velocity: pace,
+            acceleration: 0.0,
+        };
+        self.run = Some(Run {
+            pace: Profile::to_velocity(running, pace, &unit_limits(1.0)),
+            trajectory,
+            passed: 0,
+            start: clock.now(),
+            scale: self.scale,
+            share: 1.0,
+            course: Course::Travelling,
+            lead: LEAD,
+            retry: 0.0,
+        });
+    }
+
+    fn extend(
+        &mut self,
+        passed: usize,
+        planned: Option<Arc<Trajectory>>,
+        clock: &Clock,
+    ) -> Result<Installed, Option<Arc<Trajectory>>> {
+        let left = self.moves.len();
+        let Some(run) = &mut self.run else {
+            return Err(planned);
+        };
+        let now = run.pace.at(run.start.elapsed(clock)).position;
+        let since = run.passed.saturating_sub(passed);
+        let fits =
+            |plan: &Arc<Trajectory>| now <= plan.splice() && since < plan.moves() && plan.moves() - since <= left;
+        match planned {
+            Some(plan) if fits(&plan) => {
+                let old = std::mem::replace(&mut run.trajectory, plan);
+                run.passed = since;
+                run.lead = LEAD;
+                if run.scale != self.scale {
+                    run.scale = self.scale;
+                    self.change_pace(clock);
+                }
+                Ok(Installed::Extended(old))
+            }
+            late => {
+                // Too late, or no plan: the next one has more time, or a later start.
+                run.lead = (2.0 * run.lead).min(MOST_LEAD);
+                run.retry = now + RETRY * (run.trajectory.duration() - now);
+                Err(late)
+            }
+        }
+    }
+}
+
+/// What has become of a plan.
+#[derive(Debug)]
+pub enum Installed {
+    /// Its first move is active.
+    Started,
+    /// The trajectory goes on with it; this is the one before, to be freed elsewhere.
+    Extended(Arc<Trajectory>),
+}
+
+/// How long a contour without an end waits for another move, seconds: clients send them one by one.
+const GATHER: f64 = 0.01;
+/// A trajectory is extended when one move waits for so many that are planned, or
+const FEW: usize = 4;
+/// when this is left of it, seconds.
+const NEAR: f64 = 0.5;
+/// Seconds that an extension may take to be planned, at first and at most.
+const LEAD: f64 = 0.03;
+const MOST_LEAD: f64 = 0.8;
+/// Share of what is left of a trajectory before which an extension that failed is not tried again.
+const RETRY: f64 = 0.3;
+
+/// How far from a corner superposition without a tolerance would pass it: what No Decel may round by
+/// (spec/motion-core.md §6.1; the lower bound, which holds for S-curves too).
+fn no_decel<T>(first: &Move<T>, second: &Move<T>) -> f64 {
+    let turn = (second.path.start_tangent() - first.path.end_tangent()).norm();
+    0.125 * turn * stop_distance(first.limits.speed, &first.limits)
+}

@@ -1,0 +1,316 @@
+//! The I/O connections of a device: who may open one, what a datagram does, who is silent for too long
+//! (spec/ethernet-ip.md §7.2, §7.3, §14).
+//!
+//! Unlike class 3 connections they outlive the TCP connection that opened them. Bytes go in by
+//! [`IoConnections::handle_datagram`], time by [`IoConnections::handle_timeout`]; datagrams come out of
+//! [`IoConnections::poll_transmit`], what it means for the outputs out of [`IoConnections::poll_event`].
+
+use bytes::{Bytes, BytesMut};
+use std::collections::{BTreeMap, VecDeque};
+use std::net::{IpAddr, SocketAddr};
+use std::time::Duration;
+
+use super::IO_PORT;
+use super::application::{Application, Assemblies, Wanted};
+use super::connection::{Arrival, IoConnection, Mode};
+use super::datagram::Datagram;
+use crate::cip::CipStatus;
+use crate::connection::{ConnectionKey, ForwardOpen, ForwardOpenReply};
+use crate::cpf::ConnectionId;
+use crate::epath::Segment;
+use crate::status::connection as extended;
+
+/// What a device offers.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct IoSettings {
+    /// What connections can be about.
+    pub assemblies: Assemblies,
+    /// Connections at a time.
+    pub max_connections: usize,
+    /// The shortest interval that is kept, µs; a shorter one is refused.
+    pub min_interval: u32,
+    /// The socket that datagrams leave from.
+    pub local: SocketAddr,
+}
+
+/// Who opens a connection.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Originator {
+    /// The far end of its TCP connection.
+    pub address: IpAddr,
+    /// The UDP port it says that it listens on (item 0x8001), if it says one.
+    pub port: Option<u16>,
+}
+
+/// Why a connection is no more.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Ended {
+    /// A Forward Close.
+    Closed,
+    /// Nothing was heard in time.
+    TimedOut,
+    /// It only listened, and the last connection that did more has gone.
+    NothingToHear,
+}
+
+/// What happens to connections.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum IoEvent {
+    /// The owner is in run, and these are its outputs: as many bytes as the output assembly has.
+    Outputs(Bytes),
+    /// The owner has gone from run to idle: its outputs are not to be applied any more.
+    Idle,
+    /// A connection has gone.
+    Ended {
+        /// Its O→T id.
+        id: ConnectionId,
+        /// What it was for.
+        application: Application,
+        /// Why.
+        cause: Ended,
+        /// Whether it was an owner in run: its outputs are lost.
+        outputs_lost: bool,
+    },
+}
+
+/// What the outputs are at present.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Ownership {
+    /// Nobody owns them.
+    Free,
+    /// They have an owner, which is not in run.
+    Idle,
+    /// They have an owner in run.
+    Run,
+}
+
+/// The I/O connections of a device.
+#[derive(Debug)]
+pub struct IoConnections {
+    settings: IoSettings,
+    /// By their O→T id.
+    connections: BTreeMap<ConnectionId, IoConnection>,
+    events: VecDeque<IoEvent>,
+}
+
+impl IoConnections {
+    /// None yet.
+    pub fn new(settings: IoSettings) -> Self {
+        Self {
+            settings,
+            connections: BTreeMap::new(),
+            events: VecDeque::new(),
+        }
+    }
+
+    /// What was given to [`Self::new`].
+    pub fn settings(&self) -> &IoSettings {
+        &self.settings
+    }
+
+    /// How many are open.
+    pub fn len(&self) -> usize {
+        self.connections.len()
+    }
+
+    /// Whether none is open.
+    pub fn is_empty(&self) -> bool {
+        self.connections.is_empty()
+    }
+
+    /// What the outputs are at present.
+    pub fn outputs(&self) -> Ownership {
+        self.connections
+            .values()
+            .find(|connection| connection.wanted.application == Application::ExclusiveOwner)
+            .map_or(Ownership::Free, |owner| match owner.mode {
+                Mode::Run => Ownership::Run,
+                Mode::Silent | Mode::Idle => Ownership::Idle,
+            })
+    }
+
+    /// Opens a connection, whose electronic key and ports have been looked at; `application` is the rest of its path.
+    /// `random` draws ids. A null Forward Open of a connection that is open confirms it and changes nothing. It produces
+    /// nothing before [`Self::start`].
+    ///
+    /// # Errors
+    /// The status of the refusal: 0x01 with the additional status of spec/ethernet-ip.md §6; 0x02 when `random` gives out.
+    pub fn open(
+        &mut self,
+        open: &ForwardOpen,
+        application: &[Segment],
+        originator: Originator,
+        now: Duration,
+        mut random: impl FnMut() -> Option<u32>,
+    ) -> Result<ForwardOpenReply, CipStatus> {
+        let fail = |code: u16| Err(CipStatus::connection(code));
+        self.handle_timeout(now);
+        if let Some((id, known)) = self.find(open.key) {
+            return if open.is_null() && known.from == originator.address {
+                Ok(known.reply(id))
+            } else {
+                fail(extended::DUPLICATE)
+            };
+        }
+        if open.is_null() {
+            return fail(extended::NULL_OPEN_UNSUPPORTED);
+        }
+        let wanted = Wanted::new(open, application, &self.settings.assemblies)?;
+        if open.o_to_t_rpi.min(open.t_to_o_rpi) < self.settings.min_interval.max(1) {
+            return fail(extended::RPI_UNSUPPORTED);
+        }
+        match wanted.application {
+            Application::ExclusiveOwner if self.outputs() != Ownership::Free => {
+                return fail(extended::OWNERSHIP_CONFLICT);
+            }
+            Application::ListenOnly if !self.something_to_hear() => return fail(extended::NON_LISTEN_ONLY_NOT_OPEN),
+            _ => {}
+        }
+        if self.connections.len() >= self.settings.max_connections {
+            return fail(extended::OUT_OF_CONNECTIONS);
+        }
+        let id = self.draw(&mut random).ok_or(CipStatus::RESOURCE_UNAVAILABLE)?;
+        let port = originator.port.filter(|port| *port != 0).unwrap_or(IO_PORT);
+        // On one host with us, an originator cannot listen where we do: it answers from another port.
+        let is_ourselves = SocketAddr::new(originator.address, port) == self.settings.local;
+        let connection = IoConnection::new(open, wanted, originator.address, port, is_ourselves, now);
+        let reply = connection.reply(id);
+        self.connections.insert(id, connection);
+        Ok(reply)
+    }
+
+    /// The reply of the Forward Open has left: from now on the connection produces. `false`: there is none.
+    pub fn start(&mut self, id: ConnectionId, now: Duration) -> bool {
+        match self.connections.get_mut(&id) {
+            Some(connection) => {
+                connection.next.get_or_insert(now);
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Closes a connection.
+    ///
+    /// # Errors
+    /// 0x01/0x0107: there is none, or it was opened from another address.
+    pub fn close(&mut self, key: ConnectionKey, from: IpAddr) -> Result<(), CipStatus> {
+        match self.find(key) {
+            Some((id, known)) if known.from == from => {
+                self.end(id, Ended::Closed);
+                self.end_listeners();
+                Ok(())
+            }
+            _ => Err(CipStatus::connection(extended::NOT_FOUND)),
+        }
+    }
+
+    /// Takes a datagram. `false`: it does not count, being malformed, for no connection, from elsewhere than its
+    /// originator, or older than one before.
+    pub fn handle_datagram(&mut self, bytes: &[u8], from: SocketAddr, now: Duration) -> bool {
+        let Ok(datagram) = Datagram::decode(bytes) else {
+            return false;
+        };
+        let outputs = usize::from(self.settings.assemblies.output.size);
+        let Some(connection) = self
+            .connections
+            .get_mut(&datagram.id)
+            .filter(|connection| connection.from == from.ip())
+        else {
+            return false;
+        };
+        match connection.receive(&datagram, outputs, from, now) {
+            Arrival::Dropped => return false,
+            Arrival::Heartbeat => {}
+            Arrival::Outputs(outputs) => self.events.push_back(IoEvent::Outputs(Bytes::copy_from_slice(outputs))),
+            Arrival::Idle => self.events.push_back(IoEvent::Idle),
+        }
+        true
+    }
+
+    /// Ends the connections whose watchdog has expired.
+    pub fn handle_timeout(&mut self, now: Duration) {
+        let mut any = false;
+        let late = |(id, known): (&ConnectionId, &IoConnection)| (known.deadline <= now).then_some(*id);
+        while let Some(id) = self.connections.iter().find_map(late) {
+            self.end(id, Ended::TimedOut);
+            any = true;
+        }
+        if any {
+            self.end_listeners();
+        }
+    }
+
+    /// Appends the next datagram that is due, with `input` as its data, and gives its destination; ask again until `None`.
+    pub fn poll_transmit(&mut self, now: Duration, input: &[u8], out: &mut BytesMut) -> Option<SocketAddr> {
+        self.connections
+            .values_mut()
+            .find_map(|connection| connection.produce(now, input, out))
+    }
+
+    /// Whether a datagram is due.
+    pub fn is_due(&self, now: Duration) -> bool {
+        self.connections
+            .values()
+            .any(|connection| connection.next.is_some_and(|next| next <= now))
+    }
+
+    /// The next thing that happened.
+    pub fn poll_event(&mut self) -> Option<IoEvent> {
+        self.events.pop_front()
+    }
+
+    /// When something is due next, a datagram or a watchdog.
+    pub fn poll_timeout(&self) -> Option<Duration> {
+        self.connections
+            .values()
+            .flat_map(|connection| connection.next.into_iter().chain([connection.deadline]))
+            .min()
+    }
+
+    fn find(&self, key: ConnectionKey) -> Option<(ConnectionId, &IoConnection)> {
+        let (id, connection) = self.connections.iter().find(|(_, known)| known.key == key)?;
+        Some((*id, connection))
+    }
+
+    /// An id that is not 0 and not in use.
+    fn draw(&self, random: &mut impl FnMut() -> Option<u32>) -> Option<ConnectionId> {
+        for _ in 0..DRAWS {
+            let id = ConnectionId(random()?);
+            if id.0 != 0 && !self.connections.contains_key(&id) {
+                return Some(id);
+            }
+        }
+        None
+    }
+
+    fn something_to_hear(&self) -> bool {
+        self.connections
+            .values()
+            .any(|connection| connection.wanted.application != Application::ListenOnly)
+    }
+
+    fn end(&mut self, id: ConnectionId, cause: Ended) {
+        if let Some(connection) = self.connections.remove(&id) {
+            self.events.push_back(IoEvent::Ended {
+                id,
+                application: connection.wanted.application,
+                cause,
+                outputs_lost: connection.mode == Mode::Run,
+            });
+        }
+    }
+
+    /// Those that only listen end with the last connection that does more.
+    fn end_listeners(&mut self) {
+        if self.something_to_hear() {
+            return;
+        }
+        while let Some(id) = self.connections.keys().next().copied() {
+            self.end(id, Ended::NothingToHear);
+        }
+    }
+}
+
+/// More than a source of randomness needs that does not repeat itself.
+const DRAWS: usize = 64;

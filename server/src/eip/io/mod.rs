@@ -1,0 +1,220 @@
+//! Implicit I/O: class 0 and 1 connections over one UDP socket (spec/ethernet-ip.md §14, docs/IO.md).
+//!
+//! Who may open what, and when what is due, is `arcline-proto`'s [`IoConnections`]; here are the socket, the thread that
+//! keeps the times, and what the assemblies mean. The tick knows nothing of it: inputs come from its snapshots, outputs
+//! go through the ring of its commands.
+
+pub(crate) mod layout;
+mod outputs;
+mod page;
+mod thread;
+
+use std::io;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4, UdpSocket};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use arcline_config::IoLoss;
+use arcline_controller::machine::Machine;
+use arcline_proto::cip::CipStatus;
+use arcline_proto::connection::ConnectionKey;
+use arcline_proto::cpf::ConnectionId;
+use arcline_proto::io::{Assemblies, IoConnections, IoSettings, Originator, Ownership};
+use arcline_proto::session::{IoOpen, IoOpened};
+use bytes::{Bytes, BytesMut};
+use rustix::event::{EventfdFlags, eventfd};
+use rustix::fd::OwnedFd;
+use tracing::warn;
+
+use self::layout::{Head, status};
+use self::outputs::Outputs;
+use crate::plant::Plant;
+
+pub use page::io_page;
+pub(crate) use thread::IoThread;
+
+/// Connections of all originators.
+const MAX_CONNECTIONS: usize = 64;
+/// The shortest interval, µs: one that the thread keeps (docs/IO.md has the measurement).
+const MIN_INTERVAL: u32 = 1000;
+
+/// The assemblies, and what was last commanded through them, with or without a connection.
+#[derive(Debug)]
+pub(crate) struct Exchange {
+    assemblies: Assemblies,
+    reaction: IoLoss,
+    outputs: Mutex<Outputs>,
+}
+
+impl Exchange {
+    /// For a machine.
+    pub(crate) fn new(machine: &Machine, reaction: IoLoss) -> Self {
+        Self {
+            assemblies: layout::assemblies(machine),
+            reaction,
+            outputs: Mutex::default(),
+        }
+    }
+
+    /// What connections can be about.
+    pub(crate) fn assemblies(&self) -> &Assemblies {
+        &self.assemblies
+    }
+
+    /// The input assembly of the newest tick.
+    pub(crate) fn input(&self, plant: &Plant, ownership: Ownership) -> Bytes {
+        let mut out = BytesMut::with_capacity(self.assemblies.input.size.into());
+        let head = self.head(ownership);
+        plant.with_snapshot(|snapshot| layout::encode_input(head, snapshot, &mut out));
+        out.freeze()
+    }
+
+    /// The input assembly of the newest tick in place of what `out` holds; where the plant is busy, only the head of it.
+    fn refresh_input(&self, plant: &Plant, ownership: Ownership, out: &mut BytesMut) {
+        let head = self.head(ownership);
+        let done = plant.try_with_snapshot(|snapshot| {
+            out.clear();
+            layout::encode_input(head, snapshot, out);
+        });
+        if done.is_none() {
+            if out.is_empty() {
+                out.extend_from_slice(&self.input(plant, ownership));
+            } else {
+                layout::renew_head(head, out);
+            }
+        }
+    }
+
+    fn head(&self, ownership: Ownership) -> Head {
+        let mut head = {
+            let outputs = lock(&self.outputs);
+            Head {
+                command: outputs.word(),
+                status: if outputs.refused() { status::REFUSED } else { 0 },
+                ..Head::default()
+            }
+        };
+        head.status |= match ownership {
+            Ownership::Free => 0,
+            Ownership::Idle => status::OWNED,
+            Ownership::Run => status::OWNED | status::RUN,
+        };
+        head
+    }
+
+    /// The output assembly as it was last applied; zeros when nobody commands.
+    pub(crate) fn output(&self) -> Bytes {
+        let outputs = lock(&self.outputs);
+        let mut data = outputs.data().to_vec();
+        data.resize(self.assemblies.output.size.into(), 0);
+        data.into()
+    }
+
+    /// Applies an output assembly of the right size.
+    pub(crate) fn apply(&self, data: &[u8], plant: &Plant) {
+        lock(&self.outputs).apply(data, plant);
+    }
+
+    /// Nobody commands any more: does what is configured for that.
+    fn lose(&self, why: &str, plant: &Plant) {
+        warn!(why, reaction = self.reaction.word(), "the outputs are lost");
+        lock(&self.outputs).lose(self.reaction, plant);
+    }
+}
+
+/// The connections and their socket.
+#[derive(Debug)]
+pub(crate) struct Io {
+    connections: Mutex<IoConnections>,
+    socket: UdpSocket,
+    local: SocketAddr,
+    epoch: Instant,
+    /// Wakes the thread.
+    wake: OwnedFd,
+}
+
+impl Io {
+    /// Binds the socket; port 0 picks a free one.
+    ///
+    /// # Errors
+    /// The address cannot be bound.
+    pub(crate) fn bind(address: SocketAddr, assemblies: Assemblies) -> io::Result<Self> {
+        let socket = UdpSocket::bind(address)?;
+        socket.set_nonblocking(true)?;
+        let local = socket.local_addr()?;
+        let settings = IoSettings {
+            assemblies,
+            max_connections: MAX_CONNECTIONS,
+            min_interval: MIN_INTERVAL,
+            local,
+        };
+        Ok(Self {
+            connections: Mutex::new(IoConnections::new(settings)),
+            socket,
+            local,
+            epoch: Instant::now(),
+            wake: eventfd(0, EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC)?,
+        })
+    }
+
+    /// The address that was really bound.
+    pub(crate) fn local(&self) -> SocketAddr {
+        self.local
+    }
+
+    /// What the outputs are at present.
+    pub(crate) fn ownership(&self) -> Ownership {
+        lock(&self.connections).outputs()
+    }
+
+    /// Opens a connection for the far end of a TCP connection whose near end is `local`.
+    pub(crate) fn open(
+        &self,
+        open: &IoOpen<'_>,
+        peer: IpAddr,
+        local: Ipv4Addr,
+        random: impl FnMut() -> Option<u32>,
+    ) -> Result<IoOpened, CipStatus> {
+        let originator = Originator {
+            address: peer,
+            port: open.port,
+        };
+        let opened = lock(&self.connections).open(open.open, open.application, originator, self.now(), random);
+        // A watchdog may have expired meanwhile, and a new one began.
+        self.wake();
+        let own = match self.local.ip() {
+            IpAddr::V4(ip) if ip != local => ip,
+            _ => Ipv4Addr::UNSPECIFIED,
+        };
+        Ok(IoOpened {
+            reply: opened?,
+            listens: SocketAddrV4::new(own, self.local.port()),
+        })
+    }
+
+    /// Lets a connection produce.
+    pub(crate) fn start(&self, id: ConnectionId) {
+        lock(&self.connections).start(id, self.now());
+        self.wake();
+    }
+
+    /// Closes a connection that was opened from the same address.
+    pub(crate) fn close(&self, key: ConnectionKey, peer: IpAddr) -> bool {
+        let closed = lock(&self.connections).close(key, peer).is_ok();
+        self.wake();
+        closed
+    }
+
+    fn now(&self) -> Duration {
+        self.epoch.elapsed()
+    }
+
+    fn wake(&self) {
+        // Only a full counter refuses, and then the thread is awake.
+        let _ = rustix::io::write(&self.wake, &1_u64.to_ne_bytes());
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

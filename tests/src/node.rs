@@ -1,0 +1,65 @@
+//! JavaScript with a client from npm, fetched into the target folder. Nothing is installed on the machine.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::foreign::{self, Store};
+
+/// A Node.js with the packages of `tests/node/package-lock.json`.
+pub struct Node {
+    folder: PathBuf,
+}
+
+impl Node {
+    /// Finds Node.js and npm and fetches the packages, once for each version of the lock file.
+    ///
+    /// # Errors
+    /// Says what is missing on this machine.
+    pub fn with_client() -> Result<Self, String> {
+        let version = output("node", Command::new("node").arg("--version"))?;
+        output("npm", Command::new("npm").arg("--version"))?;
+        let lock = crate::fixture("node/package-lock.json");
+        let wanted = fs::read_to_string(&lock).map_err(|error| format!("{lock:?}: {error}"))? + &version;
+        let store = Store::open("node")?;
+        let folder = store.folder().to_owned();
+        if !store.holds(&wanted) {
+            for file in ["package.json", "package-lock.json"] {
+                let from = crate::fixture("node").join(file);
+                fs::copy(&from, folder.join(file)).map_err(|error| format!("{from:?}: {error}"))?;
+            }
+            let mut npm = Command::new("npm");
+            npm.args(["ci", "--ignore-scripts", "--no-audit", "--no-fund", "--silent"]);
+            output("npm", npm.current_dir(&folder))
+                .map_err(|why| format!("npm could not fetch st-ethernet-ip: {why}"))?;
+            store.filled(&wanted)?;
+        }
+        Ok(Self { folder })
+    }
+
+    /// Runs `tests/node/SCRIPT` to its end and gives what it printed.
+    ///
+    /// # Panics
+    /// As [`foreign::run`].
+    #[must_use]
+    pub fn run(&self, script: &str, arguments: &[&str]) -> String {
+        let mut command = Command::new("node");
+        command
+            .arg(crate::fixture("node").join(script))
+            .args(arguments)
+            .current_dir(&self.folder);
+        foreign::run(script, &mut command)
+    }
+}
+
+/// What a program printed; what is wrong with it otherwise.
+fn output(name: &str, command: &mut Command) -> Result<String, String> {
+    let output = command
+        .output()
+        .map_err(|error| format!("{name} cannot be started ({error}); install Node.js 18 or newer with npm"))?;
+    if output.status.success() {
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    } else {
+        Err(String::from_utf8_lossy(&output.stderr).trim().to_owned())
+    }
+}

@@ -1,0 +1,286 @@
+//! Implicit I/O with a real server: a minute at 2 ms (five seconds where `ARCLINE_IO_SECONDS` does not say so), the
+//! shortest interval that is confirmed, a scanner that dies, and what Wireshark says to it.
+//!
+//! Every server has a loopback address of its own, so that it can have port 2222.
+
+use std::net::{Ipv4Addr, UdpSocket};
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use arcline_proto::cip::CipStatus;
+use arcline_tests::capture::Capture;
+use arcline_tests::scanner::{Arrival, Session, Wanted};
+use arcline_tests::server::Server;
+use arcline_tests::{eventually, not_run};
+
+/// Of the default machine: four coordinate systems, seven axes (docs/IO.md).
+const INPUT: u16 = 12 + 4 * 24 + 7 * 20;
+const OUTPUT: u16 = 4 + 4 * 4;
+/// Where ConnectionStatus stands, and its bits.
+const STATUS: usize = 4;
+const OWNED: u32 = 1;
+const RUN: u32 = 2;
+
+/// A server on the next loopback address of this process.
+fn server() -> Server {
+    static NEXT: AtomicU8 = AtomicU8::new(1);
+    let [.., high, low] = std::process::id().to_be_bytes();
+    let address = Ipv4Addr::new(127, high | 0x80, low, NEXT.fetch_add(1, Ordering::Relaxed));
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("io.toml");
+    let listen = format!("[server]\nio = \"{address}:2222\"\n");
+    let text = arcline_config::DEFAULT.replacen("[server]\n", &listen, 1);
+    std::fs::write(&file, text).expect("a file");
+    let file = file.to_str().expect("the path is UTF-8");
+    Server::start_at(&format!("{address}:0"), &["--config", file])
+}
+
+/// A socket, and a thread that looks at it in time where the system allows that.
+fn socket() -> UdpSocket {
+    let _ = arcline_realtime::prepare_beside_tick();
+    UdpSocket::bind("0.0.0.0:0").expect("a free port")
+}
+
+fn owner(serial: u16, rpi: u32) -> Wanted {
+    Wanted {
+        serial,
+        points: [150, 100],
+        sizes: [OUTPUT, INPUT],
+        rpi,
+        multiplier: 6,
+    }
+}
+
+fn input_only(serial: u16, rpi: u32) -> Wanted {
+    Wanted {
+        points: [254, 100],
+        sizes: [0, INPUT],
+        ..owner(serial, rpi)
+    }
+}
+
+fn seconds() -> u64 {
+    std::env::var("ARCLINE_IO_SECONDS")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(5)
+}
+
+fn status(arrival: &Arrival) -> u32 {
+    let bytes = arrival.data[STATUS..STATUS + 4].try_into().expect("four bytes");
+    u32::from_le_bytes(bytes)
+}
+
+/// Longer, and the socket may overflow: what is lost then is the scanner's fault, or the machine's.
+const PAUSE: Duration = Duration::from_millis(50);
+/// Runs of which one must be without such a pause.
+const TRIES: usize = 5;
+
+/// Exchanges data for a time on a connection of its own; again, when the machine did not let the scanner look at its
+/// socket. One test at a time: their threads come before all others.
+fn exchanged(session: &mut Session, wanted: Wanted, time: Duration, output: &[u8]) -> Option<Vec<Arrival>> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    for _ in 0..TRIES {
+        let mut connection = session.open(wanted, socket()).expect("it opens");
+        assert_eq!(connection.confirmed, [wanted.rpi; 2]);
+        let arrivals = connection.exchange(time, output);
+        if connection.longest_pause < PAUSE {
+            return Some(arrivals);
+        }
+        println!(
+            "the scanner was kept from its socket for {:?}",
+            connection.longest_pause
+        );
+        assert!(session.close(wanted.serial).is_success());
+    }
+    not_run("the interval of implicit I/O", "the machine is too busy for a scanner");
+    None
+}
+
+/// Nothing lost, nothing twice: sequences and counts go up by one.
+fn assert_gapless(arrivals: &[Arrival]) {
+    for (place, pair) in arrivals.windows(2).enumerate() {
+        assert_eq!(
+            (pair[1].sequence, pair[1].count),
+            (pair[0].sequence.wrapping_add(1), pair[0].count.wrapping_add(1)),
+            "datagram {place}"
+        );
+    }
+}
+
+/// How far each arrival is from a schedule without drift, as a share of the interval, sorted: whatever drifts is spread
+/// over the whole of it. Slots that a stalled machine left out do not count, since the schedule stays.
+fn deviations(arrivals: &[Arrival], rpi: u32) -> Vec<f64> {
+    let first = arrivals[0].at;
+    let phase = |arrival: &Arrival| (arrival.at - first).as_secs_f64() * 1e6 / f64::from(rpi);
+    let mut phases: Vec<f64> = arrivals.iter().map(|arrival| phase(arrival).rem_euclid(1.0)).collect();
+    phases.sort_by(f64::total_cmp);
+    // The schedule's own phase is where arrivals are densest: the narrowest stretch that holds a quarter of them.
+    let quarter = phases.len() / 4;
+    let wrapped = |place: usize| phases[place % phases.len()] + (place / phases.len()) as f64;
+    let width = |place: &usize| wrapped(place + quarter) - wrapped(*place);
+    let densest = (0..phases.len())
+        .min_by(|a, b| width(a).total_cmp(&width(b)))
+        .unwrap_or(0);
+    let centre = wrapped(densest);
+    let mut deviations: Vec<f64> = phases
+        .iter()
+        .map(|phase| {
+            let offset = (phase - centre).rem_euclid(1.0);
+            offset.min(1.0 - offset)
+        })
+        .collect();
+    deviations.sort_by(f64::total_cmp);
+    deviations
+}
+
+/// Times between arrivals, sorted, µs.
+fn intervals(arrivals: &[Arrival]) -> Vec<f64> {
+    let mut intervals: Vec<f64> = arrivals
+        .windows(2)
+        .map(|pair| (pair[1].at - pair[0].at).as_secs_f64() * 1e6)
+        .collect();
+    intervals.sort_by(f64::total_cmp);
+    intervals
+}
+
+/// What came in a time, without loss, at the interval, without drift.
+fn assert_kept(arrivals: &[Arrival], time: Duration, rpi: u32) {
+    assert_gapless(arrivals);
+    let expected = (time.as_micros() / u128::from(rpi)) as usize;
+    let came = arrivals.len();
+    let intervals = intervals(arrivals);
+    let at = |share| percentile(&intervals, share);
+    println!(
+        "{rpi} µs: {came} of {expected} datagrams, intervals p1 {:.0} µs, p50 {:.0} µs, p99 {:.0} µs, max {:.0} µs",
+        at(0.01),
+        at(0.5),
+        at(0.99),
+        at(1.0)
+    );
+    // A busy machine may leave out some, but nothing comes too often.
+    assert!(
+        came * 10 >= expected * 9 && came <= expected + 1,
+        "{came} of {expected}"
+    );
+    let drift = percentile(&deviations(arrivals, rpi), 0.5);
+    assert!(
+        drift < 0.2,
+        "it drifts: half of it is {drift} intervals off the schedule"
+    );
+}
+
+fn percentile(sorted: &[f64], share: f64) -> f64 {
+    sorted[((sorted.len() - 1) as f64 * share) as usize]
+}
+
+#[test]
+fn two_milliseconds_without_loss_and_nothing_malformed() {
+    let server = server();
+    let capture = Capture::with_io(server.address());
+    let mut session = Session::connect(server.address());
+    let time = Duration::from_secs(seconds());
+    let Some(arrivals) = exchanged(&mut session, owner(1, 2000), time, &[0; OUTPUT as usize]) else {
+        return;
+    };
+    assert_kept(&arrivals, time, 2000);
+    assert_eq!(arrivals[0].sequence, 1, "the first one");
+    assert_eq!(status(arrivals.last().expect("some")), OWNED | RUN);
+
+    // All kinds of refusals and connections for the dissectors.
+    assert_eq!(
+        session.open(owner(2, 2000), socket()).err(),
+        Some(CipStatus::connection(0x0106))
+    );
+    let wrong = Wanted {
+        sizes: [OUTPUT, INPUT + 4],
+        ..owner(2, 2000)
+    };
+    let size = CipStatus::connection(0x0127);
+    assert!(session.open(wrong, socket()).is_err_and(|status| status.is(size)));
+    let fast = session.open(input_only(2, 999), socket()).err();
+    assert_eq!(fast, Some(CipStatus::connection(0x0111)));
+    let mut listener = session
+        .open(
+            Wanted {
+                points: [255, 100],
+                ..input_only(2, 10_000)
+            },
+            socket(),
+        )
+        .expect("there is something to hear");
+    assert!(listener.exchange(Duration::from_millis(55), &[]).len() >= 5);
+    assert!(session.close(1).is_success());
+    assert_eq!(session.close(1), CipStatus::connection(0x0107));
+
+    match capture.and_then(Capture::finish) {
+        Ok(verdict) => {
+            let no_faults: &[String] = &[];
+            assert_eq!(verdict.faults, no_faults, "malformed");
+            assert!(verdict.frames > 2 * arrivals.len() - 50, "{} frames", verdict.frames);
+        }
+        Err(why) => not_run("what Wireshark says to implicit I/O", &why),
+    }
+}
+
+#[test]
+fn one_millisecond_is_kept_on_an_absolute_schedule() {
+    let server = server();
+    let mut session = Session::connect(server.address());
+    let time = Duration::from_secs(seconds());
+    let Some(arrivals) = exchanged(&mut session, input_only(1, 1000), time, &[]) else {
+        return;
+    };
+    assert_kept(&arrivals, time, 1000);
+}
+
+#[test]
+fn a_scanner_that_dies_is_timed_out_and_another_takes_over() {
+    let server = server();
+    let mut session = Session::connect(server.address());
+    let mut witness = session.open(input_only(1, 1000), socket()).expect("it opens");
+    let mut owner_session = Session::connect(server.address());
+    // 10 ms times 32.
+    let dying = Wanted {
+        multiplier: 3,
+        ..owner(2, 10_000)
+    };
+    let mut dying = owner_session.open(dying, socket()).expect("it opens");
+    dying.send(&[0; OUTPUT as usize]);
+    let began = Instant::now();
+    drop((dying, owner_session));
+    let (mut sequence, mut seen_run) = (None, false);
+    let released = eventually("the end of the owner", Duration::from_secs(20), || {
+        for arrival in witness.exchange(Duration::from_millis(1), &[]) {
+            assert_eq!(
+                sequence
+                    .replace(arrival.sequence)
+                    .map_or(arrival.sequence, |last| last + 1),
+                arrival.sequence
+            );
+            let owned = status(&arrival) & (OWNED | RUN);
+            seen_run |= owned == OWNED | RUN;
+            // What waited in the socket is from before the owner.
+            if seen_run && owned == 0 {
+                return Some(arrival.at - began);
+            }
+        }
+        None
+    });
+    println!("timed out after {released:?}, 320 ms were agreed");
+    assert!(released >= Duration::from_millis(320), "too early: {released:?}");
+    assert!(released < Duration::from_millis(2000), "too late: {released:?}");
+    assert!(session.open(owner(3, 10_000), socket()).is_ok(), "the outputs are free");
+}
+
+#[test]
+fn the_default_port_is_free_beside_another_tcp_port() {
+    let server = Server::start();
+    let mut session = Session::connect(server.address());
+    let mut connection = session.open(input_only(1, 5000), socket()).expect("it opens");
+    let arrivals = connection.exchange(Duration::from_millis(100), &[]);
+    assert!(!arrivals.is_empty());
+    assert_gapless(&arrivals);
+}
