@@ -10,7 +10,7 @@ use std::str::FromStr;
 use arcline_config::Project;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::{run, simulate};
+use crate::{l5x, run, simulate};
 
 /// A coordinated-motion server that looks like a Logix controller on EtherNet/IP.
 #[derive(Parser, Debug)]
@@ -36,6 +36,10 @@ enum Command {
     Simulate(SimulateArgs),
     /// Print the embedded default configuration.
     DefaultConfig,
+    /// Turn an L5X export of Studio 5000 into a configuration.
+    Import(ImportArgs),
+    /// Write a configuration as L5X, which imports as the same project.
+    Export(ExportArgs),
 }
 
 /// Flags of `run`.
@@ -79,6 +83,31 @@ pub(crate) struct SimulateArgs {
     /// What a coordinated move does that finds the queue full.
     #[arg(long, value_enum, default_value_t = QueueFull::Wait)]
     pub(crate) queue_full: QueueFull,
+}
+
+/// Flags of `import`.
+#[derive(Args, Debug)]
+pub(crate) struct ImportArgs {
+    /// The export.
+    #[arg(value_name = "FILE.L5X")]
+    pub(crate) file: PathBuf,
+    /// Where the configuration is written; without it to standard output.
+    #[arg(short, long, value_name = "OUT.toml")]
+    pub(crate) output: Option<PathBuf>,
+    /// Exit with 1 when something of the file is not in the configuration as it stands there.
+    #[arg(long)]
+    pub(crate) strict: bool,
+}
+
+/// Flags of `export`.
+#[derive(Args, Debug)]
+pub(crate) struct ExportArgs {
+    /// Configuration file; without it the embedded default is used.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Where the L5X is written; without it to standard output.
+    #[arg(short, long, value_name = "OUT.L5X")]
+    pub(crate) output: Option<PathBuf>,
 }
 
 /// What a coordinated move does that finds the queue full.
@@ -146,6 +175,8 @@ pub fn main() -> ExitCode {
         Some(Command::Check { config }) => check(&config),
         Some(Command::Simulate(args)) => simulate::simulate(&args),
         Some(Command::DefaultConfig) => print(arcline_config::DEFAULT),
+        Some(Command::Import(args)) => l5x::import(&args),
+        Some(Command::Export(args)) => l5x::export(&args),
     };
     match result {
         Ok(code) => code,
@@ -171,7 +202,7 @@ fn check(config: &Path) -> Result<ExitCode, Failure> {
     print(&arcline_config::describe(&project(Some(config))?))
 }
 
-fn print(text: &str) -> Result<ExitCode, Failure> {
+pub(crate) fn print(text: &str) -> Result<ExitCode, Failure> {
     use std::io::Write as _;
     // A reader that closed the pipe has what it wanted.
     let _ = std::io::stdout().write_all(text.as_bytes());

@@ -8,6 +8,7 @@
 
 mod cli;
 pub mod eip;
+mod l5x;
 pub mod plant;
 mod retained;
 mod run;

@@ -278,7 +278,7 @@ async fn pump(plant: Weak<Shared>) {
 /// The tags of a project.
 pub fn image_of(project: &Project) -> Image {
     let mut image = Image::new(&project.machine, &project.instruction_tags, &project.tags);
-    image.declare(&project.data_types);
+    image.declare(&project.types);
     image
 }
 

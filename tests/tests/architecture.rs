@@ -20,9 +20,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("arcline-controller",      &["arcline-motion"]),
     ("arcline-realtime",        &["arcline-controller"]),
     ("arcline-config",          &["arcline-controller"]),
+    ("arcline-l5x",             &["arcline-config"]),
     ("arcline-state",           &[]),
     ("arcline-client",          &["arcline-proto", "arcline-structured-text", "arcline-instruction-set", "arcline-tag"]),
-    ("arcline-server",          &["arcline-realtime", "arcline-controller", "arcline-config", "arcline-state",
+    ("arcline-server",          &["arcline-realtime", "arcline-controller", "arcline-config", "arcline-l5x", "arcline-state",
                                   "arcline-proto", "arcline-structured-text"]),
 ];
 

@@ -19,6 +19,7 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         server,
         machine,
         instruction_tags,
+        types: _,
         tags,
         ..
     } = project;

@@ -8,6 +8,7 @@ mod describe;
 mod error;
 mod read;
 mod section;
+mod write;
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -16,10 +17,12 @@ use arcline_controller::image::Configured;
 use arcline_controller::machine::Machine;
 use arcline_tag::Template;
 
+pub use arcline_controller::image::MAX_PLAIN_TAGS as MAX_TAGS;
 pub use arcline_controller::image::{InstructionTag, PlainTag};
 pub use describe::describe;
 pub use error::{ConfigError, Problem};
-pub use read::tag_type;
+pub use read::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, is_name, tag_type};
+pub use write::{format, table};
 
 /// The default configuration, commented: what the server runs without `--config`.
 pub const DEFAULT: &str = include_str!("default.toml");
@@ -33,8 +36,8 @@ pub struct Project {
     pub machine: Machine,
     /// Instructions as tags, in configuration order, at most 1024.
     pub instruction_tags: Vec<InstructionTag>,
-    /// Structure types, in configuration order: what one uses stands before it.
-    pub data_types: Vec<Arc<Template>>,
+    /// The structure types of plain data, in configuration order, at most 1024.
+    pub types: Vec<Arc<Template>>,
     /// Plain data, in configuration order, at most 4096.
     pub tags: Vec<PlainTag>,
 }
@@ -43,7 +46,7 @@ impl Project {
     /// Its tags and types.
     pub fn configured(&self) -> Configured<'_> {
         Configured {
-            data_types: &self.data_types,
+            data_types: &self.types,
             instructions: &self.instruction_tags,
             tags: &self.tags,
         }

@@ -25,8 +25,9 @@ use crate::Project;
 use crate::error::{ConfigError, Problem};
 use crate::section::{NumberRule, Placed, Section, Source};
 
+pub use self::names::is_name;
 pub(crate) use self::server::{DEFAULT_HMI, DEFAULT_LISTEN};
-pub use self::types::tag_type;
+pub use self::types::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, tag_type};
 
 /// Reads a whole file.
 pub(crate) fn project(text: &str, file: &str) -> Result<Project, ConfigError> {
@@ -57,7 +58,7 @@ pub(crate) fn project(text: &str, file: &str) -> Result<Project, ConfigError> {
         server,
         machine,
         instruction_tags,
-        data_types: types.into_templates(),
+        types: types.in_order(),
         tags,
     })
 }
@@ -120,7 +121,6 @@ const SECTIONS: &[&str] = &[
     "tag",
 ];
 /// Every key that is read, by the heading of its table in docs/CONFIGURATION.md.
-#[cfg(test)]
 pub(crate) const KEYS: &[(&str, &[&str])] = &[
     ("## `[server]`", server::SERVER),
     ("## `[motion_group]`", MOTION_GROUP),

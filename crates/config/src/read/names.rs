@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-pub(super) use arcline_controller::image::is_tag_name as is_name;
+pub use arcline_controller::image::is_tag_name as is_name;
 
 use crate::error::{ConfigError, Problem, nearest};
 use crate::section::{Placed, Section};

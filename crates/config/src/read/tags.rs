@@ -117,6 +117,9 @@ pub(super) fn plain_tags(root: &Section<'_>, types: &Types, names: &mut Taken) -
                     },
                 )
             })?;
+            if first.iter().all(|byte| *byte == 0) {
+                first.clear();
+            }
         }
         tags.push(PlainTag {
             name,
@@ -142,16 +145,24 @@ fn alias(section: &Section<'_>, program: Option<&str>, tags: &[PlainTag]) -> Res
         return Ok(None);
     };
     let path: TagPath = given.value.parse().map_err(|_| section.refuse(&given, ALIAS, None))?;
-    let (scope, name, rest) = path.scope();
-    let scope = scope.or(program);
-    let named = |tag: &&PlainTag| {
-        let same_scope = match (&tag.program, scope) {
-            (Some(own), Some(scope)) => own.eq_ignore_ascii_case(scope),
-            (own, scope) => own.is_none() && scope.is_none(),
-        };
-        same_scope && tag.alias.is_none() && name.is_some_and(|name| tag.name.eq_ignore_ascii_case(name))
+    let (given_scope, name, rest) = path.scope();
+    let find = |scope: Option<&str>| {
+        tags.iter().find(|tag| {
+            let same_scope = match (&tag.program, scope) {
+                (Some(own), Some(scope)) => own.eq_ignore_ascii_case(scope),
+                (own, scope) => own.is_none() && scope.is_none(),
+            };
+            same_scope && tag.alias.is_none() && name.is_some_and(|name| tag.name.eq_ignore_ascii_case(name))
+        })
     };
-    let Some(base) = tags.iter().find(named) else {
+    // A program sees its own tags first, then those of the controller's scope.
+    let mut scope = given_scope.or(program);
+    let mut base = find(scope);
+    if base.is_none() && given_scope.is_none() {
+        scope = None;
+        base = find(scope);
+    }
+    let Some(base) = base else {
         let known = tags.iter().map(|tag| tag.name.as_str());
         return Err(unknown_name(section, &given, "tag above", known));
     };

@@ -31,9 +31,9 @@ impl Types {
         Ok(types)
     }
 
-    /// The types, in configuration order.
-    pub(super) fn into_templates(self) -> Vec<Arc<Template>> {
-        let mut templates: Vec<_> = self.0.into_values().collect();
+    /// The types as they stand in the file.
+    pub(super) fn in_order(&self) -> Vec<Arc<Template>> {
+        let mut templates: Vec<_> = self.0.values().cloned().collect();
         templates.sort_by_key(|template| template.instance);
         templates
     }
@@ -169,18 +169,21 @@ fn dimensions(rest: &str) -> Option<[u32; 3]> {
     Some(dimensions)
 }
 
-const MAX_TYPES: usize = 1024;
-const MAX_MEMBERS: usize = 512;
-/// Elements of one dimension.
-const MAX_ELEMENTS: u32 = 65_535;
-/// Bytes of one tag or type.
-const MAX_SIZE: usize = 2 << 20;
+/// Most `[[data_type]]` tables.
+pub const MAX_TYPES: usize = 1024;
+/// Most members of one.
+pub const MAX_MEMBERS: usize = 512;
+/// Most elements of one dimension.
+pub const MAX_ELEMENTS: u32 = 65_535;
+/// Most bytes of one tag or type.
+pub const MAX_SIZE: usize = 2 << 20;
 /// Template instance of the first type; those of instruction tags are below.
 const FIRST_INSTANCE: u16 = 0x200;
 
 pub(super) const DATA_TYPE: &[&str] = &["name", "members"];
 pub(super) const MEMBER: &[&str] = &["name", "type"];
-const ELEMENTARY: &[&str] = &[
+/// Types that need no `[[data_type]]`.
+pub const ELEMENTARY: &[&str] = &[
     "BOOL", "SINT", "INT", "DINT", "LINT", "USINT", "UINT", "UDINT", "REAL", "LREAL", "STRING",
 ];
 

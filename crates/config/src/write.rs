@@ -1,0 +1,466 @@
+//! From a [`Project`] back to the tables of its configuration, and tables as text. The way back of `read`: what
+//! [`table`] writes, [`load`](crate::load) reads as the same project. Comments and the order of keys are not kept.
+
+use arcline_controller::image::Access;
+use arcline_controller::machine::{
+    Axis, AxisKind, AxisLimits, CoordinateSystem, Corner, Home, HomeDirection, HomeMode, HomeSequence, Machine,
+    ProgrammedStopMode,
+};
+use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet};
+use arcline_tag::{DataType, Elementary, Member, STRING_INSTANCE, Template, string_text};
+use toml::{Table, Value};
+
+use crate::read::KEYS;
+use crate::{IoListen, PlainTag, Project};
+
+/// The tables of a project with every key, those at their default too.
+pub fn table(project: &Project) -> Table {
+    let Project {
+        server,
+        machine,
+        instruction_tags,
+        types,
+        tags,
+    } = project;
+    let mut root = Table::new();
+    let hmi = server.hmi.map_or_else(|| "off".to_owned(), |hmi| hmi.to_string());
+    let io = match server.io {
+        IoListen::BesideListen => None,
+        IoListen::At(address) => Some(address.to_string()),
+        IoListen::Off => Some("off".to_owned()),
+    };
+    let server = [
+        ("name", Some(text(&server.name))),
+        ("listen", Some(text(&server.listen.to_string()))),
+        ("hmi", Some(text(&hmi))),
+        ("io", io.map(|io| text(&io))),
+        ("io_loss", Some(text(server.io_loss.word()))),
+    ];
+    let server = server.into_iter().filter_map(|(key, value)| Some((key, value?)));
+    root.insert("server".into(), keys(server));
+    let group = [
+        ("name", text(&machine.group)),
+        ("coarse_update_period_ms", Value::Float(machine.period_ns as f64 / 1e6)),
+    ];
+    root.insert("motion_group".into(), keys(group));
+    list(&mut root, "axis", machine.axes.iter().map(axis));
+    list(
+        &mut root,
+        "coordinate_system",
+        machine.systems.iter().map(|one| system(one, machine)),
+    );
+    let system_name = |place: u16| {
+        let system = machine.systems.get(usize::from(place));
+        text(system.map_or("", |system| &system.name))
+    };
+    let transforms = machine.transforms.iter().map(|transform| {
+        keys([
+            ("name", text(&transform.name)),
+            ("source", system_name(transform.source)),
+            ("target", system_name(transform.target)),
+        ])
+    });
+    list(&mut root, "transform", transforms);
+    let instructions = instruction_tags.iter().map(|tag| {
+        keys([
+            ("tag", text(&tag.name)),
+            ("type", text(&tag.mnemonic.to_string())),
+            ("target", text(&tag.target)),
+        ])
+    });
+    list(&mut root, "instruction", instructions);
+    list(&mut root, "data_type", types.iter().map(|template| data_type(template)));
+    list(&mut root, "tag", tags.iter().map(tag));
+    root
+}
+
+/// The tables as the text of a configuration: the sections in the order of docs/CONFIGURATION.md, the keys of each in
+/// its order; keys that it does not have come last.
+pub fn format(table: &Table) -> String {
+    let mut out = String::new();
+    for (heading, known) in KEYS.iter().filter(|(heading, _)| heading.starts_with("## ")) {
+        let heading = heading.trim_start_matches("## ").trim_matches('`');
+        match table.get(heading.trim_matches(['[', ']'])) {
+            Some(Value::Table(section)) => write_section(&mut out, heading, known, section),
+            Some(Value::Array(sections)) => {
+                for section in sections.iter().filter_map(Value::as_table) {
+                    write_section(&mut out, heading, known, section);
+                }
+            }
+            _ => {}
+        }
+    }
+    out
+}
+
+fn write_section(out: &mut String, heading: &str, known: &[&str], section: &Table) {
+    if !out.is_empty() {
+        out.push('\n');
+    }
+    out.push_str(heading);
+    out.push('\n');
+    let of_order = known.iter().filter_map(|key| section.get_key_value(*key));
+    let others = section.iter().filter(|(key, _)| !known.contains(&key.as_str()));
+    for (key, value) in of_order.chain(others) {
+        write_key(out, key);
+        out.push_str(" = ");
+        write_value(out, value);
+        out.push('\n');
+    }
+}
+
+fn write_key(out: &mut String, key: &str) {
+    let bare = !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+    if bare {
+        out.push_str(key);
+    } else {
+        write_text(out, key);
+    }
+}
+
+fn write_value(out: &mut String, value: &Value) {
+    match value {
+        Value::String(text) => write_text(out, text),
+        Value::Integer(number) => out.push_str(&number.to_string()),
+        Value::Float(number) if number.is_nan() => out.push_str("nan"),
+        Value::Float(number) => out.push_str(&format!("{number:?}")),
+        Value::Boolean(flag) => out.push_str(if *flag { "true" } else { "false" }),
+        Value::Datetime(time) => out.push_str(&time.to_string()),
+        Value::Array(items) => {
+            out.push('[');
+            for (place, item) in items.iter().enumerate() {
+                out.push_str(if place == 0 { "" } else { ", " });
+                write_value(out, item);
+            }
+            out.push(']');
+        }
+        Value::Table(table) => {
+            // `name` and `type` first: the members of a data type read like its definition.
+            let first = ["name", "type"].iter().filter_map(|key| table.get_key_value(*key));
+            let others = table
+                .iter()
+                .filter(|(key, _)| !["name", "type"].contains(&key.as_str()));
+            out.push_str("{ ");
+            for (place, (key, value)) in first.chain(others).enumerate() {
+                out.push_str(if place == 0 { "" } else { ", " });
+                write_key(out, key);
+                out.push_str(" = ");
+                write_value(out, value);
+            }
+            out.push_str(" }");
+        }
+    }
+}
+
+/// A basic string; what XML could not hold either is escaped, so that the text can stand in an L5X file.
+fn write_text(out: &mut String, text: &str) {
+    out.push('"');
+    for c in text.chars() {
+        match c {
+            '"' => out.push_str("\\\""),
+            '\\' => out.push_str("\\\\"),
+            '\n' => out.push_str("\\n"),
+            '\t' => out.push_str("\\t"),
+            c if c.is_control() || matches!(c, '\u{FFFE}' | '\u{FFFF}') => {
+                out.push_str(&format!("\\u{:04X}", u32::from(c)));
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+}
+
+fn axis(axis: &Axis) -> Value {
+    let mut table = dynamics([
+        axis.max_speed,
+        axis.max_acceleration,
+        axis.max_deceleration,
+        axis.max_acceleration_jerk,
+        axis.max_deceleration_jerk,
+    ]);
+    let mut put = |key: &str, value: Value| table.insert(key.to_owned(), value);
+    put("name", text(&axis.name));
+    put("type", text(if axis.is_virtual() { "virtual" } else { "servo" }));
+    put("units", text(&axis.units));
+    if let Some(travel) = axis.travel {
+        put(
+            "travel",
+            keys([("min", Value::Float(travel.min)), ("max", Value::Float(travel.max))]),
+        );
+    }
+    if let Some(unwind) = axis.unwind {
+        put("unwind", Value::Float(unwind));
+    }
+    let start = [
+        ("position", Value::Float(axis.start.position)),
+        ("servo_on", Value::Boolean(axis.start.servo_on)),
+        ("homed", Value::Boolean(axis.start.homed)),
+    ];
+    put("start", keys(start));
+    if let AxisKind::Servo(drive) = axis.kind {
+        let mut drive_table = Table::new();
+        for (key, number) in [
+            ("position_bandwidth_hz", Some(drive.position_bandwidth_hz)),
+            ("velocity_feedforward", Some(drive.velocity_feedforward)),
+            ("position_error_tolerance", Some(drive.position_error_tolerance)),
+            (
+                "position_error_tolerance_time",
+                Some(drive.position_error_tolerance_time),
+            ),
+            ("speed_limit", drive.speed_limit),
+            ("torque_limit", drive.torque_limit),
+            ("encoder_resolution", drive.encoder_resolution),
+        ] {
+            drive_table.extend(number.map(|number| (key.to_owned(), Value::Float(number))));
+        }
+        put("drive", Value::Table(drive_table));
+    }
+    put("home", home(&axis.home));
+    let mode = ProgrammedStopMode::ALL
+        .iter()
+        .find(|(_, mode)| *mode == axis.programmed_stop_mode);
+    put("programmed_stop_mode", text(mode.map_or("fast_stop", |(word, _)| word)));
+    let possible = FaultSet::possible(!axis.is_virtual());
+    let mut actions = Table::new();
+    for fault in FAULTS.iter().filter(|fault| possible.contains(fault.kind)) {
+        let action = axis.exception_actions.of(fault.kind);
+        if let Some((word, _)) = ExceptionAction::ALL.iter().find(|(_, other)| *other == action) {
+            actions.insert(fault.word.to_owned(), text(word));
+        }
+    }
+    put("exception_actions", Value::Table(actions));
+    put(
+        "average_velocity_timebase",
+        Value::Float(axis.average_velocity_timebase),
+    );
+    Value::Table(table)
+}
+
+fn home(home: &Home) -> Value {
+    let mode = match home.mode {
+        HomeMode::Passive => "passive",
+        HomeMode::Active => "active",
+    };
+    let sequence = match home.sequence {
+        HomeSequence::Immediate => "immediate",
+        HomeSequence::Switch => "switch",
+        HomeSequence::Marker => "marker",
+        HomeSequence::SwitchMarker => "switch-marker",
+        HomeSequence::Torque => "torque",
+        HomeSequence::TorqueMarker => "torque-marker",
+    };
+    let direction = match home.direction {
+        HomeDirection::UnidirectionalForward => "unidirectional-forward",
+        HomeDirection::BidirectionalForward => "bidirectional-forward",
+        HomeDirection::UnidirectionalReverse => "unidirectional-reverse",
+        HomeDirection::BidirectionalReverse => "bidirectional-reverse",
+    };
+    let mut table = Table::new();
+    let mut put = |key: &str, value: Value| table.insert(key.to_owned(), value);
+    put("mode", text(mode));
+    put("sequence", text(sequence));
+    put("direction", text(direction));
+    put("position", Value::Float(home.position));
+    put("offset", Value::Float(home.offset));
+    // 0 stands for a speed that is not given, which no key can say.
+    for (key, speed) in [("speed", home.speed), ("return_speed", home.return_speed)] {
+        if speed > 0.0 {
+            put(key, Value::Float(speed));
+        }
+    }
+    put("acceleration", Value::Float(home.acceleration));
+    // A deceleration of 0 is the axis's own.
+    if home.deceleration > 0.0 {
+        put("deceleration", Value::Float(home.deceleration));
+    }
+    if let Some(switch) = home.switch {
+        let ends = [("min", switch.min), ("max", switch.max)];
+        let ends = ends.into_iter().filter(|(_, end)| end.is_finite());
+        put("switch", keys(ends.map(|(key, end)| (key, Value::Float(end)))));
+    }
+    if let Some(marker) = home.marker {
+        let places = [("at", Some(marker.at)), ("every", marker.every)];
+        let places = places
+            .into_iter()
+            .filter_map(|(key, place)| Some((key, Value::Float(place?))));
+        put("marker", keys(places));
+    }
+    Value::Table(table)
+}
+
+fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
+    let mut table = dynamics([
+        system.max_speed,
+        system.max_acceleration,
+        system.max_deceleration,
+        system.max_acceleration_jerk,
+        system.max_deceleration_jerk,
+    ]);
+    let axes = system
+        .axes
+        .iter()
+        .filter_map(|place| machine.axes.get(usize::from(*place)));
+    let corner = match system.corner {
+        Corner::Logix => "logix",
+        Corner::Precise => "precise",
+    };
+    let axis_limits = match system.axis_limits {
+        AxisLimits::Ignore => "ignore",
+        AxisLimits::Enforce => "enforce",
+    };
+    for (key, value) in [
+        ("name", text(&system.name)),
+        ("type", text("cartesian")),
+        ("axes", Value::Array(axes.map(|axis| text(&axis.name)).collect())),
+        ("actual_tolerance", Value::Float(system.actual_tolerance)),
+        ("command_tolerance", Value::Float(system.command_tolerance)),
+        ("queue_depth", Value::Integer(system.queue_depth as i64)),
+        ("corner", text(corner)),
+        ("axis_limits", text(axis_limits)),
+    ] {
+        table.insert(key.to_owned(), value);
+    }
+    Value::Table(table)
+}
+
+fn data_type(template: &Template) -> Value {
+    let visible = template.members.iter().filter(|member| !is_host(template, member));
+    let members = visible.map(|member| keys([("name", text(&member.name)), ("type", text(&member_type(member)))]));
+    keys([
+        ("name", text(&template.name)),
+        ("members", Value::Array(members.collect())),
+    ])
+}
+
+/// Whether a member is there only to hold BOOLs.
+fn is_host(template: &Template, member: &Member) -> bool {
+    let holds = |other: &Member| other.bit.is_some() && other.offset == member.offset;
+    member.bit.is_none() && member.hidden && template.members.iter().any(holds)
+}
+
+fn member_type(member: &Member) -> String {
+    match (&member.data_type, member.dimension) {
+        (DataType::Elementary(Elementary::Dword), count) => format!("BOOL[{}]", 32 * u32::from(count)),
+        (data_type, 0) => data_type.name().to_owned(),
+        (data_type, count) => format!("{}[{count}]", data_type.name()),
+    }
+}
+
+fn tag(tag: &PlainTag) -> Value {
+    let mut table = Table::new();
+    let mut put = |key: &str, value: Value| table.insert(key.to_owned(), value);
+    put("name", text(&tag.name));
+    if let Some(program) = &tag.program {
+        put("program", text(program));
+    }
+    let access = match tag.access {
+        Access::ReadOnly => "read_only",
+        _ => "read_write",
+    };
+    put("access", text(access));
+    match &tag.alias {
+        Some(path) => {
+            put("alias", text(&path.to_string()));
+        }
+        None => {
+            let [count, ..] = tag.tag_type.dimensions;
+            let tag_type = match tag.tag_type.data_type {
+                DataType::Elementary(Elementary::Dword) => format!("BOOL[{}]", 32 * count),
+                _ => tag.tag_type.to_string(),
+            };
+            put("type", text(&tag_type));
+            if tag.first.iter().any(|byte| *byte != 0) {
+                let rank = tag.tag_type.rank();
+                put(
+                    "value",
+                    elements(&tag.tag_type.data_type, &tag.tag_type.dimensions[..rank], &tag.first),
+                );
+            }
+        }
+    }
+    Value::Table(table)
+}
+
+fn elements(data_type: &DataType, dimensions: &[u32], bytes: &[u8]) -> Value {
+    let [count, inner @ ..] = dimensions else {
+        return one(data_type, bytes);
+    };
+    let count = *count as usize;
+    if inner.is_empty() && matches!(data_type, DataType::Elementary(Elementary::Dword)) {
+        let bit = |place: usize| bytes.get(place / 8).is_some_and(|byte| byte >> (place % 8) & 1 == 1);
+        return Value::Array((0..32 * count).map(|place| Value::Boolean(bit(place))).collect());
+    }
+    let size = (bytes.len() / count.max(1)).max(1);
+    let items = bytes
+        .chunks(size)
+        .take(count)
+        .map(|bytes| elements(data_type, inner, bytes));
+    Value::Array(items.collect())
+}
+
+fn one(data_type: &DataType, bytes: &[u8]) -> Value {
+    match data_type {
+        DataType::Elementary(Elementary::Bool) => Value::Boolean(bytes.first().is_some_and(|byte| *byte != 0)),
+        DataType::Elementary(kind) => {
+            let value = arcline_tag::Value::read(*kind, bytes);
+            if let Some(arcline_tag::Value::Real(number)) = value {
+                // The shortest text of the 32 bits, which reads back to them.
+                return Value::Float(number.to_string().parse().unwrap_or(f64::from(number)));
+            }
+            match value
+                .and_then(arcline_tag::Value::to_integer)
+                .filter(|_| !kind.is_real())
+            {
+                Some(whole) => Value::Integer(whole),
+                None => Value::Float(value.map_or(0.0, arcline_tag::Value::as_f64)),
+            }
+        }
+        DataType::Structure(template) if template.instance == STRING_INSTANCE => text(&string_text(bytes)),
+        DataType::Structure(template) => {
+            let visible = template.members.iter().filter(|member| !member.hidden);
+            let values = visible.filter_map(|member| {
+                let from = member.offset as usize;
+                let value = match member.bit {
+                    Some(bit) => Value::Boolean(bytes.get(from)? >> bit & 1 == 1),
+                    None => {
+                        let bytes = bytes.get(from..from + member.size())?;
+                        let dimension = [u32::from(member.dimension)];
+                        let dimensions = if member.dimension == 0 { &[][..] } else { &dimension };
+                        elements(&member.data_type, dimensions, bytes)
+                    }
+                };
+                Some((member.name.as_str(), value))
+            });
+            keys(values)
+        }
+    }
+}
+
+fn dynamics(maxima: [f64; 5]) -> Table {
+    let keys = [
+        "max_speed",
+        "max_acceleration",
+        "max_deceleration",
+        "max_acceleration_jerk",
+        "max_deceleration_jerk",
+    ];
+    let pairs = keys.into_iter().zip(maxima);
+    pairs
+        .map(|(key, number)| (key.to_owned(), Value::Float(number)))
+        .collect()
+}
+
+fn list(root: &mut Table, key: &str, items: impl Iterator<Item = Value>) {
+    let items: Vec<Value> = items.collect();
+    if !items.is_empty() {
+        root.insert(key.to_owned(), Value::Array(items));
+    }
+}
+
+fn keys<'k>(pairs: impl IntoIterator<Item = (&'k str, Value)>) -> Value {
+    Value::Table(pairs.into_iter().map(|(key, value)| (key.to_owned(), value)).collect())
+}
+
+fn text(text: &str) -> Value {
+    Value::String(text.to_owned())
+}

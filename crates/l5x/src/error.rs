@@ -1,0 +1,80 @@
+//! What can be wrong with an L5X file, and where.
+
+use std::fmt;
+
+/// A file that is no L5X, or one whose content contradicts itself.
+///
+/// Displayed as `FILE:LINE:COLUMN: PATH: what was found, what was expected`.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct L5xError {
+    /// Name of the file, as given to [`crate::import`].
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// The element or attribute, such as `Controller/Tags/Tag/@Dimensions`; empty for the file as a whole.
+    pub path: String,
+    /// What is wrong.
+    pub problem: Problem,
+}
+
+impl fmt::Display for L5xError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}: ", self.file, self.line, self.column)?;
+        if !self.path.is_empty() {
+            write!(f, "{}: ", self.path)?;
+        }
+        self.problem.fmt(f)
+    }
+}
+
+impl std::error::Error for L5xError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        Some(&self.problem)
+    }
+}
+
+/// What is wrong at the place of an [`L5xError`].
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The text is not well-formed XML, or has a DTD.
+    #[error("not valid XML: {message}")]
+    Syntax {
+        /// The parser's message.
+        message: String,
+    },
+    /// Larger, deeper or wider than is read.
+    #[error("found {found} {what}, expected at most {limit}")]
+    TooMuch {
+        /// What there is too much of: `bytes`, `levels of elements`, `attributes of one element`.
+        what: &'static str,
+        /// How much there is, as far as was counted.
+        found: usize,
+        /// How much is read.
+        limit: usize,
+    },
+    /// An element or attribute that must be there is not.
+    #[error("{what} is missing, expected {expected}")]
+    Missing {
+        /// The element or `@attribute`.
+        what: &'static str,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// A value that does not do.
+    #[error("found {found:?}, expected {expected}")]
+    Value {
+        /// The value, shortened.
+        found: String,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// What was read makes no valid configuration.
+    #[error("as a configuration: {message}")]
+    Configuration {
+        /// The key and what is wrong with it.
+        message: String,
+    },
+}

@@ -1,0 +1,92 @@
+//! What an import left out or changed, grouped. Not errors: the rest is imported.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Why something of the file is not in the configuration as it stands in the file.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Reason {
+    /// An element, attribute or value that this version does not know.
+    NotUnderstood,
+    /// Known, and Arcline has nothing like it.
+    NoCounterpart,
+    /// Taken, but as something else: the words say as what.
+    Changed(&'static str),
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Reason::NotUnderstood => f.write_str("not understood"),
+            Reason::NoCounterpart => f.write_str("no counterpart in Arcline"),
+            Reason::Changed(words) => write!(f, "changed: {words}"),
+        }
+    }
+}
+
+/// Everything with the same reason at the same path.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Group {
+    /// How often.
+    pub count: usize,
+    /// The first lines, from 1, at most [`Group::LINES`].
+    pub lines: Vec<usize>,
+}
+
+impl Group {
+    /// How many lines are kept of each group.
+    pub const LINES: usize = 5;
+}
+
+/// What an import left out or changed.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Report {
+    groups: BTreeMap<(Reason, String), Group>,
+}
+
+impl Report {
+    /// Whether nothing was left out or changed.
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    /// How many things were left out or changed.
+    pub fn count(&self) -> usize {
+        self.groups.values().map(|group| group.count).sum()
+    }
+
+    /// The groups by reason and path, such as `Controller/Tags/Tag[TIMER]` or
+    /// `Controller/Tags/Tag[AXIS_VIRTUAL]/Data/AxisParameters/@DynamicsConfigurationBits`.
+    pub fn groups(&self) -> impl Iterator<Item = (Reason, &str, &Group)> {
+        let groups = self.groups.iter();
+        groups.map(|((reason, path), group)| (*reason, path.as_str(), group))
+    }
+
+    pub(crate) fn add(&mut self, reason: Reason, path: String, line: usize) {
+        let group = self.groups.entry((reason, path)).or_default();
+        group.count += 1;
+        if group.lines.len() < Group::LINES && group.lines.last() != Some(&line) {
+            group.lines.push(line);
+        }
+    }
+}
+
+/// A line a group, under a heading a reason.
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut heading = None;
+        for (reason, path, group) in self.groups() {
+            if heading != Some(reason) {
+                let of_reason = self.groups().filter(|(other, _, _)| *other == reason);
+                let count: usize = of_reason.map(|(_, _, group)| group.count).sum();
+                writeln!(f, "{reason} ({count}):")?;
+                heading = Some(reason);
+            }
+            let lines: Vec<String> = group.lines.iter().map(usize::to_string).collect();
+            let more = if group.count > group.lines.len() { ", …" } else { "" };
+            let word = if group.count == 1 { "line" } else { "lines" };
+            writeln!(f, "  {} × {path}, {word} {}{more}", group.count, lines.join(", "))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,49 @@
+//! `arcline-server import` and `export`: the files around `arcline-l5x`, and what is said of them.
+
+use std::io::Read as _;
+use std::path::Path;
+use std::process::ExitCode;
+
+use crate::cli::{ExportArgs, Failure, ImportArgs, print, project};
+
+/// Turns an L5X file into a configuration. What is not in it goes to standard error.
+pub(crate) fn import(args: &ImportArgs) -> Result<ExitCode, Failure> {
+    let file = args.file.display().to_string();
+    let unreadable = |error: String| Failure::usage(format!("{file}: cannot be read: {error}"));
+    let mut bytes = Vec::new();
+    // One byte more than is read: the importer says that it is too much.
+    let most = arcline_l5x::MAX_TEXT as u64 + 1;
+    let open = std::fs::File::open(&args.file).map_err(|error| unreadable(error.to_string()))?;
+    open.take(most)
+        .read_to_end(&mut bytes)
+        .map_err(|error| unreadable(error.to_string()))?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let before = error.as_bytes().iter().take(error.utf8_error().valid_up_to());
+        let line = before.filter(|byte| **byte == b'\n').count() + 1;
+        Failure::usage(format!("{file}:{line}: not UTF-8, expected XML in UTF-8"))
+    })?;
+    let import = arcline_l5x::import(&text, &file).map_err(|error| Failure::usage(error.to_string()))?;
+    write(args.output.as_deref(), &arcline_config::format(&import.config))?;
+    if import.report.is_empty() {
+        return Ok(ExitCode::SUCCESS);
+    }
+    eprint!(
+        "{file}: {} things are not in the configuration as they stand there\n{}",
+        import.report.count(),
+        import.report
+    );
+    Ok(ExitCode::from(u8::from(args.strict)))
+}
+
+/// Writes a configuration as L5X.
+pub(crate) fn export(args: &ExportArgs) -> Result<ExitCode, Failure> {
+    let project = project(args.config.as_deref())?;
+    write(args.output.as_deref(), &arcline_l5x::export(&project))
+}
+
+fn write(output: Option<&Path>, text: &str) -> Result<ExitCode, Failure> {
+    let Some(path) = output else { return print(text) };
+    std::fs::write(path, text)
+        .map_err(|error| Failure::usage(format!("{}: cannot be written: {error}", path.display())))?;
+    Ok(ExitCode::SUCCESS)
+}
