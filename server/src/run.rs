@@ -4,6 +4,7 @@ use std::io::{self, Write as _};
 use std::net::SocketAddr;
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use arcline_config::{IoListen, Project};
 use arcline_controller::image::Image;
@@ -19,8 +20,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let mut project = project(args.config.as_deref())?;
     // As it was read: what a reload is compared with.
     let configured = project.clone();
-    if let Some(listen) = args.listen {
-        project.server.listen = listen;
+    if let Some((first, also)) = args.listen.split_first() {
+        project.server.listen = *first;
+        project.server.listen_also = also.to_vec();
     }
     let hmi = match &args.hmi {
         Some(OrOff::On(address)) => Some(*address),
@@ -71,6 +73,15 @@ async fn serve(
     let mut settings = Settings::new(&project.server.name);
     settings.io = project.server.io.address(listen);
     settings.io_loss = project.server.io_loss;
+    settings.also.clone_from(&project.server.listen_also);
+    settings.max_clients = project.server.max_clients;
+    settings.max_clients_per_address = project.server.max_clients_per_address;
+    settings.max_connections = project.server.max_connections;
+    settings.max_connections_per_address = project.server.max_connections_per_address;
+    settings.session.inactivity = match project.server.inactivity_timeout {
+        0 => None,
+        seconds => Some(Duration::from_secs(seconds.into())),
+    };
     let listener = bind(project.server.io, listen, plant.clone(), settings).await?;
     if let Some(address) = listener.io_addr() {
         tracing::info!(%address, "implicit I/O (class 0 and 1 connections) listens");

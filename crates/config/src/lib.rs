@@ -60,6 +60,18 @@ pub struct ServerConfig {
     pub name: String,
     /// Where EtherNet/IP listens, TCP and UDP; port 0 picks a free one.
     pub listen: SocketAddr,
+    /// Further addresses where it listens.
+    pub listen_also: Vec<SocketAddr>,
+    /// TCP connections at a time.
+    pub max_clients: usize,
+    /// The same from one address.
+    pub max_clients_per_address: usize,
+    /// Class 3 connections at a time.
+    pub max_connections: usize,
+    /// The same of all clients at one address.
+    pub max_connections_per_address: usize,
+    /// Silence after which a TCP connection is closed, s; 0: never.
+    pub inactivity_timeout: u16,
     /// Where the HMI listens; `None`: off.
     pub hmi: Option<SocketAddr>,
     /// Where implicit I/O listens, UDP.
@@ -131,6 +143,12 @@ impl Default for ServerConfig {
         Self {
             name: "Arcline".to_owned(),
             listen: read::DEFAULT_LISTEN,
+            listen_also: Vec::new(),
+            max_clients: 2048,
+            max_clients_per_address: 2048,
+            max_connections: 4096,
+            max_connections_per_address: 4096,
+            inactivity_timeout: 120,
             hmi: Some(read::DEFAULT_HMI),
             io: IoListen::default(),
             io_loss: IoLoss::default(),

@@ -16,6 +16,7 @@ use tokio_util::codec::Framed;
 use tracing::debug;
 
 use super::codec::{FrameCodec, StreamError};
+use super::crowd::Place;
 use super::device::{Device, Seat};
 use super::router::Router;
 
@@ -40,13 +41,32 @@ pub(crate) enum Ended {
     /// The peer does not read.
     #[error("the peer did not read its replies in time")]
     SlowReader,
+    /// Too many clients, and this one had no session.
+    #[error("too many clients, and this one had no session")]
+    Crowded,
 }
 
-/// Serves a stream that was accepted at `local` from `peer` until it ends.
+/// Serves a stream that has no place among the device's clients.
+#[cfg(test)]
 pub(crate) async fn serve<S>(stream: S, local: SocketAddrV4, peer: IpAddr, device: Arc<Device>) -> Ended
 where
     S: AsyncRead + AsyncWrite + Unpin,
 {
+    serve_in(None, stream, local, peer, device).await
+}
+
+/// Serves a stream that was accepted at `local` from `peer` until it ends, in a place among the device's clients.
+pub(crate) async fn serve_in<S>(
+    place: Option<Place>,
+    stream: S,
+    local: SocketAddrV4,
+    peer: IpAddr,
+    device: Arc<Device>,
+) -> Ended
+where
+    S: AsyncRead + AsyncWrite + Unpin,
+{
+    let leave = place.as_ref().map(Place::leave).unwrap_or_default();
     let codec = FrameCodec::new(device.settings.session.frame_limit);
     let epoch = Instant::now();
     let mut connection = Connection {
@@ -55,10 +75,14 @@ where
         router: Router::new(device.clone(), local),
         local,
         peer,
+        place,
         device,
         epoch,
     };
-    let ended = connection.run().await;
+    let ended = tokio::select! {
+        ended = connection.run() => ended,
+        () = leave.notified() => Ended::Crowded,
+    };
     connection.session.handle_disconnect(&mut &*connection.device);
     ended
 }
@@ -69,6 +93,7 @@ struct Connection<S> {
     router: Router,
     local: SocketAddrV4,
     peer: IpAddr,
+    place: Option<Place>,
     device: Arc<Device>,
     epoch: Instant,
 }
@@ -130,6 +155,11 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
             }
             Some(Err(error)) => return Err(error.into()),
             None => return Err(Ended::ByPeer),
+        }
+        if let Some(place) = &mut self.place
+            && self.session.is_registered()
+        {
+            place.register();
         }
         self.carry_out().await
     }

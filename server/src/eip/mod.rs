@@ -12,6 +12,7 @@
 mod adapter;
 mod codec;
 mod connection;
+mod crowd;
 mod datagram;
 mod device;
 mod io;
