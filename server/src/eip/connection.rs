@@ -83,7 +83,12 @@ where
         ended = connection.run() => ended,
         () = leave.notified() => Ended::Crowded,
     };
-    connection.session.handle_disconnect(&mut &*connection.device);
+    let mut seat = Seat {
+        device: &connection.device,
+        local,
+        peer,
+    };
+    connection.session.handle_disconnect(&mut seat);
     ended
 }
 
@@ -120,7 +125,9 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
                 next = self.framed.next() => next,
                 () = sleep_until(due.unwrap_or(self.epoch)), if due.is_some() => {
                     let now = self.now();
-                    self.session.handle_timeout(now, &mut &*self.device);
+                    let (device, local, peer) = (&*self.device, self.local, self.peer);
+                    let mut seat = Seat { device, local, peer };
+                    self.session.handle_timeout(now, &mut seat);
                     self.carry_out().await?;
                     continue;
                 }
