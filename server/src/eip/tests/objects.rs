@@ -82,6 +82,9 @@ const ALL: &[(u16, u32, &[u16])] = &[
     (0xF6, 1, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]), (0xAC, 1, &[1, 2, 3, 4, 10]),
 ];
 
+/// Service, class, instance, attribute, data, and the general and first additional status.
+type Refused = (u8, u16, u32, Option<u16>, &'static [u8], (u8, u16));
+
 /// A client that came in at [`LOCAL`] of a host that [`adapter::tests::host`] has put together.
 async fn client(root: &Path) -> (Bench, Client) {
     adapter::tests::host(root);
@@ -229,7 +232,7 @@ async fn what_is_not_there_has_its_status() {
         }
     }
     #[rustfmt::skip]
-    let cases: [(u8, u16, u32, Option<u16>, &[u8], (u8, u16)); 30] = [
+    let cases: [Refused; 30] = [
         // What HMI browsers probe: an answer at once, with the status of what is not there.
         (0x01, 0x47, 1, None, &[], (0x05, 0)),
         (0x0E, 0x47, 1, Some(1), &[], (0x05, 0)),
