@@ -433,7 +433,7 @@ pub(crate) enum TagsChange {
 pub(crate) struct CreateTag {
     /// 1 to 40 letters, digits and underscores, no digit first
     pub(crate) name: String,
-    /// Such as DINT, REAL[16], DINT[2,3], or a structure of the server's configuration
+    /// Such as DINT, `REAL[16]`, `DINT[2,3]`, or a structure of the server's configuration
     #[arg(value_name = "TYPE")]
     pub(crate) data_type: String,
     /// The program in whose scope it is
