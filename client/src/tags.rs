@@ -8,7 +8,7 @@ use bytes::{Bytes, BytesMut};
 use arcline_instruction_set::Object;
 use arcline_proto::cip::{CipStatus, class, encode_attribute_ids, service};
 use arcline_proto::epath::{Epath, Segment};
-use arcline_proto::logix::{ReadTemplate, Symbol, TemplateAttributes};
+use arcline_proto::logix::{CreateSymbol, ReadTemplate, Symbol, TemplateAttributes};
 use arcline_tag::{DataType, TagType, Template, string_template};
 
 use crate::error::nearest;
@@ -207,6 +207,46 @@ impl Client {
             .collect())
     }
 
+    /// Creates a plain tag, in a program's scope when its name begins with `Program:Main.`; `data_type` is written as in a
+    /// configuration: `DINT[2,3]`. Gives its instance.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`]: 0x20 for what is no name or type, 0x0D when there is a tag of that name, 0x02 when there
+    /// is no room.
+    pub async fn create_tag(&self, name: &str, data_type: &str, access: Access) -> Result<u32, ClientError> {
+        let (path, name) = symbol_path(name, 0);
+        let create = CreateSymbol {
+            name: name.to_owned(),
+            data_type: data_type.to_owned(),
+            access: match access {
+                Access::ReadWrite => 0,
+                Access::ReadOnly => 2,
+                Access::None => 3,
+            },
+        };
+        let reply = self.ask(name, service::CREATE, path, create.to_bytes()).await?;
+        self.refresh_symbols().await?;
+        let instance = reply.data.first_chunk().copied().map(u32::from_le_bytes);
+        instance.ok_or(ClientError::Malformed {
+            what: "a created tag has no instance",
+        })
+    }
+
+    /// Deletes a plain tag.
+    ///
+    /// # Errors
+    /// [`ClientError::UnknownTag`]; [`ClientError::Refused`]: 0x0F for another tag than a plain one, 0x0C for one that an
+    /// alias stands for.
+    pub async fn delete_tag(&self, name: &str) -> Result<(), ClientError> {
+        // As it is now: an instance may be another tag's by now.
+        self.refresh_symbols().await?;
+        let tag = self.tag(name).await?;
+        let (path, _) = symbol_path(&tag.name, tag.instance);
+        self.ask(name, service::DELETE, path, Bytes::new()).await?;
+        self.refresh_symbols().await?;
+        Ok(())
+    }
+
     async fn refresh_symbols(&self) -> Result<Arc<TagTable>, ClientError> {
         let mut symbols = BTreeMap::new();
         let mut scopes: Vec<Option<String>> = vec![None];
@@ -339,6 +379,21 @@ impl Client {
             }
         }
         Ok(bytes.freeze())
+    }
+}
+
+/// The path of a symbol, behind its program if its name has one, and the name in that scope.
+fn symbol_path(name: &str, instance: u32) -> (Epath, &str) {
+    let mut path = Epath::object(class::SYMBOL, instance);
+    let scoped = name
+        .split_once('.')
+        .filter(|(program, _)| program.to_ascii_lowercase().starts_with("program:"));
+    match scoped {
+        Some((program, name)) => {
+            path.0.insert(0, Segment::Symbol(program.to_owned()));
+            (path, name)
+        }
+        None => (path, name),
     }
 }
 

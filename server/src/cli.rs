@@ -48,9 +48,9 @@ pub(crate) struct RunArgs {
     /// Configuration file; without it the embedded default is used.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
-    /// Where EtherNet/IP listens, TCP and UDP; port 0 picks a free one.
+    /// Where EtherNet/IP listens, TCP and UDP; port 0 picks a free one. May be given several times.
     #[arg(long, value_name = "ADDR:PORT")]
-    pub(crate) listen: Option<SocketAddr>,
+    pub(crate) listen: Vec<SocketAddr>,
     /// Where the HMI listens.
     #[arg(long, value_name = "ADDR:PORT|off")]
     pub(crate) hmi: Option<OrOff<SocketAddr>>,
@@ -143,6 +143,12 @@ impl<T: FromStr> FromStr for OrOff<T> {
 pub(crate) struct Failure {
     code: u8,
     message: String,
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.message)
+    }
 }
 
 impl Failure {

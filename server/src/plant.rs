@@ -7,6 +7,7 @@
 
 mod io;
 mod records;
+mod reload;
 mod state;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -22,6 +23,7 @@ use tokio::sync::Notify;
 
 use crate::retained::{NotKept, Watch, WhenKept};
 use records::instance_of;
+pub use reload::ReloadError;
 use state::State;
 
 /// The running machine. Clones are the same one.
@@ -275,7 +277,9 @@ async fn pump(plant: Weak<Shared>) {
 
 /// The tags of a project.
 pub fn image_of(project: &Project) -> Image {
-    Image::new(&project.machine, &project.instruction_tags, &project.tags)
+    let mut image = Image::new(&project.machine, &project.instruction_tags, &project.tags);
+    image.declare(&project.types);
+    image
 }
 
 /// Calls that may wait for the controller at a time.

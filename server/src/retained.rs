@@ -18,6 +18,7 @@ use arcline_controller::image::{self, Access, Image, TagId, TagKind};
 use arcline_controller::machine;
 use arcline_instruction_set::FaultSet;
 use arcline_state::{Axis, AxisState, Damage, Kept, OpenError, Place, ReadError, State, Tag};
+use arcline_tag::TagPath;
 
 use crate::plant::image_of;
 pub(crate) use keeper::Keeper;
@@ -137,7 +138,7 @@ impl Retained {
             let file = at(file);
             RetainError::TooLarge { file, damage }
         })?;
-        let axes = state.axes.iter().map(|axis| axis.state).collect();
+        let axes = state.axes.clone();
         let store = place
             .begin(state, kept)
             .map_err(|error| RetainError::Write { file: at(file), error })?;
@@ -206,7 +207,7 @@ fn take_over(state: &State, project: &mut Project, image: &mut Image) -> Taken {
         };
     }
     for tag in &state.tags {
-        match find_tag(tag, image) {
+        match find_tag(tag, image).or_else(|| create_again(tag, image)) {
             Some(id) => image.restore(id, &tag.bytes),
             None => taken.left.push(format!("tag {} ({})", tag.name, tag.kind)),
         }
@@ -226,14 +227,56 @@ fn within_its_turn(axis: &Axis, of: &machine::Axis) -> bool {
 }
 
 fn find_tag(tag: &Tag, image: &Image) -> Option<TagId> {
-    let known = image.find(&tag.name).filter(|known| is_kept(known))?;
-    let same = known.tag_type.to_string() == tag.kind && image.bytes(known.id).len() == tag.bytes.len();
+    let known = image.find(&tag.name).filter(|known| is_kept(known, image))?;
+    let (_, kind) = created(&tag.kind);
+    let same = known.tag_type.to_string() == kind && image.bytes(known.id).len() == tag.bytes.len();
     same.then_some(known.id)
 }
 
-/// A tag that nobody may write is as it is configured.
-fn is_kept(tag: &image::Tag) -> bool {
-    tag.kind == TagKind::Plain && tag.access == Access::ReadWrite
+/// A tag that a client had created, and that is not in the configuration either.
+fn create_again(tag: &Tag, image: &mut Image) -> Option<TagId> {
+    let (access, kind) = created(&tag.kind);
+    let access = access?;
+    if image.find(&tag.name).is_some() {
+        return None;
+    }
+    let tag_type = arcline_config::tag_type(kind, |name| image.declared(name))?;
+    let path: TagPath = tag.name.parse().ok()?;
+    let (program, name, _) = path.scope();
+    let again = image::PlainTag {
+        program: program.map(str::to_owned),
+        access,
+        ..image::PlainTag::new(name?, tag_type)
+    };
+    image.create(&again).ok()
+}
+
+/// Whether a client had created a tag of this kind, and how it may be accessed then; and its type.
+fn created(kind: &str) -> (Option<Access>, &str) {
+    [(CREATED_READ_ONLY, Access::ReadOnly), (CREATED, Access::ReadWrite)]
+        .into_iter()
+        .find_map(|(prefix, access)| Some((Some(access), kind.strip_prefix(prefix)?)))
+        .unwrap_or((None, kind))
+}
+
+/// The kind of a tag in the state: its type, and that a client has created it.
+fn tag_kind(tag: &image::Tag, image: &Image) -> String {
+    let prefix = match (image.is_created(tag.id), tag.access) {
+        (false, _) => "",
+        (true, Access::ReadWrite) => CREATED,
+        (true, Access::ReadOnly) => CREATED_READ_ONLY,
+    };
+    format!("{prefix}{}", tag.tag_type)
+}
+
+/// In front of the type of a tag that a client has created.
+const CREATED: &str = "created, ";
+/// The same of one that clients may not write.
+const CREATED_READ_ONLY: &str = "created, read-only, ";
+
+/// A tag of the configuration that nobody may write is as it is configured.
+fn is_kept(tag: &image::Tag, image: &Image) -> bool {
+    tag.kind == TagKind::Plain && (tag.access == Access::ReadWrite || image.is_created(tag.id))
 }
 
 /// What a position of the axis means: a position of an axis in inches is none of one in millimetres.
@@ -259,15 +302,24 @@ fn state_of(project: &Project, image: &Image) -> (State, Vec<TagId>) {
             redefined: axis.start.redefined,
         },
     });
-    let plain = || image.tags().iter().filter(|tag| is_kept(tag));
-    let tags = plain().map(|tag| Tag {
-        name: image.full_name(tag),
-        kind: tag.tag_type.to_string(),
-        bytes: image.bytes(tag.id).to_vec(),
-    });
+    let (tags, ids) = tags_of(image);
     let state = State {
         axes: axes.collect(),
-        tags: tags.collect(),
+        tags,
     };
-    (state, plain().map(|tag| tag.id).collect())
+    (state, ids)
+}
+
+/// The tags that are kept, in order.
+fn tags_of(image: &Image) -> (Vec<Tag>, Vec<TagId>) {
+    let kept = image.tags().iter().filter(|tag| is_kept(tag, image));
+    kept.map(|tag| {
+        let kept = Tag {
+            name: image.full_name(tag),
+            kind: tag_kind(tag, image),
+            bytes: image.bytes(tag.id).to_vec(),
+        };
+        (kept, tag.id)
+    })
+    .unzip()
 }

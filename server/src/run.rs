@@ -2,7 +2,9 @@
 
 use std::io::{self, Write as _};
 use std::net::SocketAddr;
+use std::path::Path;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use arcline_config::{IoListen, Project};
 use arcline_controller::image::Image;
@@ -16,8 +18,11 @@ use crate::retained::{Keeper, Retained, Watch};
 /// Runs the server until SIGTERM or SIGINT.
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     let mut project = project(args.config.as_deref())?;
-    if let Some(listen) = args.listen {
-        project.server.listen = listen;
+    // As it was read: what a reload is compared with.
+    let configured = project.clone();
+    if let Some((first, also)) = args.listen.split_first() {
+        project.server.listen = *first;
+        project.server.listen_also = also.to_vec();
     }
     let hmi = match &args.hmi {
         Some(OrOff::On(address)) => Some(*address),
@@ -39,7 +44,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         .enable_all()
         .build()
         .map_err(|error| Failure::new(1, format!("the runtime could not be started: {error}")))?;
-    let (plant, handle) = runtime.block_on(serve(&project, retained))?;
+    let (plant, handle) = runtime.block_on(serve(&project, retained, args.config.as_deref(), configured))?;
     // The thread stops all motion and waits until it stands still; no client is heard any more.
     handle.stop();
     plant.keep_at_the_end();
@@ -52,10 +57,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
 async fn serve(
     project: &Project,
     retained: Option<(Image, Watch)>,
+    config: Option<&Path>,
+    mut configured: Project,
 ) -> Result<(Plant, arcline_realtime::Handle), Failure> {
     let failed = |what: &str, error: &dyn std::fmt::Display| Failure::new(1, format!("{what}: {error}"));
     let mut terminate = signal(SignalKind::terminate()).map_err(|error| failed("SIGTERM", &error))?;
     let mut interrupt = signal(SignalKind::interrupt()).map_err(|error| failed("SIGINT", &error))?;
+    let mut hangup = signal(SignalKind::hangup()).map_err(|error| failed("SIGHUP", &error))?;
     let started = match retained {
         None => Plant::start(project),
         Some((image, watch)) => Plant::start_with(project, image, Some(watch)),
@@ -65,17 +73,60 @@ async fn serve(
     let mut settings = Settings::new(&project.server.name);
     settings.io = project.server.io.address(listen);
     settings.io_loss = project.server.io_loss;
+    settings.also.clone_from(&project.server.listen_also);
+    settings.max_clients = project.server.max_clients;
+    settings.max_clients_per_address = project.server.max_clients_per_address;
+    settings.max_connections = project.server.max_connections;
+    settings.max_connections_per_address = project.server.max_connections_per_address;
+    settings.session.inactivity = match project.server.inactivity_timeout {
+        0 => None,
+        seconds => Some(Duration::from_secs(seconds.into())),
+    };
     let listener = bind(project.server.io, listen, plant.clone(), settings).await?;
     if let Some(address) = listener.io_addr() {
         tracing::info!(%address, "implicit I/O (class 0 and 1 connections) listens");
     }
     ready(listener.local_addr()).map_err(|error| failed("standard output", &error))?;
-    tokio::select! {
-        () = listener.serve() => {}
-        _ = terminate.recv() => tracing::info!("SIGTERM: stopping"),
-        _ = interrupt.recv() => tracing::info!("SIGINT: stopping"),
+    let served = listener.serve();
+    tokio::pin!(served);
+    loop {
+        tokio::select! {
+            () = &mut served => break,
+            _ = hangup.recv() => reload(&plant, config, &mut configured).await,
+            _ = terminate.recv() => {
+                tracing::info!("SIGTERM: stopping");
+                break;
+            }
+            _ = interrupt.recv() => {
+                tracing::info!("SIGINT: stopping");
+                break;
+            }
+        }
     }
     Ok((plant, handle))
+}
+
+/// SIGHUP: takes over the tags and types of the configuration file as it is now, or says why not. What came of it is a
+/// warning, so that it is seen whatever the log is set to.
+async fn reload(plant: &Plant, config: Option<&Path>, configured: &mut Project) {
+    let Some(file) = config else {
+        tracing::warn!("SIGHUP: nothing is reloaded, the server runs without --config");
+        return;
+    };
+    let new = match project(Some(file)) {
+        Ok(new) => new,
+        Err(failure) => {
+            tracing::error!("SIGHUP: nothing has changed: {failure}");
+            return;
+        }
+    };
+    match plant.reload(configured, &new).await {
+        Ok(()) => {
+            *configured = new;
+            tracing::warn!("SIGHUP: {} was taken over", file.display());
+        }
+        Err(error) => tracing::error!("SIGHUP: nothing has changed: {}: {error}", file.display()),
+    }
 }
 
 /// Binds everything. Where nobody has chosen a port for implicit I/O and 2222 is taken (by a scanner on this host), any

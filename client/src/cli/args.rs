@@ -116,10 +116,10 @@ pub(crate) enum Command {
     /// Show axes, coordinate systems, the group, and the health of the real-time thread
     #[command(after_help = "Example: arcline status X CS1")]
     Status(Status),
-    /// List tags
+    /// List tags, create and delete plain ones
     #[command(
         after_help = "A pattern with * or ? must match the whole name, another one a part of it; case is ignored.\n\
-        Example: arcline tags 'Move*'"
+        Example: arcline tags 'Move*'\n         arcline tags create Recipe REAL[16]"
     )]
     Tags(Tags),
     /// Read tags
@@ -409,9 +409,60 @@ pub(crate) struct Status {
 }
 
 #[derive(Args, Debug)]
+#[command(args_conflicts_with_subcommands = true)]
 pub(crate) struct Tags {
+    #[command(subcommand)]
+    pub(crate) change: Option<TagsChange>,
     /// Part of the name, or a pattern with * and ?
     pub(crate) pattern: Option<String>,
+}
+
+/// A change of the server's tags.
+#[derive(Subcommand, Debug)]
+pub(crate) enum TagsChange {
+    /// Create a plain tag; clients see it as after a download
+    #[command(after_help = "Example: arcline tags create Recipe REAL[16] --program Main")]
+    Create(CreateTag),
+    /// Delete a plain tag
+    #[command(after_help = "Example: arcline tags delete Recipe")]
+    Delete(DeleteTag),
+}
+
+/// What is created.
+#[derive(Args, Debug)]
+pub(crate) struct CreateTag {
+    /// 1 to 40 letters, digits and underscores, no digit first
+    pub(crate) name: String,
+    /// Such as DINT, `REAL[16]`, `DINT[2,3]`, or a structure of the server's configuration
+    #[arg(value_name = "TYPE")]
+    pub(crate) data_type: String,
+    /// The program in whose scope it is
+    #[arg(long)]
+    pub(crate) program: Option<String>,
+    /// Who may write it
+    #[arg(long, value_enum, default_value = "read_write")]
+    pub(crate) access: TagAccess,
+}
+
+/// What is deleted.
+#[derive(Args, Debug)]
+pub(crate) struct DeleteTag {
+    /// The tag
+    pub(crate) name: String,
+    /// The program in whose scope it is
+    #[arg(long)]
+    pub(crate) program: Option<String>,
+}
+
+/// Who may write a tag.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum TagAccess {
+    /// Clients too
+    #[value(name = "read_write")]
+    ReadWrite,
+    /// Nobody
+    #[value(name = "read_only")]
+    ReadOnly,
 }
 
 #[derive(Args, Debug)]

@@ -120,7 +120,7 @@ async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
         Command::Home(command) => moves::home(&client, command, output).await,
         Command::Servo(command) => moves::servo(&client, command, output).await,
         Command::Status(command) => status::status(&client, &command.names, output).await,
-        Command::Tags(command) => tags::list(&client, command.pattern.as_deref(), output).await,
+        Command::Tags(command) => tags::tags(&client, &command, output).await,
         Command::Read(command) => tags::read(&client, &command.tags, output).await,
         Command::Write(command) => tags::write(&client, &command, output).await,
         Command::Identify(_) => status::identify(&client, output).await,

@@ -4,12 +4,45 @@ use serde_json::json;
 
 use arcline_client::{Access, Client, Input, Reading};
 
-use super::args::Write;
+use super::args::{CreateTag, DeleteTag, TagAccess, Tags, TagsChange, Write};
 use super::output::table;
 use super::{Failure, Output};
 
 /// `tags`.
-pub(crate) async fn list(client: &Client, pattern: Option<&str>, output: &Output) -> Result<(), Failure> {
+pub(crate) async fn tags(client: &Client, command: &Tags, output: &Output) -> Result<(), Failure> {
+    match &command.change {
+        None => list(client, command.pattern.as_deref(), output).await,
+        Some(TagsChange::Create(command)) => create(client, command, output).await,
+        Some(TagsChange::Delete(command)) => delete(client, command, output).await,
+    }
+}
+
+async fn create(client: &Client, command: &CreateTag, output: &Output) -> Result<(), Failure> {
+    let name = full_name(command.program.as_deref(), &command.name);
+    let access = match command.access {
+        TagAccess::ReadWrite => Access::ReadWrite,
+        TagAccess::ReadOnly => Access::ReadOnly,
+    };
+    let instance = client.create_tag(&name, &command.data_type, access).await?;
+    output.result(
+        format!("{name} created"),
+        || json!({"tag": name, "type": command.data_type, "instance": instance}),
+    );
+    Ok(())
+}
+
+async fn delete(client: &Client, command: &DeleteTag, output: &Output) -> Result<(), Failure> {
+    let name = full_name(command.program.as_deref(), &command.name);
+    client.delete_tag(&name).await?;
+    output.result(format!("{name} deleted"), || json!({"tag": name}));
+    Ok(())
+}
+
+fn full_name(program: Option<&str>, name: &str) -> String {
+    program.map_or_else(|| name.to_owned(), |program| format!("Program:{program}.{name}"))
+}
+
+async fn list(client: &Client, pattern: Option<&str>, output: &Output) -> Result<(), Failure> {
     let tags = client.browse().await?;
     let mut rows = Vec::new();
     for tag in tags

@@ -21,9 +21,13 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         instruction_tags,
         types: _,
         tags,
+        ..
     } = project;
     writeln!(out, "server {:?}", server.name)?;
     writeln!(out, "  EtherNet/IP on {}", server.listen)?;
+    for also in &server.listen_also {
+        writeln!(out, "  EtherNet/IP on {also}")?;
+    }
     match server.io.address(server.listen) {
         Some(io) => writeln!(out, "  I/O on {io}, lost outputs: {}", server.io_loss.word())?,
         None => writeln!(out, "  I/O off")?,

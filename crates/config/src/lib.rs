@@ -13,13 +13,15 @@ mod write;
 use std::net::SocketAddr;
 use std::sync::Arc;
 
+use arcline_controller::image::Configured;
 use arcline_controller::machine::Machine;
 use arcline_tag::Template;
 
+pub use arcline_controller::image::MAX_PLAIN_TAGS as MAX_TAGS;
 pub use arcline_controller::image::{InstructionTag, PlainTag};
 pub use describe::describe;
 pub use error::{ConfigError, Problem};
-pub use read::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TAGS, MAX_TYPES, is_name};
+pub use read::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, is_name, tag_type};
 pub use write::{format, table};
 
 /// The default configuration, commented: what the server runs without `--config`.
@@ -40,6 +42,17 @@ pub struct Project {
     pub tags: Vec<PlainTag>,
 }
 
+impl Project {
+    /// Its tags and types.
+    pub fn configured(&self) -> Configured<'_> {
+        Configured {
+            data_types: &self.types,
+            instructions: &self.instruction_tags,
+            tags: &self.tags,
+        }
+    }
+}
+
 /// The `[server]` table.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ServerConfig {
@@ -47,6 +60,18 @@ pub struct ServerConfig {
     pub name: String,
     /// Where EtherNet/IP listens, TCP and UDP; port 0 picks a free one.
     pub listen: SocketAddr,
+    /// Further addresses where it listens.
+    pub listen_also: Vec<SocketAddr>,
+    /// TCP connections at a time.
+    pub max_clients: usize,
+    /// The same from one address.
+    pub max_clients_per_address: usize,
+    /// Class 3 connections at a time.
+    pub max_connections: usize,
+    /// The same of all clients at one address.
+    pub max_connections_per_address: usize,
+    /// Silence after which a TCP connection is closed, s; 0: never.
+    pub inactivity_timeout: u16,
     /// Where the HMI listens; `None`: off.
     pub hmi: Option<SocketAddr>,
     /// Where implicit I/O listens, UDP.
@@ -118,6 +143,12 @@ impl Default for ServerConfig {
         Self {
             name: "Arcline".to_owned(),
             listen: read::DEFAULT_LISTEN,
+            listen_also: Vec::new(),
+            max_clients: 2048,
+            max_clients_per_address: 2048,
+            max_connections: 4096,
+            max_connections_per_address: 4096,
+            inactivity_timeout: 120,
             hmi: Some(read::DEFAULT_HMI),
             io: IoListen::default(),
             io_loss: IoLoss::default(),

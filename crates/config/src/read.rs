@@ -27,8 +27,7 @@ use crate::section::{NumberRule, Placed, Section, Source};
 
 pub use self::names::is_name;
 pub(crate) use self::server::{DEFAULT_HMI, DEFAULT_LISTEN};
-pub use self::tags::MAX_TAGS;
-pub use self::types::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES};
+pub use self::types::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, tag_type};
 
 /// Reads a whole file.
 pub(crate) fn project(text: &str, file: &str) -> Result<Project, ConfigError> {

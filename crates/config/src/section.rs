@@ -201,6 +201,20 @@ impl<'t> Section<'t> {
         Ok(strings)
     }
 
+    /// A string, or a list of them; absent: none.
+    pub(crate) fn one_or_more(
+        &self,
+        key: &'static str,
+        expected: &'static str,
+        count: RangeInclusive<usize>,
+    ) -> Result<Vec<Placed<String>>, ConfigError> {
+        match self.find(key).map(Spanned::get_ref) {
+            None => Ok(Vec::new()),
+            Some(DeValue::Array(_)) => self.strings(key, expected, count),
+            Some(_) => Ok(self.string(key, expected)?.into_iter().collect()),
+        }
+    }
+
     /// One of some words, case ignored: its place among them.
     pub(crate) fn word(
         &self,

@@ -223,6 +223,19 @@ impl Store {
         self.finish_rewrite()?.sync_all()
     }
 
+    /// Takes another state, of other axes and tags, and writes it in the place of the file. As long as the disk takes.
+    ///
+    /// # Errors
+    /// The state has more than can be kept, and the one there was stays; or what the system says: the state is taken all
+    /// the same, the file is as it was, and nothing more is written until [`Store::rewrite`] has succeeded.
+    pub fn replace(&mut self, state: State) -> io::Result<()> {
+        state.check().map_err(io::Error::other)?;
+        self.state = state;
+        self.log = None;
+        self.beside = None;
+        self.rewrite()
+    }
+
     /// Whether the file has so grown that it should be written anew.
     pub fn wants_rewrite(&self) -> bool {
         self.beside.is_none() && self.log.as_ref().is_some_and(|log| log.length >= self.rewrite_at)

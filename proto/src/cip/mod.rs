@@ -58,6 +58,10 @@ pub mod service {
     pub const SET_ATTRIBUTE_LIST: u8 = 0x04;
     /// Reset.
     pub const RESET: u8 = 0x05;
+    /// Create.
+    pub const CREATE: u8 = 0x08;
+    /// Delete.
+    pub const DELETE: u8 = 0x09;
     /// Multiple Service Packet.
     pub const MULTIPLE_SERVICE_PACKET: u8 = 0x0A;
     /// Get Attribute Single.

@@ -4,12 +4,14 @@
 //! send them (spec/ethernet-ip.md §4); operands of motion services ([`decode_operands`]) do not.
 
 mod browse;
+mod create;
 mod operands;
 mod tag_services;
 mod template;
 mod wire_type;
 
 pub use browse::{Symbol, instance_list_reply};
+pub use create::CreateSymbol;
 pub use operands::{MAX_OPERANDS, Typed, TypedError, decode_operands, encode_operands};
 pub use tag_services::{ReadModifyWrite, ReadReply, ReadTag, WriteTag};
 pub use template::{ReadTemplate, TemplateAttributes};

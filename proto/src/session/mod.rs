@@ -104,6 +104,8 @@ pub struct ServerSession {
     settings: Arc<Settings>,
     local: SocketAddrV4,
     life: Life,
+    /// Silence after which the session ends; `None`: never.
+    inactivity: Option<Duration>,
     connections: Connections,
     replies: Replies,
     events: VecDeque<Event>,
@@ -115,6 +117,7 @@ impl ServerSession {
     pub fn new(settings: Arc<Settings>, local: SocketAddrV4, now: Duration) -> Self {
         let until = now + settings.register_timeout;
         Self {
+            inactivity: settings.inactivity,
             settings,
             local,
             life: Life::Fresh { until },
@@ -226,6 +229,12 @@ impl ServerSession {
         }
     }
 
+    /// Sets the silence after which the session ends, from the last frame on; `None`: never. Ask
+    /// [`Self::poll_timeout`] anew.
+    pub fn set_inactivity(&mut self, time: Option<Duration>) {
+        self.inactivity = time;
+    }
+
     /// The socket has gone: frees the connections. Events that are left need not be polled.
     pub fn handle_disconnect(&mut self, host: &mut dyn Host) {
         self.life = Life::Closed;
@@ -252,9 +261,7 @@ impl ServerSession {
     fn life_deadline(&self) -> Option<Duration> {
         match self.life {
             Life::Fresh { until } => Some(until),
-            Life::Registered { heard, .. } if self.replies.is_empty() => {
-                self.settings.inactivity.map(|time| heard + time)
-            }
+            Life::Registered { heard, .. } if self.replies.is_empty() => self.inactivity.map(|time| heard + time),
             Life::Registered { .. } | Life::Closed => None,
         }
     }

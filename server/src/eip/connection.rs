@@ -16,11 +16,15 @@ use tokio_util::codec::Framed;
 use tracing::debug;
 
 use super::codec::{FrameCodec, StreamError};
+use super::crowd::Place;
 use super::device::{Device, Seat};
 use super::router::Router;
 
 /// Frames that are taken from one connection before the others get their turn.
 const BATCH: usize = 32;
+
+/// How long a changed inactivity time-out may go unnoticed.
+const LOOK: Duration = Duration::from_secs(1);
 
 /// Why a connection ended.
 #[derive(Debug, thiserror::Error)]
@@ -37,13 +41,32 @@ pub(crate) enum Ended {
     /// The peer does not read.
     #[error("the peer did not read its replies in time")]
     SlowReader,
+    /// Too many clients, and this one had no session.
+    #[error("too many clients, and this one had no session")]
+    Crowded,
 }
 
-/// Serves a stream that was accepted at `local` from `peer` until it ends.
+/// Serves a stream that has no place among the device's clients.
+#[cfg(test)]
 pub(crate) async fn serve<S>(stream: S, local: SocketAddrV4, peer: IpAddr, device: Arc<Device>) -> Ended
 where
     S: AsyncRead + AsyncWrite + Unpin,
 {
+    serve_in(None, stream, local, peer, device).await
+}
+
+/// Serves a stream that was accepted at `local` from `peer` until it ends, in a place among the device's clients.
+pub(crate) async fn serve_in<S>(
+    place: Option<Place>,
+    stream: S,
+    local: SocketAddrV4,
+    peer: IpAddr,
+    device: Arc<Device>,
+) -> Ended
+where
+    S: AsyncRead + AsyncWrite + Unpin,
+{
+    let leave = place.as_ref().map(Place::leave).unwrap_or_default();
     let codec = FrameCodec::new(device.settings.session.frame_limit);
     let epoch = Instant::now();
     let mut connection = Connection {
@@ -52,11 +75,20 @@ where
         router: Router::new(device.clone(), local),
         local,
         peer,
+        place,
         device,
         epoch,
     };
-    let ended = connection.run().await;
-    connection.session.handle_disconnect(&mut &*connection.device);
+    let ended = tokio::select! {
+        ended = connection.run() => ended,
+        () = leave.notified() => Ended::Crowded,
+    };
+    let mut seat = Seat {
+        device: &connection.device,
+        local,
+        peer,
+    };
+    connection.session.handle_disconnect(&mut seat);
     ended
 }
 
@@ -66,6 +98,7 @@ struct Connection<S> {
     router: Router,
     local: SocketAddrV4,
     peer: IpAddr,
+    place: Option<Place>,
     device: Arc<Device>,
     epoch: Instant,
 }
@@ -84,12 +117,17 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
 
     async fn serve_frames(&mut self) -> Result<std::convert::Infallible, Ended> {
         loop {
-            let due = self.session.poll_timeout().map(|time| self.epoch + time);
+            self.session.set_inactivity(self.device.inactivity());
+            // A client may set another inactivity time-out: that is looked at now and then.
+            let look = self.now() + LOOK;
+            let due = self.session.poll_timeout().map(|time| self.epoch + time.min(look));
             let next = tokio::select! {
                 next = self.framed.next() => next,
                 () = sleep_until(due.unwrap_or(self.epoch)), if due.is_some() => {
                     let now = self.now();
-                    self.session.handle_timeout(now, &mut &*self.device);
+                    let (device, local, peer) = (&*self.device, self.local, self.peer);
+                    let mut seat = Seat { device, local, peer };
+                    self.session.handle_timeout(now, &mut seat);
                     self.carry_out().await?;
                     continue;
                 }
@@ -124,6 +162,11 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
             }
             Some(Err(error)) => return Err(error.into()),
             None => return Err(Ended::ByPeer),
+        }
+        if let Some(place) = &mut self.place
+            && self.session.is_registered()
+        {
+            place.register();
         }
         self.carry_out().await
     }

@@ -1,7 +1,8 @@
 //! What all connections of the server share: the plant, the identity, limits and counters.
 
 use std::net::{IpAddr, SocketAddr, SocketAddrV4};
-use std::sync::atomic::{AtomicBool, AtomicI64, AtomicUsize, Ordering};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -13,6 +14,7 @@ use arcline_proto::identity::Identity;
 use arcline_proto::session::{self, Host, IoOpen, IoOpened};
 use tracing::error;
 
+use super::crowd::{Crowd, Limits};
 use super::io::{Exchange, Io};
 use crate::plant::Plant;
 
@@ -21,12 +23,20 @@ use crate::plant::Plant;
 pub struct Settings {
     /// Who the device says it is.
     pub identity: Identity,
-    /// TCP connections at a time; more wait in the system's backlog.
+    /// Further addresses to listen on.
+    pub also: Vec<SocketAddr>,
+    /// TCP connections at a time; when there are more, the oldest without a session is closed, else the new one.
     pub max_clients: usize,
+    /// The same from one address.
+    pub max_clients_per_address: usize,
+    /// Class 3 connections of all clients at one address.
+    pub max_connections_per_address: usize,
     /// Class 3 connections of all sessions together.
     pub max_connections: usize,
     /// How long a peer may take to read what has been written to it.
     pub write_timeout: Duration,
+    /// Where the files are in which the system shows its network.
+    pub system: PathBuf,
     /// Limits of a session.
     pub session: session::Settings,
     /// Where class 0 and 1 connections listen, UDP; `None`: they are refused.
@@ -40,9 +50,13 @@ impl Settings {
     pub fn new(name: &str) -> Self {
         Self {
             identity: Identity::new(name, serial_number(name)),
+            also: Vec::new(),
             max_clients: 2048,
+            max_clients_per_address: 2048,
+            max_connections_per_address: 4096,
             max_connections: 4096,
             write_timeout: Duration::from_secs(30),
+            system: PathBuf::from("/"),
             session: session::Settings::default(),
             io: None,
             io_loss: IoLoss::default(),
@@ -65,8 +79,12 @@ pub(crate) struct Device {
     pub(crate) session_settings: Arc<session::Settings>,
     exchange: Exchange,
     io: Option<Arc<Io>>,
+    /// Who is connected.
+    pub(crate) crowd: Arc<Crowd>,
     open_connections: AtomicUsize,
     counters: Mutex<Counters>,
+    /// Silence after which a socket is closed, s; 0: never. Clients set it.
+    inactivity: AtomicU64,
     /// µs that a client has moved the wall clock by; the host's own clock is never set.
     clock_offset: AtomicI64,
     /// Whether a client has set daylight saving.
@@ -92,6 +110,12 @@ impl Device {
             exchange,
             io,
             session_settings: Arc::new(settings.session.clone()),
+            inactivity: AtomicU64::new(settings.session.inactivity.map_or(0, |time| time.as_secs())),
+            crowd: Crowd::new(Limits {
+                clients: settings.max_clients.max(1),
+                clients_of_one: settings.max_clients_per_address.max(1),
+                connections_of_one: settings.max_connections_per_address,
+            }),
             settings,
             open_connections: AtomicUsize::new(0),
             counters: Mutex::new(Counters::default()),
@@ -118,6 +142,17 @@ impl Device {
     /// Attributes of the Connection Manager.
     pub(crate) fn counters(&self) -> Counters {
         *self.lock_counters()
+    }
+
+    /// Silence after which a socket is closed; `None`: never.
+    pub(crate) fn inactivity(&self) -> Option<Duration> {
+        let seconds = self.inactivity.load(Ordering::Relaxed);
+        (seconds > 0).then(|| Duration::from_secs(seconds))
+    }
+
+    /// Sets it, in whole seconds, for every socket; 0: never.
+    pub(crate) fn set_inactivity(&self, time: Duration) {
+        self.inactivity.store(time.as_secs(), Ordering::Relaxed);
     }
 
     /// µs since 1970-01-01 UTC, as clients have set it.
@@ -199,11 +234,19 @@ impl Host for Seat<'_> {
     }
 
     fn acquire_connection(&mut self) -> bool {
-        self.device.acquire_connection()
+        let mut device = self.device;
+        let free = self.device.crowd.acquire_connection(self.peer);
+        let acquired = free && device.acquire_connection();
+        if free && !acquired {
+            self.device.crowd.release_connections(self.peer, 1);
+        }
+        acquired
     }
 
     fn release_connections(&mut self, count: usize) {
-        self.device.release_connections(count);
+        let mut device = self.device;
+        self.device.crowd.release_connections(self.peer, count);
+        device.release_connections(count);
     }
 
     fn count(&mut self, count: Count) {

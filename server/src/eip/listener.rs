@@ -1,7 +1,7 @@
 //! The TCP and UDP sockets of the EtherNet/IP port.
 //!
-//! A permit for every TCP connection is taken before it is accepted, so a crowd waits in the system's backlog instead of
-//! in our memory. The work of a connection is [`connection`](super::connection)'s.
+//! Every TCP connection gets a place in the [`crowd`](super::crowd) or is closed at once; nobody waits in the system's
+//! backlog. The work of a connection is [`connection`](super::connection)'s.
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
@@ -9,10 +9,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::net::{TcpListener, TcpStream, UdpSocket};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::task::JoinSet;
 use tracing::{Instrument, debug, error, info_span, warn};
 
+use super::crowd::Place;
 use super::device::{Device, Settings};
 use super::io::IoThread;
 use super::{connection, datagram};
@@ -26,10 +26,18 @@ const PORT_TRIES: usize = 16;
 /// The bound sockets; connections are accepted by the system from now on and served by [`Listener::serve`].
 #[derive(Debug)]
 pub struct Listener {
+    doors: Vec<Door>,
+    /// Of the first.
+    local: SocketAddr,
+    device: Arc<Device>,
+}
+
+/// The sockets of one address.
+#[derive(Debug)]
+struct Door {
     tcp: TcpListener,
     udp: UdpSocket,
     local: SocketAddr,
-    device: Arc<Device>,
 }
 
 impl Listener {
@@ -39,20 +47,25 @@ impl Listener {
     /// An address cannot be bound.
     pub async fn bind(address: SocketAddr, plant: Plant, settings: Settings) -> Result<Self, BindError> {
         let failed = |address| move |error| BindError { address, error };
-        let (tcp, udp) = bind_both(address).await.map_err(failed(address))?;
-        let local = tcp.local_addr().map_err(failed(address))?;
+        let mut doors = Vec::new();
+        for address in [address].iter().chain(&settings.also).copied() {
+            let (tcp, udp) = bind_both(address).await.map_err(failed(address))?;
+            let local = tcp.local_addr().map_err(failed(address))?;
+            doors.push(Door { tcp, udp, local });
+        }
+        let local = doors.first().map_or(address, |door| door.local);
         let io = settings.io;
         let device = Device::new(plant, settings).map_err(failed(io.unwrap_or(address)))?;
         let device = Arc::new(device);
-        Ok(Self {
-            tcp,
-            udp,
-            local,
-            device,
-        })
+        Ok(Self { doors, local, device })
     }
 
-    /// The address that was really bound.
+    /// Every address that was really bound, the first one first.
+    pub fn local_addrs(&self) -> Vec<SocketAddr> {
+        self.doors.iter().map(|door| door.local).collect()
+    }
+
+    /// The first address that was really bound.
     pub fn local_addr(&self) -> SocketAddr {
         self.local
     }
@@ -70,25 +83,28 @@ impl Listener {
                 .inspect_err(|error| error!(%error, "no thread for implicit I/O: nothing is produced"))
                 .ok()
         });
-        let permits = Arc::new(Semaphore::new(
-            self.device.settings.max_clients.clamp(1, Semaphore::MAX_PERMITS),
-        ));
+        let doors = self.doors.iter().map(|door| door.serve(&self.device));
+        futures_util::future::join_all(doors).await;
+    }
+}
+
+impl Door {
+    async fn serve(&self, device: &Arc<Device>) {
         let mut connections = JoinSet::new();
-        let datagrams = datagram::serve(&self.udp, self.local, &self.device);
+        let datagrams = datagram::serve(&self.udp, self.local, device);
         let accept = async {
             loop {
-                let permit = permits
-                    .clone()
-                    .acquire_owned()
-                    .await
-                    .expect("the semaphore is never closed");
                 match self.tcp.accept().await {
-                    Ok((stream, peer)) => {
-                        let span = info_span!("connection", %peer);
-                        connections.spawn(serve_one(stream, permit, self.device.clone()).instrument(span));
-                    }
+                    Ok((stream, peer)) => match device.crowd.enter(peer.ip()) {
+                        Some(place) => {
+                            let span = info_span!("connection", %peer);
+                            connections.spawn(serve_one(stream, place, device.clone()).instrument(span));
+                        }
+                        None => debug!(%peer, "too many clients: closed"),
+                    },
                     Err(error) => {
                         warn!(%error, "cannot accept a connection");
+                        device.crowd.make_room();
                         tokio::time::sleep(ACCEPT_PAUSE).await;
                     }
                 }
@@ -110,7 +126,7 @@ pub struct BindError {
     pub error: io::Error,
 }
 
-async fn serve_one(stream: TcpStream, permit: OwnedSemaphorePermit, device: Arc<Device>) {
+async fn serve_one(stream: TcpStream, place: Place, device: Arc<Device>) {
     if let Err(error) = stream.set_nodelay(true) {
         debug!(%error, "cannot switch off Nagle's algorithm");
     }
@@ -119,9 +135,8 @@ async fn serve_one(stream: TcpStream, permit: OwnedSemaphorePermit, device: Arc<
     };
     let local = reachable(local, peer).await;
     debug!("connected");
-    let ended = connection::serve(stream, local, peer.ip(), device).await;
+    let ended = connection::serve_in(Some(place), stream, local, peer.ip(), device).await;
     connection::report(&ended);
-    drop(permit);
 }
 
 /// TCP and UDP on the same port. With port 0 the one that TCP got may be taken for UDP: try again.

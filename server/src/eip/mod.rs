@@ -9,8 +9,10 @@
 //! One CIP message (a single request, or a whole Multiple Service Packet) is one action: all its tag writes are applied
 //! first, then the rising edges of `EnableIn` are executed, then it is answered.
 
+mod adapter;
 mod codec;
 mod connection;
+mod crowd;
 mod datagram;
 mod device;
 mod io;

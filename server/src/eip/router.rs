@@ -12,6 +12,7 @@ use arcline_proto::epath::{Segment, Target};
 use arcline_proto::session::Transport;
 use tracing::{debug, debug_span};
 
+use super::adapter::Adapter;
 use super::device::Device;
 use super::objects::motion::{self, MotionRequest};
 use super::{objects, tags};
@@ -33,6 +34,13 @@ pub(crate) struct Context<'a> {
     pub(crate) budget: usize,
     /// What the message came on.
     pub(crate) transport: Transport,
+}
+
+impl Context<'_> {
+    /// The host's adapter through which the message came.
+    pub(crate) fn adapter(&self) -> Adapter {
+        Adapter::of(&self.device.settings.system, *self.local.ip())
+    }
 }
 
 /// The tag memory as one message sees it.
@@ -58,7 +66,7 @@ enum Step<'r> {
     Done(Reply),
     /// Executes an instruction.
     Motion(MotionRequest),
-    /// Asks an object that looks at the plant itself.
+    /// Asks an object for which the memory must not be held.
     Late(&'r Request, Target),
 }
 
@@ -66,7 +74,10 @@ impl<'r> Step<'r> {
     /// A write that is not kept does not succeed.
     fn unless(self, kept: Result<(), NotKept>, request: &Request) -> Step<'r> {
         match (self, kept) {
-            (Self::Done(reply), Err(NotKept)) if reply.status.is_success() && tags::is_write(request.service) => {
+            (Self::Done(reply), Err(NotKept))
+                if reply.status.is_success()
+                    && (tags::is_write(request.service) || objects::is_table_change(request.service)) =>
+            {
                 Self::Done(Reply::error(request.service, CipStatus::STORE_FAILURE))
             }
             (step, _) => step,
@@ -164,7 +175,10 @@ impl Router {
     /// # Errors
     /// The tags have what was written, but may not have it after a restart.
     async fn with_memory(&self, requests: &[Request], work: impl FnOnce(&mut Memory<'_>)) -> Result<(), NotKept> {
-        let writes = |request: &Request| tags::is_write(request.service) || objects::is_set(request.service);
+        let writes = |request: &Request| {
+            let code = request.service;
+            tags::is_write(code) || objects::is_set(code) || objects::is_table_change(code)
+        };
         if requests.iter().any(writes) {
             let ((), written) = self
                 .device

@@ -11,7 +11,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use arcline_state::{Change, Store};
+use arcline_state::{Change, State, Store};
 use tokio::sync::oneshot;
 
 /// What was changed is not in the file, at least not yet.
@@ -27,6 +27,8 @@ type WhenKept = oneshot::Sender<Result<(), NotKept>>;
 pub(super) enum Job {
     /// Keep these changes, all or none, and say so.
     Keep(Vec<Change>, WhenKept),
+    /// Keep this state in place of the one there was, and say so.
+    Replace(State, WhenKept),
     /// The disk has what it was to synchronise.
     Synchronised(What, io::Result<()>),
     /// Write everything once more and end.
@@ -76,6 +78,7 @@ impl Keeper {
             store,
             disk,
             busy: false,
+            outdated: false,
             unsynchronised: false,
             failed: false,
             due: Instant::now(),
@@ -109,6 +112,8 @@ struct Writer {
     disk: mpsc::SyncSender<(What, File)>,
     /// Whether something is being synchronised.
     busy: bool,
+    /// Whether what is being synchronised has been replaced meanwhile.
+    outdated: bool,
     /// Whether something was appended since.
     unsynchronised: bool,
     /// Whether the last attempt to write has failed.
@@ -136,6 +141,13 @@ impl Writer {
             while let Some(job) = next {
                 match job {
                     Job::Keep(changes, kept) => batch.push((changes, kept)),
+                    Job::Replace(state, kept) => {
+                        // In the order in which it came.
+                        if !batch.is_empty() {
+                            self.append(&mut batch);
+                        }
+                        self.replace(state, kept);
+                    }
                     Job::Synchronised(what, result) => self.synchronised(what, result),
                     Job::Close => close = true,
                 }
@@ -170,6 +182,21 @@ impl Writer {
         }
     }
 
+    fn replace(&mut self, state: State, kept: WhenKept) {
+        self.outdated = self.busy;
+        let written = self.store.replace(state);
+        match &written {
+            Ok(()) => {
+                self.failed = false;
+                self.unsynchronised = false;
+            }
+            Err(error) if !self.failed => self.fail("cannot be written", error),
+            Err(_) => {}
+        }
+        // Whoever waited may have given up.
+        let _ = kept.send(written.map_err(|_| NotKept));
+    }
+
     fn look_after_the_disk(&mut self) {
         let due = Instant::now() >= self.due;
         if self.failed {
@@ -202,6 +229,9 @@ impl Writer {
 
     fn synchronised(&mut self, what: What, result: io::Result<()>) {
         self.busy = false;
+        if std::mem::take(&mut self.outdated) {
+            return;
+        }
         let result = match (what, result) {
             (What::Anew, Ok(())) => self
                 .store

@@ -167,7 +167,12 @@ fn moving(position: f64) -> AxisSnapshot {
 /// A watch on one axis that rests at 0, and what it sends.
 fn watch() -> (Watch, mpsc::Receiver<Job>) {
     let (sender, jobs) = mpsc::channel();
-    (Watch::new(sender, vec![at(0.0, false)], vec![], 1_000_000), jobs)
+    let axis = Axis {
+        name: "X".to_owned(),
+        kind: String::new(),
+        state: at(0.0, false),
+    };
+    (Watch::new(sender, vec![axis], vec![], 1_000_000), jobs)
 }
 
 fn show(watch: &mut Watch, tick: u64, axis: AxisSnapshot) {
@@ -286,8 +291,7 @@ fn plant(project: &Project) -> (Plant, Handle, mpsc::Receiver<Job>) {
     image.remember_written();
     let (sender, jobs) = mpsc::channel();
     let (state, tags) = state_of(project, &image);
-    let axes = state.axes.iter().map(|axis| axis.state).collect();
-    let watch = Watch::new(sender, axes, tags, project.machine.period_ns);
+    let watch = Watch::new(sender, state.axes, tags, project.machine.period_ns);
     let (plant, handle) = Plant::start_with(project, image, Some(watch)).expect("a thread");
     (plant, handle, jobs)
 }
@@ -331,4 +335,42 @@ async fn a_write_is_answered_when_it_is_kept() {
         "nobody keeps it any more"
     );
     handle.stop();
+}
+
+#[test]
+fn created_tags_are_there_again_after_a_restart_and_deleted_ones_are_not() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("state");
+    let create = |name: &str, program: Option<&str>, access| image::PlainTag {
+        program: program.map(str::to_owned),
+        access,
+        ..image::PlainTag::new(name, arcline_config::tag_type("DINT[2]", |_| None).expect("a type"))
+    };
+    {
+        let mut project = project();
+        let mut retained = Retained::open(&file, &mut project).expect("a new file");
+        let image = &mut retained.image;
+        let fresh = image.create(&create("Fresh", None, Access::ReadWrite)).expect("room");
+        let gone = image.create(&create("Gone", None, Access::ReadWrite)).expect("room");
+        image
+            .create(&create("Fixed", Some("Main"), Access::ReadOnly))
+            .expect("room");
+        assert!(retained.watch.tags(image).is_some(), "other tags are news");
+        image.write(fresh, 4, &7_i32.to_le_bytes()).expect("a plain tag");
+        assert!(retained.watch.tags(image).is_some());
+        image.delete(gone).expect("a created tag");
+        assert!(retained.watch.tags(image).is_some());
+        assert!(retained.watch.tags(image).is_none(), "nothing is new");
+        retained.keeper.close().expect("it is written");
+    }
+    let mut again = project();
+    let retained = Retained::open(&file, &mut again).expect("the same machine");
+    let image = &retained.image;
+    let tag = image.find("fresh").expect("it was created");
+    assert_eq!(image.bytes(tag.id), [0, 0, 0, 0, 7, 0, 0, 0]);
+    assert!(image.is_created(tag.id));
+    let fixed = image.find("Program:Main.Fixed").expect("it was created");
+    assert_eq!(fixed.access, Access::ReadOnly);
+    assert_eq!(image.find("Gone"), None);
+    retained.keeper.close().expect("it is written");
 }

@@ -9,10 +9,11 @@ use std::sync::mpsc;
 use arcline_controller::image::{Image, TagId};
 use arcline_controller::{AxisSnapshot, Snapshot};
 use arcline_instruction_set::predefined::{axis_status, cip_axis_status, motion_status};
-use arcline_state::{AxisState, Change};
+use arcline_state::{Axis, AxisState, Change, State};
 use tokio::sync::oneshot;
 
 use super::keeper::{Job, NotKept};
+use super::tags_of;
 
 /// Tells when changes are kept, or that they are not.
 pub(crate) type Kept = oneshot::Receiver<Result<(), NotKept>>;
@@ -23,8 +24,10 @@ pub(crate) struct Watch {
     jobs: mpsc::Sender<Job>,
     /// Places of the tags in the state.
     tags: BTreeMap<TagId, u32>,
+    /// The changes of the table of tags that have been seen.
+    table: u32,
     /// The axes as they were last sent.
-    axes: Vec<AxisState>,
+    axes: Vec<Axis>,
     /// The last message about axes, until it is kept.
     under_way: Option<Kept>,
     /// Ticks between two positions of an axis that moves.
@@ -35,10 +38,12 @@ pub(crate) struct Watch {
 
 impl Watch {
     /// `axes` is how they stand in the state, in configuration order, `tags` the tags in it, in order.
-    pub(super) fn new(jobs: mpsc::Sender<Job>, axes: Vec<AxisState>, tags: Vec<TagId>, period_ns: u64) -> Self {
+    pub(super) fn new(jobs: mpsc::Sender<Job>, axes: Vec<Axis>, tags: Vec<TagId>, period_ns: u64) -> Self {
         Watch {
             jobs,
             tags: tags.into_iter().zip(0..).collect(),
+            // None has been seen.
+            table: u32::MAX,
             axes,
             under_way: None,
             interval: (POSITIONS_NS / period_ns.max(1)).max(1),
@@ -47,8 +52,13 @@ impl Watch {
     }
 
     /// Sends what was written to the tags since the last call, as one change; `None`: nothing was.
+    ///
+    /// When other tags are there than before, the whole state is sent: the new ones and their bytes are in it.
     pub(crate) fn tags(&mut self, image: &mut Image) -> Option<Kept> {
         let written = image.take_written();
+        if let Some(kept) = self.table(image) {
+            return Some(kept);
+        }
         let changes = written.iter().filter_map(|part| {
             Some(Change::Tag {
                 tag: *self.tags.get(&part.id)?,
@@ -60,6 +70,26 @@ impl Watch {
             })
         });
         self.send(changes.collect())
+    }
+
+    fn table(&mut self, image: &Image) -> Option<Kept> {
+        if image.table_changes() == self.table {
+            return None;
+        }
+        self.table = image.table_changes();
+        let (tags, ids) = tags_of(image);
+        let ids: BTreeMap<TagId, u32> = ids.into_iter().zip(0..).collect();
+        if ids == self.tags {
+            return None;
+        }
+        self.tags = ids;
+        let state = State {
+            axes: self.axes.clone(),
+            tags,
+        };
+        let (sender, receiver) = oneshot::channel();
+        let _ = self.jobs.send(Job::Replace(state, sender));
+        Some(receiver)
     }
 
     /// Sends what a snapshot shows to have changed: at once that an axis began to move or came to rest, that it was
@@ -95,6 +125,7 @@ impl Watch {
         let axes = (0..).zip(self.axes.iter_mut().zip(&snapshot.axes));
         axes.filter_map(|(axis, (was, shown))| {
             let state = state(shown);
+            let was = &mut was.state;
             let news =
                 state != *was && wanted(was, &state) && state.position.is_finite() && state.redefined.is_finite();
             news.then(|| {

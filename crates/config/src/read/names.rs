@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+pub use arcline_controller::image::is_tag_name as is_name;
+
 use crate::error::{ConfigError, Problem, nearest};
 use crate::section::{Placed, Section};
 
@@ -25,13 +27,6 @@ impl Taken {
     }
 }
 
-/// Whether a tag can have that name: 1 to 40 letters, digits and underscores, no digit first.
-pub fn is_name(text: &str) -> bool {
-    text.len() <= MAX_NAME
-        && text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-        && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-}
-
 pub(super) fn required_name(
     section: &Section<'_>,
     key: &'static str,
@@ -53,5 +48,4 @@ pub(super) fn unknown_name<'n>(
     section.source.error(given.offset, given.key.clone(), problem)
 }
 
-const MAX_NAME: usize = 40;
 pub(super) const NAME: &str = "a name: 1 to 40 letters, digits and underscores, no digit first";

@@ -16,11 +16,26 @@ pub(super) fn server(root: &Section<'_>) -> Result<ServerConfig, ConfigError> {
         }
         config.name = name.value;
     }
-    if let Some(listen) = section.string("listen", LISTEN)? {
-        config.listen = listen
-            .value
-            .parse()
-            .map_err(|_| section.refuse(&listen, LISTEN, None))?;
+    let mut listen = Vec::new();
+    for given in section.one_or_more("listen", LISTEN, 1..=MAX_LISTEN)? {
+        let address: SocketAddr = given.value.parse().map_err(|_| section.refuse(&given, LISTEN, None))?;
+        if address.port() > 0 && listen.contains(&address) {
+            return Err(section.refuse(&given, "an address that stands there once", None));
+        }
+        listen.push(address);
+    }
+    if let Some((first, also)) = listen.split_first() {
+        config.listen = *first;
+        config.listen_also = also.to_vec();
+    }
+    let most = |key| section.integer(key, 1..=MAX_CLIENTS, CLIENTS);
+    config.max_clients = most("max_clients")?.unwrap_or(config.max_clients);
+    config.max_clients_per_address = most("max_clients_per_address")?.unwrap_or(config.max_clients);
+    config.max_connections = most("max_connections")?.unwrap_or(config.max_connections);
+    config.max_connections_per_address = most("max_connections_per_address")?.unwrap_or(config.max_connections);
+    if let Some(seconds) = section.integer("inactivity_timeout_s", 0..=3600, INACTIVITY)? {
+        // At most 3600.
+        config.inactivity_timeout = seconds as u16;
     }
     if let Some(hmi) = section.string("hmi", HMI)? {
         config.hmi = if hmi.value.eq_ignore_ascii_case("off") {
@@ -54,10 +69,26 @@ pub(crate) const DEFAULT_HMI: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(
 /// The Identity object's Product Name is a SHORT_STRING of up to 32 characters.
 const MAX_PRODUCT_NAME: usize = 32;
 
-pub(super) const SERVER: &[&str] = &["name", "listen", "hmi", "io", "io_loss"];
+pub(super) const SERVER: &[&str] = &[
+    "name",
+    "listen",
+    "hmi",
+    "io",
+    "io_loss",
+    "max_clients",
+    "max_clients_per_address",
+    "max_connections",
+    "max_connections_per_address",
+    "inactivity_timeout_s",
+];
+
+const MAX_LISTEN: usize = 16;
+const MAX_CLIENTS: usize = 65_535;
+const CLIENTS: &str = "a whole number from 1 to 65535";
+const INACTIVITY: &str = "a whole number from 0 to 3600 (s)";
 
 const PRODUCT_NAME: &str = "1 to 32 printable ASCII characters";
-const LISTEN: &str = "an address and port such as \"127.0.0.1:44818\"";
+const LISTEN: &str = "an address and port such as \"127.0.0.1:44818\", or a list of up to 16";
 const IO: &str = "an address and port such as \"127.0.0.1:2222\", or \"off\"";
 const IO_LOSS: &str = "\"stop\", \"hold\" or \"finish\"";
 const HMI: &str = "an address and port such as \"127.0.0.1:8080\", or \"off\"";

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use arcline_controller::image::Access;
+use arcline_controller::image::{Access, MAX_PLAIN_TAGS};
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::{Mnemonic, Object};
 use arcline_tag::{Elementary, PathSegment, TagPath, TagType};
@@ -71,7 +71,7 @@ pub(super) fn plain_tags(root: &Section<'_>, types: &Types, names: &mut Taken) -
     let mut programs: BTreeMap<String, Taken> = BTreeMap::new();
     let mut tags: Vec<PlainTag> = Vec::new();
     let mut total = 0;
-    for section in root.tables("tag", TAG, "tables, [[tag]]", MAX_TAGS)? {
+    for section in root.tables("tag", TAG, "tables, [[tag]]", MAX_PLAIN_TAGS)? {
         let program = section.string("program", NAME)?;
         if let Some(program) = &program
             && !is_name(&program.value)
@@ -189,8 +189,6 @@ fn alias(section: &Section<'_>, program: Option<&str>, tags: &[PlainTag]) -> Res
 }
 
 const MAX_INSTRUCTION_TAGS: usize = 1024;
-/// Most `[[tag]]` tables.
-pub const MAX_TAGS: usize = 4096;
 pub(super) const INSTRUCTION: &[&str] = &["tag", "type", "target"];
 pub(super) const TAG: &[&str] = &["name", "type", "program", "access", "value", "alias"];
 const MNEMONIC: &str = "the mnemonic of a motion instruction such as \"MCLM\"";

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use arcline_controller::image::MAX_PLAIN_BYTES;
 use arcline_instruction_set::predefined;
 use arcline_tag::{DataType, Elementary, TagType, Template, TemplateBuilder, string_template};
 
@@ -98,33 +99,13 @@ impl Types {
         word: &Placed<String>,
         expected: &'static str,
     ) -> Result<TagType, ConfigError> {
-        let text = word.value.trim();
-        let (element, dimensions) = match text.split_once('[') {
-            None => (text, [0; 3]),
-            Some((element, rest)) => (
-                element.trim(),
-                dimensions(rest).ok_or_else(|| section.refuse(word, expected, None))?,
-            ),
-        };
-        let data_type = match ELEMENTARY.iter().find(|name| name.eq_ignore_ascii_case(element)) {
-            Some(name) => match Elementary::from_name(name) {
-                Some(elementary) => DataType::Elementary(elementary),
-                None => DataType::Structure(string_template()),
-            },
-            None => match self.0.get(&element.to_ascii_lowercase()) {
-                Some(template) => DataType::Structure(Arc::clone(template)),
-                None => {
-                    let known = ELEMENTARY.iter().copied();
-                    let own = self.0.values().map(|template| template.name.as_str());
-                    return Err(section.refuse(word, expected, nearest(element, known.chain(own))));
-                }
-            },
-        };
-        let is_bool = matches!(data_type, DataType::Elementary(Elementary::Bool));
-        let tag_type = match dimensions {
-            [bits, 0, 0] if is_bool && bits > 0 => TagType::bool_array(bits),
-            [_, rows, _] if is_bool && rows > 0 => return Err(section.refuse(word, expected, None)),
-            dimensions => TagType { data_type, dimensions },
+        let own = |name: &str| self.0.get(&name.to_ascii_lowercase()).cloned();
+        let Some(tag_type) = unbounded(&word.value, own) else {
+            let element = word.value.split('[').next().unwrap_or_default().trim();
+            let known = ELEMENTARY.iter().copied();
+            let own = self.0.values().map(|template| template.name.as_str());
+            let suggestion = nearest(element, known.chain(own)).filter(|near| !near.eq_ignore_ascii_case(element));
+            return Err(section.refuse(word, expected, suggestion));
         };
         if tag_type.size() > MAX_SIZE {
             return Err(section.refuse(word, TOO_LARGE, None));
@@ -134,16 +115,43 @@ impl Types {
 
     /// The problem of memory that all tags together would need.
     pub(super) fn check_total(section: &Section<'_>, total: usize) -> Result<(), ConfigError> {
-        if total > MAX_TOTAL {
+        if total > MAX_PLAIN_BYTES {
             return Err(section.refuse_key(
                 "type",
                 Problem::TooMany {
                     count: total,
-                    limit: MAX_TOTAL,
+                    limit: MAX_PLAIN_BYTES,
                 },
             ));
         }
         Ok(())
+    }
+}
+
+/// The type of a tag that a text means, such as `REAL[16]` or `DINT[2,3]`; `structure` knows the types of the configuration
+/// by their names. `None`: it means none, or one of more than 2 MiB.
+pub fn tag_type(text: &str, structure: impl Fn(&str) -> Option<Arc<Template>>) -> Option<TagType> {
+    unbounded(text, structure).filter(|tag_type| tag_type.size() <= MAX_SIZE)
+}
+
+fn unbounded(text: &str, structure: impl Fn(&str) -> Option<Arc<Template>>) -> Option<TagType> {
+    let text = text.trim();
+    let (element, dimensions) = match text.split_once('[') {
+        None => (text, [0; 3]),
+        Some((element, rest)) => (element.trim(), dimensions(rest)?),
+    };
+    let data_type = match ELEMENTARY.iter().find(|name| name.eq_ignore_ascii_case(element)) {
+        Some(name) => match Elementary::from_name(name) {
+            Some(elementary) => DataType::Elementary(elementary),
+            None => DataType::Structure(string_template()),
+        },
+        None => DataType::Structure(structure(element)?),
+    };
+    let is_bool = matches!(data_type, DataType::Elementary(Elementary::Bool));
+    match dimensions {
+        [bits, 0, 0] if is_bool && bits > 0 => Some(TagType::bool_array(bits)),
+        [_, rows, _] if is_bool && rows > 0 => None,
+        dimensions => Some(TagType { data_type, dimensions }),
     }
 }
 
@@ -169,8 +177,6 @@ pub const MAX_MEMBERS: usize = 512;
 pub const MAX_ELEMENTS: u32 = 65_535;
 /// Most bytes of one tag or type.
 pub const MAX_SIZE: usize = 2 << 20;
-/// Bytes of all plain tags.
-const MAX_TOTAL: usize = 64 << 20;
 /// Template instance of the first type; those of instruction tags are below.
 const FIRST_INSTANCE: u16 = 0x200;
 

@@ -3,7 +3,7 @@
 use arcline_instruction_set::{ControlSlot, MotionControl, predefined};
 use arcline_tag::TagType;
 
-use super::{ControlError, Image, MOTION_CONTROL, TagKind};
+use super::{ControlError, Image, MOTION_CONTROL, TagId, TagKind, is_tag_name};
 use crate::{CONTROL_SLOTS, UNNAMED};
 
 impl Image {
@@ -16,9 +16,7 @@ impl Image {
         if let Some(slot) = self.known_control(name)? {
             return Ok(slot);
         }
-        let mut letters = name.chars();
-        let starts = letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
-        if !starts || !letters.all(|c| c.is_ascii_alphanumeric() || c == '_') || name.len() > MAX_NAME {
+        if !is_tag_name(name) {
             return Err(ControlError::NotAName {
                 name: name.chars().take(MAX_NAME).collect(),
             });
@@ -29,7 +27,7 @@ impl Image {
             TagType::scalar(predefined::motion_instruction()),
             TagKind::MotionControl(slot),
         );
-        self.controls.push((id, 0));
+        self.use_slot(slot, id, 0);
         Ok(slot)
     }
 
@@ -81,9 +79,22 @@ impl Image {
 
     pub(super) fn free_slot(&self) -> Option<ControlSlot> {
         let next = self.controls.len();
-        (next < CONTROL_SLOTS && next as u32 != UNNAMED.0).then_some(ControlSlot(next as u32))
+        let new = (next < CONTROL_SLOTS && next as u32 != UNNAMED.0).then_some(ControlSlot(next as u32));
+        // One whose tag has gone may still hear of its last instruction: only when there is no other.
+        new.or_else(|| self.table.spare_slots.first().copied().map(ControlSlot))
+    }
+
+    /// Makes a slot that [`Image::free_slot`] gave show at an offset of a tag.
+    pub(super) fn use_slot(&mut self, slot: ControlSlot, id: TagId, offset: usize) {
+        match self.controls.get_mut(slot.0 as usize) {
+            Some(place) => {
+                *place = (id, offset);
+                self.table.spare_slots.retain(|spare| *spare != slot.0);
+            }
+            None => self.controls.push((id, offset)),
+        }
     }
 }
 
-/// Longest name of a tag that a client may create, characters.
+/// Of a name that is none, what is shown, characters.
 const MAX_NAME: usize = 40;

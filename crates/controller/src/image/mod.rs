@@ -15,6 +15,7 @@ mod fault_inject;
 mod feed_override;
 mod health;
 mod read;
+mod table;
 mod tag;
 #[cfg(test)]
 mod tests;
@@ -34,6 +35,7 @@ pub use error::{ControlError, ReadError, WriteError};
 pub use fault_inject::FAULT_INJECT_TAG;
 pub use feed_override::{FEED_OVERRIDE_PERCENT, FEED_OVERRIDE_TAG};
 pub use health::{Health, Measured, REAL_TIME_TAG};
+pub use table::{Configured, MAX_PLAIN_BYTES, MAX_PLAIN_TAGS, TableError, is_tag_name};
 pub use tag::{Access, AliasOf, Edge, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind};
 pub use written::Written;
 
@@ -49,6 +51,8 @@ pub struct Image {
     /// Where the MOTION_INSTRUCTION of a slot stands: tag and offset.
     controls: Vec<(TagId, usize)>,
     encoder: encode::Encoder,
+    /// How the table of tags has changed.
+    table: table::Table,
     snapshot_tick: u64,
     /// The last override of each coordinate system that was not 0, percent.
     before_hold: Vec<f32>,
@@ -72,6 +76,7 @@ impl Image {
             templates: BTreeMap::new(),
             controls: Vec::new(),
             encoder: encode::Encoder::new(machine),
+            table: table::Table::default(),
             snapshot_tick: 0,
             before_hold: vec![feed_override::AS_PROGRAMMED; machine.systems.len()],
             written: None,
@@ -107,7 +112,8 @@ impl Image {
             image.add_instruction(tag);
         }
         for tag in plain_tags {
-            image.add_plain(tag);
+            // The configuration saw to it that there is what an alias stands for.
+            let _ = image.add_plain(tag);
         }
         if image.find(REAL_TIME_TAG).is_none() {
             let id = image.add(
@@ -152,12 +158,12 @@ impl Image {
 
     /// The tag of that id.
     pub fn tag(&self, id: TagId) -> Option<&Tag> {
-        self.tags.get(index(id)?)
+        self.tags.get(self.place(id)?)
     }
 
     /// The bytes of a tag; empty when there is none of that id.
     pub fn bytes(&self, id: TagId) -> &[u8] {
-        index(id)
+        self.place(id)
             .and_then(|place| self.bytes.get(place))
             .map_or(&[], Vec::as_slice)
     }
@@ -208,7 +214,7 @@ impl Image {
     }
 
     fn add_in(&mut self, program: Option<u16>, name: &str, tag_type: TagType, kind: TagKind) -> TagId {
-        let id = TagId(self.tags.len() as u32 + 1);
+        let id = self.next_id();
         if let DataType::Structure(template) = &tag_type.data_type {
             self.add_template(template);
         }
@@ -216,21 +222,26 @@ impl Image {
             TagKind::Alias(_) | TagKind::Program(_) => 0,
             _ => tag_type.size(),
         };
-        self.bytes.push(vec![0; size]);
+        // At the end, unless ids are used again.
+        let at = self.tags.partition_point(|tag| tag.id < id);
+        self.bytes.insert(at, vec![0; size]);
         let scope = program.and_then(|place| self.programs.get(usize::from(place)));
         self.names.entry(key(scope.map(String::as_str), name)).or_insert(id);
-        self.tags.push(Tag {
+        let tag = Tag {
             id,
             name: name.to_owned(),
             program,
             tag_type,
             kind,
             access: kind.access(),
-        });
+        };
+        self.tags.insert(at, tag);
+        self.table.changes = self.table.changes.wrapping_add(1);
         id
     }
 
-    fn add_plain(&mut self, tag: &PlainTag) {
+    /// `None`: what the alias stands for is not there.
+    fn add_plain(&mut self, tag: &PlainTag) -> Option<TagId> {
         let program = tag.program.as_deref().map(|program| self.add_program(program));
         let kind = match &tag.alias {
             None => TagKind::Plain,
@@ -241,7 +252,7 @@ impl Image {
                     bit: place.bit,
                 }),
                 // The configuration saw to it that there is such a path.
-                Err(_) => return,
+                Err(_) => return None,
             },
         };
         let id = self.add_in(program, &tag.name, tag.tag_type.clone(), kind);
@@ -254,26 +265,27 @@ impl Image {
             TagKind::Alias(alias) => self.tag(alias.tag).map(|tag| tag.access),
             _ => None,
         };
-        if let Some(added) = self.tags.last_mut() {
-            added.access = match base {
+        if let Some(place) = self.place(id) {
+            self.tags[place].access = match base {
                 Some(Access::ReadOnly) => Access::ReadOnly,
                 _ => tag.access,
             };
         }
+        Some(id)
     }
 
     /// The place of a program, which the list of tags shows from its first tag on.
     fn add_program(&mut self, name: &str) -> u16 {
-        if let Some(place) = self.programs.iter().position(|known| known.eq_ignore_ascii_case(name)) {
-            return place as u16;
+        let known = self.programs.iter().position(|known| known.eq_ignore_ascii_case(name));
+        let place = known.unwrap_or(self.programs.len()) as u16;
+        if known.is_none() {
+            self.programs.push(name.to_owned());
         }
-        let place = self.programs.len() as u16;
-        self.programs.push(name.to_owned());
-        self.add(
-            &format!("Program:{name}"),
-            TagType::scalar(Elementary::Udint),
-            TagKind::Program(place),
-        );
+        // A program whose tags have gone was forgotten.
+        let listed = format!("Program:{name}");
+        if self.find(&listed).is_none() {
+            self.add(&listed, TagType::scalar(Elementary::Udint), TagKind::Program(place));
+        }
         place
     }
 
@@ -291,7 +303,7 @@ impl Image {
             control,
         });
         let id = self.add(&tag.name, TagType::scalar(template), kind);
-        self.controls.push((id, place));
+        self.use_slot(control, id, place);
         if let Some(bytes) = self.bytes_mut(id) {
             let first = instruction_tag_defaults(tag.mnemonic);
             let len = first.len().min(bytes.len());
@@ -309,13 +321,15 @@ impl Image {
                 self.add_template(inner);
             }
         }
+        self.note_type(template);
         self.templates
             .entry(template.instance)
             .or_insert_with(|| template.clone());
     }
 
     fn bytes_mut(&mut self, id: TagId) -> Option<&mut Vec<u8>> {
-        self.bytes.get_mut(index(id)?)
+        let place = self.place(id)?;
+        self.bytes.get_mut(place)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Change detection, class 0xAC (spec/ethernet-ip.md §10): clients browse again when a value changes.
 //!
-//! Tags are never removed or retyped, so their number tells every change.
+//! Attribute 3 counts every change of the table of tags, 4 and 10 count the configurations that were taken over.
 
 use arcline_controller::image::Image;
 use arcline_proto::cip::CipStatus;
@@ -16,11 +16,10 @@ impl Class for ChangeDetection<'_> {
     }
 
     fn attribute(&self, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
-        let tags = u32::try_from(self.0.tags().len()).unwrap_or(u32::MAX);
         match id {
             1 | 2 => u16_value(1),
-            3 => u32_value(tags),
-            4 | 10 => u32_value(1),
+            3 => u32_value(self.0.table_changes()),
+            4 | 10 => u32_value(self.0.reloads().wrapping_add(1)),
             _ => no_attribute(),
         }
     }

@@ -10,6 +10,7 @@ use crate::eip::device::Device;
 
 pub(super) struct MessageRouter<'a>(pub(super) &'a Device);
 
+/// Attribute 4, the ids of open connections, is not told: nobody but their owners is to know them.
 impl Class for MessageRouter<'_> {
     fn extent(&self) -> Extent {
         Extent::dense(1, 3)

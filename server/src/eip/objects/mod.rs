@@ -13,7 +13,9 @@ mod message_router;
 pub(crate) mod motion;
 mod motion_attributes;
 mod motion_instruction;
+mod port;
 mod program_name;
+mod qos;
 pub(crate) mod symbol;
 mod tcp_ip_interface;
 mod template;
@@ -34,16 +36,18 @@ use super::router::{Context, Memory};
 use super::tags::unknown;
 
 /// Every class that answers, ascending: the Message Router's object list.
-const CLASSES: [u16; 15] = [
+const CLASSES: [u16; 17] = [
     class::IDENTITY,
     class::MESSAGE_ROUTER,
     class::ASSEMBLY,
     class::CONNECTION_MANAGER,
+    class::QOS,
     class::PROGRAM_NAME,
     class::SYMBOL,
     class::TEMPLATE,
     class::WALL_CLOCK,
     class::CHANGE_DETECTION,
+    class::PORT,
     class::TCP_IP,
     class::ETHERNET_LINK,
     Object::MotionGroup.class_code(),
@@ -55,8 +59,9 @@ const CLASSES: [u16; 15] = [
 /// The class of executed instructions.
 const EXECUTION: u16 = motion_instruction::CLASS;
 
-/// The classes whose objects look at the plant themselves: they are answered when its memory has been let go.
-pub(crate) const LATE: [u16; 2] = [class::ASSEMBLY, EXECUTION];
+/// The classes that are answered after the tag memory has been let go: assemblies and executions are behind the plant's
+/// lock, and what the system shows of its network stands in files.
+pub(crate) const LATE: [u16; 4] = [class::ASSEMBLY, class::TCP_IP, class::ETHERNET_LINK, EXECUTION];
 
 /// What the class attributes tell (CIP Vol. 1, 4-4).
 struct Extent {
@@ -85,6 +90,31 @@ trait Class {
     /// Instances and attributes.
     fn extent(&self) -> Extent;
 
+    /// Class attribute 1.
+    fn revision(&self) -> u16 {
+        1
+    }
+
+    /// The value of a class attribute beyond those that all classes have: 0x14 if there is no such attribute.
+    fn class_attribute(&self, _id: u16) -> Result<Bytes, CipStatus> {
+        no_attribute()
+    }
+
+    /// Class attribute 6: the highest class attribute.
+    fn last_class_attribute(&self) -> u16 {
+        7
+    }
+
+    /// The class attributes of Get Attributes All, in order.
+    fn class_all(&self) -> &'static [u16] {
+        &[1, 2, 3, 6, 7]
+    }
+
+    /// Answers a service that only this class has, or answers in a way of its own.
+    fn service(&self, _instance: u32, _request: &Request) -> Option<CipStatus> {
+        None
+    }
+
     /// Why there is no such instance (1 or more), if there is none.
     fn check(&self, instance: u32) -> Result<(), CipStatus> {
         if instance <= self.extent().highest {
@@ -102,7 +132,7 @@ trait Class {
         &[]
     }
 
-    /// Bytes of an attribute that can be set.
+    /// Bytes of an attribute of an instance that can be set.
     fn settable(&self, _instance: u32, _id: u16) -> Option<usize> {
         None
     }
@@ -121,6 +151,9 @@ pub(crate) fn serve(
     code: u16,
     target: &Target,
 ) -> Reply {
+    if code == class::SYMBOL && is_table_change(request.service) {
+        return symbol::change(context, memory, request, target);
+    }
     let image = memory.image();
     let device = context.device;
     let with = |object: &dyn Class| attributes(context, object, request, target);
@@ -147,11 +180,10 @@ pub(crate) fn serve(
         }
         class::WALL_CLOCK => with(&wall_clock::WallClock(device)),
         class::CHANGE_DETECTION => with(&change_detection::ChangeDetection(image)),
-        class::TCP_IP => with(&tcp_ip_interface::TcpIpInterface {
-            local: context.local,
-            device,
+        class::QOS => with(&qos::Qos),
+        class::PORT => with(&port::Port {
+            address: *context.local.ip(),
         }),
-        class::ETHERNET_LINK => with(&ethernet_link::EthernetLink),
         code => match Object::from_class_code(code) {
             Some(object) => {
                 let objects = motion_attributes::MotionObjects {
@@ -177,6 +209,11 @@ pub(crate) const fn is_set(code: u8) -> bool {
     matches!(code, service::SET_ATTRIBUTE_SINGLE | service::SET_ATTRIBUTE_LIST)
 }
 
+/// Whether a request may change the table of tags.
+pub(crate) const fn is_table_change(code: u8) -> bool {
+    matches!(code, service::CREATE | service::DELETE)
+}
+
 /// Overrides that were set as attributes are in range: they are written like the tag.
 fn write_overrides(memory: &mut Memory<'_>, overrides: &[(u16, f32)]) {
     let Memory::Write(image, edges) = memory else { return };
@@ -199,13 +236,18 @@ fn write_injected(memory: &mut Memory<'_>, injected: &[(u16, u32)]) {
     }
 }
 
-/// Answers a request for a class that is [`LATE`]. The plant must not be held: what they show is behind its lock.
+/// Answers a request for a class that is [`LATE`]. The plant must not be held.
 pub(crate) fn serve_late(context: &Context<'_>, request: &Request, target: &Target) -> Reply {
+    let device = context.device;
     let with = |object: &dyn Class| attributes(context, object, request, target);
-    if target.class == Some(class::ASSEMBLY) {
-        with(&assembly::Assemblies(context.device))
-    } else {
-        with(&motion_instruction::MotionInstructions(&context.device.plant))
+    match target.class {
+        Some(class::TCP_IP) => with(&tcp_ip_interface::TcpIpInterface {
+            adapter: context.adapter(),
+            device,
+        }),
+        Some(class::ASSEMBLY) => with(&assembly::Assemblies(device)),
+        Some(class::ETHERNET_LINK) => with(&ethernet_link::EthernetLink(context.adapter())),
+        _ => with(&motion_instruction::MotionInstructions(&device.plant)),
     }
 }
 
@@ -244,6 +286,9 @@ fn attributes(context: &Context<'_>, object: &dyn Class, request: &Request, targ
     if instance > 0
         && let Err(status) = object.check(instance)
     {
+        return Reply::error(code, status);
+    }
+    if let Some(status) = object.service(instance, request) {
         return Reply::error(code, status);
     }
     let done = match code {
@@ -291,17 +336,19 @@ impl Attributes<'_> {
         }
     }
 
-    /// Revision, highest instance, number of instances, no optional attributes, highest attributes.
+    /// Revision, highest instance, number of instances, no optional attributes and services, highest attributes.
     fn class_value(&self, id: u16) -> Result<Bytes, CipStatus> {
         let extent = self.object.extent();
         let narrow = |wide: u32| u16::try_from(wide).unwrap_or(u16::MAX);
         let value = match id {
-            1 => 1,
+            1 => self.object.revision(),
             2 => narrow(extent.highest),
             3 => narrow(extent.count),
-            6 => 7,
+            // Lists that are empty.
+            4 | 5 => 0,
+            6 => self.object.last_class_attribute(),
             7 => extent.last_attribute,
-            _ => return Err(CipStatus::ATTRIBUTE_NOT_SUPPORTED),
+            id => return self.object.class_attribute(id),
         };
         Ok(Bytes::copy_from_slice(&u16::to_le_bytes(value)))
     }
@@ -310,7 +357,7 @@ impl Attributes<'_> {
         let ids = if self.instance > 0 {
             self.object.all()
         } else {
-            &[1, 2, 3, 6, 7]
+            self.object.class_all()
         };
         if ids.is_empty() {
             return Err(CipStatus::SERVICE_NOT_SUPPORTED);

@@ -2,14 +2,15 @@
 //!
 //! Reading and writing a tag by its instance is [`tags`](crate::eip::tags)'s.
 
-use arcline_controller::image::{Access, Image, Tag, TagId, TagKind};
-use arcline_proto::cip::{self, CipStatus, Reply, Request, service};
+use arcline_controller::image::{Access, Image, PlainTag, TableError, Tag, TagId, TagKind};
+use arcline_proto::cip::{self, CipStatus, Reply, Request, is_stray_route, service};
 use arcline_proto::epath::Target;
-use arcline_proto::logix::{Symbol, instance_list_reply};
-use bytes::{Bytes, BytesMut};
+use arcline_proto::logix::{CreateSymbol, Symbol, instance_list_reply};
+use arcline_proto::session::Transport;
+use bytes::{BufMut, Bytes, BytesMut};
 
 use super::{Class, Extent};
-use crate::eip::router::Context;
+use crate::eip::router::{Context, Memory};
 use crate::eip::tags::unknown;
 
 /// External access: read and write.
@@ -74,6 +75,80 @@ impl Class for Symbols<'_> {
 
     fn all(&self) -> &'static [u16] {
         &[1, 2, 7, 8]
+    }
+}
+
+/// Create (0x08) on the class, in a program's scope behind its name, and Delete (0x09) on an instance: a plain tag appears
+/// or vanishes, as after a download (docs/DECISIONS.md).
+pub(super) fn change(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request, target: &Target) -> Reply {
+    let Memory::Write(image, _) = memory else {
+        return Reply::error(request.service, CipStatus::SERVICE_NOT_SUPPORTED);
+    };
+    let instance = target.instance.unwrap_or(0);
+    let done = match (request.service, instance) {
+        (service::CREATE, 0) => create(context, image, request, target),
+        (service::DELETE, 1..) => delete(image, instance, target),
+        _ => Err(CipStatus::SERVICE_NOT_SUPPORTED),
+    };
+    match done {
+        Ok(data) => Reply::success(request.service, data),
+        Err(status) => Reply::error(request.service, status),
+    }
+}
+
+fn create(context: &Context<'_>, image: &mut Image, request: &Request, target: &Target) -> Result<Bytes, CipStatus> {
+    let (wanted, surplus) = CreateSymbol::decode(&request.data)?;
+    let stray = context.transport == Transport::Unconnected && is_stray_route(surplus);
+    if !surplus.is_empty() && !stray {
+        return Err(CipStatus::TOO_MUCH_DATA);
+    }
+    // The program need not be there yet.
+    let program = match target.first_symbol() {
+        None => None,
+        Some(name) if target.symbols.len() == 1 => Some(program_name(name).ok_or_else(unknown)?.to_owned()),
+        Some(_) => return Err(unknown()),
+    };
+    let access = match wanted.access {
+        READ_WRITE => Access::ReadWrite,
+        READ_ONLY => Access::ReadOnly,
+        _ => return Err(CipStatus::INVALID_PARAMETER),
+    };
+    let tag_type =
+        arcline_config::tag_type(&wanted.data_type, |name| image.declared(name)).ok_or(CipStatus::INVALID_PARAMETER)?;
+    let tag = PlainTag {
+        program,
+        access,
+        ..PlainTag::new(wanted.name, tag_type)
+    };
+    let id = image.create(&tag).map_err(|error| table_status(&error))?;
+    let mut out = BytesMut::with_capacity(6);
+    out.put_u32_le(id.0);
+    out.put_u16_le(tag.tag_type.symbol_type());
+    Ok(out.freeze())
+}
+
+fn delete(image: &mut Image, instance: u32, target: &Target) -> Result<Bytes, CipStatus> {
+    let scope = scope(image, target)?;
+    let tag = image.tag(TagId(instance)).filter(|tag| tag.program == scope);
+    let id = tag.ok_or_else(unknown)?.id;
+    image.delete(id).map_err(|error| table_status(&error))?;
+    Ok(Bytes::new())
+}
+
+/// `Main` of `Program:Main`.
+fn program_name(symbol: &str) -> Option<&str> {
+    let (word, name) = symbol.split_once(':')?;
+    word.eq_ignore_ascii_case("Program").then_some(name)
+}
+
+fn table_status(error: &TableError) -> CipStatus {
+    match error {
+        TableError::NotAName { .. } => CipStatus::INVALID_PARAMETER,
+        TableError::Taken { .. } => CipStatus::OBJECT_ALREADY_EXISTS,
+        TableError::NoRoom => CipStatus::RESOURCE_UNAVAILABLE,
+        TableError::NoSuchTag => unknown(),
+        TableError::NotPlain { .. } => CipStatus::PRIVILEGE_VIOLATION,
+        TableError::InUse { .. } => CipStatus::OBJECT_STATE_CONFLICT,
     }
 }
 

@@ -134,7 +134,7 @@ async fn objects_answer_for_themselves() {
         ("class revision",            single(0x01, 0, 1),  (0, 0),    Some(&[1, 0])),
         ("the classes there are",     single(0x02, 1, 1),  (0, 0),    None),
         ("program name",              all(0x64, 1),        (0, 0),    Some(b"\x05\0Bench")),
-        ("a reset is not offered",    Request::new(service::RESET, Epath::object(1, 1), Bytes::new()), (0x08, 0), None),
+        ("a reset is refused",        Request::new(service::RESET, Epath::object(1, 1), Bytes::new()), (0x0F, 0), None),
         ("not settable",              set(0x01, 1, &[0, 0]), (0x0E, 0), None),
         ("clock, too short",          set(0x8B, 6, &[0; 7]), (0x13, 0), None),
         ("clock, too long",           set(0x8B, 6, &[0; 9]), (0x15, 0), None),

@@ -4,11 +4,13 @@ mod browse;
 mod hostile;
 mod io;
 mod motion;
+mod objects;
 mod pitfalls;
 mod published;
 mod sessions;
 mod tag_face;
 mod tag_services;
+mod tag_table;
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddrV4};
 use std::sync::Arc;
@@ -163,8 +165,13 @@ impl Bench {
 
     /// A client with a session.
     pub(super) async fn client(&self) -> Client {
+        self.client_on(self.stream()).await
+    }
+
+    /// A client with a session on a stream.
+    pub(super) async fn client_on(&self, stream: DuplexStream) -> Client {
         let mut client = Client {
-            stream: self.stream(),
+            stream,
             buf: BytesMut::new(),
             session: SessionHandle(0),
         };

@@ -240,3 +240,181 @@ async fn a_crowd_waits_and_is_served_in_turn() {
     }
     server.abort();
 }
+
+/// A client of a real socket that reads a tag.
+async fn read_over(address: SocketAddr) -> std::io::Result<usize> {
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+    let mut stream = TcpStream::connect(address).await?;
+    let register = Frame::request(
+        Command::REGISTER_SESSION,
+        SessionHandle(0),
+        [0; 8],
+        RegisterSession::CURRENT.to_bytes(),
+    );
+    stream.write_all(&register.to_bytes()).await?;
+    let mut head = [0; 28];
+    stream.read_exact(&mut head).await?;
+    let session = SessionHandle(u32::from_le_bytes([head[4], head[5], head[6], head[7]]));
+    let message = read("aDint", 1).to_bytes().expect("a short path");
+    let ask = Frame::request(
+        Command::SEND_RR_DATA,
+        session,
+        [0; 8],
+        Packet::unconnected(message).to_bytes(),
+    );
+    stream.write_all(&ask.to_bytes()).await?;
+    let mut reply = [0; 256];
+    stream.read(&mut reply).await
+}
+
+async fn listener(change: impl FnOnce(&mut Settings)) -> (SocketAddr, Vec<SocketAddr>, arcline_realtime::Handle) {
+    let (plant, handle) = plant();
+    let mut settings = Settings::new("Bench");
+    change(&mut settings);
+    let listener = Listener::bind("127.0.0.1:0".parse().expect("an address"), plant, settings)
+        .await
+        .expect("free ports");
+    let (first, all) = (listener.local_addr(), listener.local_addrs());
+    tokio::spawn(listener.serve());
+    (first, all, handle)
+}
+
+#[tokio::test]
+async fn every_listener_serves_over_ipv4_and_ipv6() {
+    let also = ["127.0.0.2:0", "[::1]:0"].map(|address| address.parse().expect("an address"));
+    let (first, all, _thread) = listener(|settings| settings.also = also.to_vec()).await;
+    assert_eq!((all.len(), all[0]), (3, first));
+    for address in all {
+        let length = tokio::time::timeout(PATIENCE, read_over(address))
+            .await
+            .expect("in time");
+        assert_eq!(length.expect("an answer"), 24 + 16 + 4 + 6, "{address}");
+        let udp = UdpSocket::bind((address.ip(), 0)).await.expect("a free port");
+        let ask = Frame::request(Command::LIST_SERVICES, SessionHandle(0), [0; 8], Bytes::new());
+        udp.send_to(&ask.to_bytes(), address).await.expect("loopback");
+        let mut answer = [0; 128];
+        let received = tokio::time::timeout(PATIENCE, udp.recv(&mut answer))
+            .await
+            .expect("in time");
+        assert_eq!(received.expect("an answer"), 24 + 26, "{address}");
+    }
+}
+
+/// OpENer #131: half-open TCP connections that were never freed.
+#[tokio::test(flavor = "multi_thread")]
+async fn silent_sockets_keep_no_client_out() {
+    let sockets = std::env::var("ARCLINE_SILENT")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(300);
+    let (address, _, _thread) = listener(|settings| settings.max_clients = 64).await;
+    let mut silent = Vec::new();
+    for number in 0..sockets {
+        match TcpStream::connect(address).await {
+            Ok(stream) => silent.push(stream),
+            // The test's own limit of open files.
+            Err(error) => panic!("socket {number}: {error}"),
+        }
+    }
+    let began = std::time::Instant::now();
+    let length = tokio::time::timeout(PATIENCE, read_over(address))
+        .await
+        .expect("in time");
+    assert_eq!(length.expect("an answer"), 24 + 16 + 4 + 6);
+    println!("{sockets} silent sockets, then a client in {:?}", began.elapsed());
+}
+
+#[tokio::test]
+async fn sessions_of_one_address_are_limited_and_the_one_too_many_is_closed() {
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+    let (address, _, _thread) = listener(|settings| settings.max_clients_per_address = 2).await;
+    let mut held = Vec::new();
+    for _ in 0..2 {
+        let mut stream = TcpStream::connect(address).await.expect("room");
+        let register = Frame::request(
+            Command::REGISTER_SESSION,
+            SessionHandle(0),
+            [0; 8],
+            RegisterSession::CURRENT.to_bytes(),
+        );
+        stream.write_all(&register.to_bytes()).await.expect("room");
+        stream.read_exact(&mut [0; 28]).await.expect("a session");
+        held.push(stream);
+    }
+    let mut third = TcpStream::connect(address).await.expect("accepted, then closed");
+    let end = tokio::time::timeout(PATIENCE, third.read(&mut [0; 1]))
+        .await
+        .expect("at once");
+    assert!(matches!(end, Ok(0) | Err(_)), "{end:?}");
+    drop(held);
+    let again = async {
+        while read_over(address).await.unwrap_or(0) == 0 {
+            tokio::task::yield_now().await;
+        }
+    };
+    tokio::time::timeout(PATIENCE, again)
+        .await
+        .expect("their places are free again");
+}
+
+#[tokio::test]
+async fn connections_are_limited_in_all_and_of_one_address() {
+    for change in [
+        (|settings: &mut Settings| settings.max_connections = 2) as fn(&mut Settings),
+        |settings| settings.max_connections_per_address = 2,
+    ] {
+        let bench = Bench::with(change);
+        let (mut one, mut other) = (bench.client().await, bench.client().await);
+        let first = one.open(500, 1).await;
+        other.open(500, 2).await;
+        let key = ConnectionKey {
+            serial: 3,
+            vendor: 1,
+            originator: 1,
+        };
+        let full = one.ask(&forward_open(500, key)).await;
+        assert_eq!(codes(full.status), (0x01, 0x0113));
+        assert!(one.close(&first).await.status.is_success());
+        one.open(500, 4).await;
+        // With the clients their connections go.
+        drop((one, other));
+        let free = async {
+            while bench.device.open_connections() > 0 {
+                tokio::task::yield_now().await;
+            }
+        };
+        tokio::time::timeout(PATIENCE, free).await.expect("they are closed");
+        bench.client().await.open(500, 5).await;
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn who_reads_nothing_is_closed_and_nobody_waits_for_it() {
+    let bench = Bench::with(|settings| settings.write_timeout = Duration::from_secs(5));
+    let mut slow = bench.client().await;
+    let mut other = bench.client().await;
+    let message = read("Dints", 100).to_bytes().expect("a short path");
+    let ask = Frame::request(
+        Command::SEND_RR_DATA,
+        slow.session,
+        [0; 8],
+        Packet::unconnected(message).to_bytes(),
+    )
+    .to_bytes();
+    // Until nothing more is taken from it: its replies fill what there is for them, and no more.
+    let flood = async {
+        let mut sent = 0_usize;
+        while slow.stream.write_all(&ask).await.is_ok() {
+            sent += 1;
+            assert!(sent < 100_000, "it is read without end");
+        }
+    };
+    tokio::pin!(flood);
+    tokio::select! {
+        () = &mut flood => {}
+        () = async { loop {
+            assert_eq!(other.read("aDint").await.data.len(), 4);
+            tokio::time::sleep(Duration::from_millis(100)).await;
+        } } => {}
+    }
+}

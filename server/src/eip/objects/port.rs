@@ -1,0 +1,79 @@
+//! Port, class 0xF4 (CIP Vol. 1, 3-7): the one port by which the device is reached, EtherNet/IP. Port 1 of a path is the
+//! backplane of a controller; there is nothing behind it but this device, so it has no instance.
+
+use std::net::Ipv4Addr;
+
+use arcline_proto::cip::CipStatus;
+use bytes::{BufMut, Bytes, BytesMut};
+
+use super::{Class, Extent, no_attribute, short_string, u16_value};
+
+/// Port type: TCP/IP.
+const TCP_IP: u16 = 4;
+/// Port number of the network in a path.
+const NUMBER: u16 = 2;
+/// Link object: two words, class 0xF5, instance 1.
+const LINK: [u8; 6] = [2, 0, 0x20, 0xF5, 0x24, 1];
+/// A port segment with an extended link address, port 2.
+const NODE: u8 = 0x12;
+
+pub(super) struct Port {
+    /// The local end of the connection that asks.
+    pub(super) address: Ipv4Addr,
+}
+
+impl Class for Port {
+    fn extent(&self) -> Extent {
+        Extent::dense(1, 7)
+    }
+
+    /// 8: the instance by which the request came; 9: type and number of all, from instance 0, which is none.
+    fn class_attribute(&self, id: u16) -> Result<Bytes, CipStatus> {
+        match id {
+            8 => u16_value(1),
+            9 => Ok([0, 0, TCP_IP, NUMBER]
+                .iter()
+                .flat_map(|word| word.to_le_bytes())
+                .collect()),
+            _ => no_attribute(),
+        }
+    }
+
+    fn last_class_attribute(&self) -> u16 {
+        9
+    }
+
+    fn class_all(&self) -> &'static [u16] {
+        &[1, 2, 3, 8, 9]
+    }
+
+    fn attribute(&self, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
+        match id {
+            1 => u16_value(TCP_IP),
+            2 => u16_value(NUMBER),
+            3 => Ok(Bytes::from_static(&LINK)),
+            4 => Ok(short_string("EtherNet/IP")),
+            7 => Ok(self.node()),
+            _ => no_attribute(),
+        }
+    }
+
+    fn all(&self) -> &'static [u16] {
+        &[1, 2, 3, 4, 7]
+    }
+}
+
+impl Port {
+    /// The address as text in a port segment, padded to whole words.
+    fn node(&self) -> Bytes {
+        let text = self.address.to_string();
+        let mut out = BytesMut::with_capacity(3 + text.len());
+        // At most 15 characters.
+        out.put_slice(&[NODE, text.len() as u8]);
+        out.put_slice(text.as_bytes());
+        if out.len() % 2 == 1 {
+            out.put_u8(0);
+        }
+        out.freeze()
+    }
+}

@@ -1,0 +1,75 @@
+//! Another configuration while the machine runs: its tags and types are taken over, its machine is not.
+
+use arcline_config::Project;
+use arcline_controller::image::TableError;
+
+use super::Plant;
+use crate::retained::NotKept;
+
+/// Why a configuration is not taken over. But for [`ReloadError::NotKept`], nothing has changed.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum ReloadError {
+    /// Parts of it that are read at the start only.
+    #[error("it needs a restart: {} changed", .parts.join(", "))]
+    NeedsRestart {
+        /// What has changed, such as `axis X`.
+        parts: Vec<String>,
+    },
+    /// Its tags cannot stand beside those there are.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// It was taken over, but is not in the file of the retained state.
+    #[error("its tags were taken over, but {NotKept}")]
+    NotKept,
+}
+
+impl Plant {
+    /// Takes over the tags and types of `new`, which was read in place of `old`.
+    ///
+    /// # Errors
+    /// See [`ReloadError`].
+    pub async fn reload(&self, old: &Project, new: &Project) -> Result<(), ReloadError> {
+        let parts = needs_restart(old, new);
+        if !parts.is_empty() {
+            return Err(ReloadError::NeedsRestart { parts });
+        }
+        let (done, written) = self.write(|image, _| image.reload(old.configured(), new.configured()));
+        let kept = self.fire(written).await;
+        done?;
+        kept.map_err(|NotKept| ReloadError::NotKept)
+    }
+}
+
+/// What of a configuration has changed that is read at the start only.
+fn needs_restart(old: &Project, new: &Project) -> Vec<String> {
+    let mut parts = Vec::new();
+    if old.server != new.server {
+        parts.push("[server]".to_owned());
+    }
+    let (was, is) = (&old.machine, &new.machine);
+    if (&was.group, was.period_ns) != (&is.group, is.period_ns) {
+        parts.push("[motion_group]".to_owned());
+    }
+    differing(&mut parts, "axis", &was.axes, &is.axes, |axis| &axis.name);
+    differing(&mut parts, "coordinate system", &was.systems, &is.systems, |system| {
+        &system.name
+    });
+    differing(&mut parts, "transform", &was.transforms, &is.transforms, |transform| {
+        &transform.name
+    });
+    parts
+}
+
+/// Names what was added, removed or changed; that only the order is another one, too.
+fn differing<T: PartialEq>(parts: &mut Vec<String>, what: &str, was: &[T], is: &[T], name: impl Fn(&T) -> &String) {
+    if was == is {
+        return;
+    }
+    let before = parts.len();
+    let gone = was.iter().filter(|old| !is.iter().any(|new| name(new) == name(old)));
+    let other = is.iter().filter(|new| !was.contains(new));
+    parts.extend(gone.chain(other).map(|part| format!("{what} {}", name(part))));
+    if parts.len() == before {
+        parts.push(format!("the order of the {what}s"));
+    }
+}
