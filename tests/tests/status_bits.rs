@@ -85,6 +85,11 @@ const SCENARIOS: &[Scenario] = &[
     ("weak drive", 600, "10 MAM(Weak, M, 0, 10, 50, 0, 10000, 0, 10000, 0, 0, 100, 100, 2)"),
     ("error", 60, "10 MAM(X, M, 2, 10, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n20 false M"),
     ("late", 60, "10 late\n30 in time"),
+    // The next edge clears what the last execution left.
+    ("move again", 340, "10 MAM(X, M, 0, 9.98, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n320 false M\n330 MAM(X, M, 0, 20, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)"),
+    ("reset again", 60, "10 MAFR(X, M)\n20 false M\n30 MAFR(X, M)"),
+    ("error again", 60, "10 MAM(X, M, 2, 10, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n20 false M\n30 MAFR(X, M)"),
+    ("home again", 300, "10 MAH(H, M)\n250 MAH(H, N)"),
 ];
 
 /// Scenarios that a virtual axis goes through just so.
@@ -213,6 +218,10 @@ const ROWS: &[Row] = &[
     ("error",            "M.ER",                            false, &[10]),
     ("error",            "M.EN",                            false, &[10, 20]),
     ("error",            "M.DN",                            false, &[]),
+    ("move again",       "M.PC",                            false, &[310, 330]),
+    ("reset again",      "M.DN",                            false, &[11, 30, 31]),
+    ("error again",      "M.ER",                            false, &[10, 30]),
+    ("home again",       "H.HomeEventStatus",               false, &[135, 250]),
 ];
 
 /// Bits that are always 1.
