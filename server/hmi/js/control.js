@@ -36,7 +36,7 @@ export class ControlBar {
     state(this.element, "kind", this.mine ? "mine" : driver ? "other" : "free");
     if (this.mine) fill(this.element, icon("unlock"), h("span", {}, h("b", {}, "You drive "), this.object), this.#button("Release", "release"));
     else if (driver) fill(this.element, icon("lock"), h("span", {}, h("b", {}, driver), ` drives ${this.object}`), this.#takeOver(driver, asked));
-    else fill(this.element, icon("lock"), h("span", {}, `Nobody drives ${this.object}. You are watching.`), this.#button("Take control", "take", {}, "primary"));
+    else fill(this.element, icon("lock"), h("span", {}, `Nobody drives ${this.object}`), this.#button("Take control", "take", {}, "primary"));
     if (focused) this.element.querySelector("button")?.focus();
   }
 

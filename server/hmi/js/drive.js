@@ -7,6 +7,7 @@ import { groupName } from "./fields.js";
 import { InstructionForm } from "./form.js";
 import { fixed, rate, short } from "./format.js";
 import { PathCanvas } from "./path_canvas.js";
+import { PreviewFacts } from "./preview.js";
 
 /** Lengths of a step; 0 is to hold. */
 const STEPS = [[0, "Hold"], [0.1, "0.1"], [1, "1"], [10, "10"], [100, "100"]];
@@ -40,6 +41,7 @@ export class Drive {
     this.keyHelp = h("small");
     const host = h("div.path-canvas.small");
     this.canvas = new PathCanvas(host, app, "Preview of the path");
+    this.facts = new PreviewFacts(app);
     this.forms = h("div.form-host");
     this.kind = segmented("Form", [["MCLM", "Move"], ["MCCM", "Arc"], ["any", "Any instruction"]], "MCLM", (kind) => this.#form(kind));
     this.mnemonic = h("select", { "aria-label": "Instruction", hidden: true, onchange: () => this.#form("any") });
@@ -51,10 +53,14 @@ export class Drive {
           h("label.slider", {}, h("span", {}, "Speed"), this.speed, this.speedText), this.rows,
           h("label.check", {}, this.keys, "Jog by keys"), this.keyHelp),
         this.#motion()),
-      h("div.drive-right", {},
-        h("div.panel.form-panel", {}, h("div.row", {}, this.kind.element, this.mnemonic), this.forms),
-        h("div.panel.preview-panel", {}, h("h2", {}, "Preview"), host)));
-    app.addEventListener("preview", () => this.canvas.setPreview(app.preview));
+      h("div.panel.form-panel", {}, h("div.row", {}, this.kind.element, this.mnemonic), this.forms),
+      h("div.panel.preview-panel", {}, h("h2", {}, "Preview"), host, this.facts.element));
+    app.addEventListener("preview", () => {
+      this.canvas.setPreview(app.preview);
+      this.facts.show(app.preview);
+    });
+    // What a form begins with are the actual positions, so it begins again when they are known.
+    app.store.addEventListener("status", () => this.#form(this.chosen), { once: true });
     addEventListener("keydown", (event) => this.#key(event));
     addEventListener("keyup", (event) => this.#keyUp(event));
     app.jogger.onchange = () => this.update();
@@ -139,6 +145,7 @@ export class Drive {
 
   #form(kind) {
     this.chosen = kind;
+    if (!this.app.store.status) return;
     this.mnemonic.hidden = kind !== "any";
     const { store } = this.app;
     const instruction = store.instruction(kind === "any" ? this.mnemonic.value : kind);

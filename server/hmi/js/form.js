@@ -4,7 +4,6 @@
 import { calm, fill, h, icon, state, text } from "./dom.js";
 import { field, groupName, isShown, rangeText } from "./fields.js";
 import { rate } from "./format.js";
-import { PreviewFacts } from "./preview.js";
 import { TargetTable } from "./target.js";
 import { explanation } from "./toasts.js";
 
@@ -21,7 +20,7 @@ export class InstructionForm {
     this.line = null;
     this.asked = 0;
     const { target_position: rule } = instruction;
-    this.table = rule && new TargetTable(app, rule, () => this.words(), () => this.#changed());
+    this.table = rule && new TargetTable(app, instruction, () => this.words(), () => this.#changed());
     for (const operand of instruction.operands) {
       if (rule && (operand.member === rule.targets || operand.member === rule.vias)) continue;
       this.fields.set(operand.member, field(operand, app, () => this.words(), () => this.#changed()));
@@ -36,13 +35,12 @@ export class InstructionForm {
     this.problem = h("div.problem", { role: "alert", hidden: true });
     this.run = h("button.primary.run", { type: "button", onclick: () => this.#run() }, icon("run"), "Run");
     this.why = h("small.why");
-    this.facts = new PreviewFacts(app);
     this.auto = h("input", { type: "checkbox", checked: true, onchange: () => this.#changed() });
     this.element = h("div.form", { "aria-label": `${instruction.mnemonic}, ${instruction.title}` },
       h("p.form-title", {}, h("b", {}, instruction.mnemonic), ` ${instruction.title}`),
       this.#layout(first),
       h("div.line", { "aria-label": "Structured Text" }, this.code, this.copy),
-      this.problem, this.facts.element,
+      this.problem,
       h("div.buttons.run-row", {}, this.run,
         h("button", { type: "button", onclick: () => this.#preview() }, icon("eye"), "Preview"),
         h("label.check", {}, this.auto, "Preview as I type"), this.why));
@@ -209,12 +207,10 @@ export class InstructionForm {
       const preview = await this.app.connection.request("preview", { text: this.line });
       if (turn !== this.asked) return;
       this.app.setPreview(preview);
-      this.facts.show(preview);
       this.#say(null);
     } catch (error) {
       if (turn !== this.asked) return;
       this.app.setPreview(null);
-      this.facts.show(null);
       this.#mark(error);
       if (!quiet || error.err) this.#say(error);
     }
@@ -231,7 +227,6 @@ export class InstructionForm {
     try {
       await this.app.connection.request("execute", { text: line });
       this.app.setPreview(null);
-      this.facts.show(null);
       this.#say(null);
       this.app.toasts.good(`${this.instruction.mnemonic} accepted`);
       if (this.control) this.fields.get(this.control.member).write(nextTag(this.fields.get(this.control.member).read()));

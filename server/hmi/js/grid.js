@@ -41,13 +41,14 @@ export function flatGrid(context, camera, plane, colours, names) {
   context.textAlign = "right";
   context.textBaseline = "bottom";
   context.fillText(`${names[across] ?? ""} →`, width - 8, tall - 20);
+  context.fillText(names[along] ? `↑ ${names[along]}` : "", width - 8, tall - 36);
 }
 
 /** Draws a grid on the ground of the third dimension, a little larger than a box. */
 export function groundGrid(context, project, [low, high], colours) {
   const span = Math.max(high[0] - low[0], high[1] - low[1], 1e-6);
   const step = niceStep(span / 8);
-  const range = (k) => [Math.floor(low[k] / step) - 1, Math.ceil(high[k] / step) + 1];
+  const range = (k) => [Math.floor(low[k] / step), Math.ceil(high[k] / step)];
   const [x0, x1] = range(0);
   const [y0, y1] = range(1);
   const ground = Math.min(low[2], 0);
@@ -66,8 +67,8 @@ export function groundGrid(context, project, [low, high], colours) {
   context.textAlign = "center";
   context.textBaseline = "middle";
   const places = decimals(step);
-  for (let k = x0; k <= x1; k += 2) context.fillText(fixed(k * step, places), ...project(k * step, (y0 - 0.35) * step, ground));
-  for (let k = y0; k <= y1; k += 2) context.fillText(fixed(k * step, places), ...project((x0 - 0.45) * step, k * step, ground));
+  for (let k = x0; k <= x1; k += k % 2 ? 1 : 2) context.fillText(fixed(k * step, places), ...project(k * step, (y0 - 0.4) * step, ground));
+  for (let k = y0; k <= y1; k += k % 2 ? 1 : 2) context.fillText(fixed(k * step, places), ...project((x0 - 0.5) * step, k * step, ground));
 }
 
 /** Draws the directions of the axes in the lower left corner. */

@@ -38,7 +38,7 @@ export class Machine {
     const velocity = h("span");
     cells.velocity.append(velocity, bar);
     const row = h("tr", {}, h("th", { scope: "row" }, h("span.swatch", { "data-series": place }), axis.name, h("small", {}, ` ${axis.units} · ${axis.type}`)), Object.values(cells));
-    return { axis, row, bar, velocity, ...cells };
+    return { axis, row, ...cells, bar, velocity };
   }
 
   #system(system) {

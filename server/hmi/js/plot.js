@@ -157,6 +157,7 @@ function drawLine(context, column, { colour, dashed }, x, y) {
   context.setLineDash(dashed ? [4, 3] : []);
   context.beginPath();
   let pen = false;
+  let last = 0;
   for (let k = 0; k < column.length; k += 3) {
     const [low, high] = [column[k + 1], column[k + 2]];
     if (Number.isNaN(low)) {
@@ -164,9 +165,12 @@ function drawLine(context, column, { colour, dashed }, x, y) {
       continue;
     }
     const at = x(column[k]);
-    if (pen) context.lineTo(at, y(low));
-    else context.moveTo(at, y(low));
-    if (high !== low) context.lineTo(at, y(high));
+    // The nearer end first, so that a falling line is not drawn as a saw.
+    const [near, far] = last - low > high - last ? [high, low] : [low, high];
+    if (pen) context.lineTo(at, y(near));
+    else context.moveTo(at, y(near));
+    if (far !== near) context.lineTo(at, y(far));
+    last = far;
     pen = true;
   }
   context.stroke();

@@ -1,5 +1,6 @@
 // The view of a program: edit, dry run, run, step, pause, stop. One program runs at a time, whoever started it.
 
+import { ControlBar } from "./control.js";
 import { calm, fill, h, icon, segmented, state, text } from "./dom.js";
 import { Editor } from "./editor.js";
 import { PathCanvas } from "./path_canvas.js";
@@ -35,12 +36,13 @@ export class Program {
     const host = h("div.path-canvas.small");
     this.canvas = new PathCanvas(host, app, "Path of the program");
     const systems = store.machine.coordinate_systems.map(({ name }) => [name, name]);
+    this.control = new ControlBar(app);
     this.system = segmented("Coordinate system", systems.slice(0, 6), systems[0]?.[0], (name) => this.#showSystem(name));
     this.element = h("section.view.program", { "aria-label": this.title },
       h("div.toolbar", {}, this.dry, this.runButton, this.step, this.pause, this.end, h("span.spring"), this.status,
         button("Open", "open", () => this.file.click()), button("Save", "save", () => this.#save()), this.file),
       h("div.program-body", {}, this.editor.element,
-        h("div.program-side", {}, this.problem,
+        h("div.program-side", {}, this.control.element, this.problem,
           h("div.panel", {}, h("div.row", {}, h("h2", {}, "Dry run"), h("span.spring"), this.system.element), host, this.facts.element, this.events))));
     this.check = calm(CHECK_MS, (source) => this.#check(source));
     store.addEventListener("program", () => this.#program());
@@ -61,7 +63,7 @@ export class Program {
 
   #showSystem(name) {
     this.canvas.show(name);
-    this.canvas.fit();
+    this.control.show(name);
   }
 
   #changed(source) {
@@ -146,6 +148,10 @@ export class Program {
     this.pause.disabled = this.end.disabled = !this.active;
     this.step.disabled = this.active && !this.paused;
     if (program.state === "failed" && program.error) this.#fault(program.error);
+  }
+
+  update() {
+    this.control.update();
   }
 
   async #open() {

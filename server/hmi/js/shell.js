@@ -14,7 +14,7 @@ export class Shell {
     this.links = new Map();
     this.link = h("span.pill", { role: "status" });
     this.motion = h("span.pill.wide-only");
-    this.control = h("span.pill.wide-only");
+    this.control = h("span.pill.wide-only.narrow-too");
     this.tick = h("span.pill.wide-only", { title: "How late the real-time tick begins: 99 of 100, in microseconds" });
     this.theme = h("button.bare.round", { type: "button", onclick: () => theme.next() });
     this.stop = h("button.stop", { type: "button", title: "Stops all motion. Key: Esc", onpointerdown: (event) => this.#press(event), onclick: (event) => event.detail === 0 && app.stop() },

@@ -22,7 +22,7 @@ export class Tags {
     this.more = h("button", { type: "button", hidden: true, onclick: () => this.#list(this.last) }, "More");
     this.count = h("small", { role: "status" });
     this.watch = h("tbody");
-    this.empty = h("p.empty", {}, "Nothing is watched. The star beside a tag adds it, and so does its full name below.");
+    this.empty = h("p.empty", {}, "Nothing is watched. The star beside a tag adds it, and so does its name above.");
     this.add = h("input", { type: "text", placeholder: "Move1.PC", "aria-label": "Name of a tag or member to watch", autocomplete: "off", spellcheck: "false",
       onkeydown: (event) => event.key === "Enter" && this.#add() });
     const head = (...names) => h("thead", {}, h("tr", {}, names.map((name) => h("th", { scope: "col" }, name))));

@@ -11,8 +11,10 @@ export class TargetTable {
   #targets = new Map();
   #vias = new Map();
 
-  constructor(app, rule, words, changed) {
+  constructor(app, instruction, words, changed) {
+    const { target_position: rule } = instruction;
     Object.assign(this, { app, rule, words, changed });
+    this.via = instruction.operands.find(({ member }) => member === rule.vias);
     this.targetButton = h("button", { type: "button", onclick: () => this.#copy(this.#targets) }, "Set Targets = Actuals");
     this.viaButton = h("button", { type: "button", onclick: () => this.#copy(this.#vias) }, "Set Vias = Actuals");
     this.table = h("table.target-table");
@@ -24,7 +26,7 @@ export class TargetTable {
   show(axes) {
     this.axes = axes;
     for (const axis of axes) {
-      if (!this.#targets.has(axis)) this.#targets.set(axis, exact(rounded(this.app.store.axisStatus(axis)?.actual ?? 0)));
+      if (!this.#targets.has(axis)) this.#targets.set(axis, this.#actual(axis));
       if (!this.#vias.has(axis)) this.#vias.set(axis, "0");
     }
     this.#key = "";
@@ -44,7 +46,8 @@ export class TargetTable {
     if (!row) return;
     this.targetButton.disabled = !row.targets_from_actuals;
     this.viaButton.disabled = !row.vias_from_actuals;
-    this.single = row.single ?? /^Radius$/i.test(row.via ?? "");
+    const alone = this.via?.single_when;
+    this.single = Boolean(alone?.in.includes(this.words()[alone.member]));
     const key = [row.target, row.via, ...this.axes].join("|");
     if (key === this.#key) return;
     this.#key = key;
@@ -76,13 +79,18 @@ export class TargetTable {
     });
   }
 
+  /** The actual position as it is typed; it carries the noise of a drive, so nobody wants all its digits. */
+  #actual(axis) {
+    return exact(Math.round((this.app.store.axisStatus(axis)?.actual ?? 0) * 1e6) / 1e6);
+  }
+
   /** Writes the actual positions. */
   update() {
     for (const [axis, cell] of this.actuals ?? []) text(cell, fixed(this.app.store.axisStatus(axis)?.actual ?? NaN));
   }
 
   #copy(values) {
-    for (const axis of this.axes) values.set(axis, exact(rounded(this.app.store.axisStatus(axis)?.actual ?? 0)));
+    for (const axis of this.axes) values.set(axis, this.#actual(axis));
     this.#key = "";
     this.arrange();
     this.changed();
@@ -106,9 +114,4 @@ export class TargetTable {
     this.#key = "";
     this.arrange();
   }
-}
-
-/** Actual positions carry the noise of a drive; nobody types more than this. */
-function rounded(value) {
-  return Math.round(value * 1e6) / 1e6;
 }

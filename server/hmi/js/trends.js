@@ -10,6 +10,7 @@ import { axisColour, keep, onchange, palette } from "./theme.js";
 import { Timebar } from "./timebar.js";
 
 const KEY = "arcline.trends";
+const NARROW = matchMedia("(max-width: 680px)");
 const SPANS = [[1, "1 s"], [5, "5 s"], [20, "20 s"], [60, "1 min"], [600, "10 min"]];
 const SPEED = { kind: "speed", title: "Path speed", order: 1 };
 /** A lane never shows less than this much of a value, so that rounding does not look like motion. */
@@ -27,7 +28,7 @@ export class Trends {
     const { machine } = app.store;
     const kept = JSON.parse(keep.get(KEY) ?? "{}");
     this.axes = new Set(kept.axes ?? machine.axes.slice(0, 3).map((axis) => axis.name));
-    this.kinds = new Set(kept.kinds ?? ["position", "velocity", "acceleration", "error"]);
+    this.kinds = new Set(kept.kinds ?? (NARROW.matches ? ["position", "velocity", "error"] : ["position", "velocity", "acceleration", "error", "speed"]));
     this.systems = new Set(kept.systems ?? machine.coordinate_systems.slice(0, 1).map((system) => system.name));
     const host = h("div.plot");
     this.values = h("div.cursor-values", { "aria-label": "Values at the cursors" });
