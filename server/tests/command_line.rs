@@ -192,7 +192,10 @@ fn the_hmi_is_where_the_ready_line_says() {
     let mut line = String::new();
     let stdout = child.stdout.take().expect("it was piped");
     BufReader::new(stdout).read_line(&mut line).expect("a ready line");
-    let address = line.trim_end().rsplit_once(" hmi=").map(|(_, address)| address.to_owned());
+    let address = line
+        .trim_end()
+        .rsplit_once(" hmi=")
+        .map(|(_, address)| address.to_owned());
     let page = address.as_deref().and_then(|address| {
         let mut stream = TcpStream::connect(address).ok()?;
         let request = "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
