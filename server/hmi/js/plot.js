@@ -165,11 +165,12 @@ function drawLine(context, column, { colour, dashed }, x, y) {
       continue;
     }
     const at = x(column[k]);
+    const side = k && high !== low ? (at - x(column[k - 3])) / 4 : 0;
     // The nearer end first, so that a falling line is not drawn as a saw.
     const [near, far] = last - low > high - last ? [high, low] : [low, high];
-    if (pen) context.lineTo(at, y(near));
-    else context.moveTo(at, y(near));
-    if (far !== near) context.lineTo(at, y(far));
+    if (pen) context.lineTo(at - side, y(near));
+    else context.moveTo(at - side, y(near));
+    if (far !== near) context.lineTo(at + side, y(far));
     last = far;
     pen = true;
   }
