@@ -229,9 +229,16 @@ impl Ride {
         let rate = first.acceleration.max(first.deceleration);
         let rate = self.stop.map_or(rate, |stop| rate.max(stop.deceleration));
         let jerk = first.jerk.map(|jerk| jerk.acceleration.min(jerk.deceleration));
-        let stop_jerk = self.stop.and_then(|stop| stop.jerk).map_or(0.0, |jerk| jerk.deceleration);
+        let stop_jerk = self
+            .stop
+            .and_then(|stop| stop.jerk)
+            .map_or(0.0, |jerk| jerk.deceleration);
         if sample.velocity.norm() > first.speed * most || sample.acceleration.norm() > rate * most {
-            self.fail(&format!("vector {} {}", sample.velocity.norm(), sample.acceleration.norm()));
+            self.fail(&format!(
+                "vector {} {}",
+                sample.velocity.norm(),
+                sample.acceleration.norm()
+            ));
         }
         for axis in 0..3 {
             let (v, a) = (sample.velocity[axis].abs(), sample.acceleration[axis].abs());
@@ -269,7 +276,9 @@ impl Ride {
     }
 
     fn speed(&self) -> f64 {
-        self.queue.sample(&self.clock).map_or(0.0, |sample| sample.velocity.norm())
+        self.queue
+            .sample(&self.clock)
+            .map_or(0.0, |sample| sample.velocity.norm())
     }
 
     /// Returns the seconds from a stop or a hold to rest, with the speed where it began.

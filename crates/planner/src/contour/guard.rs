@@ -205,13 +205,15 @@ impl<'a> Guard<'a> {
         let Some(own_limit) = rates.jerk else {
             return true;
         };
-        let jerk = own_jerk * (pace * pace * pace)
-            + axes.acceleration * (3.0 * pace * first)
-            + axes.velocity * second;
+        let jerk = own_jerk * (pace * pace * pace) + axes.acceleration * (3.0 * pace * first) + axes.velocity * second;
         let bent = |limit: f64| 2.0 * bend * hidden * limit.min(f64::MAX);
         let of_axes = limits.jerk.is_none_or(|limit| {
             (0..3).all(|axis| {
-                let hides = if limit[axis].is_finite() { bent(limit[axis]) } else { 0.0 };
+                let hides = if limit[axis].is_finite() {
+                    bent(limit[axis])
+                } else {
+                    0.0
+                };
                 within(jerk[axis], limit[axis], own_jerk[axis], hides)
             })
         });
