@@ -25,7 +25,10 @@ pub fn case(name: &str) {
     let url = format!("http://{address}");
     let pictures = pictures();
     let pictures = pictures.to_str().expect("the project's paths are UTF-8");
-    print!("{}", node.run("run.mjs", &[name, &url, pictures, &server.process().to_string()]));
+    print!(
+        "{}",
+        node.run("run.mjs", &[name, &url, pictures, &server.process().to_string()])
+    );
 }
 
 /// Where the pictures of the views are left: `target/hmi-pictures`.
@@ -37,7 +40,10 @@ pub fn pictures() -> PathBuf {
 fn find() -> Result<Node, String> {
     let chromium = std::env::var_os("CHROMIUM").map_or_else(|| CHROMIUM.into(), PathBuf::from);
     if !Path::new(&chromium).exists() {
-        return Err(format!("{} is missing (Debian: apt-get install chromium)", chromium.display()));
+        return Err(format!(
+            "{} is missing (Debian: apt-get install chromium)",
+            chromium.display()
+        ));
     }
     Node::with("browser")
 }
