@@ -49,11 +49,11 @@ class Series {
     }
   }
 
-  /** Least and greatest of the ticks `from` to before `to` into `out`; from whole buckets when there are many. */
-  extrema(from, to, out) {
+  /** Least and greatest of the ticks `from` to before `to` into `out`, from whole buckets of 1, 16 or 256 ticks. */
+  extrema(from, to, bucket, out) {
     let least = NaN;
     let greatest = NaN;
-    const level = this.levels.findLast(({ size }) => to - from >= 2 * size);
+    const level = bucket === BUCKETS[1] ? this.levels[1] : bucket === BUCKETS[0] ? this.levels[0] : null;
     const first = Math.max(from, this.owner.first);
     const end = Math.min(to, this.owner.end);
     if (!level) {
