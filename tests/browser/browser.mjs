@@ -105,22 +105,30 @@ export function pixels(page, canvas, property) {
   }, property);
 }
 
-/** Collects every sample of an axis's command velocity in a page, over a WebSocket of its own: `{tick, speed}`. */
+/**
+ * Collects every sample of an axis's command velocity in a page, over a WebSocket of its own: `samples` of
+ * `{tick, speed}`, and `offset`, the clock (ms) at tick 0 as the quickest frame says.
+ */
 export async function probe(page, axis) {
   await page.evaluate(async (name) => {
     const machine = await (await fetch("/api/machine")).json();
     const column = 4 * machine.axes.findIndex((one) => one.name === name) + 1;
     const socket = new WebSocket(`ws://${location.host}/ws`);
     socket.binaryType = "arraybuffer";
+    const { period_s: period } = machine;
     window.samples = [];
+    window.offset = Infinity;
+    window.clockOf = (tick) => window.offset + tick * period * 1000;
     socket.onopen = () => socket.send(JSON.stringify({ id: 1, do: "trace", on: true }));
     socket.onmessage = ({ data }) => {
       if (typeof data === "string") return;
+      const now = Date.now();
       const view = new DataView(data);
       const [count, columns, first] = [view.getUint32(4, true), view.getUint32(8, true), Number(view.getBigUint64(16, true))];
       const bases = new Float64Array(data, 24, columns);
       const rows = new Float32Array(data, 24 + 8 * columns, columns * count);
       for (let row = 0; row < count; row++) window.samples.push({ tick: first + row, speed: bases[column] + rows[row * columns + column] });
+      window.offset = Math.min(window.offset, now - (first + count - 1) * period * 1000);
     };
   }, axis);
   await until(page, "samples", () => window.samples.length > 0);

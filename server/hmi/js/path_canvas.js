@@ -111,8 +111,16 @@ export class PathCanvas {
     const span = Math.round(this.trailSeconds / samples.period);
     const step = Math.max(1, Math.ceil(span / TRAIL_POINTS));
     const from = Math.max(samples.first, end - span);
+    // Points that would fall on the same pixel are one: a rest does not use up the shades.
+    const least = 0.4 / this.camera.scale;
     const points = [];
-    for (let tick = Math.ceil(from / step) * step; tick < end; tick += step) points.push(point(axes, tick));
+    let last = null;
+    for (let tick = Math.ceil(from / step) * step; tick < end; tick += step) {
+      const next = point(axes, tick);
+      if (last && Math.hypot(next[0] - last[0], next[1] - last[1], next[2] - last[2]) < least) continue;
+      points.push(next);
+      last = next;
+    }
     if (end >= samples.first && end >= 0) points.push(point(axes, end));
     return points;
   }
