@@ -80,11 +80,12 @@ export async function ready(page, line) {
 }
 
 /**
- * The pixels of a canvas that have a colour of the style sheet: how many, and the box around them in pixels of the
- * style sheet.
+ * Waits until a canvas has at least `least` pixels of a colour of the style sheet; gives how many, and the box around
+ * them in pixels of the style sheet. What is drawn is drawn finely, so a pixel may differ a little.
  */
-export function pixels(page, canvas, property) {
-  return page.locator(canvas).first().evaluate((element, name) => {
+export async function pixels(page, canvas, property, least) {
+  const found = await until(page, `${least} pixels of ${property} in ${canvas}`, ([selector, name, enough]) => {
+    const element = document.querySelector(selector);
     const probe = document.createElement("canvas").getContext("2d");
     probe.fillStyle = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
     probe.fillRect(0, 0, 1, 1);
@@ -93,7 +94,7 @@ export function pixels(page, canvas, property) {
     const { data } = element.getContext("2d").getImageData(0, 0, width, height);
     const box = { count: 0, left: width, right: -1, top: height, bottom: -1 };
     for (let at = 0; at < data.length; at += 4) {
-      if (Math.abs(data[at] - wanted[0]) + Math.abs(data[at + 1] - wanted[1]) + Math.abs(data[at + 2] - wanted[2]) > 36) continue;
+      if (Math.abs(data[at] - wanted[0]) + Math.abs(data[at + 1] - wanted[1]) + Math.abs(data[at + 2] - wanted[2]) > 60) continue;
       const [x, y] = [(at / 4) % width, Math.floor(at / 4 / width)];
       box.count += 1;
       box.left = Math.min(box.left, x);
@@ -101,8 +102,9 @@ export function pixels(page, canvas, property) {
       box.top = Math.min(box.top, y);
       box.bottom = Math.max(box.bottom, y);
     }
-    return box;
-  }, property);
+    return box.count >= enough && box;
+  }, [canvas, property, least]);
+  return found.jsonValue();
 }
 
 /**

@@ -22,45 +22,27 @@ const arrived = (page, axis, place) =>
 export async function a_path_is_drawn({ browser, url }) {
   const page = await open(browser, url, "drive");
   await take(page, "XY");
-  await operand(page, "Speed", 20);
+  await operand(page, "Speed", 5);
   await positions(page, "Position", [100, 50]);
   await ready(page, "[100,50]");
   await until(page, "a duration", () => /Takes/.test(document.querySelector(".preview-facts:not([hidden])")?.textContent ?? ""));
-  await until(page, "a picture", () => true);
   await expectLine(page, PREVIEW, "--preview", 2, "the preview");
   assert.equal(await actual(page, "X"), 0, "a preview moves nothing");
   await page.locator(".form .run").click();
   await go(page, "path");
   await page.getByLabel("Coordinate system", { exact: true }).selectOption("XY");
-  await until(page, "the programmed path", countOf, [PATH, "--path", 40]);
   await expectLine(page, PATH, "--path", 2, "the programmed path");
   await go(page, "drive");
   await arrived(page, "X", 100);
   await go(page, "path");
   await page.getByRole("button", { name: "Fit" }).click();
-  await until(page, "the trail", countOf, [PATH, "--trail", 40]);
+  await pixels(page, PATH, "--trail", 40);
   await close(page);
-}
-
-/** In the page: whether a canvas has so many pixels of a colour. */
-function countOf([canvas, property, least]) {
-  const element = document.querySelector(canvas);
-  const probe = document.createElement("canvas").getContext("2d");
-  probe.fillStyle = getComputedStyle(document.documentElement).getPropertyValue(property).trim();
-  probe.fillRect(0, 0, 1, 1);
-  const wanted = probe.getImageData(0, 0, 1, 1).data;
-  const { data } = element.getContext("2d").getImageData(0, 0, element.width, element.height);
-  let count = 0;
-  for (let at = 0; at < data.length; at += 4) {
-    if (Math.abs(data[at] - wanted[0]) + Math.abs(data[at + 1] - wanted[1]) + Math.abs(data[at + 2] - wanted[2]) <= 36) count += 1;
-  }
-  return count >= least;
 }
 
 /** A straight line of a colour, so many times as wide as it is high. */
 async function expectLine(page, canvas, property, ratio, what) {
-  await until(page, what, countOf, [canvas, property, 40]);
-  const { left, right, top, bottom, count } = await pixels(page, canvas, property);
+  const { left, right, top, bottom, count } = await pixels(page, canvas, property, 40);
   const [wide, tall] = [right - left, bottom - top];
   assert.ok(wide > 60, `${what} is ${wide} pixels wide`);
   assert.ok(Math.abs(wide / tall - ratio) < 0.25 * ratio, `${what} is ${wide} by ${tall} pixels, not ${ratio} to 1`);
@@ -274,7 +256,7 @@ export async function a_program_runs({ browser, url }) {
   await page.locator(".editor-errors:empty").waitFor({ state: "attached" });
   await page.getByRole("button", { name: "Dry run" }).click();
   await page.locator(".view.program .preview-facts", { hasText: "Takes" }).waitFor();
-  await until(page, "the path of the dry run", countOf, [".view.program .path-canvas canvas", "--preview", 40]);
+  await pixels(page, ".view.program .path-canvas canvas", "--preview", 40);
   await page.getByRole("button", { name: "Run", exact: true }).click();
   await page.locator(".view.program .toolbar .pill", { hasText: "Ended" }).waitFor();
   await go(page, "drive");

@@ -216,7 +216,7 @@ export class PathCanvas {
     const part = Math.ceil(points.length / TRAIL_SHADES);
     for (let shade = 0; shade < TRAIL_SHADES && part > 0; shade++) {
       context.globalAlpha = (shade + 1) / TRAIL_SHADES;
-      stroke(context, project, points.slice(Math.max(0, shade * part - 1), (shade + 1) * part), colours.trail, 1.5);
+      stroke(context, project, points.slice(Math.max(0, shade * part - 1), (shade + 1) * part), colours.trail, 2);
     }
     context.globalAlpha = 1;
   }
