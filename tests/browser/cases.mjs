@@ -79,7 +79,7 @@ export async function an_error_is_explained({ browser, url }) {
   await operand(page, "CircleType", 0);
   await positions(page, "Position", [100, 0]);
   await positions(page, "ViaCenterRadius", [50, 0]);
-  await ready(page, "MCCM(XY");
+  await ready(page, "[100,0],Via,[50,0]");
   await page.locator(".form .run").click();
   const problem = page.locator(".form .problem");
   for (const words of ["ERR 44", "Cause", "What to do"]) await problem.getByText(words).waitFor();

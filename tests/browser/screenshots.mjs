@@ -49,7 +49,7 @@ async function something(browser, url) {
   await operand(page, "CircleType", 0);
   await positions(page, "Position", [220, 80, 30]);
   await positions(page, "ViaCenterRadius", [170, 80, 30]);
-  await ready(page, "MCCM(CS1");
+  await ready(page, "[220,80,30],Via,[170,80,30]");
   await page.locator(".form .run").click();
   await page.locator(".form .problem").getByText("Cause").waitFor();
   await page.getByRole("button", { name: "Move", exact: true }).click();
