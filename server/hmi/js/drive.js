@@ -85,10 +85,11 @@ export class Drive {
       oninput: () => text(this.overrideText, `${this.override.value} %`), onchange: () => this.#ask("override", { percent: Number(this.override.value) }) });
     this.overrideText = h("output", {}, "100 %");
     this.hold = h("button", { type: "button", onclick: () => this.#ask(this.held ? "resume" : "hold") });
+    this.hundred = h("button", { type: "button", onclick: () => this.#ask("override", { percent: 100 }) }, "100 %");
     this.stop = h("button.danger", { type: "button", onclick: () => this.#stop() }, icon("stop"), "Stop");
     this.motion = h("div.panel", {}, h("h2", {}, "Motion"),
       h("label.slider", {}, h("span", {}, "Override"), this.override, this.overrideText),
-      h("div.buttons", {}, this.hold, h("button", { type: "button", onclick: () => this.#ask("override", { percent: 100 }) }, "100 %"), this.stop));
+      h("div.buttons", {}, this.hold, this.hundred, this.stop));
     return this.motion;
   }
 
@@ -228,7 +229,9 @@ export class Drive {
       this.held = system.held;
       text(this.hold, system.held ? "Resume" : "Hold");
       state(this.hold, "on", String(system.held));
-      this.override.disabled = this.hold.disabled = !mine;
+      // A hold is everyone's, as a stop is; going on is not.
+      this.override.disabled = this.hundred.disabled = !mine;
+      this.hold.disabled = !connection.isOpen || (system.held && !mine);
       if (document.activeElement !== this.override) {
         this.override.value = String(system.override);
         text(this.overrideText, `${Math.round(system.override)} %`);
