@@ -71,15 +71,10 @@ function words(operand, app, values, common) {
 function names(operand, app, values, common) {
   const { machine } = app.store;
   const lists = { CoordinateSystem: machine.coordinate_systems, Axis: machine.axes };
-  const list = lists[operand.object]?.map(({ name }) => name) ?? [groupName(machine)];
+  const list = lists[operand.object]?.map(({ name }) => name) ?? [machine.group];
   const input = h("select", common);
   options(input, list);
   return { input, read: () => input.value, write: (value) => (input.value = value) };
-}
-
-/** The name of the motion group. */
-export function groupName(machine) {
-  return machine.group?.name ?? machine.group;
 }
 
 function scalar(operand, app, values, common) {

@@ -2,7 +2,7 @@
 // a preview before anything moves; and the button that runs it.
 
 import { calm, fill, h, icon, state, text } from "./dom.js";
-import { field, groupName, isShown, rangeText } from "./fields.js";
+import { field, isShown, rangeText } from "./fields.js";
 import { rate } from "./format.js";
 import { TargetTable } from "./target.js";
 import { explanation } from "./toasts.js";
@@ -104,8 +104,7 @@ export class InstructionForm {
   #object() {
     const { store } = this.app;
     const { object } = this;
-    const system = store.system(object);
-    const axes = system?.axes ?? (store.axis(object) ? [object] : []);
+    const axes = store.axesOf(object);
     this.table?.show(axes);
     this.units = store.axis(axes[0])?.units ?? "";
     this.onobject?.(object);
@@ -257,7 +256,7 @@ export class InstructionForm {
   update() {
     this.table?.update();
     const { store, connection } = this.app;
-    const object = this.object === groupName(store.machine) ? store.machine.coordinate_systems[0]?.name : this.object;
+    const { object } = this;
     const reason = !connection.isOpen ? "No connection." : !store.drives(object) ? `Take control of ${object} first.` : !this.line ? "The form is not complete." : "";
     this.run.disabled = reason !== "";
     text(this.why, reason);

@@ -79,9 +79,9 @@ export class Shell {
     const faulted = status.axes.filter((axis) => axis.faults?.length).length;
     text(this.motion, faulted ? `${faulted} ${faulted === 1 ? "axis" : "axes"} faulted` : moving ? `${moving} ${moving === 1 ? "axis" : "axes"} moving` : "Standing still");
     state(this.motion, "kind", faulted ? "bad" : moving ? "busy" : "calm");
-    const mine = Object.entries(status.drivers ?? {}).filter(([object, viewer]) => viewer === store.viewer && store.system(object)).map(([object]) => object);
-    const alone = Object.entries(status.drivers ?? {}).filter(([object, viewer]) => viewer === store.viewer && store.axis(object)).map(([object]) => object);
-    const driven = mine.length ? mine : alone;
+    const taken = store.taken();
+    const wide = taken.filter((name) => !store.axis(name));
+    const driven = wide.length ? wide : taken;
     text(this.control, driven.length ? `You drive ${driven.join(", ")}` : "Watching");
     state(this.control, "kind", driven.length ? "mine" : "calm");
     const { realtime } = status;

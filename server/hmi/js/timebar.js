@@ -78,7 +78,7 @@ export class Timebar {
     context.fillRect(0, 0, width, HEIGHT);
     const span = Math.max(end - first, 1);
     const x = (tick) => ((tick - first) / span) * width;
-    const bucket = span > 512 * width ? 256 : 16;
+    const bucket = span > 128 * width ? 256 : 16;
     const step = Math.max(bucket, Math.ceil(span / width / bucket) * bucket);
     const pair = [0, 0];
     for (const { speed } of samples.systems) {
