@@ -1,7 +1,7 @@
 // What surrounds every view: the bar with state and STOP, the list of views, the warning that the server is gone.
 
 import { h, icon, fill, state, text, toggle } from "./dom.js";
-import { duration } from "./format.js";
+import { clock } from "./format.js";
 import * as theme from "./theme.js";
 
 const THEMES = { auto: ["auto", "As the system"], light: ["sun", "Light"], dark: ["moon", "Dark"] };
@@ -105,7 +105,7 @@ export class Shell {
     const { connection } = this.app;
     if (connection.isOpen) return;
     const since = (performance.now() - connection.lostAt) / 1000;
-    const words = `No connection to the server for ${duration(Math.max(1, Math.floor(since)))}. What you see is old and STOP cannot reach the machine from here. Connecting again…`;
+    const words = `No connection to the server for ${since < 100 ? `${Math.max(1, Math.floor(since))} s` : clock(since, 0)}. What you see is old and STOP cannot reach the machine from here. Connecting again…`;
     text(this.banner, words);
   }
 }
