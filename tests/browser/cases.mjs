@@ -120,6 +120,12 @@ export async function a_jog_ends_with_its_page({ browser, url }) {
   await full();
   await page.evaluate(() => window.dispatchEvent(new Event("blur")));
   await still();
+  await page.mouse.up();
+  await page.getByLabel("Jog by keys").check();
+  await page.keyboard.down("ArrowRight");
+  await full();
+  await page.keyboard.up("ArrowRight");
+  await still();
   await close(page);
 
   const ends = {
@@ -293,5 +299,66 @@ export async function tags_are_watched_and_written({ browser, url }) {
   await row.getByLabel("New value of Move1.Speed").fill("42");
   await row.getByRole("button", { name: "Write" }).click();
   await row.locator(".value", { hasText: /^42/ }).waitFor();
+  await close(page);
+}
+
+/** The history of the page: eleven minutes at 1 ms, exact values and extrema, gaps and restarts told. In the page. */
+export async function the_history_is_exact({ browser, url }) {
+  const page = await open(browser, url, "machine");
+  const found = await page.evaluate(async () => {
+    const { Samples } = await import("/assets/js/samples.js");
+    const wrong = [];
+    const expect = (what, value, wanted) => Object.is(value, wanted) || wrong.push(`${what}: ${value}, expected ${wanted}`);
+    const samples = new Samples({ period_s: 0.001, axes: [{ name: "X" }], coordinate_systems: [{ name: "CS" }] });
+    // Whole numbers, so that what is kept in 32 bits is exact.
+    const command = (tick) => ((tick * 7919) % 100_003) - 50_000;
+    const speed = (tick) => (tick * 31) % 1009;
+    const frame = (first, count) => {
+      const buffer = new ArrayBuffer(24 + 5 * 8 + count * 5 * 4);
+      const view = new DataView(buffer);
+      view.setUint32(0, 0x31435241, true);
+      view.setUint32(4, count, true);
+      view.setUint32(8, 5, true);
+      view.setBigUint64(16, BigInt(first), true);
+      view.setFloat64(24, 1000.5, true);
+      for (let row = 0; row < count; row++) {
+        const tick = first + row;
+        [command(tick), 2 * tick % 64, tick % 5, command(tick) - 0.25, speed(tick)].forEach((value, k) => view.setFloat32(64 + 4 * (5 * row + k), value, true));
+      }
+      // The fourth signal has a base as well: the actual position lags by a quarter.
+      view.setFloat64(48, 1000.5, true);
+      return buffer;
+    };
+    const last = 800_000;
+    for (let tick = 5; tick < last; tick += 4000) samples.add(frame(tick, Math.min(4000, last - tick)));
+    expect("the newest", samples.end, last);
+    if (samples.end - samples.first < 600_000) wrong.push(`only ${samples.end - samples.first} ticks are kept`);
+    const { position, actual, error, jerk } = samples.axis("X");
+    for (const tick of [samples.first, samples.first + 1, 400_000, last - 1]) {
+      expect(`position at ${tick}`, position.at(tick), command(tick) + 1000.5);
+      expect(`error at ${tick}`, error.at(tick), 0.25);
+      expect(`actual at ${tick}`, actual.at(tick), command(tick) + 1000.25);
+      expect(`path speed at ${tick}`, samples.system("CS").speed.at(tick), speed(tick));
+    }
+    expect("jerk", jerk.at(400_000), (0 - 4) / 0.001);
+    expect("before the oldest", position.at(samples.first - 1), NaN);
+    const pair = [0, 0];
+    for (const [from, length, bucket] of [[400_000, 64, 16], [400_000, 160, 16], [399_872, 512, 256], [300_032, 256_000, 256], [400_001, 37, 1]]) {
+      const values = Array.from({ length }, (_, k) => speed(from + k));
+      samples.system("CS").speed.extrema(from, from + length, bucket, pair);
+      expect(`least of ${length} from ${from}`, pair[0], values.reduce((a, b) => Math.min(a, b)));
+      expect(`greatest of ${length} from ${from}`, pair[1], values.reduce((a, b) => Math.max(a, b)));
+    }
+    samples.add(frame(last + 100, 10));
+    expect("in a gap", position.at(last + 50), NaN);
+    expect("behind a gap", position.at(last + 105), command(last + 105) + 1000.5);
+    samples.system("CS").speed.extrema(last, last + 100, 1, pair);
+    expect("least of a gap", pair[0], NaN);
+    samples.add(frame(0, 40));
+    expect("the server began again", samples.end, 40);
+    expect("and nothing older is left", samples.first, 0);
+    return wrong;
+  });
+  assert.deepEqual(found, []);
   await close(page);
 }

@@ -18,6 +18,7 @@ cases! {
     a_jog_ends_with_its_page,
     esc_stops,
     the_scrub_shows_an_earlier_moment,
+    the_history_is_exact,
     the_target_dialog_is_the_users,
     a_program_runs,
     a_lost_server_is_told,
