@@ -87,7 +87,7 @@ export async function an_error_is_explained({ browser, url }) {
   await go(page, "events");
   const life = page.locator(".life.bad", { hasText: "MCCM" }).first();
   if (!(await life.locator("details").getAttribute("open"))?.length) await life.locator("details").evaluate((element) => (element.open = true));
-  for (const words of ["ERR 44", "Cause", "What to do"]) await life.getByText(words).waitFor();
+  for (const words of ["ERR 44", "Cause", "What to do"]) await life.locator(".explanation").getByText(words).waitFor();
   await go(page, "drive");
   await operand(page, "Speed", -5);
   await page.locator(".form .problem").getByText("0 or more is expected").waitFor();

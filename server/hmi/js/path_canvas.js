@@ -185,13 +185,14 @@ export class PathCanvas {
     context.lineJoin = "round";
     context.lineCap = "round";
     const { active, pending, tolerance } = this.#paths();
-    if (this.layers.trail) this.#drawTrail(context, project, colours);
     if (this.layers.path) {
       context.setLineDash([7, 5]);
       for (const line of pending) stroke(context, project, line, colours.pending, 1.75);
       context.setLineDash([]);
-      stroke(context, project, active, colours.path, 2.25);
+      stroke(context, project, active, colours.path, 3);
     }
+    // Over the path, so that it shows how far the move has come.
+    if (this.layers.trail) this.#drawTrail(context, project, colours);
     if (this.layers.tolerance) circles(context, project, this.camera.scale, tolerance, colours.warn);
     for (const path of this.#previewPaths()) {
       stroke(context, project, path.points, colours.preview, 2.25);

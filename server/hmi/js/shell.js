@@ -6,6 +6,9 @@ import * as theme from "./theme.js";
 
 const THEMES = { auto: ["auto", "As the system"], light: ["sun", "Light"], dark: ["moon", "Dark"] };
 
+/** How long a tick that was missed is told in the bar; the machine view tells all of them. */
+const MISSED_MS = 10_000;
+
 /** The frame of the page. `views` are `[key, icon, view]` in the order of the list. */
 export class Shell {
   constructor(app, views) {
@@ -86,7 +89,11 @@ export class Shell {
     state(this.control, "kind", driven.length ? "mine" : "calm");
     const { realtime } = status;
     text(this.tick, realtime ? `tick ${Math.round(realtime.p99_us)} µs` : "");
-    state(this.tick, "kind", realtime?.missed ? "warn" : "calm");
+    if (realtime && realtime.missed !== this.missed) {
+      this.missedAt = this.missed === undefined ? -Infinity : performance.now();
+      this.missed = realtime.missed;
+    }
+    state(this.tick, "kind", performance.now() - this.missedAt < MISSED_MS ? "warn" : "calm");
     this.view?.update?.();
   }
 
