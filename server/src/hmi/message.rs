@@ -53,7 +53,7 @@ pub(super) enum Ask {
     /// Runs a program; `step`: it waits in front of its first statement.
     Run {
         text: String,
-        #[serde(default)]
+        #[serde(default, alias = "paused")]
         step: bool,
     },
     /// One statement more.
