@@ -13,6 +13,7 @@ use arcline_config::Project;
 use arcline_structured_text::{Interpreter, Program};
 
 use crate::cli::{Failure, SimulateArgs, project};
+use crate::names::ImageNames;
 use crate::plant::image_of;
 use output::Output;
 use runner::{End, Runner};
@@ -55,7 +56,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
 /// Reads a program and checks that its names mean something.
 fn check(text: &str, project: &Project) -> Result<Program, arcline_structured_text::SyntaxError> {
     let mut program = Program::parse(text)?;
-    program.check(&runner::ImageNames(&image_of(project)))?;
+    program.check(&ImageNames(&image_of(project)))?;
     Ok(program)
 }
 

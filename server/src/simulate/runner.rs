@@ -5,10 +5,8 @@ use std::fmt;
 use arcline_controller::image::{Edge, Image, TagKind};
 use arcline_controller::machine::Machine;
 use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket, UNNAMED};
-use arcline_instruction_set::{
-    BindError, Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, Object, bind, describe,
-};
-use arcline_structured_text::{Answer, BoundCall, Interpreter, Names, Request, RuntimeError, unmade_control};
+use arcline_instruction_set::{BindError, Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, bind, describe};
+use arcline_structured_text::{Answer, BoundCall, Interpreter, Request, RuntimeError, unmade_control};
 use arcline_tag::{TagPath, Value};
 
 use super::output::Output;
@@ -386,27 +384,4 @@ impl<'m> Runner<'m> {
 enum Next {
     Answer(Answer),
     Pause(Program),
-}
-
-/// The names of an image, for the check of a program.
-#[derive(Debug)]
-pub(super) struct ImageNames<'i>(pub(super) &'i Image);
-
-impl Names for ImageNames<'_> {
-    fn is_object(&self, object: Object, name: &str) -> bool {
-        self.0.object(object, name).is_some()
-    }
-
-    fn is_tag(&self, path: &TagPath) -> bool {
-        self.0.locate(path).is_ok()
-    }
-
-    fn objects(&self, object: Object) -> Vec<String> {
-        let names = self.0.tags().iter().filter(|tag| self.is_object(object, &tag.name));
-        names.map(|tag| tag.name.clone()).collect()
-    }
-
-    fn tags(&self) -> Vec<String> {
-        self.0.tags().iter().map(|tag| tag.name.clone()).collect()
-    }
 }
