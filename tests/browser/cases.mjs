@@ -258,7 +258,8 @@ export async function a_program_runs({ browser, url }) {
   const editor = page.getByLabel("Program in Structured Text");
   await editor.fill("// one\nMCLM(CS1, M1, Absolute [1, 2, 3]);\n");
   await page.locator(".editor-gutter .wrong", { hasText: /^2$/ }).waitFor();
-  await editor.fill("MCLM(CS1, M1, Absolute, [40, 0, 0], 200);\nWAIT(M1.PC);\nMCLM(CS1, M2, Absolute, [40, 30, 0], 200);\nWAIT(M2.PC);\n");
+  const dynamics = "100, %ofMaximum, 100, %ofMaximum, 100, %ofMaximum";
+  await editor.fill(`MCLM(CS1, M1, Absolute, [40, 0, 0], ${dynamics});\nWAIT(M1.PC);\nMCLM(CS1, M2, Absolute, [40, 30, 0], ${dynamics});\nWAIT(M2.PC);\n`);
   await page.locator(".editor-errors:empty").waitFor({ state: "attached" });
   await page.getByRole("button", { name: "Dry run" }).click();
   await page.locator(".view.program .preview-facts", { hasText: "Takes" }).waitFor();

@@ -48,6 +48,10 @@ pub(super) enum Ask {
     Hold { coordinate_system: String },
     /// The override from before.
     Resume { coordinate_system: String },
+    /// What one instruction would do.
+    Preview { text: String },
+    /// What a program would do.
+    DryRun { text: String },
     /// What is wrong with a program.
     Check { text: String },
     /// Runs a program; `step`: it waits in front of its first statement.

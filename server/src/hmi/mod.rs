@@ -14,6 +14,7 @@ mod line;
 mod machine;
 mod message;
 mod paths;
+mod preview;
 mod program;
 mod rights;
 mod serve;
@@ -67,6 +68,8 @@ struct Shared {
     jogs: Mutex<Jogs>,
     origins: Mutex<Origins>,
     program: Programs,
+    /// One for each simulation that may run.
+    simulations: Arc<Semaphore>,
     /// Changes of instructions.
     events: broadcast::Sender<Utf8Bytes>,
 }
@@ -97,6 +100,7 @@ impl Hmi {
             jogs: Mutex::default(),
             origins: Mutex::default(),
             program: Programs::default(),
+            simulations: Arc::new(Semaphore::new(SIMULATIONS)),
             events: broadcast::Sender::new(events::WAITING),
             plant,
         };
@@ -122,5 +126,7 @@ impl Hmi {
     }
 }
 
+/// Simulations at a time, for previews.
+const SIMULATIONS: usize = 1;
 /// Viewers at a time.
 const VIEWERS: usize = 32;

@@ -322,4 +322,5 @@ async fn the_state_is_pushed() {
 
 mod driving;
 mod looking;
+mod previews;
 mod programs;

@@ -115,6 +115,8 @@ impl Viewer {
             } => shared.set_override(id, &coordinate_system, percent).await,
             Ask::Hold { coordinate_system } => shared.hold(&coordinate_system).await,
             Ask::Resume { coordinate_system } => shared.resume(id, &coordinate_system).await,
+            Ask::Preview { text } => shared.preview(&text).await,
+            Ask::DryRun { text } => shared.dry_run(&text).await,
             Ask::Check { text } => Ok(shared.check(&text)),
             Ask::Run { text, step } => shared.run(id, &text, step),
             Ask::Step => shared.step(),
