@@ -94,6 +94,7 @@ const SYSTEMS: &[(&str, &str, &str)] = &[
     ),
     ("Tolerance", "\"A\", \"B\"", "actual_tolerance = 0.0"),
     ("Enforced", "\"A\", \"B\"", "axis_limits = \"enforce\""),
+    ("Precise", "\"A\", \"B\"", "corner = \"precise\""),
     ("Round", "\"A\", \"R\"", ""),
     ("Limited", "\"A\", \"L\"", ""),
     ("SameAxis", "\"S\", \"B\", \"C\"", ""),
