@@ -21,7 +21,10 @@ export async function screenshots({ browser, url, folder }) {
       for (const view of VIEWS) {
         await go(page, view);
         if (view === "events") await page.locator(".life.bad summary").first().click();
-        if (view === "program") await page.getByRole("button", { name: "Dry run" }).click();
+        if (view === "program") {
+          await page.getByRole("button", { name: "Dry run" }).click();
+          await page.locator(".view.program .preview-facts, .view.program .problem").filter({ visible: true }).first().waitFor();
+        }
         if (view === "drive") await until(page, "the line", () => document.querySelector(".form .line code")?.textContent.includes("MCLM"));
         await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
         const name = `${view}-${scheme}-${phone ? "phone" : "desktop"}`;
