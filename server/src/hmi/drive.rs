@@ -88,7 +88,7 @@ impl Shared {
         let name = thing.name(machine);
         self.rights().check(machine, viewer, thing).map_err(|held| match held {
             Some(Held { by, .. }) => Refusal {
-                holder: Some(by.clone()),
+                holder: Some(by.as_str().into()),
                 ..Refusal::new(format!("{by} drives {name}: take it first"))
             },
             None => Refusal::new(format!("nobody drives {name}: take it first")),

@@ -28,7 +28,7 @@ impl Shared {
                 .map(|(_, value)| value)
                 .filter(|value| !value.is_null());
             let Written { text, may_be_left_out } = write(instruction, operand, given).map_err(|text| Refusal {
-                member: Some(operand.member()),
+                member: Some(operand.member().into()),
                 ..Refusal::new(text)
             })?;
             operands.push(text);

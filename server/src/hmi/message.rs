@@ -1,6 +1,6 @@
 //! What a viewer may ask for, and what it is answered.
 
-use arcline_instruction_set::{Mnemonic, MotionError, Operand, OperandIndex, describe};
+use arcline_instruction_set::{Mnemonic, MotionError, OperandIndex, describe};
 use arcline_structured_text::SyntaxError;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -101,15 +101,15 @@ pub(super) struct Refusal {
     pub(super) remedy: Option<&'static str>,
     /// Place in a text, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) line: Option<usize>,
+    pub(super) line: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) column: Option<usize>,
+    pub(super) column: Option<u32>,
     /// The operand at fault.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) member: Option<String>,
+    pub(super) member: Option<Box<str>>,
     /// Who has the right that was missing.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) holder: Option<String>,
+    pub(super) holder: Option<Box<str>>,
 }
 
 impl Refusal {
@@ -151,23 +151,25 @@ impl Refusal {
 
     pub(super) fn syntax(error: &SyntaxError) -> Self {
         Self {
-            line: Some(error.line),
-            column: Some(error.column),
+            line: u32::try_from(error.line).ok(),
+            column: u32::try_from(error.column).ok(),
             ..Self::new(error.problem.to_string())
         }
     }
 
     pub(super) fn at(self, line: usize) -> Self {
         Self {
-            line: Some(line),
+            line: u32::try_from(line).ok(),
             ..self
         }
     }
 }
 
-fn member(mnemonic: Mnemonic, operand: OperandIndex) -> Option<String> {
+fn member(mnemonic: Mnemonic, operand: OperandIndex) -> Option<Box<str>> {
     let operands = mnemonic.instruction().operands;
-    operands.get(usize::from(operand.0)).map(Operand::member)
+    operands
+        .get(usize::from(operand.0))
+        .map(|operand| operand.member().into())
 }
 
 /// Reads a message: its `id`, which the answer repeats, and what it asks for.

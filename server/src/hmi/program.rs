@@ -216,7 +216,7 @@ impl Shared {
                 Ok(()) | Err(Stopped::Ended) => shown.state = State::Ended,
                 Err(Stopped::Failed(error)) => {
                     shown.state = State::Failed;
-                    shown.line = error.line.or(shown.line);
+                    shown.line = error.line.map(|line| line as usize).or(shown.line);
                     shown.error = Some(error);
                 }
             });

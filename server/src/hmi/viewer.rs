@@ -148,7 +148,7 @@ impl Viewer {
         let machine = self.shared.plant.machine();
         let taken = self.shared.rights().take(machine, self.id, thing, force);
         taken.map_err(|held| Refusal {
-            holder: Some(held.by.clone()),
+            holder: Some(held.by.as_str().into()),
             ..Refusal::new(format!("{} drives {}", held.by, held.thing.name(machine)))
         })?;
         Ok(json!({}))

@@ -128,9 +128,9 @@ async fn a_trace_has_every_tick_once() {
         rows.windows(2).all(|pair| pair[0].0 + 1 == pair[1].0),
         "a tick is missing"
     );
-    let moved = rows.iter().map(|(_, row)| row[0]);
+    let mut moved = rows.iter().map(|(_, row)| row[0]);
     assert!(moved.clone().is_sorted(), "X only goes forward");
-    assert!(moved.last().is_some_and(|x| x > 0.0));
+    assert!(moved.next_back().is_some_and(|x| x > 0.0));
     assert!(rows.iter().all(|(_, row)| row[1] == 0.0), "no MAM moves X");
     assert!(
         rows.iter().any(|(_, row)| row[2] > 0.0 && row[3] == 1.0),
