@@ -23,7 +23,7 @@ fn with_cams(period_ms: f64) -> Bench {
                 [[tag]]\nname = \"Y\"\ntype = \"REAL[3]\"\n\
                 [[data_type]]\nname = \"Recipe\"\nmembers = [{ name = \"N\", type = \"DINT\" }, \
                 { name = \"Points\", type = \"CAM[4]\" }, { name = \"Curve\", type = \"CAM_PROFILE[4]\" }]\n\
-                [[tag]]\nname = \"R\"\ntype = \"Recipe[2]\"\n";
+                [[tag]]\nname = \"Mix\"\ntype = \"Recipe[2]\"\n";
     Bench::with(&format!("{}{tags}", machine(period_ms)))
 }
 
@@ -69,11 +69,11 @@ fn smooth(x: f64, length: f64, rise: f64) -> f64 {
 #[test]
 fn profiles_are_calculated_into_tags() {
     let mut bench = bench();
-    assert_eq!(bench.read("P1.Status"), 0.0);
+    assert_eq!(bench.read("P1[0].Status"), 0.0);
     let mut points = vec![(0.0, 0.0, CUBIC), (10.0, 5.0, CUBIC), (20.0, 20.0, LINEAR), (30.0, 25.0, LINEAR)];
     calculate(&mut bench, "P1", &points);
     assert_eq!(bench.bits("Calc"), "EN DN");
-    assert_eq!((bench.read("P1.Status"), bench.read("P1[3].Status"), bench.read("P1[4].Status")), (2.0, 2.0, 0.0));
+    assert_eq!((bench.read("P1[0].Status"), bench.read("P1[3].Status"), bench.read("P1[4].Status")), (2.0, 2.0, 0.0));
     // At the points, in a line, and between the points of the spline, whose slopes are 0, m and 0.5: 3(0.5+1.5) = 4m + 0.5.
     let m = (3.0 * 2.0 - 0.5) / 4.0;
     #[rustfmt::skip]
@@ -103,13 +103,13 @@ fn profiles_are_calculated_into_tags() {
     assert_eq!(bench.call("MCSV(V, P1, 11, Y[0], Y[1], Y[2])"), (13, 2));
     // Members of structures, and parts of arrays.
     for (place, x) in [0.0, 1.0].into_iter().enumerate() {
-        bench.write(&format!("R[1].Points[{place}].Master"), x);
-        bench.write(&format!("R[1].Points[{place}].Slave"), 3.0 * x);
+        bench.write(&format!("Mix[1].Points[{place}].Master"), x);
+        bench.write(&format!("Mix[1].Points[{place}].Slave"), 3.0 * x);
     }
-    assert_eq!(bench.call("MCCP(Calc, R[1].Points, 2, 0, 0, R[1].Curve[2])"), OK);
-    assert_eq!(bench.call("MCSV(V, R[1].Curve[2], 0.5, Y[0], 0, 0)"), OK);
+    assert_eq!(bench.call("MCCP(Calc, Mix[1].Points, 2, 0, 0, Mix[1].Curve[2])"), OK);
+    assert_eq!(bench.call("MCSV(V, Mix[1].Curve[2], 0.5, Y[0], 0, 0)"), OK);
     assert_eq!(bench.read("Y[0]"), 1.5);
-    assert_eq!(bench.call("MCSV(V, R[0].Curve, 0.5, Y[0], 0, 0)"), (32, 0));
+    assert_eq!(bench.call("MCSV(V, Mix[0].Curve, 0.5, Y[0], 0, 0)"), (32, 0));
 }
 
 #[test]
@@ -139,33 +139,33 @@ fn what_makes_no_profile() {
         bench.cam("Cam", &points);
         assert_eq!(bench.call(&format!("MCCP(Calc, Cam, {length}, 0, 0, {profile})")), expected, "{why}");
         let shown = bench.control("Calc");
-        assert_eq!((shown.segment, bench.read("P1.Status")), (segment, if expected == OK { 2.0 } else { 0.0 }), "{why}");
+        assert_eq!((shown.segment, bench.read("P1[0].Status")), (segment, if expected == OK { 2.0 } else { 0.0 }), "{why}");
     }
     let mut bench = bench();
     calculate(&mut bench, "P1", rising);
-    assert_eq!(bench.call("MCCP(Calc, Cam, 3, 1e999, 0, P1)"), (13, 3));
-    assert_eq!(bench.read("P1.Status"), 2.0, "what was there is there still");
+    assert_eq!(bench.call("MCCP(Calc, Cam, 1, 0, 0, P1)"), (26, 0));
+    assert_eq!(bench.read("P1[0].Status"), 2.0, "what was there is there still");
 }
 
 #[test]
 fn a_slave_is_a_function_of_its_master_at_every_period() {
-    // A cubic over 40 units of the master, entered at its beginning, scaled, with the master on its way there and back.
+    // A cubic over 10 units of the master, entered at its beginning, scaled, with the master on its way there and back.
     for period in [0.25, 1.0, 4.0] {
         for (direction, sign) in [("Same", 1.0), ("Opposite", -1.0)] {
             let mut bench = with_cams(period);
-            calculate(&mut bench, "P1", &[(0.0, 0.0, CUBIC), (40.0, 10.0, CUBIC)]);
+            calculate(&mut bench, "P1", &[(0.0, 0.0, CUBIC), (10.0, 4.0, CUBIC)]);
             let cam = format!("MAPC(A1, B1, C, {direction}, P1, 2, 1.5, Persistent, Immediate, 0, 0, Command, Bidirectional)");
             assert_eq!(bench.call(&cam), OK);
-            for to in [90.0, 3.3, 61.7, -5.0] {
+            for to in [25.0, 1.3, 16.7, -2.0] {
                 bench.call(&format!("MAM(B1, M, 0, {to}, {S_CURVE})"));
                 while !bench.control("M").has(Flag::Pc) {
                     bench.tick();
                     let [position, velocity, _] = bench.axis("B1").command;
                     let x = position / 1.5;
-                    near(bench.position("A1"), 2.0 * sign * smooth(x, 40.0, 10.0), &format!("{period} ms at {x}"));
-                    if (0.0..40.0).contains(&x) {
-                        let u = x / 40.0;
-                        let slope = 10.0 / 40.0 * 6.0 * u * (1.0 - u);
+                    near(bench.position("A1"), 2.0 * sign * smooth(x, 10.0, 4.0), &format!("{period} ms at {x}"));
+                    if (0.0..10.0).contains(&x) {
+                        let u = x / 10.0;
+                        let slope = 4.0 / 10.0 * 6.0 * u * (1.0 - u);
                         near(bench.axis("A1").command[1], 2.0 * sign * slope * velocity / 1.5, "velocity");
                     }
                 }
@@ -329,7 +329,7 @@ fn a_pending_cam_takes_over_where_the_other_ends() {
             assert_eq!(bench.call(&cam("D", "P2", "Once", "Pending")), OK);
             assert_eq!((bench.bits("Old").as_str(), bench.bits("D").as_str()), ("EN DN", "EN DN IP"));
             assert_eq!(position_cam(&bench, "A1"), (true, true, true));
-            assert_eq!((bench.read("P1.Status"), bench.read("P2.Status")), (3.0, 3.0));
+            assert_eq!((bench.read("P1[0].Status"), bench.read("P2[0].Status")), (3.0, 3.0));
             assert_eq!(bench.call("MCCP(Calc, Cam, 2, 0, 0, P2)"), (31, 0));
             bench.call(&format!("MAM(B1, M, 0, 40, {S_CURVE})"));
             while !bench.control("M").has(Flag::Pc) {
@@ -340,12 +340,12 @@ fn a_pending_cam_takes_over_where_the_other_ends() {
             }
             assert_eq!((bench.bits("C").as_str(), bench.bits("D").as_str()), ("EN DN PC", "EN DN IP"));
             assert_eq!(position_cam(&bench, "A1"), (true, true, false));
-            assert_eq!((bench.read("P1.Status"), bench.read("P2.Status")), (2.0, 3.0));
+            assert_eq!((bench.read("P1[0].Status"), bench.read("P2[0].Status")), (2.0, 3.0));
             bench.call(&format!("MAM(B1, M, 0, 60, {S_CURVE})"));
             bench.until("M", Flag::Pc);
             assert_eq!(bench.bits("D"), "EN DN PC");
             near(bench.position("A1"), 55.0, "both");
-            assert_eq!(bench.read("P2.Status"), 2.0);
+            assert_eq!(bench.read("P2[0].Status"), 2.0);
         }
     }
     // In reverse the next one is entered at its end. One that is loaded before the first waits for its end too.
@@ -366,8 +366,8 @@ fn a_pending_cam_takes_over_where_the_other_ends() {
 fn time_cams() {
     for period in [0.25, 1.0, 4.0] {
         let mut bench = with_cams(period);
-        calculate(&mut bench, "P1", &[(0.0, 0.0, CUBIC), (0.1, 5.0, CUBIC)]);
-        calculate(&mut bench, "P2", &[(0.0, 0.0, LINEAR), (0.05, 1.0, LINEAR)]);
+        calculate(&mut bench, "P1", &[(0.0, 0.0, CUBIC), (0.125, 5.0, CUBIC)]);
+        calculate(&mut bench, "P2", &[(0.0, 0.0, LINEAR), (0.0625, 1.0, LINEAR)]);
         // Twice as far, in three times the time.
         assert_eq!(bench.call("MATC(A1, C, Same, P1, 2, 3, Once, Immediate, 0, None, TimeDrivenMode)"), OK);
         assert_eq!(bench.call("MATC(A1, D, Opposite, P2, 1, 1, Continuous, Pending)"), OK);
@@ -376,7 +376,7 @@ fn time_cams() {
         while bench.now() < ticks(0.5) {
             bench.tick();
             let t = bench.now() as f64 * period / 1000.0;
-            let slave = if t <= 0.3 { smooth(t / 3.0, 0.1, 10.0) } else { 10.0 - 20.0 * (t - 0.3) };
+            let slave = if t <= 0.375 { smooth(t / 3.0, 0.125, 10.0) } else { 10.0 - 16.0 * (t - 0.375) };
             near(bench.position("A1"), slave, &format!("{t} s at {period} ms"));
         }
         assert_eq!((bench.bits("C").as_str(), bench.bits("D").as_str()), ("EN DN PC", "EN DN IP"));
@@ -460,7 +460,7 @@ fn what_ends_cams() {
         }
         bench.call(&format!("MAM(B1, M, 0, 900, {TRAPEZOID})"));
         bench.run(500);
-        assert_eq!(bench.read("P1.Status"), 6.0);
+        assert_eq!(bench.read("P1[0].Status"), 6.0);
         assert_eq!(bench.call(call), OK, "{call}");
         bench.run(1500);
         let shown: Vec<String> = ["C", "D", "T", "U"].iter().map(|tag| bench.bits(tag)).collect();
@@ -472,7 +472,7 @@ fn what_ends_cams() {
     assert_eq!((position_cam(&bench, "A1"), time_cam(&bench, "A1")), ((false, false, false), (false, false, false)));
     let mut bench = end("MAS(A1, S, PositionCam, Yes, 100, 0)", "EN DN, EN DN, EN DN IP, EN DN IP");
     assert_eq!(bench.bits("S"), "EN DN PC");
-    assert_eq!((bench.read("P1.Status"), position_cam(&bench, "A1")), (4.0, (false, false, false)));
+    assert_eq!((bench.read("P1[0].Status"), position_cam(&bench, "A1")), (4.0, (false, false, false)));
     let bench = end("MAS(A1, S, TimeCam, Yes, 100, 0)", "EN DN IP, EN DN IP, EN DN, EN DN");
     assert_eq!(time_cam(&bench, "A1"), (false, false, false));
     end("MASD(A1, S)", all);
