@@ -5,13 +5,13 @@
 use std::collections::BTreeMap;
 
 use arcline_config::Project;
+use arcline_controller::image::Image;
 use arcline_controller::machine::Start;
 use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{ControlSlot, Directory, FaultKind, FaultSet, Flag, MotionControl, Object, bind};
-use arcline_tag::Value;
-use arcline_controller::image::Image;
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
+use arcline_tag::Value;
 
 /// A controller between the beginning and the end of a tick, and everything it has reported so far.
 pub struct Bench {
@@ -107,7 +107,10 @@ impl Bench {
     pub fn read(&mut self, path: &str) -> f64 {
         self.image.show_uses();
         let path = path.parse().unwrap_or_else(|error| panic!("{path}: {error:?}"));
-        self.image.read(&path).unwrap_or_else(|error| panic!("{error}")).as_f64()
+        self.image
+            .read(&path)
+            .unwrap_or_else(|error| panic!("{error}"))
+            .as_f64()
     }
 
     /// Writes the points of a cam, each with master, slave and segment type, into a CAM array.

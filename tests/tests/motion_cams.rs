@@ -57,7 +57,11 @@ fn position_cam(bench: &Bench, axis: &str) -> (bool, bool, bool) {
 fn time_cam(bench: &Bench, axis: &str) -> (bool, bool, bool) {
     let word = bench.axis(axis).motion_status;
     let has = |bit| word & bit != 0;
-    (has(TIME_CAM_STATUS), has(TIME_CAM_LOCK_STATUS), has(TIME_CAM_PENDING_STATUS))
+    (
+        has(TIME_CAM_STATUS),
+        has(TIME_CAM_LOCK_STATUS),
+        has(TIME_CAM_PENDING_STATUS),
+    )
 }
 
 /// From rest to rest over `length`: `rise · (3u² − 2u³)`.
@@ -70,10 +74,22 @@ fn smooth(x: f64, length: f64, rise: f64) -> f64 {
 fn profiles_are_calculated_into_tags() {
     let mut bench = bench();
     assert_eq!(bench.read("P1[0].Status"), 0.0);
-    let mut points = vec![(0.0, 0.0, CUBIC), (10.0, 5.0, CUBIC), (20.0, 20.0, LINEAR), (30.0, 25.0, LINEAR)];
+    let mut points = vec![
+        (0.0, 0.0, CUBIC),
+        (10.0, 5.0, CUBIC),
+        (20.0, 20.0, LINEAR),
+        (30.0, 25.0, LINEAR),
+    ];
     calculate(&mut bench, "P1", &points);
     assert_eq!(bench.bits("Calc"), "EN DN");
-    assert_eq!((bench.read("P1[0].Status"), bench.read("P1[3].Status"), bench.read("P1[4].Status")), (2.0, 2.0, 0.0));
+    assert_eq!(
+        (
+            bench.read("P1[0].Status"),
+            bench.read("P1[3].Status"),
+            bench.read("P1[4].Status")
+        ),
+        (2.0, 2.0, 0.0)
+    );
     // At the points, in a line, and between the points of the spline, whose slopes are 0, m and 0.5: 3(0.5+1.5) = 4m + 0.5.
     let m = (3.0 * 2.0 - 0.5) / 4.0;
     #[rustfmt::skip]
@@ -89,7 +105,10 @@ fn profiles_are_calculated_into_tags() {
         assert_eq!(bench.call(&format!("MCSV(V, P1, {master}, Y[0], Y[1], Y[2])")), OK);
         for (place, expected) in [slave, slope, curvature].into_iter().enumerate() {
             let is = bench.read(&format!("Y[{place}]"));
-            assert!((is - expected).abs() < 1e-5, "{master}, {place}: {is} is not {expected}");
+            assert!(
+                (is - expected).abs() < 1e-5,
+                "{master}, {place}: {is} is not {expected}"
+            );
         }
     }
     // What an operand does not name is not written.
@@ -137,9 +156,17 @@ fn what_makes_no_profile() {
     for (why, points, length, profile, expected, segment) in cases {
         let mut bench = bench();
         bench.cam("Cam", &points);
-        assert_eq!(bench.call(&format!("MCCP(Calc, Cam, {length}, 0, 0, {profile})")), expected, "{why}");
+        assert_eq!(
+            bench.call(&format!("MCCP(Calc, Cam, {length}, 0, 0, {profile})")),
+            expected,
+            "{why}"
+        );
         let shown = bench.control("Calc");
-        assert_eq!((shown.segment, bench.read("P1[0].Status")), (segment, if expected == OK { 2.0 } else { 0.0 }), "{why}");
+        assert_eq!(
+            (shown.segment, bench.read("P1[0].Status")),
+            (segment, if expected == OK { 2.0 } else { 0.0 }),
+            "{why}"
+        );
     }
     let mut bench = bench();
     calculate(&mut bench, "P1", rising);
@@ -154,7 +181,9 @@ fn a_slave_is_a_function_of_its_master_at_every_period() {
         for (direction, sign) in [("Same", 1.0), ("Opposite", -1.0)] {
             let mut bench = with_cams(period);
             calculate(&mut bench, "P1", &[(0.0, 0.0, CUBIC), (10.0, 4.0, CUBIC)]);
-            let cam = format!("MAPC(A1, B1, C, {direction}, P1, 2, 1.5, Persistent, Immediate, 0, 0, Command, Bidirectional)");
+            let cam = format!(
+                "MAPC(A1, B1, C, {direction}, P1, 2, 1.5, Persistent, Immediate, 0, 0, Command, Bidirectional)"
+            );
             assert_eq!(bench.call(&cam), OK);
             for to in [25.0, 1.3, 16.7, -2.0] {
                 bench.call(&format!("MAM(B1, M, 0, {to}, {S_CURVE})"));
@@ -162,15 +191,27 @@ fn a_slave_is_a_function_of_its_master_at_every_period() {
                     bench.tick();
                     let [position, velocity, _] = bench.axis("B1").command;
                     let x = position / 1.5;
-                    near(bench.position("A1"), 2.0 * sign * smooth(x, 10.0, 4.0), &format!("{period} ms at {x}"));
+                    near(
+                        bench.position("A1"),
+                        2.0 * sign * smooth(x, 10.0, 4.0),
+                        &format!("{period} ms at {x}"),
+                    );
                     if (0.0..10.0).contains(&x) {
                         let u = x / 10.0;
                         let slope = 4.0 / 10.0 * 6.0 * u * (1.0 - u);
-                        near(bench.axis("A1").command[1], 2.0 * sign * slope * velocity / 1.5, "velocity");
+                        near(
+                            bench.axis("A1").command[1],
+                            2.0 * sign * slope * velocity / 1.5,
+                            "velocity",
+                        );
                     }
                 }
             }
-            assert_eq!(position_cam(&bench, "A1"), (true, false, false), "outside of its profile");
+            assert_eq!(
+                position_cam(&bench, "A1"),
+                (true, false, false),
+                "outside of its profile"
+            );
             assert_eq!(bench.bits("C"), "EN DN IP");
         }
     }
@@ -180,7 +221,11 @@ fn a_slave_is_a_function_of_its_master_at_every_period() {
 fn once_ends_at_the_end_of_its_profile() {
     let run = |entry: f64, to: f64| {
         let mut bench = bench();
-        calculate(&mut bench, "P1", &[(0.0, 0.0, CUBIC), (20.0, 7.0, LINEAR), (50.0, 10.0, CUBIC)]);
+        calculate(
+            &mut bench,
+            "P1",
+            &[(0.0, 0.0, CUBIC), (20.0, 7.0, LINEAR), (50.0, 10.0, CUBIC)],
+        );
         let cam = format!("MAPC(A1, B1, C, Same, P1, 1, 1, Once, Immediate, 0, {entry}, Command, Bidirectional)");
         assert_eq!(bench.call(&cam), OK);
         assert_eq!(position_cam(&bench, "A1"), (true, true, false));
@@ -232,7 +277,11 @@ fn continuous_repeats_both_ways() {
             bench.tick();
             let master = bench.position("B1");
             let turns = (master / 20.0).floor();
-            near(bench.position("A1"), 4.0 * turns + smooth(master - 20.0 * turns, 20.0, 4.0), "at {master}");
+            near(
+                bench.position("A1"),
+                4.0 * turns + smooth(master - 20.0 * turns, 20.0, 4.0),
+                "at {master}",
+            );
             assert_eq!(position_cam(&bench, "A1"), (true, true, false));
         }
     }
@@ -270,7 +319,8 @@ fn locks_are_met_where_they_lie() {
     // On a rotary master a lock lies on every turn, and is a position of it.
     let mut bench = bench();
     calculate(&mut bench, "P1", &[(0.0, 0.0, LINEAR), (100.0, 50.0, LINEAR)]);
-    let cam = |lock: &str| format!("MAPC(A1, TURN, C, Same, P1, 1, 1, Once, ForwardOnly, {lock}, 0, Command, Bidirectional)");
+    let cam =
+        |lock: &str| format!("MAPC(A1, TURN, C, Same, P1, 1, 1, Once, ForwardOnly, {lock}, 0, Command, Bidirectional)");
     assert_eq!(bench.call(&cam("360")), (13, 9));
     assert_eq!(bench.call(&format!("MAM(TURN, M, 1, 300, {TRAPEZOID})")), OK);
     bench.until("M", Flag::Pc);
@@ -280,7 +330,10 @@ fn locks_are_met_where_they_lie() {
     near(bench.position("A1"), 10.0, "20 degrees behind the lock");
     // What is shown changes, what is there does not.
     bench.call("MRP(B1, R, 0, 1, 1000)");
-    assert_eq!(bench.call("MAPC(C1, B1, D, Same, P1, 1, 1, Once, ForwardOnly, 1010, 0, Command, Bidirectional)"), OK);
+    assert_eq!(
+        bench.call("MAPC(C1, B1, D, Same, P1, 1, 1, Once, ForwardOnly, 1010, 0, Command, Bidirectional)"),
+        OK
+    );
     bench.tick();
     bench.call("MRP(B1, R, 0, 1, 0)");
     bench.call(&format!("MAM(B1, M, 1, 30, {TRAPEZOID})"));
@@ -327,7 +380,10 @@ fn a_pending_cam_takes_over_where_the_other_ends() {
             // A pending cam replaces one that waits.
             assert_eq!(bench.call(&cam("Old", "P1", "Once", "Pending")), OK);
             assert_eq!(bench.call(&cam("D", "P2", "Once", "Pending")), OK);
-            assert_eq!((bench.bits("Old").as_str(), bench.bits("D").as_str()), ("EN DN", "EN DN IP"));
+            assert_eq!(
+                (bench.bits("Old").as_str(), bench.bits("D").as_str()),
+                ("EN DN", "EN DN IP")
+            );
             assert_eq!(position_cam(&bench, "A1"), (true, true, true));
             assert_eq!((bench.read("P1[0].Status"), bench.read("P2[0].Status")), (3.0, 3.0));
             assert_eq!(bench.call("MCCP(Calc, Cam, 2, 0, 0, P2)"), (31, 0));
@@ -335,10 +391,17 @@ fn a_pending_cam_takes_over_where_the_other_ends() {
             while !bench.control("M").has(Flag::Pc) {
                 bench.tick();
                 let master = bench.position("B1");
-                let slave = if master <= 20.0 { 0.5 * master } else { 10.0 + 1.5 * (master - 20.0) };
+                let slave = if master <= 20.0 {
+                    0.5 * master
+                } else {
+                    10.0 + 1.5 * (master - 20.0)
+                };
                 near(bench.position("A1"), slave, &format!("{mode} at {period} ms"));
             }
-            assert_eq!((bench.bits("C").as_str(), bench.bits("D").as_str()), ("EN DN PC", "EN DN IP"));
+            assert_eq!(
+                (bench.bits("C").as_str(), bench.bits("D").as_str()),
+                ("EN DN PC", "EN DN IP")
+            );
             assert_eq!(position_cam(&bench, "A1"), (true, true, false));
             assert_eq!((bench.read("P1[0].Status"), bench.read("P2[0].Status")), (2.0, 3.0));
             bench.call(&format!("MAM(B1, M, 0, 60, {S_CURVE})"));
@@ -353,9 +416,15 @@ fn a_pending_cam_takes_over_where_the_other_ends() {
     calculate(&mut bench, "P1", &[(0.0, 0.0, LINEAR), (20.0, 10.0, LINEAR)]);
     calculate(&mut bench, "P2", &[(0.0, 0.0, LINEAR), (10.0, 15.0, LINEAR)]);
     let common = "0, 10, Command, Bidirectional";
-    assert_eq!(bench.call(&format!("MAPC(A1, B1, D, Same, P2, 1, 1, Once, Pending, {common})")), OK);
+    assert_eq!(
+        bench.call(&format!("MAPC(A1, B1, D, Same, P2, 1, 1, Once, Pending, {common})")),
+        OK
+    );
     assert_eq!(position_cam(&bench, "A1"), (false, false, true));
-    assert_eq!(bench.call(&format!("MAPC(A1, B1, C, Same, P1, 1, 1, Once, Immediate, {common})")), OK);
+    assert_eq!(
+        bench.call(&format!("MAPC(A1, B1, C, Same, P1, 1, 1, Once, Immediate, {common})")),
+        OK
+    );
     bench.call(&format!("MAM(B1, M, 0, -15, {TRAPEZOID})"));
     bench.until("M", Flag::Pc);
     near(bench.position("A1"), -5.0 - 7.5, "back through both");
@@ -369,22 +438,35 @@ fn time_cams() {
         calculate(&mut bench, "P1", &[(0.0, 0.0, CUBIC), (0.125, 5.0, CUBIC)]);
         calculate(&mut bench, "P2", &[(0.0, 0.0, LINEAR), (0.0625, 1.0, LINEAR)]);
         // Twice as far, in three times the time.
-        assert_eq!(bench.call("MATC(A1, C, Same, P1, 2, 3, Once, Immediate, 0, None, TimeDrivenMode)"), OK);
+        assert_eq!(
+            bench.call("MATC(A1, C, Same, P1, 2, 3, Once, Immediate, 0, None, TimeDrivenMode)"),
+            OK
+        );
         assert_eq!(bench.call("MATC(A1, D, Opposite, P2, 1, 1, Continuous, Pending)"), OK);
         assert_eq!(time_cam(&bench, "A1"), (true, true, true));
         let ticks = |seconds: f64| (seconds * 1000.0 / period).round() as u64;
         while bench.now() < ticks(0.5) {
             bench.tick();
             let t = bench.now() as f64 * period / 1000.0;
-            let slave = if t <= 0.375 { smooth(t / 3.0, 0.125, 10.0) } else { 10.0 - 16.0 * (t - 0.375) };
+            let slave = if t <= 0.375 {
+                smooth(t / 3.0, 0.125, 10.0)
+            } else {
+                10.0 - 16.0 * (t - 0.375)
+            };
             near(bench.position("A1"), slave, &format!("{t} s at {period} ms"));
         }
-        assert_eq!((bench.bits("C").as_str(), bench.bits("D").as_str()), ("EN DN PC", "EN DN IP"));
+        assert_eq!(
+            (bench.bits("C").as_str(), bench.bits("D").as_str()),
+            ("EN DN PC", "EN DN IP")
+        );
         assert_eq!(time_cam(&bench, "A1"), (true, true, false));
         // The end of the last one is its end to the last bit.
         assert_eq!(bench.call("MAS(A1, S, TimeCam)"), OK);
         bench.until("S", Flag::Pc);
-        assert_eq!((bench.bits("D").as_str(), time_cam(&bench, "A1")), ("EN DN", (false, false, false)));
+        assert_eq!(
+            (bench.bits("D").as_str(), time_cam(&bench, "A1")),
+            ("EN DN", (false, false, false))
+        );
         let before = bench.position("A1");
         assert_eq!(bench.call("MATC(A1, C, Reverse, P2, 1, 1, Once, Immediate)"), OK);
         bench.until_rest();
@@ -456,7 +538,10 @@ fn what_ends_cams() {
             assert_eq!(bench.call(&cam), OK);
         }
         for (tag, schedule) in [("T", "Immediate"), ("U", "Pending")] {
-            assert_eq!(bench.call(&format!("MATC(A1, {tag}, Same, P1, 1, 100, Once, {schedule})")), OK);
+            assert_eq!(
+                bench.call(&format!("MATC(A1, {tag}, Same, P1, 1, 100, Once, {schedule})")),
+                OK
+            );
         }
         bench.call(&format!("MAM(B1, M, 0, 900, {TRAPEZOID})"));
         bench.run(500);
@@ -469,10 +554,19 @@ fn what_ends_cams() {
     };
     let all = "EN DN, EN DN, EN DN, EN DN";
     let bench = end("MAS(A1, S, All, Yes, 100, 0)", all);
-    assert_eq!((position_cam(&bench, "A1"), time_cam(&bench, "A1")), ((false, false, false), (false, false, false)));
-    let mut bench = end("MAS(A1, S, PositionCam, Yes, 100, 0)", "EN DN, EN DN, EN DN IP, EN DN IP");
+    assert_eq!(
+        (position_cam(&bench, "A1"), time_cam(&bench, "A1")),
+        ((false, false, false), (false, false, false))
+    );
+    let mut bench = end(
+        "MAS(A1, S, PositionCam, Yes, 100, 0)",
+        "EN DN, EN DN, EN DN IP, EN DN IP",
+    );
     assert_eq!(bench.bits("S"), "EN DN PC");
-    assert_eq!((bench.read("P1[0].Status"), position_cam(&bench, "A1")), (4.0, (false, false, false)));
+    assert_eq!(
+        (bench.read("P1[0].Status"), position_cam(&bench, "A1")),
+        (4.0, (false, false, false))
+    );
     let bench = end("MAS(A1, S, TimeCam, Yes, 100, 0)", "EN DN IP, EN DN IP, EN DN, EN DN");
     assert_eq!(time_cam(&bench, "A1"), (false, false, false));
     end("MASD(A1, S)", all);
@@ -487,7 +581,8 @@ fn a_servo_and_the_actual_position_of_one() {
     let mut bench = bench();
     calculate(&mut bench, "P1", &[(-1000.0, 0.0, LINEAR), (1000.0, 1000.0, LINEAR)]);
     for (slave, reference) in [("A1", "Actual"), ("C1", "Command")] {
-        let cam = format!("MAPC({slave}, P, C{slave}, Same, P1, 1, 1, Once, Immediate, 0, 0, {reference}, Bidirectional)");
+        let cam =
+            format!("MAPC({slave}, P, C{slave}, Same, P1, 1, 1, Once, Immediate, 0, 0, {reference}, Bidirectional)");
         assert_eq!(bench.call(&cam), OK);
     }
     bench.call(&format!("MAM(P, M, 0, 90, {TRAPEZOID})"));
@@ -499,7 +594,10 @@ fn a_servo_and_the_actual_position_of_one() {
         }
         for (place, axis) in ["A1", "C1"].into_iter().enumerate() {
             let position = bench.position(axis);
-            assert!((position - last[place]).abs() < 0.08, "{axis} jumps at {tick}: {position}");
+            assert!(
+                (position - last[place]).abs() < 0.08,
+                "{axis} jumps at {tick}: {position}"
+            );
             last[place] = position;
         }
     }

@@ -86,7 +86,9 @@ impl Profile {
                 from += 1;
                 continue;
             }
-            let run = points[from..last].iter().take_while(|point| point.kind == SegmentType::Cubic);
+            let run = points[from..last]
+                .iter()
+                .take_while(|point| point.kind == SegmentType::Cubic);
             let to = from + run.count();
             let first = if from == 0 { start_slope } else { mean(from - 1) };
             let end = if to == last { end_slope } else { mean(to) };
@@ -146,7 +148,14 @@ mod tests {
     use SegmentType::{Cubic, Linear};
 
     fn points(given: &[(f64, f64, SegmentType)]) -> Vec<Point> {
-        given.iter().map(|(x, y, kind)| Point { x: *x, y: *y, kind: *kind }).collect()
+        given
+            .iter()
+            .map(|(x, y, kind)| Point {
+                x: *x,
+                y: *y,
+                kind: *kind,
+            })
+            .collect()
     }
 
     #[test]
@@ -169,12 +178,20 @@ mod tests {
             assert!((value.curvature - (6.0 * x - 6.0)).abs() < 1e-10, "{x}: {value:?}");
         }
         // A line, a cubic between two lines, a line: the slopes of the lines.
-        let mixed = [(0.0, 0.0, Linear), (1.0, 2.0, Cubic), (2.0, 3.0, Linear), (4.0, 3.0, Linear)];
+        let mixed = [
+            (0.0, 0.0, Linear),
+            (1.0, 2.0, Cubic),
+            (2.0, 3.0, Linear),
+            (4.0, 3.0, Linear),
+        ];
         let mixed = Profile::calculate(&points(&mixed), 9.0, 9.0).expect("a profile");
         assert_eq!(mixed.segments()[0].coefficients, [2.0, 0.0, 0.0]);
         assert_eq!((mixed.at(1.0).slope, mixed.at(2.0).slope), (2.0, 0.0));
         assert_eq!(mixed.at(1.0).segment, 1);
-        assert_eq!((mixed.start(), mixed.end(), mixed.rise()), ((0.0, 0.0), (4.0, 3.0), 3.0));
+        assert_eq!(
+            (mixed.start(), mixed.end(), mixed.rise()),
+            ((0.0, 0.0), (4.0, 3.0), 3.0)
+        );
     }
 
     #[test]
@@ -198,7 +215,10 @@ mod tests {
     #[test]
     fn points_that_make_no_profile() {
         let calculate = |given: &[(f64, f64, SegmentType)]| Profile::calculate(&points(given), 0.0, 0.0);
-        assert_eq!(calculate(&[(0.0, 0.0, Cubic)]), Err(CalculateError::TooFew { count: 1 }));
+        assert_eq!(
+            calculate(&[(0.0, 0.0, Cubic)]),
+            Err(CalculateError::TooFew { count: 1 })
+        );
         #[rustfmt::skip]
         let cases = [
             (vec![(0.0, 0.0, Cubic), (0.0, 1.0, Cubic)], CalculateError::Order { place: 1 }),

@@ -97,7 +97,10 @@ pub struct Instruction {
 impl Instruction {
     /// Whether it acts on an object; the others only calculate.
     pub fn has_target(&self) -> bool {
-        matches!(self.operands.first().map(|operand| &operand.kind), Some(Kind::Target(_)))
+        matches!(
+            self.operands.first().map(|operand| &operand.kind),
+            Some(Kind::Target(_))
+        )
     }
 
     /// Faceplate position of the motion control: 1, 2 behind a second object, or 0 where there is no object.

@@ -26,10 +26,10 @@ mod stop;
 mod system;
 mod verify;
 
+pub use arcline_cam as cam;
 pub use arcline_planner::precise::Trajectory;
 pub use contour::ContourRequest;
 pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};
-pub use arcline_cam as cam;
 pub use feed_override::MAX_OVERRIDE;
 pub use material::Material;
 pub use motion::Motion;

@@ -320,7 +320,12 @@ fn elements_from(data_type: &DataType, elements: usize, offset: usize, size: usi
         member.bit.is_none() && (from..from + member.size()).contains(&inside)
     };
     let member = template.members.iter().find(holds)?;
-    elements_from(&member.data_type, member.elements(), inside - member.offset as usize, size)
+    elements_from(
+        &member.data_type,
+        member.elements(),
+        inside - member.offset as usize,
+        size,
+    )
 }
 
 fn operand(mnemonic: Mnemonic, name: &str) -> usize {
@@ -329,11 +334,7 @@ fn operand(mnemonic: Mnemonic, name: &str) -> usize {
 }
 
 fn word<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
-    bytes
-        .get(at..)
-        .and_then(<[u8]>::first_chunk)
-        .copied()
-        .unwrap_or([0; N])
+    bytes.get(at..).and_then(<[u8]>::first_chunk).copied().unwrap_or([0; N])
 }
 
 const CAM_PROFILE_OPERAND: &str = "Cam Profile";

@@ -59,7 +59,9 @@ predefined! {
 /// The predefined type of that name that plain tags can have, case ignored.
 pub fn of_tags(name: &str) -> Option<Arc<Template>> {
     let types = [cam(), cam_profile(), output_cam(), output_compensation()];
-    types.into_iter().find(|template| template.name.eq_ignore_ascii_case(name))
+    types
+        .into_iter()
+        .find(|template| template.name.eq_ignore_ascii_case(name))
 }
 
 /// Values of CAM_PROFILE.Status (spec/axis-and-data-types.md §3.9).

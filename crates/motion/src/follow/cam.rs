@@ -245,8 +245,16 @@ impl Cam {
         self.follows = moves && within;
         self.segment = value.segment;
         let risen = turn * profile.rise() + value.y - profile.at(entry).y;
-        let rate = if self.follows { master.velocity / master_scale } else { 0.0 };
-        let change = if self.follows { master.acceleration / master_scale } else { 0.0 };
+        let rate = if self.follows {
+            master.velocity / master_scale
+        } else {
+            0.0
+        };
+        let change = if self.follows {
+            master.acceleration / master_scale
+        } else {
+            0.0
+        };
         let point = Point {
             position: self.slave_from + slave_scale * risen,
             velocity: slave_scale * value.slope * rate,

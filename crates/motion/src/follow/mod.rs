@@ -12,9 +12,9 @@ pub(crate) mod transform;
 
 use arcline_drive::Motion as Point;
 
-use crate::axis::{Axis, AxisState};
 use crate::axis::generator::Law;
 use crate::axis::sum::Slot;
+use crate::axis::{Axis, AxisState};
 use crate::motion::Motion;
 use cam::{Cam, Source};
 pub(crate) use cancel::Release;

@@ -1,8 +1,8 @@
 //! What MAPC and MATC share: directions, modes, and how a cam begins or waits for the end of another.
 
-use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError, OperandIndex};
 
-use super::place;
+use super::{axis_moves, place};
 use crate::axis::Axis;
 use crate::axis::generator::{Generator, Law};
 use crate::axis::sum::Slot;
@@ -79,6 +79,15 @@ pub(super) fn on_turn(axis: &Axis, position: f64, operand: usize) -> Result<(), 
     }
 }
 
+/// No stop of everything is under way, nor one of the kind of cam.
+pub(super) fn not_stopping(axis: &Axis, slot: Slot) -> Result<(), MotionError> {
+    axis_moves::not_stopping(axis)?;
+    if axis.sum.get(slot).is_some_and(|generator| generator.stopping) {
+        return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
+    }
+    Ok(())
+}
+
 /// A cam waits behind one that has the same master, and is not the second of its kind that is under way.
 ///
 /// # Errors
@@ -90,7 +99,11 @@ pub(super) fn verify_change(axis: &Axis, slot: Slot, source: Source, pending: bo
     };
     let runs = axis.cam(slot).map(Cam::source);
     let waits = axis.cams(slot).pending.as_ref().map(|pending| pending.program.source);
-    let fits = if pending { runs.is_none_or(same) } else { waits.is_none_or(same) };
+    let fits = if pending {
+        runs.is_none_or(same)
+    } else {
+        waits.is_none_or(same)
+    };
     if !fits || (!pending && runs.is_some()) {
         return Err(MotionError::IllegalDynamicChange);
     }
@@ -123,8 +136,6 @@ pub(super) fn begin(motion: &mut Motion, axis: u16, beginning: Beginning, execut
         lock,
         master,
     } = beginning;
-    // What is left of a cam that was stopped.
-    motion.end_generator(axis, slot);
     let state = &mut motion.axes[usize::from(axis)];
     state.cams_mut(slot).direction = Some(program.slave_scale.signum());
     let slave = state.command.position;
@@ -140,7 +151,9 @@ pub(super) fn begin(motion: &mut Motion, axis: u16, beginning: Beginning, execut
     state.command = state.sum.command();
     state.stale = true;
     accept(motion, execution);
-    motion.controls.set_segment(execution, segment as i32, motion.clock.tick);
+    motion
+        .controls
+        .set_segment(execution, segment as i32, motion.clock.tick);
 }
 
 fn accept(motion: &mut Motion, execution: Execution) {

@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
 
-use super::camming::{Beginning, CamLayout, begin, on_turn, verify_change, wait};
+use super::camming::{Beginning, CamLayout, begin, not_stopping, on_turn, verify_change, wait};
 use super::{axis_moves, place};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
@@ -57,12 +57,7 @@ fn way(direction: i32) -> Option<f64> {
     }
 }
 
-pub(super) fn execute(
-    motion: &mut Motion,
-    execution: Execution,
-    call: &Call,
-    sent: &Sent,
-) -> Result<(), MotionError> {
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
     let layout = motion.layouts.mapc;
     let axis = motion.target_axis(call)?;
     let at = usize::from(axis);
@@ -84,7 +79,7 @@ pub(super) fn execute(
         return Err(beyond(layout.cam_lock));
     }
     axis_moves::verify_axis(&motion.axes[at], false)?;
-    axis_moves::not_stopping(&motion.axes[at])?;
+    not_stopping(&motion.axes[at], Slot::PositionCam)?;
     if motion.plan_master(axis, master).is_err() {
         return Err(MotionError::MasterAxisConflict);
     }

@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::{Call, Mnemonic, MotionError};
 
-use super::camming::{Beginning, CamLayout, begin, verify_change, wait};
+use super::camming::{Beginning, CamLayout, begin, not_stopping, verify_change, wait};
 use super::{axis_moves, place};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
@@ -32,12 +32,7 @@ impl Layout {
     }
 }
 
-pub(super) fn execute(
-    motion: &mut Motion,
-    execution: Execution,
-    call: &Call,
-    sent: &Sent,
-) -> Result<(), MotionError> {
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
     let layout = motion.layouts.matc;
     let axis = motion.target_axis(call)?;
     let at = usize::from(axis);
@@ -50,7 +45,7 @@ pub(super) fn execute(
         return Err(MotionError::MdscNotActivated);
     }
     axis_moves::verify_axis(&motion.axes[at], false)?;
-    axis_moves::not_stopping(&motion.axes[at])?;
+    not_stopping(&motion.axes[at], Slot::TimeCam)?;
     let since = motion.clock.now();
     let source = Source::Time { since };
     let pending = layout.cam.is_pending(call);

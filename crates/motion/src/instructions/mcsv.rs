@@ -6,12 +6,7 @@ use crate::control::Execution;
 use crate::material::Sent;
 use crate::motion::Motion;
 
-pub(super) fn execute(
-    motion: &mut Motion,
-    execution: Execution,
-    call: &Call,
-    sent: &Sent,
-) -> Result<(), MotionError> {
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
     motion.verify_operands(call)?;
     sent.verdict()?;
     motion.done(execution);

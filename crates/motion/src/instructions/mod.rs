@@ -87,12 +87,7 @@ impl Layouts {
 ///
 /// # Errors
 /// The first reason, in the order of spec/coordinated-instructions.md §11.1. Nothing has moved or changed then.
-pub(crate) fn execute(
-    motion: &mut Motion,
-    execution: Execution,
-    call: &Call,
-    sent: &Sent,
-) -> Result<(), MotionError> {
+pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
     match call.mnemonic {
         Mnemonic::Mclm => mclm::execute(motion, execution, call),
         Mnemonic::Mccm => mccm::execute(motion, execution, call),
