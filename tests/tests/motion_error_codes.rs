@@ -80,7 +80,7 @@ start = { position = 11.0 }
 [[tag]]
 name = "Cam"
 type = "CAM[4]"
-value = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }, { Master = 6.0 }]
+value = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }, { Master = 6.0 }, { Master = 7.0 }]
 
 [[tag]]
 name = "Profile"

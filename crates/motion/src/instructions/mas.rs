@@ -102,8 +102,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if matches!(stopped(call.word(layout.stop_type)), Some(None | Some(Slot::Home))) {
         motion.end_passive_homing(axis);
     }
-    if let Some(Some(slot)) = stopped(call.word(layout.stop_type)) {
-        motion.end_pending_cams(axis, Some(slot));
+    if let Some(kind) = stopped(call.word(layout.stop_type)) {
+        motion.end_pending_cams(axis, kind);
     }
     let state = &motion.axes[at];
     match stopped(call.word(layout.stop_type)) {
