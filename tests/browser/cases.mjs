@@ -100,6 +100,17 @@ export async function a_jog_ends_with_its_page({ browser, url }) {
   const watcher = await open(browser, url, "machine");
   await probe(watcher, "X");
   const full = () => until(watcher, "X at full speed", () => Math.abs(window.samples.at(-1).speed - 50) < 0.01);
+  /** Holds until the axis runs. On a machine that is too busy for the dead-man the server ends a jog: once more then. */
+  const run = async (press, release) => {
+    for (let times = 1; ; times++) {
+      await press();
+      const running = full().then(() => true, () => false);
+      if (await Promise.race([running, new Promise((done) => setTimeout(done, 4000, false))])) return;
+      assert.ok(times < 6, "X did not come to its speed");
+      await release();
+      await still();
+    }
+  };
   const still = () => until(watcher, "X stands still", () => window.samples.at(-1).speed === 0);
   /** How long after a moment the axis went on at full speed, in ms. */
   const went = (moment) => watcher.evaluate((since) => window.clockOf(window.samples.findLast(({ speed }) => Math.abs(speed - 50) < 0.01).tick) - since, moment);
@@ -108,22 +119,19 @@ export async function a_jog_ends_with_its_page({ browser, url }) {
     const page = await open(browser, url, "drive");
     await take(page, "CS1");
     await page.getByRole("button", { name: "Jog X forwards" }).hover();
-    await page.mouse.down();
-    await full();
+    await run(() => page.mouse.down(), () => page.mouse.up());
     return page;
   };
   const page = await hold();
   await page.mouse.up();
   await still();
   await page.locator('.jog-row[aria-label="Axis X"][data-held=false]').waitFor();
-  await page.mouse.down();
-  await full();
+  await run(() => page.mouse.down(), () => page.mouse.up());
   await page.evaluate(() => window.dispatchEvent(new Event("blur")));
   await still();
   await page.mouse.up();
   await page.getByLabel("Jog by keys").check();
-  await page.keyboard.down("ArrowRight");
-  await full();
+  await run(() => page.keyboard.down("ArrowRight"), () => page.keyboard.up("ArrowRight"));
   await page.keyboard.up("ArrowRight");
   await still();
   await close(page);
