@@ -138,12 +138,12 @@ fn write(instruction: &Instruction, operand: &Operand, given: Option<&Value>) ->
         }
         (Kind::Array(_), given) => Ok(needed(array(given)?.ok_or("expected numbers")?)),
         (Kind::ArrayOrNone, given) => Ok(or_none(array(given)?)),
-        (Kind::WrittenArray(_), given) => match given {
+        (Kind::WrittenArray(_) | Kind::StructureOrNone(_), given) => match given {
             None => Ok(or_none(None)),
             Some(Value::String(name)) => Ok(or_none(Some(name.trim().to_owned()).filter(|name| !name.is_empty()))),
             Some(Value::Number(zero)) if zero.as_f64() == Some(0.0) => Ok(or_none(None)),
             Some(Value::Array(none)) if none.is_empty() => Ok(or_none(None)),
-            Some(_) => Err("expected the name of a REAL array tag".to_owned()),
+            Some(_) => Err("expected the name of a tag, or 0".to_owned()),
         },
     }
 }
