@@ -2,6 +2,8 @@
 
 mod axis;
 mod help;
+mod look;
+mod tools;
 mod values;
 
 use std::str::FromStr;
@@ -13,6 +15,8 @@ use arcline_instruction_set::enumerations;
 
 pub(crate) use axis::{AxisMotion, Jog, MoveAxis};
 pub(crate) use help::command;
+pub(crate) use look::{Shell, Watch};
+pub(crate) use tools::{Completions, Explain, Man, Subject};
 pub(crate) use values::{Percent, Point, Rate};
 
 use values::{fault_parser, word_parser};
@@ -68,15 +72,13 @@ pub(crate) enum Command {
     Arc(Arc),
     /// Move one axis (MAM)
     #[command(
-        after_help = "Full-speed S-curve unless told otherwise; adds to what else moves the axis.
-\
+        after_help = "Full-speed S-curve unless told otherwise; adds to what else moves the axis.\n\
         Example: arcline move-axis X 100 --speed 50%\n         arcline move-axis R 90 --shortest"
     )]
     MoveAxis(MoveAxis),
     /// Jog one axis (MAJ) until Ctrl-C stops it
     #[command(
-        after_help = "--no-wait leaves it running; `arcline exec 'MAS(X, M1, Jog)'` stops it then.
-\
+        after_help = "--no-wait leaves it running; `arcline exec 'MAS(X, M1, Jog)'` stops it then.\n\
         Example: arcline jog X 50\n         arcline jog X -10% --no-wait"
     )]
     Jog(Jog),
@@ -116,6 +118,18 @@ pub(crate) enum Command {
     /// Show axes, coordinate systems, the group, and the health of the real-time thread
     #[command(after_help = "Example: arcline status X CS1")]
     Status(Status),
+    /// Watch axes and coordinate systems: a live view on a terminal, lines when piped
+    #[command(
+        after_help = "Keys: q ends, s stops all motion, p pauses, c clears the trail, Tab takes the next coordinate system.\n\
+        Example: arcline watch X Y CS1\n         arcline watch X --for 2 --interval 0.5"
+    )]
+    Watch(Watch),
+    /// Explain an error: its cause, what EXERR points at, and what to do about it
+    #[command(
+        after_help = "A tag is asked for its newest error; for codes and faults no server is needed.\n\
+        Example: arcline explain 13/4 MCLM\n         arcline explain overcurrent\n         arcline explain Move1"
+    )]
+    Explain(Explain),
     /// List tags, create and delete plain ones
     #[command(
         after_help = "A pattern with * or ? must match the whole name, another one a part of it; case is ignored.\n\
@@ -131,6 +145,19 @@ pub(crate) enum Command {
     /// Ask who the server is, or who is there
     #[command(after_help = "Example: arcline identify --broadcast 192.168.1.255")]
     Identify(Identify),
+    /// The commands, one a line, with history and completion
+    #[command(
+        after_help = "Tab completes commands, options, tags, instructions, operands and words. A line that is an instruction, such \
+        as\nMSO(X, M1), is executed. Lines piped in are run one after the other.\n\
+        Example: arcline shell\n         arcline shell --history off"
+    )]
+    Shell(Shell),
+    /// Print completions for a shell
+    #[command(after_help = "Example: arcline completions bash > ~/.local/share/bash-completion/completions/arcline")]
+    Completions(Completions),
+    /// Print the manual page, or write a page for each command
+    #[command(after_help = "Example: arcline man -o ~/.local/share/man/man1\n         arcline man")]
+    Man(Man),
 }
 
 #[derive(Args, Debug)]

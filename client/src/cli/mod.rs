@@ -6,15 +6,20 @@
 mod args;
 mod fault;
 mod feed_override;
+mod identify;
 mod moves;
 mod operands;
 mod output;
 mod programs;
+mod shell;
 mod status;
 mod sweep;
 mod tags;
+mod tools;
 mod wait;
+mod watch;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::FromArgMatches;
@@ -33,6 +38,16 @@ pub(crate) enum Failure {
     Program(#[from] ProgramError),
     #[error("{path}: {source}")]
     File { path: String, source: std::io::Error },
+    #[error("there is no ERR {err}; docs/ERRORS.md lists them")]
+    NoSuchError { err: i16 },
+    #[error("the terminal: {0}")]
+    Terminal(std::io::Error),
+    /// It has been told, by the shell whose line it was.
+    #[error("a line of the shell failed")]
+    Told { code: u8 },
+    /// The arguments of a line of the shell, as clap tells it.
+    #[error("{0}")]
+    Usage(String),
     #[error("{axis} cannot have the fault {fault}: it has no drive")]
     NoSuchFault { axis: String, fault: &'static str },
     /// What has been done about it has been told already.
@@ -44,12 +59,22 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
+    /// A file that cannot be read or written.
+    pub(crate) fn at(path: &Path, source: std::io::Error) -> Self {
+        Self::File {
+            path: path.display().to_string(),
+            source,
+        }
+    }
+
     fn code(&self) -> u8 {
         match self {
             Self::Client(error) | Self::Program(ProgramError::Client { source: error, .. }) => client_code(error),
             Self::Program(ProgramError::Syntax(_)) | Self::File { .. } | Self::NoSuchFault { .. } => 2,
+            Self::NoSuchError { .. } | Self::Terminal(_) | Self::Usage(_) => 2,
             Self::Program(ProgramError::Runtime(_)) | Self::Several { .. } => 1,
             Self::Interrupted => 130,
+            Self::Told { code } => *code,
         }
     }
 
@@ -96,35 +121,60 @@ pub(crate) fn main() -> ExitCode {
 }
 
 async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
-    if let Command::Identify(identify) = &arguments.command
-        && let Some(address) = &identify.broadcast
-    {
-        return status::discover(address, identify.wait, output).await;
+    let server = arguments.server;
+    if let Command::Shell(command) = &arguments.command {
+        return shell::shell(&server, command, output).await;
     }
-    let client = Client::connect(&arguments.server).await?;
-    let result = match arguments.command {
-        Command::Exec(exec) => programs::exec(&client, &exec, output).await,
-        Command::Run(run) => programs::run(&client, &run, output).await,
-        Command::Move(command) => moves::line(&client, command, output).await,
-        Command::Arc(command) => moves::arc(&client, command, output).await,
-        Command::MoveAxis(command) => moves::axis(&client, command, output).await,
-        Command::Jog(command) => moves::jog(&client, command, output).await,
-        Command::Change(command) => moves::change(&client, command, output).await,
-        Command::Override(command) => feed_override::set(&client, &command, output).await,
-        Command::Hold(command) => feed_override::hold(&client, &command, output).await,
-        Command::Resume(command) => feed_override::resume(&client, &command, output).await,
-        Command::Fault(FaultCommand::Inject(command)) => fault::inject(&client, &command, output).await,
-        Command::Fault(FaultCommand::Clear(command)) => fault::clear(&client, &command, output).await,
-        Command::Fault(FaultCommand::List(command)) => fault::list(&client, &command, output).await,
-        Command::Stop(command) => moves::stop(&client, command, output).await,
-        Command::Home(command) => moves::home(&client, command, output).await,
-        Command::Servo(command) => moves::servo(&client, command, output).await,
-        Command::Status(command) => status::status(&client, &command.names, output).await,
-        Command::Tags(command) => tags::tags(&client, &command, output).await,
-        Command::Read(command) => tags::read(&client, &command.tags, output).await,
-        Command::Write(command) => tags::write(&client, &command, output).await,
-        Command::Identify(_) => status::identify(&client, output).await,
-    };
+    if let Some(done) = alone(&server, &arguments.command, output).await {
+        return done;
+    }
+    let client = Client::connect(&server).await?;
+    let result = on_machine(&client, arguments.command, output).await;
     client.close().await;
     result
+}
+
+/// The commands that need no server, or find it by themselves; `None` for the others.
+async fn alone(server: &str, command: &Command, output: &Output) -> Option<Result<(), Failure>> {
+    Some(match command {
+        Command::Identify(command) if command.broadcast.is_some() => identify::run(None, command, output).await,
+        Command::Explain(command) => tools::explain(server, command, output).await,
+        Command::Completions(command) => {
+            tools::completions(command);
+            Ok(())
+        }
+        Command::Man(command) => tools::man(command, output),
+        _ => return None,
+    })
+}
+
+/// The commands that ask one server over one connection.
+async fn on_machine(client: &Client, command: Command, output: &Output) -> Result<(), Failure> {
+    match command {
+        Command::Exec(exec) => programs::exec(client, &exec, output).await,
+        Command::Run(run) => programs::run(client, &run, output).await,
+        Command::Move(command) => moves::line(client, command, output).await,
+        Command::Arc(command) => moves::arc(client, command, output).await,
+        Command::MoveAxis(command) => moves::axis(client, command, output).await,
+        Command::Jog(command) => moves::jog(client, command, output).await,
+        Command::Change(command) => moves::change(client, command, output).await,
+        Command::Override(command) => feed_override::set(client, &command, output).await,
+        Command::Hold(command) => feed_override::hold(client, &command, output).await,
+        Command::Resume(command) => feed_override::resume(client, &command, output).await,
+        Command::Fault(FaultCommand::Inject(command)) => fault::inject(client, &command, output).await,
+        Command::Fault(FaultCommand::Clear(command)) => fault::clear(client, &command, output).await,
+        Command::Fault(FaultCommand::List(command)) => fault::list(client, &command, output).await,
+        Command::Stop(command) => moves::stop(client, command, output).await,
+        Command::Home(command) => moves::home(client, command, output).await,
+        Command::Servo(command) => moves::servo(client, command, output).await,
+        Command::Status(command) => status::status(client, &command.names, output).await,
+        Command::Watch(command) => watch::watch(client, &command, output).await,
+        Command::Tags(command) => tags::tags(client, &command, output).await,
+        Command::Read(command) => tags::read(client, &command.tags, output).await,
+        Command::Write(command) => tags::write(client, &command, output).await,
+        Command::Identify(command) => identify::run(Some(client), &command, output).await,
+        Command::Shell(_) => Err(Failure::Usage("the shell is this one".to_owned())),
+        // They have been done before there was a connection.
+        Command::Explain(_) | Command::Completions(_) | Command::Man(_) => Ok(()),
+    }
 }
