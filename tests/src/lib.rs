@@ -26,6 +26,7 @@ pub mod python;
 pub mod random;
 pub mod scanner;
 pub mod server;
+pub mod terminal;
 
 /// The root folder of the workspace.
 #[must_use]

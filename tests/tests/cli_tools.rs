@@ -6,12 +6,7 @@ use std::process::{Command, Stdio};
 use arcline_tests::command_line::{Outcome, arcline, command, read_numbers};
 use arcline_tests::programs;
 use arcline_tests::server::Server;
-
-/// Runs a program on a terminal of its own, between its own input and output; needs Python 3.9.
-const ON_A_TERMINAL: &str = "import os, pty, sys
-def read(fd):
-    return os.read(fd, 65536)
-sys.exit(os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:], read)))";
+use arcline_tests::terminal::at_a_terminal;
 
 /// Runs it to its end with `input` on its standard input.
 fn with_input(mut command: Command, input: &str) -> Outcome {
@@ -31,19 +26,6 @@ fn with_input(mut command: Command, input: &str) -> Outcome {
         stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
         stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
     }
-}
-
-fn on_a_terminal(shown: &Command, input: &str) -> Outcome {
-    let mut python = Command::new("python3");
-    python
-        .args(["-c", ON_A_TERMINAL])
-        .arg(shown.get_program())
-        .args(shown.get_args());
-    python
-        .env("TERM", "xterm-256color")
-        .env("COLUMNS", "160")
-        .env("LINES", "40");
-    with_input(python, input)
 }
 
 #[test]
@@ -109,14 +91,14 @@ fn piped_watching_gives_a_line_for_each_change() {
 fn watching_on_a_terminal_fills_the_screen_and_leaves_it() {
     let server = Server::start();
     let at = server.address();
-    let shown = on_a_terminal(&command(at, &["watch", "--for", "1"]), "");
-    for expected in ["\u{1b}[?1049h", "CS1", "s stop all", "\u{1b}[?1049l"] {
+    let shown = at_a_terminal(&command(at, &["watch", "--for", "1"]), &[]);
+    for expected in ["\u{1b}[?1049h", "CS1", "the way so far", "\u{1b}[?1049l"] {
         assert!(shown.stdout.contains(expected), "{expected:?} in {shown:?}");
     }
     assert_eq!(shown.code, Some(0), "{shown:?}");
     // The key ends it, and the other one stops the machine first.
     let _ = arcline(at, &["jog", "X", "5", "--no-wait"]).expect(0);
-    let shown = on_a_terminal(&command(at, &["watch", "X"]), "sq");
+    let shown = at_a_terminal(&command(at, &["watch", "X"]), &[("jogging", "s"), ("objects", "q")]);
     assert_eq!(shown.code, Some(0), "{shown:?}");
     let stopped = arcline_tests::eventually("the stop", std::time::Duration::from_secs(20), || {
         (read_numbers(at, &["X.CommandVelocity"])[0] == 0.0).then_some(())
@@ -128,7 +110,7 @@ fn watching_on_a_terminal_fills_the_screen_and_leaves_it() {
 fn the_shell_runs_what_is_piped_in() {
     let server = Server::start();
     let at = server.address();
-    let lines = "# a comment\nmove CS1 10,0,0\nMCLM(CS1, Line, Absolute, [20, 5, 0], 100)\n\
+    let lines = "# a comment\nmove CS1 10,0,0\nMCLM(CS1, Line, Absolute, [20, 5, 0], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2)\n\
                  MSO(X, S1); WAIT(S1.DN);\n--json read X.CommandPosition\nexplain 43\nexit\nmove CS1 0,0,0\n";
     let outcome = with_input(command(at, &["shell"]), lines).expect(0);
     for expected in [
@@ -167,14 +149,35 @@ fn the_shell_at_a_terminal_completes_and_remembers() {
     let file = history.to_str().expect("the target folder's name is UTF-8");
     let shell = command(at, &["shell", "--history", file]);
     // Tab makes a whole name of its beginning.
-    let outcome = on_a_terminal(&shell, "read RealT\t.UpdateP\t\nexit\n");
+    let talk = [
+        ("arcline> ", "read RealT\t"),
+        ("RealTime", ".UpdateP\t"),
+        ("UpdatePeriod", "\r"),
+        ("\n1", ""),
+        ("arcline> ", "MSO(X, S1)\r"),
+        ("EN DN", ""),
+        ("arcline> ", "exit\r"),
+    ];
+    let outcome = at_a_terminal(&shell, &talk);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
     assert!(outcome.stdout.contains("Tab completes"), "{outcome:?}");
     let kept = std::fs::read_to_string(&history).expect("the history has been written");
-    assert!(kept.contains("read RealTime.UpdatePeriod"), "{kept}\n{outcome:?}");
-    // An error does not end it, and a key brings the line back.
-    let outcome = on_a_terminal(&shell, "read Nothing\n\u{1b}[A\u{1b}[A\u{1b}[A\nexit\n");
+    assert!(
+        kept.contains("read RealTime.UpdatePeriod") && kept.contains("MSO(X, S1)"),
+        "{kept}\n{outcome:?}"
+    );
+    // Operands to come are shown; an error does not end it; an earlier line comes back.
+    let talk = [
+        ("arcline> ", "MCLM(CS1, "),
+        ("MoveType, Position", "\u{3}"),
+        ("arcline> ", "read Nothing\r"),
+        ("there is no tag", ""),
+        ("arcline> ", "\u{1b}[A\u{1b}[A\u{1b}[A"),
+        ("MSO(X, S1)", "\u{3}"),
+        ("arcline> ", "exit\r"),
+    ];
+    let outcome = at_a_terminal(&shell, &talk);
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    assert!(outcome.stdout.contains("there is no tag"), "{outcome:?}");
     let _ = std::fs::remove_file(&history);
 }
 

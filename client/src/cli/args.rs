@@ -3,7 +3,9 @@
 mod axis;
 mod help;
 mod look;
+mod pictures;
 mod tools;
+mod trace;
 mod values;
 
 use std::str::FromStr;
@@ -16,7 +18,9 @@ use arcline_instruction_set::enumerations;
 pub(crate) use axis::{AxisMotion, Jog, MoveAxis};
 pub(crate) use help::command;
 pub(crate) use look::{Shell, Watch};
+pub(crate) use pictures::{Gcode, Plot, Unit};
 pub(crate) use tools::{Completions, Explain, Man, Subject};
+pub(crate) use trace::Trace;
 pub(crate) use values::{Percent, Point, Rate};
 
 use values::{fault_parser, word_parser};
@@ -142,6 +146,25 @@ pub(crate) enum Command {
     /// Write a tag
     #[command(after_help = "Example: arcline write Move1.Position [100,50,0]")]
     Write(Write),
+    /// Run a G-code program, or simulate it, or write it as Structured Text
+    #[command(
+        after_help = "Known: G0 to G3, G4 P, G17 to G19, G20, G21, G61, G61.1, G64 [P], G90, G91, G90.1, G91.1, F, X Y Z, I J K, R, M2, \
+        M30.\nAnother word is an error with its line and column, unless --skip names it. See docs/GCODE.md.\n\
+        Example: arcline gcode part.ngc CS1 --simulate\n         arcline gcode part.ngc XY --skip M3,M5,S\n         \
+        arcline gcode part.ngc CS1 --emit part.st"
+    )]
+    Gcode(Gcode),
+    /// Record every tick of axes, coordinate systems or single signals into a file
+    #[command(
+        after_help = "The ending of OUT says whether it becomes CSV or MCAP, which Foxglove and PlotJuggler open. See docs/TRACE.md.\n\
+        Example: arcline trace X Y --for 10 -o trace.csv\n         \
+        arcline trace CS1 X.PositionError --for 2 --trigger Move1:AC --before 0.5 -o trace.mcap"
+    )]
+    Trace(Trace),
+    /// Draw a trace: the path by speed, and position, velocity, acceleration and jerk over time
+    #[command(after_help = "The ending of OUT says whether it becomes SVG or PNG.\n\
+        Example: arcline plot trace.csv -o trace.svg --events events.jsonl\n         arcline plot trace.csv -o trace.png --axes X,Y,Z")]
+    Plot(Plot),
     /// Ask who the server is, or who is there
     #[command(after_help = "Example: arcline identify --broadcast 192.168.1.255")]
     Identify(Identify),

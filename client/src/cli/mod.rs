@@ -6,16 +6,19 @@
 mod args;
 mod fault;
 mod feed_override;
+mod gcode;
 mod identify;
 mod moves;
 mod operands;
 mod output;
+mod plot;
 mod programs;
 mod shell;
 mod status;
 mod sweep;
 mod tags;
 mod tools;
+mod trace;
 mod wait;
 mod watch;
 
@@ -38,6 +41,26 @@ pub(crate) enum Failure {
     Program(#[from] ProgramError),
     #[error("{path}: {source}")]
     File { path: String, source: std::io::Error },
+    #[error("{path}: {source}")]
+    Gcode {
+        path: String,
+        source: arcline_gcode::GcodeError,
+    },
+    /// A move of a G-code program was refused.
+    #[error("{path}: line {line}: {source}")]
+    Move {
+        path: String,
+        line: usize,
+        source: ProgramError,
+    },
+    #[error("{path}: {source}")]
+    Plot {
+        path: String,
+        source: arcline_plot::PlotError,
+    },
+    /// `arcline-server simulate` failed; what it said.
+    #[error("{said}")]
+    Simulate { said: String, code: u8 },
     #[error("there is no ERR {err}; docs/ERRORS.md lists them")]
     NoSuchError { err: i16 },
     #[error("the terminal: {0}")]
@@ -71,6 +94,16 @@ impl Failure {
         match self {
             Self::Client(error) | Self::Program(ProgramError::Client { source: error, .. }) => client_code(error),
             Self::Program(ProgramError::Syntax(_)) | Self::File { .. } | Self::NoSuchFault { .. } => 2,
+            Self::Move {
+                source: ProgramError::Client { source, .. },
+                ..
+            } => client_code(source),
+            Self::Move {
+                source: ProgramError::Runtime(_),
+                ..
+            } => 1,
+            Self::Gcode { .. } | Self::Move { .. } | Self::Plot { .. } => 2,
+            Self::Simulate { code, .. } => *code,
             Self::NoSuchError { .. } | Self::Terminal(_) | Self::Usage(_) => 2,
             Self::Program(ProgramError::Runtime(_)) | Self::Several { .. } => 1,
             Self::Interrupted => 130,
@@ -82,6 +115,10 @@ impl Failure {
     pub(crate) fn client(&self) -> Option<&ClientError> {
         match self {
             Self::Client(error) | Self::Program(ProgramError::Client { source: error, .. }) => Some(error),
+            Self::Move {
+                source: ProgramError::Client { source: error, .. },
+                ..
+            } => Some(error),
             _ => None,
         }
     }
@@ -144,6 +181,8 @@ async fn alone(server: &str, command: &Command, output: &Output) -> Option<Resul
             Ok(())
         }
         Command::Man(command) => tools::man(command, output),
+        Command::Plot(command) => plot::plot(command, output),
+        Command::Gcode(command) if !command.needs_server() => gcode::alone(command, output),
         _ => return None,
     })
 }
@@ -172,9 +211,11 @@ async fn on_machine(client: &Client, command: Command, output: &Output) -> Resul
         Command::Tags(command) => tags::tags(client, &command, output).await,
         Command::Read(command) => tags::read(client, &command.tags, output).await,
         Command::Write(command) => tags::write(client, &command, output).await,
+        Command::Trace(command) => trace::trace(client, &command, output).await,
+        Command::Gcode(command) => gcode::run(client, &command, output).await,
         Command::Identify(command) => identify::run(Some(client), &command, output).await,
         Command::Shell(_) => Err(Failure::Usage("the shell is this one".to_owned())),
         // They have been done before there was a connection.
-        Command::Explain(_) | Command::Completions(_) | Command::Man(_) => Ok(()),
+        Command::Explain(_) | Command::Completions(_) | Command::Man(_) | Command::Plot(_) => Ok(()),
     }
 }
