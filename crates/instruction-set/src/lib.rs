@@ -13,6 +13,7 @@ pub mod docs;
 mod error;
 mod explain;
 mod fault;
+mod form;
 mod instruction;
 mod instruction_tag;
 mod mnemonic;
@@ -26,6 +27,7 @@ pub use control::{Flag, MotionControl};
 pub use error::{AxisIndex, Culprit, Detail, ERRORS, ErrorText, Extended, MotionError, OperandIndex, describe};
 pub use explain::{Explanation, explain};
 pub use fault::{ExceptionAction, FAULTS, Fault, FaultKind, FaultSet, FaultWord};
+pub use form::{TargetDialog, TargetRow, Unit};
 pub use instruction::{
     ArrayRule, Axes, Condition, FIRST_SERVICE, Instruction, Kind, Object, Operand, Range, Timing, by_service, services,
 };
