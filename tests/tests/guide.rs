@@ -52,14 +52,12 @@ fn every_page_is_in_the_book_and_every_link_leads_somewhere() {
             );
         }
     }
-    for folder in ["", "guide"] {
-        for file in std::fs::read_dir(docs.join(folder)).expect("docs/ can be read") {
-            let name = file.expect("an entry").file_name().into_string().expect("UTF-8");
-            let page = Path::new(folder).join(&name).to_str().expect("UTF-8").to_owned();
-            if name.ends_with(".md") && name != "SUMMARY.md" {
-                assert!(linked.contains(&page.as_str()), "{page} is not in SUMMARY.md");
-            }
-        }
+    for file in std::fs::read_dir(docs.join("guide")).expect("docs/guide can be read") {
+        let name = file.expect("an entry").file_name().into_string().expect("UTF-8");
+        assert!(
+            linked.contains(&format!("guide/{name}").as_str()),
+            "{name} is not in SUMMARY.md"
+        );
     }
 }
 

@@ -1,4 +1,4 @@
-//! `watch` and `shell`: what stays.
+//! `status`, `watch`, `identify` and `shell`.
 
 use clap::Args;
 
@@ -22,4 +22,21 @@ pub(crate) struct Shell {
     /// Where the lines of earlier sessions are kept; `arcline/history` in the folder of the user's state unless given
     #[arg(long, value_name = "FILE|off")]
     pub(crate) history: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Status {
+    /// Axes, coordinate systems, groups; all of them when none is named
+    #[arg(value_name = "NAME")]
+    pub(crate) names: Vec<String>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Identify {
+    /// Ask everybody at a broadcast address
+    #[arg(long, value_name = "ADDR[:PORT]")]
+    pub(crate) broadcast: Option<String>,
+    /// Seconds to listen for answers to a broadcast
+    #[arg(long, value_name = "SECONDS", default_value = "1")]
+    pub(crate) wait: f64,
 }

@@ -1,6 +1,6 @@
 //! What parses, what is refused, and the help.
 
-use arcline_client::Mnemonic;
+use arcline_client::{Input, Mnemonic};
 
 use super::help::instructions;
 use super::*;
