@@ -16,8 +16,9 @@ if child == 0:
 seen, mark, end = b'', 0, time.monotonic() + 60
 while True:
     while talk and talk[0][0].encode() in seen[mark:]:
-        mark = len(seen)
-        os.write(terminal, talk.pop(0)[1].encode())
+        awaited, keys = talk.pop(0)
+        mark = seen.index(awaited.encode(), mark) + len(awaited.encode())
+        os.write(terminal, keys.encode())
     if not select.select([terminal], [], [], max(0, end - time.monotonic()))[0]:
         os.kill(child, 9)
         sys.stderr.write(f'no end, waiting for {talk[:1]}')

@@ -92,13 +92,13 @@ fn watching_on_a_terminal_fills_the_screen_and_leaves_it() {
     let server = Server::start();
     let at = server.address();
     let shown = at_a_terminal(&command(at, &["watch", "--for", "1"]), &[]);
-    for expected in ["\u{1b}[?1049h", "CS1", "the way so far", "\u{1b}[?1049l"] {
+    for expected in ["\u{1b}[?1049h", "CS1", "pause", "\u{1b}[?1049l"] {
         assert!(shown.stdout.contains(expected), "{expected:?} in {shown:?}");
     }
     assert_eq!(shown.code, Some(0), "{shown:?}");
     // The key ends it, and the other one stops the machine first.
     let _ = arcline(at, &["jog", "X", "5", "--no-wait"]).expect(0);
-    let shown = at_a_terminal(&command(at, &["watch", "X"]), &[("jogging", "s"), ("objects", "q")]);
+    let shown = at_a_terminal(&command(at, &["watch", "X"]), &[("jogging", "s"), ("stop:", "q")]);
     assert_eq!(shown.code, Some(0), "{shown:?}");
     let stopped = arcline_tests::eventually("the stop", std::time::Duration::from_secs(20), || {
         (read_numbers(at, &["X.CommandVelocity"])[0] == 0.0).then_some(())
@@ -170,10 +170,13 @@ fn the_shell_at_a_terminal_completes_and_remembers() {
     let talk = [
         ("arcline> ", "MCLM(CS1, "),
         ("MoveType, Position", "\u{3}"),
+        // The end of a line; keys before it would be lost.
+        ("\u{1b}[?2004l", ""),
         ("arcline> ", "read Nothing\r"),
         ("there is no tag", ""),
         ("arcline> ", "\u{1b}[A\u{1b}[A\u{1b}[A"),
         ("MSO(X, S1)", "\u{3}"),
+        ("\u{1b}[?2004l", ""),
         ("arcline> ", "exit\r"),
     ];
     let outcome = at_a_terminal(&shell, &talk);

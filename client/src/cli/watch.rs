@@ -143,21 +143,22 @@ fn key(view: &mut View) -> Result<Asked, Failure> {
 /// Stops every coordinate system, then every axis, of those that are watched. Tells what came of it.
 async fn stop(client: &Client, looked: &Looked) -> Result<String, Failure> {
     let mut failed = Vec::new();
-    let mut count = 0;
+    let mut stopped = Vec::new();
     for (kind, object) in [(Kind::System, Object::CoordinateSystem), (Kind::Axis, Object::Axis)] {
         for name in looked.of(kind) {
             let Some(stopping) = Stopping::all(object, name.to_owned()) else {
                 continue;
             };
             match stopping.begin(client).await {
-                Ok(_) => count += 1,
+                Ok(_) => stopped.push(name),
                 Err(error) if error.is_connection() => return Err(error.into()),
                 Err(error) => failed.push(format!("{name}: {error}")),
             }
         }
     }
+    let stopped = stopped.join(" ");
     Ok(match failed.first() {
-        None => format!("stop: {count} objects"),
-        Some(first) => format!("stop: {count} objects; {first}"),
+        None => format!("stop: {stopped}"),
+        Some(first) => format!("stop: {stopped}; {first}"),
     })
 }

@@ -20,8 +20,8 @@ pub struct Options {
 }
 
 const WIDTH: f64 = 960.0;
-const HEIGHT: f64 = 560.0;
-const TOP: f64 = 46.0;
+const HEIGHT: f64 = 596.0;
+const TOP: f64 = 58.0;
 /// Axes over time that are told apart by their colours.
 const COLOURS: [&str; 8] = [
     "#1f5fa8", "#c2541b", "#2a8a4a", "#8a3fa0", "#b08900", "#00838f", "#a83250", "#5a5a5a",
@@ -294,7 +294,7 @@ mod tests {
         let small = crate::png(&picture, 0.25).expect("pixels");
         assert_eq!(small.get(..8), Some(&b"\x89PNG\r\n\x1a\n"[..]));
         // Width and height stand in the header, big-endian.
-        assert_eq!(small.get(16..24), Some(&[0, 0, 0, 240, 0, 0, 0, 140][..]));
+        assert_eq!(small.get(16..24), Some(&[0, 0, 0, 240, 0, 0, 0, 149][..]));
         let blank = svg(&trace(&["X"]), &Options::default())
             .map(|_| "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"240\" height=\"140\"/>");
         let blank = crate::png(blank.expect("a picture"), 1.0).expect("pixels");

@@ -38,11 +38,14 @@ impl Path {
             .map(|row| axes.iter().map(|axis| axis.velocity[row].powi(2)).sum::<f64>().sqrt())
             .collect();
         let top = speeds.iter().copied().fold(0.0, f64::max);
-        let (x, y) = same_scale(
-            Range::of(points.iter().map(|p| p.0)),
-            Range::of(points.iter().map(|p| p.1)),
-            place,
-        );
+        // In space the box around the path must fit too.
+        let seen: Vec<(f64, f64)> = if axes.len() > 2 {
+            points.iter().copied().chain(corners(&extents(axes))).collect()
+        } else {
+            points.clone()
+        };
+        let range = |of: fn(&(f64, f64)) -> f64| Range::of(seen.iter().map(of));
+        let (x, y) = same_scale(range(|point| point.0), range(|point| point.1), place);
         let mut panel = Panel::new(place, x, y);
         match axes {
             [first, second] => {
@@ -86,23 +89,37 @@ fn same_scale(x: Range, y: Range, place: Box2) -> (Range, Range) {
     (around(x, place.width), around(y, place.height))
 }
 
+/// From where to where each axis goes.
+fn extents(axes: &[&Axis]) -> Vec<Range> {
+    let extent = |axis: &&Axis| {
+        let start = (f64::INFINITY, f64::NEG_INFINITY);
+        let positions = axis.position.iter();
+        let (low, high) = positions.fold(start, |(low, high), at| (low.min(*at), high.max(*at)));
+        Range(low, high)
+    };
+    axes.iter().map(extent).collect()
+}
+
+/// Where the corners of the box around a path are seen; bit k of the place is the high end of axis k.
+fn corners(extents: &[Range]) -> Vec<(f64, f64)> {
+    let at = |ends: usize| {
+        let end = |(axis, range): (usize, &Range)| if ends & (1 << axis) != 0 { range.1 } else { range.0 };
+        flat(&extents.iter().enumerate().map(end).collect::<Vec<_>>())
+    };
+    (0..8).map(at).collect()
+}
+
 /// The box around a path in space, with its axes named at their ends.
 fn frame_of_space(panel: &mut Panel, axes: &[&Axis]) {
-    let ranges: Vec<Range> = axes
-        .iter()
-        .map(|axis| {
-            let start = (f64::INFINITY, f64::NEG_INFINITY);
-            let (low, high) = axis
-                .position
-                .iter()
-                .fold(start, |(low, high), at| (low.min(*at), high.max(*at)));
-            Range(low, high)
-        })
-        .collect();
-    let [x, y, z] = ranges.as_slice() else { return };
+    let ranges = extents(axes);
+    let seen = corners(&ranges);
     let corner = |ends: [bool; 3]| {
-        let pick = |range: &Range, high: bool| if high { range.1 } else { range.0 };
-        flat(&[pick(x, ends[0]), pick(y, ends[1]), pick(z, ends[2])])
+        let place = ends
+            .iter()
+            .enumerate()
+            .map(|(axis, end)| usize::from(*end) << axis)
+            .sum::<usize>();
+        seen.get(place).copied().unwrap_or_default()
     };
     for axis in 0..3 {
         for other in 0..4 {

@@ -80,7 +80,7 @@ pub(crate) struct Plot {
     /// A title
     #[arg(long, value_name = "TEXT", default_value = "")]
     pub(crate) title: String,
-    /// PNG: pixels for each of the picture's own 960 by 560
+    /// PNG: pixels for each of the picture's own 960 by 596
     #[arg(long, value_name = "FACTOR", default_value = "2")]
     pub(crate) scale: f32,
 }

@@ -11,6 +11,8 @@ use arcline_tag::DataType;
 
 /// Words that begin a line and are no command.
 pub(super) const OWN: [&str; 2] = ["exit", "help"];
+/// Operands that are hinted at a time.
+const HINTED: usize = 4;
 /// Deepest member that is offered.
 const DEEPEST: usize = 6;
 
@@ -47,7 +49,8 @@ impl Known {
         let rest = operands
             .get(call.place + usize::from(given)..)
             .filter(|rest| !rest.is_empty())?;
-        let names: Vec<String> = rest.iter().map(|operand| operand.member()).collect();
+        let mut names: Vec<String> = rest.iter().take(HINTED).map(|operand| operand.member()).collect();
+        names.extend((rest.len() > HINTED).then(|| "…".to_owned()));
         Some(format!("{}{}", if given { ", " } else { "" }, names.join(", ")))
     }
 
@@ -381,6 +384,7 @@ mod tests {
         let known = known();
         for (line, expected) in [
             ("MSO(", Some("Axis, MotionControl")),
+            ("MCLM(", Some("CoordinateSystem, MotionControl, MoveType, Position, …")),
             ("MSO(X", Some(", MotionControl")),
             ("MSO(X, ", Some("MotionControl")),
             ("MSO(X, M1", None),
