@@ -26,7 +26,7 @@ pub(crate) use programs::{Exec, Run};
 pub(crate) use tags::{CreateTag, DeleteTag, Read, TagAccess, Tags, TagsChange, Write};
 pub(crate) use tools::{Completions, Explain, Man, Subject};
 pub(crate) use trace::Trace;
-pub(crate) use values::{Percent, Point, Rate};
+pub(crate) use values::{Point, Rate};
 
 /// Commands a coordinated-motion server over EtherNet/IP.
 #[derive(Parser, Debug)]

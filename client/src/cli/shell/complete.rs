@@ -355,7 +355,7 @@ mod tests {
             ("its axis",                  "fault inject ",             &["X", "Y"]),
             ("its fault",                 "fault inject X over",       &["overcurrent", "overspeed", "overtravel_negative", "overtravel_positive"]),
             ("a tag to explain",          "explain mov",               &["Move1"]),
-            ("the instruction that erred", "explain 13/4 mc",          &["MCCD", "MCCM", "MCD", "MCLM", "MCPM", "MCS", "MCSD", "MCSR", "MCT", "MCTO", "MCTP", "MCTPO"]),
+            ("the instruction that erred", "explain 13/4 mcl",         &["MCLM"]),
             ("the target of a call",      "MCLM(",                     &["CS1"]),
             ("its control",               "MCLM(CS1, ",                &["M1"]),
             ("a word of an operand",      "MCLM(CS1, M1, ",            &["Absolute", "Incremental"]),
