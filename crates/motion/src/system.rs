@@ -1,5 +1,6 @@
 //! One coordinate system: its planner, its stop, and what its status bits remember.
 
+use arcline_kinematics::{GeometryError, Robot};
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::Phase;
@@ -42,6 +43,8 @@ pub(crate) enum Activity {
 #[derive(Debug)]
 pub(crate) struct System {
     pub(crate) description: CoordinateSystem,
+    /// Whose joints its axes are.
+    pub(crate) robot: Option<Result<Robot, GeometryError>>,
     pub(crate) planner: Planner<Planned>,
     /// In place of the planner where moves are travelled as planned contours.
     pub(crate) contour: Option<ContourQueue<Planned>>,
@@ -71,6 +74,9 @@ impl System {
         System {
             contour: contours.then(|| ContourQueue::new(description.queue_depth)),
             axis_limits,
+            robot: description
+                .robot
+                .map(|robot| Robot::new(robot.geometry, &robot.parameters)),
             planner: Planner::new(description.queue_depth, corner_step),
             description: description.clone(),
             activity: Activity::Idle,

@@ -33,6 +33,7 @@ use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
 use crate::control::Execution;
 use crate::motion::Motion;
 pub(crate) use masd::shut_down;
+pub(crate) use mcs::stop_move;
 use moves::MoveLayout;
 
 /// Places of the operands on the faceplates, looked up in the catalogue once.
@@ -66,7 +67,7 @@ impl Layouts {
             mcd: mcd::Layout::new(),
             mas: mas::Layout::new(),
             mag: mag::Layout::new(),
-            mct: mct::Layout::new(),
+            mct: mct::Layout::of(Mnemonic::Mct),
             mgs: mgs::Layout::new(),
             mrp: mrp::Layout::new(),
         }

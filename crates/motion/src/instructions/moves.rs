@@ -58,7 +58,8 @@ impl MoveLayout {
     fn termination(&self, call: &Call, system: &CoordinateSystem) -> Result<(Termination, Ending), MotionError> {
         let word = call.word(self.termination_type);
         let superposed = matches!(word, 2 | 3 | 6) && system.corner == Corner::Logix;
-        if superposed && system.axis_limits == AxisLimits::Enforce {
+        let enforce = [system.axis_limits, system.joint_limits].contains(&AxisLimits::Enforce);
+        if superposed && enforce {
             return Err(MotionError::FeatureNotSupported);
         }
         let ending = match word {
@@ -125,6 +126,10 @@ pub(super) fn execute(
     let path = path(motion, system, start + shift)?.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
     verify::no_overtravel(system, &motion.axes, &path.end())?;
+    let pace = motion.verify_reach(index, &path.shifted(&shift))?;
+    if system.description.joint_limits == AxisLimits::Enforce {
+        dynamics.keep_to(&pace);
+    }
 
     let momentum = terminated(motion, index, merge);
     let current = command(motion, index, |axis| axis.command.velocity).norm();
