@@ -4,7 +4,7 @@
 
 use arcline_drive::Motion as Point;
 use arcline_planner::profile::{Phase, Profile, State};
-use arcline_planner::{Clock, Instant};
+use arcline_planner::{Clock, Instant, ROUNDING};
 
 use super::sum::Displacements;
 use crate::control::Execution;
@@ -148,7 +148,6 @@ impl Generator {
     pub(super) fn advance(&mut self, clock: &Clock) {
         if let Law::Planned { profile, start } = &self.law {
             let elapsed = start.elapsed(clock);
-            self.now = point(profile.at(elapsed));
             let endless = matches!(
                 self.program,
                 Some(Program {
@@ -156,11 +155,17 @@ impl Generator {
                     ..
                 })
             );
-            self.over = (self.stopping || !endless) && profile.arrives() && elapsed >= profile.duration();
-            if self.over {
-                self.now.velocity = 0.0;
-                self.now.acceleration = 0.0;
-            }
+            let at_end = profile.arrives() && elapsed >= profile.duration() - ROUNDING;
+            self.over = (self.stopping || !endless) && at_end;
+            self.now = if self.over {
+                Point {
+                    velocity: 0.0,
+                    acceleration: 0.0,
+                    ..point(profile.end())
+                }
+            } else {
+                point(profile.at(elapsed))
+            };
         }
     }
 }
