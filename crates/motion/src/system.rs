@@ -8,6 +8,7 @@ use arcline_planner::{ContourQueue, Planner};
 
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
+use crate::follow::reach::Pace;
 use crate::machine::{AxisLimits as Limits, CoordinateSystem, Corner};
 use crate::stop::Stop;
 
@@ -26,6 +27,8 @@ pub(crate) struct Planned {
     pub(crate) execution: Execution,
     pub(crate) dynamics: Dynamics,
     pub(crate) termination: Termination,
+    /// How fast it may be for the sake of robots' joints, where that is kept.
+    pub(crate) pace: Pace,
 }
 
 /// Whose motion the planner's active move is.

@@ -11,6 +11,7 @@ use crate::axis::Axis;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::Maxima;
+use crate::follow::reach::Pace;
 use crate::machine::{AxisLimits, CoordinateSystem, Corner};
 use crate::motion::Motion;
 use crate::rotary::Turn;
@@ -57,9 +58,10 @@ impl MoveLayout {
     /// How the move completes, and what happens there if it has a successor.
     fn termination(&self, call: &Call, system: &CoordinateSystem) -> Result<(Termination, Ending), MotionError> {
         let word = call.word(self.termination_type);
-        let superposed = matches!(word, 2 | 3 | 6) && system.corner == Corner::Logix;
-        let enforce = [system.axis_limits, system.joint_limits].contains(&AxisLimits::Enforce);
-        if superposed && enforce {
+        let blended = matches!(word, 2 | 3 | 6);
+        let superposed = blended && system.corner == Corner::Logix;
+        let (axes, joints) = (system.axis_limits, system.joint_limits);
+        if superposed && axes == AxisLimits::Enforce || blended && joints == AxisLimits::Enforce {
             return Err(MotionError::FeatureNotSupported);
         }
         let ending = match word {
@@ -126,9 +128,9 @@ pub(super) fn execute(
     let path = path(motion, system, start + shift)?.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
     verify::no_overtravel(system, &motion.axes, &path.end())?;
-    let pace = motion.verify_reach(index, &path.shifted(&shift))?;
-    if system.description.joint_limits == AxisLimits::Enforce {
-        dynamics.keep_to(&pace);
+    let mut pace = motion.verify_reach(index, &path.shifted(&shift))?;
+    if system.description.joint_limits == AxisLimits::Ignore {
+        pace = Pace::UNLIMITED;
     }
 
     let momentum = terminated(motion, index, merge);
@@ -136,6 +138,7 @@ pub(super) fn execute(
     if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && current > 0.0 {
         dynamics.set_speed(current);
     }
+    dynamics.keep_to(&pace);
     let planned = Move {
         path,
         limits: dynamics.limits(),
@@ -144,6 +147,7 @@ pub(super) fn execute(
             execution,
             dynamics,
             termination,
+            pace,
         },
     };
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
