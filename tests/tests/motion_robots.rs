@@ -384,6 +384,23 @@ fn joint_limits_slow_the_path_down() {
             }
         }
     }
+    // Nothing makes it faster: no change of dynamics, and no override.
+    bench.set_override("CART", 2.0);
+    assert_eq!(
+        bench.call(&format!("MCLM(CART, M, 0, [300, 150, 20], {TRAPEZOID}, 1)")),
+        OK
+    );
+    bench.run(20);
+    assert_eq!(bench.call("MCCD(CART, D, 1, 1, 900, 0, 1, 9000, 0)"), OK);
+    while !bench.control("M").has(Flag::Pc) {
+        bench.tick();
+        for joint in ["J1", "J2"] {
+            let [_, speed, acceleration] = bench.axis(joint).command;
+            assert!(speed.abs() <= 40.0 + 1e-6, "{joint}: {speed}");
+            assert!(acceleration.abs() <= 800.0 + 1e-6, "{joint}: {acceleration}");
+        }
+        assert!(!bench.control("T").has(Flag::Er));
+    }
     // Without, the same is too fast.
     let machine = RobotMachine {
         joint_speed: 40.0,

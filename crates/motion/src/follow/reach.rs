@@ -35,6 +35,7 @@ impl Pace {
     /// acceleration is left for each of the two.
     fn slow(&mut self, joint: &Point, speed: f64, [acceleration, deceleration]: [f64; 2]) {
         let (slope, bend) = (joint.velocity.abs(), joint.acceleration.abs());
+        let [speed, acceleration, deceleration] = [speed, acceleration, deceleration].map(|limit| SHARE * limit);
         self.speed = self.speed.min(speed / slope);
         let least = 0.5 * acceleration.min(deceleration);
         self.speed = self.speed.min((least / bend).sqrt());
@@ -171,7 +172,9 @@ fn turns_far(robot: &RobotMap, before: &Side, after: &Side) -> bool {
 const STEPS: u16 = 32;
 /// Looks at one path, the halved steps included.
 const LOOKS: u16 = 400;
+/// What joints do between two looks at a path is within this share of what they do at one of them.
+const SHARE: f64 = 0.98;
 /// Degrees.
-const FAR: f64 = 10.0;
+const FAR: f64 = 5.0;
 /// A joint that turns far in a step of this share of the path turns at once: it is at the origin.
 const FINEST: f64 = 1.0 / (1 << 20) as f64;

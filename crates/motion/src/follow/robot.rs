@@ -111,7 +111,7 @@ impl RobotMap {
     pub(super) fn begin(&mut self, source: &Side) -> Result<Side, MotionError> {
         if self.robot.geometry().has_mirror() {
             let tool = framed(source, |p| self.frame.place(p), |d| self.frame.turn(d));
-            let joints = self.robot.inverse(tool.map(moving), self.arm).map_err(error)?;
+            let joints = self.robot.inverse(tool.map(moving), self.arm).map_err(refused)?;
             self.last[0] = joints[0].position;
         }
         let joints = self.place(source)?;
@@ -130,12 +130,12 @@ impl RobotMap {
     }
 
     fn tool(&self, joints: &Side) -> Result<Side, MotionError> {
-        let tool = self.robot.forward(joints.map(moving)).map_err(error)?;
+        let tool = self.robot.forward(joints.map(moving)).map_err(refused)?;
         Ok(tool.map(point))
     }
 
     fn joints(&self, tool: &Side) -> Result<Side, MotionError> {
-        let joints = self.robot.inverse(tool.map(moving), self.arm).map_err(error)?;
+        let joints = self.robot.inverse(tool.map(moving), self.arm).map_err(refused)?;
         Ok(self.near(joints)?.map(point))
     }
 
@@ -162,8 +162,8 @@ fn framed(side: &Side, place: impl Fn(&Vector) -> Vector, turn: impl Fn(&Vector)
     self::side([place(&position), turn(&velocity), turn(&acceleration)])
 }
 
-/// What MCT and what runs tell of it (§19.8).
-fn error(error: KinematicsError) -> MotionError {
+/// What instructions, and transforms under way, tell of it (§19.8).
+pub(crate) fn refused(error: KinematicsError) -> MotionError {
     match error {
         KinematicsError::Reach { joint } | KinematicsError::Orientation { angle: joint } => {
             MotionError::InvalidTransformPosition(Detail(joint as i8))

@@ -16,7 +16,7 @@ use crate::verify;
 /// Places of the operands of MCT, and of MCTP.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
-    pub(super) target: usize,
+    target: usize,
     orientation: usize,
     translation: usize,
 }
@@ -51,6 +51,14 @@ impl Layout {
         }
     }
 
+    /// The place of the target system.
+    pub(super) fn target(&self, motion: &Motion, call: &Call) -> Result<usize, MotionError> {
+        let target = call.object(self.target).map(usize::from);
+        target
+            .filter(|target| *target < motion.systems.len())
+            .ok_or(MotionError::ParameterOutOfRange(OperandIndex(self.target as u8)))
+    }
+
     /// How the target lies in the source.
     pub(super) fn frame(&self, call: &Call, dimension: usize) -> Result<Frame, MotionError> {
         let orientation = vector(call.array(self.orientation));
@@ -77,12 +85,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let layout = motion.layouts.mct;
     let source = motion.target_system(call)?;
     motion.verify_operands(call)?;
-    let target = call
-        .object(layout.target)
-        .map(usize::from)
-        .filter(|target| *target < motion.systems.len())
-        .ok_or(MotionError::ParameterOutOfRange(OperandIndex(layout.target as u8)))?;
+    let target = layout.target(motion, call)?;
     let robot = verify_pair(motion, source, target)?;
+    verify_free(motion, target)?;
     let [from, to] = [source, target].map(|index| &motion.systems[index].description.axes);
     let frame = layout.frame(call, from.len())?;
     let map = match robot {
@@ -134,10 +139,6 @@ pub(super) fn verify_pair(
     if share(from, to) {
         return refused(AXIS_IN_BOTH);
     }
-    let mut others = motion.systems.iter().enumerate();
-    if others.any(|(index, other)| index != target && other.is_busy() && share(&other.description.axes, to)) {
-        return refused(TARGET_IN_USE);
-    }
     let robot = match robot {
         Some((Err(GeometryError::LinkLengths), _)) => return refused(LINK_LENGTHS),
         Some((Err(GeometryError::Offsets), _)) => return refused(OFFSETS),
@@ -148,6 +149,16 @@ pub(super) fn verify_pair(
         return refused(DIMENSIONS_DIFFER);
     }
     Ok(robot)
+}
+
+/// No other coordinated motion uses axes of the target.
+fn verify_free(motion: &Motion, target: usize) -> Result<(), MotionError> {
+    let axes = &motion.systems[target].description.axes;
+    let mut others = motion.systems.iter().enumerate();
+    if others.any(|(index, other)| index != target && other.is_busy() && share(&other.description.axes, axes)) {
+        return Err(MotionError::ConnectionConflict(TARGET_IN_USE));
+    }
+    Ok(())
 }
 
 /// Command positions of a list of axes.
