@@ -24,6 +24,7 @@ pub mod node;
 pub mod programs;
 pub mod python;
 pub mod random;
+pub mod robots;
 pub mod scanner;
 pub mod server;
 pub mod terminal;
