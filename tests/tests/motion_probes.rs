@@ -246,7 +246,7 @@ fn watched_positions_are_seen_when_they_are_passed() {
     bench.tick();
     assert_eq!(
         (bench.bits("W").as_str(), events(&bench, "TURN")),
-        ("EN", 0),
+        ("EN DN", 0),
         "a shutdown ends it"
     );
     assert_eq!(bench.call("MAW(TURN, V, Forward, 90)"), (7, 0));
