@@ -43,6 +43,7 @@ use crate::control::Execution;
 use crate::material::Sent;
 use crate::motion::Motion;
 pub(crate) use masd::shut_down;
+pub(crate) use mcs::stop_move;
 use moves::MoveLayout;
 
 /// Places of the operands on the faceplates, looked up in the catalogue once.
@@ -86,7 +87,7 @@ impl Layouts {
             maw: maw::Layout::new(),
             mar: mar::Layout::new(),
             mdr: mdr::Layout::new(),
-            mct: mct::Layout::new(),
+            mct: mct::Layout::of(Mnemonic::Mct),
             mgs: mgs::Layout::new(),
             mrp: mrp::Layout::new(),
         }
