@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use arcline_config::Project;
 use arcline_controller::{Command, Controller, Ticket};
-use arcline_instruction_set::{Call, ControlSlot, Directory, Flag, Given, Mnemonic, Object, bind};
+use arcline_instruction_set::{Call, ControlSlot, Directory, Flag, Given, Mnemonic, Object, WrittenArray, bind};
 use arcline_realtime::{Link, link, step};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
@@ -79,8 +79,8 @@ impl Directory for Names<'_> {
         }
     }
 
-    fn real_array(&self, _: &str) -> Option<u32> {
-        None
+    fn real_array(&self, name: &str) -> Option<WrittenArray> {
+        (name == "Data").then_some(WrittenArray { tag: 0, elements: 4 })
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use arcline_instruction_set::{Call, ControlSlot, FaultSet, MotionControl};
 use arcline_motion::machine::Machine;
-use arcline_motion::{ContourRequest, Event, Motion, Ticket, Trajectory};
+use arcline_motion::{ArrayWrite, ContourRequest, Event, Motion, Ticket, Trajectory};
 
 use crate::snapshot::Snapshot;
 
@@ -43,6 +43,8 @@ pub trait Port {
     fn answer(&mut self, ticket: Ticket, control: MotionControl);
     /// A change of an instruction's status.
     fn event(&mut self, event: &Event);
+    /// An instruction wrote to an array.
+    fn array_write(&mut self, _: &ArrayWrite) {}
     /// A place for the state at the end of this tick; `None` when nobody wants it.
     fn snapshot(&mut self) -> Option<&mut Snapshot>;
     /// The snapshot is filled.
@@ -132,6 +134,7 @@ impl Controller {
             }
         }
         self.end_tick(|event| port.event(event));
+        self.take_array_writes(|write| port.array_write(write));
         if let Some(snapshot) = port.snapshot() {
             self.snapshot(snapshot);
             port.publish();
@@ -199,6 +202,11 @@ impl Controller {
     /// Closes the tick and reports what changed, in order. Real-time as far as `report` is.
     pub fn end_tick(&mut self, report: impl FnMut(&Event)) {
         self.motion.finish(report);
+    }
+
+    /// What instructions wrote to arrays in the tick that was closed. Real-time as far as `report` is.
+    pub fn take_array_writes(&mut self, report: impl FnMut(&ArrayWrite)) {
+        self.motion.take_array_writes(report);
     }
 
     /// Whether the instruction would find room in its coordinate system's queue.

@@ -20,7 +20,7 @@ mod verify;
 mod words;
 
 pub use bind::{BindError, Directory, Given, bind};
-pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray};
+pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray, WrittenArray};
 pub use control::{Flag, MotionControl};
 pub use error::{AxisIndex, Culprit, Detail, ERRORS, ErrorText, Extended, MotionError, OperandIndex, describe};
 pub use fault::{ExceptionAction, FAULTS, Fault, FaultKind, FaultSet, FaultWord};

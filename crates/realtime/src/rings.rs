@@ -4,7 +4,9 @@
 use std::sync::Arc;
 
 use arcline_controller::machine::Machine;
-use arcline_controller::{Command, ContourRequest, Event, PlannedContour, Port, Snapshot, Ticket, Trajectory};
+use arcline_controller::{
+    ArrayWrite, Command, ContourRequest, Event, PlannedContour, Port, Snapshot, Ticket, Trajectory,
+};
 use arcline_instruction_set::MotionControl;
 
 use crate::contour::{self, Contours, Planning};
@@ -14,6 +16,8 @@ use crate::meter::Meter;
 pub const COMMANDS: usize = 4096;
 /// Events that can wait for their reader; one tick can make as many.
 pub const EVENTS: usize = 16_384;
+/// Writes to arrays that can wait for their reader.
+const ARRAY_WRITES: usize = 4096;
 
 /// What an instruction's tag showed right after it was executed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +42,8 @@ pub struct Link {
     pub answers: rtrb::Consumer<Answer>,
     /// Changes of instructions, in order.
     pub events: rtrb::Consumer<Event>,
+    /// What instructions wrote to arrays, in order.
+    pub array_writes: rtrb::Consumer<ArrayWrite>,
     /// The newest snapshot.
     pub snapshots: triple_buffer::Output<Snapshot>,
     /// The thread's measurements.
@@ -52,6 +58,7 @@ pub struct Rings {
     commands: rtrb::Consumer<Command>,
     answers: rtrb::Producer<Answer>,
     events: rtrb::Producer<Event>,
+    array_writes: rtrb::Producer<ArrayWrite>,
     snapshots: triple_buffer::Input<Snapshot>,
     pub(crate) meter: Arc<Meter>,
     /// The tick that runs or comes next.
@@ -76,6 +83,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
     // Every command in the ring may be answered before anybody looks.
     let (answers, answer_receiver) = rtrb::RingBuffer::new(2 * COMMANDS);
     let (events, event_receiver) = rtrb::RingBuffer::new(EVENTS);
+    let (array_writes, array_write_receiver) = rtrb::RingBuffer::new(ARRAY_WRITES);
     let (snapshots, snapshot_output) = triple_buffer::triple_buffer(&Snapshot::new(machine));
     let meter = Arc::new(Meter::default());
     let (contours, planning) = contour::link(machine).unzip();
@@ -83,6 +91,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         commands,
         answers,
         events,
+        array_writes,
         snapshots,
         meter: meter.clone(),
         tick: 0,
@@ -93,6 +102,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         commands: command_sender,
         answers: answer_receiver,
         events: event_receiver,
+        array_writes: array_write_receiver,
         snapshots: snapshot_output,
         meter,
         planning,
@@ -137,6 +147,12 @@ impl Port for Rings {
 
     fn event(&mut self, event: &Event) {
         if self.events.push(*event).is_err() {
+            self.meter.lose_event();
+        }
+    }
+
+    fn array_write(&mut self, write: &ArrayWrite) {
+        if self.array_writes.push(*write).is_err() {
             self.meter.lose_event();
         }
     }

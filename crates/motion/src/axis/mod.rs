@@ -15,6 +15,7 @@ use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
 use crate::dynamics::Maxima;
+use crate::follow::links::AxisLinks;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
 use crate::rotary;
 use average::Average;
@@ -78,6 +79,8 @@ pub(crate) struct Axis {
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
     pub(crate) linked: Linked,
+    /// Links to masters (MDAC).
+    pub(crate) links: AxisLinks,
     pub(crate) stop_mode: ProgrammedStopMode,
     /// What happens when the stop that is under way has ended.
     pub(crate) after_stop: AfterStop,
@@ -125,6 +128,7 @@ impl Axis {
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
             linked: Linked::default(),
+            links: AxisLinks::default(),
             stop_mode: description.programmed_stop_mode,
             after_stop: AfterStop::Hold,
             strobed: [0.0; 2],
@@ -155,11 +159,13 @@ impl Axis {
         )
     }
 
-    /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others.
+    /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others, nor what waits
+    /// for a master.
     pub(crate) fn will_end(&self) -> bool {
         let endless = |slot| matches!(slot, Slot::Jog | Slot::Gear | Slot::Transform);
+        let waits = |generator: &Generator| generator.guide.is_some_and(|guide| !guide.will_go_on());
         let mut active = self.sum.active();
-        active.any(|(slot, generator)| generator.stopping || !endless(slot))
+        active.any(|(slot, generator)| generator.stopping || !(endless(slot) || waits(generator)))
     }
 
     /// Whether the axis as a whole brakes: everything on it, or its part of a coordinated move that was ended.
@@ -223,6 +229,8 @@ impl Axis {
         if limits.jerk.is_none() {
             from.acceleration = 0.0;
         }
+        // A stop is a function of time, whatever it stops.
+        generator.guide = None;
         generator.follow(Profile::stop(from, limits), now);
         generator.execution = execution;
         generator.program = None;

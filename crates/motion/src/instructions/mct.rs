@@ -6,6 +6,7 @@ use arcline_planner::geometry::{Frame, Point};
 use super::place;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
+use crate::follow::Follower;
 use crate::follow::order::share;
 use crate::follow::transform::Link;
 use crate::motion::Motion;
@@ -137,7 +138,7 @@ fn verify_chain(motion: &mut Motion, target: usize, link: &Link) -> Result<(), M
         return Err(MotionError::TransformIsCanceling);
     }
     if motion.links().any(|(_, other)| share(other.target(), link.target()))
-        || motion.plan_transform(target, link).is_err()
+        || motion.plan_order(Follower::Target(target, link)).is_err()
     {
         return Err(MotionError::CoordinateSystemChaining);
     }

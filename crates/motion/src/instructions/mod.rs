@@ -17,6 +17,8 @@ mod mcs;
 mod mcsd;
 mod mcsr;
 mod mct;
+mod mdac;
+mod mdcc;
 mod mgs;
 mod mgsd;
 mod mgsp;
@@ -49,6 +51,8 @@ pub(crate) struct Layouts {
     mas: mas::Layout,
     mag: mag::Layout,
     mct: mct::Layout,
+    mdcc: mdcc::Layout,
+    mdac: mdac::Layout,
     mgs: mgs::Layout,
     mrp: mrp::Layout,
 }
@@ -67,6 +71,8 @@ impl Layouts {
             mas: mas::Layout::new(),
             mag: mag::Layout::new(),
             mct: mct::Layout::new(),
+            mdcc: mdcc::Layout::new(),
+            mdac: mdac::Layout::new(),
             mgs: mgs::Layout::new(),
             mrp: mrp::Layout::new(),
         }
@@ -99,6 +105,8 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Mcd => mcd::execute(motion, execution, call),
         Mnemonic::Mag => mag::execute(motion, execution, call),
         Mnemonic::Mct => mct::execute(motion, execution, call),
+        Mnemonic::Mdcc => mdcc::execute(motion, execution, call),
+        Mnemonic::Mdac => mdac::execute(motion, execution, call),
         Mnemonic::Mah => mah::execute(motion, execution, call),
         Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
