@@ -71,6 +71,10 @@ const SCENARIOS: &[Scenario] = &[
     // The second begins 0.5 units before the end of the first: after 255 ms.
     ("blend", 630, "10 MCLM(CS1, M, 0, [9.98, 0, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 2)\n20 MCLM(CS1, N, 0, [9.98, 9.98, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 2)"),
     ("deep queue", 330, "10 MCLM(Deep, M, 0, [9.98, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)\n20 MCLM(Deep, N, 0, [9.98, 9.98], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)\n30 MCLM(Deep, O, 0, [0, 9.98], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)"),
+    // The master runs at 51 units/s; 5 master units of ramp, 5 at 2 units per master unit, 5 of ramp.
+    ("driven line", 500, "0 MAJ(A, J, 0, 51, 0, 5100, 0, 5100, 0, 0, 100, 100, 2)\n20 MDCC(CS1, A, L, Command, 0)\n100 MCLM(CS1, M, 0, [20, 0, 0], 2, 4, 0.4, 4, 0.4, 4, 0, 100, 100, 6, 1, 0, 0, 0, 0, 1, [0], Data)"),
+    ("driven move", 500, "0 MAJ(Y, J, 0, 51, 0, 5100, 0, 5100, 0, 0, 100, 100, 2)\n20 MDAC(X, Y, L, Move, Command)\n100 MAM(X, M, 0, 20, 2, 4, 0.4, 4, 0.4, 4, 0, 100, 100, 6, 0, 0, 0, 1, [0, 1, 2, 3], Data)"),
+    ("driven jog", 500, "0 MAJ(Y, J, 0, 51, 0, 5100, 0, 5100, 0, 0, 100, 100, 2)\n20 MDAC(X, Y, L, Jog, Command)\n100 MAJ(X, M, 0, 2, 4, 0.4, 4, 0.4, 4, 0, 100, 100, 6, 0, 0, 0, 1)\n300 MAS(X, Stop, Jog, Yes, 1000, 0)"),
     ("stopped line", 330, "10 MCLM(CS1, M, 0, [9.98, 0, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)\n160 MCS(CS1, Stop, 2, Yes, 500, 0)"),
     ("transform", 300, "10 MCT(CS2, CS3, M, [0, 0, 0], [0, 0, 0])\n20 MAM(A, N, 0, 1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MCS(CS2, Stop, 3, No, 0, 0)"),
     ("transform forwards", 300, "10 MCT(CS2, CS3, M, [0, 0, 0], [0, 0, 0])\n20 MAM(X, N, 0, 1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MCS(CS3, Stop, 3, No, 0, 0)"),
@@ -93,7 +97,7 @@ const SCENARIOS: &[Scenario] = &[
 ];
 
 /// Scenarios that a virtual axis goes through just so.
-const VIRTUAL_TOO: [&str; 5] = ["move", "jog and stop", "too fast", "gear", "line"];
+const VIRTUAL_TOO: [&str; 7] = ["move", "jog and stop", "too fast", "gear", "line", "driven move", "driven jog"];
 
 /// A scenario, a bit (`TAG.MEMBER`, or `TAG.MEMBER.BIT` of a word without names), what it is at tick 0, and the ticks at
 /// which it changes.
@@ -108,6 +112,8 @@ const ROWS: &[Row] = &[
     ("jog and stop",     "X.JogStatus",                     false, &[10, 160]),
     ("jog and stop",     "X.StoppingStatus",                false, &[160, 260]),
     ("too fast",         "X.MaximumSpeedExceeded",          false, &[111, 250]),
+    ("driven move",      "X.MoveLockStatus",                false, &[100, 395]),
+    ("driven jog",       "X.JogLockStatus",                 false, &[100, 300]),
     ("gear",             "X.GearingStatus",                 false, &[150, 200]),
     ("gear",             "X.GearingLockStatus",             false, &[160, 200]),
     ("home",             "H.HomingStatus",                  false, &[10, 185]),
@@ -165,6 +171,8 @@ const ROWS: &[Row] = &[
     ("deep queue",       "Deep.MovePendingQueueFullStatus", false, &[30, 310]),
     ("two lines",        "CS1.MoveTransitionStatus",        false, &[]),
     ("blend",            "CS1.MoveTransitionStatus",        false, &[265, 310]),
+    ("driven line",      "CS1.CoordinateSystemLockStatus",  false, &[100, 395]),
+    ("driven line",      "CS1.AccelStatus",                 false, &[100, 199]),
     ("stopped line",     "CS1.StoppingStatus",              false, &[160, 260]),
     ("stopped line",     "CS1.DecelStatus",                 false, &[160, 260]),
     ("stopped line",     "CS1.MoveStatus",                  false, &[10, 160]),
@@ -211,6 +219,15 @@ const ROWS: &[Row] = &[
     ("two lines",        "N.ACCEL",                         false, &[310, 410]),
     ("blend",            "M.PC",                            false, &[265]),
     ("blend",            "N.AC",                            false, &[265, 565]),
+    ("driven line",      "M.AC",                            false, &[100, 395]),
+    ("driven line",      "M.TrackingMaster",                false, &[199, 297]),
+    ("driven line",      "M.CalculatedDataAvailable",       false, &[100]),
+    ("driven line",      "L.IP",                            false, &[20]),
+    ("driven line",      "L.AC",                            false, &[100, 395]),
+    ("driven move",      "M.TrackingMaster",                false, &[199, 297]),
+    ("driven move",      "M.CalculatedDataAvailable",       false, &[100]),
+    ("driven jog",       "M.TrackingMaster",                false, &[199, 300]),
+    ("driven jog",       "M.AC",                            false, &[100, 300]),
     ("stopped line",     "M.IP",                            false, &[10, 160]),
     ("stopped line",     "M.PC",                            false, &[]),
     ("stopped line",     "Stop.IP",                         false, &[160, 260]),
@@ -242,11 +259,10 @@ const NEVER: &[(&str, &str)] = &[
     ("PositionCamStatus", "no cams yet"), ("TimeCamStatus", "no cams yet"), ("PositionCamPendingStatus", "no cams yet"),
     ("TimeCamPendingStatus", "no cams yet"), ("PositionCamLockStatus", "no cams yet"), ("TimeCamLockStatus", "no cams yet"),
     ("MasterOffsetMoveStatus", "no cams yet"), ("MasterOffsetMoveLockStatus", "no cams yet"),
-    ("MoveLockStatus", "nothing is master driven yet"), ("JogLockStatus", "nothing is master driven yet"),
     ("WatchEventArmedStatus", "no MAW"), ("WatchEventStatus", "no MAW"), ("RegEvent1ArmedStatus", "no MAR"),
     ("RegEvent1Status", "no MAR"), ("RegEvent2ArmedStatus", "no MAR"), ("RegEvent2Status", "no MAR"),
     ("AxisInhibitStatus", "no axis can be inhibited"), ("InhibStatus", "the group cannot be inhibited"),
-    ("ToolChangeAllowedStatus", "no orientation transforms"), ("CoordinateSystemLockStatus", "nothing is master driven yet"),
+    ("ToolChangeAllowedStatus", "no orientation transforms"),
     ("CSTLossFault", "one clock"), ("GroupTaskLoadingFault", "an overlap shows as such"), ("ClockSyncFault", "one clock"),
     ("ClockSyncAlarm", "one clock"),
     ("LocalControlStatus", "no local control"), ("DCBusUpStatus", "no bus is simulated"), ("MotorFluxUpStatus", "no flux is simulated"),
@@ -257,7 +273,6 @@ const NEVER: &[(&str, &str)] = &[
     ("DCBusUnload", "no bus is simulated"), ("ACPowerLossStatus", "no power is simulated"),
     ("PositionControlModeStatus", "Axis Configuration tells it"), ("VelocityControlModeStatus", "always position control"),
     ("TorqueControlModeStatus", "always position control"),
-    ("TrackingMaster", "nothing is master driven yet"), ("CalculatedDataAvailable", "Event Distance answers 99"),
 ];
 
 /// Words of AXIS_CIP_DRIVE in which every bit is 0, with the reason; of the two last those that no [`FAULTS`] shows.
