@@ -3,9 +3,11 @@
 
 use std::sync::TryLockError;
 
+use arcline_controller::image::Image;
 use arcline_controller::{Command, Snapshot};
 
 use super::Plant;
+use super::state::State;
 
 impl Plant {
     /// Reads the state of the newest tick.
@@ -13,6 +15,14 @@ impl Plant {
         let mut state = self.0.lock();
         state.refresh();
         read(state.link.snapshots.output_buffer())
+    }
+
+    /// Reads the state of the newest tick and the tags of the same one.
+    pub fn with_state<R>(&self, read: impl FnOnce(&Image, &Snapshot) -> R) -> R {
+        let mut state = self.0.lock();
+        state.refresh();
+        let State { image, link, .. } = &mut *state;
+        read(image, link.snapshots.output_buffer())
     }
 
     /// As [`Plant::with_snapshot`], but does not wait for whoever has the plant: `None` when it is not to be had soon.
