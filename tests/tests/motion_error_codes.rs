@@ -128,17 +128,21 @@ type Row = (&'static str, &'static str, (i16, i8));
 const DRIVEN: &str = "2, 4, 1, 4, 1, 4, 0, 1, 1, 4";
 const LINE: &str = "MCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 20";
 /// Linked to A, which stands, goes backwards at 50 units/s, or forwards at 1.
-const STANDING: &str = "MDCC(CS1, A, B7, 1, 0)\nMDAC(X, A, B9, 0, 1)\nMCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 200";
-const BACKWARDS: &str = "MDCC(CS1, A, B7, 1, 0)\nMAJ(A, B6, 1, {rates})\nMCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 200";
+const STANDING: &str =
+    "MDCC(CS1, A, B7, 1, 0)\nMDAC(X, A, B9, 0, 1)\nMCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 200";
+const BACKWARDS: &str =
+    "MDCC(CS1, A, B7, 1, 0)\nMAJ(A, B6, 1, {rates})\nMCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 200";
 const SLOW: &str = "MDCC(CS1, A, B7, 1, 0)\nMAJ(A, B6, 0, 1, 0, 500, 0, 500, 0, 0, 1, 1, 0)\nMCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 200";
 const WAITING: &str = "MDCC(CS1, A, B7, 1, 0)\nMCLM(CS1, B1, 0, [9, 0, 0], {driven}, 1, 0, 0, 0, 5, 3)";
 const ARC_STANDING: &str = "MDCC(XY, A, B7, 1, 0)\nMCLM(XY, B1, 0, [300, 0], {rates}, 1)\nrun 200";
-const ARC_BACKWARDS: &str = "MDCC(XY, A, B7, 1, 0)\nMAJ(A, B6, 1, {rates})\nMCLM(XY, B1, 0, [300, 0], {rates}, 1)\nrun 200";
+const ARC_BACKWARDS: &str =
+    "MDCC(XY, A, B7, 1, 0)\nMAJ(A, B6, 1, {rates})\nMCLM(XY, B1, 0, [300, 0], {rates}, 1)\nrun 200";
 const ARC_SLOW: &str = "MDCC(XY, A, B7, 1, 0)\nMAJ(A, B6, 0, 1, 0, 500, 0, 500, 0, 0, 1, 1, 0)\nMCLM(XY, B1, 0, [300, 0], {rates}, 1)\nrun 200";
 const ARC_WAITING: &str = "MDCC(XY, A, B7, 1, 0)\nMCLM(XY, B1, 0, [9, 0], {driven}, 1, 0, 0, 0, 5, 3)";
 const MOVE: &str = "MDAC(X, A, B9, 0, 1)\nMAM(X, B1, 0, 300, {rates})\nrun 200";
 const MOVE_BACKWARDS: &str = "MDAC(X, A, B9, 0, 1)\nMAJ(A, B6, 1, {rates})\nMAM(X, B1, 0, 300, {rates})\nrun 200";
-const MOVE_SLOW: &str = "MDAC(X, A, B9, 0, 1)\nMAJ(A, B6, 0, 1, 0, 500, 0, 500, 0, 0, 1, 1, 0)\nMAM(X, B1, 0, 300, {rates})\nrun 200";
+const MOVE_SLOW: &str =
+    "MDAC(X, A, B9, 0, 1)\nMAJ(A, B6, 0, 1, 0, 500, 0, 500, 0, 0, 1, 1, 0)\nMAM(X, B1, 0, 300, {rates})\nrun 200";
 const MOVE_WAITING: &str = "MDAC(X, A, B9, 0, 1)\nMAM(X, B1, 0, 9, {driven}, 0, 0, 5, 3)";
 const JOG_STANDING: &str = "MDAC(X, A, B9, 0, 1)\nMAJ(X, B1, 0, {rates})\nrun 200";
 const JOG_BACKWARDS: &str = "MDAC(X, A, B9, 0, 1)\nMAJ(A, B6, 1, {rates})\nMAJ(X, B1, 0, {rates})\nrun 200";
@@ -471,7 +475,8 @@ const NEVER_HERE: &[(&str, i16, &str)] = &[
 
 fn filled(text: &str) -> String {
     text.replace("{rates}", RATES)
-        .replace("{driven}", DRIVEN).replace("{curve}", CURVE)
+        .replace("{driven}", DRIVEN)
+        .replace("{curve}", CURVE)
 }
 
 fn prepared(machine: &str, steps: &str) -> Bench {

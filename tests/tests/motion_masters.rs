@@ -94,14 +94,20 @@ fn the_speed_of_axes_is_that_of_the_move_times_that_of_the_master() {
         let mean = 0.5 * (velocity + bench.axis("X").command[1]);
         assert!(((x - before) / 1e-3 - mean).abs() < 1e-2, "{x}: {mean}");
         // 1 unit per master unit², at 50 master units/s.
-        assert!(acceleration == 0.0 || (acceleration.abs() - 2500.0).abs() < 1e-6, "{acceleration}");
+        assert!(
+            acceleration == 0.0 || (acceleration.abs() - 2500.0).abs() < 1e-6,
+            "{acceleration}"
+        );
         before = x;
     }
     assert!((bench.axis("X").command[1] - 100.0).abs() < 1e-9);
     assert!((bench.system("CS1").path_speed - 100.0).abs() < 1e-9);
     assert!(!cs1(&bench, coordinate_motion_status::ACCEL_STATUS));
     // The master slows down, and the slave with it: bits of the instruction tell of its own ramps only.
-    assert_eq!(bench.call("MAS(A, S1, Jog, Yes, 100, Unitspersec2, No, 100, %ofTime);"), OK);
+    assert_eq!(
+        bench.call("MAS(A, S1, Jog, Yes, 100, Unitspersec2, No, 100, %ofTime);"),
+        OK
+    );
     bench.run(10);
     assert!(cs1(&bench, coordinate_motion_status::DECEL_STATUS));
     assert_eq!(bench.bits("M1"), "EN DN IP AC TrackingMaster");
@@ -109,7 +115,10 @@ fn the_speed_of_axes_is_that_of_the_move_times_that_of_the_master() {
     bench.run(2);
     assert_eq!(bench.axis("X").command[1], 0.0);
     assert_eq!(bench.bits("M1"), "EN DN IP AC TrackingMaster");
-    assert!(cs1(&bench, coordinate_motion_status::COORDINATE_SYSTEM_LOCK_STATUS), "it stands, and is locked");
+    assert!(
+        cs1(&bench, coordinate_motion_status::COORDINATE_SYSTEM_LOCK_STATUS),
+        "it stands, and is locked"
+    );
 }
 
 #[test]
@@ -151,23 +160,42 @@ fn links_show_what_uses_them() {
     // Renewed.
     assert_eq!(bench.call("MDCC(CS1, A, D2, Command, 0);"), OK);
     bench.tick();
-    assert_eq!((bench.bits("D1").as_str(), bench.bits("D2").as_str()), ("EN DN", "EN DN IP AC"));
-    assert_eq!(bench.call("MDCC(CS1, A, D3, Actual, 0);"), (105, 0), "another reference under motion");
+    assert_eq!(
+        (bench.bits("D1").as_str(), bench.bits("D2").as_str()),
+        ("EN DN", "EN DN IP AC")
+    );
+    assert_eq!(
+        bench.call("MDCC(CS1, A, D3, Actual, 0);"),
+        (105, 0),
+        "another reference under motion"
+    );
     // To another master: it waits.
     assert_eq!(bench.call("MDCC(CS1, B, D3, Command, 0);"), OK);
     bench.tick();
-    assert_eq!((bench.bits("D2").as_str(), bench.bits("D3").as_str()), ("EN DN IP AC", "EN DN IP"));
+    assert_eq!(
+        (bench.bits("D2").as_str(), bench.bits("D3").as_str()),
+        ("EN DN IP AC", "EN DN IP")
+    );
     bench.until("M1", Flag::Pc);
     assert_eq!(bench.bits("D2"), "EN DN IP");
     assert_eq!(bench.call(&line("M2", 20.0, AT_ONCE)), OK);
     bench.tick();
-    assert_eq!((bench.bits("D2").as_str(), bench.bits("D3").as_str()), ("EN DN", "EN DN IP AC"));
+    assert_eq!(
+        (bench.bits("D2").as_str(), bench.bits("D3").as_str()),
+        ("EN DN", "EN DN IP AC")
+    );
     bench.run(100);
     assert_eq!(bench.position("X"), 10.0, "B stands");
     // A time driven move does not use it.
-    assert_eq!(bench.call("MCS(CS1, S2, CoordinatedMove, No, 0, Unitspersec2, No, 0, %ofTime);"), OK);
+    assert_eq!(
+        bench.call("MCS(CS1, S2, CoordinatedMove, No, 0, Unitspersec2, No, 0, %ofTime);"),
+        OK
+    );
     bench.run(3);
-    assert_eq!((bench.bits("S2").as_str(), bench.bits("D3").as_str()), ("EN DN PC", "EN DN IP"));
+    assert_eq!(
+        (bench.bits("S2").as_str(), bench.bits("D3").as_str()),
+        ("EN DN PC", "EN DN IP")
+    );
     let timed = "MCLM(CS1, M3, Absolute, [20, 0, 0], 50, Unitspersec, 500, Unitspersec2, 500, Unitspersec2);";
     assert_eq!(bench.call(timed), OK);
     bench.tick();
@@ -220,7 +248,13 @@ fn units_locks_and_modes_are_refused_in_their_order() {
 fn modes_change_at_rest_only() {
     const TIMED: &str = "100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, Trapezoidal, 100, 100, %ofTime";
     let timed = |tag: &str, x: f64, ending: u8| format!("MCLM(CS1, {tag}, Absolute, [{x}, 0, 0], {TIMED}, {ending});");
-    let merged = |lock: &str| line("M2", 90.0, &format!("1, CoordinatedMotion, Programmed, 0, 0, {lock}, 0, 0"));
+    let merged = |lock: &str| {
+        line(
+            "M2",
+            90.0,
+            &format!("1, CoordinatedMotion, Programmed, 0, 0, {lock}, 0, 0"),
+        )
+    };
     let moving = |speed: f64| {
         let mut bench = linked();
         if speed != 0.0 {
@@ -253,7 +287,10 @@ fn modes_change_at_rest_only() {
         }
         assert_eq!(bench.call(&line("M3", 90.0, AT_ONCE)), OK);
         bench.until("M2", Flag::Pc);
-        assert!((bench.position("X") - 60.0).abs() < 0.2, "the first move goes to its end");
+        assert!(
+            (bench.position("X") - 60.0).abs() < 0.2,
+            "the first move goes to its end"
+        );
         bench.run(800);
         assert_eq!(bench.bits("M3"), second);
         assert_eq!(bench.control("M3").err, if ending == 1 { 0 } else { 105 });
@@ -274,7 +311,12 @@ fn a_merge_into_a_master_driven_move_keeps_the_speed() {
     while !bench.control("M2").has(Flag::Pc) {
         bench.tick();
         let now = (bench.position("X"), bench.axis("X").command[1]);
-        assert!((now.1 - before.1).abs() < 3.0, "no step of speed: {} to {}", before.1, now.1);
+        assert!(
+            (now.1 - before.1).abs() < 3.0,
+            "no step of speed: {} to {}",
+            before.1,
+            now.1
+        );
         assert!(now.0 >= before.0);
         before = now;
     }
@@ -286,7 +328,10 @@ fn a_stop_is_a_function_of_time() {
     for (stop, link) in [("CoordinatedMove", "EN DN IP"), ("All", "EN DN")] {
         let mut bench = linked();
         jog(&mut bench, 50.0);
-        assert_eq!(bench.call(&line("M1", 400.0, "1, Disabled, Programmed, 0, 0, 1, [0], Data")), OK);
+        assert_eq!(
+            bench.call(&line("M1", 400.0, "1, Disabled, Programmed, 0, 0, 1, [0], Data")),
+            OK
+        );
         bench.run(1000);
         assert!(bench.control("M1").has(Flag::CalculatedDataAvailable));
         let from = bench.position("X");

@@ -97,7 +97,15 @@ const SCENARIOS: &[Scenario] = &[
 ];
 
 /// Scenarios that a virtual axis goes through just so.
-const VIRTUAL_TOO: [&str; 7] = ["move", "jog and stop", "too fast", "gear", "line", "driven move", "driven jog"];
+const VIRTUAL_TOO: [&str; 7] = [
+    "move",
+    "jog and stop",
+    "too fast",
+    "gear",
+    "line",
+    "driven move",
+    "driven jog",
+];
 
 /// A scenario, a bit (`TAG.MEMBER`, or `TAG.MEMBER.BIT` of a word without names), what it is at tick 0, and the ticks at
 /// which it changes.
