@@ -2,6 +2,7 @@
 
 mod axis;
 mod help;
+mod margin;
 mod values;
 
 use std::str::FromStr;
@@ -13,6 +14,7 @@ use arcline_instruction_set::enumerations;
 
 pub(crate) use axis::{AxisMotion, Jog, MoveAxis};
 pub(crate) use help::command;
+pub(crate) use margin::Margin;
 pub(crate) use values::{Percent, Point, Rate};
 
 use values::{fault_parser, word_parser};
@@ -128,6 +130,12 @@ pub(crate) enum Command {
     /// Write a tag
     #[command(after_help = "Example: arcline write Move1.Position [100,50,0]")]
     Write(Write),
+    /// Tell how much further a master must go than the Calculated Data of blended, master driven moves say
+    #[command(
+        after_help = "To be added to their sum, so that the last move reaches its end. Asks no server.\n\
+        Example: arcline margin 5 --master-speed 500 --update-period 2"
+    )]
+    Margin(Margin),
     /// Ask who the server is, or who is there
     #[command(after_help = "Example: arcline identify --broadcast 192.168.1.255")]
     Identify(Identify),

@@ -6,6 +6,7 @@
 mod args;
 mod fault;
 mod feed_override;
+mod margin;
 mod moves;
 mod operands;
 mod output;
@@ -101,6 +102,10 @@ async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
     {
         return status::discover(address, identify.wait, output).await;
     }
+    if let Command::Margin(command) = &arguments.command {
+        margin::tell(command, output);
+        return Ok(());
+    }
     let client = Client::connect(&arguments.server).await?;
     let result = match arguments.command {
         Command::Exec(exec) => programs::exec(&client, &exec, output).await,
@@ -123,7 +128,7 @@ async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
         Command::Tags(command) => tags::tags(&client, &command, output).await,
         Command::Read(command) => tags::read(&client, &command.tags, output).await,
         Command::Write(command) => tags::write(&client, &command, output).await,
-        Command::Identify(_) => status::identify(&client, output).await,
+        Command::Identify(_) | Command::Margin(_) => status::identify(&client, output).await,
     };
     client.close().await;
     result

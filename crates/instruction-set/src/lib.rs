@@ -17,6 +17,7 @@ mod instruction;
 mod instruction_tag;
 mod mnemonic;
 pub mod predefined;
+mod safety_margin;
 mod verify;
 mod words;
 
@@ -34,4 +35,5 @@ pub use instruction_tag::{
     set_instruction_tag_target,
 };
 pub use mnemonic::{Mnemonic, UnknownMnemonic};
+pub use safety_margin::BlendedSequence;
 pub use words::{Word, Words, list as enumerations, normalized};
