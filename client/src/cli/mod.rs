@@ -128,7 +128,11 @@ async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
         Command::Tags(command) => tags::tags(&client, &command, output).await,
         Command::Read(command) => tags::read(&client, &command.tags, output).await,
         Command::Write(command) => tags::write(&client, &command, output).await,
-        Command::Identify(_) | Command::Margin(_) => status::identify(&client, output).await,
+        Command::Identify(_) => status::identify(&client, output).await,
+        Command::Margin(command) => {
+            margin::tell(&command, output);
+            Ok(())
+        }
     };
     client.close().await;
     result
