@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 
 use arcline_config::Project;
+use arcline_controller::image::Image;
 use arcline_controller::machine::Start;
 use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket};
 use arcline_instruction_set::predefined::motion_status;
@@ -12,12 +13,15 @@ use arcline_instruction_set::{
     ControlSlot, Directory, FaultKind, FaultSet, Flag, Given, MotionControl, Object, WrittenArray, bind,
 };
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
+use arcline_tag::Value;
 
 /// A controller between the beginning and the end of a tick, and everything it has reported so far.
 pub struct Bench {
     project: Project,
     controller: Controller,
     contour: ContourRequest,
+    /// Plain tags; motion and motion controls are the controller's.
+    image: Image,
     controls: BTreeMap<String, ControlSlot>,
     tickets: u64,
     arrays: Vec<String>,
@@ -44,7 +48,9 @@ impl Bench {
     pub fn of(project: Project) -> Self {
         let mut controller = Controller::new(&project.machine);
         controller.begin_tick();
+        let image = Image::new(&project.machine, &[], &project.tags);
         Bench {
+            image,
             project,
             controller,
             contour: ContourRequest::new(),
@@ -95,7 +101,38 @@ impl Bench {
         let target = self.object(object, &call.target);
         let bound = bind(call.mnemonic, target, control, &call.given, self).unwrap_or_else(|error| panic!("{error}"));
         self.tickets += 1;
-        self.controller.execute(Ticket(self.tickets), &bound)
+        let (material, staged) = self.image.prepare(&bound);
+        let shown = self.controller.execute_with(Ticket(self.tickets), &bound, material);
+        if let Some(staged) = staged {
+            self.image.settle(staged, &shown);
+        }
+        shown
+    }
+
+    /// Writes a value to a plain tag.
+    pub fn write(&mut self, path: &str, value: f64) {
+        let path = path.parse().unwrap_or_else(|error| panic!("{path}: {error:?}"));
+        let written = self.image.write_value(&path, Value::Lreal(value));
+        written.unwrap_or_else(|error| panic!("{error}"));
+    }
+
+    /// The value of a plain tag.
+    pub fn read(&mut self, path: &str) -> f64 {
+        self.image.show_uses();
+        let path = path.parse().unwrap_or_else(|error| panic!("{path}: {error:?}"));
+        self.image
+            .read(&path)
+            .unwrap_or_else(|error| panic!("{error}"))
+            .as_f64()
+    }
+
+    /// Writes the points of a cam, each with master, slave and segment type, into a CAM array.
+    pub fn cam(&mut self, tag: &str, points: &[(f64, f64, u8)]) {
+        for (place, (master, slave, kind)) in points.iter().enumerate() {
+            self.write(&format!("{tag}[{place}].Master"), *master);
+            self.write(&format!("{tag}[{place}].Slave"), *slave);
+            self.write(&format!("{tag}[{place}].SegmentType"), f64::from(*kind));
+        }
     }
 
     /// The rung of the instruction with this tag is false.
@@ -132,11 +169,12 @@ impl Bench {
             let name = controls.iter().find(|(_, slot)| **slot == event.control);
             events.push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));
         });
-        let (arrays, written) = (&self.arrays, &mut self.written);
-        self.controller.take_array_writes(|write| {
-            let name = arrays[write.tag as usize].clone();
-            written.insert(name, write.values.as_slice().to_vec());
-        });
+        let (arrays, written, image) = (&self.arrays, &mut self.written, &mut self.image);
+        self.controller
+            .take_array_writes(|write| match arrays.get(write.tag as usize) {
+                Some(name) => drop(written.insert(name.clone(), write.values.as_slice().to_vec())),
+                None => image.apply_array_write(write),
+            });
         let seen = look(self);
         self.controller.begin_tick();
         seen
@@ -263,13 +301,19 @@ impl Directory for Bench {
         }
     }
 
-    /// Any name is an array of so many elements as it ends with, 4 where it does not.
+    /// An array of the configuration, or any name: an array of so many elements as it ends with, 4 where it does not.
     fn real_array(&self, name: &str) -> Option<WrittenArray> {
-        let elements = name.trim_start_matches(|letter: char| !letter.is_ascii_digit()).parse();
-        let place = self.arrays.iter().position(|known| known == name)?;
-        Some(WrittenArray {
-            tag: place as u32,
-            elements: elements.unwrap_or(4),
+        self.image.real_array(name).or_else(|| {
+            let elements = name.trim_start_matches(|letter: char| !letter.is_ascii_digit()).parse();
+            let place = self.arrays.iter().position(|known| known == name)?;
+            Some(WrittenArray {
+                tag: place as u32,
+                elements: elements.unwrap_or(4),
+            })
         })
+    }
+
+    fn structure(&self, type_name: &str, name: &str) -> Option<u32> {
+        self.image.structure(type_name, name)
     }
 }

@@ -10,8 +10,8 @@ pub mod image;
 mod snapshot;
 
 pub use arcline_motion::{
-    ArrayWrite, AxisSnapshot, CONTROL_SLOTS, ContourRequest, Event, SystemSnapshot, Ticket, Trajectory, UNNAMED,
-    machine,
+    ArrayWrite, AxisSnapshot, CONTROL_SLOTS, ContourRequest, Event, Material, SystemSnapshot, Ticket, Trajectory,
+    UNNAMED, machine,
 };
 pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port};
 pub use snapshot::Snapshot;

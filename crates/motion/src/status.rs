@@ -11,6 +11,7 @@ use arcline_planner::profile::Phase;
 
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
+use crate::follow::cam::Cam;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::system::{Activity, System};
 
@@ -105,6 +106,8 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
         let generator = axis.sum.get(slot);
         generator.is_some_and(|generator| generator.guide.is_some_and(|guide| guide.follows()))
     };
+    let pends = |slot| axis.cams(slot).pending.is_some();
+    let cam_locked = |slot| axis.cam(slot).is_some_and(Cam::follows);
     let braking = axis.sum.active().any(|(_, generator)| generator.stopping);
     [
         (phase == Phase::Accelerating, motion_status::ACCEL_STATUS),
@@ -121,6 +124,12 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
         ),
         (locked(Slot::Move), motion_status::MOVE_LOCK_STATUS),
         (locked(Slot::Jog), motion_status::JOG_LOCK_STATUS),
+        (runs(Slot::PositionCam), motion_status::POSITION_CAM_STATUS),
+        (runs(Slot::TimeCam), motion_status::TIME_CAM_STATUS),
+        (pends(Slot::PositionCam), motion_status::POSITION_CAM_PENDING_STATUS),
+        (pends(Slot::TimeCam), motion_status::TIME_CAM_PENDING_STATUS),
+        (cam_locked(Slot::PositionCam), motion_status::POSITION_CAM_LOCK_STATUS),
+        (cam_locked(Slot::TimeCam), motion_status::TIME_CAM_LOCK_STATUS),
         (axis.is_linked(), motion_status::TRANSFORM_STATE_STATUS),
         (axis.linked.controlled, motion_status::CONTROLLED_BY_TRANSFORM_STATUS),
         (axis.is_coordinated(), motion_status::COORDINATED_MOTION_STATUS),

@@ -17,11 +17,12 @@ mod contour;
 mod hand_over;
 mod junction;
 mod look_ahead;
+mod merge;
 mod planner;
 mod queue;
 mod track;
 
-pub use clock::{Clock, Instant, Pace};
+pub use clock::{Clock, Instant, Pace, ROUNDING};
 pub use contour::{ContourBatch, ContourPassage, ContourQueue, Extension, Installed};
 pub use junction::Ending;
 pub use planner::{Momentum, Move, Parameter, Passage, Planner, QueueFull, Reach, Running};

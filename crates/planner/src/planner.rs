@@ -6,9 +6,10 @@ use arcline_geometry::{Path, Point};
 use arcline_profile::{Limits, Profile, State};
 
 use crate::junction::{Ending, braking, is_along};
+use crate::merge::Within;
 use crate::queue::Queue;
 use crate::track::{Part, Residual, Sample, Track};
-use crate::{Clock, Instant, Pace};
+use crate::{Clock, Instant, Pace, ROUNDING};
 
 /// A path to travel and the limits along it. `T` is whatever the owner wants back with it.
 #[derive(Clone, Copy, Debug)]
@@ -108,10 +109,12 @@ pub struct Planner<T> {
     trail: VecDeque<Path>,
     /// Counts the plans of active moves.
     pub(crate) plans: u32,
+    /// What the active move may use of the limits of the axes, where these are kept.
+    pub(crate) within: Option<Within>,
 }
 
 /// Share of an acceleration that is none: what rounding leaves across the direction of motion.
-const NO_ACCELERATION: f64 = 1e-9;
+pub(crate) const NO_ACCELERATION: f64 = 1e-9;
 
 impl<T: Copy> Planner<T> {
     /// A planner at rest with `depth` pending places. `corner_step`: the change of velocity that each axis may
@@ -125,6 +128,7 @@ impl<T: Copy> Planner<T> {
             hand_over_at: None,
             trail: VecDeque::with_capacity(depth),
             plans: 0,
+            within: None,
         }
     }
 
@@ -218,6 +222,7 @@ impl<T: Copy> Planner<T> {
                     ..State::default()
                 },
             ),
+            part(Point::zeros(), State::default()),
         ];
         let residual = Residual::new(parts, clock.now(), &motion.path);
         self.run(motion, from, clock.now(), Some(residual), false, clock);
@@ -254,9 +259,11 @@ impl<T: Copy> Planner<T> {
     pub fn passage(&self, clock: &Clock) -> Option<Passage> {
         let running = self.active.as_ref()?;
         let elapsed = running.track.start.elapsed(clock);
-        let instant = |seconds: f64| running.track.start.after(seconds, clock);
+        // A stop is over when it stands, to the last bit.
+        let rounding = if running.stopped { 0.0 } else { ROUNDING };
+        let instant = |seconds: f64| running.track.start.after(seconds.min(elapsed), clock);
         if let Some(at) = self.hand_over_at
-            && elapsed >= at
+            && elapsed >= at - rounding
         {
             return Some(Passage::HandOver(instant(at)));
         }
@@ -264,7 +271,7 @@ impl<T: Copy> Planner<T> {
             return None;
         }
         let end = self.end_of(running, clock);
-        (elapsed >= end).then(|| Passage::Reached(instant(end)))
+        (elapsed >= end - rounding).then(|| Passage::Reached(instant(end)))
     }
 
     /// When the distance to go of the active move falls to `distance`, at least 0, along its path. With 0, where its
@@ -334,6 +341,7 @@ impl<T: Copy> Planner<T> {
     pub fn clear_active(&mut self) -> Option<T> {
         self.trail.clear();
         self.tail = None;
+        self.within = None;
         self.hand_over_at = None;
         self.active.take().map(|running| running.motion.data)
     }
@@ -360,6 +368,7 @@ impl<T: Copy> Planner<T> {
     /// along the cancelled moves that the profile was leading over.
     pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
         self.hand_over_at = None;
+        let limits = &self.allowed(limits);
         let tracks = self
             .active
             .iter_mut()

@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use arcline_controller::image::{Edge, Image, TagKind};
+use arcline_controller::image::{Edge, Image, Staged, TagKind};
 use arcline_controller::{Command, Ticket};
 use arcline_instruction_set::{Call, FaultSet, Flag, MotionControl, MotionError};
 use arcline_realtime::Link;
@@ -26,6 +26,8 @@ pub(super) struct State {
     pub(super) backlog: VecDeque<Command>,
     pub(super) records: Records,
     lost: u64,
+    /// What instructions under way write to tags when they are done.
+    staged: BTreeMap<Ticket, Staged>,
     /// The overrides that the controller has been sent, percent.
     overrides: Vec<f32>,
     /// The injected causes of faults that the controller has been sent.
@@ -46,6 +48,7 @@ impl State {
             next_ticket: 1,
             waiting: BTreeMap::new(),
             backlog: VecDeque::new(),
+            staged: BTreeMap::new(),
             records: Records::default(),
             lost: 0,
             watch,
@@ -71,7 +74,8 @@ impl State {
             if let Some(control) = record {
                 event.apply(control);
                 if is_accepted(control) {
-                    self.complete(event.ticket);
+                    let control = *control;
+                    self.complete(event.ticket, &control);
                 }
             }
         }
@@ -97,7 +101,7 @@ impl State {
                 {
                     *control = answer.control;
                 }
-                self.complete(answer.ticket);
+                self.complete(answer.ticket, &answer.control);
             }
         }
         if updated {
@@ -119,7 +123,10 @@ impl State {
         }
     }
 
-    fn complete(&mut self, ticket: Ticket) {
+    fn complete(&mut self, ticket: Ticket, control: &MotionControl) {
+        if let Some(staged) = self.staged.remove(&ticket) {
+            self.image.settle(staged, control);
+        }
         if let Some(waiting) = self.waiting.remove(&ticket) {
             // Whoever waited may have given up.
             let _ = waiting.send(());
@@ -131,7 +138,14 @@ impl State {
         let ticket = self.ticket();
         let (sender, receiver) = oneshot::channel();
         self.waiting.insert(ticket, sender);
-        self.push(Command::Call(ticket, call));
+        let (material, staged) = self.image.prepare(&call);
+        if let Some(staged) = staged {
+            self.staged.insert(ticket, staged);
+        }
+        self.push(match material {
+            None => Command::Call(ticket, call),
+            Some(material) => Command::CallWith(ticket, call, material),
+        });
         (ticket, receiver)
     }
 

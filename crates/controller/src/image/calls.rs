@@ -86,4 +86,12 @@ impl Directory for Image {
             elements: elements.min(usize::from(u16::MAX)) as u16,
         })
     }
+
+    fn structure(&self, type_name: &str, name: &str) -> Option<u32> {
+        let (id, place) = self.locate(&name.parse().ok()?).ok()?;
+        let named = place.data_type.name().eq_ignore_ascii_case(type_name) && place.bit.is_none();
+        let plain = self.tag(id)?.kind == TagKind::Plain;
+        let offset = u32::try_from(place.offset / 4).ok()?;
+        (named && plain && offset <= 0xFFFF && id.0 <= 0xFFFF).then_some(id.0 << 16 | offset)
+    }
 }

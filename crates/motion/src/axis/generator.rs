@@ -5,12 +5,13 @@
 
 use arcline_drive::Motion as Point;
 use arcline_planner::profile::{Phase, Profile, State};
-use arcline_planner::{Clock, Instant};
+use arcline_planner::{Clock, Instant, ROUNDING};
 
 use super::sum::Displacements;
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
 use crate::events::MoveEvents;
+use crate::follow::cam::Cam;
 use crate::follow::gear::Gear;
 use crate::follow::guide::Guide;
 
@@ -23,6 +24,8 @@ pub(crate) enum Law {
     Planned { profile: Profile, start: Instant },
     /// By the ratio of a gear, along with its master.
     Geared(Gear),
+    /// By a cam, over its master.
+    Cammed(Cam),
 }
 
 /// What an instruction programmed, for later changes of it.
@@ -63,6 +66,8 @@ pub(crate) struct Generator {
     pub(crate) shown_tracking: bool,
     /// Event Distance and Calculated Data of its instruction.
     pub(crate) events: Option<MoveEvents>,
+    /// SEGMENT of its instruction, as last written.
+    pub(crate) shown_segment: usize,
     /// A planned one has come to its end.
     pub(crate) over: bool,
     /// It brakes, perhaps with more, what a cancelled transform had moved.
@@ -89,6 +94,7 @@ impl Generator {
             guide: None,
             shown_tracking: false,
             events: None,
+            shown_segment: 0,
             over: false,
             parting: false,
             origin: 0.0,
@@ -193,11 +199,17 @@ impl Generator {
                     ..
                 })
             );
-            self.over = (self.stopping || !endless) && profile.arrives() && elapsed >= profile.duration();
-            if self.over {
-                self.now.velocity = 0.0;
-                self.now.acceleration = 0.0;
-            }
+            let at_end = profile.arrives() && elapsed >= profile.duration() - ROUNDING;
+            self.over = (self.stopping || !endless) && at_end;
+            self.now = if self.over {
+                Point {
+                    velocity: 0.0,
+                    acceleration: 0.0,
+                    ..point(profile.end())
+                }
+            } else {
+                point(profile.at(elapsed))
+            };
         }
     }
 }

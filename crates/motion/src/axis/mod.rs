@@ -1,6 +1,7 @@
 //! One axis: its state, its drive, and what moves it.
 
 mod average;
+pub(crate) mod camming;
 pub(crate) mod faults;
 mod following;
 pub(crate) mod generator;
@@ -15,10 +16,12 @@ use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
 use crate::dynamics::Maxima;
+use crate::follow::cam::Cam;
 use crate::follow::links::AxisLinks;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
 use crate::rotary;
 use average::Average;
+use camming::Cams;
 use faults::{Faults, Observed};
 use following::Linked;
 use generator::Generator;
@@ -81,6 +84,8 @@ pub(crate) struct Axis {
     pub(crate) linked: Linked,
     /// Links to masters (MDAC).
     pub(crate) links: AxisLinks,
+    /// Of position cams, and of time cams.
+    pub(super) cams: [Cams; 2],
     pub(crate) stop_mode: ProgrammedStopMode,
     /// What happens when the stop that is under way has ended.
     pub(crate) after_stop: AfterStop,
@@ -129,6 +134,7 @@ impl Axis {
             is_virtual: description.is_virtual(),
             linked: Linked::default(),
             links: AxisLinks::default(),
+            cams: Default::default(),
             stop_mode: description.programmed_stop_mode,
             after_stop: AfterStop::Hold,
             strobed: [0.0; 2],
@@ -162,7 +168,11 @@ impl Axis {
     /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others, nor what waits
     /// for a master.
     pub(crate) fn will_end(&self) -> bool {
-        let endless = |slot| matches!(slot, Slot::Jog | Slot::Gear | Slot::Transform);
+        let endless = |slot| match slot {
+            Slot::Jog | Slot::Gear | Slot::Transform => true,
+            Slot::PositionCam | Slot::TimeCam => !self.cam(slot).is_some_and(Cam::will_end),
+            _ => false,
+        };
         let waits = |generator: &Generator| generator.guide.is_some_and(|guide| !guide.will_go_on());
         let mut active = self.sum.active();
         active.any(|(slot, generator)| generator.stopping || !(endless(slot) || waits(generator)))
@@ -270,6 +280,7 @@ impl Axis {
     /// The command at the present tick, but for what a coordinate system or homing gives.
     pub(crate) fn advance(&mut self, clock: &Clock) {
         if !self.sum.is_idle() && !self.is_driven_home() {
+            self.follow_time(clock);
             self.sum.advance(clock);
             self.command = self.sum.command();
         }

@@ -1,9 +1,10 @@
-//! Axes that follow others: slaves of gears, what is a function of a master's way, and both sides of transforms.
+//! Axes that follow others: slaves of gears and cams, what is a function of a master's way, and both sides of transforms.
 //!
 //! What follows is computed after what it follows, in the same tick, in an order that is worked out when a link is made.
 //! While nothing follows there is no order, and axes are computed one after the other. Real-time: nothing allocates; a
 //! tick is bounded by the axes, the coordinate systems and the transforms that are under way.
 
+pub(crate) mod cam;
 mod cancel;
 pub(crate) mod gear;
 pub(crate) mod guide;
@@ -18,6 +19,7 @@ use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
 use crate::motion::Motion;
 use crate::system::System;
+use cam::{Cam, Source};
 pub(crate) use cancel::Release;
 use gear::{MasterAt, Reference};
 use order::{Circle, Followers, Masters, Step};
@@ -134,6 +136,13 @@ impl Motion {
     }
 
     fn follow_master(&mut self, axis: u16) {
+        for slot in Axis::CAMS {
+            let cam = self.axes[usize::from(axis)].cam(slot);
+            if let Some(Source::Axis { master, reference }) = cam.map(Cam::source) {
+                let at = self.master_at(master, reference);
+                self.axes[usize::from(axis)].follow_cam(slot, &at);
+            }
+        }
         let Some(gear) = self.axes[usize::from(axis)].gear() else {
             return;
         };
@@ -161,6 +170,14 @@ impl Motion {
             read,
             redefined: axis.redefined,
         }
+    }
+
+    /// Works out the order with one master more of an axis.
+    ///
+    /// # Errors
+    /// When the axes would follow each other in a circle.
+    pub(crate) fn plan_master(&mut self, slave: u16, master: u16) -> Result<(), Circle> {
+        self.plan_order(Follower::Axis(slave, master))
     }
 
     /// Works out the order with one follower more, to be taken when it begins to follow.
@@ -210,9 +227,11 @@ impl Motion {
 
 fn masters_of_axis(axis: &Axis) -> Masters {
     let gear = axis.gear().map(|gear| gear.master);
+    let cams = Axis::CAMS.into_iter().filter_map(|slot| axis.cam_master(slot));
     let guided = axis.sum.active().filter_map(|(_, generator)| generator.guide);
     let links = axis.links.iter().map(|link| link.master.axis);
     gear.into_iter()
+        .chain(cams)
         .chain(links)
         .chain(guided.map(|guide| guide.master.axis))
         .collect()

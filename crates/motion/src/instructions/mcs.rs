@@ -169,7 +169,7 @@ fn cancel(motion: &mut Motion, release: &Release, which: impl Fn(&Link, usize) -
 }
 
 fn is_s_curve(motion: &Motion, index: usize) -> bool {
-    if let Some(contour) = &motion.systems[index].contour {
+    if let Some(contour) = motion.systems[index].contour_in_force() {
         return contour.moves().any(|planned| planned.data.dynamics.is_s_curve());
     }
     let active = motion.systems[index].planner.active();

@@ -16,7 +16,7 @@ use crate::system::{Activity, Planned, component};
 
 impl Motion {
     pub(crate) fn advance_system(&mut self, index: usize) {
-        if self.systems[index].contour.is_some() {
+        if self.systems[index].contour_in_force().is_some() {
             self.advance_contour(index);
             return;
         }
@@ -117,6 +117,12 @@ impl Motion {
         }
         self.systems[index].planner.clear_active();
         self.release_axes(index);
+        // Moves behind a merged one are planned as a contour now.
+        let system = &mut self.systems[index];
+        let contour = system.contour.as_ref();
+        if contour.is_some_and(|contour| contour.moves().next().is_some()) {
+            system.activity = Activity::Moving;
+        }
     }
 
     /// Whether the oldest pending move can follow the active one, and by what it is a function of (§7.11, §8.7). The instant at

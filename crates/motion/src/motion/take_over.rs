@@ -38,10 +38,11 @@ impl Motion {
             return;
         }
         system.activity = Activity::Stopping;
+        let merged = system.planner.active().is_some();
         match (&mut system.contour, system.guide.take()) {
-            (Some(contour), _) => contour.stop(limits, &clock),
-            (None, None) => system.planner.stop(limits, &clock),
-            (None, Some(guide)) => system
+            (Some(contour), _) if !merged => contour.stop(limits, &clock),
+            (_, None) => system.planner.stop(limits, &clock),
+            (_, Some(guide)) => system
                 .planner
                 .stop_in_time(limits, &guide.pace(), &guide.clock(), &clock),
         }
@@ -62,13 +63,12 @@ impl Motion {
         if !self.systems[index].is_busy() {
             return braking;
         }
+        let active = self.systems[index].active();
+        let s_curve = active.is_some_and(|active| active.dynamics.is_s_curve());
         self.cancel_pending(index);
         self.end_active(index);
         self.retire_contour(index);
-        let s_curve = self.systems[index]
-            .planner
-            .clear_active()
-            .is_some_and(|active| active.dynamics.is_s_curve());
+        self.systems[index].planner.clear_active();
         self.rest_system(index);
         for place in 0..self.systems[index].description.axes.len() {
             let axis = self.systems[index].description.axes[place];
