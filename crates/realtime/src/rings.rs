@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use arcline_controller::machine::Machine;
 use arcline_controller::{
-    ArrayWrite, Command, ContourRequest, Event, PlannedContour, Port, Snapshot, Ticket, Trajectory,
+    AcceptedMove, ArrayWrite, Command, ContourRequest, Event, PlannedContour, Port, Snapshot, Ticket, Trajectory,
 };
 use arcline_instruction_set::MotionControl;
 
 use crate::contour::{self, Contours, Planning};
 use crate::meter::Meter;
+use crate::samples::{self, SampleSender, Samples};
 
 /// Commands that can wait for the controller.
 pub const COMMANDS: usize = 4096;
@@ -18,6 +19,8 @@ pub const COMMANDS: usize = 4096;
 pub const EVENTS: usize = 16_384;
 /// Writes to arrays that can wait for their reader.
 const ARRAY_WRITES: usize = 4096;
+/// Accepted moves that can wait for their reader; more are not shown.
+pub const ACCEPTED: usize = 2048;
 
 /// What an instruction's tag showed right after it was executed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +47,10 @@ pub struct Link {
     pub events: rtrb::Consumer<Event>,
     /// What instructions wrote to arrays, in order.
     pub array_writes: rtrb::Consumer<ArrayWrite>,
+    /// Coordinated moves as they were accepted, in order.
+    pub accepted: rtrb::Consumer<AcceptedMove>,
+    /// A row of samples for every tick; `None`: somebody has taken it.
+    pub samples: Option<Samples>,
     /// The newest snapshot.
     pub snapshots: triple_buffer::Output<Snapshot>,
     /// The thread's measurements.
@@ -59,6 +66,8 @@ pub struct Rings {
     answers: rtrb::Producer<Answer>,
     events: rtrb::Producer<Event>,
     array_writes: rtrb::Producer<ArrayWrite>,
+    accepted: rtrb::Producer<AcceptedMove>,
+    samples: SampleSender,
     snapshots: triple_buffer::Input<Snapshot>,
     pub(crate) meter: Arc<Meter>,
     /// The tick that runs or comes next.
@@ -84,6 +93,8 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
     let (answers, answer_receiver) = rtrb::RingBuffer::new(2 * COMMANDS);
     let (events, event_receiver) = rtrb::RingBuffer::new(EVENTS);
     let (array_writes, array_write_receiver) = rtrb::RingBuffer::new(ARRAY_WRITES);
+    let (accepted, accepted_receiver) = rtrb::RingBuffer::new(ACCEPTED);
+    let (samples, sample_receiver) = samples::link(machine);
     let (snapshots, snapshot_output) = triple_buffer::triple_buffer(&Snapshot::new(machine));
     let meter = Arc::new(Meter::default());
     let (contours, planning) = contour::link(machine).unzip();
@@ -92,6 +103,8 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         answers,
         events,
         array_writes,
+        accepted,
+        samples,
         snapshots,
         meter: meter.clone(),
         tick: 0,
@@ -103,6 +116,8 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         answers: answer_receiver,
         events: event_receiver,
         array_writes: array_write_receiver,
+        accepted: accepted_receiver,
+        samples: Some(sample_receiver),
         snapshots: snapshot_output,
         meter,
         planning,
@@ -157,11 +172,19 @@ impl Port for Rings {
         }
     }
 
+    fn accepted(&mut self, accepted: &AcceptedMove) {
+        // Without room it is not drawn, and moves all the same.
+        let _ = self.accepted.push(*accepted);
+    }
+
     fn snapshot(&mut self) -> Option<&mut Snapshot> {
         Some(self.snapshots.input_buffer_mut())
     }
 
     fn publish(&mut self) {
+        if !self.samples.send(self.snapshots.input_buffer_mut()) {
+            self.meter.lose_samples();
+        }
         self.snapshots.publish();
     }
 
