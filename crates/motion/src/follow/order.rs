@@ -12,6 +12,8 @@ pub(crate) enum Step {
     System(u16),
     /// What an axis's own generators say, what follows masters included.
     Own(u16),
+    /// Where a transform leads its target before the targets of its source lead anything back.
+    Down(u16),
     /// What the motion of a transform's target adds to its source.
     Back(u16),
     /// Where a transform leads its target.
@@ -95,7 +97,7 @@ enum Visit {
 impl Order {
     /// For a machine of so many axes and coordinate systems. The only allocation.
     pub(crate) fn new(axes: usize, systems: usize) -> Self {
-        let most = 2 * axes + 3 * systems;
+        let most = 2 * axes + 4 * systems;
         Order {
             steps: Vec::with_capacity(most),
             next: Vec::with_capacity(most),
@@ -201,6 +203,26 @@ impl Order {
                         self.visit(Step::Back(other), followers)?;
                     }
                 }
+                // Behind a robot's joints what is added depends on where they are led to.
+                if link.robot().is_some() {
+                    self.visit(Step::Down(index), followers)?;
+                }
+            }
+            Step::Down(index) => {
+                let Some(Some(link)) = followers.links.get(usize::from(index)) else {
+                    return Ok(());
+                };
+                for axis in link.source() {
+                    self.visit(Step::Own(*axis), followers)?;
+                }
+                for (other, near) in links() {
+                    if other < index && share(near.source(), link.source()) {
+                        self.visit(Step::Back(other), followers)?;
+                    }
+                    if share(near.target(), link.source()) {
+                        self.visit(Step::Down(other), followers)?;
+                    }
+                }
             }
             Step::Lead(index) => {
                 let Some(Some(link)) = followers.links.get(usize::from(index)) else {
@@ -231,7 +253,8 @@ impl Order {
             Step::Whole(axis) => axes + usize::from(axis),
             Step::Back(index) => 2 * axes + usize::from(index),
             Step::Lead(index) => 2 * axes + systems + usize::from(index),
-            Step::System(index) => 2 * axes + 2 * systems + usize::from(index),
+            Step::Down(index) => 2 * axes + 2 * systems + usize::from(index),
+            Step::System(index) => 2 * axes + 3 * systems + usize::from(index),
         }
     }
 }

@@ -41,6 +41,7 @@ use crate::control::Execution;
 use crate::material::Sent;
 use crate::motion::Motion;
 pub(crate) use masd::shut_down;
+pub(crate) use mcs::stop_move;
 use moves::MoveLayout;
 
 /// Places of the operands on the faceplates, looked up in the catalogue once.
@@ -80,7 +81,7 @@ impl Layouts {
             mag: mag::Layout::new(),
             mapc: mapc::Layout::new(),
             matc: matc::Layout::new(),
-            mct: mct::Layout::new(),
+            mct: mct::Layout::of(Mnemonic::Mct),
             mdcc: mdcc::Layout::new(),
             mdac: mdac::Layout::new(),
             mgs: mgs::Layout::new(),

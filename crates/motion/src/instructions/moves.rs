@@ -3,7 +3,7 @@
 use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError, OperandIndex};
 use arcline_planner::geometry::{Path, Point};
 use arcline_planner::profile::{Phase, State};
-use arcline_planner::{Ending, Momentum, Move, Pace, Parameter};
+use arcline_planner::{self as planner, Ending, Momentum, Move, Parameter};
 
 use super::place;
 use super::programmed::{self, DynamicsLayout};
@@ -14,6 +14,7 @@ use crate::control::Execution;
 use crate::dynamics::Maxima;
 use crate::events::{Events, Fit};
 use crate::follow::links::MasterLink;
+use crate::follow::reach::Pace;
 use crate::machine::{AxisLimits, CoordinateSystem, Corner};
 use crate::motion::Motion;
 use crate::rotary::Turn;
@@ -62,8 +63,10 @@ impl MoveLayout {
     /// How the move completes, and what happens there if it has a successor.
     fn termination(&self, call: &Call, system: &CoordinateSystem) -> Result<(Termination, Ending), MotionError> {
         let word = call.word(self.termination_type);
-        let superposed = matches!(word, 2 | 3 | 6) && system.corner == Corner::Logix;
-        if superposed && system.axis_limits == AxisLimits::Enforce {
+        let blended = matches!(word, 2 | 3 | 6);
+        let superposed = blended && system.corner == Corner::Logix;
+        let (axes, joints) = (system.axis_limits, system.joint_limits);
+        if superposed && axes == AxisLimits::Enforce || blended && joints == AxisLimits::Enforce {
             return Err(MotionError::FeatureNotSupported);
         }
         let ending = match word {
@@ -134,10 +137,14 @@ pub(super) fn execute(
     let path = programmed.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
     verify::no_overtravel(system, &motion.axes, &path.end())?;
+    let mut pace = motion.verify_reach(index, &path.shifted(&shift))?;
+    if system.description.joint_limits == AxisLimits::Ignore {
+        pace = Pace::UNLIMITED;
+    }
 
     let mut momentum = terminated(motion, index, merge);
     let mut current = command(motion, index, |axis| axis.command.velocity).norm();
-    let mut pace = None;
+    let mut driven = false;
     if let (Some(lead), Some(link)) = (lead, &link) {
         let by_master = programmed::pace(link, lead.lock, momentum.velocity != Point::zeros())?;
         verify_lead(motion, index, merge, lead)?;
@@ -147,12 +154,15 @@ pub(super) fn execute(
         } else {
             0.0
         };
-        pace = Some(by_master);
+        driven = true;
+        // Joints are kept by time; a master decides how fast this is.
+        pace = Pace::UNLIMITED;
     }
     if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && current > 0.0 {
         dynamics.set_speed(current);
     }
-    if pace.is_some() {
+    dynamics.keep_to(&pace);
+    if driven {
         programmed::verify_reduction(momentum.velocity.norm(), &dynamics.limits(), path.length())?;
     }
     let parameter = match (lead, &link) {
@@ -170,6 +180,7 @@ pub(super) fn execute(
             termination,
             lead,
             events,
+            pace,
         },
     };
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
@@ -237,7 +248,7 @@ pub(super) fn execute(
 }
 
 /// What is under way by time, by the way of a master.
-fn on_the_way(pace: &Pace, momentum: &Momentum) -> Momentum {
+fn on_the_way(pace: &planner::Pace, momentum: &Momentum) -> Momentum {
     let mut taken = Momentum {
         velocity: Point::zeros(),
         acceleration: Point::zeros(),
