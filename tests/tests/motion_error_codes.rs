@@ -186,7 +186,29 @@ fn machine() -> String {
 /// What comes before, one step a line: a call, `run TICKS`, or `fault AXIS`. Then a call and its ERR and EXERR.
 type Row = (&'static str, &'static str, (i16, i8));
 
+/// Speed, rates and jerks by a master.
+const DRIVEN: &str = "2, 4, 1, 4, 1, 4, 0, 1, 1, 4";
 const LINE: &str = "MCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 20";
+/// Linked to A, which stands, goes backwards at 50 units/s, or forwards at 1.
+const STANDING: &str =
+    "MDCC(CS1, A, B7, 1, 0)\nMDAC(X, A, B9, 0, 1)\nMCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 200";
+const BACKWARDS: &str =
+    "MDCC(CS1, A, B7, 1, 0)\nMAJ(A, B6, 1, {rates})\nMCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 200";
+const SLOW: &str = "MDCC(CS1, A, B7, 1, 0)\nMAJ(A, B6, 0, 1, 0, 500, 0, 500, 0, 0, 1, 1, 0)\nMCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 200";
+const WAITING: &str = "MDCC(CS1, A, B7, 1, 0)\nMCLM(CS1, B1, 0, [9, 0, 0], {driven}, 1, 0, 0, 0, 5, 3)";
+const ARC_STANDING: &str = "MDCC(XY, A, B7, 1, 0)\nMCLM(XY, B1, 0, [300, 0], {rates}, 1)\nrun 200";
+const ARC_BACKWARDS: &str =
+    "MDCC(XY, A, B7, 1, 0)\nMAJ(A, B6, 1, {rates})\nMCLM(XY, B1, 0, [300, 0], {rates}, 1)\nrun 200";
+const ARC_SLOW: &str = "MDCC(XY, A, B7, 1, 0)\nMAJ(A, B6, 0, 1, 0, 500, 0, 500, 0, 0, 1, 1, 0)\nMCLM(XY, B1, 0, [300, 0], {rates}, 1)\nrun 200";
+const ARC_WAITING: &str = "MDCC(XY, A, B7, 1, 0)\nMCLM(XY, B1, 0, [9, 0], {driven}, 1, 0, 0, 0, 5, 3)";
+const MOVE: &str = "MDAC(X, A, B9, 0, 1)\nMAM(X, B1, 0, 300, {rates})\nrun 200";
+const MOVE_BACKWARDS: &str = "MDAC(X, A, B9, 0, 1)\nMAJ(A, B6, 1, {rates})\nMAM(X, B1, 0, 300, {rates})\nrun 200";
+const MOVE_SLOW: &str =
+    "MDAC(X, A, B9, 0, 1)\nMAJ(A, B6, 0, 1, 0, 500, 0, 500, 0, 0, 1, 1, 0)\nMAM(X, B1, 0, 300, {rates})\nrun 200";
+const MOVE_WAITING: &str = "MDAC(X, A, B9, 0, 1)\nMAM(X, B1, 0, 9, {driven}, 0, 0, 5, 3)";
+const JOG_STANDING: &str = "MDAC(X, A, B9, 0, 1)\nMAJ(X, B1, 0, {rates})\nrun 200";
+const JOG_BACKWARDS: &str = "MDAC(X, A, B9, 0, 1)\nMAJ(A, B6, 1, {rates})\nMAJ(X, B1, 0, {rates})\nrun 200";
+const JOG_WAITING: &str = "MDAC(X, A, B9, 0, 1)\nMAJ(X, B1, 0, {driven}, 0, 0, 5, 3)";
 const LINK: &str = "MCT(CS2, CS3, B1, [0, 0, 0], [0, 0, 0])\nrun 5";
 const HOMING: &str = "MAH(H, B1)\nrun 5";
 const REACH: &str = "MCT(Tool, Arm, B1, [0, 0, 0], [0, 0, 0])\nrun 5";
@@ -210,7 +232,11 @@ const TABLE: &[Row] = &[
     ("",                    "MCLM(CS1, T, 0, [5, 5, 5], 50, 0, 500, 4, 500, 0, 0, 100, 100, 2)",  (94, 0)),
     ("",                    "MCLM(CS1, T, 0, [5, 5, 5], {rates}, 1, 0, 0, 0, 0, 1)",              (95, 0)),
     ("",                    "MCLM(CS1, T, 0, [5, 5, 5], 50, 4, 500, 4, 500, 4, 0, 1, 1, 4, 1, 0, 0, 0, 0, 1)", (93, 0)),
-    ("",                    "MCLM(CS1, T, 0, [5, 5, 5], {rates}, 1, 0, 0, 0, 0, 0, [1])",         (99, 0)),
+    ("",                    "MCLM(CS1, T, 0, [5, 5, 5], {rates}, 1, 0, 0, 0, 0, 0, [1])",         (101, 0)),
+    (STANDING,              "MCLM(CS1, T, 0, [5, 5, 5], {driven}, 1, 1, 0, 0, 0, 1)",             (97, 0)),
+    (BACKWARDS,             "MCLM(CS1, T, 0, [5, 5, 5], {driven}, 1, 1, 0, 0, 0, 1)",             (98, 0)),
+    (WAITING,               "MCLM(CS1, T, 0, [5, 5, 5], {driven}, 1, 0, 0, 0, 5, 3)",             (102, 0)),
+    (SLOW,                  "MCLM(CS1, T, 0, [5, 5, 5], {driven}, 1, 1, 0, 0, 0, 1)",             (103, 0)),
     ("",                    "MCLM(Enforced, T, 0, [5, 5], {rates}, 3)",                           (99, 0)),
     ("",                    "MCLM(Decel, T, 0, [5, 5], {rates}, 1)",                              (54, -1)),
     ("",                    "MCLM(AxisDecel, T, 0, [5, 5], {rates}, 1)",                          (54, 1)),
@@ -242,7 +268,12 @@ const TABLE: &[Row] = &[
     ("",                    "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, 50, 0, 500, 4, 500, 0, 0, 100, 100, 2)", (94, 0)),
     ("",                    "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1, 0, 0, 0, 0, 1)",    (95, 0)),
     ("",                    "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, 50, 4, 500, 4, 500, 4, 0, 1, 1, 4, 1, 0, 0, 0, 0, 1)", (93, 0)),
-    ("",                    "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1, 0, 0, 0, 0, 0, [1])", (99, 0)),
+    ("",                    "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1, 0, 0, 0, 0, 0, [1])", (101, 0)),
+    (ARC_STANDING,          "MCCM(XY, T, 1, [0, 0], 3, [9, 0], 1, {driven}, 1, 1, 0, 0, 0, 1)",   (97, 0)),
+    (ARC_BACKWARDS,         "MCCM(XY, T, 1, [0, 0], 3, [9, 0], 1, {driven}, 1, 1, 0, 0, 0, 1)",   (98, 0)),
+    (ARC_WAITING,           "MCCM(XY, T, 1, [0, 0], 3, [9, 0], 1, {driven}, 1, 0, 0, 0, 5, 3)",   (102, 0)),
+    (ARC_SLOW,              "MCCM(XY, T, 1, [0, 0], 3, [9, 0], 1, {driven}, 1, 1, 0, 0, 0, 1)",   (103, 0)),
+    ("",                    "MCCM(Precise, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1, 0, 0, 0, 0, 0, [1], Data)", (99, 0)),
     ("",                    "MCCM(Decel, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1)",                (54, -1)),
     ("",                    "MCCM(AxisDecel, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1)",            (54, 1)),
     ("",                    "MCCM(Jerk, T, 0, [0, 0], 1, [9, 0], 2, {curve}, 1)",                 (76, -1)),
@@ -344,6 +375,9 @@ const TABLE: &[Row] = &[
     (STOP_ALL,              "MAJ(X, T, 0, {rates})",                                              (78, 0)),
     ("",                    "MAJ(X, T, 0, 50, 4, 500, 4, 500, 4, 0, 1, 1, 4, 0, 0, 0, 1)",        (93, 0)),
     ("",                    "MAJ(X, T, 0, 50, 0, 500, 4, 500, 0)",                                (94, 0)),
+    (JOG_STANDING,          "MAJ(X, T, 0, {driven}, 0, 0, 0, 1)",                                 (97, 0)),
+    (JOG_BACKWARDS,         "MAJ(X, T, 0, {driven}, 0, 0, 0, 1)",                                 (98, 0)),
+    (JOG_WAITING,           "MAJ(X, T, 0, {driven}, 0, 0, 5, 3)",                                 (102, 0)),
     ("",                    "MAJ(X, T, 0, {rates}, 0, 0, 0, 1)",                                  (95, 0)),
     // MAM.
     (OFF,                   "MAM(X, T, 0, 9, {rates})",                                           (5, 0)),
@@ -362,9 +396,23 @@ const TABLE: &[Row] = &[
     ("",                    "MAM(X, T, 0, 9, 50, 4, 500, 4, 500, 4, 0, 1, 1, 4, 0, 0, 0, 1)",     (93, 0)),
     ("",                    "MAM(X, T, 0, 9, 50, 0, 500, 4, 500, 0)",                             (94, 0)),
     ("",                    "MAM(X, T, 0, 9, {rates}, 0, 0, 0, 1)",                               (95, 0)),
-    ("",                    "MAM(X, T, 0, 9, {rates}, 0, 0, 0, 0, [1])",                          (99, 0)),
+    (MOVE,                  "MAM(X, T, 0, 9, {driven}, 0, 0, 0, 1)",                              (97, 0)),
+    (MOVE_BACKWARDS,        "MAM(X, T, 0, 9, {driven}, 0, 0, 0, 1)",                              (98, 0)),
+    ("",                    "MAM(X, T, 0, 9, {rates}, 0, 0, 0, 0, [1])",                          (101, 0)),
+    (MOVE_WAITING,          "MAM(X, T, 0, 9, {driven}, 0, 0, 5, 3)",                              (102, 0)),
+    (MOVE_SLOW,             "MAM(X, T, 0, 9, {driven}, 0, 0, 0, 1)",                              (103, 0)),
     (JOG,                   "MAM(X, T, 0, 9, 2, 3, 0.5, 3, 0.5, 3, 0, 1, 1, 3)",                  (100, 0)),
     ("",                    "MAM(X, T, 0, 9, 2, 3, 0.5, 3, 0.5, 3, 0, 1, 1, 3, 1, 1)",            (106, 0)),
+    // MDCC, MDAC.
+    ("",                    "MDCC(CS1, X, T, 1, 0)",                                              (10, 0)),
+    ("",                    "MDCC(CS1, A, T, 2, 0)",                                              (13, 3)),
+    ("",                    "MDCC(CS1, A, T, 1, -1)",                                             (13, 4)),
+    ("MDCC(CS1, A, B2, 1, 0)\nMCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)", "MDCC(CS1, A, T, 0, 0)", (105, 0)),
+    ("",                    "MDAC(X, X, T, 0, 1)",                                                (10, 0)),
+    ("",                    "MDAC(X, A, T, 5, 1)",                                                (13, 3)),
+    ("",                    "MDAC(X, A, T, 0, 2)",                                                (13, 4)),
+    ("MDAC(X, A, B1, 1, 1)", "MDAC(X, A, T, 0, 1)",                                               (96, 0)),
+    ("MDAC(X, A, B2, 0, 1)\nMAJ(X, B1, 0, {driven}, 0, 0, 0, 1)", "MDAC(X, A, T, 0, 0)",          (105, 0)),
     // MAG.
     (OFF,                   "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)",                                  (5, 0)),
     (DOWN,                  "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)",                                  (7, 0)),
@@ -457,7 +505,7 @@ const TABLE: &[Row] = &[
 #[rustfmt::skip]
 const GOOD: &[&str] = &[
     "MCLM(CS1, T, 0, [5, 5, 5], {rates}, 1)", "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1)", "MCS(CS1, T, 0, 0, 0, 0)",
-    "MCSD(CS1, T)", "MCSR(CS1, T)", "MCT(CS2, CS3, T, [0, 0, 0], [0, 0, 0])",
+    "MDCC(CS1, A, T, 1, 0)", "MDAC(X, A, T, 0, 1)", "MCSD(CS1, T)", "MCSR(CS1, T)", "MCT(CS2, CS3, T, [0, 0, 0], [0, 0, 0])",
     "MSO(X, T)", "MSF(X, T)", "MASD(X, T)", "MASR(X, T)", "MAFR(X, T)", "MAS(X, T, All, No, 0, 0)", "MAH(X, T)",
     "MAJ(X, T, 0, {rates})", "MAM(X, T, 0, 9, {rates})", "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)", "MRP(X, T, 0, 0, 5)",
     "MGS(Motion, T, 1)", "MGSD(Motion, T)", "MGSR(Motion, T)", "MGSP(Motion, T)", "MCCP(T, Cam, 2, 0, 0, Profile)",
@@ -478,15 +526,17 @@ const GOOD_MOVING: &[(&str, &str)] = &[
 /// axis-and-data-types.md §1.7, §2, §3, §4.
 #[rustfmt::skip]
 const LISTS: &[(&str, &[i16])] = &[
-    ("MCLM", &[3, 24, 50, 19, 13, 94, 95, 93, 101, 11, 8, 38, 53, 7, 5, 20, 16, 14, 15, 54, 76, 51, 43, 78, 52, 97, 98, 102, 105, 9, 99,
-               67, 68, 72]),
+    ("MCLM", &[3, 24, 50, 19, 13, 94, 95, 93, 101, 11, 8, 38, 53, 7, 5, 20, 16, 14, 15, 54, 76, 51, 43, 78, 52, 97, 98, 102, 103,
+               105, 9, 99, 67, 68, 72]),
     ("MCCM", &[3, 24, 50, 19, 13, 94, 95, 93, 101, 11, 8, 38, 53, 7, 5, 20, 16, 14, 15, 54, 76, 51, 25, 44, 45, 46, 49, 43, 78, 52, 97,
-               98, 102, 105, 9, 99, 67, 68, 72]),
+               98, 102, 103, 105, 9, 99, 67, 68, 72]),
     ("MCCD", &[3, 24, 50, 19, 13, 94, 105, 11, 8, 38, 53, 7, 5, 20, 23, 78, 103]),
     ("MCS",  &[3, 24, 50, 19, 13, 11, 8, 38, 53, 7, 5, 54, 76]),
     ("MCSD", &[3, 11, 50, 12]),
     ("MCSR", &[3, 11, 50, 12, 20]),
     ("MCT",  &[3, 24, 50, 19, 13, 11, 7, 5, 20, 16, 22, 54, 76, 61, 62, 64, 66, 67, 68, 70, 71, 73, 74, 77, 99, 69, 72]),
+    ("MDCC", &[3, 24, 50, 19, 13, 11, 10, 105]),
+    ("MDAC", &[3, 24, 19, 13, 11, 10, 96, 105]),
     ("MSO",  &[3, 24, 19, 7, 8, 11, 12, 20, 22, 53]),
     ("MSF",  &[3, 24, 19, 8, 11, 53]),
     ("MASD", &[3, 19, 11]),
@@ -494,8 +544,9 @@ const LISTS: &[(&str, &[i16])] = &[
     ("MAFR", &[3, 19, 11]),
     ("MAS",  &[3, 5, 7, 8, 11, 13, 19, 20, 24, 38, 54, 76, 78]),
     ("MAH",  &[3, 5, 7, 8, 11, 12, 13, 16, 19, 20, 22, 24, 38, 39, 41, 54, 63, 78, 84, 85]),
-    ("MAJ",  &[3, 24, 19, 13, 94, 95, 93, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 76, 78, 102, 105, 9]),
-    ("MAM",  &[3, 24, 19, 13, 94, 100, 106, 95, 93, 101, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 76, 17, 33, 78, 102, 105, 9, 99]),
+    ("MAJ",  &[3, 24, 19, 13, 94, 95, 93, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 76, 78, 97, 98, 102, 105, 9]),
+    ("MAM",  &[3, 24, 19, 13, 94, 100, 106, 95, 93, 101, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 76, 17, 33, 78, 97, 98, 102,
+               103, 105, 9, 99]),
     ("MAG",  &[3, 24, 19, 13, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 10, 23, 78]),
     ("MCCP", &[3, 13, 26, 27, 28, 29, 30, 31]),
     ("MCSV", &[3, 13, 30, 32]),
@@ -533,11 +584,6 @@ const NEVER: &[(i16, &str)] = &[
     (77,  "MCT has no direction"),
     (79,  "a coordinate system without a contour has no contour's queue"),
     (87,  "there is no direct control"),
-    (97,  "nothing is master driven yet: 93 comes first"),
-    (98,  "nothing is master driven yet: 93 comes first"),
-    (101, "Event Distance answers 99 before"),
-    (102, "nothing is master driven yet: 93 comes first"),
-    (103, "nothing is master driven yet"),
 ];
 
 /// Codes that an instruction does not raise here although its list has them.
@@ -550,10 +596,13 @@ const NEVER_HERE: &[(&str, i16, &str)] = &[
     ("MAS",  8,   "an encoder has no servo: 5 tells"),
     ("MAH",  8,   "every axis type can be homed"),
     ("MRP",  8,   "every axis type has a position"),
-    ("MCLM", 105, "nothing is master driven yet: 93 comes first"),
-    ("MCCM", 105, "nothing is master driven yet: 93 comes first"),
-    ("MAJ",  105, "nothing is master driven yet: 93 comes first"),
-    ("MAM",  105, "nothing is master driven yet: 93 comes first"),
+    ("MCLM", 105, "when it is to begin, not when it is executed: motion_masters.rs"),
+    ("MCCM", 105, "when it is to begin, not when it is executed: motion_masters.rs"),
+    ("MAJ",  105, "nothing waits on an axis: a move begins in its own mode"),
+    ("MAM",  105, "nothing waits on an axis: a move begins in its own mode"),
+    ("MAM",  99,  "all of it is executed"),
+    ("MCCD", 103, "what is slowed down too much overshoots"),
+    ("MCD",  103, "what is slowed down too much overshoots"),
     ("MCS",  76,  "no S-curve was started that this stop would need"),
     ("MAS",  76,  "no S-curve was started that this stop would need"),
     ("MCD",  76,  "no S-curve was started that could be changed"),
@@ -565,7 +614,9 @@ const NEVER_HERE: &[(&str, i16, &str)] = &[
 ];
 
 fn filled(text: &str) -> String {
-    text.replace("{rates}", RATES).replace("{curve}", CURVE)
+    text.replace("{rates}", RATES)
+        .replace("{driven}", DRIVEN)
+        .replace("{curve}", CURVE)
 }
 
 fn prepared(machine: &str, steps: &str) -> Bench {

@@ -11,7 +11,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use arcline_config::Project;
 use arcline_controller::image::{Image, Staged};
 use arcline_controller::{Command, Controller, Ticket};
-use arcline_instruction_set::{Call, ControlSlot, Directory, Flag, Given, Mnemonic, MotionControl, Object, bind};
+use arcline_instruction_set::{
+    Call, ControlSlot, Directory, Flag, Given, Mnemonic, MotionControl, Object, WrittenArray, bind,
+};
 use arcline_realtime::{Link, link, step};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
@@ -34,6 +36,12 @@ const CALLS: &[&str] = &[
     "MCS(CS3, M26, CoordinatedTransform, Yes, 3000, Unitspersec2, No, 0, %ofTime);",
     "MAS(S, M27, Gear, Yes, 3000, Unitspersec2, No, 0, %ofTime);",
     "MAS(X, M28, All, No, 0, Unitspersec2, No, 0, %ofTime);",
+    "MDCC(CS1, A, M33, Command, 50);",
+    "MDAC(B, A, M34, All, Actual);",
+    "MCLM(CS1, M35, Absolute, [10, 5, 2], 2, Unitspermasterunit, 1, Unitspermasterunit2, 1, Unitspermasterunit2, S-curve, 100, 100, %ofTimeMasterDriven, 2, Disabled, Programmed, 0, 0, ImmediateForwardOnly, [0, 1, 2], Data);",
+    "MCLM(CS1, M36, Absolute, [0, 0, 0], 2, Unitspermasterunit, 1, Unitspermasterunit2, 1, Unitspermasterunit2, Trapezoidal, 100, 100, %ofTimeMasterDriven, 1, CoordinatedMotion, Current, 0, 5, PositionForwardOnly, [0], Data);",
+    "MAM(B, M37, Incremental, 2, 2, Unitspermasterunit, 1, Unitspermasterunit2, 1, Unitspermasterunit2, S-curve, 100, 100, %ofTimeMasterDriven, Disabled, Programmed, 0, ImmediateForwardOnly, [0, 1, 2, 3], Data);",
+    "MAJ(B, M38, Forward, 2, Unitspermasterunit, 1, Unitspermasterunit2, 1, Unitspermasterunit2, Trapezoidal, 100, 100, %ofTimeMasterDriven, Disabled, Programmed, 0, ImmediateForwardOnly);",
     "MSO(X, M1);",
     "MSO(Y, M1);",
     "MSO(Z, M1);",
@@ -92,8 +100,8 @@ impl Directory for Names<'_> {
         }
     }
 
-    fn real_array(&self, _: &str) -> Option<u32> {
-        None
+    fn real_array(&self, name: &str) -> Option<WrittenArray> {
+        (name == "Data").then_some(WrittenArray { tag: 0, elements: 4 })
     }
 
     fn structure(&self, type_name: &str, name: &str) -> Option<u32> {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use arcline_instruction_set::{Call, ControlSlot, FaultSet, MotionControl};
 use arcline_motion::machine::Machine;
-use arcline_motion::{AcceptedMove, ContourRequest, Event, Input, Material, Motion, Ticket, Trajectory};
+use arcline_motion::{AcceptedMove, ArrayWrite, ContourRequest, Event, Input, Material, Motion, Ticket, Trajectory};
 
 use crate::snapshot::Snapshot;
 
@@ -46,6 +46,8 @@ pub trait Port {
     fn answer(&mut self, ticket: Ticket, control: MotionControl);
     /// A change of an instruction's status.
     fn event(&mut self, event: &Event);
+    /// An instruction wrote to an array.
+    fn array_write(&mut self, _: &ArrayWrite) {}
     /// A coordinated move was accepted.
     fn accepted(&mut self, accepted: &AcceptedMove) {
         let _ = accepted;
@@ -145,6 +147,7 @@ impl Controller {
         }
         self.accepted_moves(|accepted| port.accepted(accepted));
         self.end_tick(|event| port.event(event));
+        self.take_array_writes(|write| port.array_write(write));
         if let Some(snapshot) = port.snapshot() {
             self.snapshot(snapshot);
             port.publish();
@@ -227,6 +230,11 @@ impl Controller {
     /// Closes the tick and reports what changed, in order. Real-time as far as `report` is.
     pub fn end_tick(&mut self, report: impl FnMut(&Event)) {
         self.motion.finish(report);
+    }
+
+    /// What instructions wrote to arrays in the tick that was closed. Real-time as far as `report` is.
+    pub fn take_array_writes(&mut self, report: impl FnMut(&ArrayWrite)) {
+        self.motion.take_array_writes(report);
     }
 
     /// Whether the instruction would find room in its coordinate system's queue.

@@ -112,6 +112,10 @@ fn axis_word(axis: &Axis) -> u32 {
 fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     let phase = phase(axis);
     let runs = |slot| axis.sum.get(slot).is_some_and(|generator| !generator.stopping);
+    let locked = |slot| {
+        let generator = axis.sum.get(slot);
+        generator.is_some_and(|generator| generator.guide.is_some_and(|guide| guide.follows()))
+    };
     let pends = |slot| axis.cams(slot).pending.is_some();
     let cam_locked = |slot| axis.cam(slot).is_some_and(Cam::follows);
     let braking = axis.sum.active().any(|(_, generator)| generator.stopping);
@@ -128,6 +132,8 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
             axis.gear().is_some_and(|gear| gear.is_locked(clock)),
             motion_status::GEARING_LOCK_STATUS,
         ),
+        (locked(Slot::Move), motion_status::MOVE_LOCK_STATUS),
+        (locked(Slot::Jog), motion_status::JOG_LOCK_STATUS),
         (runs(Slot::PositionCam), motion_status::POSITION_CAM_STATUS),
         (runs(Slot::TimeCam), motion_status::TIME_CAM_STATUS),
         (pends(Slot::PositionCam), motion_status::POSITION_CAM_PENDING_STATUS),
@@ -209,12 +215,9 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
     .into_iter()
     .fold(0, with);
     shown.motion_status = [
+        (on_path && system.course == Phase::Accelerating, motion::ACCEL_STATUS),
         (
-            on_path && system.shown_phase == Phase::Accelerating,
-            motion::ACCEL_STATUS,
-        ),
-        (
-            system.stop.is_some() || (on_path && system.shown_phase == Phase::Decelerating),
+            system.stop.is_some() || (on_path && system.course == Phase::Decelerating),
             motion::DECEL_STATUS,
         ),
         (system.in_actual_tolerance, motion::ACTUAL_POS_TOLERANCE_STATUS),
@@ -226,6 +229,10 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
         (pending && system.is_full(), motion::MOVE_PENDING_QUEUE_FULL_STATUS),
         (role.source, motion::TRANSFORM_SOURCE_STATUS),
         (role.target, motion::TRANSFORM_TARGET_STATUS),
+        (
+            moving && system.guide.is_some_and(|guide| guide.follows()),
+            motion::COORDINATE_SYSTEM_LOCK_STATUS,
+        ),
     ]
     .into_iter()
     .fold(0, with);

@@ -211,14 +211,12 @@ fn ramped_out(momentum: &Momentum, own: &Limits, axes: &AxisLimits, path: &Path,
         };
         let mut direction = Point::zeros();
         direction[axis] = 1.0;
-        Part {
-            direction,
-            profile: if path.length() > 0.0 {
-                Profile::stop(from, &limits)
-            } else {
-                Profile::to_position(from, 0.0, 0.0, &limits)
-            },
-        }
+        let profile = if path.length() > 0.0 {
+            Profile::stop(from, &limits)
+        } else {
+            Profile::to_position(from, 0.0, 0.0, &limits)
+        };
+        Part::new(direction, profile)
     })
 }
 

@@ -102,6 +102,13 @@ impl State {
                 }
             }
         }
+        while let Ok(write) = self.link.array_writes.peek() {
+            if write.tick > tick {
+                break;
+            }
+            self.image.apply_array_write(write);
+            let _ = self.link.array_writes.pop();
+        }
         while let Ok(answer) = self.link.answers.peek() {
             if answer.tick > tick {
                 break;

@@ -179,6 +179,9 @@ impl<'m> Runner<'m> {
             }
             self.controller.plan_contours(&mut self.contour);
             self.controller.end_tick(|event| self.events.push(*event));
+            let image = &mut self.image;
+            self.controller
+                .take_array_writes(|write| image.apply_array_write(write));
             if !self.events.is_empty() {
                 self.take_events(observer, time(tick));
             }

@@ -151,7 +151,7 @@ impl Image {
             ("Slope Derivative", value.curvature),
         ];
         let numbers = results.into_iter().filter_map(|(name, number)| {
-            let tag = call.tag(operand(Mnemonic::Mcsv, name))?;
+            let tag = call.written(operand(Mnemonic::Mcsv, name))?.tag;
             Some((tag, number))
         });
         Ok((Material::Done, Some(Staged(Result_::Numbers(numbers.collect())))))

@@ -19,6 +19,7 @@ use arcline_planner::{Clock, Instant};
 use crate::control::Execution;
 use crate::dynamics::Maxima;
 use crate::follow::cam::Cam;
+use crate::follow::links::AxisLinks;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
 use crate::rotary;
 use average::Average;
@@ -85,6 +86,8 @@ pub(crate) struct Axis {
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
     pub(crate) linked: Linked,
+    /// Links to masters (MDAC).
+    pub(crate) links: AxisLinks,
     /// Of position cams, and of time cams.
     pub(super) cams: [Cams; 2],
     pub(crate) stop_mode: ProgrammedStopMode,
@@ -139,6 +142,7 @@ impl Axis {
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
             linked: Linked::default(),
+            links: AxisLinks::default(),
             cams: Default::default(),
             stop_mode: description.programmed_stop_mode,
             after_stop: AfterStop::Hold,
@@ -181,15 +185,17 @@ impl Axis {
         )
     }
 
-    /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others.
+    /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others, nor what waits
+    /// for a master.
     pub(crate) fn will_end(&self) -> bool {
         let endless = |slot| match slot {
             Slot::Jog | Slot::Gear | Slot::Transform => true,
             Slot::PositionCam | Slot::TimeCam => !self.cam(slot).is_some_and(Cam::will_end),
             _ => false,
         };
+        let waits = |generator: &Generator| generator.guide.is_some_and(|guide| !guide.will_go_on());
         let mut active = self.sum.active();
-        active.any(|(slot, generator)| generator.stopping || !endless(slot))
+        active.any(|(slot, generator)| generator.stopping || !(endless(slot) || waits(generator)))
     }
 
     /// Whether the axis as a whole brakes: everything on it, or its part of a coordinated move that was ended.
@@ -253,6 +259,8 @@ impl Axis {
         if limits.jerk.is_none() {
             from.acceleration = 0.0;
         }
+        // A stop is a function of time, whatever it stops.
+        generator.guide = None;
         generator.follow(Profile::stop(from, limits), now);
         generator.execution = execution;
         generator.program = None;

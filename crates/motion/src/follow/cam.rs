@@ -302,6 +302,7 @@ pub(crate) fn time(since: Instant, clock: &Clock) -> MasterAt {
             acceleration: 0.0,
         },
         read: Reference::Command,
+        redefined: 0.0,
     }
 }
 

@@ -18,5 +18,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 pub(crate) fn shut_down(motion: &mut Motion, axis: u16) {
     motion.leave(axis);
     motion.disarm(axis);
+    motion.unlink_slave(axis);
+    motion.unlink_master(axis);
     motion.axes[usize::from(axis)].disable(AxisState::Shutdown);
 }

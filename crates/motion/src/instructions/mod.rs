@@ -24,6 +24,8 @@ mod mcsd;
 mod mcsr;
 mod mcsv;
 mod mct;
+mod mdac;
+mod mdcc;
 mod mdr;
 mod mdw;
 mod mgs;
@@ -65,6 +67,8 @@ pub(crate) struct Layouts {
     mar: mar::Layout,
     mdr: mdr::Layout,
     mct: mct::Layout,
+    mdcc: mdcc::Layout,
+    mdac: mdac::Layout,
     mgs: mgs::Layout,
     mrp: mrp::Layout,
 }
@@ -88,6 +92,8 @@ impl Layouts {
             mar: mar::Layout::new(),
             mdr: mdr::Layout::new(),
             mct: mct::Layout::of(Mnemonic::Mct),
+            mdcc: mdcc::Layout::new(),
+            mdac: mdac::Layout::new(),
             mgs: mgs::Layout::new(),
             mrp: mrp::Layout::new(),
         }
@@ -122,6 +128,8 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Mnemonic::Mapc => mapc::execute(motion, execution, call, sent),
         Mnemonic::Matc => matc::execute(motion, execution, call, sent),
         Mnemonic::Mct => mct::execute(motion, execution, call),
+        Mnemonic::Mdcc => mdcc::execute(motion, execution, call),
+        Mnemonic::Mdac => mdac::execute(motion, execution, call),
         Mnemonic::Mah => mah::execute(motion, execution, call),
         Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mccp => mccp::execute(motion, execution, call, sent),

@@ -79,6 +79,7 @@ impl Motion {
                 self.abort_system(index, |_| false);
             }
         }
+        self.unlink_slave(axis);
         if self.axes[usize::from(axis)].dynamics.deceleration > 0.0 {
             self.stop_axis(axis, None);
         } else {
