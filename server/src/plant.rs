@@ -4,27 +4,33 @@
 //! One task drains the real-time thread's rings, faster while calls are outstanding; every read refreshes too, so
 //! that it shows the newest tick, and of that tick positions and bits alike. The lock is held for microseconds and
 //! never across an await; the real-time thread knows nothing of it.
+//!
+//! Reads wait for no lock: they see the tag memory as it was published when the lock was last let go. The first read of a
+//! tick refreshes it; one that comes while somebody else does that, or writes, sees the memory before.
 
 mod io;
 mod records;
 mod reload;
 mod state;
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::ops::{Deref, DerefMut};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError, Weak};
 use std::time::Duration;
 
+use arc_swap::ArcSwap;
 use arcline_config::{Project, ServerConfig};
 use arcline_controller::UNNAMED;
 use arcline_controller::image::{ControlError, Edge, Health, Image};
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::{BindError, Given, Mnemonic, MotionControl, bind};
-use arcline_realtime::{Handle, Link, Options, SpawnError};
+use arcline_realtime::{Handle, Link, Meter, Options, SpawnError};
 use tokio::sync::Notify;
 
 use crate::retained::{NotKept, Watch, WhenKept};
 use records::instance_of;
 pub use reload::ReloadError;
-use state::State;
+use state::{Published, State};
 
 /// The running machine. Clones are the same one.
 #[derive(Clone, Debug)]
@@ -69,6 +75,8 @@ pub enum CallRefused {
 #[derive(Debug)]
 struct Shared {
     state: Mutex<State>,
+    published: Published,
+    meter: Arc<Meter>,
     machine: Machine,
     server: ServerConfig,
     /// Something was sent: the pump looks sooner.
@@ -105,9 +113,16 @@ impl Plant {
     }
 
     fn with(project: &Project, link: Link, image: Image, watch: Option<Watch>) -> Plant {
+        let published = Published {
+            image: ArcSwap::from_pointee(image.clone()),
+            snapshots: AtomicU64::new(0),
+        };
+        let meter = link.meter.clone();
         let state = State::new(image, link, watch);
         Plant(Arc::new(Shared {
             state: Mutex::new(state),
+            published,
+            meter,
             machine: project.machine.clone(),
             server: project.server.clone(),
             sent: Notify::new(),
@@ -126,14 +141,18 @@ impl Plant {
 
     /// The real-time thread's measurements.
     pub fn health(&self) -> Health {
-        self.0.lock().link.meter.health()
+        self.0.meter.health()
     }
 
     /// Reads tags, refreshed to the newest tick.
     pub fn with_image<R>(&self, read: impl FnOnce(&Image) -> R) -> R {
-        let mut state = self.0.lock();
-        state.refresh();
-        read(&state.image)
+        let published = &self.0.published;
+        if published.snapshots.load(Ordering::Acquire) != self.0.meter.snapshots()
+            && let Some(mut state) = self.0.try_lock()
+        {
+            state.refresh();
+        }
+        read(&published.image.load())
     }
 
     /// Writes tags. What the closure gives as edges and what comes of the write besides is for [`Plant::fire`].
@@ -141,10 +160,9 @@ impl Plant {
         let mut state = self.0.lock();
         state.refresh();
         let mut edges = Vec::new();
-        let result = write(&mut state.image, &mut edges);
+        let result = write(state.image_mut(), &mut edges);
         // Sent under the lock: kept in the order in which it was written.
-        let State { watch, image, .. } = &mut *state;
-        let kept = watch.as_mut().and_then(|watch| watch.tags(image));
+        let kept = state.keep();
         (result, Written { edges, kept })
     }
 
@@ -218,9 +236,9 @@ impl Plant {
                 return Err(CallRefused::Busy);
             }
             // Bound before the tag is made: what is refused leaves nothing behind.
-            let mut call = bind(mnemonic, target, UNNAMED, given, &state.image)?;
+            let mut call = bind(mnemonic, target, UNNAMED, given, state.image())?;
             if let Some(name) = control {
-                call.control = state.image.control_slot(name)?;
+                call.control = state.image_mut().control_slot(name)?;
             }
             state.send(call)
         };
@@ -253,8 +271,50 @@ impl Plant {
 }
 
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> Held<'_> {
+        Held {
+            state: self.state.lock().unwrap_or_else(PoisonError::into_inner),
+            published: &self.published,
+        }
+    }
+
+    /// `None`: somebody has it.
+    fn try_lock(&self) -> Option<Held<'_>> {
+        let state = match self.state.try_lock() {
+            Ok(state) => state,
+            Err(TryLockError::Poisoned(error)) => error.into_inner(),
+            Err(TryLockError::WouldBlock) => return None,
+        };
+        Some(Held {
+            state,
+            published: &self.published,
+        })
+    }
+}
+
+/// The lock. What has changed is published before it is let go.
+struct Held<'p> {
+    state: MutexGuard<'p, State>,
+    published: &'p Published,
+}
+
+impl Deref for Held<'_> {
+    type Target = State;
+
+    fn deref(&self) -> &State {
+        &self.state
+    }
+}
+
+impl DerefMut for Held<'_> {
+    fn deref_mut(&mut self) -> &mut State {
+        &mut self.state
+    }
+}
+
+impl Drop for Held<'_> {
+    fn drop(&mut self) {
+        self.state.publish(self.published);
     }
 }
 

@@ -72,6 +72,12 @@ impl Python {
     /// When the script fails (with all it printed) or has not ended within two minutes.
     #[must_use]
     pub fn run(&self, script: &str, arguments: &[&str]) -> String {
+        foreign::run(script, &mut self.command(script, arguments))
+    }
+
+    /// What runs `tests/python/SCRIPT`, not started yet.
+    #[must_use]
+    pub fn command(&self, script: &str, arguments: &[&str]) -> Command {
         let mut command = Command::new("python3");
         command
             .arg("-B")
@@ -79,6 +85,6 @@ impl Python {
             .args(arguments)
             .env("PYTHONPATH", &self.packages)
             .env("PYTHONUNBUFFERED", "1");
-        foreign::run(script, &mut command)
+        command
     }
 }

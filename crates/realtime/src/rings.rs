@@ -147,6 +147,7 @@ impl Port for Rings {
 
     fn publish(&mut self) {
         self.snapshots.publish();
+        self.meter.publish();
     }
 
     fn contour_request(&mut self) -> Option<&mut ContourRequest> {

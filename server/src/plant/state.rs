@@ -1,22 +1,40 @@
-//! What the plant's lock guards: tags, rings, and which tickets somebody waits for. It never blocks and knows no
-//! tasks.
+//! What the plant's lock guards: tags, rings, and which tickets somebody waits for; and what of it is published for readers.
+//! It never blocks and knows no tasks.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use arcline_controller::image::{Edge, Image, TagKind};
 use arcline_controller::{Command, Ticket};
 use arcline_instruction_set::{Call, FaultSet, Flag, MotionControl, MotionError};
 use arcline_realtime::Link;
+use arc_swap::ArcSwap;
 use tokio::sync::oneshot;
 
 use super::OUTSTANDING;
 use super::records::Records;
-use crate::retained::Watch;
+use crate::retained::{Watch, WhenKept};
+
+/// What readers have without the lock.
+#[derive(Debug)]
+pub(super) struct Published {
+    /// The tag memory after the last change.
+    pub(super) image: ArcSwap<Image>,
+    /// How many snapshots there were when its newest one was taken.
+    pub(super) snapshots: AtomicU64,
+}
 
 /// Everything behind the plant's lock.
 #[derive(Debug)]
 pub(super) struct State {
-    pub(super) image: Image,
+    image: Image,
+    /// Whether the image is another one than what was published of it.
+    changed: bool,
+    /// Who is to be told as soon as the image is published.
+    done: Vec<oneshot::Sender<()>>,
+    /// How many snapshots there were when the newest one was taken.
+    snapshots: u64,
     pub(super) link: Link,
     /// Whether a snapshot was ever published.
     began: bool,
@@ -41,6 +59,9 @@ impl State {
             overrides: image.feed_overrides().collect(),
             injected: image.injected_faults().collect(),
             image,
+            changed: false,
+            done: Vec::new(),
+            snapshots: 0,
             link,
             began: false,
             next_ticket: 1,
@@ -52,8 +73,38 @@ impl State {
         }
     }
 
+    /// The tag memory.
+    pub(super) fn image(&self) -> &Image {
+        &self.image
+    }
+
+    /// The tag memory, which is then published anew.
+    pub(super) fn image_mut(&mut self) -> &mut Image {
+        self.changed = true;
+        &mut self.image
+    }
+
+    /// Publishes the tag memory if it has changed, then tells those who waited for what it shows now.
+    pub(super) fn publish(&mut self, published: &Published) {
+        if std::mem::take(&mut self.changed) {
+            published.image.store(Arc::new(self.image.clone()));
+        }
+        published.snapshots.store(self.snapshots, Ordering::Release);
+        for waiting in self.done.drain(..) {
+            // Whoever waited may have given up.
+            let _ = waiting.send(());
+        }
+    }
+
+    /// What has to be kept of what was written.
+    pub(super) fn keep(&mut self) -> Option<WhenKept> {
+        let watch = self.watch.as_mut()?;
+        watch.tags(&mut self.image)
+    }
+
     /// Takes the newest snapshot and everything that happened up to its tick.
     pub(super) fn refresh(&mut self) {
+        self.snapshots = self.link.meter.snapshots();
         let updated = self.link.snapshots.update();
         self.began |= updated;
         if !self.began {
@@ -66,7 +117,7 @@ impl State {
             }
             let event = *event;
             let _ = self.link.events.pop();
-            self.image.apply_event(&event);
+            self.image_mut().apply_event(&event);
             let record = self.records.get_mut(event.ticket);
             if let Some(control) = record {
                 event.apply(control);
@@ -94,6 +145,7 @@ impl State {
             }
         }
         if updated {
+            self.changed = true;
             let snapshot = self.link.snapshots.output_buffer();
             self.image.apply_snapshot(snapshot);
             if let Some(watch) = &mut self.watch {
@@ -113,10 +165,7 @@ impl State {
     }
 
     fn complete(&mut self, ticket: Ticket) {
-        if let Some(waiting) = self.waiting.remove(&ticket) {
-            // Whoever waited may have given up.
-            let _ = waiting.send(());
-        }
+        self.done.extend(self.waiting.remove(&ticket));
     }
 
     /// Sends a call; the receiver is told when DN, ER or IP is set.
@@ -198,7 +247,7 @@ impl State {
             let mut control = self.image.control(kind.control);
             if is_answered(&control) {
                 control.clear(Flag::En);
-                self.image.set_control(kind.control, control);
+                self.image_mut().set_control(kind.control, control);
             }
             self.push(Command::RungFalse(kind.control));
             return None;
@@ -211,7 +260,7 @@ impl State {
         };
         let ticket = self.ticket();
         let refused = MotionControl::refused(error);
-        self.image.set_control(kind.control, refused);
+        self.image_mut().set_control(kind.control, refused);
         if let Some(control) = self.records.get_mut(ticket) {
             *control = refused;
         }
