@@ -6,7 +6,7 @@ use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
 /// A value that clones share. Whoever changes it while others have it changes a copy of its own.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Shared<T>(Arc<T>);
 
 impl<T> Shared<T> {
@@ -33,7 +33,7 @@ impl<T: Clone> DerefMut for Shared<T> {
 pub(super) type TagBytes = Shared<Vec<u8>>;
 
 /// The bytes of tags by their place, in groups: a change copies the bytes of one tag and the list of one group.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Memory(Vec<Shared<Vec<TagBytes>>>);
 
 impl Memory {
