@@ -9,6 +9,7 @@
 //! tick refreshes it; one that comes while somebody else does that, or writes, sees the memory before.
 
 mod io;
+mod owned;
 mod records;
 mod reload;
 mod state;
@@ -19,7 +20,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError, Weak};
 use std::time::Duration;
 
 use arc_swap::ArcSwap;
-use arcline_config::{Project, ServerConfig};
+use arcline_config::{ConnectionLoss, Project, ServerConfig};
 use arcline_controller::UNNAMED;
 use arcline_controller::image::{ControlError, Edge, Health, Image};
 use arcline_controller::machine::Machine;
@@ -29,6 +30,7 @@ use tokio::sync::Notify;
 
 use crate::retained::{NotKept, Watch, WhenKept};
 use records::instance_of;
+pub use owned::Owner;
 pub use reload::ReloadError;
 use state::{Published, State};
 
@@ -173,8 +175,16 @@ impl Plant {
     /// # Errors
     /// [`NotKept`]: plain tags have what was written to them, but may not have it after a restart.
     pub async fn fire(&self, written: Written) -> Result<(), NotKept> {
+        self.fire_for(None, written).await
+    }
+
+    /// The same for an owner, who has begun what comes of it.
+    ///
+    /// # Errors
+    /// As [`Self::fire`].
+    pub async fn fire_for(&self, owner: Option<Owner>, written: Written) -> Result<(), NotKept> {
         let Written { edges, kept } = written;
-        self.execute(edges).await;
+        self.execute(owner, edges).await;
         match kept {
             None => Ok(()),
             Some(kept) => match tokio::time::timeout(ANSWER_WITHIN, kept).await {
@@ -184,7 +194,7 @@ impl Plant {
         }
     }
 
-    async fn execute(&self, edges: Vec<Edge>) {
+    async fn execute(&self, owner: Option<Owner>, edges: Vec<Edge>) {
         if edges.is_empty() {
             return;
         }
@@ -192,7 +202,7 @@ impl Plant {
         {
             let mut state = self.0.lock();
             for edge in edges {
-                answers.extend(state.edge(edge));
+                answers.extend(state.edge(owner, edge));
             }
         }
         self.0.sent.notify_one();
@@ -230,6 +240,21 @@ impl Plant {
         control: Option<&str>,
         given: &[Given],
     ) -> Result<Executed, CallRefused> {
+        self.call_for(None, mnemonic, target, control, given).await
+    }
+
+    /// The same for an owner, who has begun what comes of it.
+    ///
+    /// # Errors
+    /// As [`Self::call`].
+    pub async fn call_for(
+        &self,
+        owner: Option<Owner>,
+        mnemonic: Mnemonic,
+        target: Option<u16>,
+        control: Option<&str>,
+        given: &[Given],
+    ) -> Result<Executed, CallRefused> {
         let (ticket, answer) = {
             let mut state = self.0.lock();
             if state.waiting.len() >= OUTSTANDING {
@@ -240,7 +265,7 @@ impl Plant {
             if let Some(name) = control {
                 call.control = state.image_mut().control_slot(name)?;
             }
-            state.send(call)
+            state.send_for(owner, call)
         };
         self.0.sent.notify_one();
         if tokio::time::timeout(ANSWER_WITHIN, answer).await.is_err() {
@@ -250,6 +275,28 @@ impl Plant {
         let instance = instance_of(ticket);
         let control = self.instruction_instance(instance).ok_or(CallRefused::NoAnswer)?;
         Ok(Executed { instance, control })
+    }
+
+    /// An owner is lost: what it began and what still runs of that is stopped, held or goes on. Whether something was stopped
+    /// or held.
+    pub fn lose(&self, owner: Owner, reaction: ConnectionLoss) -> bool {
+        let any = {
+            let mut state = self.0.lock();
+            state.refresh();
+            state.lose(owner, reaction)
+        };
+        self.0.sent.notify_one();
+        any
+    }
+
+    /// An owner has closed its connection in order: what it began goes on as if nobody had.
+    pub fn release(&self, owner: Owner) {
+        self.0.lock().owned.forget(owner);
+    }
+
+    /// Who has begun something in a session.
+    pub fn owners(&self, session: u64) -> Vec<Owner> {
+        self.0.lock().owned.of_session(session)
     }
 
     /// An execution by its instance of class 0x0303; `None` when there never was one, or it has been dropped.

@@ -38,6 +38,7 @@ pub fn table(project: &Project) -> Table {
         ("hmi", Some(text(&hmi))),
         ("io", io.map(|io| text(&io))),
         ("io_loss", Some(text(server.io_loss.word()))),
+        ("connection_loss", Some(text(server.connection_loss.word()))),
         ("max_clients", number(server.max_clients)),
         ("max_clients_per_address", number(server.max_clients_per_address)),
         ("max_connections", number(server.max_connections)),

@@ -30,7 +30,7 @@ use crate::discovery::list_reply;
 use crate::encap::{Command, EncapStatus, Frame, FrameDecoder, FrameError, Header, RegisterSession, SessionHandle};
 
 pub use self::connection_manager::MIN_CONNECTION_SIZE;
-pub use self::host::{Host, IoOpen, IoOpened};
+pub use self::host::{ConnectionEnd, Host, IoOpen, IoOpened};
 pub use self::replies::RequestId;
 pub use self::route::Slots;
 pub use self::settings::{Settings, UnknownConnection};
@@ -63,8 +63,8 @@ pub enum Event {
 pub enum Transport {
     /// SendRRData; a stray route may follow the data ([`crate::cip::is_stray_route`]).
     Unconnected,
-    /// A class 3 connection.
-    Connected,
+    /// The class 3 connection of this O→T id.
+    Connected(ConnectionId),
 }
 
 /// Why a session ends.

@@ -66,18 +66,21 @@ impl Way {
     pub(super) const fn transport(&self) -> Transport {
         match self {
             Self::Unconnected { .. } => Transport::Unconnected,
-            Self::Connected { .. } => Transport::Connected,
+            Self::Connected { id, .. } => Transport::Connected(*id),
         }
     }
 
-    fn packet(&self, reply: Bytes, address: Option<Item>) -> Bytes {
+    fn packet(&self, reply: Bytes, io: Option<&IoOpened>) -> Bytes {
         let mut packet = match self {
             Self::Unconnected { .. } => Packet::unconnected(reply),
             Self::Connected {
                 t_to_o_id, sequence, ..
             } => Packet::connected(*t_to_o_id, *sequence, &reply),
         };
-        packet.items.extend(address);
+        if let Some(io) = io {
+            packet.items.push(Item::SockaddrOToT(io.listens));
+            packet.items.extend(io.group.map(Item::SockaddrTToO));
+        }
         packet.to_bytes()
     }
 }
@@ -137,7 +140,7 @@ impl Replies {
                 } else {
                     Reply::error(service, CipStatus::REPLY_TOO_LARGE).to_bytes()
                 };
-                let packet = way.packet(bytes, io.map(|io| Item::SockaddrOToT(io.listens)));
+                let packet = way.packet(bytes, io);
                 *place = Place::Ready(Frame::reply(&header, packet.clone()), io.map(IoOpened::id));
                 Some((way, packet))
             }

@@ -77,13 +77,15 @@ where
 {
     let leave = place.as_ref().map(Place::leave).unwrap_or_default();
     let epoch = Instant::now();
+    let number = device.number_session();
     let mut connection = Connection {
+        number,
         stream,
         decoder: FrameDecoder::new(device.settings.session.frame_limit),
         input: BytesMut::with_capacity(READ),
         output: Output::default(),
         session: ServerSession::new(device.session_settings.clone(), local, Duration::ZERO),
-        router: Router::new(device.clone(), local),
+        router: Router::new(device.clone(), local, number),
         local,
         peer,
         place,
@@ -94,16 +96,20 @@ where
         ended = connection.run() => ended,
         () = leave.notified() => Ended::Crowded,
     };
-    let mut seat = Seat {
+    connection.session.handle_disconnect(&mut Seat {
         device: &connection.device,
         local,
         peer,
-    };
-    connection.session.handle_disconnect(&mut seat);
+        session: number,
+    });
+    let in_order = matches!(ended, Ended::Session(CloseReason::Unregistered));
+    connection.device.end_session(number, in_order);
     ended
 }
 
 struct Connection<S> {
+    /// The session's number.
+    number: u64,
     stream: S,
     decoder: FrameDecoder,
     /// What has come and was not taken yet.
@@ -204,8 +210,13 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
             Some(came) => came.map(|_| ()).map_err(Ended::from),
             None => {
                 let now = self.now();
-                let (device, local, peer) = (&*self.device, self.local, self.peer);
-                self.session.handle_timeout(now, &mut Seat { device, local, peer });
+                let mut seat = Seat {
+                    device: &self.device,
+                    local: self.local,
+                    peer: self.peer,
+                    session: self.number,
+                };
+                self.session.handle_timeout(now, &mut seat);
                 self.carry_out().await
             }
         }
@@ -231,8 +242,13 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
     /// Handles one frame.
     async fn take(&mut self, frame: &Frame) -> Result<(), Ended> {
         let now = self.now();
-        let (device, local, peer) = (&*self.device, self.local, self.peer);
-        self.session.handle_frame(frame, now, &mut Seat { device, local, peer });
+        let mut seat = Seat {
+            device: &self.device,
+            local: self.local,
+            peer: self.peer,
+            session: self.number,
+        };
+        self.session.handle_frame(frame, now, &mut seat);
         if let Some(place) = &mut self.place
             && self.session.is_registered()
         {

@@ -16,12 +16,15 @@ use super::adapter::Adapter;
 use super::device::Device;
 use super::objects::motion::{self, MotionRequest};
 use super::{objects, tags};
+use crate::plant::Owner;
 use crate::retained::NotKept;
 
 /// Routes the messages of one connection.
 pub(crate) struct Router {
     device: Arc<Device>,
     local: SocketAddrV4,
+    /// The session's number.
+    session: u64,
 }
 
 /// What a request needs to be answered.
@@ -34,6 +37,8 @@ pub(crate) struct Context<'a> {
     pub(crate) budget: usize,
     /// What the message came on.
     pub(crate) transport: Transport,
+    /// Who has begun what comes of it.
+    pub(crate) owner: Owner,
 }
 
 impl Context<'_> {
@@ -86,8 +91,8 @@ impl<'r> Step<'r> {
 }
 
 impl Router {
-    pub(crate) fn new(device: Arc<Device>, local: SocketAddrV4) -> Self {
-        Self { device, local }
+    pub(crate) fn new(device: Arc<Device>, local: SocketAddrV4, session: u64) -> Self {
+        Self { device, local, session }
     }
 
     /// Answers a message within `budget` bytes.
@@ -107,7 +112,7 @@ impl Router {
         let context = self.context(budget, transport);
         let mut step = None;
         let kept = self
-            .with_memory(std::slice::from_ref(request), |memory| {
+            .with_memory(context.owner, std::slice::from_ref(request), |memory| {
                 step = Some(answer(&context, memory, request))
             })
             .await;
@@ -120,7 +125,7 @@ impl Router {
     async fn finish(&self, step: Step<'_>, context: &Context<'_>) -> Reply {
         match step {
             Step::Done(reply) => reply,
-            Step::Motion(motion) => motion.execute(&self.device.plant).await,
+            Step::Motion(motion) => motion.execute(&self.device.plant, context.owner).await,
             Step::Late(request, target) => objects::serve_late(context, request, &target),
         }
     }
@@ -143,7 +148,7 @@ impl Router {
         let readable: Vec<Request> = requests.iter().flatten().cloned().collect();
         let mut steps = Vec::with_capacity(requests.len());
         let kept = self
-            .with_memory(&readable, |memory| {
+            .with_memory(self.context(room, transport).owner, &readable, |memory| {
                 for request in &requests {
                     let context = self.context(room, transport);
                     let step = match request {
@@ -174,7 +179,12 @@ impl Router {
     ///
     /// # Errors
     /// The tags have what was written, but may not have it after a restart.
-    async fn with_memory(&self, requests: &[Request], work: impl FnOnce(&mut Memory<'_>)) -> Result<(), NotKept> {
+    async fn with_memory(
+        &self,
+        owner: Owner,
+        requests: &[Request],
+        work: impl FnOnce(&mut Memory<'_>),
+    ) -> Result<(), NotKept> {
         let writes = |request: &Request| {
             let code = request.service;
             tags::is_write(code) || objects::is_set(code) || objects::is_table_change(code)
@@ -184,7 +194,7 @@ impl Router {
                 .device
                 .plant
                 .write(|image, edges| work(&mut Memory::Write(image, edges)));
-            self.device.plant.fire(written).await
+            self.device.plant.fire_for(Some(owner), written).await
         } else {
             self.device.plant.with_image(|image| work(&mut Memory::Read(image)));
             Ok(())
@@ -197,6 +207,13 @@ impl Router {
             local: self.local,
             budget,
             transport,
+            owner: Owner {
+                session: self.session,
+                connection: match transport {
+                    Transport::Unconnected => 0,
+                    Transport::Connected(id) => id.0,
+                },
+            },
         }
     }
 }

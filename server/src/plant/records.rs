@@ -25,10 +25,18 @@ impl Records {
         self.newest = ticket.0;
     }
 
+    pub(super) fn get(&self, ticket: Ticket) -> Option<&MotionControl> {
+        self.ring.get(self.place(ticket)?)
+    }
+
     pub(super) fn get_mut(&mut self, ticket: Ticket) -> Option<&mut MotionControl> {
-        let age = usize::try_from(self.newest.checked_sub(ticket.0)?).ok()?;
-        let place = self.ring.len().checked_sub(age + 1)?;
+        let place = self.place(ticket)?;
         self.ring.get_mut(place)
+    }
+
+    fn place(&self, ticket: Ticket) -> Option<usize> {
+        let age = usize::try_from(self.newest.checked_sub(ticket.0)?).ok()?;
+        self.ring.len().checked_sub(age + 1)
     }
 
     pub(super) fn by_instance(&self, instance: u32) -> Option<MotionControl> {

@@ -13,6 +13,7 @@ use arc_swap::ArcSwap;
 use tokio::sync::oneshot;
 
 use super::OUTSTANDING;
+use super::owned::{Owned, Owner};
 use super::records::Records;
 use crate::retained::{Watch, WhenKept};
 
@@ -43,6 +44,8 @@ pub(super) struct State {
     /// What found no room in the ring, in order.
     pub(super) backlog: VecDeque<Command>,
     pub(super) records: Records,
+    /// What connections have begun.
+    pub(super) owned: Owned,
     lost: u64,
     /// The overrides that the controller has been sent, percent.
     overrides: Vec<f32>,
@@ -68,6 +71,7 @@ impl State {
             waiting: BTreeMap::new(),
             backlog: VecDeque::new(),
             records: Records::default(),
+            owned: Owned::default(),
             lost: 0,
             watch,
         }
@@ -168,6 +172,15 @@ impl State {
         self.done.extend(self.waiting.remove(&ticket));
     }
 
+    /// Sends a call for an owner, as [`Self::send`].
+    pub(super) fn send_for(&mut self, owner: Option<Owner>, call: Call) -> (Ticket, oneshot::Receiver<()>) {
+        let sent = self.send(call);
+        if let Some(owner) = owner {
+            self.owned.begin(owner, sent.0, &call, &self.records);
+        }
+        sent
+    }
+
     /// Sends a call; the receiver is told when DN, ER or IP is set.
     pub(super) fn send(&mut self, call: Call) -> (Ticket, oneshot::Receiver<()>) {
         let ticket = self.ticket();
@@ -227,7 +240,7 @@ impl State {
         }
     }
 
-    pub(super) fn edge(&mut self, edge: Edge) -> Option<oneshot::Receiver<()>> {
+    pub(super) fn edge(&mut self, owner: Option<Owner>, edge: Edge) -> Option<oneshot::Receiver<()>> {
         let id = match edge {
             Edge::Rising(id) | Edge::Falling(id) => id,
             Edge::FeedOverride => {
@@ -253,7 +266,7 @@ impl State {
             return None;
         }
         let error = match self.image.call_of(id)? {
-            Ok(call) if self.waiting.len() < OUTSTANDING => return Some(self.send(call).1),
+            Ok(call) if self.waiting.len() < OUTSTANDING => return Some(self.send_for(owner, call).1),
             Ok(_) => MotionError::from_codes(EXECUTION_COLLISION, 0)?,
             // A name among the operands that means nothing is a value out of range.
             Err(error) => MotionError::from_codes(OUT_OF_RANGE, error.operand().map_or(0, |operand| operand.0 as i8))?,

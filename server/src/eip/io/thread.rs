@@ -4,6 +4,7 @@
 //! It comes after the tick and before everything else, where the system allows that, so it bounds its own work: a flood of
 //! datagrams makes it pause. It waits for nobody but the short locks of the connections and of the plant.
 
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -129,6 +130,11 @@ impl Worker {
             let Some(to) = connections.poll_transmit(now, input, out) else {
                 return;
             };
+            if let SocketAddr::V4(to) = to
+                && to.ip().is_multicast()
+            {
+                self.io.route(*to.ip());
+            }
             if let Err(error) = self.io.socket.send_to(out, to) {
                 debug!(%error, %to, "I/O send");
             }
