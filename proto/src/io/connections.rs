@@ -307,19 +307,26 @@ impl IoConnections {
 
     /// Appends the next datagram that is due, with `input` as its data, and gives its destination; ask again until `None`.
     pub fn poll_transmit(&mut self, now: Duration, input: &[u8], out: &mut BytesMut) -> Option<SocketAddr> {
-        let pace = Duration::from_micros(self.settings.min_interval.max(1).into());
         let volatile = self.settings.volatile;
         self.productions.values_mut().find_map(|production| {
-            let sent = production.produce(now, input, volatile, pace, out);
+            let sent = production.produce(now, input, volatile, LOOK, out);
             sent.then_some(production.to)
         })
     }
 
+    /// From now on the shortest interval that is confirmed, µs. Connections that are open stay as they are.
+    pub fn set_min_interval(&mut self, micros: u32) {
+        self.settings.min_interval = micros;
+    }
+
+    /// When a datagram is due next; `None`: none ever is.
+    pub fn next_datagram(&self) -> Option<Duration> {
+        self.productions.values().filter_map(Production::due).min()
+    }
+
     /// Whether a datagram is due.
     pub fn is_due(&self, now: Duration) -> bool {
-        self.productions
-            .values()
-            .any(|production| production.due().is_some_and(|due| due <= now))
+        self.next_datagram().is_some_and(|due| due <= now)
     }
 
     /// The next thing that happened.
@@ -329,9 +336,8 @@ impl IoConnections {
 
     /// When something is due next, a datagram or a watchdog.
     pub fn poll_timeout(&self) -> Option<Duration> {
-        let due = self.productions.values().filter_map(Production::due);
         let deadlines = self.connections.values().map(|connection| connection.deadline);
-        due.chain(deadlines).min()
+        self.next_datagram().into_iter().chain(deadlines).min()
     }
 
     fn find(&self, key: ConnectionKey) -> Option<(ConnectionId, &IoConnection)> {
@@ -373,6 +379,9 @@ impl IoConnections {
         }
     }
 }
+
+/// From one look for a change of state to the next.
+const LOOK: Duration = Duration::from_millis(1);
 
 /// An id that is not 0 and not in use.
 fn draw(random: &mut impl FnMut() -> Option<u32>, used: impl Fn(ConnectionId) -> bool) -> Option<ConnectionId> {

@@ -86,7 +86,7 @@ impl Production {
     }
 
     /// Appends the next datagram with `input`, if it is due. The first `volatile` bytes of it change always, and do not count
-    /// as a change; it is looked for one every `pace`.
+    /// as a change; one is looked for every `pace`.
     ///
     /// The schedule of a cyclic one is absolute: a late datagram does not move the next one, and those that were missed
     /// altogether are left out.

@@ -7,6 +7,7 @@
 pub(crate) mod layout;
 mod outputs;
 mod page;
+mod punctuality;
 mod thread;
 
 use std::collections::BTreeMap;
@@ -37,8 +38,6 @@ pub(crate) use thread::IoThread;
 
 /// Connections of all originators.
 const MAX_CONNECTIONS: usize = 64;
-/// The shortest interval, µs: one that the thread keeps (docs/IO.md has the measurement).
-const MIN_INTERVAL: u32 = 1000;
 
 /// The assemblies, and what was last commanded through them, with or without a connection.
 #[derive(Debug)]
@@ -153,7 +152,7 @@ impl Io {
         let settings = IoSettings {
             assemblies,
             max_connections: MAX_CONNECTIONS,
-            min_interval: MIN_INTERVAL,
+            min_interval: punctuality::SHORTEST,
             volatile: layout::TICK,
             local,
         };
