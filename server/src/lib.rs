@@ -8,6 +8,7 @@
 
 mod cli;
 pub mod eip;
+pub mod hmi;
 mod l5x;
 pub mod plant;
 mod retained;

@@ -6,12 +6,13 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use arcline_config::{IoListen, Project};
+use arcline_config::{IoListen, Project, ServerConfig};
 use arcline_controller::image::Image;
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::cli::{Failure, OrOff, RunArgs, project};
 use crate::eip::{BindError, Listener, Settings};
+use crate::hmi::Hmi;
 use crate::plant::Plant;
 use crate::retained::{Keeper, Retained, Watch};
 
@@ -25,13 +26,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         project.server.listen_also = also.to_vec();
     }
     let hmi = match &args.hmi {
-        Some(OrOff::On(address)) => Some(*address),
+        Some(OrOff::On(address)) => Some(HmiAt::Chosen(*address)),
         Some(OrOff::Off) => None,
-        None => project.server.hmi,
+        None if project.server.hmi == ServerConfig::default().hmi => project.server.hmi.map(HmiAt::Default),
+        None => project.server.hmi.map(HmiAt::Chosen),
     };
-    if let Some(address) = hmi {
-        tracing::info!(%address, "the web HMI is not there yet: it stays off");
-    }
     let (retained, keeper) = match &args.state {
         Some(OrOff::On(file)) => {
             let retained = Retained::open(file, &mut project).map_err(|error| Failure::usage(error.to_string()))?;
@@ -44,7 +43,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         .enable_all()
         .build()
         .map_err(|error| Failure::new(1, format!("the runtime could not be started: {error}")))?;
-    let (plant, handle) = runtime.block_on(serve(&project, retained, args.config.as_deref(), configured))?;
+    let (plant, handle) = runtime.block_on(serve(&project, hmi, retained, args.config.as_deref(), configured))?;
     // The thread stops all motion and waits until it stands still; no client is heard any more.
     handle.stop();
     plant.keep_at_the_end();
@@ -56,6 +55,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
 
 async fn serve(
     project: &Project,
+    hmi: Option<HmiAt>,
     retained: Option<(Image, Watch)>,
     config: Option<&Path>,
     mut configured: Project,
@@ -87,8 +87,19 @@ async fn serve(
     if let Some(address) = listener.io_addr() {
         tracing::info!(%address, "implicit I/O (class 0 and 1 connections) listens");
     }
-    ready(listener.local_addr()).map_err(|error| failed("standard output", &error))?;
-    let served = listener.serve();
+    let hmi = match hmi {
+        None => None,
+        Some(at) => Some(bind_hmi(at, plant.clone()).await?),
+    };
+    ready(listener.local_addr(), hmi.as_ref().map(Hmi::local_addr))
+        .map_err(|error| failed("standard output", &error))?;
+    let served = async {
+        tokio::join!(listener.serve(), async {
+            if let Some(hmi) = hmi {
+                hmi.serve().await;
+            }
+        });
+    };
     tokio::pin!(served);
     loop {
         tokio::select! {
@@ -146,10 +157,38 @@ async fn bind(choice: IoListen, listen: SocketAddr, plant: Plant, mut settings: 
 }
 
 /// The line that scripts wait for.
-fn ready(eip: SocketAddr) -> io::Result<()> {
+fn ready(eip: SocketAddr, hmi: Option<SocketAddr>) -> io::Result<()> {
     let mut out = io::stdout().lock();
-    writeln!(out, "ready eip={eip} hmi=off")?;
+    let hmi = hmi.map_or_else(|| "off".to_owned(), |address| address.to_string());
+    writeln!(out, "ready eip={eip} hmi={hmi}")?;
     out.flush()
+}
+
+/// Where the HMI is to listen.
+#[derive(Clone, Copy, Debug)]
+enum HmiAt {
+    /// Where somebody said.
+    Chosen(SocketAddr),
+    /// On the default port, or on another one when it is taken: the ready line tells which.
+    Default(SocketAddr),
+}
+
+async fn bind_hmi(at: HmiAt, plant: Plant) -> Result<Hmi, Failure> {
+    let (HmiAt::Chosen(address) | HmiAt::Default(address)) = at;
+    match (Hmi::bind(address, plant.clone()).await, at) {
+        (Ok(hmi), _) => Ok(hmi),
+        (Err(error), HmiAt::Default(_)) if error.kind() == io::ErrorKind::AddrInUse => {
+            tracing::warn!(%address, "another program uses the HMI's port, it takes another one");
+            let any = SocketAddr::new(address.ip(), 0);
+            Hmi::bind(any, plant).await.map_err(|error| no_hmi(any, &error))
+        }
+        (Err(error), _) => Err(no_hmi(address, &error)),
+    }
+}
+
+fn no_hmi(address: SocketAddr, error: &io::Error) -> Failure {
+    let hint = "choose another address with --hmi ADDR:PORT, or --hmi off";
+    Failure::new(1, format!("cannot listen on {address} for the HMI: {error}; {hint}"))
 }
 
 fn cannot_listen(BindError { address, error }: &BindError, io: Option<SocketAddr>) -> Failure {

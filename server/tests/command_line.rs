@@ -182,6 +182,34 @@ fn it_is_ready_when_it_says_so_and_ends_when_it_is_told() {
 }
 
 #[test]
+fn the_hmi_is_where_the_ready_line_says() {
+    let mut child = server()
+        .args(["--listen", "127.0.0.1:0", "--hmi", "127.0.0.1:0"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the server runs");
+    let mut line = String::new();
+    let stdout = child.stdout.take().expect("it was piped");
+    BufReader::new(stdout).read_line(&mut line).expect("a ready line");
+    let address = line
+        .trim_end()
+        .rsplit_once(" hmi=")
+        .map(|(_, address)| address.to_owned());
+    let page = address.as_deref().and_then(|address| {
+        let mut stream = TcpStream::connect(address).ok()?;
+        let request = "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+        stream.write_all(request.as_bytes()).ok()?;
+        std::io::read_to_string(&mut stream).ok()
+    });
+    // It is of no more use, whatever came of it.
+    let _ = child.kill();
+    let _ = child.wait();
+    let page = page.unwrap_or_else(|| panic!("no HMI where {line:?} says"));
+    assert!(page.starts_with("HTTP/1.1 200"), "{page}");
+}
+
+#[test]
 fn a_port_in_use_is_said() {
     let running = Running::start(&[]);
     let out = server()

@@ -32,7 +32,7 @@ mod tube;
 pub use arcline_geometry::{Path, Point};
 pub use plan::{Effort, plan, plan_with};
 pub use splice::extend;
-pub use trajectory::{Peaks, State, Trajectory};
+pub use trajectory::{Peaks, Piece, Rates, State, Trajectory};
 
 /// One programmed move.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -35,7 +35,7 @@ pub fn plan_with(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> 
             section.clear();
         }
     }
-    whole
+    whole.planned_for(moves, limits)
 }
 
 /// Whether the joint between two moves can be passed without a stop.

@@ -26,6 +26,17 @@ pub fn extend(
     now: f64,
     earliest: f64,
 ) -> Option<Trajectory> {
+    extended(running, passed, moves, limits, now, earliest).map(|whole| whole.planned_for(moves, limits))
+}
+
+fn extended(
+    running: &Trajectory,
+    passed: usize,
+    moves: &[ContourMove],
+    limits: &AxisLimits,
+    now: f64,
+    earliest: f64,
+) -> Option<Trajectory> {
     let old = running.moves().checked_sub(passed).filter(|&old| old > 0)?;
     if moves.len() <= old {
         return None;
@@ -86,10 +97,10 @@ fn cut(running: &Trajectory, now: f64, until: f64, passed: usize, kept: usize) -
     let first = running.knots.partition_point(|knot| knot.time <= now).saturating_sub(1);
     let behind = running.knots.partition_point(|knot| knot.time < until);
     Trajectory {
-        knots: running.knots[first..behind.max(first)].to_vec(),
         move_ends: running.move_ends[passed..passed + kept].to_vec(),
         end: running.end,
         splice: until,
+        ..Trajectory::of(running.knots[first..behind.max(first)].to_vec())
     }
 }
 

@@ -50,9 +50,7 @@ pub(crate) fn straight(line: &Line, bounds: &Bounds) -> Trajectory {
         jerk: Point::zeros(),
     });
     Trajectory {
-        knots,
-        move_ends: Vec::new(),
         end: line.end(),
-        splice: 0.0,
+        ..Trajectory::of(knots)
     }
 }

@@ -4,7 +4,7 @@
 //! and acceleration are continuous and the limits can be checked exactly at the knots. Units:
 //! position units and seconds.
 
-use crate::Point;
+use crate::{AxisLimits, ContourMove, Point};
 
 /// Position, velocity and acceleration of the axes at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +26,63 @@ pub struct Trajectory {
     pub(crate) end: Point,
     /// Until when it is the trajectory that it extends, seconds; 0 where it extends none.
     pub(crate) splice: f64,
+    /// What it was planned for; set when it is finished.
+    pub(crate) rates: Vec<Rates>,
+    pub(crate) least: Rates,
+    pub(crate) axes: AxisLimits,
+    pub(crate) most: Peaks,
+}
+
+/// The programmed rates of one move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    /// Vector acceleration, position units / s².
+    pub acceleration: f64,
+    /// Vector deceleration, position units / s².
+    pub deceleration: f64,
+    /// Vector jerk, position units / s³; `None`: a trapezoid.
+    pub jerk: Option<f64>,
+}
+
+impl Rates {
+    const UNLIMITED: Rates = Rates {
+        acceleration: f64::INFINITY,
+        deceleration: f64::INFINITY,
+        jerk: None,
+    };
+
+    fn least(self, other: &Rates) -> Rates {
+        Rates {
+            acceleration: self.acceleration.min(other.acceleration),
+            deceleration: self.deceleration.min(other.deceleration),
+            jerk: match (self.jerk, other.jerk) {
+                (Some(one), Some(two)) => Some(one.min(two)),
+                (one, two) => one.or(two),
+            },
+        }
+    }
+}
+
+/// A stretch of constant jerk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    knot: Knot,
+    /// Where it ends, seconds.
+    pub until: f64,
+}
+
+impl Piece {
+    /// The state at a time, seconds; beyond its ends it goes on.
+    #[must_use]
+    pub fn at(&self, t: f64) -> State {
+        self.knot.at(t - self.knot.time)
+    }
+
+    /// Jerk of the axes, position units / s³.
+    #[must_use]
+    pub fn jerk(&self) -> Point {
+        self.knot.jerk
+    }
 }
 
 /// The state where a piece of constant jerk begins.
@@ -45,6 +102,8 @@ pub struct Peaks {
     pub acceleration: Point,
     /// Largest magnitude of the jerk of each axis.
     pub jerk: Point,
+    /// Largest speed along the path where the jerk changes, which is all but the largest.
+    pub speed: f64,
 }
 
 impl Trajectory {
@@ -53,10 +112,75 @@ impl Trajectory {
     pub fn rest(at: Point) -> Trajectory {
         Trajectory {
             knots: Vec::new(),
-            move_ends: Vec::new(),
             end: at,
-            splice: 0.0,
+            ..Trajectory::of(Vec::new())
         }
+    }
+
+    /// Knots alone.
+    pub(crate) fn of(knots: Vec<Knot>) -> Trajectory {
+        Trajectory {
+            knots,
+            move_ends: Vec::new(),
+            end: Point::zeros(),
+            splice: 0.0,
+            rates: Vec::new(),
+            least: Rates::UNLIMITED,
+            axes: AxisLimits {
+                speed: Point::repeat(f64::INFINITY),
+                acceleration: Point::repeat(f64::INFINITY),
+                jerk: None,
+            },
+            most: Peaks::NONE,
+        }
+    }
+
+    /// Keeps what it was planned for, and its extreme values.
+    pub(crate) fn planned_for(mut self, moves: &[ContourMove], axes: &AxisLimits) -> Trajectory {
+        self.rates.clear();
+        self.rates.extend(moves.iter().map(|one| Rates {
+            acceleration: one.acceleration,
+            deceleration: one.deceleration,
+            jerk: one.jerk,
+        }));
+        self.least = self.rates.iter().fold(Rates::UNLIMITED, Rates::least);
+        self.axes = *axes;
+        self.most = self.measured();
+        self
+    }
+
+    /// The programmed rates of a move.
+    #[must_use]
+    pub fn rates(&self, index: usize) -> Option<&Rates> {
+        self.rates.get(index)
+    }
+
+    /// The least programmed rates of all its moves; the jerk is that of the S-curves.
+    #[must_use]
+    pub fn least_rates(&self) -> &Rates {
+        &self.least
+    }
+
+    /// The limits of the axes that it was planned for.
+    #[must_use]
+    pub fn axes(&self) -> &AxisLimits {
+        &self.axes
+    }
+
+    /// The place of the piece at `t`, of [`Trajectory::pieces`]. Real-time safe: a binary search.
+    #[must_use]
+    pub fn piece_at(&self, t: f64) -> usize {
+        self.knots.partition_point(|knot| knot.time <= t).saturating_sub(1)
+    }
+
+    /// A piece of constant jerk.
+    #[must_use]
+    pub fn piece(&self, index: usize) -> Option<Piece> {
+        let (knot, next) = (self.knots.get(index)?, self.knots.get(index + 1)?);
+        Some(Piece {
+            knot: *knot,
+            until: next.time,
+        })
     }
 
     /// Time from rest to rest in seconds.
@@ -120,13 +244,14 @@ impl Trajectory {
     /// The largest velocities, accelerations and jerks, exact.
     #[must_use]
     pub fn peaks(&self) -> Peaks {
-        let mut peaks = Peaks {
-            velocity: Point::zeros(),
-            acceleration: Point::zeros(),
-            jerk: Point::zeros(),
-        };
+        self.most
+    }
+
+    fn measured(&self) -> Peaks {
+        let mut peaks = Peaks::NONE;
         for pair in self.knots.windows(2) {
             let (knot, next) = (&pair[0], &pair[1]);
+            peaks.speed = peaks.speed.max(knot.state.velocity.norm());
             peaks.jerk = peaks.jerk.sup(&knot.jerk.abs());
             peaks.acceleration = peaks.acceleration.sup(&knot.state.acceleration.abs());
             peaks.velocity = peaks.velocity.sup(&knot.state.velocity.abs());
@@ -213,12 +338,19 @@ impl Trajectory {
             here = next;
         }
         Trajectory {
-            knots,
-            move_ends: Vec::new(),
             end: last,
-            splice: 0.0,
+            ..Trajectory::of(knots)
         }
     }
+}
+
+impl Peaks {
+    const NONE: Peaks = Peaks {
+        velocity: Point::new(0.0, 0.0, 0.0),
+        acceleration: Point::new(0.0, 0.0, 0.0),
+        jerk: Point::new(0.0, 0.0, 0.0),
+        speed: 0.0,
+    };
 }
 
 /// De Boor's formula at the middle knot: three control points, the four spans about them.

@@ -224,6 +224,11 @@ pub enum Range {
     },
 }
 
+impl Range {
+    /// Jerk Units that are a percentage of time: a jerk in them is at most 100 (spec/coordinated-instructions.md §4.6).
+    pub const PERCENT_OF_TIME: [i32; 2] = [2, 6];
+}
+
 /// Legal lengths of an array operand.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ArrayRule {

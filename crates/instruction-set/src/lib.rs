@@ -12,6 +12,7 @@ mod control;
 pub mod docs;
 mod error;
 mod fault;
+mod form;
 mod instruction;
 mod instruction_tag;
 mod mnemonic;
@@ -24,6 +25,7 @@ pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArra
 pub use control::{Flag, MotionControl};
 pub use error::{AxisIndex, Culprit, Detail, ERRORS, ErrorText, Extended, MotionError, OperandIndex, describe};
 pub use fault::{ExceptionAction, FAULTS, Fault, FaultKind, FaultSet, FaultWord};
+pub use form::{TargetDialog, TargetRow, Unit};
 pub use instruction::{
     ArrayRule, Axes, Condition, FIRST_SERVICE, Instruction, Kind, Object, Operand, Range, Timing, by_service, services,
 };

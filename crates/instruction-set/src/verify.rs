@@ -75,7 +75,7 @@ impl Range {
                 Self::Positive => number > 0.0,
                 Self::Between(low, high) => (low..=high).contains(&number),
                 Self::Jerk { units } => {
-                    let percent_of_time = matches!(call.word(usize::from(units)), 2 | 6);
+                    let percent_of_time = Range::PERCENT_OF_TIME.contains(&call.word(usize::from(units)));
                     number > 0.0 && (!percent_of_time || number <= 100.0)
                 }
             }

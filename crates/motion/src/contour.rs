@@ -157,6 +157,9 @@ impl Motion {
 
     /// Moves of a contour that end by the present tick, and the end of it.
     pub(crate) fn advance_contour(&mut self, index: usize) {
+        if let Some(contour) = &mut self.systems[index].contour {
+            contour.steer(&self.clock);
+        }
         for _ in 0..MAX_ENDS_PER_TICK {
             let Some(contour) = &mut self.systems[index].contour else {
                 return;

@@ -3,8 +3,11 @@
 //! Planning a contour is not bounded, so it is done elsewhere: the queue says which moves are to be planned
 //! ([`ContourQueue::batch`]), gets a finished [`Trajectory`] back ([`ContourQueue::install`]) and evaluates it. A stop
 //! slows down the pace at which the trajectory's own time runs, so it never leaves the path
-//! (spec/motion-core.md §10.3), and so does an override below 100 %. Nothing here allocates or frees: trajectories are handed back.
+//! (spec/motion-core.md §10.3), and so does an override below 100 % (`pace`), within all limits (`guard`).
+//! Nothing here allocates or frees: trajectories are handed back.
 
+mod guard;
+mod pace;
 mod requests;
 
 use std::collections::VecDeque;
@@ -12,9 +15,10 @@ use std::sync::Arc;
 
 use arcline_contour::Trajectory;
 use arcline_geometry::Point;
-use arcline_profile::{Jerk, Limits, Phase, Profile, State};
+use arcline_profile::{Limits, Phase, State};
 
 use crate::{Clock, Instant, Move, QueueFull, Sample};
+use pace::{Pace, Wanted};
 
 pub use requests::{ContourBatch, Extension, Installed};
 
@@ -52,9 +56,8 @@ struct Run {
     trajectory: Arc<Trajectory>,
     /// Moves of it that have been completed.
     passed: usize,
-    /// The trajectory's own time, seconds, as a function of time.
-    pace: Profile,
-    start: Instant,
+    /// How fast its own time runs.
+    pace: Pace,
     /// Share of the programmed speeds in the plan.
     scale: f64,
     /// Share of the speed, at most 1, that an instruction has asked for besides the override.
@@ -155,7 +158,7 @@ impl<T: Copy> ContourQueue<T> {
     /// What lies at or before the present tick, one thing at a time.
     pub fn passage(&self, clock: &Clock) -> Option<ContourPassage> {
         let run = self.run.as_ref()?;
-        let now = run.pace.at(run.start.elapsed(clock));
+        let now = run.pace.at(clock);
         if run.course == Course::Stopping && now.velocity == 0.0 && now.acceleration == 0.0 {
             return Some(ContourPassage::End);
         }
@@ -205,73 +208,52 @@ impl<T: Copy> ContourQueue<T> {
         self.change_pace(clock);
     }
 
-    /// Brings the pace to what override and share ask for, with half of the rates of the moves on the trajectory
-    /// at most, wherever on it that happens: the trajectory has its own accelerations besides.
+    /// Goes on with what the pace is to come to, where that was not possible at once. At every tick, before all else.
+    pub fn steer(&mut self, clock: &Clock) {
+        if let Some(run) = &mut self.run {
+            run.pace.steer(&run.trajectory, clock);
+        }
+    }
+
+    /// Brings the pace to what override and share ask for, with the rates of the moves on the trajectory at most.
     fn change_pace(&mut self, clock: &Clock) {
         let Some(run) = self.run.as_mut().filter(|run| run.course == Course::Travelling) else {
             return;
         };
-        let left = run.trajectory.moves() - run.passed;
-        let (mut rate, mut jerk) = (f64::INFINITY, f64::INFINITY);
-        let mut s_curve = false;
-        let speed = |motion: &Move<T>| (motion.limits.speed * run.scale).max(f64::MIN_POSITIVE);
-        let top = self
-            .moves
-            .iter()
-            .take(left)
-            .map(speed)
-            .fold(f64::MIN_POSITIVE, f64::max);
-        for Limits {
-            acceleration,
-            deceleration,
-            jerk: own,
-            ..
-        } in self.moves.iter().take(left).map(|motion| motion.limits)
-        {
-            rate = rate.min(0.5 * acceleration.min(deceleration) / top);
-            if let Some(own) = own {
-                s_curve = true;
-                jerk = jerk.min(0.5 * own.acceleration.min(own.deceleration) / top);
-            }
-        }
-        let mut limits = unit_limits(rate);
-        limits.jerk = s_curve.then_some(Jerk {
-            acceleration: jerk,
-            deceleration: jerk,
-        });
-        let now = run.pace.at(run.start.elapsed(clock));
-        let target = (self.rate / run.scale).min(1.0) * run.share;
-        run.pace = Profile::to_velocity(now, target, &limits);
-        run.start = clock.now();
+        let speed = run.trajectory.peaks().speed.max(f64::MIN_POSITIVE);
+        let rates = run.trajectory.least_rates();
+        let wanted = Wanted {
+            target: (self.rate / run.scale).min(1.0) * run.share,
+            rate: rates.acceleration.min(rates.deceleration) / speed,
+            jerk: rates.jerk.map(|jerk| jerk / speed),
+            extra: [0.0; 2],
+        };
+        run.pace.ask(wanted, &run.trajectory, clock);
     }
 
-    /// Brakes on the path from the present tick on. The moves are the caller's to end.
+    /// Brakes on the path from the present tick on, as the limits of the axes allow. The moves are the caller's to end.
     pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
         self.asked = None;
         let Some(run) = &mut self.run else {
             return;
         };
-        let now = run.pace.at(run.start.elapsed(clock));
+        let now = run.pace.at(clock);
         let speed = run.trajectory.at(now.position).velocity.norm().max(1e-3 * limits.speed);
-        let rate = |limit: f64| limit / speed;
-        let limits = Limits {
-            speed: 1.0,
-            acceleration: rate(limits.deceleration),
-            deceleration: rate(limits.deceleration),
-            jerk: limits.jerk.map(|jerk| Jerk {
-                acceleration: rate(jerk.deceleration),
-                deceleration: rate(jerk.deceleration),
-            }),
+        let jerk = limits.jerk.map(|jerk| jerk.deceleration);
+        let wanted = Wanted {
+            target: 0.0,
+            rate: limits.deceleration / speed,
+            jerk: jerk.map(|jerk| jerk / speed),
+            extra: [limits.deceleration, jerk.unwrap_or(0.0)],
         };
         run.course = Course::Stopping;
-        run.pace = Profile::stop(now, &limits);
-        run.start = clock.now();
+        run.pace.ask(wanted, &run.trajectory, clock);
     }
 
     /// Where the coordinate system is at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
         let run = self.run.as_ref()?;
-        let pace = run.pace.at(run.start.elapsed(clock));
+        let pace = run.pace.at(clock);
         let at = run.trajectory.at(pace.position);
         let velocity: Point = at.velocity * pace.velocity;
         let acceleration = at.acceleration * (pace.velocity * pace.velocity) + at.velocity * pace.acceleration;
@@ -292,14 +274,5 @@ impl<T: Copy> ContourQueue<T> {
                 _ => Phase::Steady,
             },
         })
-    }
-}
-
-fn unit_limits(rate: f64) -> Limits {
-    Limits {
-        speed: 1.0,
-        acceleration: rate,
-        deceleration: rate,
-        jerk: None,
     }
 }

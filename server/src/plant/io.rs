@@ -1,6 +1,7 @@
 //! What implicit I/O does with the plant: the state of a tick for its inputs, and what its outputs command. Nothing here
 //! waits for the controller.
 
+use arcline_controller::image::Image;
 use arcline_controller::{Command, Snapshot};
 
 use super::Plant;
@@ -11,6 +12,14 @@ impl Plant {
         let mut state = self.0.lock();
         state.refresh();
         read(state.link.snapshots.output_buffer())
+    }
+
+    /// Reads the state of the newest tick and the tags of the same one.
+    pub fn with_state<R>(&self, read: impl FnOnce(&Image, &Snapshot) -> R) -> R {
+        let mut state = self.0.lock();
+        state.refresh();
+        let (image, snapshot) = state.image_and_snapshot();
+        read(image, snapshot)
     }
 
     /// As [`Plant::with_snapshot`], but does not wait for whoever has the plant: `None` when it is not to be had soon.

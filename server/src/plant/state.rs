@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use arcline_controller::image::{Edge, Image, TagKind};
-use arcline_controller::{Command, Ticket};
+use arcline_controller::{Command, Snapshot, Ticket};
 use arcline_instruction_set::{Call, FaultSet, Flag, MotionControl, MotionError};
 use arcline_realtime::Link;
 use arc_swap::ArcSwap;
@@ -80,6 +80,11 @@ impl State {
     /// The tag memory.
     pub(super) fn image(&self) -> &Image {
         &self.image
+    }
+
+    /// The tag memory and the snapshot that it shows.
+    pub(super) fn image_and_snapshot(&mut self) -> (&Image, &Snapshot) {
+        (&self.image, self.link.snapshots.output_buffer())
     }
 
     /// The tag memory, which is then published anew.

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use plctag_core::{RawTag, Status};
 
 /// Milliseconds that one request may take.
-const TIMEOUT: u32 = 5000;
+const TIMEOUT: u32 = 30_000;
 /// How long a move may take.
 const MOVE: Duration = Duration::from_secs(30);
 

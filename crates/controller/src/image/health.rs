@@ -55,14 +55,23 @@ pub struct Measured {
 }
 
 impl Measured {
+    /// The upper edge of the bucket below which half of the values lie, at most the largest value, µs.
+    pub fn p50(&self) -> f64 {
+        self.below(50)
+    }
+
     /// The upper edge of the bucket below which 99 of 100 values lie, at most the largest value, µs.
     pub fn p99(&self) -> f64 {
+        self.below(99)
+    }
+
+    fn below(&self, of_hundred: u64) -> f64 {
         let all: u64 = self.histogram.iter().sum();
         let mut below = 0;
         for (bucket, count) in self.histogram.iter().enumerate() {
             below += count;
-            // In whole numbers: 99 of 100 or more.
-            if below * 100 >= all * 99 {
+            // In whole numbers: so many of 100 or more.
+            if below * 100 >= all * of_hundred {
                 return (0.25 * (1u64 << bucket) as f64).min(self.max);
             }
         }

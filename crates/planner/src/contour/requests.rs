@@ -5,9 +5,9 @@
 use std::sync::Arc;
 
 use arcline_contour::{ContourMove, Trajectory};
-use arcline_profile::{Profile, State, stop_distance};
+use arcline_profile::stop_distance;
 
-use super::{Asked, ContourQueue, Course, Run, unit_limits};
+use super::{Asked, ContourQueue, Course, Pace, Run};
 use crate::{Clock, Ending, Move};
 
 /// A plan that is asked for.
@@ -75,7 +75,7 @@ impl<T: Copy> ContourQueue<T> {
         let planned = self.planned();
         let waiting = self.moves.len().checked_sub(planned).filter(|&waiting| waiting > 0)?;
         let last = self.moves.get(planned.checked_sub(1)?)?;
-        let now = run.pace.at(run.start.elapsed(clock)).position;
+        let now = run.pace.at(clock).position;
         let left = run.trajectory.duration() - now;
         let many = waiting * FEW >= planned;
         let near = left <= NEAR && !self.is_growing(clock);
@@ -143,17 +143,10 @@ impl<T: Copy> ContourQueue<T> {
 
     fn start(&mut self, trajectory: Arc<Trajectory>, clock: &Clock) {
         // It begins at rest, so its pace may be anything.
-        let pace = (self.rate / self.scale).min(1.0);
-        let running = State {
-            position: 0.0,
-            velocity: pace,
-            acceleration: 0.0,
-        };
         self.run = Some(Run {
-            pace: Profile::to_velocity(running, pace, &unit_limits(1.0)),
+            pace: Pace::constant((self.rate / self.scale).min(1.0), clock),
             trajectory,
             passed: 0,
-            start: clock.now(),
             scale: self.scale,
             share: 1.0,
             course: Course::Travelling,
@@ -172,10 +165,12 @@ impl<T: Copy> ContourQueue<T> {
         let Some(run) = &mut self.run else {
             return Err(planned);
         };
-        let now = run.pace.at(run.start.elapsed(clock)).position;
+        let now = run.pace.at(clock).position;
         let since = run.passed.saturating_sub(passed);
-        let fits =
-            |plan: &Arc<Trajectory>| now <= plan.splice() && since < plan.moves() && plan.moves() - since <= left;
+        let fits = |plan: &Arc<Trajectory>| {
+            let in_time = now <= plan.splice() && since < plan.moves() && plan.moves() - since <= left;
+            in_time && run.pace.suits(plan, clock)
+        };
         match planned {
             Some(plan) if fits(&plan) => {
                 let old = std::mem::replace(&mut run.trajectory, plan);

@@ -1,0 +1,72 @@
+//! Both directions of the transforms, over random points of the workspace: `cargo bench -p arcline-kinematics`.
+#![allow(missing_docs)]
+
+use std::hint::black_box;
+
+use arcline_kinematics::{Arm, Geometry, Moving, Number, Parameters, Robot};
+use criterion::{Criterion, criterion_group, criterion_main};
+
+const POINTS: usize = 1024;
+
+fn robot(geometry: Geometry) -> Robot {
+    let parameters = Parameters {
+        link_lengths: [120.0, 260.0],
+        base_offsets: [60.0, 0.0, 0.0],
+        end_effector_offsets: [20.0, 0.0, -30.0],
+        ..Parameters::default()
+    };
+    Robot::new(geometry, &parameters).expect("the parameters make a robot")
+}
+
+fn points(robot: &Robot) -> Vec<[f64; 3]> {
+    let mut seed = 1_u64;
+    let mut random = move || {
+        seed = seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let point = || {
+        [
+            300.0 * random() - 150.0,
+            300.0 * random() - 150.0,
+            -340.0 + 160.0 * random(),
+        ]
+    };
+    let reached = |point: &[f64; 3]| robot.inverse(*point, Arm::default()).is_ok();
+    std::iter::repeat_with(point).filter(reached).take(POINTS).collect()
+}
+
+fn bench(c: &mut Criterion) {
+    for (name, geometry) in [
+        ("delta 3", Geometry::Delta3),
+        ("scara", Geometry::ScaraIndependent),
+        ("articulated 3", Geometry::ArticulatedIndependent3),
+    ] {
+        let robot = robot(geometry);
+        let points = points(&robot);
+        let mut next = (0..POINTS).cycle();
+        c.bench_function(&format!("{name} inverse"), |b| {
+            b.iter(|| robot.inverse(black_box(points[next.next().unwrap_or(0)]), Arm::default()));
+        });
+        c.bench_function(&format!("{name} inverse with velocity and acceleration"), |b| {
+            b.iter(|| {
+                let point = points[next.next().unwrap_or(0)].map(|at| Moving {
+                    velocity: 10.0,
+                    ..Moving::constant(at)
+                });
+                robot.inverse(black_box(point), Arm::default())
+            });
+        });
+        let joints: Vec<_> = points
+            .iter()
+            .filter_map(|point| robot.inverse(*point, Arm::default()).ok())
+            .collect();
+        c.bench_function(&format!("{name} forward"), |b| {
+            b.iter(|| robot.forward(black_box(joints[next.next().unwrap_or(0)])));
+        });
+    }
+}
+
+criterion_group!(benches, bench);
+criterion_main!(benches);

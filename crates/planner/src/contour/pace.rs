@@ -1,0 +1,161 @@
+//! The pace at which a trajectory's own time runs, and how it comes to another one.
+//!
+//! A ramp begins at once where the limits leave room for it. Where they do not, a gentler one, or one to a nearer pace, is
+//! looked for, and at every tick a better one than that which is under way, until the ramp is the one that was asked for.
+//! What is under way has always been proved to its end ([`Guard`]), so at no instant a limit is exceeded.
+//! Own seconds per second; its derivatives per second. Nothing allocates; a few ramps are tried in a tick.
+
+use arcline_contour::Trajectory;
+use arcline_profile::{Jerk, Limits, Profile, State};
+
+use super::guard::Guard;
+use crate::{Clock, Instant};
+
+/// A pace that is asked for, and how fast it may be come to at most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Wanted {
+    pub(super) target: f64,
+    /// First derivative of the pace.
+    pub(super) rate: f64,
+    /// Second derivative; `None`: the first may step.
+    pub(super) jerk: Option<f64>,
+    /// Vector deceleration and jerk that may be used although they are not those of the moves: those of a stop.
+    pub(super) extra: [f64; 2],
+}
+
+/// The pace of a trajectory in execution.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pace {
+    /// Its position is the trajectory's own time.
+    ramp: Profile,
+    start: Instant,
+    wanted: Wanted,
+    /// Which of the ramps is under way; [`NONE`] where it leads elsewhere.
+    under_way: usize,
+    /// The ramp to be tried next.
+    next: usize,
+}
+
+impl Pace {
+    /// A constant pace from the present tick on.
+    pub(super) fn constant(pace: f64, clock: &Clock) -> Self {
+        let state = State {
+            position: 0.0,
+            velocity: pace,
+            acceleration: 0.0,
+        };
+        Pace {
+            ramp: Profile::to_velocity(state, pace, &limits(1.0, None)),
+            start: clock.now(),
+            wanted: Wanted {
+                target: pace,
+                rate: 1.0,
+                jerk: None,
+                extra: [0.0; 2],
+            },
+            under_way: 0,
+            next: 0,
+        }
+    }
+
+    /// The trajectory's own time, the pace and its derivative at the present tick.
+    pub(super) fn at(&self, clock: &Clock) -> State {
+        self.ramp.at(self.start.elapsed(clock))
+    }
+
+    /// Whether the pace is, and stays, the one that is asked for.
+    pub(super) fn is_settled(&self, clock: &Clock) -> bool {
+        self.ramp.end().velocity == self.wanted.target && self.start.elapsed(clock) >= self.ramp.duration()
+    }
+
+    /// Asks for a pace, from the present tick on.
+    pub(super) fn ask(&mut self, wanted: Wanted, trajectory: &Trajectory, clock: &Clock) {
+        self.wanted = wanted;
+        (self.under_way, self.next) = (NONE, 0);
+        self.steer(trajectory, clock);
+    }
+
+    /// Looks for a better ramp than the one under way: once a tick.
+    pub(super) fn steer(&mut self, trajectory: &Trajectory, clock: &Clock) {
+        if self.under_way == 0 || self.is_settled(clock) {
+            return;
+        }
+        let now = self.at(clock);
+        let over = self.start.elapsed(clock) >= self.ramp.duration();
+        let gap = self.wanted.target - now.velocity;
+        if over && gap.abs() <= ROUNDING {
+            self.take(0, self.constant_from(now), clock);
+            return;
+        }
+        if over {
+            self.under_way = NONE;
+        }
+        let guard = Guard::new(trajectory, self.wanted.extra);
+        for _ in 0..TRIES {
+            if self.next >= self.under_way.min(RAMPS) {
+                self.next = 0;
+            }
+            let place = self.next;
+            let ramp = self.ramp(place, now, gap);
+            if guard.allows(&ramp, 0.0) {
+                self.take(place, ramp, clock);
+                return;
+            }
+            self.next += 1;
+        }
+    }
+
+    /// Whether what is under way keeps the limits of another trajectory, which takes the place of the one before.
+    pub(super) fn suits(&self, trajectory: &Trajectory, clock: &Clock) -> bool {
+        let elapsed = self.start.elapsed(clock);
+        elapsed >= self.ramp.duration() || Guard::new(trajectory, self.wanted.extra).allows(&self.ramp, elapsed)
+    }
+
+    fn take(&mut self, place: usize, ramp: Profile, clock: &Clock) {
+        self.ramp = ramp;
+        self.start = clock.now();
+        (self.under_way, self.next) = (place, 0);
+    }
+
+    fn constant_from(&self, now: State) -> Profile {
+        let state = State {
+            velocity: self.wanted.target,
+            acceleration: 0.0,
+            ..now
+        };
+        Profile::to_velocity(state, self.wanted.target, &limits(1.0, None))
+    }
+
+    /// Ramps by how good they are: to the end and, at the same rates, less far; then the same with gentler rates.
+    fn ramp(&self, place: usize, now: State, gap: f64) -> Profile {
+        let (reach, gentler) = (place % REACHES.len(), place / REACHES.len());
+        let target = self.wanted.target - gap * REACHES[reach];
+        // Twice the time, half of the rate, a quarter of its change.
+        let time = f64::powi(2.0, gentler as i32);
+        let jerk = self.wanted.jerk.map(|jerk| jerk / (time * time));
+        Profile::to_velocity(now, target, &limits(self.wanted.rate / time, jerk))
+    }
+}
+
+fn limits(rate: f64, jerk: Option<f64>) -> Limits {
+    Limits {
+        speed: 1.0,
+        acceleration: rate,
+        deceleration: rate,
+        jerk: jerk.map(|jerk| Jerk {
+            acceleration: jerk,
+            deceleration: jerk,
+        }),
+    }
+}
+
+/// No ramp that leads where it should is under way.
+const NONE: usize = usize::MAX;
+/// Shares of the way that a ramp leaves.
+const REACHES: [f64; 3] = [0.0, 0.1, 0.5];
+/// Ramps that there are: the gentlest has 2^13 times the time.
+const RAMPS: usize = 14 * REACHES.len();
+/// Ramps that are tried in a tick.
+const TRIES: usize = 3;
+/// A difference of the pace that is none.
+const ROUNDING: f64 = 1e-10;

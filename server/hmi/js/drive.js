@@ -1,0 +1,239 @@
+// The view for driving: rights, servo, home, jog, override, moves. Nothing here moves by a stray click: the right is
+// taken first, a jog lasts as long as it is held, and every other motion has a button of its own that says what it does.
+
+import { ControlBar } from "./control.js";
+import { fill, h, icon, options, segmented, state, text } from "./dom.js";
+import { groupName } from "./fields.js";
+import { InstructionForm } from "./form.js";
+import { fixed, rate, short } from "./format.js";
+import { PathCanvas } from "./path_canvas.js";
+import { PreviewFacts } from "./preview.js";
+
+/** Lengths of a step; 0 is to hold. */
+const STEPS = [[0, "Hold"], [0.1, "0.1"], [1, "1"], [10, "10"], [100, "100"]];
+/** Keys that jog the first three axes, backwards and forwards. */
+const KEYS = [["ArrowLeft", "ArrowRight"], ["ArrowDown", "ArrowUp"], ["PageDown", "PageUp"]];
+/** What the quick forms show at once; everything else is one click away. */
+const QUICK = {
+  MCLM: ["MoveType", "Speed", "TerminationType"],
+  MCCM: ["MoveType", "CircleType", "Direction", "Speed", "TerminationType"],
+};
+const MOST_OVERRIDE = 200;
+
+export class Drive {
+  title = "Drive";
+  #step = 0;
+  #heldKeys = new Map();
+
+  constructor(app) {
+    this.app = app;
+    const { machine } = app.store;
+    this.control = new ControlBar(app);
+    this.object = h("select", { "aria-label": "What to drive", onchange: () => this.#select(this.object.value) });
+    fill(this.object,
+      h("optgroup", { label: "Coordinate systems" }, machine.coordinate_systems.map(({ name }) => h("option", { value: name }, name))),
+      h("optgroup", { label: "Axes" }, machine.axes.map(({ name }) => h("option", { value: name }, name))));
+    this.rows = h("div.jog-rows");
+    this.speed = h("input", { type: "range", min: "0.1", max: "100", step: "0.1", value: "5", "aria-label": "Jog speed in percent of the maximum", oninput: () => this.#showSpeed() });
+    this.speedText = h("output");
+    this.keys = h("input", { type: "checkbox", onchange: () => this.#releaseKeys() });
+    const steps = segmented("Length of a jog", STEPS, 0, (step) => (this.#step = Number(step)));
+    this.keyHelp = h("small");
+    const host = h("div.path-canvas.small");
+    this.canvas = new PathCanvas(host, app, "Preview of the path");
+    this.facts = new PreviewFacts(app);
+    this.forms = h("div.form-host");
+    this.kind = segmented("Form", [["MCLM", "Move"], ["MCCM", "Arc"], ["any", "Any instruction"]], "MCLM", (kind) => this.#form(kind));
+    this.mnemonic = h("select", { "aria-label": "Instruction", hidden: true, onchange: () => this.#form("any") });
+    options(this.mnemonic, app.store.catalogue.instructions.map(({ mnemonic, title }) => [mnemonic, `${mnemonic}  ${title}`]), "MAM");
+    this.element = h("section.view.drive", { "aria-label": this.title },
+      h("div.drive-left", {},
+        h("div.panel", {}, h("div.row", {}, this.object, this.control.element)),
+        h("div.panel", {}, h("h2", {}, "Jog"), steps.element,
+          h("label.slider", {}, h("span", {}, "Speed"), this.speed, this.speedText), this.rows,
+          h("label.check", {}, this.keys, "Jog by keys"), this.keyHelp),
+        this.#motion()),
+      h("div.panel.form-panel", {}, h("div.row", {}, this.kind.element, this.mnemonic), this.forms),
+      h("div.panel.preview-panel", {}, h("h2", {}, "Preview"), host, this.facts.element));
+    app.addEventListener("preview", () => {
+      this.canvas.setPreview(app.preview);
+      this.facts.show(app.preview);
+    });
+    // What a form begins with are the actual positions, so it begins again when they are known.
+    app.store.addEventListener("status", () => this.#form(this.chosen), { once: true });
+    addEventListener("keydown", (event) => this.#key(event));
+    addEventListener("keyup", (event) => this.#keyUp(event));
+    app.jogger.onchange = () => this.update();
+    this.chosen = "MCLM";
+    this.#select(machine.coordinate_systems[0]?.name ?? machine.axes[0]?.name);
+  }
+
+  show() {
+    this.shown = true;
+    this.canvas.stage.start(() => true);
+  }
+
+  hide() {
+    this.shown = false;
+    this.app.jogger.endAll();
+    this.#heldKeys.clear();
+    this.canvas.stage.stop();
+  }
+
+  #motion() {
+    this.override = h("input", { type: "range", min: "0", max: String(MOST_OVERRIDE), step: "1", value: "100", "aria-label": "Override of the path speed in percent",
+      oninput: () => text(this.overrideText, `${this.override.value} %`), onchange: () => this.#ask("override", { percent: Number(this.override.value) }) });
+    this.overrideText = h("output", {}, "100 %");
+    this.hold = h("button", { type: "button", onclick: () => this.#ask(this.held ? "resume" : "hold") });
+    this.stop = h("button.danger", { type: "button", onclick: () => this.#stop() }, icon("stop"), "Stop");
+    this.motion = h("div.panel", {}, h("h2", {}, "Motion"),
+      h("label.slider", {}, h("span", {}, "Override"), this.override, this.overrideText),
+      h("div.buttons", {}, this.hold, h("button", { type: "button", onclick: () => this.#ask("override", { percent: 100 }) }, "100 %"), this.stop));
+    return this.motion;
+  }
+
+  #select(name) {
+    this.app.jogger.endAll();
+    this.object.value = name;
+    this.name = name;
+    this.system = this.app.store.system(name);
+    this.control.show(name);
+    this.axes = this.system?.axes ?? [name];
+    fill(this.rows, this.axes.map((axis) => this.#row(axis)));
+    const help = this.axes.slice(0, 3).map((axis, k) => `${axis} ${["← →", "↓ ↑", "Page ↓ ↑"][k]}`);
+    text(this.keyHelp, `${help.join(", ")}, held. Esc stops.`);
+    if (this.system) this.canvas.show(name);
+    this.#showSpeed();
+    this.#form(this.chosen);
+    this.update();
+  }
+
+  #row(axis) {
+    const { jogger, store } = this.app;
+    const part = { axis, actual: h("output"), servo: h("button", { type: "button" }) };
+    const button = (sign, title) => {
+      const made = h("button.jog", { type: "button", "aria-label": `Jog ${axis} ${title}`, onclick: () => this.#step && this.#stepAxis(axis, sign) }, sign < 0 ? "−" : "+");
+      jogger.attach(made, axis, () => (this.#step ? 0 : sign * this.#speedOf(axis)));
+      return made;
+    };
+    part.servo.addEventListener("click", () => this.app.instruct(store.axisStatus(axis)?.servo_on ? "MSF" : "MSO", axis));
+    part.home = h("button", { type: "button", onclick: () => this.app.instruct("MAH", axis) }, icon("home"), "Home");
+    part.reset = h("button", { type: "button", title: "Clears faults and shutdown (MASR)", onclick: () => this.app.instruct("MASR", axis) }, icon("reset"), "Reset");
+    part.less = button(-1, "backwards");
+    part.more = button(1, "forwards");
+    part.note = h("small.bad");
+    part.element = h("div.jog-row", { "aria-label": `Axis ${axis}`, role: "group" },
+      h("span.jog-name", { "data-series": store.place(axis) % 8 }, axis), part.actual, h("abbr", {}, store.axis(axis).units),
+      h("span.jog-buttons", {}, part.less, part.more), h("span.jog-actions", {}, part.servo, part.home, part.reset), part.note);
+    this.parts = [...(this.parts ?? []).filter((other) => this.axes.includes(other.axis) && other.axis !== axis), part];
+    return part.element;
+  }
+
+  #speedOf(axis) {
+    return (this.app.store.axis(axis).max_speed * Number(this.speed.value)) / 100;
+  }
+
+  #showSpeed() {
+    const axis = this.app.store.axis(this.axes[0]);
+    text(this.speedText, `${short(this.#speedOf(axis.name))} ${rate(axis.units, 1)}`);
+  }
+
+  /** A step is a move by a length, with the speed of the slider. */
+  #stepAxis(axis, sign) {
+    this.app.instruct("MAM", axis, { MoveType: 1, Position: sign * this.#step, Speed: Number(this.speed.value), SpeedUnits: 1 });
+  }
+
+  #form(kind) {
+    this.chosen = kind;
+    if (!this.app.store.status) return;
+    this.mnemonic.hidden = kind !== "any";
+    const { store } = this.app;
+    const instruction = store.instruction(kind === "any" ? this.mnemonic.value : kind);
+    if (!instruction) return;
+    const own = instruction.object === "CoordinateSystem" ? this.system?.name ?? store.machine.coordinate_systems[0]?.name
+      : instruction.object === "Axis" ? this.axes[0] : groupName(store.machine);
+    this.form = new InstructionForm(this.app, instruction, {
+      object: own, first: kind === "any" ? null : QUICK[kind],
+      onobject: (name) => store.system(name) && this.canvas.show(name),
+    });
+    this.app.setPreview(null);
+    fill(this.forms, this.form.element);
+  }
+
+  async #ask(what, fields = {}) {
+    try {
+      await this.app.connection.request(what, { coordinate_system: this.name, ...fields });
+    } catch (error) {
+      this.app.toasts.bad(`${this.name}: ${what} was refused`, error);
+    }
+  }
+
+  async #stop() {
+    try {
+      await this.app.connection.request("stop", { object: this.name });
+    } catch (error) {
+      this.app.toasts.bad(`${this.name} could not be stopped`, error);
+    }
+  }
+
+  /** Keys jog only while they are switched on, this view is shown, and nobody is typing. */
+  #key(event) {
+    if (!this.shown || !this.keys.checked || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.target.closest?.("input:not([type=checkbox]), select, textarea, canvas, .jog")) return;
+    const k = KEYS.findIndex((pair) => pair.includes(event.key));
+    if (k < 0 || k >= this.axes.length) return;
+    event.preventDefault();
+    const axis = this.axes[k];
+    if (event.repeat || !this.control.mine || this.#heldKeys.has(event.key)) return;
+    const sign = KEYS[k].indexOf(event.key) ? 1 : -1;
+    if (this.#step) {
+      this.#stepAxis(axis, sign);
+      return;
+    }
+    this.#heldKeys.set(event.key, axis);
+    this.app.jogger.begin(axis, sign * this.#speedOf(axis));
+  }
+
+  #keyUp(event) {
+    const axis = this.#heldKeys.get(event.key);
+    if (axis === undefined) return;
+    this.#heldKeys.delete(event.key);
+    this.app.jogger.end(axis);
+  }
+
+  #releaseKeys() {
+    this.#heldKeys.clear();
+    this.app.jogger.endAll();
+    this.keys.blur();
+  }
+
+  update() {
+    const { store, jogger, connection } = this.app;
+    this.control.update();
+    const mine = this.control.mine && connection.isOpen;
+    for (const part of this.parts) {
+      const status = store.axisStatus(part.axis);
+      if (!status) continue;
+      text(part.actual, fixed(status.actual));
+      text(part.servo, status.servo_on ? "Servo off" : "Servo on");
+      state(part.servo, "on", String(status.servo_on));
+      text(part.note, status.faults.join(", "));
+      state(part.element, "held", String(jogger.holds(part.axis)));
+      for (const button of [part.less, part.more]) button.disabled = !mine || !status.servo_on;
+      for (const button of [part.servo, part.home, part.reset]) button.disabled = !mine;
+    }
+    const system = this.system && store.systemStatus(this.system.name);
+    this.motion.hidden = !this.system;
+    if (system) {
+      this.held = system.held;
+      text(this.hold, system.held ? "Resume" : "Hold");
+      state(this.hold, "on", String(system.held));
+      this.override.disabled = this.hold.disabled = !mine;
+      if (document.activeElement !== this.override) {
+        this.override.value = String(system.override);
+        text(this.overrideText, `${Math.round(system.override)} %`);
+      }
+    }
+    this.form?.update();
+  }
+}

@@ -1,0 +1,41 @@
+// What is shown, as a file: CSV with every tick, or the picture. Nothing leaves the machine.
+
+import { clock } from "./format.js";
+
+const MOST_ROWS = 700_000;
+
+/** The ticks `from` to before `to` as CSV: `tick,time_s` and a column for each `{name, series}`. */
+export function csv(samples, columns, from, to) {
+  const first = Math.max(Math.ceil(from), samples.first, Math.floor(to) - MOST_ROWS);
+  const lines = [["tick", "time_s", ...columns.map(({ name }) => name)].join(",")];
+  for (let tick = first; tick < Math.min(to, samples.end); tick++) {
+    const values = columns.map(({ series }) => {
+      const value = series.at(tick);
+      return Number.isNaN(value) ? "" : String(value);
+    });
+    lines.push([tick, Number(samples.time(tick).toFixed(9)), ...values].join(","));
+  }
+  return new Blob([lines.join("\n"), "\n"], { type: "text/csv" });
+}
+
+/** Offers a file to be saved. */
+export function save(blob, name) {
+  const address = URL.createObjectURL(blob);
+  const link = document.createElement("a");
+  link.href = address;
+  link.download = name;
+  document.body.append(link);
+  link.click();
+  link.remove();
+  setTimeout(() => URL.revokeObjectURL(address), 10_000);
+}
+
+/** Saves what a canvas shows as PNG. */
+export function savePicture(canvas, name) {
+  canvas.toBlob((blob) => blob && save(blob, name), "image/png");
+}
+
+/** A name for a file: what it is and the moment. */
+export function fileName(what, samples, tick, ending) {
+  return `arcline-${what}-${clock(samples.time(tick), 1).replaceAll(":", "-")}.${ending}`;
+}

@@ -1,0 +1,266 @@
+// The form of any instruction, generated from the server's catalogue; the line of Structured Text that it stands for;
+// a preview before anything moves; and the button that runs it.
+
+import { calm, fill, h, icon, state, text } from "./dom.js";
+import { field, groupName, isShown, rangeText } from "./fields.js";
+import { rate } from "./format.js";
+import { TargetTable } from "./target.js";
+import { explanation } from "./toasts.js";
+
+const LINE_MS = 120;
+const PREVIEW_MS = 350;
+const TAGS = 8;
+let lastTag = 0;
+
+/** A form for one instruction. `first` lists members that are always seen; without it all of them are. */
+export class InstructionForm {
+  constructor(app, instruction, { object, first = null, onobject = null, values = {} }) {
+    Object.assign(this, { app, instruction, onobject });
+    this.fields = new Map();
+    this.line = null;
+    this.asked = 0;
+    const { target_position: rule } = instruction;
+    this.table = rule && new TargetTable(app, instruction, () => this.words(), () => this.#changed());
+    for (const operand of instruction.operands) {
+      if (rule && (operand.member === rule.targets || operand.member === rule.vias)) continue;
+      this.fields.set(operand.member, field(operand, app, () => this.words(), () => this.#changed()));
+    }
+    [this.target] = instruction.operands;
+    this.control = instruction.operands.find(({ kind }) => kind === "control");
+    for (const [member, value] of Object.entries(values)) this.fields.get(member)?.write(value);
+    this.fields.get(this.target.member).write(object);
+    if (this.control) this.fields.get(this.control.member).write(nextTag());
+    this.code = h("code");
+    this.copy = h("button", { type: "button", onclick: () => this.#copy() }, icon("copy"), "Copy");
+    this.problem = h("div.problem", { role: "alert", hidden: true });
+    this.run = h("button.primary.run", { type: "button", onclick: () => this.#run() }, icon("run"), "Run");
+    this.why = h("small.why");
+    this.auto = h("input", { type: "checkbox", checked: true, onchange: () => this.#changed() });
+    this.element = h("div.form", { "aria-label": `${instruction.mnemonic}, ${instruction.title}` },
+      h("p.form-title", {}, h("b", {}, instruction.mnemonic), ` ${instruction.title}`),
+      this.#layout(first),
+      h("div.line", { "aria-label": "Structured Text" }, this.code, this.copy),
+      this.problem,
+      h("div.buttons.run-row", {}, this.run,
+        h("button", { type: "button", onclick: () => this.#preview() }, icon("eye"), "Preview"),
+        h("label.check", {}, this.auto, "Preview as I type"), this.why));
+    this.later = calm(LINE_MS, () => this.#askLine());
+    this.laterPreview = calm(PREVIEW_MS, () => this.auto.checked && this.#preview(true));
+    this.#object();
+    this.#changed();
+  }
+
+  /** The name of what it acts on. */
+  get object() {
+    return this.fields.get(this.target.member).read();
+  }
+
+  /** Acts on another object from now on. */
+  setObject(object) {
+    const input = this.fields.get(this.target.member);
+    if (input.read() === object) return;
+    input.write(object);
+    this.#object();
+    this.#changed();
+  }
+
+  /** The numbers of the words that are chosen. */
+  words() {
+    const values = {};
+    for (const [member, { operand, input }] of this.fields) if (operand.kind === "word") values[member] = Number(input.value);
+    return values;
+  }
+
+  #layout(first) {
+    const hosts = new Map();
+    const rows = [];
+    for (const [member, item] of this.fields) {
+      const { unit } = item.operand;
+      // A number and the word that says its unit stand together; the word has no row of its own.
+      const mate = unit?.member && !hosts.has(unit.member) ? this.fields.get(unit.member) : null;
+      if (mate) {
+        hosts.set(unit.member, member);
+        mate.hosted = true;
+      }
+      item.suffix = h("span.suffix");
+      item.mate = mate;
+    }
+    for (const [member, item] of this.fields) {
+      if (item.hosted) continue;
+      const inputs = item.mate ? h("div.pair", {}, item.input, item.mate.input) : h("div.pair", {}, item.input, item.suffix);
+      item.mate?.input.setAttribute("aria-label", item.mate.operand.name);
+      item.row = h("div.field", { "data-row": member }, item.label, inputs, item.note);
+      if (item.mate) item.mate.row = item.row;
+      rows.push({ member, row: item.row });
+    }
+    const seen = (member) => !first || first.includes(member);
+    const parts = [h("div.fields", {}, rows.filter(({ member }) => seen(member)).map(({ row }) => row))];
+    if (this.table) parts.splice(1, 0, this.table.element);
+    const more = rows.filter(({ member }) => !seen(member));
+    if (more.length) parts.push(h("details.more", {}, h("summary", {}, "All operands"), h("div.fields", {}, more.map(({ row }) => row))));
+    return parts;
+  }
+
+  #object() {
+    const { store } = this.app;
+    const { object } = this;
+    const system = store.system(object);
+    const axes = system?.axes ?? (store.axis(object) ? [object] : []);
+    this.table?.show(axes);
+    this.units = store.axis(axes[0])?.units ?? "";
+    this.onobject?.(object);
+  }
+
+  #changed() {
+    if (this.shownObject !== this.object) {
+      this.shownObject = this.object;
+      this.#object();
+    }
+    const words = this.words();
+    this.table?.arrange();
+    for (const item of this.fields.values()) if (!item.hosted) this.#annotate(item, words);
+    this.later();
+  }
+
+  #annotate(item, words) {
+    const { operand } = item;
+    item.row.hidden = !isShown(operand, words);
+    text(item.suffix, this.#unit(operand));
+    text(item.note, [operand.help, rangeText(operand.range, words)].filter(Boolean).join(" · "));
+  }
+
+  #unit(operand) {
+    const { unit } = operand;
+    if (!unit) return "";
+    if (unit.member) {
+      const mate = this.fields.get(unit.member);
+      return mate?.input.selectedOptions[0]?.textContent ?? "";
+    }
+    return unit.text === "position" ? rate(this.units, 0) : unit.text;
+  }
+
+  /** The operands by member; marks what is wrong and gives `null`. */
+  #read() {
+    const operands = {};
+    const wrong = [];
+    const words = this.words();
+    for (const [member, item] of this.fields) {
+      let problem = null;
+      try {
+        if (isShown(item.operand, words)) operands[member] = item.read();
+      } catch (thrown) {
+        if (typeof thrown !== "string") throw thrown;
+        problem = thrown;
+        wrong.push(`${item.operand.name}: ${thrown}`);
+      }
+      item.input.toggleAttribute("aria-invalid", problem !== null);
+    }
+    try {
+      Object.assign(operands, this.table?.read());
+    } catch (thrown) {
+      if (typeof thrown !== "string") throw thrown;
+      wrong.push(thrown);
+    }
+    if (!wrong.length) return operands;
+    this.#say({ text: wrong.join("; ") });
+    return null;
+  }
+
+  #say(error) {
+    this.problem.hidden = !error;
+    fill(this.problem, error ? explanation(error) : "");
+  }
+
+  async #askLine() {
+    const turn = ++this.asked;
+    this.line = null;
+    const operands = this.#read();
+    this.update();
+    if (!operands) return;
+    try {
+      const answer = await this.app.connection.request("line", { instruction: this.instruction.mnemonic, operands });
+      if (turn !== this.asked) return;
+      this.line = answer.text;
+      text(this.code, answer.text);
+      this.#say(null);
+      this.laterPreview();
+    } catch (error) {
+      if (turn !== this.asked) return;
+      this.#mark(error);
+      this.#say(error);
+    }
+    this.update();
+  }
+
+  /** Marks the operand that an error names: by member, or by EXERR of "Parameter Out Of Range". */
+  #mark(error) {
+    const counted = error.err === 13 ? this.instruction.operands[error.exerr]?.member : null;
+    const member = error.member ?? counted;
+    this.fields.get(member)?.input.setAttribute("aria-invalid", "");
+    this.fields.get(member)?.row?.closest("details")?.setAttribute("open", "");
+  }
+
+  async #preview(quiet = false) {
+    if (!this.line || !this.moves) return;
+    const turn = this.asked;
+    try {
+      const preview = await this.app.connection.request("preview", { text: this.line });
+      if (turn !== this.asked) return;
+      this.app.setPreview(preview);
+      this.#say(null);
+    } catch (error) {
+      if (turn !== this.asked) return;
+      this.app.setPreview(null);
+      this.#mark(error);
+      if (!quiet || error.err) this.#say(error);
+    }
+  }
+
+  /** Whether a preview makes sense: the instruction makes a process of its own. */
+  get moves() {
+    return this.instruction.preview ?? this.instruction.operands.some(({ member }) => member === "Position" || member === "Path");
+  }
+
+  async #run() {
+    if (!this.line || this.run.disabled) return;
+    const { line } = this;
+    try {
+      await this.app.connection.request("execute", { text: line });
+      this.app.setPreview(null);
+      this.#say(null);
+      this.app.toasts.good(`${this.instruction.mnemonic} accepted`);
+      if (this.control) this.fields.get(this.control.member).write(nextTag(this.fields.get(this.control.member).read()));
+      this.#changed();
+    } catch (error) {
+      this.#mark(error);
+      this.#say(error);
+    }
+  }
+
+  async #copy() {
+    try {
+      await navigator.clipboard.writeText(this.line ?? "");
+      this.app.toasts.good("Copied");
+    } catch {
+      getSelection().selectAllChildren(this.code);
+    }
+  }
+
+  /** Looks at the rights and the positions again. */
+  update() {
+    this.table?.update();
+    const { store, connection } = this.app;
+    const object = this.object === groupName(store.machine) ? store.machine.coordinate_systems[0]?.name : this.object;
+    const reason = !connection.isOpen ? "No connection." : !store.drives(object) ? `Take control of ${object} first.` : !this.line ? "The form is not complete." : "";
+    this.run.disabled = reason !== "";
+    text(this.why, reason);
+    state(this.element, "ready", String(reason === ""));
+  }
+}
+
+/** The next of a few motion control tags; a name that a user has typed is kept. */
+function nextTag(present = null) {
+  if (present !== null && !/^Hmi[1-8]$/.test(present)) return present;
+  lastTag = (lastTag % TAGS) + 1;
+  return `Hmi${lastTag}`;
+}

@@ -1,0 +1,90 @@
+// Hold to move. While a button or key is held the server hears so every 50 ms; whatever lets go, the axis stops:
+// release, leaving the window, hiding the page, a cancelled touch, the Esc key, a closed page, a broken network.
+
+const KEEP_MS = 50;
+
+/** All jogs of this page. */
+export class Jogger {
+  #held = new Map();
+  #timer = 0;
+
+  constructor(app) {
+    this.app = app;
+    this.onchange = () => {};
+    const endAll = () => this.endAll();
+    addEventListener("blur", endAll);
+    addEventListener("pagehide", endAll);
+    document.addEventListener("visibilitychange", () => document.hidden && endAll());
+    app.connection.addEventListener("lost", () => this.#forget());
+  }
+
+  /** Whether an axis is held. */
+  holds(axis) {
+    return this.#held.has(axis);
+  }
+
+  /** Moves an axis at a speed in units/s, its sign the direction, until `end`. Speed 0 is no jog. */
+  async begin(axis, speed) {
+    if (!speed || this.#held.has(axis) || document.hidden) return;
+    this.#held.set(axis, speed);
+    if (!this.#timer) this.#timer = setInterval(() => this.#keep(), KEEP_MS);
+    this.onchange();
+    try {
+      await this.app.connection.request("jog", { axis, speed });
+    } catch (error) {
+      this.end(axis);
+      this.app.toasts.bad(`${axis} cannot be jogged`, error);
+    }
+  }
+
+  /** Lets go of an axis. */
+  end(axis) {
+    if (!this.#held.delete(axis)) return;
+    this.app.connection.tell("jog_end", { axis });
+    this.#rest();
+  }
+
+  /** Lets go of everything. */
+  endAll() {
+    for (const axis of [...this.#held.keys()]) this.end(axis);
+  }
+
+  #keep() {
+    for (const axis of this.#held.keys()) this.app.connection.tell("keep", { axis });
+  }
+
+  /** The server has stopped the axes by itself. */
+  #forget() {
+    this.#held.clear();
+    this.#rest();
+  }
+
+  #rest() {
+    if (!this.#held.size) {
+      clearInterval(this.#timer);
+      this.#timer = 0;
+    }
+    this.onchange();
+  }
+
+  /** Makes a button that is held: by pointer, or by Space or Enter while it has the focus. */
+  attach(button, axis, speed) {
+    const end = () => this.end(axis);
+    button.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0 || button.disabled) return;
+      event.preventDefault();
+      button.focus();
+      button.setPointerCapture(event.pointerId);
+      this.begin(axis, speed());
+    });
+    for (const type of ["pointerup", "pointercancel", "lostpointercapture", "blur"]) button.addEventListener(type, end);
+    button.addEventListener("keydown", (event) => {
+      // Without a speed the button is one for steps, which a click makes.
+      if ((event.key !== " " && event.key !== "Enter") || !speed()) return;
+      event.preventDefault();
+      if (!event.repeat && !button.disabled) this.begin(axis, speed());
+    });
+    button.addEventListener("keyup", (event) => (event.key === " " || event.key === "Enter") && end());
+    button.addEventListener("contextmenu", (event) => event.preventDefault());
+  }
+}

@@ -1,0 +1,124 @@
+// The view of the whole machine: axes, coordinate systems, the group, the health of the tick.
+
+import { chips, h, property, state, text } from "./dom.js";
+import { duration, fixed, rate } from "./format.js";
+
+export class Machine {
+  title = "Machine";
+
+  constructor(app) {
+    this.app = app;
+    const { machine } = app.store;
+    this.axes = machine.axes.map((axis) => this.#axis(axis));
+    this.systems = machine.coordinate_systems.map((system) => this.#system(system));
+    this.health = Object.fromEntries(["state", "tick", "p50", "p99", "max", "missed"].map((name) => [name, h("dd")]));
+    this.groupBits = h("div.chips");
+    const head = ["Axis", "Command", "Actual", "Error", "Velocity", "State", "Homed", "Servo", "Faults"];
+    this.element = h("section.view.machine", { "aria-label": this.title },
+      h("div.panel.axes", {}, h("h2", {}, "Axes"),
+        h("div.scroll-x", {}, h("table.axis-table", {},
+          h("thead", {}, h("tr", {}, head.map((name) => h("th", { scope: "col" }, name)))),
+          h("tbody", {}, this.axes.map(({ row }) => row))))),
+      h("div.systems", {}, this.systems.map(({ element }) => element)),
+      h("div.panel.group", {}, h("h2", {}, `Group ${machine.group?.name ?? machine.group ?? ""}`),
+        h("dl.health", {}, h("dt", {}, "State"), this.health.state, h("dt", {}, "Tick"), this.health.tick,
+          h("dt", {}, "Late, middle"), this.health.p50, h("dt", {}, "Late, 99 %"), this.health.p99,
+          h("dt", {}, "Late, most"), this.health.max, h("dt", {}, "Missed"), this.health.missed),
+        this.groupBits));
+  }
+
+  #axis(axis) {
+    const place = this.app.store.place(axis.name) % 8;
+    const cell = (label, kind = "td") => h(kind, { "data-label": label });
+    const cells = {
+      command: cell("Command", "td.number"), actual: cell("Actual", "td.number.strong"), error: cell("Error", "td.number"),
+      velocity: cell("Velocity", "td.number"), state: cell("State"), homed: cell("Homed"), servo: cell("Servo"), faults: cell("Faults"),
+    };
+    const bar = h("span.bar");
+    const velocity = h("span");
+    cells.velocity.append(velocity, bar);
+    const row = h("tr", {}, h("th", { scope: "row" }, h("span.swatch", { "data-series": place }), axis.name, h("small", {}, ` ${axis.units} · ${axis.type}`)), Object.values(cells));
+    return { axis, row, ...cells, bar, velocity };
+  }
+
+  #system(system) {
+    const part = {
+      active: h("p.active-move"), progress: h("progress", { max: 1, value: 0, "aria-label": "Progress of the active move" }),
+      pending: h("p.pending-moves"), speed: h("output.big"), speedBar: h("span.bar"), override: h("dd"), position: h("dd.number"),
+      driver: h("dd"), bits: h("div.chips", { "aria-label": "Status bits that are set" }),
+    };
+    const units = this.app.store.axis(system.axes[0])?.units ?? "";
+    const axes = system.axes.map((name) => h("span.axis-name", { "data-series": this.app.store.place(name) % 8 }, name));
+    const element = h("article.panel.system", { "aria-label": system.name },
+      h("header", {}, h("h2", {}, system.name), h("span.axis-names", {}, axes), h("span.spring"), part.speed, h("abbr", {}, rate(units, 1))),
+      part.speedBar, part.active, part.progress, part.pending,
+      h("dl.facts", {}, h("dt", {}, "Position"), part.position, h("dt", {}, "Override"), part.override, h("dt", {}, "Driven by"), part.driver), part.bits);
+    return { system, element, ...part };
+  }
+
+  update() {
+    const { store } = this.app;
+    const { status } = store;
+    for (const row of this.axes) this.#updateAxis(row, store.axisStatus(row.axis.name));
+    for (const part of this.systems) this.#updateSystem(part, store.systemStatus(part.system.name));
+    const { realtime, group } = status;
+    const micro = (value) => (Number.isFinite(value) ? `${Math.round(value)} µs` : "–");
+    text(this.health.state, group?.state ?? (group?.bits?.includes("GroupSynced") ? "Synchronized" : "–"));
+    text(this.health.tick, `${status.tick} · ${duration(status.time_s)}`);
+    text(this.health.p50, micro(realtime?.p50_us));
+    text(this.health.p99, micro(realtime?.p99_us));
+    text(this.health.max, micro(realtime?.max_us));
+    text(this.health.missed, String(realtime?.missed ?? "–"));
+    state(this.health.missed, "kind", realtime?.missed ? "warn" : "calm");
+    chips(this.groupBits, group?.bits ?? []);
+  }
+
+  #updateAxis(row, status) {
+    if (!status) return;
+    const { axis } = row;
+    text(row.command, fixed(status.command));
+    text(row.actual, fixed(status.actual));
+    text(row.error, fixed(status.error, 4));
+    text(row.velocity, fixed(status.velocity, 2));
+    property(row.bar, "--share", share(status.velocity, axis.max_speed));
+    text(row.state, status.state);
+    state(row.state, "kind", status.faults.length ? "bad" : status.moving ? "busy" : "calm");
+    text(row.homed, status.homed ? "Homed" : "Not homed");
+    state(row.homed, "kind", status.homed ? "calm" : "warn");
+    text(row.servo, status.servo_on ? "On" : "Off");
+    state(row.servo, "kind", status.servo_on ? "good" : "warn");
+    chips(row.faults, status.faults, "chip.bad", "–");
+  }
+
+  #updateSystem(part, status) {
+    if (!status) return;
+    const { store } = this.app;
+    text(part.speed, fixed(status.speed, 1));
+    property(part.speedBar, "--share", share(status.speed, part.system.max_speed));
+    const { active } = status;
+    text(part.active, active ? `${active.instruction} ${active.tag || "unnamed"}` : "No active move");
+    state(part.active, "kind", active ? "busy" : "calm");
+    part.progress.hidden = !active;
+    if (active) {
+      part.progress.value = active.progress ?? 0;
+      const rest = [`${Math.round(100 * (active.progress ?? 0))} %`];
+      if (Number.isFinite(active.remaining)) rest.push(`${fixed(active.remaining, 1)} to go`);
+      if (Number.isFinite(active.eta_s)) rest.push(duration(active.eta_s));
+      text(part.active, `${active.instruction} ${active.tag || "unnamed"} · ${rest.join(" · ")}`);
+    }
+    const waiting = status.pending.map(({ tag, instruction }) => `${instruction} ${tag || "unnamed"}`);
+    text(part.pending, waiting.length ? `Pending: ${waiting.slice(0, 4).join(", ")}${waiting.length > 4 ? ` and ${waiting.length - 4} more` : ""}` : "Nothing pending");
+    text(part.override, `${fixed(status.override, 0)} %${status.held ? ", held" : ""}`);
+    state(part.override, "kind", status.held ? "warn" : "calm");
+    text(part.position, status.position.map((value) => fixed(value, 3)).join("  "));
+    const driver = store.driver(part.system.name);
+    text(part.driver, driver === null ? "nobody" : driver === store.viewer ? "you" : driver);
+    state(part.driver, "kind", driver === store.viewer && driver !== null ? "mine" : "calm");
+    chips(part.bits, status.bits, "chip", "No status bit is set");
+  }
+}
+
+function share(value, most) {
+  const part = most > 0 ? Math.abs(value) / most : 0;
+  return Math.min(1, Number.isFinite(part) ? part : 0).toFixed(3);
+}

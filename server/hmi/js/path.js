@@ -1,0 +1,103 @@
+// The view of the path: one coordinate system, large, with its numbers over it.
+
+import { h, icon, options, segmented, text, toggle } from "./dom.js";
+import { duration, fixed, rate } from "./format.js";
+import { PathCanvas } from "./path_canvas.js";
+import { Timebar } from "./timebar.js";
+
+const LOOKS = [["space", "3D"], ["top", "Top"], ["front", "Front"], ["side", "Side"]];
+const TRAILS = [[5, "5 s"], [20, "20 s"], [60, "1 min"], [600, "10 min"]];
+
+export class Path {
+  title = "Path";
+
+  constructor(app) {
+    this.app = app;
+    const host = h("div.path-canvas");
+    this.canvas = new PathCanvas(host, app);
+    const names = app.store.machine.coordinate_systems.map((system) => system.name);
+    this.choice = h("select", { "aria-label": "Coordinate system", onchange: () => this.#show(this.choice.value) });
+    options(this.choice, names);
+    this.looks = segmented("Look", LOOKS, "space", (look) => this.canvas.look(look));
+    const trail = segmented("Length of the trail", TRAILS, 20, (seconds) => (this.canvas.trailSeconds = seconds));
+    this.readout = h("div.dro", { "aria-label": "Positions" });
+    this.old = h("p.moment-note", { hidden: true }, "An earlier moment is shown.");
+    this.timebar = new Timebar(app, () => [app.moment.shown - this.canvas.trailSeconds / app.samples.period, app.moment.shown]);
+    this.element = h("section.view.path", { "aria-label": this.title },
+      h("div.toolbar", {}, this.choice, this.looks.element, trail.element, this.#layers(), h("span.spring"),
+        h("button", { type: "button", onclick: () => this.canvas.fit() }, icon("fit"), "Fit"),
+        h("button", { type: "button", onclick: () => app.setPreview(null), title: "Remove the preview" }, "Clear preview")),
+      h("div.path-stage", {}, host, this.readout, this.old, this.#legend()),
+      this.timebar.element);
+    app.addEventListener("preview", () => this.#preview());
+    app.moment.addEventListener("change", () => {
+      this.old.hidden = app.moment.tick === null;
+      this.update();
+    });
+    if (names.length) this.#show(names[0]);
+  }
+
+  show() {
+    this.canvas.stage.start(() => true);
+    this.timebar.start();
+    this.update();
+  }
+
+  hide() {
+    this.canvas.stage.stop();
+    this.timebar.stop();
+  }
+
+  #layers() {
+    const titles = { path: "Path", trail: "Trail", tolerance: "Tolerances" };
+    const boxes = Object.entries(titles).map(([layer, title]) => h("label.check", {},
+      h("input", { type: "checkbox", checked: true, onchange: (event) => (this.canvas.layers[layer] = event.target.checked) }), title));
+    return h("div.choices", { role: "group", "aria-label": "What is drawn" }, boxes);
+  }
+
+  #legend() {
+    const items = [["path", "active"], ["pending", "pending"], ["trail", "actual"], ["warn", "tolerance"], ["preview", "preview"]];
+    return h("ul.legend", { "aria-label": "Colours" }, items.map(([colour, title]) => h("li", {}, h("span", { "data-colour": colour }), title)));
+  }
+
+  #show(name) {
+    this.canvas.show(name);
+    const { system } = this.canvas;
+    this.looks.choose(system.axes.length > 2 ? "space" : "top");
+    this.rows = system.axes.map((axis) => ({ axis, command: h("output"), error: h("small") }));
+    this.speed = h("output");
+    this.rest = h("small");
+    const { store } = this.app;
+    this.readout.replaceChildren(
+      ...this.rows.map(({ axis, command, error }) => h("div", {}, h("span.dro-axis", { "data-series": store.place(axis) % 8 }, axis), command, h("abbr", {}, store.axis(axis).units), error)),
+      h("div.dro-speed", {}, h("span.dro-axis", {}, "v"), this.speed, h("abbr", {}, rate(store.axis(system.axes[0])?.units ?? "", 1)), this.rest));
+    this.update();
+  }
+
+  #preview() {
+    const { preview } = this.app;
+    const first = preview?.paths?.[0]?.coordinate_system;
+    if (first && first !== this.canvas.system.name) {
+      this.choice.value = first;
+      this.#show(first);
+    }
+    this.canvas.setPreview(preview);
+  }
+
+  update() {
+    const { store, samples, moment } = this.app;
+    const tick = moment.shown;
+    for (const { axis, command, error } of this.rows) {
+      const kept = samples.axis(axis);
+      const status = store.axisStatus(axis);
+      const live = moment.tick === null;
+      text(command, fixed(live ? status?.actual ?? NaN : kept.actual.at(tick), 3));
+      text(error, `Δ ${fixed(live ? status?.error ?? NaN : kept.error.at(tick), 4)}`);
+    }
+    const system = store.systemStatus(this.canvas.system.name);
+    text(this.speed, fixed(moment.tick === null ? system?.speed ?? NaN : samples.system(this.canvas.system.name).speed.at(tick), 2));
+    const active = moment.tick === null ? system?.active : null;
+    text(this.rest, active ? `${active.tag} ${Math.round(100 * (active.progress ?? 0))} % · ${duration(active.eta_s)}` : "");
+    toggle(this.readout, "old", moment.tick !== null);
+  }
+}

@@ -1,0 +1,280 @@
+// The picture of a coordinate system: programmed path, preview, trail, tolerances, where it is. Units: position units.
+// It draws what it is given; it asks the server for nothing.
+
+import { Camera, LOOKS } from "./camera.js";
+import { Stage, gestures } from "./canvas.js";
+import { flatGrid, groundGrid, triad } from "./grid.js";
+import { axisColour, palette } from "./theme.js";
+
+const TRAIL_POINTS = 1600;
+const TRAIL_SHADES = 6;
+const LEAST_BOX = 10;
+
+/** A path picture in `host`. */
+export class PathCanvas {
+  /** The coordinate system that is shown. */
+  system = null;
+  /** The answer of a preview or dry run, or `null`. */
+  preview = null;
+  /** Length of the trail in seconds. */
+  trailSeconds = 20;
+  /** What is drawn. */
+  layers = { path: true, trail: true, tolerance: true };
+  #untouched = true;
+  #fitted = null;
+  #points = [];
+
+  constructor(host, app, label = "Path of the coordinate system") {
+    this.app = app;
+    this.camera = new Camera();
+    this.stage = new Stage(host, (context, width, height) => this.#draw(context, width, height), {
+      tabindex: "0", role: "img", "aria-label": `${label}. Drag to move or turn, wheel to zoom, F to fit.`,
+    });
+    this.stage.onresize = (width, height) => {
+      Object.assign(this.camera, { width, tall: height });
+      if (this.#untouched) this.fit();
+    };
+    gestures(this.stage.element, {
+      drag: (dx, dy, event, fingers) => this.#drag(dx, dy, event, fingers),
+      zoom: (factor, x, y) => {
+        this.camera.zoom(factor, x, y);
+        this.#touched();
+      },
+    });
+    this.stage.element.addEventListener("dblclick", () => this.fit());
+    this.stage.element.addEventListener("keydown", (event) => this.#key(event));
+  }
+
+  /** Shows a coordinate system, from above or in space. */
+  show(name, look = null) {
+    this.system = this.app.store.system(name);
+    this.look(look ?? (this.system.axes.length > 2 ? "space" : "top"));
+  }
+
+  /** Takes one of the fixed looks. */
+  look(name) {
+    this.camera.look(LOOKS[name]);
+    this.fit();
+  }
+
+  /** Shows everything. */
+  fit() {
+    if (!this.system) return;
+    this.#points = this.#trail();
+    this.#fitted = this.#box();
+    this.camera.fit(this.#fitted);
+    this.#untouched = true;
+    this.stage.touch();
+  }
+
+  /** Shows a preview, whole. */
+  setPreview(preview) {
+    this.preview = preview;
+    if (preview || this.#untouched) this.fit();
+    this.stage.touch();
+  }
+
+  #touched() {
+    this.#untouched = false;
+    this.stage.touch();
+  }
+
+  #drag(dx, dy, event, fingers) {
+    const panning = fingers > 1 || event.shiftKey || event.buttons !== 1 || this.camera.plane !== null;
+    if (panning) this.camera.pan(dx, dy);
+    else this.camera.orbit(dx, dy);
+    this.#touched();
+  }
+
+  #key(event) {
+    const step = 40;
+    const moves = { ArrowLeft: [step, 0], ArrowRight: [-step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] };
+    const middle = [this.camera.width / 2, this.camera.tall / 2];
+    if (moves[event.key]) {
+      if (event.shiftKey || this.camera.plane) this.camera.pan(...moves[event.key]);
+      else this.camera.orbit(...moves[event.key]);
+    } else if (event.key === "+" || event.key === "=") this.camera.zoom(1.25, ...middle);
+    else if (event.key === "-") this.camera.zoom(0.8, ...middle);
+    else if (event.key === "f" || event.key === "F") {
+      this.fit();
+      return;
+    } else return;
+    event.preventDefault();
+    this.#touched();
+  }
+
+  /** The trail as points of three numbers, oldest first, up to the moment that is shown. */
+  #trail() {
+    const { samples, moment } = this.app;
+    const axes = this.system.axes.map((name) => samples.axis(name));
+    const end = moment.tick ?? samples.end - 1;
+    const span = Math.round(this.trailSeconds / samples.period);
+    const step = Math.max(1, Math.ceil(span / TRAIL_POINTS));
+    const from = Math.max(samples.first, end - span);
+    const points = [];
+    for (let tick = Math.ceil(from / step) * step; tick < end; tick += step) points.push(point(axes, tick));
+    if (end >= samples.first && end >= 0) points.push(point(axes, end));
+    return points;
+  }
+
+  /** Where it is at the moment that is shown. */
+  #place() {
+    const { samples, moment, store } = this.app;
+    const end = moment.tick ?? samples.end - 1;
+    const place = point(this.system.axes.map((name) => samples.axis(name)), end);
+    if (place.every(Number.isFinite)) return place;
+    return spread(this.system.axes.map((name) => store.axisStatus(name)?.actual ?? 0));
+  }
+
+  #paths() {
+    const path = this.app.store.systemStatus(this.system.name)?.path ?? {};
+    return { active: path.active ?? [], pending: path.pending ?? [], tolerance: path.tolerance ?? [] };
+  }
+
+  #previewPaths() {
+    return (this.preview?.paths ?? []).filter((path) => path.coordinate_system === this.system.name);
+  }
+
+  #box() {
+    const low = [Infinity, Infinity, Infinity];
+    const high = [-Infinity, -Infinity, -Infinity];
+    const take = (p) => spread(p).forEach((value, k) => {
+      if (!Number.isFinite(value)) return;
+      low[k] = Math.min(low[k], value);
+      high[k] = Math.max(high[k], value);
+    });
+    if (this.system) {
+      const { active, pending } = this.#paths();
+      [active, ...pending].forEach((line) => line.forEach(take));
+      this.#previewPaths().forEach((path) => path.points.forEach(take));
+      this.#points.forEach(take);
+      take(this.#place());
+    }
+    for (let k = 0; k < 3; k++) {
+      if (!Number.isFinite(low[k])) low[k] = high[k] = 0;
+      // A flat picture needs no height of its own.
+      if (high[k] - low[k] < LEAST_BOX && (k < 2 || high[k] > low[k])) {
+        const middle = (low[k] + high[k]) / 2;
+        low[k] = Math.min(low[k], middle - LEAST_BOX / 2);
+        high[k] = Math.max(high[k], middle + LEAST_BOX / 2);
+      }
+    }
+    return [low, high];
+  }
+
+  #draw(context, width, height) {
+    const colours = palette();
+    context.fillStyle = colours.canvas;
+    context.fillRect(0, 0, width, height);
+    if (!this.system) return;
+    this.#points = this.layers.trail ? this.#trail() : [];
+    const box = this.#box();
+    if (this.#untouched) this.#keepInside(box);
+    const project = this.camera.projection();
+    const { plane } = this.camera;
+    if (plane) flatGrid(context, this.camera, plane, colours, this.system.axes);
+    else groundGrid(context, project, this.#fitted ?? box, colours);
+    context.lineJoin = "round";
+    context.lineCap = "round";
+    const { active, pending, tolerance } = this.#paths();
+    if (this.layers.trail) this.#drawTrail(context, project, colours);
+    if (this.layers.path) {
+      context.setLineDash([7, 5]);
+      for (const line of pending) stroke(context, project, line, colours.pending, 1.75);
+      context.setLineDash([]);
+      stroke(context, project, active, colours.path, 2.25);
+    }
+    if (this.layers.tolerance) circles(context, project, this.camera.scale, tolerance, colours.warn);
+    for (const path of this.#previewPaths()) {
+      stroke(context, project, path.points, colours.preview, 2.25);
+      if (this.layers.tolerance) circles(context, project, this.camera.scale, path.blends ?? [], colours.preview);
+      ends(context, project, path.points, colours.preview);
+    }
+    this.#drawPlace(context, project, colours);
+    if (!plane) triad(context, this.camera, colours, this.system.axes, (name) => axisColour(this.app.store.place(name)));
+  }
+
+  /** Until somebody moves the picture it grows with what it shows; it does not shrink by itself. */
+  #keepInside([low, high]) {
+    const [left, right] = this.#fitted ?? [low, high];
+    const outside = low.some((value, k) => value < left[k] - 1e-9 || high[k] > right[k] + 1e-9);
+    if (this.#fitted && !outside) return;
+    this.#fitted = [low.map((value, k) => Math.min(value, left[k])), high.map((value, k) => Math.max(value, right[k]))];
+    this.camera.fit(this.#fitted);
+  }
+
+  #drawTrail(context, project, colours) {
+    const points = this.#points;
+    const part = Math.ceil(points.length / TRAIL_SHADES);
+    for (let shade = 0; shade < TRAIL_SHADES && part > 0; shade++) {
+      context.globalAlpha = (shade + 1) / TRAIL_SHADES;
+      stroke(context, project, points.slice(Math.max(0, shade * part - 1), (shade + 1) * part), colours.trail, 1.5);
+    }
+    context.globalAlpha = 1;
+  }
+
+  #drawPlace(context, project, colours) {
+    const [x, y] = project(...this.#place());
+    context.strokeStyle = colours.text;
+    context.lineWidth = 1;
+    context.beginPath();
+    for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+      context.moveTo(x + 8 * dx, y + 8 * dy);
+      context.lineTo(x + 15 * dx, y + 15 * dy);
+    }
+    context.stroke();
+    context.beginPath();
+    context.arc(x, y, 5, 0, 2 * Math.PI);
+    context.fillStyle = colours.text;
+    context.fill();
+    context.lineWidth = 2;
+    context.strokeStyle = colours.canvas;
+    context.stroke();
+  }
+}
+
+function spread(values) {
+  return [values[0] ?? 0, values[1] ?? 0, values[2] ?? 0];
+}
+
+function point(axes, tick) {
+  return spread(axes.slice(0, 3).map((axis) => axis.actual.at(tick)));
+}
+
+function stroke(context, project, points, colour, width) {
+  if (points.length < 2) return;
+  context.strokeStyle = colour;
+  context.lineWidth = width;
+  context.beginPath();
+  let pen = false;
+  for (const [a, b, c] of points) {
+    const [x, y] = project(a, b ?? 0, c ?? 0);
+    if (!Number.isFinite(x) || !Number.isFinite(y)) pen = false;
+    else if (pen) context.lineTo(x, y);
+    else {
+      context.moveTo(x, y);
+      pen = true;
+    }
+  }
+  context.stroke();
+}
+
+/** Tolerances are spheres, so every look shows them as circles. */
+function circles(context, project, scale, list, colour) {
+  context.strokeStyle = colour;
+  context.lineWidth = 1.25;
+  for (const { centre, radius } of list) {
+    const [x, y] = project(...spread(centre));
+    context.beginPath();
+    context.arc(x, y, Math.max(radius * scale, 2), 0, 2 * Math.PI);
+    context.stroke();
+  }
+}
+
+function ends(context, project, points, colour) {
+  const last = points.at(-1);
+  if (!last) return;
+  const [x, y] = project(...spread(last));
+  context.fillStyle = colour;
+  context.fillRect(x - 3.5, y - 3.5, 7, 7);
+}

@@ -1,0 +1,199 @@
+// Stacked lanes of signals over time on a canvas. Time in seconds, values in the units of the lane.
+// A column of pixels shows the least and the greatest value of its ticks, so no peak is lost at any zoom.
+
+import { clock, decimals, fixed, niceStep, short } from "./format.js";
+
+/** Room for the numbers at the left and the times below, in pixels. */
+export const MARGIN = { left: 62, right: 12, top: 6, bottom: 22, gap: 8 };
+
+const TITLE = 17;
+
+/** Where each lane is: `{top, height}` in pixels. */
+export function places(count, height) {
+  const room = height - MARGIN.top - MARGIN.bottom - MARGIN.gap * (count - 1);
+  const each = room / Math.max(count, 1);
+  return Array.from({ length: count }, (_, k) => ({ top: MARGIN.top + k * (each + MARGIN.gap), height: each }));
+}
+
+/** The tick at a pixel. */
+export function tickAt(x, width, from, to) {
+  return from + ((x - MARGIN.left) / (width - MARGIN.left - MARGIN.right)) * (to - from);
+}
+
+/** The pixel of a tick. */
+export function pixelOf(tick, width, from, to) {
+  return MARGIN.left + ((tick - from) / (to - from)) * (width - MARGIN.left - MARGIN.right);
+}
+
+/**
+ * Draws lanes `{title, unit, least, lines: [{colour, series, dashed}], range}` for the ticks `from` to `to`.
+ * `range` is kept by the caller between frames so that the scale does not tremble.
+ */
+export function drawLanes(context, width, height, lanes, from, to, samples, colours) {
+  context.fillStyle = colours.canvas;
+  context.fillRect(0, 0, width, height);
+  const room = places(lanes.length, height);
+  timeGrid(context, width, height, from, to, samples, colours);
+  lanes.forEach((lane, k) => {
+    const { top, height: tall } = room[k];
+    const columns = lane.lines.map(({ series }) => extremaColumns(series, from, to, width));
+    lane.range = settle(lane.range, reach(columns), lane.least);
+    drawLane(context, width, lane, columns, { top, tall, from, to }, colours);
+  });
+}
+
+/** Least and greatest of each column: `[tick, least, greatest, …]`. */
+function extremaColumns(series, from, to, width) {
+  const pixels = Math.max(1, width - MARGIN.left - MARGIN.right);
+  const ticks = (to - from) / pixels;
+  // Columns begin at multiples of their length, so that a moving window does not make them shimmer.
+  const bucket = ticks >= 512 ? 256 : ticks >= 32 ? 16 : 1;
+  const step = Math.max(1, Math.ceil(ticks / bucket) * bucket);
+  const out = [];
+  const pair = [0, 0];
+  for (let tick = Math.floor(from / step) * step; tick <= to + step; tick += step) {
+    if (step === 1) {
+      const value = series.at(tick);
+      out.push(tick, value, value);
+    } else {
+      series.extrema(tick, tick + step, pair);
+      out.push(tick + step / 2, pair[0], pair[1]);
+    }
+  }
+  return out;
+}
+
+function reach(columns) {
+  let [least, greatest] = [Infinity, -Infinity];
+  for (const column of columns) {
+    for (let k = 0; k < column.length; k += 3) {
+      if (column[k + 1] < least) least = column[k + 1];
+      if (column[k + 2] > greatest) greatest = column[k + 2];
+    }
+  }
+  return least <= greatest ? [least, greatest] : [0, 0];
+}
+
+/** Grows at once and shrinks only when much room is unused. */
+function settle(range, [least, greatest], smallest) {
+  const middle = (least + greatest) / 2;
+  const half = Math.max((greatest - least) / 2, smallest / 2);
+  const wanted = [middle - half * 1.08, middle + half * 1.08];
+  if (!range) return wanted;
+  const span = range[1] - range[0];
+  const inside = least >= range[0] && greatest <= range[1];
+  const small = wanted[1] - wanted[0] < 0.62 * span;
+  return inside && !small ? range : wanted;
+}
+
+function timeGrid(context, width, height, from, to, samples, colours) {
+  const seconds = (to - from) * samples.period;
+  const step = niceStep((seconds * 92) / Math.max(width - MARGIN.left, 1));
+  const places = decimals(step);
+  context.font = `11px ${colours.font}`;
+  context.textAlign = "center";
+  context.textBaseline = "bottom";
+  context.lineWidth = 1;
+  const first = Math.ceil((from * samples.period) / step);
+  for (let k = first; k * step <= to * samples.period; k++) {
+    const x = Math.round(pixelOf((k * step) / samples.period, width, from, to)) + 0.5;
+    context.strokeStyle = colours.grid;
+    context.beginPath();
+    context.moveTo(x, MARGIN.top);
+    context.lineTo(x, height - MARGIN.bottom);
+    context.stroke();
+    context.fillStyle = colours.faint;
+    if (x > MARGIN.left + 16 && x < width - 20) context.fillText(clock(k * step, places), x, height - 4);
+  }
+}
+
+function drawLane(context, width, lane, columns, { top, tall, from, to }, colours) {
+  const [low, high] = lane.range;
+  const y = (value) => top + tall - ((value - low) / (high - low)) * tall;
+  const right = width - MARGIN.right;
+  const step = niceStep(((high - low) * 30) / Math.max(tall, 1));
+  const places = decimals(step);
+  context.font = `11px ${colours.font}`;
+  context.textAlign = "right";
+  context.textBaseline = "middle";
+  for (let k = Math.ceil(low / step); k * step <= high; k++) {
+    const at = Math.round(y(k * step)) + 0.5;
+    context.strokeStyle = k === 0 ? colours.line : colours.grid;
+    context.beginPath();
+    context.moveTo(MARGIN.left, at);
+    context.lineTo(right, at);
+    context.stroke();
+    context.fillStyle = colours.faint;
+    if (at > top + 6 && at < top + tall - 2) context.fillText(label(k * step, places), MARGIN.left - 6, at);
+  }
+  context.strokeStyle = colours.line;
+  context.strokeRect(MARGIN.left + 0.5, Math.round(top) + 0.5, right - MARGIN.left - 1, Math.round(tall) - 1);
+  context.save();
+  context.beginPath();
+  context.rect(MARGIN.left, top, right - MARGIN.left, tall);
+  context.clip();
+  lane.lines.forEach((line, k) => drawLine(context, columns[k], line, (tick) => pixelOf(tick, width, from, to), y));
+  context.restore();
+  const title = `${lane.title}  ${lane.unit}`;
+  context.font = `600 11px ${colours.font}`;
+  const wide = context.measureText(title).width;
+  context.globalAlpha = 0.86;
+  context.fillStyle = colours.canvas;
+  context.fillRect(MARGIN.left + 3, top + 3, wide + 10, TITLE);
+  context.globalAlpha = 1;
+  context.fillStyle = colours.muted;
+  context.textAlign = "left";
+  context.fillText(title, MARGIN.left + 8, top + 3 + TITLE / 2);
+}
+
+function label(value, places) {
+  return Math.abs(value) >= 1e5 ? short(value) : fixed(value, places);
+}
+
+function drawLine(context, column, { colour, dashed }, x, y) {
+  context.strokeStyle = colour;
+  context.lineWidth = 1.4;
+  context.lineJoin = "round";
+  context.setLineDash(dashed ? [4, 3] : []);
+  context.beginPath();
+  let pen = false;
+  let last = 0;
+  for (let k = 0; k < column.length; k += 3) {
+    const [low, high] = [column[k + 1], column[k + 2]];
+    if (Number.isNaN(low)) {
+      pen = false;
+      continue;
+    }
+    const at = x(column[k]);
+    const side = k && high !== low ? (at - x(column[k - 3])) / 4 : 0;
+    // The nearer end first, so that a falling line is not drawn as a saw.
+    const [near, far] = last - low > high - last ? [high, low] : [low, high];
+    if (pen) context.lineTo(at - side, y(near));
+    else context.moveTo(at - side, y(near));
+    if (far !== near) context.lineTo(at + side, y(far));
+    last = far;
+    pen = true;
+  }
+  context.stroke();
+  context.setLineDash([]);
+}
+
+/** Draws a cursor through all lanes, with its name at the top. */
+export function drawCursor(context, width, height, tick, name, from, to, colour, colours) {
+  const x = Math.round(pixelOf(tick, width, from, to)) + 0.5;
+  if (x < MARGIN.left || x > width - MARGIN.right) return;
+  context.strokeStyle = colour;
+  context.lineWidth = 1;
+  context.beginPath();
+  context.moveTo(x, MARGIN.top);
+  context.lineTo(x, height - MARGIN.bottom);
+  context.stroke();
+  if (!name) return;
+  context.fillStyle = colour;
+  context.fillRect(x - 8, height - MARGIN.bottom, 16, 16);
+  context.font = `700 11px ${colours.font}`;
+  context.fillStyle = colours.canvas;
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  context.fillText(name, x, height - MARGIN.bottom + 8.5);
+}

@@ -1,0 +1,179 @@
+// The view of a program: edit, dry run, run, step, pause, stop. One program runs at a time, whoever started it.
+
+import { ControlBar } from "./control.js";
+import { calm, fill, h, icon, segmented, state, text } from "./dom.js";
+import { Editor } from "./editor.js";
+import { PathCanvas } from "./path_canvas.js";
+import { PreviewFacts } from "./preview.js";
+import { keep } from "./theme.js";
+import { explanation } from "./toasts.js";
+
+const KEY = "arcline.program";
+const CHECK_MS = 250;
+const WORDS = { idle: "No program runs", running: "Running", paused: "Paused", ended: "Ended", failed: "Failed" };
+
+export class Program {
+  title = "Program";
+
+  constructor(app) {
+    this.app = app;
+    const { store } = app;
+    this.editor = new Editor({
+      label: "Program in Structured Text", mnemonics: store.catalogue.instructions.map(({ mnemonic }) => mnemonic),
+      onchange: (source) => this.#changed(source),
+    });
+    this.status = h("span.pill", { role: "status" });
+    const button = (title, picture, action, kind = "") => h(kind ? `button.${kind}` : "button", { type: "button", onclick: action }, icon(picture), title);
+    this.dry = button("Dry run", "eye", () => this.#dryRun());
+    this.runButton = button("Run", "run", () => this.#ask("run", { text: this.editor.text }), "primary");
+    this.step = button("Step", "step", () => this.#step());
+    this.pause = button("Pause", "pause", () => this.#ask(this.paused ? "continue" : "pause"));
+    this.end = button("Stop", "stop", () => this.#ask("end"), "danger");
+    this.file = h("input", { type: "file", accept: ".st,text/plain", hidden: true, onchange: () => this.#open() });
+    this.facts = new PreviewFacts(app);
+    this.events = h("ol.dry-events");
+    this.problem = h("div.problem", { role: "alert", hidden: true });
+    const host = h("div.path-canvas.small");
+    this.canvas = new PathCanvas(host, app, "Path of the program");
+    const systems = store.machine.coordinate_systems.map(({ name }) => [name, name]);
+    this.control = new ControlBar(app);
+    this.system = segmented("Coordinate system", systems.slice(0, 6), systems[0]?.[0], (name) => this.#showSystem(name));
+    this.element = h("section.view.program", { "aria-label": this.title },
+      h("div.toolbar", {}, this.dry, this.runButton, this.step, this.pause, this.end, h("span.spring"), this.status,
+        button("Open", "open", () => this.file.click()), button("Save", "save", () => this.#save()), this.file),
+      h("div.program-body", {}, this.editor.element,
+        h("div.program-side", {}, this.control.element, this.problem,
+          h("div.panel", {}, h("div.row", {}, h("h2", {}, "Dry run"), h("span.spring"), this.system.element), host, this.facts.element, this.events))));
+    this.check = calm(CHECK_MS, (source) => this.#check(source));
+    store.addEventListener("program", () => this.#program());
+    this.editor.text = keep.get(KEY) ?? example(store.machine);
+    if (systems.length) this.#showSystem(systems[0][0]);
+    this.#program();
+    app.connection.addEventListener("open", () => this.check(this.editor.text));
+  }
+
+  show() {
+    this.canvas.stage.start(() => true);
+    this.check(this.editor.text);
+  }
+
+  hide() {
+    this.canvas.stage.stop();
+  }
+
+  #showSystem(name) {
+    this.canvas.show(name);
+    this.control.show(name);
+  }
+
+  #changed(source) {
+    keep.set(KEY, source);
+    this.canvas.setPreview(null);
+    this.facts.show(null);
+    fill(this.events);
+    this.check(source);
+  }
+
+  async #check(source) {
+    if (!this.app.connection.isOpen) return;
+    try {
+      const { errors } = await this.app.connection.request("check", { text: source });
+      if (source === this.editor.text) this.editor.setErrors(errors);
+    } catch (error) {
+      this.#say(error);
+    }
+  }
+
+  async #dryRun() {
+    this.#say(null);
+    this.dry.disabled = true;
+    try {
+      const answer = await this.app.connection.request("dry_run", { text: this.editor.text });
+      const first = answer.paths?.[0]?.coordinate_system;
+      if (first && !answer.paths.some((path) => path.coordinate_system === this.canvas.system.name)) {
+        this.system.choose(first);
+        this.#showSystem(first);
+      }
+      this.canvas.setPreview(answer);
+      this.facts.show(answer);
+      const wrong = (answer.events ?? []).filter(({ err, ERR }) => err || ERR);
+      fill(this.events, wrong.map((event) => h("li.bad", {}, `${event.instruction} ${event.tag}: `, event.error ? event.error.text : `ERR ${event.err ?? event.ERR}`)));
+    } catch (error) {
+      this.#fault(error);
+    } finally {
+      this.dry.disabled = false;
+    }
+  }
+
+  async #ask(what, fields = {}) {
+    this.#say(null);
+    try {
+      await this.app.connection.request(what, fields);
+    } catch (error) {
+      this.#fault(error);
+    }
+  }
+
+  /** Steps a program; the first step begins one. */
+  async #step() {
+    if (!this.active) await this.#ask("run", { text: this.editor.text, paused: true });
+    else await this.#ask("step");
+  }
+
+  #fault(error) {
+    if (error.line) this.editor.setErrors([{ line: error.line, column: error.column ?? 1, text: error.text }]);
+    this.#say(error);
+  }
+
+  #say(error) {
+    this.problem.hidden = !error;
+    fill(this.problem, error ? [error.line ? h("strong", {}, `Line ${error.line}`) : "", explanation(error)] : "");
+  }
+
+  #program() {
+    const program = this.app.store.program ?? { state: "idle", line: null };
+    this.active = program.state === "running" || program.state === "paused";
+    this.paused = program.state === "paused";
+    const who = this.active && program.viewer && program.viewer !== this.app.store.viewer ? ` for ${program.viewer}` : "";
+    text(this.status, `${WORDS[program.state] ?? program.state}${this.active && program.line ? `, line ${program.line}` : ""}${who}`);
+    state(this.status, "kind", { running: "busy", paused: "warn", failed: "bad", ended: "good" }[program.state] ?? "calm");
+    if (this.active && program.text !== undefined && program.text !== null && program.text !== this.editor.text) {
+      this.editor.text = program.text;
+      this.check(program.text);
+    }
+    this.editor.area.readOnly = this.active;
+    this.editor.setLine(this.active ? program.line ?? null : null);
+    fill(this.pause, icon(this.paused ? "run" : "pause"), this.paused ? "Continue" : "Pause");
+    this.runButton.disabled = this.active;
+    this.pause.disabled = this.end.disabled = !this.active;
+    this.step.disabled = this.active && !this.paused;
+    if (program.state === "failed" && program.error) this.#fault(program.error);
+  }
+
+  update() {
+    this.control.update();
+  }
+
+  async #open() {
+    const [file] = this.file.files;
+    if (!file) return;
+    this.editor.text = await file.text();
+    this.file.value = "";
+    this.#changed(this.editor.text);
+  }
+
+  #save() {
+    const link = h("a", { href: URL.createObjectURL(new Blob([this.editor.text], { type: "text/plain" })), download: "program.st" });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+  }
+}
+
+/** A program to begin with, for the first coordinate system of two axes or more. */
+function example(machine) {
+  const system = machine.coordinate_systems.find(({ axes }) => axes.length > 1) ?? machine.coordinate_systems[0];
+  if (!system) return "";
+  const at = (...values) => `[${system.axes.map((_, k) => values[k] ?? 0).join(", ")}]`;
+  const move = (tag, place) => `MCLM(${system.name}, ${tag}, Absolute, ${place}, 50, %ofMaximum, 100, %ofMaximum, 100, %ofMaximum,\n     S-curve, 100, 100, %ofTime, CommandTolerance);`;
+  return `// A square with rounded corners. Dry run shows it before anything moves.\n${move("Hmi1", at(100, 0))}\n${move("Hmi2", at(100, 100))}\n${move("Hmi3", at(0, 100))}\n${move("Hmi4", at(0, 0))}\nWAIT(Hmi4.PC);\n`;
+}

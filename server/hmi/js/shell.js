@@ -1,0 +1,111 @@
+// What surrounds every view: the bar with state and STOP, the list of views, the warning that the server is gone.
+
+import { h, icon, fill, state, text, toggle } from "./dom.js";
+import { duration } from "./format.js";
+import * as theme from "./theme.js";
+
+const THEMES = { auto: ["auto", "As the system"], light: ["sun", "Light"], dark: ["moon", "Dark"] };
+
+/** The frame of the page. `views` are `[key, icon, view]` in the order of the list. */
+export class Shell {
+  constructor(app, views) {
+    this.app = app;
+    this.views = views;
+    this.links = new Map();
+    this.link = h("span.pill", { role: "status" });
+    this.motion = h("span.pill.wide-only");
+    this.control = h("span.pill.wide-only.narrow-too");
+    this.tick = h("span.pill.wide-only", { title: "How late the real-time tick begins: 99 of 100, in microseconds" });
+    this.theme = h("button.bare.round", { type: "button", onclick: () => theme.next() });
+    this.stop = h("button.stop", { type: "button", title: "Stops all motion. Key: Esc", onpointerdown: (event) => this.#press(event), onclick: (event) => event.detail === 0 && app.stop() },
+      icon("stop"), h("span", {}, "STOP"), h("kbd", {}, "Esc"));
+    this.bar = h("header.bar", {},
+      h("a.brand", { href: "#/machine", "aria-label": "Machine view" }, icon("arc"), h("span.brand-name", {}, app.store.machine.name)),
+      this.link, this.motion, this.control, this.tick, h("span.spring"), this.theme, this.stop);
+    this.nav = h("nav.views", { "aria-label": "Views" }, views.map(([key, picture, view]) => {
+      const link = h("a", { href: `#/${key}` }, icon(picture), h("span", {}, view.title));
+      this.links.set(key, link);
+      return link;
+    }));
+    this.banner = h("div.lost", { role: "alert", hidden: true });
+    this.main = h("main", { id: "view", tabindex: "-1" });
+    this.element = h("div.shell", {}, h("a.skip", { href: "#view", onclick: (event) => this.#skip(event) }, "Skip to the view"),
+      this.bar, this.banner, this.nav, this.main, app.toasts.element);
+    theme.onchange(() => this.#showTheme());
+    this.#showTheme();
+    addEventListener("hashchange", () => this.#route());
+    this.#route();
+    setInterval(() => this.#age(), 200);
+  }
+
+  #skip(event) {
+    event.preventDefault();
+    this.main.focus();
+  }
+
+  /** The press stops, not the release: nobody holds a stop button to think about it. */
+  #press(event) {
+    if (event.button === 0) this.app.stop();
+  }
+
+  #route() {
+    const wanted = location.hash.replace(/^#\//, "");
+    const [key, , view] = this.views.find(([key]) => key === wanted) ?? this.views[0];
+    if (this.view === view) return;
+    this.view?.hide?.();
+    this.view = view;
+    fill(this.main, view.element);
+    for (const [name, link] of this.links) {
+      if (name === key) link.setAttribute("aria-current", "page");
+      else link.removeAttribute("aria-current");
+    }
+    document.title = `${view.title} · ${this.app.store.machine.name}`;
+    view.show?.();
+    if (this.app.store.status) view.update?.();
+  }
+
+  #showTheme() {
+    const [picture, title] = THEMES[theme.choice()];
+    fill(this.theme, icon(picture));
+    this.theme.setAttribute("aria-label", `Colours: ${title}. Change`);
+    this.theme.title = `Colours: ${title}`;
+  }
+
+  /** Writes the newest status into the bar and the view. */
+  update() {
+    const { store } = this.app;
+    const { status } = store;
+    const moving = status.axes.filter((axis) => axis.moving).length;
+    const faulted = status.axes.filter((axis) => axis.faults?.length).length;
+    text(this.motion, faulted ? `${faulted} ${faulted === 1 ? "axis" : "axes"} faulted` : moving ? `${moving} ${moving === 1 ? "axis" : "axes"} moving` : "Standing still");
+    state(this.motion, "kind", faulted ? "bad" : moving ? "busy" : "calm");
+    const mine = Object.entries(status.drivers ?? {}).filter(([object, viewer]) => viewer === store.viewer && store.system(object)).map(([object]) => object);
+    const alone = Object.entries(status.drivers ?? {}).filter(([object, viewer]) => viewer === store.viewer && store.axis(object)).map(([object]) => object);
+    const driven = mine.length ? mine : alone;
+    text(this.control, driven.length ? `You drive ${driven.join(", ")}` : "Watching");
+    state(this.control, "kind", driven.length ? "mine" : "calm");
+    const { realtime } = status;
+    text(this.tick, realtime ? `tick ${Math.round(realtime.p99_us)} µs` : "");
+    state(this.tick, "kind", realtime?.missed ? "warn" : "calm");
+    this.view?.update?.();
+  }
+
+  /** Says unmistakably whether what is shown is true. */
+  connected(on) {
+    document.documentElement.dataset.connection = on ? "open" : "lost";
+    text(this.link, on ? "Connected" : "No connection");
+    state(this.link, "kind", on ? "good" : "bad");
+    this.banner.hidden = on;
+    toggle(this.stop, "useless", !on);
+    if (!on) document.title = "No connection";
+    else if (this.view) document.title = `${this.view.title} · ${this.app.store.machine.name}`;
+  }
+
+  #age() {
+    const { connection } = this.app;
+    if (connection.isOpen) return;
+    const since = (performance.now() - connection.lostAt) / 1000;
+    const words = `No connection to the server for ${duration(Math.max(1, Math.floor(since)))}. What you see is old and STOP cannot reach the machine from here. Connecting again…`;
+    text(this.banner, words);
+  }
+}

@@ -1,0 +1,94 @@
+// What the page knows of the machine: its description, the newest status, who drives what.
+// A push holds only what has changed of the heavy parts; the store puts it together.
+
+/** Events: `status` (15 times a second), `control`, `program`, `values`, `events`, `hello`. */
+export class Store extends EventTarget {
+  /** The answer of `/api/machine`. */
+  machine = null;
+  /** The answer of `/api/instructions`. */
+  catalogue = null;
+  /** The newest status, with every part. */
+  status = null;
+  /** This viewer's name, as it stands in `status.drivers`. */
+  viewer = null;
+  /** The newest `program` push. */
+  program = null;
+
+  /** Reads the description of the machine; the page cannot do anything without it. */
+  async load() {
+    const [machine, catalogue] = await Promise.all(["/api/machine", "/api/instructions"].map(json));
+    this.machine = machine;
+    this.catalogue = catalogue;
+    this.status = null;
+  }
+
+  /** Takes a push of the server. */
+  take(message) {
+    if (message.push === "status") {
+      this.status = merged(this.status, message);
+    } else if (message.push === "hello") {
+      this.viewer = message.viewer;
+    } else if (message.push === "program") {
+      this.program = { ...this.program, ...message };
+    } else if (message.push === "control" && this.status) {
+      this.status.drivers = message.drivers ?? this.status.drivers;
+    }
+    const type = message.push === "event" ? "events" : message.push;
+    this.dispatchEvent(new CustomEvent(type, { detail: message }));
+  }
+
+  /** The configuration of an axis. */
+  axis(name) {
+    return this.machine.axes.find((axis) => axis.name === name);
+  }
+
+  /** The configuration of a coordinate system. */
+  system(name) {
+    return this.machine.coordinate_systems.find((system) => system.name === name);
+  }
+
+  /** The status of an axis, `undefined` before the first push. */
+  axisStatus(name) {
+    return this.status?.axes?.find((axis) => axis.name === name);
+  }
+
+  /** The status of a coordinate system. */
+  systemStatus(name) {
+    return this.status?.coordinate_systems?.find((system) => system.name === name);
+  }
+
+  /** The place of an axis in the configuration, which is also that of its colour. */
+  place(name) {
+    return this.machine.axes.findIndex((axis) => axis.name === name);
+  }
+
+  /** The instruction of a mnemonic. */
+  instruction(mnemonic) {
+    return this.catalogue.instructions.find((instruction) => instruction.mnemonic === mnemonic);
+  }
+
+  /** Who drives an object: a viewer's name or `null`. */
+  driver(object) {
+    return this.status?.drivers?.[object] ?? null;
+  }
+
+  /** Whether this page drives an object. */
+  drives(object) {
+    return this.viewer !== null && this.driver(object) === this.viewer;
+  }
+}
+
+function merged(old, fresh) {
+  if (!old) return fresh;
+  const list = (name) => {
+    if (!fresh[name]) return old[name];
+    return fresh[name].map((item, k) => ({ ...old[name]?.[k], ...item }));
+  };
+  return { ...old, ...fresh, axes: list("axes"), coordinate_systems: list("coordinate_systems") };
+}
+
+async function json(address) {
+  const answer = await fetch(address, { cache: "no-store" });
+  if (!answer.ok) throw new Error(`${address}: ${answer.status} ${answer.statusText}`);
+  return answer.json();
+}

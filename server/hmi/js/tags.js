@@ -1,0 +1,170 @@
+// The view of the tags: search, browse with pages, a list of watched values, and writing.
+
+import { calm, fill, h, icon, text } from "./dom.js";
+import { plain } from "./format.js";
+import { keep } from "./theme.js";
+
+const KEY = "arcline.watch";
+const SEARCH_MS = 150;
+const MOST_WATCHED = 64;
+
+export class Tags {
+  title = "Tags";
+  #rows = new Map();
+
+  constructor(app) {
+    this.app = app;
+    const kept = JSON.parse(keep.get(KEY) ?? "[]");
+    this.watched = kept.filter((name) => typeof name === "string").slice(0, MOST_WATCHED);
+    this.search = h("input", { type: "search", placeholder: "Search, for example Move or CS1.*", "aria-label": "Search tags", autocomplete: "off", spellcheck: "false",
+      oninput: calm(SEARCH_MS, () => this.#list()) });
+    this.table = h("tbody");
+    this.more = h("button", { type: "button", hidden: true, onclick: () => this.#list(this.last) }, "More");
+    this.count = h("small", { role: "status" });
+    this.watch = h("tbody");
+    this.empty = h("p.empty", {}, "Nothing is watched. The star beside a tag adds it, and so does its name above.");
+    this.add = h("input", { type: "text", placeholder: "Move1.PC", "aria-label": "Name of a tag or member to watch", autocomplete: "off", spellcheck: "false",
+      onkeydown: (event) => event.key === "Enter" && this.#add() });
+    const head = (...names) => h("thead", {}, h("tr", {}, names.map((name) => h("th", { scope: "col" }, name))));
+    this.element = h("section.view.tags", { "aria-label": this.title },
+      h("div.panel.tag-list", {}, h("div.row", {}, h("h2", {}, "Tags"), this.search, this.count),
+        h("div.scroll", {}, h("table", {}, head("", "Name", "Type", "Access", ""), this.table), this.more)),
+      h("div.panel.watch-list", {}, h("div.row", {}, h("h2", {}, "Watched"), h("span.spring"), this.add, h("button", { type: "button", onclick: () => this.#add() }, "Watch")),
+        this.empty, h("div.scroll", {}, h("table", {}, head("Name", "Value", "Write", ""), this.watch))));
+    app.store.addEventListener("values", ({ detail }) => this.#values(detail.values));
+    app.connection.addEventListener("open", () => this.#watchAll());
+    this.#showWatched();
+  }
+
+  show() {
+    this.#list();
+    this.#watchAll();
+  }
+
+  hide() {
+    this.app.connection.tell("watch", { names: [] });
+  }
+
+  async #list(after = null) {
+    const pattern = this.search.value.trim();
+    try {
+      const { tags, more } = await this.app.connection.request("tags", { pattern, ...(after && { after }) });
+      if (pattern !== this.search.value.trim()) return;
+      if (!after) fill(this.table);
+      for (const tag of tags) this.table.append(...this.#tag(tag));
+      this.last = tags.at(-1)?.name;
+      this.more.hidden = !more;
+      text(this.count, `${this.table.querySelectorAll("tr.tag").length}${more ? " and more" : ""}`);
+    } catch (error) {
+      this.app.toasts.bad("The tags cannot be listed", error);
+    }
+  }
+
+  #tag(tag) {
+    const dims = tag.dims?.length ? `[${tag.dims.join(", ")}]` : "";
+    const detail = h("tr.tag-detail", { hidden: true });
+    const open = h("button.bare", { type: "button", "aria-expanded": "false", "aria-label": `Value of ${tag.name}`, onclick: () => this.#expand(tag, open, detail) }, icon("right"));
+    const row = h("tr.tag", {}, h("td", {}, open), h("th", { scope: "row" }, tag.name), h("td", {}, `${tag.type}${dims}`), h("td", {}, tag.access ?? ""),
+      h("td", {}, this.#star(tag.name)));
+    return [row, detail];
+  }
+
+  #star(name) {
+    return h("button.bare", { type: "button", title: "Watch", "aria-label": `Watch ${name}`, onclick: () => this.#watchOne(name) }, icon("star"));
+  }
+
+  async #expand(tag, open, detail) {
+    const shown = open.getAttribute("aria-expanded") === "true";
+    open.setAttribute("aria-expanded", String(!shown));
+    detail.hidden = shown;
+    if (shown) return;
+    try {
+      const { values } = await this.app.connection.request("read", { names: [tag.name] });
+      const parts = members(tag.name, values[tag.name]);
+      fill(detail, h("td", { colspan: 5 }, h("dl.members", {}, parts.map(([name, value]) => [
+        h("dt", {}, this.#star(name), name === tag.name ? "value" : name.slice(tag.name.length)), h("dd.number", {}, plain(value))]))));
+    } catch (error) {
+      fill(detail, h("td.bad", { colspan: 5 }, error.text ?? error.message));
+    }
+  }
+
+  #add() {
+    const name = this.add.value.trim();
+    if (name) this.#watchOne(name);
+    this.add.value = "";
+  }
+
+  #watchOne(name) {
+    if (this.watched.includes(name) || this.watched.length >= MOST_WATCHED) return;
+    this.watched.push(name);
+    this.#showWatched();
+    this.#watchAll();
+  }
+
+  #unwatch(name) {
+    this.watched = this.watched.filter((other) => other !== name);
+    this.#showWatched();
+    this.#watchAll();
+  }
+
+  async #watchAll() {
+    keep.set(KEY, JSON.stringify(this.watched));
+    if (!this.element.isConnected || !this.app.connection.isOpen) return;
+    try {
+      await this.app.connection.request("watch", { names: this.watched });
+    } catch (error) {
+      this.app.toasts.bad("These tags cannot be watched", error);
+    }
+  }
+
+  #showWatched() {
+    this.empty.hidden = this.watched.length > 0;
+    this.#rows.clear();
+    fill(this.watch, this.watched.map((name) => {
+      const value = h("td.number.value", {}, "–");
+      const input = h("input", { type: "text", "aria-label": `New value of ${name}`, autocomplete: "off", onkeydown: (event) => event.key === "Enter" && this.#write(name, input) });
+      this.#rows.set(name, value);
+      return h("tr", {}, h("th", { scope: "row" }, name), value,
+        h("td", {}, h("span.pair", {}, input, h("button", { type: "button", onclick: () => this.#write(name, input) }, "Write"))),
+        h("td", {}, h("button.bare", { type: "button", "aria-label": `Stop watching ${name}`, onclick: () => this.#unwatch(name) }, icon("close"))));
+    }));
+  }
+
+  #values(values) {
+    for (const [name, value] of Object.entries(values ?? {})) {
+      const cell = this.#rows.get(name);
+      if (!cell) continue;
+      const failed = value !== null && typeof value === "object" && typeof value.error === "string";
+      text(cell, failed ? value.error : plain(value));
+      cell.classList.toggle("bad", failed);
+    }
+  }
+
+  async #write(name, input) {
+    try {
+      await this.app.connection.request("write", { tag: name, value: typed(input.value) });
+      input.value = "";
+      this.app.toasts.good(`${name} written`);
+    } catch (error) {
+      this.app.toasts.bad(`${name} was not written`, error);
+    }
+  }
+}
+
+/** A typed value: a number, true or false, a list or structure as JSON, otherwise text. */
+function typed(source) {
+  const plainText = source.trim();
+  try {
+    return JSON.parse(plainText);
+  } catch {
+    if (/^(true|false)$/i.test(plainText)) return /^t/i.test(plainText);
+    return plainText;
+  }
+}
+
+/** A structure or array as names and values, one level of names at a time. */
+function members(name, value) {
+  if (Array.isArray(value)) return value.slice(0, 256).flatMap((item, k) => members(`${name}[${k}]`, item));
+  if (value !== null && typeof value === "object") return Object.entries(value).flatMap(([member, item]) => members(`${name}.${member}`, item));
+  return [[name, value]];
+}

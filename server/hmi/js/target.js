@@ -1,0 +1,117 @@
+// The table of the target position: an end point, the actual position and a via point or centre for each axis.
+// Which columns and buttons there are, and what they are called, is the server's table (`target_position`).
+
+import { fill, h, text } from "./dom.js";
+import { exact, fixed } from "./format.js";
+import { number } from "./fields.js";
+
+/** The table of an instruction for a coordinate system; `words()` gives the values of the move and circle type. */
+export class TargetTable {
+  #key = "";
+  #targets = new Map();
+  #vias = new Map();
+
+  constructor(app, instruction, words, changed) {
+    const { target_position: rule } = instruction;
+    Object.assign(this, { app, rule, words, changed });
+    this.via = instruction.operands.find(({ member }) => member === rule.vias);
+    this.targetButton = h("button", { type: "button", onclick: () => this.#copy(this.#targets) }, "Set Targets = Actuals");
+    this.viaButton = h("button", { type: "button", onclick: () => this.#copy(this.#vias) }, "Set Vias = Actuals");
+    this.table = h("table.target-table");
+    this.element = h("div.target", {}, this.table, h("div.buttons", {}, this.targetButton, rule.vias && this.viaButton));
+    this.axes = [];
+  }
+
+  /** Takes the axes of a coordinate system; what was typed for an axis is kept. */
+  show(axes) {
+    this.axes = axes;
+    for (const axis of axes) {
+      if (!this.#targets.has(axis)) this.#targets.set(axis, this.#actual(axis));
+      if (!this.#vias.has(axis)) this.#vias.set(axis, "0");
+    }
+    this.#key = "";
+    this.arrange();
+  }
+
+  /** The row of the server's table for the words that are chosen. */
+  get row() {
+    const words = this.words();
+    return this.rule.rows.find((row) =>
+      row.move_type === words[this.rule.move_type] && (row.circle_type === null || row.circle_type === words[this.rule.circle_type]));
+  }
+
+  /** Names columns and buttons by the words that are chosen; draws the table again only when it must. */
+  arrange() {
+    const row = this.row;
+    if (!row) return;
+    this.targetButton.disabled = !row.targets_from_actuals;
+    this.viaButton.disabled = !row.vias_from_actuals;
+    const alone = this.via?.single_when;
+    this.single = Boolean(alone?.in.includes(this.words()[alone.member]));
+    const key = [row.target, row.via, ...this.axes].join("|");
+    if (key === this.#key) return;
+    this.#key = key;
+    this.actuals = new Map();
+    const columns = ["Axis Name", row.target, "Actual Position", row.via].filter(Boolean);
+    const head = columns.map((name) => h("th", { scope: "col" }, name));
+    const rows = this.axes.map((axis, k) => {
+      const actual = h("td.number");
+      this.actuals.set(axis, actual);
+      return h("tr", {},
+        h("th", { scope: "row" }, h("span.swatch", { "data-series": this.app.store.place(axis) % 8 }), axis),
+        h("td", {}, this.#input(this.#targets, axis, `${row.target} ${axis}`, this.rule.targets)),
+        actual,
+        row.via && h("td", {}, this.single && k > 0 ? "" : this.#input(this.#vias, axis, this.single ? row.via : `${row.via} ${axis}`, this.rule.vias)));
+    });
+    fill(this.table, h("thead", {}, h("tr", {}, head)), h("tbody", {}, rows));
+    this.update();
+  }
+
+  #input(values, axis, label, member) {
+    return h("input", {
+      type: "text", inputmode: "decimal", autocomplete: "off", "aria-label": label, "data-member": member, "data-axis": axis,
+      value: values.get(axis),
+      oninput: (event) => {
+        values.set(axis, event.target.value);
+        event.target.toggleAttribute("aria-invalid", !Number.isFinite(number(event.target.value)));
+        this.changed();
+      },
+    });
+  }
+
+  /** The actual position as it is typed; it carries the noise of a drive, so nobody wants all its digits. */
+  #actual(axis) {
+    return exact(Math.round((this.app.store.axisStatus(axis)?.actual ?? 0) * 1e6) / 1e6);
+  }
+
+  /** Writes the actual positions. */
+  update() {
+    for (const [axis, cell] of this.actuals ?? []) text(cell, fixed(this.app.store.axisStatus(axis)?.actual ?? NaN));
+  }
+
+  #copy(values) {
+    for (const axis of this.axes) values.set(axis, this.#actual(axis));
+    this.#key = "";
+    this.arrange();
+    this.changed();
+  }
+
+  /** The operands of the table; throws a text that says what is wrong. */
+  read() {
+    const list = (values, axes) => axes.map((axis) => {
+      const value = number(values.get(axis));
+      if (!Number.isFinite(value)) throw `${axis}: a number is expected`;
+      return value;
+    });
+    const operands = { [this.rule.targets]: list(this.#targets, this.axes) };
+    if (this.rule.vias && this.row?.via) operands[this.rule.vias] = list(this.#vias, this.single ? this.axes.slice(0, 1) : this.axes);
+    return operands;
+  }
+
+  /** Shows numbers that were chosen elsewhere. */
+  write(targets) {
+    this.axes.forEach((axis, k) => Number.isFinite(targets[k]) && this.#targets.set(axis, exact(targets[k])));
+    this.#key = "";
+    this.arrange();
+  }
+}

@@ -1,0 +1,73 @@
+// Light, dark, or as the system says; and the colours of the style sheet for what is drawn on a canvas.
+
+const KEY = "arcline.theme";
+const ORDER = ["auto", "light", "dark"];
+const system = matchMedia("(prefers-color-scheme: dark)");
+const listeners = new Set();
+let colours = null;
+
+/** `auto`, `light` or `dark`. */
+export function choice() {
+  const kept = keep.get(KEY);
+  return ORDER.includes(kept) ? kept : "auto";
+}
+
+/** The next choice in the order auto, light, dark. */
+export function next() {
+  keep.set(KEY, ORDER[(ORDER.indexOf(choice()) + 1) % ORDER.length]);
+  apply();
+}
+
+/** Puts the choice into effect; call once at the start. */
+export function apply() {
+  const chosen = choice();
+  const dark = chosen === "dark" || (chosen === "auto" && system.matches);
+  document.documentElement.dataset.theme = dark ? "dark" : "light";
+  colours = null;
+  for (const listener of listeners) listener();
+}
+
+/** Calls `listener` after every change. */
+export function onchange(listener) {
+  listeners.add(listener);
+}
+
+/** The colours for a canvas, read once for each change. */
+export function palette() {
+  if (colours) return colours;
+  const style = getComputedStyle(document.documentElement);
+  const read = (name) => style.getPropertyValue(name).trim();
+  colours = {
+    text: read("--text"), muted: read("--muted"), faint: read("--faint"), line: read("--line"), grid: read("--grid"),
+    panel: read("--panel"), canvas: read("--canvas"), accent: read("--accent"), ok: read("--ok"), warn: read("--warn"),
+    bad: read("--bad"), preview: read("--preview"), trail: read("--trail"), path: read("--path"), pending: read("--pending"),
+    series: Array.from({ length: 8 }, (_, k) => read(`--series-${k}`)), font: read("--font"),
+  };
+  return colours;
+}
+
+/** The colour of an axis, the same in every view. */
+export function axisColour(place) {
+  const { series } = palette();
+  return series[place % series.length];
+}
+
+/** What the browser keeps for this page; nothing is kept where it does not allow that. */
+export const keep = {
+  get(key) {
+    try {
+      return localStorage.getItem(key);
+    } catch {
+      return null;
+    }
+  },
+  set(key, value) {
+    try {
+      localStorage.setItem(key, value);
+    } catch {
+      // A private window: the choice lasts as long as the page.
+    }
+  },
+};
+
+system.addEventListener("change", apply);

@@ -1,0 +1,91 @@
+//! The web HMI: a page that the server carries with it, and one WebSocket for each viewer.
+//!
+//! Everything here lives on tokio beside the rest of the server. It reads the plant as any client does, and what it sends
+//! goes through bounded queues: a slow viewer loses frames or its connection, and nothing here is ever waited for by the
+//! tick. Not here: what an instruction means (the catalogue), motion (the controller), the page itself (`server/hmi/`).
+
+mod access;
+mod assets;
+mod instructions;
+mod machine;
+mod message;
+mod serve;
+mod status;
+#[cfg(test)]
+mod tests;
+mod viewer;
+
+use std::io;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
+use tokio::net::TcpListener;
+use tokio::sync::{Semaphore, watch};
+
+use crate::plant::Plant;
+use assets::Assets;
+use status::Status;
+
+/// The bound HMI.
+#[derive(Debug)]
+pub struct Hmi {
+    listener: TcpListener,
+    shared: Arc<Shared>,
+}
+
+/// What all viewers share.
+#[derive(Debug)]
+struct Shared {
+    plant: Plant,
+    assets: Assets,
+    /// Where it listens.
+    listen: SocketAddr,
+    /// `/api/machine` and `/api/instructions`, which do not change.
+    machine: String,
+    instructions: String,
+    /// One for each viewer that may still come.
+    places: Arc<Semaphore>,
+    /// Viewers so far.
+    viewers: AtomicU64,
+    status: watch::Sender<Status>,
+}
+
+impl Hmi {
+    /// Binds `address`; port 0 picks a free one.
+    ///
+    /// # Errors
+    /// The address cannot be bound.
+    pub async fn bind(address: SocketAddr, plant: Plant) -> io::Result<Self> {
+        let listener = TcpListener::bind(address).await?;
+        let shared = Shared {
+            assets: Assets::from_environment(),
+            listen: listener.local_addr()?,
+            machine: machine::description(&plant).to_string(),
+            instructions: instructions::catalogue().to_string(),
+            places: Arc::new(Semaphore::new(VIEWERS)),
+            viewers: AtomicU64::new(0),
+            status: watch::Sender::new(Status::default()),
+            plant,
+        };
+        Ok(Self {
+            listener,
+            shared: Arc::new(shared),
+        })
+    }
+
+    /// The address that was really bound.
+    pub fn local_addr(&self) -> SocketAddr {
+        self.shared.listen
+    }
+
+    /// Serves until the future is dropped; that closes every viewer.
+    pub async fn serve(self) {
+        let statuses = status::produce(self.shared.clone());
+        let connections = serve::accept(self.listener, self.shared);
+        tokio::join!(statuses, connections);
+    }
+}
+
+/// Viewers at a time.
+const VIEWERS: usize = 32;

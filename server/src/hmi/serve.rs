@@ -1,0 +1,167 @@
+//! HTTP: the page's files, two descriptions as JSON, and the way to the WebSocket. Every answer carries the headers that
+//! keep foreign pages out.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::body::Body;
+use axum::extract::{Extension, Request, State, WebSocketUpgrade};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
+use axum::middleware::{self, Next};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use axum::{Router, http};
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::task::JoinSet;
+use tracing::{debug, warn};
+
+use super::{Shared, access, viewer};
+
+/// TCP connections at a time.
+const CONNECTIONS: usize = 256;
+/// How long the head of a request may take to come, and how long a connection may be idle.
+const HEAD_WITHIN: Duration = Duration::from_secs(15);
+/// Wait after a connection could not be accepted.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
+/// Longest message of a viewer, bytes.
+const LONGEST_MESSAGE: usize = 256 * 1024;
+
+/// Scripts, styles and connections of this server only; nothing inline, nothing embedded anywhere.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; \
+    connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// Sent with every answer.
+#[rustfmt::skip]
+const HEADERS: [(HeaderName, &str); 7] = [
+    (header::CONTENT_SECURITY_POLICY,                                POLICY),
+    (header::X_CONTENT_TYPE_OPTIONS,                                 "nosniff"),
+    (header::X_FRAME_OPTIONS,                                        "DENY"),
+    (header::REFERRER_POLICY,                                        "no-referrer"),
+    (HeaderName::from_static("cross-origin-opener-policy"),          "same-origin"),
+    (HeaderName::from_static("cross-origin-resource-policy"),        "same-origin"),
+    // Revalidated: after an update the page is the new one.
+    (header::CACHE_CONTROL,                                          "no-cache"),
+];
+
+/// Accepts connections until the future is dropped; that closes them.
+pub(super) async fn accept(listener: TcpListener, shared: Arc<Shared>) {
+    let places = Arc::new(Semaphore::new(CONNECTIONS));
+    let router = router(shared);
+    let mut connections = JoinSet::new();
+    loop {
+        match listener.accept().await {
+            Ok((stream, _)) => match places.clone().try_acquire_owned() {
+                Ok(place) => {
+                    connections.spawn(serve_one(stream, router.clone(), place));
+                }
+                Err(_) => debug!("too many connections to the HMI: closed"),
+            },
+            Err(error) => {
+                warn!(%error, "cannot accept a connection to the HMI");
+                tokio::time::sleep(ACCEPT_PAUSE).await;
+            }
+        }
+        while connections.try_join_next().is_some() {}
+    }
+}
+
+async fn serve_one(stream: TcpStream, router: Router, place: OwnedSemaphorePermit) {
+    // A frame of samples is not to wait for the next one.
+    let _ = stream.set_nodelay(true);
+    let peer = stream.peer_addr().ok();
+    let router = router.layer(Extension(Peer(peer.map(|peer| peer.ip().to_string()))));
+    let served = http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(HEAD_WITHIN)
+        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
+        .with_upgrades()
+        .await;
+    if let Err(error) = served {
+        debug!(%error, "connection to the HMI");
+    }
+    drop(place);
+}
+
+/// The far end of a connection, as its viewer is named.
+#[derive(Clone, Debug)]
+struct Peer(Option<String>);
+
+fn router(shared: Arc<Shared>) -> Router {
+    Router::new()
+        .route("/api/machine", get(machine))
+        .route("/api/instructions", get(instructions))
+        .route("/ws", get(socket))
+        .fallback(get(file))
+        .layer(middleware::from_fn_with_state(shared.clone(), guard))
+        .with_state(shared)
+}
+
+/// Refuses hosts that are not this server, and puts the headers on every answer.
+async fn guard(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
+    let ours = host(request.headers()).is_some_and(|host| access::is_host(host, shared.listen));
+    let mut response = if ours {
+        next.run(request).await
+    } else {
+        (
+            StatusCode::MISDIRECTED_REQUEST,
+            "Use the address that the server listens on, or localhost.\n",
+        )
+            .into_response()
+    };
+    for (name, value) in HEADERS {
+        response.headers_mut().insert(name, HeaderValue::from_static(value));
+    }
+    response
+}
+
+fn host(headers: &HeaderMap) -> Option<&str> {
+    headers.get(header::HOST)?.to_str().ok()
+}
+
+async fn machine(State(shared): State<Arc<Shared>>) -> Response {
+    json(shared.machine.clone())
+}
+
+async fn instructions(State(shared): State<Arc<Shared>>) -> Response {
+    json(shared.instructions.clone())
+}
+
+fn json(text: String) -> Response {
+    ([(header::CONTENT_TYPE, "application/json")], text).into_response()
+}
+
+async fn file(State(shared): State<Arc<Shared>>, uri: Uri) -> Response {
+    match shared.assets.file(uri.path()) {
+        Some((kind, content)) => ([(header::CONTENT_TYPE, kind)], Body::from(content.into_owned())).into_response(),
+        None => (StatusCode::NOT_FOUND, "There is no such file.\n").into_response(),
+    }
+}
+
+/// Becomes a viewer, if a page of this server asks for it and there is a place.
+async fn socket(
+    State(shared): State<Arc<Shared>>,
+    Extension(Peer(peer)): Extension<Peer>,
+    headers: http::HeaderMap,
+    upgrade: WebSocketUpgrade,
+) -> Response {
+    let origin = headers.get(header::ORIGIN).and_then(|origin| origin.to_str().ok());
+    let own = matches!((origin, host(&headers)), (Some(origin), Some(host)) if access::is_origin(origin, host));
+    if !own {
+        debug!(?origin, "a foreign page asked for the HMI's WebSocket: refused");
+        return (StatusCode::FORBIDDEN, "Only pages of this server may connect.\n").into_response();
+    }
+    let Ok(place) = shared.places.clone().try_acquire_owned() else {
+        return (StatusCode::SERVICE_UNAVAILABLE, "Too many viewers.\n").into_response();
+    };
+    upgrade
+        .max_message_size(LONGEST_MESSAGE)
+        .max_frame_size(LONGEST_MESSAGE)
+        .on_upgrade(move |socket| async move {
+            viewer::serve(socket, shared, peer).await;
+            drop(place);
+        })
+}

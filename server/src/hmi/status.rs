@@ -1,0 +1,208 @@
+//! The state of the machine, pushed to every viewer: made once for all of them, and only while there is one.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use arcline_controller::Snapshot;
+use arcline_controller::image::{Health, Image};
+use arcline_controller::machine::Machine;
+use arcline_instruction_set::predefined::{axis_status, motion_status};
+use arcline_tag::{DataType, Template};
+use axum::extract::ws::Utf8Bytes;
+use serde_json::{Value, json};
+use tokio::time::{MissedTickBehavior, interval};
+
+use super::Shared;
+
+/// Time between two of them.
+const EVERY: Duration = Duration::from_millis(66);
+
+/// One push of the state.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Status {
+    /// As it is sent.
+    pub(super) text: Utf8Bytes,
+}
+
+/// Makes a status whenever one is due, until the future is dropped.
+pub(super) async fn produce(shared: Arc<Shared>) {
+    let words = Words::new(&shared);
+    let mut due = interval(EVERY);
+    due.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    loop {
+        due.tick().await;
+        if shared.status.receiver_count() > 0 {
+            let text = words.status(&shared).to_string().into();
+            shared.status.send_replace(Status { text });
+        }
+    }
+}
+
+/// The signals of a frame of samples, in order.
+pub(super) fn signals(machine: &Machine) -> Vec<String> {
+    let of_axis = [
+        "CommandPosition",
+        "CommandVelocity",
+        "CommandAcceleration",
+        "ActualPosition",
+    ];
+    let axes = machine.axes.iter();
+    let axes = axes.flat_map(|axis| of_axis.map(|signal| format!("{}.{signal}", axis.name)));
+    let systems = machine
+        .systems
+        .iter()
+        .map(|system| format!("{}.PathSpeed", system.name));
+    axes.chain(systems).collect()
+}
+
+/// Where the status bits of each object stand in its tag.
+#[derive(Debug)]
+struct Words {
+    axes: Vec<Vec<Bit>>,
+    systems: Vec<Vec<Bit>>,
+    group: Vec<Bit>,
+}
+
+/// A status bit of a tag.
+#[derive(Debug)]
+struct Bit {
+    name: String,
+    offset: usize,
+    mask: u8,
+}
+
+impl Words {
+    fn new(shared: &Shared) -> Self {
+        let machine = shared.plant.machine();
+        shared.plant.with_image(|image| Words {
+            axes: machine.axes.iter().map(|axis| bits_of(image, &axis.name)).collect(),
+            systems: machine
+                .systems
+                .iter()
+                .map(|system| bits_of(image, &system.name))
+                .collect(),
+            group: bits_of(image, &machine.group),
+        })
+    }
+
+    fn status(&self, shared: &Shared) -> Value {
+        let machine = shared.plant.machine();
+        let health = shared.plant.health();
+        shared.plant.with_state(|image, snapshot| {
+            json!({
+                "push": "status",
+                "tick": snapshot.tick,
+                "time_s": snapshot.tick as f64 * machine.period(),
+                "axes": self.axes(machine, image, snapshot),
+                "coordinate_systems": self.systems(machine, image, snapshot),
+                "group": {"name": machine.group, "bits": set(image, &machine.group, &self.group)},
+                "realtime": realtime(&health),
+                "drivers": {},
+            })
+        })
+    }
+
+    fn axes(&self, machine: &Machine, image: &Image, snapshot: &Snapshot) -> Value {
+        let axes = machine.axes.iter().zip(&snapshot.axes).zip(&self.axes);
+        let axes = axes.map(|((axis, now), bits)| {
+            let faults: Vec<&str> = now.faults.kinds().map(|kind| kind.fault().word).collect();
+            json!({
+                "name": axis.name,
+                "command": now.command[0],
+                "actual": now.actual[0],
+                "error": now.position_error,
+                "velocity": now.command[1],
+                "acceleration": now.command[2],
+                "actual_velocity": now.actual[1],
+                "state": state_name(now.cip_state),
+                "homed": now.motion_status & motion_status::AXIS_HOMED_STATUS != 0,
+                "servo_on": now.status & axis_status::SERVO_ACTION_STATUS != 0,
+                "moving": now.command[1] != 0.0,
+                "bits": set(image, &axis.name, bits),
+                "faults": faults,
+            })
+        });
+        axes.collect()
+    }
+
+    fn systems(&self, machine: &Machine, image: &Image, snapshot: &Snapshot) -> Value {
+        let systems = machine.systems.iter().zip(&snapshot.systems).zip(&self.systems);
+        let systems = systems.map(|((system, now), bits)| {
+            json!({
+                "name": system.name,
+                "position": &now.actual[..system.axes.len().min(now.actual.len())],
+                "active": Value::Null,
+                "pending": [],
+                "speed": now.path_speed,
+                "override": 100.0 * now.feed_override,
+                "held": now.feed_override == 0.0,
+                "bits": set(image, &system.name, bits),
+            })
+        });
+        systems.collect()
+    }
+}
+
+fn realtime(health: &Health) -> Value {
+    json!({
+        "p50_us": health.lateness.p50(),
+        "p99_us": health.lateness.p99(),
+        "max_us": health.lateness.max,
+        "compute_p99_us": health.compute.p99(),
+        "compute_max_us": health.compute.max,
+        "missed": health.overruns,
+        "fifo": health.fifo,
+        "memory_locked": health.memory_locked,
+    })
+}
+
+/// CIPAxisState in words (spec/axis-and-data-types.md §8.5).
+fn state_name(state: i16) -> &'static str {
+    match state {
+        2 => "Stopped",
+        3 => "Starting",
+        4 => "Running",
+        6 => "Stopping",
+        7 => "Aborting",
+        8 => "Faulted",
+        10 => "Shutdown",
+        _ => "Unknown",
+    }
+}
+
+/// The status bits of a tag; those of faults and alarms are told by name elsewhere.
+fn bits_of(image: &Image, tag: &str) -> Vec<Bit> {
+    let Some(tag) = image.find(tag) else { return Vec::new() };
+    let DataType::Structure(template) = &tag.tag_type.data_type else {
+        return Vec::new();
+    };
+    let shown = |offset: u32| {
+        let word = word_at(template, offset);
+        !word.contains("Fault") && !word.contains("Alarm")
+    };
+    let members = template.members.iter();
+    let bits = members.filter_map(|member| {
+        let bit = member.bit.filter(|_| shown(member.offset))?;
+        Some(Bit {
+            name: member.name.clone(),
+            offset: member.offset as usize,
+            mask: 1 << bit,
+        })
+    });
+    bits.collect()
+}
+
+/// The name of the word that holds the byte at an offset.
+fn word_at(template: &Template, offset: u32) -> &str {
+    let words = template.members.iter().filter(|member| member.bit.is_none());
+    let mut holding = words.filter(|member| (member.offset..member.offset + member.size() as u32).contains(&offset));
+    holding.next().map_or("", |member| &member.name)
+}
+
+/// The names of the bits that are set.
+fn set<'b>(image: &Image, tag: &str, bits: &'b [Bit]) -> Vec<&'b str> {
+    let Some(tag) = image.find(tag) else { return Vec::new() };
+    let bytes = image.bytes(tag.id);
+    let on = |bit: &&Bit| bytes.get(bit.offset).is_some_and(|byte| byte & bit.mask != 0);
+    bits.iter().filter(on).map(|bit| bit.name.as_str()).collect()
+}

@@ -1,0 +1,319 @@
+//! The HMI over a real socket: a WebSocket client for viewers, plain HTTP for the rest.
+
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use arcline_realtime::Handle;
+use futures_util::{SinkExt as _, StreamExt as _};
+use serde_json::{Value, json};
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+use tokio::net::TcpStream;
+use tokio::task::JoinHandle;
+use tokio::time::timeout;
+use tokio_tungstenite::tungstenite::client::IntoClientRequest as _;
+use tokio_tungstenite::tungstenite::{Error, Message};
+use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
+
+use super::Hmi;
+use crate::plant::Plant;
+
+/// Longest wait for something that must come.
+const SOON: Duration = Duration::from_secs(10);
+
+/// A machine that runs, and its HMI.
+struct Bench {
+    address: SocketAddr,
+    serving: JoinHandle<()>,
+    _tick: Handle,
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        self.serving.abort();
+    }
+}
+
+impl Bench {
+    async fn start() -> Self {
+        let project = arcline_config::load(arcline_config::DEFAULT, "default").expect("it is valid");
+        let (plant, tick) = Plant::start(&project).expect("a thread");
+        let hmi = Hmi::bind("127.0.0.1:0".parse().expect("an address"), plant.clone())
+            .await
+            .expect("a free port");
+        Bench {
+            address: hmi.local_addr(),
+            serving: tokio::spawn(hmi.serve()),
+            _tick: tick,
+        }
+    }
+
+    /// The whole answer to `GET path`.
+    async fn get(&self, path: &str, host: &str) -> String {
+        let mut stream = TcpStream::connect(self.address).await.expect("it accepts");
+        let request = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
+        stream.write_all(request.as_bytes()).await.expect("it reads");
+        let mut answer = Vec::new();
+        timeout(SOON, stream.read_to_end(&mut answer))
+            .await
+            .expect("in time")
+            .expect("it answers");
+        String::from_utf8_lossy(&answer).into_owned()
+    }
+
+    async fn json(&self, path: &str) -> Value {
+        let answer = self.get(path, "localhost").await;
+        let (_, body) = answer.split_once("\r\n\r\n").expect("a head and a body");
+        serde_json::from_str(body).expect("JSON")
+    }
+
+    async fn viewer(&self) -> Viewer {
+        let origin = format!("http://{}", self.address);
+        let socket = self.connect(Some(&origin)).await.expect("a place");
+        let mut viewer = Viewer { socket, next: 1 };
+        viewer.push("hello").await;
+        viewer
+    }
+
+    async fn connect(&self, origin: Option<&str>) -> Result<Socket, Error> {
+        let mut request = format!("ws://{}/ws", self.address).into_client_request()?;
+        if let Some(origin) = origin {
+            let origin = origin.parse().expect("a header");
+            request.headers_mut().insert("origin", origin);
+        }
+        connect_async(request).await.map(|(socket, _)| socket)
+    }
+}
+
+type Socket = WebSocketStream<MaybeTlsStream<TcpStream>>;
+
+struct Viewer {
+    socket: Socket,
+    next: u64,
+}
+
+impl Viewer {
+    async fn send(&mut self, text: impl Into<String>) {
+        let text: String = text.into();
+        self.socket.send(Message::text(text)).await.expect("it reads");
+    }
+
+    /// The next text; `None`: the server closed.
+    async fn text(&mut self) -> Option<Value> {
+        loop {
+            match timeout(SOON, self.socket.next()).await.expect("in time") {
+                Some(Ok(Message::Text(text))) => return serde_json::from_str(&text).ok(),
+                Some(Ok(Message::Close(_)) | Err(_)) | None => return None,
+                Some(Ok(_)) => {}
+            }
+        }
+    }
+
+    /// The next push of a kind.
+    async fn push(&mut self, kind: &str) -> Value {
+        loop {
+            let text = self.text().await.expect("it is open");
+            if text["push"] == kind {
+                return text;
+            }
+        }
+    }
+
+    /// Asks, and waits for the answer: `ok`, or the error as it is.
+    async fn ask(&mut self, mut message: Value) -> Result<Value, Value> {
+        message["id"] = self.next.into();
+        self.next += 1;
+        self.send(message.to_string()).await;
+        loop {
+            let mut text = self.text().await.expect("it is open");
+            if text["id"] == message["id"] {
+                return match text.get_mut("ok") {
+                    Some(ok) => Ok(ok.take()),
+                    None => Err(text["error"].take()),
+                };
+            }
+        }
+    }
+}
+
+#[tokio::test]
+async fn the_page_comes_with_headers_that_keep_others_out() {
+    let bench = Bench::start().await;
+    let answer = bench.get("/", "localhost").await;
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+    for header in [
+        "content-type: text/html; charset=utf-8",
+        "content-security-policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; \
+         connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+        "x-content-type-options: nosniff",
+        "x-frame-options: DENY",
+        "referrer-policy: no-referrer",
+        "cross-origin-opener-policy: same-origin",
+        "cross-origin-resource-policy: same-origin",
+        "cache-control: no-cache",
+    ] {
+        assert!(answer.contains(header), "{header} is missing in {answer}");
+    }
+    let none = bench.get("/assets/none.js", "localhost").await;
+    assert!(none.starts_with("HTTP/1.1 404"), "{none}");
+    assert!(none.contains("content-security-policy"), "{none}");
+}
+
+#[tokio::test]
+async fn a_name_of_a_stranger_is_refused() {
+    let bench = Bench::start().await;
+    for path in ["/", "/api/machine", "/ws"] {
+        let answer = bench.get(path, "evil.example").await;
+        assert!(answer.starts_with("HTTP/1.1 421"), "{path}: {answer}");
+        assert!(!answer.contains("\"axes\""), "{answer}");
+    }
+}
+
+#[tokio::test]
+async fn the_machine_is_as_configured() {
+    let bench = Bench::start().await;
+    let machine = bench.json("/api/machine").await;
+    assert_eq!(machine["group"], "Motion");
+    assert_eq!(machine["period_s"], 0.001);
+    let names = |of: &Value| -> Vec<String> {
+        let all = of.as_array().expect("a list");
+        all.iter()
+            .filter_map(|one| one["name"].as_str().map(str::to_owned))
+            .collect()
+    };
+    assert_eq!(names(&machine["axes"]), ["X", "Y", "Z", "S", "A", "B", "C"]);
+    assert_eq!(names(&machine["coordinate_systems"]), ["CS1", "CS2", "CS3", "XY"]);
+    assert_eq!(machine["coordinate_systems"][3]["axes"], json!(["X", "Y"]));
+    assert_eq!(machine["axes"][0]["travel"], Value::Null);
+}
+
+#[tokio::test]
+async fn forms_are_made_from_the_catalogue() {
+    let bench = Bench::start().await;
+    let catalogue = bench.json("/api/instructions").await;
+    let all = catalogue["instructions"].as_array().expect("a list");
+    assert_eq!(all.len(), arcline_instruction_set::Mnemonic::ALL.len());
+    let mccm = all.iter().find(|one| one["mnemonic"] == "MCCM").expect("MCCM");
+    assert_eq!(mccm["target_position"]["rows"].as_array().map(Vec::len), Some(8));
+    let operand = |member: &str| {
+        let operands = mccm["operands"].as_array().expect("a list");
+        operands.iter().find(|one| one["member"] == member).expect("an operand")
+    };
+    assert_eq!(
+        operand("ViaCenterRadius")["single_when"],
+        json!({"member": "CircleType", "in": [2]})
+    );
+    assert_eq!(operand("Speed")["unit"], json!({"member": "SpeedUnits"}));
+    assert_eq!(operand("Speed")["range"], json!({"min": 0, "max": null}));
+    assert_eq!(
+        operand("CommandTolerance")["shown_when"],
+        json!([{"member": "TerminationType", "in": [6]}])
+    );
+    assert_eq!(
+        operand("AccelJerk")["range"]["max_when"],
+        json!({"member": "JerkUnits", "in": [2, 6], "max": 100})
+    );
+    let errors = catalogue["errors"].as_array().expect("a list");
+    assert!(errors.iter().any(|error| error["err"] == 13 && error["remedy"] != ""));
+}
+
+#[tokio::test]
+async fn only_pages_of_the_server_become_viewers() {
+    let bench = Bench::start().await;
+    let foreign = [
+        None,
+        Some("http://evil.example"),
+        Some("null"),
+        Some("http://localhost:1"),
+    ];
+    for origin in foreign {
+        match bench.connect(origin).await {
+            Err(Error::Http(answer)) => assert_eq!(answer.status(), 403, "{origin:?}"),
+            other => panic!("{origin:?}: {other:?}"),
+        }
+    }
+    bench.viewer().await;
+}
+
+#[tokio::test]
+async fn what_is_no_message_is_an_error_and_no_end() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    #[rustfmt::skip]
+    let cases = [
+        ("not JSON",            "{".to_owned(),                              Value::Null),
+        ("no request",          "[]".to_owned(),                             Value::Null),
+        ("an unknown request",  r#"{"id":7,"do":"explode"}"#.to_owned(),     json!(7)),
+        ("nested too deep",     "[".repeat(100_000),                         Value::Null),
+    ];
+    for (why, text, id) in cases {
+        viewer.send(text).await;
+        let answer = loop {
+            let text = viewer.text().await.expect("it stays open");
+            if text.get("push").is_none() {
+                break text;
+            }
+        };
+        assert_eq!(answer["id"], id, "{why}");
+        assert!(answer["error"]["text"].is_string(), "{why}: {answer}");
+    }
+    assert_eq!(viewer.ask(json!({"do": "ping"})).await, Ok(json!({})));
+}
+
+#[tokio::test]
+async fn a_message_that_is_too_long_ends_its_viewer_only() {
+    let bench = Bench::start().await;
+    let (mut good, mut bad) = (bench.viewer().await, bench.viewer().await);
+    let long = format!("{{\"do\":\"ping\",\"x\":\"{}\"}}", "x".repeat(300 * 1024));
+    // The server may close before it has read all of it.
+    let _ = bad.socket.send(Message::text(long)).await;
+    while bad.text().await.is_some() {}
+    assert_eq!(good.ask(json!({"do": "ping"})).await, Ok(json!({})));
+}
+
+#[tokio::test]
+async fn viewers_are_bounded() {
+    let bench = Bench::start().await;
+    let mut viewers = Vec::new();
+    for _ in 0..super::VIEWERS {
+        viewers.push(bench.viewer().await);
+    }
+    let origin = format!("http://{}", bench.address);
+    match bench.connect(Some(&origin)).await {
+        Err(Error::Http(answer)) => assert_eq!(answer.status(), 503),
+        other => panic!("{other:?}"),
+    }
+    viewers.pop();
+    let again = async {
+        while bench.connect(Some(&origin)).await.is_err() {
+            tokio::task::yield_now().await;
+        }
+    };
+    timeout(SOON, again).await.expect("its place is free again");
+}
+
+#[tokio::test]
+async fn the_state_is_pushed() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    let first = viewer.push("status").await;
+    assert_eq!(first["axes"].as_array().map(Vec::len), Some(7));
+    let x = &first["axes"][0];
+    assert_eq!((&x["name"], &x["state"]), (&json!("X"), &json!("Running")));
+    assert_eq!(
+        (&x["servo_on"], &x["homed"], &x["moving"]),
+        (&json!(true), &json!(true), &json!(false))
+    );
+    assert!(
+        x["bits"]
+            .as_array()
+            .is_some_and(|bits| bits.contains(&json!("ServoActionStatus")))
+    );
+    assert_eq!(x["faults"], json!([]));
+    let system = &first["coordinate_systems"][0];
+    assert_eq!(
+        (&system["name"], &system["override"], &system["held"]),
+        (&json!("CS1"), &json!(100.0), &json!(false))
+    );
+    let second = viewer.push("status").await;
+    assert!(second["tick"].as_u64() > first["tick"].as_u64(), "{first} {second}");
+}
