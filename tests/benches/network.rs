@@ -30,7 +30,7 @@ fn main() {
     let (rounds, time) = if smoke {
         (1, Duration::from_millis(30))
     } else {
-        (60, Duration::from_millis(250))
+        (40, Duration::from_millis(250))
     };
     let run = Run { rounds, time };
     let folder = tempfile::tempdir().expect("a folder");

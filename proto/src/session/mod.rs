@@ -320,8 +320,7 @@ impl ServerSession {
         if let Err(status) = self.check_session(&header) {
             return self.push_ready(Frame::error(&header, status));
         }
-        let Ok((id, sequence, message)) = Packet::decode(&frame.data).and_then(|packet| packet.connected_message())
-        else {
+        let Ok((id, sequence, message)) = Packet::decode_connected(&frame.data) else {
             return self.push_ready(Frame::error(&header, EncapStatus::INCORRECT_DATA));
         };
         match self.connections.receive(id, sequence, now) {
@@ -393,7 +392,7 @@ impl ServerSession {
     /// Lets the replies at the front go.
     fn flush(&mut self) {
         while let Some((frame, io)) = self.replies.pop(&self.connections) {
-            self.events.push_back(Event::Outgoing(frame.to_bytes()));
+            self.events.push_back(Event::Outgoing(frame));
             self.events.extend(io.map(Event::IoReady));
         }
     }
