@@ -701,7 +701,14 @@ fn where_inputs_go() {
     let to = |bench: &mut Bench, address, port| {
         bench.io = IoConnections::new(settings());
         let id = bench
-            .open_from(&owner(1), Originator { address, port, group: None })
+            .open_from(
+                &owner(1),
+                Originator {
+                    address,
+                    port,
+                    group: None,
+                },
+            )
             .unwrap()
             .o_to_t_id;
         bench.io.start(id, bench.now);
@@ -960,7 +967,10 @@ fn a_change_of_state_is_sent_when_it_comes() {
         group: None,
     };
     let application = &open.path.0[1..];
-    let id = bench.io.open(&open, application, originator, Duration::ZERO, random).unwrap();
+    let id = bench
+        .io
+        .open(&open, application, originator, Duration::ZERO, random)
+        .unwrap();
     bench.io.start(id.o_to_t_id, Duration::ZERO);
     let mut data = INPUT;
     let mut sent = Vec::new();

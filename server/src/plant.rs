@@ -29,8 +29,8 @@ use arcline_realtime::{Handle, Link, Meter, Options, SpawnError};
 use tokio::sync::Notify;
 
 use crate::retained::{NotKept, Watch, WhenKept};
-use records::instance_of;
 pub use owned::Owner;
+use records::instance_of;
 pub use reload::ReloadError;
 use state::{Published, State};
 

@@ -43,7 +43,13 @@ fn main() {
         faults += run.beside_echo("one tag", &question, connections, server.address(), &echo);
     }
     let packet = read_all((0..TAGS).map(|number| format!("Bench{number}")));
-    faults += run.beside_echo("100 tags", &Question::Connected(packet, LARGE), 1, server.address(), &echo);
+    faults += run.beside_echo(
+        "100 tags",
+        &Question::Connected(packet, LARGE),
+        1,
+        server.address(),
+        &echo,
+    );
 
     for client in ["cm_ethernetip", "cpppo"] {
         let other = match Python::with(client) {
@@ -104,7 +110,14 @@ impl Run {
     }
 
     /// Against the server and the echo in turns; how many answers were wrong.
-    fn beside_echo(self, what: &str, question: &Question, connections: usize, server: SocketAddr, echo: &Other) -> usize {
+    fn beside_echo(
+        self,
+        what: &str,
+        question: &Question,
+        connections: usize,
+        server: SocketAddr,
+        echo: &Other,
+    ) -> usize {
         let (request, reply) = self.once(question, connections, server).sizes;
         let same = Question::Echo { request, reply };
         let (mut ours, mut bare) = (Outcome::default(), Outcome::default());

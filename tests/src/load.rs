@@ -133,7 +133,10 @@ impl Load {
             }
         }
         let began = Instant::now();
-        let share = |number: usize| self.pace.map(|pace| pace.mul_f64(number as f64 / self.connections as f64));
+        let share = |number: usize| {
+            self.pace
+                .map(|pace| pace.mul_f64(number as f64 / self.connections as f64))
+        };
         let tasks: Vec<_> = open
             .into_iter()
             .enumerate()
@@ -363,14 +366,17 @@ pub fn serve_echo(workers: usize) {
         let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
         println!("ready eip={}", listener.local_addr().expect("bound"));
         loop {
-            let Ok((mut stream, _)) = listener.accept().await else { continue };
+            let Ok((mut stream, _)) = listener.accept().await else {
+                continue;
+            };
             tokio::spawn(async move {
                 let _ = stream.set_nodelay(true);
                 let mut buf = vec![0; 65_536];
                 let mut held = 0;
                 while let Ok(count @ 1..) = stream.read(&mut buf[held..]).await {
                     held += count;
-                    let number = |at: usize| u32::from_le_bytes([buf[at], buf[at + 1], buf[at + 2], buf[at + 3]]) as usize;
+                    let number =
+                        |at: usize| u32::from_le_bytes([buf[at], buf[at + 1], buf[at + 2], buf[at + 3]]) as usize;
                     if held < 8 || held < number(0) {
                         continue;
                     }

@@ -34,7 +34,9 @@ const BUCKETS: usize = 24;
 
 #[test]
 fn a_thousand_clients_read_ten_tags_each() {
-    let long = std::env::var("ARCLINE_CROWD_SECONDS").ok().and_then(|text| text.parse().ok());
+    let long = std::env::var("ARCLINE_CROWD_SECONDS")
+        .ok()
+        .and_then(|text| text.parse().ok());
     let (seconds, pace) = match long {
         Some(seconds) => (seconds, Duration::from_millis(100)),
         None => (2, Duration::from_secs(1)),
@@ -75,7 +77,10 @@ fn a_thousand_clients_read_ten_tags_each() {
     let [before, after] = [(&start, &idle), (&idle, &loaded)].map(|(from, to)| p99(from, to));
     println!("the tick's p99 lateness: {before:.1} µs idle, {after:.1} µs under the load");
     let expected = CLIENTS as f64 * time.as_secs_f64() / pace.as_secs_f64();
-    assert!(outcome.times.len() as f64 > 0.99 * expected, "the pace was kept: {expected}");
+    assert!(
+        outcome.times.len() as f64 > 0.99 * expected,
+        "the pace was kept: {expected}"
+    );
     assert!(outcome.percentile(0.99) < MOST_P99);
     assert!(after - before < MOST_RISE);
 }

@@ -58,14 +58,19 @@ fn sighup_takes_over_the_tags_of_the_file_or_says_why_not() {
 
     write("[[tag]]\nname = \"Kept\"\ntype = \"DINT\"\n[[tag]]\nname = \"New\"\ntype = \"REAL\"\nvalue = 2.5\n");
     server.hang_up();
-    eventually("the new tag", SOON, || (arcline(at, &["read", "New"]).code == Some(0)).then_some(()));
+    eventually("the new tag", SOON, || {
+        (arcline(at, &["read", "New"]).code == Some(0)).then_some(())
+    });
     assert_eq!(read_numbers(at, &["New", "Kept", "Mine"]), [2.5, 5.0, 0.0]);
     assert_eq!(arcline(at, &["read", "Old"]).code, Some(1));
 
     // A file that is wrong and one that needs a restart change nothing; the next good one is taken.
     let slow = configuration("").replacen("max_speed = 1000.0", "max_speed = 999.0", 1);
     for (wrong, told) in [
-        (configuration("[[tag]]\nname = \"New\"\ntype = \"NOTHING\"\n"), "NOTHING"),
+        (
+            configuration("[[tag]]\nname = \"New\"\ntype = \"NOTHING\"\n"),
+            "NOTHING",
+        ),
         (slow, "needs a restart: axis X changed"),
     ] {
         fs::write(&file, wrong).expect("a file");
@@ -80,7 +85,9 @@ fn sighup_takes_over_the_tags_of_the_file_or_says_why_not() {
     }
     write("[[tag]]\nname = \"Last\"\ntype = \"DINT\"\n");
     server.hang_up();
-    eventually("the last tag", SOON, || (arcline(at, &["read", "Last"]).code == Some(0)).then_some(()));
+    eventually("the last tag", SOON, || {
+        (arcline(at, &["read", "Last"]).code == Some(0)).then_some(())
+    });
     assert_eq!(arcline(at, &["read", "New"]).code, Some(1));
     assert!(server.terminate().0.success());
 }

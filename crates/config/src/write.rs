@@ -42,7 +42,10 @@ pub fn table(project: &Project) -> Table {
         ("max_clients", number(server.max_clients)),
         ("max_clients_per_address", number(server.max_clients_per_address)),
         ("max_connections", number(server.max_connections)),
-        ("max_connections_per_address", number(server.max_connections_per_address)),
+        (
+            "max_connections_per_address",
+            number(server.max_connections_per_address),
+        ),
         ("inactivity_timeout_s", number(server.inactivity_timeout.into())),
     ];
     let server = server.into_iter().filter_map(|(key, value)| Some((key, value?)));

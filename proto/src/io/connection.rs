@@ -104,12 +104,7 @@ impl IoConnection {
     }
 
     /// Takes a datagram that came from the originator's address.
-    pub(super) fn receive<'a>(
-        &mut self,
-        datagram: &Datagram<'a>,
-        outputs: usize,
-        now: Duration,
-    ) -> Arrival<'a> {
+    pub(super) fn receive<'a>(&mut self, datagram: &Datagram<'a>, outputs: usize, now: Duration) -> Arrival<'a> {
         if let Some(last) = self.received
             && datagram.sequence.wrapping_sub(last).cast_signed() <= 0
         {

@@ -10,9 +10,9 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use arcline_config::{ConnectionLoss, IoLoss};
 use arcline_proto::cip::CipStatus;
 use arcline_proto::connection::{ConnectionKey, Count, Counters};
+use arcline_proto::cpf::ConnectionId;
 use arcline_proto::encap::Service;
 use arcline_proto::identity::Identity;
-use arcline_proto::cpf::ConnectionId;
 use arcline_proto::session::{self, ConnectionEnd, Host, IoOpen, IoOpened};
 use tracing::{error, warn};
 

@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use arc_swap::ArcSwap;
 use arcline_controller::image::{Edge, Image, TagKind};
 use arcline_controller::{Command, Snapshot, Ticket};
 use arcline_instruction_set::{Call, FaultSet, Flag, MotionControl, MotionError};
 use arcline_realtime::Link;
-use arc_swap::ArcSwap;
 use tokio::sync::oneshot;
 
 use super::OUTSTANDING;

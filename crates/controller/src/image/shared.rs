@@ -102,7 +102,11 @@ mod tests {
         // Places that are spread over all groups, by a step that has no common factor with any length here.
         for step in 0..400_usize {
             let number = step.to_le_bytes().to_vec();
-            let place = if step % 3 == 0 { list.len() } else { step * 7919 % (list.len() + 1) };
+            let place = if step % 3 == 0 {
+                list.len()
+            } else {
+                step * 7919 % (list.len() + 1)
+            };
             list.insert(place, number.clone());
             memory.insert(place, number);
             if step % 5 == 4 {
@@ -112,7 +116,9 @@ mod tests {
             }
             assert_eq!(memory.len(), list.len());
         }
-        let held: Vec<Vec<u8>> = (0..=list.len()).map_while(|place| memory.get(place).map(<[u8]>::to_vec)).collect();
+        let held: Vec<Vec<u8>> = (0..=list.len())
+            .map_while(|place| memory.get(place).map(<[u8]>::to_vec))
+            .collect();
         assert_eq!(held, list);
     }
 

@@ -84,7 +84,11 @@ mod tests {
         assert_eq!(punctuality.look(Duration::from_millis(999)), None);
         assert_eq!(second(&mut punctuality, 1, 10), None, "one of a hundred");
         assert_eq!(second(&mut punctuality, 2, 11), Some(2000));
-        assert_eq!(second(&mut punctuality, 3, 100), Some(4000), "900 µs is too late for 2 ms too");
+        assert_eq!(
+            second(&mut punctuality, 3, 100),
+            Some(4000),
+            "900 µs is too late for 2 ms too"
+        );
         assert_eq!(second(&mut punctuality, 4, 100), None, "for 4 ms it is not");
         assert_eq!(second(&mut punctuality, 5, 0), Some(2000));
         assert_eq!(second(&mut punctuality, 6, 0), Some(1000));

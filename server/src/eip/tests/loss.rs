@@ -107,7 +107,11 @@ async fn after(bench: &Bench, loss: Option<u8>, end: End) -> [Then; 3] {
     let reply = client.ask(&open).await;
     let id = ForwardOpenReply::decode(&reply.data).expect("opened").o_to_t_id;
     let mut connected = Connected { id, sequence: 0, key };
-    let (jogs, moves, lines) = (jog(JOG, S), single(MOVE, A), on(Mnemonic::Mclm, 1, &line(LINE, &[100_000.0, 0.0, 0.0])));
+    let (jogs, moves, lines) = (
+        jog(JOG, S),
+        single(MOVE, A),
+        on(Mnemonic::Mclm, 1, &line(LINE, &[100_000.0, 0.0, 0.0])),
+    );
     let set = loss.map(|loss| Request::new(service::SET_ATTRIBUTE_SINGLE, Epath::attribute(6, 1, 100), vec![loss]));
     for request in set.iter().chain([&jogs, &moves, &lines]) {
         let reply = client.ask_connected(&mut connected, request).await;
@@ -116,7 +120,9 @@ async fn after(bench: &Bench, loss: Option<u8>, end: End) -> [Then; 3] {
     match end {
         End::Dropped => drop(client),
         End::Silent => {
-            bench.eventually("the watchdog", |bench| bench.device.open_connections() == 0).await;
+            bench
+                .eventually("the watchdog", |bench| bench.device.open_connections() == 0)
+                .await;
             assert_eq!(client.read("aDint").await.data.len(), 4, "the session lives");
         }
         End::Closed => {
@@ -130,7 +136,9 @@ async fn after(bench: &Bench, loss: Option<u8>, end: End) -> [Then; 3] {
         }
     }
     // Sessions are numbered from 0: the other one's is 0, this one's 1.
-    bench.eventually("its end", |bench| bench.device.plant.owners(1).is_empty()).await;
+    bench
+        .eventually("its end", |bench| bench.device.plant.owners(1).is_empty())
+        .await;
     let seen = bench.tick();
     // All stops are short: 5 units/s at 1,000 units/s² and 400 at 5,000.
     bench.eventually("some time", |bench| bench.tick() > seen + 200).await;
@@ -175,13 +183,30 @@ async fn a_session_without_connections_is_lost_too() {
     );
     let mut client = bench.client().await;
     let speed = 5_f32.to_le_bytes();
-    assert!(client.write("Jog1.Speed", Elementary::Real.into(), &speed).await.is_success());
-    assert!(client.write("Jog1.SpeedUnits", Elementary::Dint.into(), &[0; 4]).await.is_success());
-    assert!(client.write("Jog1.EnableIn", Elementary::Bool.into(), &[1]).await.is_success());
+    assert!(
+        client
+            .write("Jog1.Speed", Elementary::Real.into(), &speed)
+            .await
+            .is_success()
+    );
+    assert!(
+        client
+            .write("Jog1.SpeedUnits", Elementary::Dint.into(), &[0; 4])
+            .await
+            .is_success()
+    );
+    assert!(
+        client
+            .write("Jog1.EnableIn", Elementary::Bool.into(), &[1])
+            .await
+            .is_success()
+    );
     assert!(client.ask(&single(MOVE, A)).await.status.is_success());
     bench.eventually("the jog", |bench| bench.runs("Jog1")).await;
     drop(client);
-    bench.eventually("the end of the jog", |bench| !bench.runs("Jog1")).await;
+    bench
+        .eventually("the end of the jog", |bench| !bench.runs("Jog1"))
+        .await;
     assert!(bench.runs(MOVE));
 }
 
@@ -198,7 +223,13 @@ async fn the_reaction_is_an_attribute_of_whoever_asks() {
     let get = Request::new(service::GET_ATTRIBUTE_SINGLE, Epath::attribute(6, 1, 100), Bytes::new());
     let set = |value: &'static [u8]| Request::new(service::SET_ATTRIBUTE_SINGLE, Epath::attribute(6, 1, 100), value);
     assert_eq!(client.ask_connected(&mut connected, &get).await.data[..], [0]);
-    assert!(client.ask_connected(&mut connected, &set(&[2])).await.status.is_success());
+    assert!(
+        client
+            .ask_connected(&mut connected, &set(&[2]))
+            .await
+            .status
+            .is_success()
+    );
     assert_eq!(client.ask_connected(&mut connected, &get).await.data[..], [2]);
     assert_eq!(client.ask(&get).await.data[..], [0], "the session's own is another");
     for (value, expected) in [(&[4][..], 0x09), (&[], 0x13), (&[1, 0, 0], 0x15)] {

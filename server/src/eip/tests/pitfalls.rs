@@ -387,9 +387,15 @@ fn pitfall_11_a_confirmed_interval_is_kept_or_it_is_refused() {
                 break;
             }
             let id = u32::from_le_bytes(out[6..10].try_into().expect("four bytes"));
-            let (interval, sent) = kept.iter_mut().find(|(interval, _)| *interval == id).expect("one of them");
+            let (interval, sent) = kept
+                .iter_mut()
+                .find(|(interval, _)| *interval == id)
+                .expect("one of them");
             let due = Duration::from_micros(u64::from(*interval) * u64::from(*sent));
-            assert!(at >= due && at - due <= Duration::from_micros(500), "{interval} µs: {sent} was due at {due:?}, left at {at:?}");
+            assert!(
+                at >= due && at - due <= Duration::from_micros(500),
+                "{interval} µs: {sent} was due at {due:?}, left at {at:?}"
+            );
             *sent += 1;
         }
     }

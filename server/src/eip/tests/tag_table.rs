@@ -109,7 +109,8 @@ async fn a_template_goes_with_the_last_tag_that_needs_it() {
         bench.device.plant.with_image(|image| {
             let own = |name: &str| ["Inner", "Outer"].contains(&name);
             let all = image.templates().filter(|template| own(&template.name));
-            all.map(|template| (template.name.clone(), template.instance)).collect::<Vec<_>>()
+            all.map(|template| (template.name.clone(), template.instance))
+                .collect::<Vec<_>>()
         })
     };
     assert_eq!(known(), []);
@@ -137,7 +138,10 @@ async fn a_template_goes_with_the_last_tag_that_needs_it() {
     }
     // The same type has the same instance when it comes back: what clients have cached of it is right.
     instance(&create(&mut client, None, "One", "Outer", 0).await);
-    assert_eq!(known().into_iter().map(|(_, instance)| instance).collect::<Vec<_>>(), instances);
+    assert_eq!(
+        known().into_iter().map(|(_, instance)| instance).collect::<Vec<_>>(),
+        instances
+    );
 }
 
 const TYPES: &str = r#"
