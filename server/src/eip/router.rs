@@ -112,7 +112,7 @@ impl Router {
         let context = self.context(budget, transport);
         let mut step = None;
         let kept = self
-            .with_memory(context.owner, std::slice::from_ref(request), |memory| {
+            .with_memory(context.owner, may_write(request), |memory| {
                 step = Some(answer(&context, memory, request))
             })
             .await;
@@ -145,10 +145,10 @@ impl Router {
         // Kept for the motion services and their executions, which are answered last.
         let late = requests.iter().flatten().filter(|request| is_late(request)).count();
         let mut room = replies.budget().saturating_sub(late * motion::REPLY_DATA);
-        let readable: Vec<Request> = requests.iter().flatten().cloned().collect();
+        let writes = requests.iter().flatten().any(may_write);
         let mut steps = Vec::with_capacity(requests.len());
         let kept = self
-            .with_memory(self.context(room, transport).owner, &readable, |memory| {
+            .with_memory(self.context(room, transport).owner, writes, |memory| {
                 for request in &requests {
                     let context = self.context(room, transport);
                     let step = match request {
@@ -175,21 +175,17 @@ impl Router {
         replies.finish()
     }
 
-    /// Runs `work` on the tag memory, for writing only if one of the requests writes, then executes the edges it made.
+    /// Runs `work` on the tag memory, for writing only if it may write, then executes the edges it made.
     ///
     /// # Errors
     /// The tags have what was written, but may not have it after a restart.
     async fn with_memory(
         &self,
         owner: Owner,
-        requests: &[Request],
+        writes: bool,
         work: impl FnOnce(&mut Memory<'_>),
     ) -> Result<(), NotKept> {
-        let writes = |request: &Request| {
-            let code = request.service;
-            tags::is_write(code) || objects::is_set(code) || objects::is_table_change(code)
-        };
-        if requests.iter().any(writes) {
+        if writes {
             let ((), written) = self
                 .device
                 .plant
@@ -220,6 +216,12 @@ impl Router {
 
 fn is_multiple(request: &Request) -> bool {
     request.service == service::MULTIPLE_SERVICE_PACKET && request.path.is_object(class::MESSAGE_ROUTER, 1)
+}
+
+/// Whether a request may write to the tag memory.
+fn may_write(request: &Request) -> bool {
+    let code = request.service;
+    tags::is_write(code) || objects::is_set(code) || objects::is_table_change(code)
 }
 
 /// Whether a request is answered after the memory has been let go.
