@@ -185,3 +185,147 @@ fn every_update_period_gives_one_contour() {
         }
     }
 }
+
+/// Position, velocity and acceleration of X and Y, watched for what their limits allow.
+struct Watch {
+    last: [[f64; 3]; 2],
+    limits: [[f64; 3]; 2],
+}
+
+impl Watch {
+    fn new(bench: &Bench) -> Self {
+        let limits = ["X", "Y"].map(|name| {
+            let index = bench.machine().axis(name).expect("it exists");
+            let axis = &bench.machine().axes[usize::from(index)];
+            [
+                axis.max_speed,
+                axis.max_acceleration.min(axis.max_deceleration),
+                axis.max_acceleration_jerk.min(axis.max_deceleration_jerk),
+            ]
+        });
+        Watch {
+            last: ["X", "Y"].map(|axis| bench.axis(axis).command),
+            limits,
+        }
+    }
+
+    fn tick(&mut self, bench: &mut Bench) {
+        bench.tick();
+        let now = ["X", "Y"].map(|axis| bench.axis(axis).command);
+        for axis in 0..2 {
+            let ([_, v, a], [_, last_v, last_a]) = (now[axis], self.last[axis]);
+            let [speed, rate, jerk] = self.limits[axis];
+            let tick = bench.now();
+            assert!(v.abs() <= speed * 1.000_001, "tick {tick}: velocity {v}");
+            assert!(a.abs() <= rate * 1.000_001, "tick {tick}: acceleration {a}");
+            assert!(
+                (v - last_v).abs() <= rate * 0.001_000_001,
+                "tick {tick}: velocity {last_v}, {v}"
+            );
+            assert!(
+                (a - last_a).abs() <= jerk * 0.001_000_001 + 1e-6,
+                "tick {tick}: acceleration {last_a}, {a}"
+            );
+        }
+        self.last = now;
+    }
+}
+
+#[test]
+fn a_merge_takes_over_a_contour_and_keeps_the_limits_of_the_axes() {
+    for (merge, speed) in [(1, 0), (1, 1), (2, 0), (2, 1_u64)] {
+        // The current speed of the beginning would take for ever.
+        for at in [1 + 28 * speed, 120, 262, 400] {
+            let mut bench = precise();
+            three_sides(&mut bench);
+            bench.run(at);
+            // What an axis does besides is ended by a merge of all motion.
+            if merge == 2 {
+                bench.execute("MAM(X, A, 0, 200, 5, 0, 5000, 0, 5000, 0, 1, 100000, 100000)");
+            }
+            bench.run(2);
+            let current = bench.axis("X").command[1].hypot(bench.axis("Y").command[1]);
+            let mut watch = Watch::new(&bench);
+            let call = line("M4", -30.0, 20.0, &format!("1, {merge}, {speed}"));
+            assert_eq!(bench.call(&call), OK, "at {at}");
+            assert_eq!(bench.bits("M4"), "EN DN IP AC", "at {at}");
+            for tag in ["M1", "M2", "M3"] {
+                assert!(!bench.control(tag).has(Flag::Ip), "{tag} at {at}: {}", bench.bits(tag));
+            }
+            assert!(!bench.control("A").has(Flag::Ip), "at {at}");
+            assert_eq!(bench.call(&line("M5", -30.0, 60.0, "6, 0, 0, 0.1")), OK);
+            assert_eq!(bench.call(&line("M6", 0.0, 60.0, "1")), OK);
+            assert_ne!(bench.system("XY").motion_status & cms::MOVE_PENDING_STATUS, 0);
+            let mut top = 0.0_f64;
+            while !bench.control("M4").has(Flag::Pc) {
+                watch.tick(&mut bench);
+                top = top.max(bench.system("XY").path_speed);
+            }
+            let most = if speed == 1 { current } else { 200.0 };
+            assert!(top <= most * 1.000_001, "at {at}: {top} of {most}");
+            assert_eq!(bench.bits("M4"), "EN DN PC");
+            while !bench.control("M6").has(Flag::Pc) {
+                watch.tick(&mut bench);
+                assert!(bench.now() < 20_000);
+            }
+            assert_eq!((bench.position("X"), bench.position("Y")), (0.0, 60.0), "at {at}");
+        }
+    }
+}
+
+#[test]
+fn a_merged_move_is_held_changed_stopped_and_merged_again() {
+    let merged = || {
+        let mut bench = precise();
+        three_sides(&mut bench);
+        bench.run(200);
+        assert_eq!(bench.call(&line("M4", -30.0, 20.0, "1, 1, 0")), OK);
+        bench.run(60);
+        let watch = Watch::new(&bench);
+        (bench, watch)
+    };
+    let (mut bench, mut watch) = merged();
+    bench.set_override("XY", 0.0);
+    for _ in 0..400 {
+        watch.tick(&mut bench);
+    }
+    assert_eq!(
+        (bench.bits("M4").as_str(), bench.axis("X").command[1]),
+        ("EN DN IP AC", 0.0)
+    );
+    bench.set_override("XY", 2.0);
+    while !bench.control("M4").has(Flag::Pc) {
+        watch.tick(&mut bench);
+    }
+    assert_eq!((bench.position("X"), bench.position("Y")), (-30.0, 20.0));
+
+    let (mut bench, mut watch) = merged();
+    assert_eq!(
+        bench.call("MCCD(XY, C, CoordinatedMove, Yes, 40, 0, Yes, 90000, 0, Yes, 90000, 0)"),
+        OK
+    );
+    for _ in 0..200 {
+        watch.tick(&mut bench);
+    }
+    assert!((bench.system("XY").path_speed - 40.0).abs() < 1e-9);
+    assert_eq!(bench.call(&line("M5", 10.0, 10.0, "1, 2, 0")), OK);
+    assert_eq!(bench.bits("M4"), "EN DN");
+    while !bench.control("M5").has(Flag::Pc) {
+        watch.tick(&mut bench);
+    }
+    assert_eq!((bench.position("X"), bench.position("Y")), (10.0, 10.0));
+
+    let (mut bench, mut watch) = merged();
+    assert_eq!(bench.call(&line("M5", 10.0, 10.0, "1")), OK);
+    bench.execute("MCS(XY, S, CoordinatedMove, Yes, 90000, 0, Yes, 9000000, Unitspersec3)");
+    assert_eq!(
+        (bench.bits("M4").as_str(), bench.bits("M5").as_str()),
+        ("EN DN", "EN DN")
+    );
+    while !bench.control("S").has(Flag::Pc) {
+        watch.tick(&mut bench);
+    }
+    assert_eq!((bench.axis("X").command[1], bench.axis("Y").command[1]), (0.0, 0.0));
+    three_sides(&mut bench);
+    bench.until("M3", Flag::Pc);
+}

@@ -76,6 +76,28 @@ max_acceleration = 10000.0
 max_deceleration = 10000.0
 travel = { min = -5.0, max = 10.0 }
 start = { position = 11.0 }
+
+[[tag]]
+name = "Cam"
+type = "CAM[4]"
+value = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }, { Master = 6.0 }, { Master = 7.0 }]
+
+[[tag]]
+name = "Profile"
+type = "CAM_PROFILE[2]"
+
+[[tag]]
+name = "NoType"
+type = "CAM[2]"
+value = [{ Master = 0.0 }, { Master = 5.0, SegmentType = 2 }]
+
+[[tag]]
+name = "NoOrder"
+type = "CAM[2]"
+
+[[tag]]
+name = "Empty"
+type = "CAM_PROFILE[2]"
 "#;
 
 /// Coordinate systems: name, axes, keys in place of the usual ones.
@@ -132,6 +154,8 @@ const STOP_ALL: &str = "MAJ(X, B1, 0, {rates})\nrun 200\nMAS(X, B2, All, Yes, 10
 const FAULT: &str = "fault X\nrun 20";
 const OFF: &str = "MSF(X, B1)\nrun 20";
 const DOWN: &str = "MASD(X, B1)\nrun 20";
+const CAM: &str = "MCCP(B9, Cam, 2, 0, 0, Profile)";
+const CAMMING: &str = "MCCP(B9, Cam, 2, 0, 0, Profile)\nMAPC(X, Y, B1, 0, Profile, 1, 1, 0, 0, 0, 0, 1, 0)\nMATC(X, B2, 0, Profile, 1, 1)";
 
 #[rustfmt::skip]
 const TABLE: &[Row] = &[
@@ -147,7 +171,6 @@ const TABLE: &[Row] = &[
     ("",                    "MCLM(CS1, T, 0, [5, 5, 5], 50, 4, 500, 4, 500, 4, 0, 1, 1, 4, 1, 0, 0, 0, 0, 1)", (93, 0)),
     ("",                    "MCLM(CS1, T, 0, [5, 5, 5], {rates}, 1, 0, 0, 0, 0, 0, [1])",         (99, 0)),
     ("",                    "MCLM(Enforced, T, 0, [5, 5], {rates}, 3)",                           (99, 0)),
-    ("MCLM(Precise, B1, 0, [90, 0], {rates}, 1)", "MCLM(Precise, T, 0, [5, 5], {rates}, 1, 1)",   (99, 0)),
     ("",                    "MCLM(Decel, T, 0, [5, 5], {rates}, 1)",                              (54, -1)),
     ("",                    "MCLM(AxisDecel, T, 0, [5, 5], {rates}, 1)",                          (54, 1)),
     ("",                    "MCLM(Jerk, T, 0, [5, 5], {curve}, 1)",                               (76, -1)),
@@ -300,6 +323,41 @@ const TABLE: &[Row] = &[
     ("",                    "MAG(X, Y, T, 2, 1, 1, 1, 1, 0, 1)",                                  (23, 0)),
     ("",                    "MAG(NoDecel, Y, T, 0, 1, 1, 1, 1, 0, 1)",                            (54, 0)),
     (STOP_ALL,              "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)",                                  (78, 0)),
+    // MCCP, MCSV.
+    ("",                    "MCCP(T, Cam, 3e9, 0, 0, Profile)",                                   (13, 2)),
+    ("",                    "MCCP(T, Cam, 5, 0, 0, Profile)",                                     (26, 0)),
+    ("",                    "MCCP(T, Cam, 3, 0, 0, Profile)",                                     (27, 0)),
+    ("",                    "MCCP(T, NoType, 2, 0, 0, Profile)",                                  (28, 1)),
+    ("",                    "MCCP(T, NoOrder, 2, 0, 0, Profile)",                                 (29, 1)),
+    (CAMMING,               "MCCP(T, Cam, 2, 0, 0, Profile)",                                     (31, 0)),
+    (CAM,                   "MCSV(T, Profile, 6)",                                                (13, 2)),
+    ("",                    "MCSV(T, Empty, 0)",                                                  (32, 0)),
+    // MAPC, MATC.
+    (OFF,                   "MAPC(X, Y, T, 0, Empty, 1, 1)",                                      (5, 0)),
+    (DOWN,                  "MAPC(X, Y, T, 0, Empty, 1, 1)",                                      (7, 0)),
+    ("",                    "MAPC(X, X, T, 0, Empty, 1, 1)",                                      (10, 0)),
+    ("",                    "MAPC(X, Y, T, 4, Empty, 1, 1)",                                      (13, 3)),
+    ("",                    "MAPC(X, R, T, 0, Empty, 1, 1, 0, 2, 360)",                           (13, 9)),
+    (CAM,                   "MAPC(X, Y, T, 0, Profile, 1, 1, 0, 0, 0, 6)",                        (13, 10)),
+    (HOMING,                "MAPC(H, Y, T, 0, Empty, 1, 1)",                                      (16, 0)),
+    (FAULT,                 "MAPC(X, Y, T, 0, Empty, 1, 1)",                                      (20, 0)),
+    (CAMMING,               "MAPC(X, Y, T, 0, Profile, 1, 1)",                                    (23, 0)),
+    ("",                    "MAPC(X, Y, T, 0, Empty, 1, 1)",                                      (32, 0)),
+    ("",                    "MAPC(NoDecel, Y, T, 0, Empty, 1, 1)",                                (54, 0)),
+    (STOP_ALL,              "MAPC(X, Y, T, 0, Empty, 1, 1)",                                      (78, 0)),
+    (OFF,                   "MATC(X, T, 0, Empty, 1, 1)",                                         (5, 0)),
+    (DOWN,                  "MATC(X, T, 0, Empty, 1, 1)",                                         (7, 0)),
+    ("",                    "MATC(X, T, 0, Empty, 1, 0)",                                         (13, 5)),
+    (HOMING,                "MATC(H, T, 0, Empty, 1, 1)",                                         (16, 0)),
+    (FAULT,                 "MATC(X, T, 0, Empty, 1, 1)",                                         (20, 0)),
+    (CAMMING,               "MATC(X, T, 0, Profile, 1, 1)",                                       (23, 0)),
+    ("",                    "MATC(X, T, 0, Empty, 1, 1)",                                         (32, 0)),
+    ("",                    "MATC(NoDecel, T, 0, Empty, 1, 1)",                                   (54, 0)),
+    (STOP_ALL,              "MATC(X, T, 0, Empty, 1, 1)",                                         (78, 0)),
+    ("MCCP(B9, Cam, 2, 0, 0, Profile)\nMATC(X, B1, 0, Profile, 9, 1)\nrun 20\nMAS(X, B2, TimeCam, Yes, 1, 0)\nrun 2",
+                            "MATC(X, T, 0, Profile, 1, 1)",                                       (78, 0)),
+    ("",                    "MATC(X, T, 0, Empty, 1, 1, 0, 0, 0, 1, 1)",                          (93, 0)),
+    ("",                    "MATC(X, T, 0, Empty, 1, 1, 0, 0, 0, 1, 0)",                          (95, 0)),
     // MCD.
     (OFF,                   "MCD(X, T, Jog, Yes, 5)",                                             (5, 0)),
     (DOWN,                  "MCD(X, T, Jog, Yes, 5)",                                             (7, 0)),
@@ -331,11 +389,17 @@ const GOOD: &[&str] = &[
     "MCSD(CS1, T)", "MCSR(CS1, T)", "MCT(CS2, CS3, T, [0, 0, 0], [0, 0, 0])",
     "MSO(X, T)", "MSF(X, T)", "MASD(X, T)", "MASR(X, T)", "MAFR(X, T)", "MAS(X, T, All, No, 0, 0)", "MAH(X, T)",
     "MAJ(X, T, 0, {rates})", "MAM(X, T, 0, 9, {rates})", "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)", "MRP(X, T, 0, 0, 5)",
-    "MGS(Motion, T, 1)", "MGSD(Motion, T)", "MGSR(Motion, T)", "MGSP(Motion, T)",
+    "MGS(Motion, T, 1)", "MGSD(Motion, T)", "MGSR(Motion, T)", "MGSP(Motion, T)", "MCCP(T, Cam, 2, 0, 0, Profile)",
 ];
 
 /// The same, where something has to move.
-const GOOD_MOVING: &[(&str, &str)] = &[(LINE, "MCCD(CS1, T, 1, 1, 9, 0)"), (JOG, "MCD(X, T, Jog, Yes, 5)")];
+const GOOD_MOVING: &[(&str, &str)] = &[
+    (LINE, "MCCD(CS1, T, 1, 1, 9, 0)"),
+    (JOG, "MCD(X, T, Jog, Yes, 5)"),
+    (CAM, "MCSV(T, Profile, 1)"),
+    (CAM, "MAPC(X, Y, T, 0, Profile, 1, 1)"),
+    (CAM, "MATC(X, T, 0, Profile, 1, 1)"),
+];
 
 /// What an instruction errs with by the specification: its own list where it has one, else the checks of its order that
 /// concern it. Coordinated instructions: coordinated-instructions.md §11, §14 to §17, §19.6; others:
@@ -360,6 +424,10 @@ const LISTS: &[(&str, &[i16])] = &[
     ("MAJ",  &[3, 24, 19, 13, 94, 95, 93, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 76, 78, 102, 105, 9]),
     ("MAM",  &[3, 24, 19, 13, 94, 100, 106, 95, 93, 101, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 76, 17, 33, 78, 102, 105, 9, 99]),
     ("MAG",  &[3, 24, 19, 13, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 10, 23, 78]),
+    ("MCCP", &[3, 13, 26, 27, 28, 29, 30, 31]),
+    ("MCSV", &[3, 13, 30, 32]),
+    ("MAPC", &[3, 24, 19, 13, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 10, 23, 30, 32, 78]),
+    ("MATC", &[3, 24, 19, 13, 93, 95, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 23, 30, 32, 78]),
     ("MCD",  &[3, 24, 19, 13, 94, 105, 11, 8, 38, 53, 21, 7, 5, 20, 16, 54, 76, 23, 78, 103]),
     ("MRP",  &[3, 7, 8, 11, 12, 13, 16, 19, 24, 63, 85]),
     ("MGS",  &[3, 19, 21, 24, 13]),
@@ -378,6 +446,7 @@ const NEVER: &[(i16, &str)] = &[
     (19,  "the group is synchronized before the first instruction is executed"),
     (21,  "the group itself has no fault that could be"),
     (24,  "the controller is always in Run"),
+    (30,  "a bench calculates at once; the tags' own tests see it"),
     (38,  "every axis type that there is can be moved"),
     (39,  "the newer codes 16, 63 and 85 tell which process it is"),
     (50,  "every coordinate system is in the one group, by the configuration"),
@@ -407,6 +476,8 @@ const NEVER_HERE: &[(&str, i16, &str)] = &[
     ("MAJ",  8,   "every axis type can be moved"),
     ("MAM",  8,   "every axis type can be moved"),
     ("MAG",  8,   "every axis type can be moved"),
+    ("MAPC", 8,   "every axis type can be moved"),
+    ("MATC", 8,   "every axis type can be moved"),
     ("MCD",  8,   "every axis type can be moved"),
     ("MRP",  8,   "every axis type has a position"),
     ("MCLM", 105, "nothing is master driven yet: 93 comes first"),

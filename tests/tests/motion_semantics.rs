@@ -92,6 +92,28 @@ fn what_later_issues_bring_is_bound_verified_and_refused() {
 }
 
 #[test]
+fn what_lasts_a_whole_number_of_updates_ends_at_the_last_of_them() {
+    // Trapezoids: way / speed + speed / rate.
+    for (way, speed, rate, ticks) in [
+        (20.0, 100.0, 1000.0, 300),
+        (7.0, 10.0, 100.0, 800),
+        (0.9, 3.0, 10.0, 600),
+        (1.3, 1.0, 10.0, 1400),
+        (0.07, 0.1, 1.0, 800),
+    ] {
+        let mut bench = Bench::new();
+        bench.execute(&format!("MCLM(XY, M, 0, [0, {way}], {speed}, 0, {rate}, 0, {rate}, 0)"));
+        bench.execute(&format!("MAM(Z, A, 0, {way}, {speed}, 0, {rate}, 0, {rate}, 0)"));
+        assert_eq!(bench.until("M", Flag::Pc), ticks, "{way} at {speed}");
+        assert!(bench.control("A").has(Flag::Pc), "{way} at {speed}");
+        assert_eq!(
+            (bench.axis("Y").command, bench.axis("Z").command),
+            ([way, 0.0, 0.0], [way, 0.0, 0.0])
+        );
+    }
+}
+
+#[test]
 fn a_single_move_from_edge_to_completion() {
     let mut bench = Bench::new();
     bench.run(5);

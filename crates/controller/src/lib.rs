@@ -10,7 +10,7 @@ pub mod image;
 mod snapshot;
 
 pub use arcline_motion::{
-    AxisSnapshot, CONTROL_SLOTS, ContourRequest, Event, SystemSnapshot, Ticket, Trajectory, UNNAMED, machine,
+    AxisSnapshot, CONTROL_SLOTS, ContourRequest, Event, Material, SystemSnapshot, Ticket, Trajectory, UNNAMED, machine,
 };
 pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port};
 pub use snapshot::Snapshot;

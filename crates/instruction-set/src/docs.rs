@@ -96,6 +96,7 @@ pub fn operand_type(kind: &Kind) -> String {
         Kind::ArrayOrNone => "REAL array or 0".to_owned(),
         Kind::WrittenArray(_) => "REAL array tag or 0".to_owned(),
         Kind::Structure(name) => format!("{name} tag"),
+        Kind::StructureOrNone(name) => format!("{name} tag or 0"),
     }
 }
 

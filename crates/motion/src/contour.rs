@@ -69,7 +69,8 @@ impl Motion {
     /// Fills a request for the next contour that is to be planned; false when there is none. Real-time.
     pub fn next_contour(&mut self, request: &mut ContourRequest) -> bool {
         for (index, system) in self.systems.iter_mut().enumerate() {
-            let Some(contour) = system.contour.as_mut().filter(|_| system.activity == Activity::Moving) else {
+            let wanted = system.activity == Activity::Moving && !system.is_merged();
+            let Some(contour) = system.contour.as_mut().filter(|_| wanted) else {
                 continue;
             };
             request.moves.clear();
@@ -141,7 +142,7 @@ impl Motion {
         {
             self.end_move(cancelled.data.execution, 0);
         }
-        let contour = self.systems[index].contour.as_ref();
+        let contour = self.systems[index].contour_in_force();
         if contour.is_some_and(|contour| !contour.is_running()) {
             self.retire_contour(index);
             self.rest_system(index);

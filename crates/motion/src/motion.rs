@@ -19,6 +19,7 @@ use crate::follow::order::Order;
 use crate::follow::transform::Link;
 use crate::instructions::{self, Layouts};
 use crate::machine::Machine;
+use crate::material::{Material, Sent};
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::status;
 use crate::stop::Stop;
@@ -108,18 +109,27 @@ impl Motion {
     /// Executes an instruction at the present tick and returns what its motion control tag shows then.
     /// Real-time: bounded by the instruction and the coordinate systems that share its axes.
     pub fn execute(&mut self, ticket: Ticket, call: &Call) -> MotionControl {
+        self.execute_with(ticket, call, None)
+    }
+
+    /// The same with what the instruction has from tags. Real-time.
+    pub fn execute_with(&mut self, ticket: Ticket, call: &Call, material: Option<Material>) -> MotionControl {
         let execution = Execution {
             ticket,
             control: call.control,
             mnemonic: call.mnemonic,
         };
         let tick = self.clock.tick;
+        let sent = Sent(material);
         let result = self
             .controls
             .begin(execution, tick)
-            .and_then(|()| instructions::execute(self, execution, call));
+            .and_then(|()| instructions::execute(self, execution, call, &sent));
         if let Err(error) = result {
             self.controls.fail(execution, error, tick);
+            if sent.verdict() == Err(error) {
+                self.controls.set_segment(execution, sent.element() as i32, tick);
+            }
         }
         self.controls.word(call.control)
     }

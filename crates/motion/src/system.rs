@@ -43,7 +43,8 @@ pub(crate) enum Activity {
 pub(crate) struct System {
     pub(crate) description: CoordinateSystem,
     pub(crate) planner: Planner<Planned>,
-    /// In place of the planner where moves are travelled as planned contours.
+    /// In place of the planner where moves are travelled as planned contours, but for one that was merged: the planner
+    /// travels that, and the moves here wait behind it.
     pub(crate) contour: Option<ContourQueue<Planned>>,
     /// What contours keep of the axes' own limits.
     pub(crate) axis_limits: AxisLimits,
@@ -86,9 +87,20 @@ impl System {
         }
     }
 
+    /// Whether a merged move is travelled by the planner although the others are planned contours.
+    pub(crate) fn is_merged(&self) -> bool {
+        self.contour.is_some() && self.planner.active().is_some()
+    }
+
+    /// The contours, unless a merged move is travelled.
+    pub(crate) fn contour_in_force(&self) -> Option<&ContourQueue<Planned>> {
+        self.contour.as_ref().filter(|_| self.planner.active().is_none())
+    }
+
     /// Whether every pending place is taken.
     pub(crate) fn is_full(&self) -> bool {
         match &self.contour {
+            Some(contour) if self.is_merged() => contour.moves().count() >= self.description.queue_depth,
             Some(contour) => contour.is_full(),
             None => self.planner.is_full(),
         }
@@ -104,7 +116,7 @@ impl System {
 
     /// The active instruction, while it moves the axes.
     pub(crate) fn active(&mut self) -> Option<Planned> {
-        match &self.contour {
+        match self.contour_in_force() {
             Some(contour) if contour.is_running() => contour.moves().next().map(|motion| motion.data),
             Some(_) => None,
             None => self.planner.active_data().copied(),
@@ -114,14 +126,14 @@ impl System {
     /// The active instruction, taken out of a contour whose path goes on without it.
     pub(crate) fn take_active(&mut self) -> Option<Planned> {
         match &mut self.contour {
-            Some(contour) => contour.pop().map(|motion| motion.data),
-            None => self.planner.active_data().copied(),
+            Some(contour) if self.planner.active().is_none() => contour.pop().map(|motion| motion.data),
+            _ => self.planner.active_data().copied(),
         }
     }
 
     /// Programmed end point of the active move.
     pub(crate) fn active_end(&self) -> Option<Point> {
-        match &self.contour {
+        match self.contour_in_force() {
             Some(contour) if contour.is_running() => contour.moves().next().map(|motion| motion.path.end()),
             Some(_) => None,
             None => self.planner.active().map(|running| running.motion.path.end()),
@@ -130,10 +142,10 @@ impl System {
 
     /// Programmed end point of the last move in the queue.
     pub(crate) fn last_end(&self) -> Option<Point> {
-        match &self.contour {
-            Some(contour) => contour.moves().last().map(|motion| motion.path.end()),
-            None => self.planner.last_end(),
-        }
+        let contour = self.contour.as_ref().and_then(|contour| contour.moves().last());
+        contour
+            .map(|motion| motion.path.end())
+            .or_else(|| self.planner.last_end())
     }
 
     /// Whether a coordinated move of this system is active, pending, or being stopped on its path.

@@ -16,6 +16,7 @@ impl<T: Copy> Planner<T> {
     /// corner that the motion is to pass could no longer be met hold from there on only (§5.3).
     pub fn change_limits(&mut self, limits: Limits, clock: &Clock) {
         self.queue.refresh();
+        let limits = self.allowed(&limits);
         let Some(running) = &mut self.active else {
             return;
         };
@@ -41,7 +42,19 @@ impl<T: Copy> Planner<T> {
     /// Takes a share (at least 0) of the programmed speeds of the active move, the pending and all later ones, from the
     /// present tick on; 0 holds. Of no effect on a stop that is under way.
     pub fn set_rate(&mut self, rate: f64, clock: &Clock) {
-        self.queue.set_rate(rate);
+        let most = self.active.map_or(rate, |running| {
+            let speed = running.motion.limits.speed;
+            let wanted = Limits {
+                speed: speed * rate,
+                ..running.motion.limits
+            };
+            if speed > 0.0 {
+                self.allowed(&wanted).speed / speed
+            } else {
+                rate
+            }
+        });
+        self.queue.set_rate(rate.min(most));
         self.replan(clock);
     }
 
@@ -68,7 +81,10 @@ impl<T: Copy> Planner<T> {
             };
             Profile::to_position_two_stage(from, plan.target, &limits)
         };
-        running.follow(&plan, profile, clock.now());
+        // A path that waits for what ramps out goes on waiting.
+        let waits = running.track.residual.is_some() && running.track.start.elapsed(clock) < 0.0;
+        let at = if waits { running.track.start } else { clock.now() };
+        running.follow(&plan, profile, at);
         self.active = Some(running);
         self.schedule(clock.now(), clock);
         plan.ends == Ends::TooFast

@@ -17,7 +17,7 @@ use arcline_contour::Trajectory;
 use arcline_geometry::Point;
 use arcline_profile::{Limits, Phase, State};
 
-use crate::{Clock, Instant, Move, QueueFull, Sample};
+use crate::{Clock, Instant, Move, QueueFull, ROUNDING, Sample};
 use pace::{Pace, Wanted};
 
 pub use requests::{ContourBatch, Extension, Installed};
@@ -162,12 +162,12 @@ impl<T: Copy> ContourQueue<T> {
         if run.course == Course::Stopping && now.velocity == 0.0 && now.acceleration == 0.0 {
             return Some(ContourPassage::End);
         }
-        if now.position >= run.trajectory.duration() {
+        if now.position >= run.trajectory.duration() - ROUNDING {
             return Some(ContourPassage::End);
         }
         let next = run.trajectory.move_end(run.passed)?;
         let more = run.passed + 1 < run.trajectory.moves();
-        (more && now.position >= next).then_some(ContourPassage::Next)
+        (more && now.position >= next - ROUNDING).then_some(ContourPassage::Next)
     }
 
     /// The active move of the trajectory is complete: takes it out.
@@ -254,7 +254,13 @@ impl<T: Copy> ContourQueue<T> {
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
         let run = self.run.as_ref()?;
         let pace = run.pace.at(clock);
-        let at = run.trajectory.at(pace.position);
+        let duration = run.trajectory.duration();
+        let own = if pace.position >= duration - ROUNDING {
+            duration
+        } else {
+            pace.position
+        };
+        let at = run.trajectory.at(own);
         let velocity: Point = at.velocity * pace.velocity;
         let acceleration = at.acceleration * (pace.velocity * pace.velocity) + at.velocity * pace.acceleration;
         let power = velocity.dot(&acceleration);

@@ -16,11 +16,12 @@ mod contour;
 mod hand_over;
 mod junction;
 mod look_ahead;
+mod merge;
 mod planner;
 mod queue;
 mod track;
 
-pub use clock::{Clock, Instant};
+pub use clock::{Clock, Instant, ROUNDING};
 pub use contour::{ContourBatch, ContourPassage, ContourQueue, Extension, Installed};
 pub use junction::Ending;
 pub use planner::{Momentum, Move, Passage, Planner, QueueFull, Running};

@@ -6,9 +6,10 @@ use arcline_geometry::{Path, Point};
 use arcline_profile::{Limits, Profile, State};
 
 use crate::junction::{Ending, braking, is_along};
+use crate::merge::Within;
 use crate::queue::Queue;
 use crate::track::{Part, Residual, Sample, Track};
-use crate::{Clock, Instant};
+use crate::{Clock, Instant, ROUNDING};
 
 /// A path to travel and the limits along it. `T` is whatever the owner wants back with it.
 #[derive(Clone, Copy, Debug)]
@@ -75,10 +76,12 @@ pub struct Planner<T> {
     pub(crate) hand_over_at: Option<f64>,
     /// Paths of cancelled moves along which a stop of the active one may have to go on.
     trail: VecDeque<Path>,
+    /// What the active move may use of the limits of the axes, where these are kept.
+    pub(crate) within: Option<Within>,
 }
 
 /// Share of an acceleration that is none: what rounding leaves across the direction of motion.
-const NO_ACCELERATION: f64 = 1e-9;
+pub(crate) const NO_ACCELERATION: f64 = 1e-9;
 
 impl<T: Copy> Planner<T> {
     /// A planner at rest with `depth` pending places. `corner_step`: the change of velocity that each axis may
@@ -91,6 +94,7 @@ impl<T: Copy> Planner<T> {
             depth,
             hand_over_at: None,
             trail: VecDeque::with_capacity(depth),
+            within: None,
         }
     }
 
@@ -182,6 +186,7 @@ impl<T: Copy> Planner<T> {
                     ..State::default()
                 },
             ),
+            part(Point::zeros(), State::default()),
         ];
         let residual = Residual::new(parts, clock.now(), &motion.path);
         self.run(motion, from, clock.now(), Some(residual), false, clock);
@@ -218,9 +223,11 @@ impl<T: Copy> Planner<T> {
     pub fn passage(&self, clock: &Clock) -> Option<Passage> {
         let running = self.active.as_ref()?;
         let elapsed = running.track.start.elapsed(clock);
-        let instant = |seconds: f64| running.track.start.after(seconds, clock);
+        // A stop is over when it stands, to the last bit.
+        let rounding = if running.stopped { 0.0 } else { ROUNDING };
+        let instant = |seconds: f64| running.track.start.after(seconds.min(elapsed), clock);
         if let Some(at) = self.hand_over_at
-            && elapsed >= at
+            && elapsed >= at - rounding
         {
             return Some(Passage::HandOver(instant(at)));
         }
@@ -233,7 +240,7 @@ impl<T: Copy> Planner<T> {
         {
             end = end.max(tail.duration(clock) + elapsed - tail.start.elapsed(clock));
         }
-        (elapsed >= end).then(|| Passage::Reached(instant(end)))
+        (elapsed >= end - rounding).then(|| Passage::Reached(instant(end)))
     }
 
     /// Whether the active move goes over into its successor without rest.
@@ -245,6 +252,7 @@ impl<T: Copy> Planner<T> {
     pub fn clear_active(&mut self) -> Option<T> {
         self.trail.clear();
         self.tail = None;
+        self.within = None;
         self.hand_over_at = None;
         self.active.take().map(|running| running.motion.data)
     }
@@ -271,6 +279,7 @@ impl<T: Copy> Planner<T> {
     /// along the cancelled moves that the profile was leading over.
     pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
         self.hand_over_at = None;
+        let limits = &self.allowed(limits);
         let tracks = self
             .active
             .iter_mut()

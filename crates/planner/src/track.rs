@@ -38,8 +38,8 @@ pub(crate) struct Approach {
 /// distance gone on the path (spec/coordinated-instructions.md §6.3).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Residual {
-    /// Along the old velocity, and across it where the acceleration was not along the velocity.
-    pub(crate) parts: [Part; 2],
+    /// Along the old velocity, and across it where the acceleration was not along the velocity; or axis by axis.
+    pub(crate) parts: [Part; 3],
     pub(crate) start: Instant,
     /// Share of the move's limits that its own profile may use, so that path and compensation together keep
     /// them: at most 1.
@@ -157,7 +157,7 @@ impl Track {
         let own = self.profile.duration();
         self.residual.map_or(own, |residual| {
             let head = self.start.elapsed(clock) - residual.start.elapsed(clock);
-            own.max(residual.duration() - head)
+            own.max(residual.duration() + head)
         })
     }
 }
@@ -174,7 +174,7 @@ impl Approach {
 impl Residual {
     /// A residual ramped out beside a path. The compensation makes the way longer than the path where it
     /// leads away from the target; the path is then travelled so much slower.
-    pub(crate) fn new(parts: [Part; 2], start: Instant, path: &Path) -> Self {
+    pub(crate) fn new(parts: [Part; 3], start: Instant, path: &Path) -> Self {
         let length = path.length();
         let total: Point = parts.iter().map(Part::total).sum();
         let way = match path {
@@ -211,7 +211,7 @@ impl Residual {
 }
 
 impl Part {
-    fn total(&self) -> Point {
+    pub(crate) fn total(&self) -> Point {
         self.direction * self.profile.end().position
     }
 }

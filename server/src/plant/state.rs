@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use arc_swap::ArcSwap;
-use arcline_controller::image::{Edge, Image, TagKind};
+use arcline_controller::image::{Edge, Image, Staged, TagKind};
 use arcline_controller::{Command, Snapshot, Ticket};
 use arcline_instruction_set::{Call, FaultSet, Flag, MotionControl, MotionError};
 use arcline_realtime::Link;
@@ -47,6 +47,8 @@ pub(super) struct State {
     /// What connections have begun.
     pub(super) owned: Owned,
     lost: u64,
+    /// What instructions under way write to tags when they are done.
+    staged: BTreeMap<Ticket, Staged>,
     /// The overrides that the controller has been sent, percent.
     overrides: Vec<f32>,
     /// The injected causes of faults that the controller has been sent.
@@ -70,6 +72,7 @@ impl State {
             next_ticket: 1,
             waiting: BTreeMap::new(),
             backlog: VecDeque::new(),
+            staged: BTreeMap::new(),
             records: Records::default(),
             owned: Owned::default(),
             lost: 0,
@@ -131,7 +134,8 @@ impl State {
             if let Some(control) = record {
                 event.apply(control);
                 if is_accepted(control) {
-                    self.complete(event.ticket);
+                    let control = *control;
+                    self.complete(event.ticket, &control);
                 }
             }
         }
@@ -150,7 +154,7 @@ impl State {
                 {
                     *control = answer.control;
                 }
-                self.complete(answer.ticket);
+                self.complete(answer.ticket, &answer.control);
             }
         }
         if updated {
@@ -173,7 +177,10 @@ impl State {
         }
     }
 
-    fn complete(&mut self, ticket: Ticket) {
+    fn complete(&mut self, ticket: Ticket, control: &MotionControl) {
+        if let Some(staged) = self.staged.remove(&ticket) {
+            self.image_mut().settle(staged, control);
+        }
         self.done.extend(self.waiting.remove(&ticket));
     }
 
@@ -191,7 +198,14 @@ impl State {
         let ticket = self.ticket();
         let (sender, receiver) = oneshot::channel();
         self.waiting.insert(ticket, sender);
-        self.push(Command::Call(ticket, call));
+        let (material, staged) = self.image_mut().prepare(&call);
+        if let Some(staged) = staged {
+            self.staged.insert(ticket, staged);
+        }
+        self.push(match material {
+            None => Command::Call(ticket, call),
+            Some(material) => Command::CallWith(ticket, call, material),
+        });
         (ticket, receiver)
     }
 

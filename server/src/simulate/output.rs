@@ -66,6 +66,10 @@ impl Output {
 
     /// One change of an instruction's status.
     pub(super) fn event(&mut self, event: &Event, time: f64, tag: &str) {
+        if event.set | event.clear == 0 {
+            // A cam has come to another segment.
+            return;
+        }
         let text = &mut self.text;
         text.extend_from_slice(b"{\"time_s\":");
         number(text, time);

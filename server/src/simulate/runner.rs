@@ -263,7 +263,8 @@ impl<'m> Runner<'m> {
         match tag.map(|tag| tag.kind) {
             Some(TagKind::MotionControl(slot)) => self.watch(slot),
             Some(TagKind::Instruction(kind)) => self.watch(kind.control),
-            Some(TagKind::Plain | TagKind::FeedOverride | TagKind::FaultInject) => {}
+            Some(TagKind::Plain) => self.image.show_uses(),
+            Some(TagKind::FeedOverride | TagKind::FaultInject) => {}
             Some(_) => {
                 self.reads_motion = true;
                 self.show(tick);
@@ -311,7 +312,11 @@ impl<'m> Runner<'m> {
         self.lines.push(line);
         let ticket = Ticket(self.lines.len() as u64);
         self.shown = None;
-        let control = self.controller.execute(ticket, call);
+        let (material, staged) = self.image.prepare(call);
+        let control = self.controller.execute_with(ticket, call, material);
+        if let Some(staged) = staged {
+            self.image.settle(staged, &control);
+        }
         if control.has(Flag::Er) {
             self.err(call.control, call.mnemonic, ticket, control.err, control.exerr);
         }

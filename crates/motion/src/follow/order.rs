@@ -22,12 +22,15 @@ pub(crate) enum Step {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Circle;
 
+/// Axes that one axis follows.
+pub(crate) type Masters = [Option<u16>; 4];
+
 /// Who follows whom.
 pub(crate) struct Followers<'a, M> {
     /// Axes of the machine.
     pub(crate) axes: usize,
-    /// The master of a geared axis.
-    pub(crate) master: M,
+    /// The masters of an axis.
+    pub(crate) masters: M,
     /// Transforms under way, at the place of their target system.
     pub(crate) links: &'a [Option<Link>],
 }
@@ -81,7 +84,7 @@ impl Order {
     ///
     /// # Errors
     /// When there is none. The present order stays.
-    pub(crate) fn plan<M: Fn(u16) -> Option<u16>>(&mut self, followers: &Followers<'_, M>) -> Result<(), Circle> {
+    pub(crate) fn plan<M: Fn(u16) -> Masters>(&mut self, followers: &Followers<'_, M>) -> Result<(), Circle> {
         self.next.clear();
         self.visits.fill(Visit::Ahead);
         for axis in 0..followers.axes {
@@ -96,7 +99,7 @@ impl Order {
     }
 
     /// A step behind all that it needs. As deep as there are steps at most.
-    fn visit<M: Fn(u16) -> Option<u16>>(&mut self, step: Step, followers: &Followers<'_, M>) -> Result<(), Circle> {
+    fn visit<M: Fn(u16) -> Masters>(&mut self, step: Step, followers: &Followers<'_, M>) -> Result<(), Circle> {
         let place = self.place(step);
         match self.visits.get(place) {
             Some(Visit::Ahead) => {}
@@ -110,7 +113,7 @@ impl Order {
         };
         match step {
             Step::Own(axis) => {
-                if let Some(master) = (followers.master)(axis) {
+                for master in (followers.masters)(axis).into_iter().flatten() {
                     self.visit(Step::Whole(master), followers)?;
                 }
             }
@@ -192,11 +195,13 @@ mod tests {
         let mut order = Order::new(9, links.len());
         order.plan(&Followers {
             axes: 9,
-            master: |axis| {
-                gears
-                    .iter()
-                    .find(|(slave, _)| *slave == axis)
-                    .map(|(_, master)| *master)
+            masters: |axis| {
+                let mut masters = Masters::default();
+                let of_axis = gears.iter().filter(|(slave, _)| *slave == axis);
+                for (place, (_, master)) in masters.iter_mut().zip(of_axis) {
+                    *place = Some(*master);
+                }
+                masters
             },
             links: &links,
         })?;

@@ -1,13 +1,14 @@
 //! MCCD, Motion Coordinated Change Dynamics (spec/coordinated-instructions.md §14, the MCCD seed).
 
 use arcline_instruction_set::{Call, Mnemonic, MotionError};
+use arcline_planner::ContourQueue;
 
 use super::place;
 use super::programmed::ChangeLayout;
 use crate::control::Execution;
-use crate::dynamics::Maxima;
+use crate::dynamics::{Dynamics, Maxima};
 use crate::motion::Motion;
-use crate::system::Activity;
+use crate::system::{Activity, Planned};
 use crate::verify;
 
 /// Places of MCCD's operands.
@@ -45,12 +46,15 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let maxima = Maxima::from(&system.description);
     let change = |dynamics| layout.dynamics.change(call, &maxima, dynamics);
     let dynamics = change(active.dynamics)?;
-    if system.contour.is_some() {
+    if system.contour_in_force().is_some() {
         change_contour(motion, index, call, active.dynamics.speed, dynamics.speed)?;
         motion.done(execution);
         return Ok(());
     }
     if call.word(layout.scope) == ACTIVE_AND_PENDING {
+        if let Some(contour) = &mut system.contour {
+            change_unplanned(contour, change)?;
+        }
         for waiting in system.planner.pending() {
             change(waiting.data.dynamics)?;
         }
@@ -85,17 +89,26 @@ fn change_contour(
         return Ok(());
     };
     if call.word(layout.scope) == ACTIVE_AND_PENDING {
-        for waiting in contour.unplanned_mut() {
-            change(waiting.data.dynamics)?;
-        }
-        for waiting in contour.unplanned_mut() {
-            waiting.data.dynamics = change(waiting.data.dynamics)?;
-            waiting.limits = waiting.data.dynamics.limits();
-        }
+        change_unplanned(contour, change)?;
     }
     if layout.dynamics.changes_speed(call) && programmed > 0.0 {
         contour.set_share(speed / programmed, &motion.clock);
         system.stale = true;
+    }
+    Ok(())
+}
+
+/// All of the moves that have not been planned yet, or none.
+fn change_unplanned(
+    contour: &mut ContourQueue<Planned>,
+    change: impl Fn(Dynamics) -> Result<Dynamics, MotionError>,
+) -> Result<(), MotionError> {
+    for waiting in contour.unplanned_mut() {
+        change(waiting.data.dynamics)?;
+    }
+    for waiting in contour.unplanned_mut() {
+        waiting.data.dynamics = change(waiting.data.dynamics)?;
+        waiting.limits = waiting.data.dynamics.limits();
     }
     Ok(())
 }

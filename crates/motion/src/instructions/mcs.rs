@@ -137,7 +137,10 @@ fn rates(motion: &Motion, index: usize, call: &Call) -> Result<Rates, MotionErro
             call.word(layout.jerk_units),
             description.max_deceleration_jerk,
         );
-        let sample = system.planner.sample(&motion.clock);
+        let sample = match system.contour_in_force() {
+            Some(contour) => contour.sample(&motion.clock),
+            None => system.planner.sample(&motion.clock),
+        };
         let speed = sample.map_or(0.0, |sample| sample.along.velocity.abs());
         let reference = if speed > 0.0 { speed } else { description.max_speed };
         release.jerk = Some(resolve(programmed, reference, deceleration));
@@ -165,7 +168,7 @@ fn cancel(motion: &mut Motion, release: &Release, which: impl Fn(&Link, usize) -
 }
 
 fn is_s_curve(motion: &Motion, index: usize) -> bool {
-    if let Some(contour) = &motion.systems[index].contour {
+    if let Some(contour) = motion.systems[index].contour_in_force() {
         return contour.moves().any(|planned| planned.data.dynamics.is_s_curve());
     }
     let active = motion.systems[index].planner.active();
@@ -180,8 +183,8 @@ fn stop_move(motion: &mut Motion, index: usize, limits: &Limits) {
     if system.is_busy() {
         system.activity = Activity::Stopping;
         match &mut system.contour {
-            Some(contour) => contour.stop(limits, &motion.clock),
-            None => system.planner.stop(limits, &motion.clock),
+            Some(contour) if system.planner.active().is_none() => contour.stop(limits, &motion.clock),
+            _ => system.planner.stop(limits, &motion.clock),
         }
         system.stale = true;
     }

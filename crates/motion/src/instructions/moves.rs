@@ -144,14 +144,16 @@ pub(super) fn execute(
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
     let tick = motion.clock.tick;
     if motion.systems[index].contour.is_some() {
-        if merge != MERGE_DISABLED && motion.systems[index].is_busy() {
-            return Err(MotionError::FeatureNotSupported);
+        if merge != MERGE_DISABLED {
+            terminate(motion, index, merge);
         }
-        motion.queue_contour(index, planned)?;
-        motion.controls.write(execution, accepted, 0, tick);
-        return Ok(());
-    }
-    if merge == MERGE_DISABLED && motion.systems[index].is_busy() {
+        // What does not move is not merged, and planned like any other move.
+        if momentum.velocity == Point::zeros() && momentum.acceleration == Point::zeros() {
+            motion.queue_contour(index, planned)?;
+            motion.controls.write(execution, accepted, 0, tick);
+            return Ok(());
+        }
+    } else if merge == MERGE_DISABLED && motion.systems[index].is_busy() {
         let system = &mut motion.systems[index];
         system
             .planner
@@ -159,12 +161,19 @@ pub(super) fn execute(
             .map_err(|_| MotionError::CoordinateSystemQueueFull)?;
         motion.controls.write(execution, accepted, 0, tick);
         return Ok(());
-    }
-    if merge != MERGE_DISABLED {
+    } else if merge != MERGE_DISABLED {
         terminate(motion, index, merge);
     }
     let system = &mut motion.systems[index];
-    system.planner.merge(planned, momentum, &motion.clock);
+    if system.description.axis_limits == AxisLimits::Enforce {
+        let planner = &mut system.planner;
+        planner.set_rate(system.feed_override, &motion.clock);
+        planner.merge_within(planned, momentum, &system.axis_limits, &motion.clock);
+        // Its speed may not be overridden beyond the limits of the axes.
+        planner.set_rate(system.feed_override, &motion.clock);
+    } else {
+        system.planner.merge(planned, momentum, &motion.clock);
+    }
     system.activity = Activity::Moving;
     system.shown_phase = Phase::Steady;
     system.in_actual_tolerance = false;
@@ -200,6 +209,10 @@ fn terminate(motion: &mut Motion, index: usize, merge: i32) {
     motion.cancel_pending(index);
     motion.end_active(index);
     motion.systems[index].planner.clear_active();
+    if motion.systems[index].contour.is_some() {
+        motion.retire_contour(index);
+        motion.rest_system(index);
+    }
     motion.part_axes(index);
     if merge != MERGE_ALL {
         return;

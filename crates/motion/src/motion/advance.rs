@@ -16,7 +16,7 @@ use crate::system::{Activity, component};
 
 impl Motion {
     pub(super) fn advance_system(&mut self, index: usize) {
-        if self.systems[index].contour.is_some() {
+        if self.systems[index].contour_in_force().is_some() {
             self.advance_contour(index);
             return;
         }
@@ -81,6 +81,15 @@ impl Motion {
             None => {
                 self.systems[index].planner.clear_active();
                 self.release_axes(index);
+                // Moves behind a merged one are planned as a contour now.
+                let system = &mut self.systems[index];
+                if system
+                    .contour
+                    .as_ref()
+                    .is_some_and(|contour| contour.moves().next().is_some())
+                {
+                    system.activity = Activity::Moving;
+                }
             }
         }
     }
@@ -108,7 +117,7 @@ impl Motion {
     /// Commands of a system's axes at the present tick, and ACCEL and DECEL of its active instruction.
     pub(crate) fn sample_system(&mut self, index: usize) {
         let system = &mut self.systems[index];
-        let sample = match &system.contour {
+        let sample = match system.contour_in_force() {
             Some(contour) => contour.sample(&self.clock),
             None => system.planner.sample(&self.clock),
         };

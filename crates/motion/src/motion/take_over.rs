@@ -44,13 +44,12 @@ impl Motion {
         if !self.systems[index].is_busy() {
             return braking;
         }
+        let active = self.systems[index].active();
+        let s_curve = active.is_some_and(|active| active.dynamics.is_s_curve());
         self.cancel_pending(index);
         self.end_active(index);
         self.retire_contour(index);
-        let s_curve = self.systems[index]
-            .planner
-            .clear_active()
-            .is_some_and(|active| active.dynamics.is_s_curve());
+        self.systems[index].planner.clear_active();
         self.rest_system(index);
         for place in 0..self.systems[index].description.axes.len() {
             let axis = self.systems[index].description.axes[place];
