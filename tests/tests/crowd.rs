@@ -68,7 +68,7 @@ fn a_thousand_clients_read_ten_tags_each() {
         outcome.percentile(0.99),
         outcome.percentile(1.0),
     );
-    assert_eq!((outcome.errors, outcome.first_error), (0, None));
+    assert_eq!((outcome.errors, outcome.first_error.as_deref()), (0, None));
     assert!(outcome.times.len() >= CLIENTS, "everybody was answered");
     assert!(memory < MOST_MEMORY, "{memory} MiB");
     if long.is_none() {

@@ -21,8 +21,9 @@ fn block(language: &str) -> String {
 /// The text of every block of that language.
 fn blocks(language: &str) -> Vec<String> {
     let text = readme();
-    let behind = text.split(&format!("```{language}\n")).skip(1);
-    behind
+    let begin = format!("```{language}\n");
+    text.split(&begin)
+        .skip(1)
         .map(|rest| rest.split_once("```").expect("blocks end").0.to_owned())
         .collect()
 }
