@@ -9,6 +9,8 @@
 //! tick refreshes it; one that comes while somebody else does that, or writes, sees the memory before.
 
 mod io;
+mod log;
+mod moves;
 mod owned;
 mod records;
 mod reload;
@@ -29,6 +31,9 @@ use arcline_realtime::{Handle, Link, Meter, Options, SpawnError};
 use tokio::sync::Notify;
 
 use crate::retained::{NotKept, Watch, WhenKept};
+use crate::trace::Trace;
+pub use log::Logged;
+pub use moves::{LiveMove, LiveMoves};
 pub use owned::Owner;
 use records::instance_of;
 pub use reload::ReloadError;
@@ -81,6 +86,7 @@ struct Shared {
     meter: Arc<Meter>,
     machine: Machine,
     server: ServerConfig,
+    trace: Trace,
     /// Something was sent: the pump looks sooner.
     sent: Notify,
 }
@@ -105,6 +111,9 @@ impl Plant {
     ) -> Result<(Plant, Handle), SpawnError> {
         let (link, handle) = arcline_realtime::spawn(&project.machine, Options::default())?;
         let plant = Plant::with(project, link, image, watch);
+        if let Err(error) = plant.trace().spawn() {
+            tracing::warn!(%error, "no thread for traces: they have rows only while somebody asks");
+        }
         tokio::spawn(pump(Arc::downgrade(&plant.0)));
         Ok((plant, handle))
     }
@@ -114,19 +123,21 @@ impl Plant {
         Plant::with(project, link, image_of(project), None)
     }
 
-    fn with(project: &Project, link: Link, image: Image, watch: Option<Watch>) -> Plant {
+    fn with(project: &Project, mut link: Link, image: Image, watch: Option<Watch>) -> Plant {
         let published = Published {
             image: ArcSwap::from_pointee(image.clone()),
             snapshots: AtomicU64::new(0),
         };
         let meter = link.meter.clone();
-        let state = State::new(image, link, watch);
+        let trace = Trace::new(&project.machine, link.samples.take());
+        let state = State::new(image, link, watch, trace.clone());
         Plant(Arc::new(Shared {
             state: Mutex::new(state),
             published,
             meter,
             machine: project.machine.clone(),
             server: project.server.clone(),
+            trace,
             sent: Notify::new(),
         }))
     }
@@ -139,6 +150,11 @@ impl Plant {
     /// The network side as configured.
     pub fn server(&self) -> &ServerConfig {
         &self.0.server
+    }
+
+    /// The samples of every tick, and traces of them.
+    pub fn trace(&self) -> &Trace {
+        &self.0.trace
     }
 
     /// The real-time thread's measurements.
@@ -240,7 +256,7 @@ impl Plant {
         control: Option<&str>,
         given: &[Given],
     ) -> Result<Executed, CallRefused> {
-        self.call_for(None, mnemonic, target, control, given).await
+        self.call_with(None, mnemonic, target, control, given, |_| {}).await
     }
 
     /// The same for an owner, who has begun what comes of it.
@@ -249,11 +265,39 @@ impl Plant {
     /// As [`Self::call`].
     pub async fn call_for(
         &self,
+        owner: Owner,
+        mnemonic: Mnemonic,
+        target: Option<u16>,
+        control: Option<&str>,
+        given: &[Given],
+    ) -> Result<Executed, CallRefused> {
+        self.call_with(Some(owner), mnemonic, target, control, given, |_| {})
+            .await
+    }
+
+    /// The same as [`Plant::call`]; `tell` is told its instance before anything has happened.
+    ///
+    /// # Errors
+    /// As [`Plant::call`].
+    pub(crate) async fn call_told(
+        &self,
+        mnemonic: Mnemonic,
+        target: Option<u16>,
+        control: Option<&str>,
+        given: &[Given],
+        tell: impl FnOnce(u32),
+    ) -> Result<Executed, CallRefused> {
+        self.call_with(None, mnemonic, target, control, given, tell).await
+    }
+
+    async fn call_with(
+        &self,
         owner: Option<Owner>,
         mnemonic: Mnemonic,
         target: Option<u16>,
         control: Option<&str>,
         given: &[Given],
+        tell: impl FnOnce(u32),
     ) -> Result<Executed, CallRefused> {
         let (ticket, answer) = {
             let mut state = self.0.lock();
@@ -265,7 +309,9 @@ impl Plant {
             if let Some(name) = control {
                 call.control = state.image_mut().control_slot(name)?;
             }
-            state.send_for(owner, call)
+            let (ticket, answer) = state.send_for(owner, call);
+            tell(instance_of(ticket));
+            (ticket, answer)
         };
         self.0.sent.notify_one();
         if tokio::time::timeout(ANSWER_WITHIN, answer).await.is_err() {

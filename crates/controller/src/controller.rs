@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use arcline_instruction_set::{Call, ControlSlot, FaultSet, MotionControl};
 use arcline_motion::machine::Machine;
-use arcline_motion::{ContourRequest, Event, Material, Motion, Ticket, Trajectory};
+use arcline_motion::{AcceptedMove, ContourRequest, Event, Material, Motion, Ticket, Trajectory};
 
 use crate::snapshot::Snapshot;
 
@@ -45,6 +45,10 @@ pub trait Port {
     fn answer(&mut self, ticket: Ticket, control: MotionControl);
     /// A change of an instruction's status.
     fn event(&mut self, event: &Event);
+    /// A coordinated move was accepted.
+    fn accepted(&mut self, accepted: &AcceptedMove) {
+        let _ = accepted;
+    }
     /// A place for the state at the end of this tick; `None` when nobody wants it.
     fn snapshot(&mut self) -> Option<&mut Snapshot>;
     /// The snapshot is filled.
@@ -137,6 +141,7 @@ impl Controller {
                 break;
             }
         }
+        self.accepted_moves(|accepted| port.accepted(accepted));
         self.end_tick(|event| port.event(event));
         if let Some(snapshot) = port.snapshot() {
             self.snapshot(snapshot);
@@ -205,6 +210,11 @@ impl Controller {
             });
         }
         while self.motion.retired_contour().is_some() {}
+    }
+
+    /// The coordinated moves accepted since the last call, in order. Real-time as far as `report` is.
+    pub fn accepted_moves(&mut self, report: impl FnMut(&AcceptedMove)) {
+        self.motion.accepted_moves(report);
     }
 
     /// Closes the tick and reports what changed, in order. Real-time as far as `report` is.

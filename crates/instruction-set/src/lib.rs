@@ -17,6 +17,7 @@ mod instruction;
 mod instruction_tag;
 mod mnemonic;
 pub mod predefined;
+mod queue;
 mod verify;
 mod words;
 

@@ -9,6 +9,7 @@
 
 #![forbid(unsafe_code)]
 
+mod accepted;
 mod axis;
 mod contour;
 mod control;
@@ -26,7 +27,9 @@ mod stop;
 mod system;
 mod verify;
 
+pub use accepted::AcceptedMove;
 pub use arcline_cam as cam;
+pub use arcline_planner::geometry::{Path, Point};
 pub use arcline_planner::precise::Trajectory;
 pub use contour::ContourRequest;
 pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};

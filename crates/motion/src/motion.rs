@@ -13,6 +13,7 @@ use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::{AxisLimits, Trajectory};
 
+use crate::accepted::{ACCEPTED, AcceptedMove};
 use crate::axis::{Axis, AxisState};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
 use crate::follow::order::Order;
@@ -44,6 +45,8 @@ pub struct Motion {
     /// The group's stop that is under way (MGS).
     pub(crate) group_stop: Option<Stop>,
     messages: Vec<Message>,
+    /// Coordinated moves that nobody has taken notice of yet.
+    pub(crate) accepted: Vec<AcceptedMove>,
 }
 
 /// A request to a drive: its instruction is done an update later.
@@ -79,6 +82,7 @@ impl Motion {
             retired: Vec::with_capacity(2 * machine.systems.len()),
             group_stop: None,
             messages: Vec::with_capacity(MESSAGES),
+            accepted: Vec::with_capacity(ACCEPTED),
         }
     }
 

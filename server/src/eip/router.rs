@@ -179,12 +179,7 @@ impl Router {
     ///
     /// # Errors
     /// The tags have what was written, but may not have it after a restart.
-    async fn with_memory(
-        &self,
-        owner: Owner,
-        writes: bool,
-        work: impl FnOnce(&mut Memory<'_>),
-    ) -> Result<(), NotKept> {
+    async fn with_memory(&self, owner: Owner, writes: bool, work: impl FnOnce(&mut Memory<'_>)) -> Result<(), NotKept> {
         if writes {
             let ((), written) = self
                 .device

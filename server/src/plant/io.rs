@@ -4,7 +4,7 @@
 use arcline_controller::image::Image;
 use arcline_controller::{Command, Snapshot};
 
-use super::Plant;
+use super::{LiveMoves, Logged, Plant};
 
 impl Plant {
     /// Reads the state of the newest tick.
@@ -14,12 +14,20 @@ impl Plant {
         read(state.link.snapshots.output_buffer())
     }
 
-    /// Reads the state of the newest tick and the tags of the same one.
-    pub fn with_state<R>(&self, read: impl FnOnce(&Image, &Snapshot) -> R) -> R {
+    /// The newest changes of instructions behind a number, oldest first, with the tags of now.
+    pub fn events_since<R>(&self, number: u64, read: impl FnOnce(&Image, Vec<Logged>) -> R) -> R {
         let mut state = self.0.lock();
         state.refresh();
-        let (image, snapshot) = state.image_and_snapshot();
-        read(image, snapshot)
+        let events = state.log.since(number).copied().collect();
+        read(state.image(), events)
+    }
+
+    /// Reads the state of the newest tick, the tags of the same one, and the moves under way.
+    pub fn with_state<R>(&self, read: impl FnOnce(&Image, &Snapshot, &LiveMoves) -> R) -> R {
+        let mut state = self.0.lock();
+        state.refresh();
+        let (image, snapshot, moves) = state.view();
+        read(image, snapshot, moves)
     }
 
     /// As [`Plant::with_snapshot`], but does not wait for whoever has the plant: `None` when it is not to be had soon.

@@ -13,9 +13,12 @@ use arcline_realtime::Link;
 use tokio::sync::oneshot;
 
 use super::OUTSTANDING;
+use super::log::Log;
+use super::moves::LiveMoves;
 use super::owned::{Owned, Owner};
 use super::records::Records;
 use crate::retained::{Watch, WhenKept};
+use crate::trace::Trace;
 
 /// What readers have without the lock.
 #[derive(Debug)]
@@ -44,6 +47,8 @@ pub(super) struct State {
     /// What found no room in the ring, in order.
     pub(super) backlog: VecDeque<Command>,
     pub(super) records: Records,
+    pub(super) log: Log,
+    pub(super) moves: LiveMoves,
     /// What connections have begun.
     pub(super) owned: Owned,
     lost: u64,
@@ -55,11 +60,14 @@ pub(super) struct State {
     injected: Vec<FaultSet>,
     /// Sees what is kept over a restart.
     pub(super) watch: Option<Watch>,
+    /// Sees what triggers it.
+    trace: Trace,
 }
 
 impl State {
     /// On rings of which nothing has come yet.
-    pub(super) fn new(image: Image, link: Link, watch: Option<Watch>) -> Self {
+    pub(super) fn new(image: Image, link: Link, watch: Option<Watch>, trace: Trace) -> Self {
+        let moves = LiveMoves::new(link.snapshots.output_buffer().systems.len());
         State {
             overrides: image.feed_overrides().collect(),
             injected: image.injected_faults().collect(),
@@ -74,9 +82,12 @@ impl State {
             backlog: VecDeque::new(),
             staged: BTreeMap::new(),
             records: Records::default(),
+            log: Log::default(),
+            moves,
             owned: Owned::default(),
             lost: 0,
             watch,
+            trace,
         }
     }
 
@@ -85,9 +96,9 @@ impl State {
         &self.image
     }
 
-    /// The tag memory and the snapshot that it shows.
-    pub(super) fn image_and_snapshot(&mut self) -> (&Image, &Snapshot) {
-        (&self.image, self.link.snapshots.output_buffer())
+    /// The tag memory, the snapshot that it shows, and the moves under way.
+    pub(super) fn view(&mut self) -> (&Image, &Snapshot, &LiveMoves) {
+        (&self.image, self.link.snapshots.output_buffer(), &self.moves)
     }
 
     /// The tag memory, which is then published anew.
@@ -123,6 +134,14 @@ impl State {
             return;
         }
         let tick = self.link.snapshots.output_buffer().tick;
+        while let Ok(accepted) = self.link.accepted.peek() {
+            if accepted.tick > tick {
+                break;
+            }
+            let accepted = *accepted;
+            let _ = self.link.accepted.pop();
+            self.moves.accept(accepted);
+        }
         while let Ok(event) = self.link.events.peek() {
             if event.tick > tick {
                 break;
@@ -130,6 +149,10 @@ impl State {
             let event = *event;
             let _ = self.link.events.pop();
             self.image_mut().apply_event(&event);
+            self.moves.event(&event);
+            self.log.push(event, self.records.target(event.ticket));
+            let tag = self.image.control_name(event.control);
+            self.trace.event(event.tick, tag, event.mnemonic, event.set);
             let record = self.records.get_mut(event.ticket);
             if let Some(control) = record {
                 event.apply(control);
@@ -161,6 +184,7 @@ impl State {
             self.changed = true;
             let snapshot = self.link.snapshots.output_buffer();
             self.image.apply_snapshot(snapshot);
+            self.moves.settle(snapshot);
             if let Some(watch) = &mut self.watch {
                 watch.axes(snapshot);
             }
@@ -195,7 +219,7 @@ impl State {
 
     /// Sends a call; the receiver is told when DN, ER or IP is set.
     pub(super) fn send(&mut self, call: Call) -> (Ticket, oneshot::Receiver<()>) {
-        let ticket = self.ticket();
+        let ticket = self.ticket(call.target);
         let (sender, receiver) = oneshot::channel();
         self.waiting.insert(ticket, sender);
         let (material, staged) = self.image_mut().prepare(&call);
@@ -209,10 +233,10 @@ impl State {
         (ticket, receiver)
     }
 
-    fn ticket(&mut self) -> Ticket {
+    fn ticket(&mut self, target: Option<u16>) -> Ticket {
         let ticket = Ticket(self.next_ticket);
         self.next_ticket += 1;
-        self.records.begin(ticket);
+        self.records.begin(ticket, target);
         ticket
     }
 
@@ -290,7 +314,7 @@ impl State {
             // A name among the operands that means nothing is a value out of range.
             Err(error) => MotionError::from_codes(OUT_OF_RANGE, error.operand().map_or(0, |operand| operand.0 as i8))?,
         };
-        let ticket = self.ticket();
+        let ticket = self.ticket(None);
         let refused = MotionControl::refused(error);
         self.image_mut().set_control(kind.control, refused);
         if let Some(control) = self.records.get_mut(ticket) {

@@ -524,7 +524,13 @@ fn a_profile_is_being_calculated_until_it_is_settled() {
     let wrote = image.write_value(&path("Cam[1].Master"), Value::Real(5.0));
     assert_eq!(wrote, Ok(None));
     let name = |name: &str| Given::Name(name.to_owned());
-    let given = [name("Cam"), Given::Integer(2), Given::Integer(0), Given::Integer(0), name("Curve")];
+    let given = [
+        name("Cam"),
+        Given::Integer(2),
+        Given::Integer(0),
+        Given::Integer(0),
+        name("Curve"),
+    ];
     let call = bind(Mnemonic::Mccp, None, UNNAMED, &given, &image).expect("it binds");
     let status = |image: &Image| number(image, "Curve[0].Status");
 
@@ -534,20 +540,39 @@ fn a_profile_is_being_calculated_until_it_is_settled() {
     let (again, nothing) = image.prepare(&call);
     let refused = MotionError::CamProfileBeingCalculated;
     assert!(matches!(again, Some(Material::Refused { error, .. }) if error == refused) && nothing.is_none());
-    image.settle(staged.expect("a profile"), &MotionControl::refused(MotionError::ExecutionCollision));
+    image.settle(
+        staged.expect("a profile"),
+        &MotionControl::refused(MotionError::ExecutionCollision),
+    );
     assert_eq!(status(&image), 0.0, "not done: nothing was there before");
 
     let (_, staged) = image.prepare(&call);
     let mut done = MotionControl::default();
     done.set(Flag::Dn);
     image.settle(staged.expect("a profile"), &done);
-    assert_eq!((status(&image), number(&image, "Curve[1].Status"), number(&image, "Curve[2].Status")), (2.0, 2.0, 0.0));
+    assert_eq!(
+        (
+            status(&image),
+            number(&image, "Curve[1].Status"),
+            number(&image, "Curve[2].Status")
+        ),
+        (2.0, 2.0, 0.0)
+    );
     let (_, staged) = image.prepare(&call);
-    image.settle(staged.expect("a profile"), &MotionControl::refused(MotionError::ExecutionCollision));
+    image.settle(
+        staged.expect("a profile"),
+        &MotionControl::refused(MotionError::ExecutionCollision),
+    );
     assert_eq!(status(&image), 2.0, "not done: what was there is there still");
 
     // Two cams use it; freed by whoever had them, it is used no more.
-    let given = [name("V"), Given::Integer(0), name("Curve"), Given::Integer(1), Given::Integer(1)];
+    let given = [
+        name("V"),
+        Given::Integer(0),
+        name("Curve"),
+        Given::Integer(1),
+        Given::Integer(1),
+    ];
     let call = bind(Mnemonic::Mapc, Some(0), UNNAMED, &given, &image).expect("it binds");
     let cams = [image.prepare(&call).0, image.prepare(&call).0];
     image.show_uses();

@@ -7,6 +7,7 @@ use arcline_planner::{Ending, Momentum, Move};
 
 use super::place;
 use super::programmed::DynamicsLayout;
+use crate::accepted::AcceptedMove;
 use crate::axis::Axis;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
@@ -122,7 +123,8 @@ pub(super) fn execute(
         MERGE_DISABLED => queue_shift(motion, index),
         _ => Point::zeros(),
     };
-    let path = path(motion, system, start + shift)?.shifted(&-shift);
+    let programmed = path(motion, system, start + shift)?;
+    let path = programmed.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
     verify::no_overtravel(system, &motion.axes, &path.end())?;
 
@@ -143,6 +145,18 @@ pub(super) fn execute(
     };
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
     let tick = motion.clock.tick;
+    let accepted_move = AcceptedMove {
+        tick,
+        ticket: execution.ticket,
+        control: execution.control,
+        mnemonic: execution.mnemonic,
+        system: index as u16,
+        path: programmed,
+        tolerance: match ending {
+            Ending::Blend { tolerance } => tolerance,
+            Ending::Stop | Ending::Contour { .. } => 0.0,
+        },
+    };
     if motion.systems[index].contour.is_some() {
         if merge != MERGE_DISABLED {
             terminate(motion, index, merge);
@@ -150,6 +164,7 @@ pub(super) fn execute(
         // What does not move is not merged, and planned like any other move.
         if momentum.velocity == Point::zeros() && momentum.acceleration == Point::zeros() {
             motion.queue_contour(index, planned)?;
+            motion.accept(accepted_move);
             motion.controls.write(execution, accepted, 0, tick);
             return Ok(());
         }
@@ -159,6 +174,7 @@ pub(super) fn execute(
             .planner
             .enqueue(planned, &motion.clock)
             .map_err(|_| MotionError::CoordinateSystemQueueFull)?;
+        motion.accept(accepted_move);
         motion.controls.write(execution, accepted, 0, tick);
         return Ok(());
     } else if merge != MERGE_DISABLED {
@@ -181,6 +197,7 @@ pub(super) fn execute(
     system.stale = true;
     motion.join_axes(index);
     motion.seat_axes(index);
+    motion.accept(accepted_move);
     motion.controls.write(execution, accepted | Flag::Ac.mask(), 0, tick);
     Ok(())
 }

@@ -79,7 +79,7 @@ impl MotionRequest {
     /// Executes the instruction and waits until it is verified.
     pub(crate) async fn execute(&self, plant: &Plant, owner: Owner) -> Reply {
         let control = (!self.control.is_empty()).then_some(self.control.as_str());
-        let called = plant.call_for(Some(owner), self.mnemonic, Some(self.target), control, &self.given);
+        let called = plant.call_for(owner, self.mnemonic, Some(self.target), control, &self.given);
         match called.await {
             Ok(executed) if executed.control.has(Flag::Er) => {
                 let status = CipStatus::vendor(executed.control.err, executed.control.exerr.into());
