@@ -189,7 +189,8 @@ impl Other {
     }
 
     fn python(python: &Python, client: &str) -> Self {
-        Self::start(&mut python.command("servers.py", &[client, "Bench"]))
+        let script = arcline_tests::fixture("python/servers.py");
+        Self::start(python.command().arg(script).args([client, "Bench"]))
     }
 
     fn start(command: &mut Command) -> Self {

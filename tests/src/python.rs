@@ -72,17 +72,17 @@ impl Python {
     /// When the script fails (with all it printed) or has not ended within two minutes.
     #[must_use]
     pub fn run(&self, script: &str, arguments: &[&str]) -> String {
-        foreign::run(script, &mut self.command(script, arguments))
+        let mut command = self.command();
+        command.arg(crate::fixture("python").join(script)).args(arguments);
+        foreign::run(script, &mut command)
     }
 
-    /// What runs `tests/python/SCRIPT`, not started yet.
+    /// Python that finds the packages, without arguments.
     #[must_use]
-    pub fn command(&self, script: &str, arguments: &[&str]) -> Command {
+    pub fn command(&self) -> Command {
         let mut command = Command::new("python3");
         command
             .arg("-B")
-            .arg(crate::fixture("python").join(script))
-            .args(arguments)
             .env("PYTHONPATH", &self.packages)
             .env("PYTHONUNBUFFERED", "1");
         command

@@ -102,6 +102,7 @@ impl Motion {
             }
         }
         self.advance_axes();
+        self.look_after_transforms();
         self.check_faults();
         for index in 0..self.systems.len() {
             self.finish_stop(index);

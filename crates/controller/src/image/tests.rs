@@ -50,6 +50,8 @@ fn machine() -> Machine {
             queue_depth: 1,
             corner: Default::default(),
             axis_limits: Default::default(),
+            joint_limits: Default::default(),
+            robot: None,
         }],
         transforms: Vec::new(),
     }

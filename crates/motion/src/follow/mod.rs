@@ -6,8 +6,11 @@
 
 pub(crate) mod cam;
 mod cancel;
+mod failing;
 pub(crate) mod gear;
 pub(crate) mod order;
+pub(crate) mod reach;
+pub(crate) mod robot;
 pub(crate) mod transform;
 
 use arcline_drive::Motion as Point;
@@ -57,6 +60,7 @@ impl Motion {
                 self.follow_master(axis);
                 self.axes[usize::from(axis)].advance(&self.clock);
             }
+            Step::Down(index) => self.compute_down(usize::from(index)),
             Step::Back(index) => self.compute_back(usize::from(index)),
             Step::Lead(index) => self.compute_lead(usize::from(index)),
             Step::Whole(axis) => self.compose(axis),

@@ -10,6 +10,8 @@ use super::transform::Link;
 pub(crate) enum Step {
     /// What an axis's own generators say, its gear included.
     Own(u16),
+    /// Where a transform leads its target before the targets of its source lead anything back.
+    Down(u16),
     /// What the motion of a transform's target adds to its source.
     Back(u16),
     /// Where a transform leads its target.
@@ -54,7 +56,7 @@ enum Visit {
 impl Order {
     /// For a machine of so many axes and coordinate systems. The only allocation.
     pub(crate) fn new(axes: usize, systems: usize) -> Self {
-        let most = 2 * (axes + systems);
+        let most = 2 * axes + 3 * systems;
         Order {
             steps: Vec::with_capacity(most),
             next: Vec::with_capacity(most),
@@ -140,6 +142,26 @@ impl Order {
                         self.visit(Step::Back(other), followers)?;
                     }
                 }
+                // Behind a robot's joints what is added depends on where they are led to.
+                if link.robot().is_some() {
+                    self.visit(Step::Down(index), followers)?;
+                }
+            }
+            Step::Down(index) => {
+                let Some(Some(link)) = followers.links.get(usize::from(index)) else {
+                    return Ok(());
+                };
+                for axis in link.source() {
+                    self.visit(Step::Own(*axis), followers)?;
+                }
+                for (other, near) in links() {
+                    if other < index && share(near.source(), link.source()) {
+                        self.visit(Step::Back(other), followers)?;
+                    }
+                    if share(near.target(), link.source()) {
+                        self.visit(Step::Down(other), followers)?;
+                    }
+                }
             }
             Step::Lead(index) => {
                 let Some(Some(link)) = followers.links.get(usize::from(index)) else {
@@ -164,12 +186,13 @@ impl Order {
     }
 
     fn place(&self, step: Step) -> usize {
-        let axes = self.visits.len() / 2 - self.systems;
+        let axes = (self.visits.len() - 3 * self.systems) / 2;
         match step {
             Step::Own(axis) => usize::from(axis),
             Step::Whole(axis) => axes + usize::from(axis),
             Step::Back(index) => 2 * axes + usize::from(index),
             Step::Lead(index) => 2 * axes + self.systems + usize::from(index),
+            Step::Down(index) => 2 * axes + 2 * self.systems + usize::from(index),
         }
     }
 }

@@ -44,8 +44,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     verify::stoppable(system, &motion.axes, active.dynamics.is_s_curve())?;
     let maxima = Maxima::from(&system.description);
-    let change = |dynamics| layout.dynamics.change(call, &maxima, dynamics);
-    let dynamics = change(active.dynamics)?;
+    let change = |planned: &Planned| changed(&layout, call, &maxima, planned);
+    let dynamics = change(&active)?;
     if system.contour_in_force().is_some() {
         change_contour(motion, index, call, active.dynamics.speed, dynamics.speed)?;
         motion.done(execution);
@@ -56,10 +56,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             change_unplanned(contour, change)?;
         }
         for waiting in system.planner.pending() {
-            change(waiting.data.dynamics)?;
+            change(&waiting.data)?;
         }
         for waiting in system.planner.pending_mut() {
-            waiting.data.dynamics = change(waiting.data.dynamics)?;
+            waiting.data.dynamics = change(&waiting.data)?;
             waiting.limits = waiting.data.dynamics.limits();
         }
     }
@@ -84,7 +84,7 @@ fn change_contour(
     let layout = motion.layouts.mccd;
     let system = &mut motion.systems[index];
     let maxima = Maxima::from(&system.description);
-    let change = |dynamics| layout.dynamics.change(call, &maxima, dynamics);
+    let change = |planned: &Planned| changed(&layout, call, &maxima, planned);
     let Some(contour) = &mut system.contour else {
         return Ok(());
     };
@@ -98,16 +98,23 @@ fn change_contour(
     Ok(())
 }
 
+/// The dynamics of a move with what the call changes, no faster than the joints of robots let it be.
+fn changed(layout: &Layout, call: &Call, maxima: &Maxima, planned: &Planned) -> Result<Dynamics, MotionError> {
+    let mut dynamics = layout.dynamics.change(call, maxima, planned.dynamics)?;
+    dynamics.keep_to(&planned.pace);
+    Ok(dynamics)
+}
+
 /// All of the moves that have not been planned yet, or none.
 fn change_unplanned(
     contour: &mut ContourQueue<Planned>,
-    change: impl Fn(Dynamics) -> Result<Dynamics, MotionError>,
+    change: impl Fn(&Planned) -> Result<Dynamics, MotionError>,
 ) -> Result<(), MotionError> {
     for waiting in contour.unplanned_mut() {
-        change(waiting.data.dynamics)?;
+        change(&waiting.data)?;
     }
     for waiting in contour.unplanned_mut() {
-        waiting.data.dynamics = change(waiting.data.dynamics)?;
+        waiting.data.dynamics = change(&waiting.data)?;
         waiting.limits = waiting.data.dynamics.limits();
     }
     Ok(())

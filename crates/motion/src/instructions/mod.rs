@@ -39,6 +39,7 @@ use crate::control::Execution;
 use crate::material::Sent;
 use crate::motion::Motion;
 pub(crate) use masd::shut_down;
+pub(crate) use mcs::stop_move;
 use moves::MoveLayout;
 
 /// Places of the operands on the faceplates, looked up in the catalogue once.
@@ -76,7 +77,7 @@ impl Layouts {
             mag: mag::Layout::new(),
             mapc: mapc::Layout::new(),
             matc: matc::Layout::new(),
-            mct: mct::Layout::new(),
+            mct: mct::Layout::of(Mnemonic::Mct),
             mgs: mgs::Layout::new(),
             mrp: mrp::Layout::new(),
         }

@@ -12,6 +12,7 @@ use crate::axis::Axis;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::Maxima;
+use crate::follow::reach::Pace;
 use crate::machine::{AxisLimits, CoordinateSystem, Corner};
 use crate::motion::Motion;
 use crate::rotary::Turn;
@@ -58,8 +59,10 @@ impl MoveLayout {
     /// How the move completes, and what happens there if it has a successor.
     fn termination(&self, call: &Call, system: &CoordinateSystem) -> Result<(Termination, Ending), MotionError> {
         let word = call.word(self.termination_type);
-        let superposed = matches!(word, 2 | 3 | 6) && system.corner == Corner::Logix;
-        if superposed && system.axis_limits == AxisLimits::Enforce {
+        let blended = matches!(word, 2 | 3 | 6);
+        let superposed = blended && system.corner == Corner::Logix;
+        let (axes, joints) = (system.axis_limits, system.joint_limits);
+        if superposed && axes == AxisLimits::Enforce || blended && joints == AxisLimits::Enforce {
             return Err(MotionError::FeatureNotSupported);
         }
         let ending = match word {
@@ -127,12 +130,17 @@ pub(super) fn execute(
     let path = programmed.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
     verify::no_overtravel(system, &motion.axes, &path.end())?;
+    let mut pace = motion.verify_reach(index, &path.shifted(&shift))?;
+    if system.description.joint_limits == AxisLimits::Ignore {
+        pace = Pace::UNLIMITED;
+    }
 
     let momentum = terminated(motion, index, merge);
     let current = command(motion, index, |axis| axis.command.velocity).norm();
     if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && current > 0.0 {
         dynamics.set_speed(current);
     }
+    dynamics.keep_to(&pace);
     let planned = Move {
         path,
         limits: dynamics.limits(),
@@ -141,6 +149,7 @@ pub(super) fn execute(
             execution,
             dynamics,
             termination,
+            pace,
         },
     };
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
