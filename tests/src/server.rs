@@ -3,8 +3,8 @@
 use std::io::{BufRead, BufReader, Read};
 use std::net::SocketAddr;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::mpsc;
+use std::process::{Child, ChildStderr, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -17,7 +17,45 @@ pub struct Server {
     address: SocketAddr,
     hmi: Option<SocketAddr>,
     ready_after: Duration,
-    log: Option<JoinHandle<String>>,
+    log: Log,
+}
+
+/// What a server writes to standard error.
+struct Log {
+    text: Arc<Mutex<Vec<u8>>>,
+    reader: Option<JoinHandle<()>>,
+}
+
+impl Log {
+    fn read(mut stderr: ChildStderr) -> Self {
+        let text = Arc::new(Mutex::new(Vec::new()));
+        let shared = text.clone();
+        let reader = std::thread::spawn(move || {
+            let mut piece = [0; 4096];
+            // A read error ends the log; what came before it is what there is to show.
+            while let Ok(length @ 1..) = stderr.read(&mut piece) {
+                let mut text = shared.lock().unwrap_or_else(PoisonError::into_inner);
+                text.extend_from_slice(&piece[..length]);
+            }
+        });
+        Self {
+            text,
+            reader: Some(reader),
+        }
+    }
+
+    /// So far.
+    fn so_far(&self) -> String {
+        let text = self.text.lock().unwrap_or_else(PoisonError::into_inner);
+        String::from_utf8_lossy(&text).into_owned()
+    }
+
+    /// To its end, which must be near; once.
+    fn to_the_end(&mut self) -> Option<String> {
+        // A reader that panicked has shown what it has.
+        let _ = self.reader.take()?.join();
+        Some(self.so_far())
+    }
 }
 
 impl Server {
@@ -81,13 +119,7 @@ impl Server {
             .spawn()
             .expect("the server was just built");
         let stdout = child.stdout.take().expect("stdout is piped");
-        let mut stderr = child.stderr.take().expect("stderr is piped");
-        let log = std::thread::spawn(move || {
-            let mut text = Vec::new();
-            // A read error ends the log; what came before it is what there is to show.
-            let _ = stderr.read_to_end(&mut text);
-            String::from_utf8_lossy(&text).into_owned()
-        });
+        let mut log = Log::read(child.stderr.take().expect("stderr is piped"));
         let (line_sender, line) = mpsc::channel();
         std::thread::spawn(move || {
             let mut lines = BufReader::new(stdout).lines();
@@ -103,7 +135,7 @@ impl Server {
             let status = child.wait();
             panic!(
                 "no ready line within {READY:?} but {line:?} ({status:?}); the server's log:\n{}",
-                log.join().unwrap_or_default()
+                log.to_the_end().unwrap_or_default()
             );
         };
         Self {
@@ -111,7 +143,7 @@ impl Server {
             child,
             address,
             ready_after,
-            log: Some(log),
+            log,
         }
     }
 
@@ -139,12 +171,29 @@ impl Server {
         self.ready_after
     }
 
+    /// Has the server look at its configuration again, with SIGHUP.
+    pub fn hang_up(&self) {
+        signal("HUP", self.child.id());
+    }
+
+    /// What it has written to its log so far.
+    #[must_use]
+    pub fn log(&self) -> String {
+        self.log.so_far()
+    }
+
+    /// The process.
+    #[must_use]
+    pub fn process(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Ends the server at once, with SIGKILL, and waits until it is gone. Gives its log.
     #[must_use]
     pub fn kill(mut self) -> String {
         self.child.kill().expect("the server is our child and runs");
         self.child.wait().expect("the server is our child");
-        self.log.take().and_then(|log| log.join().ok()).unwrap_or_default()
+        self.log.to_the_end().unwrap_or_default()
     }
 
     /// Asks the server to stop, as an init system would, and waits until it has ended.
@@ -157,10 +206,7 @@ impl Server {
         let status = crate::eventually("end of the server after SIGTERM", READY, || {
             child.try_wait().expect("the server is our child")
         });
-        (
-            status,
-            self.log.take().and_then(|log| log.join().ok()).unwrap_or_default(),
-        )
+        (status, self.log.to_the_end().unwrap_or_default())
     }
 }
 
@@ -169,7 +215,7 @@ impl Drop for Server {
         // Already ended: nothing to do.
         let _ = self.child.kill();
         let _ = self.child.wait();
-        if let Some(log) = self.log.take().and_then(|log| log.join().ok())
+        if let Some(log) = self.log.to_the_end()
             && (std::thread::panicking() || log.contains("panicked"))
         {
             eprintln!(

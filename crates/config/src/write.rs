@@ -29,12 +29,24 @@ pub fn table(project: &Project) -> Table {
         IoListen::At(address) => Some(address.to_string()),
         IoListen::Off => Some("off".to_owned()),
     };
+    let listen = [&server.listen].into_iter().chain(&server.listen_also);
+    let listen = Value::Array(listen.map(|address| text(&address.to_string())).collect());
+    let number = |most: usize| Some(Value::Integer(i64::try_from(most).unwrap_or(i64::MAX)));
     let server = [
         ("name", Some(text(&server.name))),
-        ("listen", Some(text(&server.listen.to_string()))),
+        ("listen", Some(listen)),
         ("hmi", Some(text(&hmi))),
         ("io", io.map(|io| text(&io))),
         ("io_loss", Some(text(server.io_loss.word()))),
+        ("connection_loss", Some(text(server.connection_loss.word()))),
+        ("max_clients", number(server.max_clients)),
+        ("max_clients_per_address", number(server.max_clients_per_address)),
+        ("max_connections", number(server.max_connections)),
+        (
+            "max_connections_per_address",
+            number(server.max_connections_per_address),
+        ),
+        ("inactivity_timeout_s", number(server.inactivity_timeout.into())),
     ];
     let server = server.into_iter().filter_map(|(key, value)| Some((key, value?)));
     root.insert("server".into(), keys(server));

@@ -186,6 +186,7 @@ impl Port for Rings {
             self.meter.lose_samples();
         }
         self.snapshots.publish();
+        self.meter.publish();
     }
 
     fn contour_request(&mut self) -> Option<&mut ContourRequest> {
