@@ -34,6 +34,6 @@ pub use arcline_planner::precise::Trajectory;
 pub use contour::ContourRequest;
 pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};
 pub use feed_override::MAX_OVERRIDE;
-pub use material::Material;
+pub use material::{Answer, Material};
 pub use motion::Motion;
 pub use snapshot::{AxisSnapshot, SystemSnapshot};

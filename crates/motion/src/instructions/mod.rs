@@ -22,6 +22,7 @@ mod mcsd;
 mod mcsr;
 mod mcsv;
 mod mct;
+mod mctp;
 mod mgs;
 mod mgsd;
 mod mgsp;
@@ -58,6 +59,7 @@ pub(crate) struct Layouts {
     mapc: mapc::Layout,
     matc: matc::Layout,
     mct: mct::Layout,
+    mctp: mctp::Layout,
     mgs: mgs::Layout,
     mrp: mrp::Layout,
 }
@@ -78,6 +80,7 @@ impl Layouts {
             mapc: mapc::Layout::new(),
             matc: matc::Layout::new(),
             mct: mct::Layout::of(Mnemonic::Mct),
+            mctp: mctp::Layout::new(),
             mgs: mgs::Layout::new(),
             mrp: mrp::Layout::new(),
         }
@@ -112,6 +115,7 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Mnemonic::Mapc => mapc::execute(motion, execution, call, sent),
         Mnemonic::Matc => matc::execute(motion, execution, call, sent),
         Mnemonic::Mct => mct::execute(motion, execution, call),
+        Mnemonic::Mctp => mctp::execute(motion, execution, call, sent),
         Mnemonic::Mah => mah::execute(motion, execution, call),
         Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mccp => mccp::execute(motion, execution, call, sent),
