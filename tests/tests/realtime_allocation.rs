@@ -226,7 +226,7 @@ fn project() -> Project {
     let axis = |name: &str| {
         format!("[[axis]]\nname = \"{name}\"\ntype = \"virtual\"\nmax_speed = 90.0\nmax_acceleration = 900.0\n")
     };
-    let robot: String = ["T1", "T2", "T3", "J1", "J2", "J3"]
+    let robot: String = ["K1", "K2", "K3", "J1", "J2", "J3"]
         .iter()
         .map(|name| axis(name))
         .collect();
@@ -236,7 +236,7 @@ fn project() -> Project {
         )
     };
     let robot = robot
-        + &system("TOOL", "\"T1\", \"T2\", \"T3\"", "")
+        + &system("TOOL", "\"K1\", \"K2\", \"K3\"", "")
         + &system(
             "ARM",
             "\"J1\", \"J2\", \"J3\"",
