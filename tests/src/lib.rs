@@ -2,7 +2,7 @@
 //!
 //! This library is their common ground. It runs Structured Text on a controller tick by tick ([`mod@bench`]), finds
 //! the programs ([`programs`]), runs a server for the length of a test ([`server`]), runs foreign clients
-//! ([`python`], [`node`], [`libplctag`]), exchanges data in cycles ([`scanner`]) and records what goes over the loopback
+//! ([`python`], [`node`], [`libplctag`]) and a browser ([`browser`]), exchanges data in cycles ([`scanner`]) and records what goes over the loopback
 //! interface ([`capture`]). It holds no
 //! tests and knows nothing of motion; the tests are in `tests/tests`.
 //!
@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 pub mod bench;
+pub mod browser;
 pub mod capture;
 pub mod command_line;
 pub mod follow;
@@ -27,6 +28,7 @@ pub mod random;
 pub mod robots;
 pub mod scanner;
 pub mod server;
+pub mod terminal;
 
 /// The root folder of the workspace.
 #[must_use]

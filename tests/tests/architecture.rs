@@ -25,7 +25,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("arcline-config",          &["arcline-controller"]),
     ("arcline-l5x",             &["arcline-config"]),
     ("arcline-state",           &[]),
-    ("arcline-client",          &["arcline-proto", "arcline-structured-text", "arcline-instruction-set", "arcline-tag"]),
+    ("arcline-gcode",           &[]),
+    ("arcline-plot",            &[]),
+    ("arcline-client",          &["arcline-proto", "arcline-structured-text", "arcline-instruction-set", "arcline-tag",
+                                  "arcline-gcode", "arcline-plot"]),
     ("arcline-server",          &["arcline-realtime", "arcline-controller", "arcline-config", "arcline-l5x", "arcline-state",
                                   "arcline-proto", "arcline-structured-text"]),
 ];
@@ -45,6 +48,7 @@ const BEFORE_REALTIME: &[&str] = &[
     "arcline-motion",
     "arcline-controller",
     "arcline-proto",
+    "arcline-gcode",
 ];
 
 /// What would give them one.

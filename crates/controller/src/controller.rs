@@ -10,7 +10,6 @@ use crate::snapshot::Snapshot;
 
 /// What reaches the controller from outside.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "a box would be freed in the tick")]
 pub enum Command {
     /// Execute an instruction: a false-to-true transition of its rung condition.
     Call(Ticket, Call),

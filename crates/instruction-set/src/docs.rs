@@ -35,6 +35,15 @@ pub fn errors() -> String {
             row.err, row.name, row.cause, row.remedy
         );
     }
+    page.push_str(
+        "\n## Lists of their own\n\nWhat EXERR means for these errors. `arcline explain 13/4 MCLM` tells all of it for one \
+         error.\n\n| ERR | EXERR | meaning |\n|---|---|---|\n",
+    );
+    for row in ERRORS {
+        for (exerr, meaning) in row.details {
+            let _ = writeln!(page, "| {} | {exerr} | {meaning} |", row.err);
+        }
+    }
     page
 }
 

@@ -11,6 +11,7 @@ pub mod catalog;
 mod control;
 pub mod docs;
 mod error;
+mod explain;
 mod fault;
 mod form;
 mod instruction;
@@ -25,6 +26,7 @@ pub use bind::{BindError, Directory, Given, bind};
 pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray};
 pub use control::{Flag, MotionControl};
 pub use error::{AxisIndex, Culprit, Detail, ERRORS, ErrorText, Extended, MotionError, OperandIndex, describe};
+pub use explain::{Explanation, explain};
 pub use fault::{ExceptionAction, FAULTS, Fault, FaultKind, FaultSet, FaultWord};
 pub use form::{TargetDialog, TargetRow, Unit};
 pub use instruction::{
