@@ -23,9 +23,9 @@ static ALLOCATOR: AllocDisabler = AllocDisabler;
 const CALLS: &[&str] = &[
     "MCT(CS3, CS1, M20, [0, 0, 90], [0, 0, 0]);",
     "MCT(CS1, CS2, M21, [0, 0, 0], [0, 0, 0]);",
-    "MCT(TOOL, ARM, M48, [0, 0, 0], [0, 0, 0]);",
-    "MCLM(TOOL, M49, Incremental, [-9, 30, 4], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
-    "MCTP(TOOL, ARM, M50, [0, 0, 0], [0, 0, 0], InverseLeftArm, [100, 50, 60], Place);",
+    "MCT(TOOL, ARM, M58, [0, 0, 0], [0, 0, 0]);",
+    "MCLM(TOOL, M59, Incremental, [-9, 30, 4], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+    "MCTP(TOOL, ARM, M60, [0, 0, 0], [0, 0, 0], InverseLeftArm, [100, 50, 60], Place);",
     "MAG(S, A, M22, Same, 0.5, 1, 1, Command, Real, Enabled, 1000, Unitspersec2);",
     "MAG(A, S, M23, Same, 0.5, 1, 1, Actual, Real, Disabled);",
     "MAM(A, M24, 1, 20, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
@@ -59,6 +59,10 @@ const CALLS: &[&str] = &[
     "MRP(Y, M36, Relative, Command, 10);",
     "MGSP(Motion, M37);",
     "MGS(Motion, M38, FastStop);",
+    "MAW(A, M48, Forward, 3);",
+    "MDW(A, M49);",
+    "MAR(A, M60, PositiveEdge, Enabled, 0, 500, 1);",
+    "MDR(A, M61, 1);",
     "MCCP(M39, Cam, 3, 0, 0, Profile);",
     "MCSV(M41, Profile, 0.05);",
     "MAPC(Y, X, M42, Same, Profile, 1, 100, Continuous, Immediate, 0, 0, Command, Bidirectional);",
@@ -244,7 +248,14 @@ fn project() -> Project {
         );
     let config = format!(
         "{}\n{robot}[[tag]]\nname = \"Place\"\ntype = \"REAL[3]\"\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[3]\"\n{cam}\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[3]\"\n",
-        arcline_config::DEFAULT.replacen("type = \"servo\"", &limited, 1)
+        arcline_config::DEFAULT
+            .replacen("type = \"servo\"", &limited, 1)
+            .replacen(
+                "name = \"A\"\n",
+                "name = \"A\"\nregistration = { input_1 = \"Mark\" }\n",
+                1
+            )
+            + "\n[[tag]]\nname = \"Mark\"\ntype = \"BOOL\"\n"
     );
     arcline_config::load(&config, "default.toml").expect("the default with a limited drive is valid")
 }
@@ -287,6 +298,10 @@ const SCENES: &[&[(&str, u32)]] = &[
         ("MCSR(CS2, M16);", 5),
     ],
     &[
+        ("MDW(A, M49);", 2),
+        ("MDR(A, M61, 1);", 2),
+        ("MAW(A, M48, Forward, 3);", 1),
+        ("MAR(A, M60, PositiveEdge, Enabled, 0, 500, 1);", 1),
         ("MCCP(M39, Cam, 3, 0, 0, Profile);", 1),
         ("MCSV(M41, Profile, 0.05);", 1),
         (
@@ -315,13 +330,13 @@ const SCENES: &[&[(&str, u32)]] = &[
     ],
     &[
         // A robot that follows its path, is taken along by a joint, and is stopped where it would be too fast.
-        ("MCT(TOOL, ARM, M48, [0, 0, 0], [0, 0, 0]);", 5),
+        ("MCT(TOOL, ARM, M58, [0, 0, 0], [0, 0, 0]);", 5),
         (
-            "MCTP(TOOL, ARM, M50, [0, 0, 0], [0, 0, 0], InverseLeftArm, [100, 50, 60], Place);",
+            "MCTP(TOOL, ARM, M60, [0, 0, 0], [0, 0, 0], InverseLeftArm, [100, 50, 60], Place);",
             2,
         ),
         (
-            "MCLM(TOOL, M49, Absolute, [60, 30, 90], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+            "MCLM(TOOL, M59, Absolute, [60, 30, 90], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
             100,
         ),
         (
@@ -329,7 +344,7 @@ const SCENES: &[&[(&str, u32)]] = &[
             1500,
         ),
         (
-            "MCLM(TOOL, M49, Absolute, [-60, 3, 90], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+            "MCLM(TOOL, M59, Absolute, [-60, 3, 90], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
             2500,
         ),
     ],

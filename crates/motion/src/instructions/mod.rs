@@ -8,10 +8,12 @@ mod mah;
 mod maj;
 mod mam;
 mod mapc;
+mod mar;
 mod mas;
 mod masd;
 mod masr;
 mod matc;
+mod maw;
 mod mccd;
 mod mccm;
 mod mccp;
@@ -23,6 +25,8 @@ mod mcsr;
 mod mcsv;
 mod mct;
 mod mctp;
+mod mdr;
+mod mdw;
 mod mgs;
 mod mgsd;
 mod mgsp;
@@ -58,6 +62,9 @@ pub(crate) struct Layouts {
     mag: mag::Layout,
     mapc: mapc::Layout,
     matc: matc::Layout,
+    maw: maw::Layout,
+    mar: mar::Layout,
+    mdr: mdr::Layout,
     mct: mct::Layout,
     mctp: mctp::Layout,
     mgs: mgs::Layout,
@@ -79,6 +86,9 @@ impl Layouts {
             mag: mag::Layout::new(),
             mapc: mapc::Layout::new(),
             matc: matc::Layout::new(),
+            maw: maw::Layout::new(),
+            mar: mar::Layout::new(),
+            mdr: mdr::Layout::new(),
             mct: mct::Layout::of(Mnemonic::Mct),
             mctp: mctp::Layout::new(),
             mgs: mgs::Layout::new(),
@@ -120,6 +130,10 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mccp => mccp::execute(motion, execution, call, sent),
         Mnemonic::Mcsv => mcsv::execute(motion, execution, call, sent),
+        Mnemonic::Maw => maw::execute(motion, execution, call),
+        Mnemonic::Mdw => mdw::execute(motion, execution, call),
+        Mnemonic::Mar => mar::execute(motion, execution, call),
+        Mnemonic::Mdr => mdr::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
         _ => {
             motion.verify_operands(call)?;
