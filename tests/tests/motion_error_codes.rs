@@ -339,6 +339,14 @@ const TABLE: &[Row] = &[
     ("MCT(CS2, CS3, B1, [0, 0, 0], [0, 0, 0])\nMAM(S, B2, 0, 90, {rates})\nrun 99\nMCS(CS3, B3, 3, Yes, 50, 0)\nrun 2",
                             "MCT(CS2, CS3, T, [0, 0, 0], [0, 0, 0])",                             (71, 0)),
     (LINK,                  "MCT(CS1, CS3, T, [0, 0, 0], [0, 0, 0])",                             (73, 0)),
+    // MCTP.
+    ("",                    "MCTP(CS2, CS3, T, [0, 0], [0, 0, 0], 1, [1, 2, 3], 0)",              (13, 3)),
+    ("",                    "MCTP(CS2, CS2, T, [0, 0, 0], [0, 0, 0], 1, [1, 2, 3], 0)",           (61, 2)),
+    ("",                    "MCTP(Tool, Arm, T, [0, 0, 0], [0, 0, 0], 1, [190, 190, 0], 0)",      (67, 2)),
+    ("",                    "MCTP(Tool, Arm, T, [0, 0, 0], [0, 0, 0], 1, [0, 0, 100], 0)",        (68, 0)),
+    ("",                    "MCTP(XY, Round, T, [0, 0, 0], [0, 0, 0], 1, [1, 2, 3], 0)",          (70, 1)),
+    ("",                    "MCTP(CS2, CS3, T, [0, 361, 0], [0, 0, 0], 1, [1, 2, 3], 0)",         (74, 1)),
+    ("",                    "MCTP(CS2, CS3, T, [0, 0, 0], [0, 0, 0], 2, [1, 2, 3], 0)",           (77, 0)),
     // MSO, MSF.
     (DOWN,                  "MSO(X, T)",                                                          (7, 0)),
     ("",                    "MSO(A, T)",                                                          (8, 0)),
@@ -506,6 +514,7 @@ const TABLE: &[Row] = &[
 const GOOD: &[&str] = &[
     "MCLM(CS1, T, 0, [5, 5, 5], {rates}, 1)", "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1)", "MCS(CS1, T, 0, 0, 0, 0)",
     "MDCC(CS1, A, T, 1, 0)", "MDAC(X, A, T, 0, 1)", "MCSD(CS1, T)", "MCSR(CS1, T)", "MCT(CS2, CS3, T, [0, 0, 0], [0, 0, 0])",
+    "MCTP(CS2, CS3, T, [0, 0, 0], [0, 0, 0], 1, [1, 2, 3], 0)",
     "MSO(X, T)", "MSF(X, T)", "MASD(X, T)", "MASR(X, T)", "MAFR(X, T)", "MAS(X, T, All, No, 0, 0)", "MAH(X, T)",
     "MAJ(X, T, 0, {rates})", "MAM(X, T, 0, 9, {rates})", "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)", "MRP(X, T, 0, 0, 5)",
     "MGS(Motion, T, 1)", "MGSD(Motion, T)", "MGSR(Motion, T)", "MGSP(Motion, T)", "MCCP(T, Cam, 2, 0, 0, Profile)",
@@ -537,6 +546,7 @@ const LISTS: &[(&str, &[i16])] = &[
     ("MCT",  &[3, 24, 50, 19, 13, 11, 7, 5, 20, 16, 22, 54, 76, 61, 62, 64, 66, 67, 68, 70, 71, 73, 74, 77, 99, 69, 72]),
     ("MDCC", &[3, 24, 50, 19, 13, 11, 10, 105]),
     ("MDAC", &[3, 24, 19, 13, 11, 10, 96, 105]),
+    ("MCTP", &[3, 13, 61, 67, 68, 70, 74, 77]),
     ("MSO",  &[3, 24, 19, 7, 8, 11, 12, 20, 22, 53]),
     ("MSF",  &[3, 24, 19, 8, 11, 53]),
     ("MASD", &[3, 19, 11]),
@@ -581,7 +591,6 @@ const NEVER: &[(i16, &str)] = &[
     (53,  "no axis can be inhibited"),
     (64,  "Cartesian systems have no ancillary axes"),
     (66,  "the arm keeps its solution: the way round to another one leads through a singularity, which 67 tells"),
-    (77,  "MCT has no direction"),
     (79,  "a coordinate system without a contour has no contour's queue"),
     (87,  "there is no direct control"),
 ];
@@ -610,6 +619,7 @@ const NEVER_HERE: &[(&str, i16, &str)] = &[
     ("MAS",  78,  "a stop of everything supersedes the one before it"),
     ("MAH",  13,  "it has no operand with a range"),
     ("MAH",  22,  "an immediate home of a moving axis brakes it"),
+    ("MCT",  77,  "it has no direction"),
     ("MCT",  99,  "what can be configured can be linked"),
 ];
 

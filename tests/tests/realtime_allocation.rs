@@ -25,6 +25,9 @@ static ALLOCATOR: AllocDisabler = AllocDisabler;
 const CALLS: &[&str] = &[
     "MCT(CS3, CS1, M20, [0, 0, 90], [0, 0, 0]);",
     "MCT(CS1, CS2, M21, [0, 0, 0], [0, 0, 0]);",
+    "MCT(TOOL, ARM, M58, [0, 0, 0], [0, 0, 0]);",
+    "MCLM(TOOL, M59, Incremental, [-9, 30, 4], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+    "MCTP(TOOL, ARM, M60, [0, 0, 0], [0, 0, 0], InverseLeftArm, [100, 50, 60], Place);",
     "MAG(S, A, M22, Same, 0.5, 1, 1, Command, Real, Enabled, 1000, Unitspersec2);",
     "MAG(A, S, M23, Same, 0.5, 1, 1, Actual, Real, Disabled);",
     "MAM(A, M24, 1, 20, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
@@ -232,8 +235,27 @@ fn project() -> Project {
         "drive = { velocity_feedforward = 0.0, speed_limit = 150.0, torque_limit = 1500.0, encoder_resolution = 1e3 }";
     let limited = format!("type = \"servo\"\n{drive}");
     let cam = "value = [{ Master = 0.0 }, { Master = 0.1, Slave = 1.0, SegmentType = 1 }, { Master = 0.2 }]";
+    let axis = |name: &str| {
+        format!("[[axis]]\nname = \"{name}\"\ntype = \"virtual\"\nmax_speed = 90.0\nmax_acceleration = 900.0\n")
+    };
+    let robot: String = ["K1", "K2", "K3", "J1", "J2", "J3"]
+        .iter()
+        .map(|name| axis(name))
+        .collect();
+    let system = |name: &str, axes: &str, more: &str| {
+        format!(
+            "[[coordinate_system]]\nname = \"{name}\"\naxes = [{axes}]\nmax_speed = 100.0\nmax_acceleration = 1000.0\n{more}"
+        )
+    };
+    let robot = robot
+        + &system("TOOL", "\"K1\", \"K2\", \"K3\"", "")
+        + &system(
+            "ARM",
+            "\"J1\", \"J2\", \"J3\"",
+            "type = \"articulated_independent\"\nlink_lengths = [100.0, 100.0]\nzero_angles = [0.0, -90.0, 90.0]\n",
+        );
     let config = format!(
-        "{}\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[3]\"\n{cam}\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[3]\"\n",
+        "{}\n{robot}[[tag]]\nname = \"Place\"\ntype = \"REAL[3]\"\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[3]\"\n{cam}\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[3]\"\n",
         arcline_config::DEFAULT
             .replacen("type = \"servo\"", &limited, 1)
             .replacen(
@@ -313,6 +335,26 @@ const SCENES: &[&[(&str, u32)]] = &[
             900,
         ),
         ("MGSD(Motion, M33);", 5),
+    ],
+    &[
+        // A robot that follows its path, is taken along by a joint, and is stopped where it would be too fast.
+        ("MCT(TOOL, ARM, M58, [0, 0, 0], [0, 0, 0]);", 5),
+        (
+            "MCTP(TOOL, ARM, M60, [0, 0, 0], [0, 0, 0], InverseLeftArm, [100, 50, 60], Place);",
+            2,
+        ),
+        (
+            "MCLM(TOOL, M59, Absolute, [60, 30, 90], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+            100,
+        ),
+        (
+            "MAM(J2, M24, 1, 5, 50, Unitspersec, 500, Unitspersec2, 500, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
+            1500,
+        ),
+        (
+            "MCLM(TOOL, M59, Absolute, [-60, 3, 90], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+            2500,
+        ),
     ],
     &[
         ("MCT(CS3, CS1, M20, [0, 0, 90], [0, 0, 0]);", 5),

@@ -24,6 +24,7 @@ mod mcsd;
 mod mcsr;
 mod mcsv;
 mod mct;
+mod mctp;
 mod mdac;
 mod mdcc;
 mod mdr;
@@ -69,6 +70,7 @@ pub(crate) struct Layouts {
     mct: mct::Layout,
     mdcc: mdcc::Layout,
     mdac: mdac::Layout,
+    mctp: mctp::Layout,
     mgs: mgs::Layout,
     mrp: mrp::Layout,
 }
@@ -94,6 +96,7 @@ impl Layouts {
             mct: mct::Layout::of(Mnemonic::Mct),
             mdcc: mdcc::Layout::new(),
             mdac: mdac::Layout::new(),
+            mctp: mctp::Layout::new(),
             mgs: mgs::Layout::new(),
             mrp: mrp::Layout::new(),
         }
@@ -130,6 +133,7 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Mnemonic::Mct => mct::execute(motion, execution, call),
         Mnemonic::Mdcc => mdcc::execute(motion, execution, call),
         Mnemonic::Mdac => mdac::execute(motion, execution, call),
+        Mnemonic::Mctp => mctp::execute(motion, execution, call, sent),
         Mnemonic::Mah => mah::execute(motion, execution, call),
         Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mccp => mccp::execute(motion, execution, call, sent),
