@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use arcline_config::Project;
-use arcline_controller::image::Image;
+use arcline_controller::image::{Edge, Image};
 use arcline_controller::machine::Start;
 use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket};
 use arcline_instruction_set::predefined::motion_status;
@@ -100,7 +100,14 @@ impl Bench {
     pub fn write(&mut self, path: &str, value: f64) {
         let path = path.parse().unwrap_or_else(|error| panic!("{path}: {error:?}"));
         let written = self.image.write_value(&path, Value::Lreal(value));
-        written.unwrap_or_else(|error| panic!("{error}"));
+        let edge = written.unwrap_or_else(|error| panic!("{error}"));
+        assert!(
+            matches!(edge, None | Some(Edge::Input)),
+            "{path} does more than a plain tag"
+        );
+        for input in self.image.take_inputs() {
+            self.controller.input(input);
+        }
     }
 
     /// The value of a plain tag.

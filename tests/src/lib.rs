@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 pub mod bench;
+pub mod browser;
 pub mod capture;
 pub mod command_line;
 pub mod follow;

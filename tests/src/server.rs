@@ -15,6 +15,7 @@ const READY: Duration = Duration::from_secs(20);
 pub struct Server {
     child: Child,
     address: SocketAddr,
+    hmi: Option<SocketAddr>,
     ready_after: Duration,
     log: Log,
 }
@@ -73,7 +74,7 @@ impl Server {
         Self::start_with(&["--config", file.to_str().expect("the project's paths are UTF-8")])
     }
 
-    /// Starts the server with `arguments` besides those for a free port, no HMI and, unless they name one, no
+    /// Starts the server with `arguments` besides those for a free port and, unless they name one, no HMI and no
     /// state file.
     #[must_use]
     pub fn start_with(arguments: &[&str]) -> Self {
@@ -100,7 +101,12 @@ impl Server {
     fn start_by(mut command: Command, listen: &str, arguments: &[&str]) -> Self {
         let began = Instant::now();
         let mut child = command
-            .args(["run", "--listen", listen, "--hmi", "off"])
+            .args(["run", "--listen", listen])
+            .args(if arguments.contains(&"--hmi") {
+                &[][..]
+            } else {
+                &["--hmi", "off"]
+            })
             .args(if arguments.contains(&"--state") {
                 &[][..]
             } else {
@@ -123,7 +129,7 @@ impl Server {
         });
         let line = line.recv_timeout(READY).unwrap_or_default();
         let ready_after = began.elapsed();
-        let Some(address) = ready_address(&line) else {
+        let Some(address) = ready_address(&line, "eip=") else {
             // It may have ended by itself; its log says why either way.
             let _ = child.kill();
             let status = child.wait();
@@ -133,6 +139,7 @@ impl Server {
             );
         };
         Self {
+            hmi: ready_address(&line, "hmi="),
             child,
             address,
             ready_after,
@@ -144,6 +151,18 @@ impl Server {
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
+    }
+
+    /// Where the HMI is served, if it is.
+    #[must_use]
+    pub fn hmi(&self) -> Option<SocketAddr> {
+        self.hmi
+    }
+
+    /// The process, for signals.
+    #[must_use]
+    pub fn process(&self) -> u32 {
+        self.child.id()
     }
 
     /// From just before the process was started to its ready line.
@@ -221,11 +240,11 @@ pub fn signal(name: &str, process: u32) {
     );
 }
 
-/// The address in `ready eip=127.0.0.1:44818 hmi=off`.
-fn ready_address(line: &str) -> Option<SocketAddr> {
+/// An address in `ready eip=127.0.0.1:44818 hmi=off`, by the word before it.
+fn ready_address(line: &str, name: &str) -> Option<SocketAddr> {
     let mut words = line.split_whitespace();
     (words.next() == Some("ready")).then_some(())?;
-    words.find_map(|word| word.strip_prefix("eip="))?.parse().ok()
+    words.find_map(|word| word.strip_prefix(name))?.parse().ok()
 }
 
 #[cfg(test)]
@@ -236,16 +255,18 @@ mod tests {
     fn ready_lines() {
         #[rustfmt::skip]
         let cases = [
-            // why,                   line,                                          address
-            ("the contract's line",   "ready eip=127.0.0.1:44818 hmi=127.0.0.1:8080", Some("127.0.0.1:44818")),
-            ("no HMI",                "ready eip=127.0.0.1:40001 hmi=off",            Some("127.0.0.1:40001")),
-            ("something else",        "listening eip=127.0.0.1:40001",                None),
-            ("no address",            "ready hmi=off",                                None),
-            ("the server has ended",  "",                                             None),
+            // why,                   line,                                           of,     address
+            ("the contract's line",   "ready eip=127.0.0.1:44818 hmi=127.0.0.1:8080", "eip=", Some("127.0.0.1:44818")),
+            ("its second address",    "ready eip=127.0.0.1:44818 hmi=127.0.0.1:8080", "hmi=", Some("127.0.0.1:8080")),
+            ("no HMI",                "ready eip=127.0.0.1:40001 hmi=off",            "eip=", Some("127.0.0.1:40001")),
+            ("no HMI, asked for it",  "ready eip=127.0.0.1:40001 hmi=off",            "hmi=", None),
+            ("something else",        "listening eip=127.0.0.1:40001",                "eip=", None),
+            ("no address",            "ready hmi=off",                                "eip=", None),
+            ("the server has ended",  "",                                             "eip=", None),
         ];
-        for (why, line, address) in cases {
+        for (why, line, of, address) in cases {
             let expected = address.map(|text| text.parse().expect("an address"));
-            assert_eq!(ready_address(line), expected, "{why}: {line}");
+            assert_eq!(ready_address(line, of), expected, "{why}: {line}");
         }
     }
 }

@@ -86,6 +86,22 @@ value = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }, { Master = 6.0 }, { Ma
 name = "Profile"
 type = "CAM_PROFILE[2]"
 
+[[axis]]
+name = "E"
+type = "feedback"
+max_speed = 1000.0
+max_acceleration = 10000.0
+feed = { tag = "Encoder" }
+registration = { input_1 = "Mark", input_2 = "Mark" }
+
+[[tag]]
+name = "Encoder"
+type = "REAL"
+
+[[tag]]
+name = "Mark"
+type = "BOOL"
+
 [[tag]]
 name = "NoType"
 type = "CAM[2]"
@@ -360,6 +376,24 @@ const TABLE: &[Row] = &[
     ("",                    "MAG(X, Y, T, 2, 1, 1, 1, 1, 0, 1)",                                  (23, 0)),
     ("",                    "MAG(NoDecel, Y, T, 0, 1, 1, 1, 1, 0, 1)",                            (54, 0)),
     (STOP_ALL,              "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)",                                  (78, 0)),
+    // An encoder.
+    ("",                    "MAM(E, T, 0, 9, {rates})",                                           (8, 0)),
+    ("",                    "MAJ(E, T, 0, {rates})",                                              (8, 0)),
+    ("",                    "MAG(E, Y, T, 0, 1, 1, 1, 1, 0, 1)",                                  (8, 0)),
+    ("",                    "MCD(E, T, Jog, Yes, 5)",                                             (8, 0)),
+    ("",                    "MAPC(E, Y, T, 0, Empty, 1, 1)",                                      (8, 0)),
+    ("",                    "MATC(E, T, 0, Empty, 1, 1)",                                         (8, 0)),
+    // MAW, MAR, MDR.
+    (DOWN,                  "MAW(X, T, 0, 5)",                                                    (7, 0)),
+    ("",                    "MAW(X, T, 2, 5)",                                                    (13, 2)),
+    ("",                    "MAW(R, T, 0, 360)",                                                  (13, 3)),
+    ("MAW(X, B1, 0, 5)",    "MAW(X, T, 0, 5)",                                                    (3, 0)),
+    ("MASD(E, B1)\nrun 20", "MAR(E, T, 0, 0, 0, 0, 1)",                                           (7, 0)),
+    ("",                    "MAR(E, T, 0, 1, 5, 4, 1)",                                           (13, 4)),
+    ("MAR(E, B1, 0, 0, 0, 0, 1)", "MAR(E, T, 0, 0, 0, 0, 1)",                                     (34, 0)),
+    ("",                    "MAR(X, T, 0, 0, 0, 0, 1)",                                           (75, 0)),
+    ("",                    "MDR(E, T, 0)",                                                       (13, 2)),
+    ("",                    "MDR(X, T, 1)",                                                       (75, 0)),
     // MCCP, MCSV.
     ("",                    "MCCP(T, Cam, 3e9, 0, 0, Profile)",                                   (13, 2)),
     ("",                    "MCCP(T, Cam, 5, 0, 0, Profile)",                                     (26, 0)),
@@ -427,6 +461,7 @@ const GOOD: &[&str] = &[
     "MSO(X, T)", "MSF(X, T)", "MASD(X, T)", "MASR(X, T)", "MAFR(X, T)", "MAS(X, T, All, No, 0, 0)", "MAH(X, T)",
     "MAJ(X, T, 0, {rates})", "MAM(X, T, 0, 9, {rates})", "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)", "MRP(X, T, 0, 0, 5)",
     "MGS(Motion, T, 1)", "MGSD(Motion, T)", "MGSR(Motion, T)", "MGSP(Motion, T)", "MCCP(T, Cam, 2, 0, 0, Profile)",
+    "MAW(X, T, 0, 5)", "MDW(X, T)", "MAR(E, T, 0, 0, 0, 0, 2)", "MDR(E, T, 1)",
 ];
 
 /// The same, where something has to move.
@@ -464,6 +499,10 @@ const LISTS: &[(&str, &[i16])] = &[
     ("MAG",  &[3, 24, 19, 13, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 10, 23, 78]),
     ("MCCP", &[3, 13, 26, 27, 28, 29, 30, 31]),
     ("MCSV", &[3, 13, 30, 32]),
+    ("MAW",  &[3, 24, 19, 13, 11, 38, 53, 7]),
+    ("MDW",  &[3, 24, 19, 11, 38, 53]),
+    ("MAR",  &[3, 24, 19, 13, 11, 38, 53, 7, 34, 39, 75]),
+    ("MDR",  &[3, 24, 19, 13, 11, 38, 53, 75]),
     ("MAPC", &[3, 24, 19, 13, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 10, 23, 30, 32, 78]),
     ("MATC", &[3, 24, 19, 13, 93, 95, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 23, 30, 32, 78]),
     ("MCD",  &[3, 24, 19, 13, 94, 105, 11, 8, 38, 53, 21, 7, 5, 20, 16, 54, 76, 23, 78, 103]),
@@ -508,14 +547,8 @@ const NEVER_HERE: &[(&str, i16, &str)] = &[
     ("MCCM", 8,   "every axis type can be moved"),
     ("MCCD", 8,   "every axis type can be moved"),
     ("MCS",  8,   "every axis type can be moved"),
-    ("MAS",  8,   "every axis type can be moved"),
+    ("MAS",  8,   "an encoder has no servo: 5 tells"),
     ("MAH",  8,   "every axis type can be homed"),
-    ("MAJ",  8,   "every axis type can be moved"),
-    ("MAM",  8,   "every axis type can be moved"),
-    ("MAG",  8,   "every axis type can be moved"),
-    ("MAPC", 8,   "every axis type can be moved"),
-    ("MATC", 8,   "every axis type can be moved"),
-    ("MCD",  8,   "every axis type can be moved"),
     ("MRP",  8,   "every axis type has a position"),
     ("MCLM", 105, "nothing is master driven yet: 93 comes first"),
     ("MCCM", 105, "nothing is master driven yet: 93 comes first"),

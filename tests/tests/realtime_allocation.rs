@@ -56,6 +56,10 @@ const CALLS: &[&str] = &[
     "MRP(Y, M36, Relative, Command, 10);",
     "MGSP(Motion, M37);",
     "MGS(Motion, M38, FastStop);",
+    "MAW(A, M48, Forward, 3);",
+    "MDW(A, M49);",
+    "MAR(A, M60, PositiveEdge, Enabled, 0, 500, 1);",
+    "MDR(A, M61, 1);",
     "MCCP(M39, Cam, 3, 0, 0, Profile);",
     "MCSV(M41, Profile, 0.05);",
     "MAPC(Y, X, M42, Same, Profile, 1, 100, Continuous, Immediate, 0, 0, Command, Bidirectional);",
@@ -222,7 +226,14 @@ fn project() -> Project {
     let cam = "value = [{ Master = 0.0 }, { Master = 0.1, Slave = 1.0, SegmentType = 1 }, { Master = 0.2 }]";
     let config = format!(
         "{}\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[3]\"\n{cam}\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[3]\"\n",
-        arcline_config::DEFAULT.replacen("type = \"servo\"", &limited, 1)
+        arcline_config::DEFAULT
+            .replacen("type = \"servo\"", &limited, 1)
+            .replacen(
+                "name = \"A\"\n",
+                "name = \"A\"\nregistration = { input_1 = \"Mark\" }\n",
+                1
+            )
+            + "\n[[tag]]\nname = \"Mark\"\ntype = \"BOOL\"\n"
     );
     arcline_config::load(&config, "default.toml").expect("the default with a limited drive is valid")
 }
@@ -265,6 +276,10 @@ const SCENES: &[&[(&str, u32)]] = &[
         ("MCSR(CS2, M16);", 5),
     ],
     &[
+        ("MDW(A, M49);", 2),
+        ("MDR(A, M61, 1);", 2),
+        ("MAW(A, M48, Forward, 3);", 1),
+        ("MAR(A, M60, PositiveEdge, Enabled, 0, 500, 1);", 1),
         ("MCCP(M39, Cam, 3, 0, 0, Profile);", 1),
         ("MCSV(M41, Profile, 0.05);", 1),
         (

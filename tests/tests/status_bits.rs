@@ -54,9 +54,17 @@ value = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }, { Master = 6.0 }, { Ma
 [[tag]]
 name = "Profile"
 type = "CAM_PROFILE[2]"
+
+[[tag]]
+name = "Mark1"
+type = "BOOL"
+
+[[tag]]
+name = "Mark2"
+type = "BOOL"
 "#;
 
-/// A name, the last tick, and what happens at which tick: a call, `fault AXIS BITS`, `false TAG` of a rung, `late` and
+/// A name, the last tick, and what happens at which tick: a call, `fault AXIS BITS`, `write TAG VALUE`, `false TAG` of a rung, `late` and
 /// `in time` of the motion task.
 type Scenario = (&'static str, u64, &'static str);
 
@@ -72,6 +80,9 @@ const SCENARIOS: &[Scenario] = &[
     ("position cam", 330, "0 MCCP(P, Cam, 2, 0, 0, Profile)\n10 MAPC(X, Y, M, 0, Profile, 1, 1, Once, ForwardOnly, 1.01, 0, Command, 0)\n20 MAPC(X, Y, N, 0, Profile, 1, 1, Once, Pending, 0, 0, Command, 0)\n30 MAM(Y, J, 0, 20, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)"),
     // 51.5 ms and 51 ms more.
     ("time cam", 130, "0 MCCP(P, Cam, 2, 0, 0, Profile)\n10 MATC(X, M, 0, Profile, 1, 0.0103, Once, Immediate)\n20 MATC(X, N, 0, Profile, 1, 0.0102, Once, Pending)"),
+    // 5.02 units after 150.4 ms.
+    ("watch", 230, "10 MAW(X, M, Forward, 5.02)\n20 MAM(X, N, 0, 20, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MAW(X, O, Forward, 90)\n220 MDW(X, D)"),
+    ("registration", 90, "10 MAR(X, M, 0, 0, 0, 0, 1)\n20 MAR(X, N, 1, 0, 0, 0, 2)\n30 write Mark1 1\n40 write Mark2 1\n50 write Mark2 0\n60 MAR(X, O, 0, 0, 0, 0, 1)\n70 MAR(X, O, 1, 0, 0, 0, 2)"),
     // 125 ms to the switch at 5 units, then 50 ms of braking.
     ("home", 300, "10 MAH(H, M)"),
     ("virtual home", 60, "10 MAH(A, M)"),
@@ -106,7 +117,7 @@ const SCENARIOS: &[Scenario] = &[
 ];
 
 /// Scenarios that a virtual axis goes through just so.
-const VIRTUAL_TOO: [&str; 7] = [
+const VIRTUAL_TOO: [&str; 9] = [
     "move",
     "jog and stop",
     "too fast",
@@ -114,6 +125,8 @@ const VIRTUAL_TOO: [&str; 7] = [
     "line",
     "position cam",
     "time cam",
+    "watch",
+    "registration",
 ];
 
 /// A scenario, a bit (`TAG.MEMBER`, or `TAG.MEMBER.BIT` of a word without names), what it is at tick 0, and the ticks at
@@ -151,6 +164,16 @@ const ROWS: &[Row] = &[
     ("transform forwards", "A.ControlledByTransformStatus", false, &[20, 110]),
     ("transform forwards", "X.ControlledByTransformStatus", false, &[]),
     // AxisEvent.
+    ("watch",            "X.WatchEventArmedStatus",         false, &[10, 171, 200, 220]),
+    ("watch",            "X.WatchEventStatus",              false, &[171, 200]),
+    ("watch",            "M.DN",                            false, &[11]),
+    ("watch",            "M.IP",                            false, &[10, 171]),
+    ("watch",            "M.PC",                            false, &[171]),
+    ("watch",            "O.IP",                            false, &[200, 220]),
+    ("registration",     "X.RegEvent1ArmedStatus",          false, &[10, 30, 60]),
+    ("registration",     "X.RegEvent1Status",               false, &[30, 60]),
+    ("registration",     "X.RegEvent2ArmedStatus",          false, &[20, 50, 70]),
+    ("registration",     "X.RegEvent2Status",               false, &[50, 70]),
     ("home",             "H.HomeEventArmedStatus",          false, &[10, 135]),
     ("home",             "H.HomeEventStatus",               false, &[135]),
     // AxisStatus, CIPAxisStatus.
@@ -270,8 +293,6 @@ const NEVER: &[(&str, &str)] = &[
     ("DirectControlStatus", "no MDS"), ("DirectVelocityControlStatus", "no MDS"), ("DirectTorqueControlStatus", "no MDS"),
     ("MasterOffsetMoveStatus", "no master offset yet"), ("MasterOffsetMoveLockStatus", "no master offset yet"),
     ("MoveLockStatus", "nothing is master driven yet"), ("JogLockStatus", "nothing is master driven yet"),
-    ("WatchEventArmedStatus", "no MAW"), ("WatchEventStatus", "no MAW"), ("RegEvent1ArmedStatus", "no MAR"),
-    ("RegEvent1Status", "no MAR"), ("RegEvent2ArmedStatus", "no MAR"), ("RegEvent2Status", "no MAR"),
     ("AxisInhibitStatus", "no axis can be inhibited"), ("InhibStatus", "the group cannot be inhibited"),
     ("ToolChangeAllowedStatus", "no orientation transforms"), ("CoordinateSystemLockStatus", "nothing is master driven yet"),
     ("CSTLossFault", "one clock"), ("GroupTaskLoadingFault", "an overlap shows as such"), ("ClockSyncFault", "one clock"),
@@ -314,7 +335,14 @@ fn machine(keys: &str) -> String {
     let text = format!("{}\n{MORE}\n{deep}", arcline_config::DEFAULT);
     let axis = "name = \"X\"\ntype = ";
     assert!(text.contains(axis));
-    text.replacen(axis, &format!("{keys}{axis}"), 1)
+    let inputs = "registration = { input_1 = \"Mark1\", input_2 = \"Mark2\" }\n";
+    let without_drive = "name = \"A\"\ntype = ";
+    assert!(text.contains(without_drive));
+    text.replacen(axis, &format!("{keys}{inputs}{axis}"), 1).replacen(
+        without_drive,
+        &format!("{inputs}{without_drive}"),
+        1,
+    )
 }
 
 fn template(tag: &str) -> std::sync::Arc<arcline_tag::Template> {
@@ -357,6 +385,10 @@ fn traces(config: &str, last: u64, steps: &str, bits: &[String], mut look: impl 
                     let kinds = FAULTS.iter().map(|fault| fault.kind);
                     let kinds: Vec<FaultKind> = kinds.filter(|kind| bits & (1 << *kind as u32) != 0).collect();
                     bench.inject(axis, &kinds);
+                }
+                (_, Some(("write", write))) => {
+                    let (tag, value) = write.split_once(' ').expect("a tag and a value");
+                    bench.write(tag, value.parse().expect("a number"));
                 }
                 (_, Some(("false", tag))) => bench.rung_false(tag),
                 _ => {

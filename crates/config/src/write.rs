@@ -192,7 +192,12 @@ fn axis(axis: &Axis) -> Value {
     ]);
     let mut put = |key: &str, value: Value| table.insert(key.to_owned(), value);
     put("name", text(&axis.name));
-    put("type", text(if axis.is_virtual() { "virtual" } else { "servo" }));
+    let kind = match axis.kind {
+        AxisKind::Servo(_) => "servo",
+        AxisKind::Virtual => "virtual",
+        AxisKind::Feedback => "feedback",
+    };
+    put("type", text(kind));
     put("units", text(&axis.units));
     if let Some(travel) = axis.travel {
         put(
@@ -226,6 +231,20 @@ fn axis(axis: &Axis) -> Value {
             drive_table.extend(number.map(|number| (key.to_owned(), Value::Float(number))));
         }
         put("drive", Value::Table(drive_table));
+    }
+    if let Some(feed) = &axis.inputs.feed {
+        let fed = [
+            ("tag", text(&feed.tag)),
+            ("interval_ms", Value::Float(feed.interval * 1000.0)),
+            ("timeout_ms", Value::Float(feed.timeout * 1000.0)),
+        ];
+        put("feed", keys(fed));
+    }
+    let inputs = ["input_1", "input_2"].into_iter().zip(&axis.inputs.registration);
+    let inputs = inputs.filter_map(|(key, path)| Some((key.to_owned(), text(path.as_deref()?))));
+    let inputs: Table = inputs.collect();
+    if !inputs.is_empty() {
+        put("registration", Value::Table(inputs));
     }
     put("home", home(&axis.home));
     let mode = ProgrammedStopMode::ALL

@@ -4,13 +4,12 @@ use std::sync::Arc;
 
 use arcline_instruction_set::{Call, ControlSlot, FaultSet, MotionControl};
 use arcline_motion::machine::Machine;
-use arcline_motion::{AcceptedMove, ContourRequest, Event, Material, Motion, Ticket, Trajectory};
+use arcline_motion::{AcceptedMove, ContourRequest, Event, Input, Material, Motion, Ticket, Trajectory};
 
 use crate::snapshot::Snapshot;
 
 /// What reaches the controller from outside.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "a box would be freed in the tick")]
 pub enum Command {
     /// Execute an instruction: a false-to-true transition of its rung condition.
     Call(Ticket, Call),
@@ -32,6 +31,8 @@ pub enum Command {
         /// The causes.
         causes: FaultSet,
     },
+    /// Take what was written to a tag that the machine reads.
+    Input(Input),
     /// Stop all motion of every coordinate system in a controlled way: what a shutdown of the process needs.
     StopAll,
 }
@@ -126,6 +127,7 @@ impl Controller {
                 Some(Command::RungFalse(control)) => self.rung_false(control),
                 Some(Command::Override { system, rate }) => self.set_override(system, rate),
                 Some(Command::Inject { axis, causes }) => self.inject(axis, causes),
+                Some(Command::Input(input)) => self.input(input),
                 Some(Command::StopAll) => self.stop_all(),
                 None => break,
             }
@@ -178,6 +180,11 @@ impl Controller {
     /// Puts causes of faults on an axis: see [`Motion::inject`]. Real-time.
     pub fn inject(&mut self, axis: u16, causes: FaultSet) {
         self.motion.inject(axis, causes);
+    }
+
+    /// Takes what was written to a tag that the machine reads. Real-time.
+    pub fn input(&mut self, input: Input) {
+        self.motion.input(input);
     }
 
     /// Stops everything that moves, every axis by itself. Real-time.

@@ -35,5 +35,5 @@ pub use contour::ContourRequest;
 pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};
 pub use feed_override::MAX_OVERRIDE;
 pub use material::Material;
-pub use motion::Motion;
+pub use motion::{Input, Motion};
 pub use snapshot::{AxisSnapshot, SystemSnapshot};

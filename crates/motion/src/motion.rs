@@ -4,6 +4,7 @@ mod advance;
 mod faults;
 mod generators;
 mod homing;
+mod probes;
 mod take_over;
 
 use std::sync::Arc;
@@ -27,6 +28,7 @@ use crate::stop::Stop;
 use crate::system::System;
 
 pub(crate) use advance::MAX_ENDS_PER_TICK;
+pub use probes::Input;
 
 /// Every axis and coordinate system of one motion group, and the instructions that move them.
 #[derive(Debug)]

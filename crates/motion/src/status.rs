@@ -23,6 +23,7 @@ const STANDSTILL: f64 = 1e-3;
 /// One axis as its tag shows it.
 pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
     let actual = axis.drive.actual();
+    let [first, second] = &axis.registrations;
     let saturation = axis.drive.saturation();
     let command = axis.command;
     AxisSnapshot {
@@ -38,6 +39,12 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         event: [
             (axis.awaits_home_event(), axis_event::HOME_EVENT_ARMED_STATUS),
             (axis.home_event, axis_event::HOME_EVENT_STATUS),
+            (axis.watch.is_armed(), axis_event::WATCH_EVENT_ARMED_STATUS),
+            (axis.watch.seen, axis_event::WATCH_EVENT_STATUS),
+            (first.is_armed(), axis_event::REG_EVENT1_ARMED_STATUS),
+            (first.seen, axis_event::REG_EVENT1_STATUS),
+            (second.is_armed(), axis_event::REG_EVENT2_ARMED_STATUS),
+            (second.seen, axis_event::REG_EVENT2_STATUS),
         ]
         .into_iter()
         .fold(0, with),
@@ -81,6 +88,9 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         position_error: axis.drive.error(),
         started_at: axis.started_at.map(|position| axis.shown(position)),
         strobed: axis.strobed,
+        watched: axis.watch.position,
+        registered: [first.positions, second.positions],
+        registered_at: [first.times, second.times],
     }
 }
 

@@ -289,7 +289,7 @@ impl Within {
             speed
                 .min(self.axes.speed[axis] / along(axis))
                 .min((a_of(axis) / across(axis)).sqrt())
-                .min((j_of(axis) / (across(axis) * curvature * curvature)).powf(1.0 / 3.0))
+                .min(libm::cbrt(j_of(axis) / (across(axis) * curvature * curvature)))
         });
         // An override may double the speed later.
         let coupled = most_speed.min(MOST_RATE * own.speed);

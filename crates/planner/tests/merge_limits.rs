@@ -41,10 +41,10 @@ fn momentum(random: &mut Random, axes: &AxisLimits, kind: u64) -> Momentum {
     for axis in 0..2 {
         let (most, rate) = (axes.speed[axis], axes.acceleration[axis]);
         velocity[axis] = random.between(-most, most);
-        if kind % 3 > 0 {
+        if !kind.is_multiple_of(3) {
             acceleration[axis] = random.between(-rate, rate);
         }
-        if kind % 5 == 0 {
+        if kind.is_multiple_of(5) {
             velocity[axis] *= 0.05;
         }
         let swing = axes.jerk.map_or(0.0, |jerk| {

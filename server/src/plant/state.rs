@@ -294,6 +294,12 @@ impl State {
                 self.send_injected();
                 return None;
             }
+            Edge::Input => {
+                for input in self.image.take_inputs() {
+                    self.push(Command::Input(input));
+                }
+                return None;
+            }
         };
         let TagKind::Instruction(kind) = self.image.tag(id)?.kind else {
             return None;

@@ -363,6 +363,12 @@ impl<'m> Runner<'m> {
                     self.controller.inject(axis, causes);
                 }
             }
+            Some(Edge::Input) => {
+                for input in self.image.take_inputs() {
+                    self.controller.input(input);
+                }
+                self.shown = None;
+            }
             Some(Edge::Rising(id)) => {
                 let call = self
                     .image

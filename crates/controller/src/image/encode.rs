@@ -23,6 +23,7 @@ enum AxisField {
     CipState,
     CipStatus,
     Real(fn(&AxisSnapshot) -> f64),
+    Dint(fn(&AxisSnapshot) -> i32),
 }
 
 /// Where the numbers of one axis type stand.
@@ -163,10 +164,10 @@ impl Encoder {
 impl AxisLayout {
     fn new(template: &Template) -> Self {
         use AxisField::{
-            CipAlarms, CipFaults, CipState, CipStatus, Event, Fault, MotionAlarms, MotionFaults, MotionStatus, Real,
-            Status,
+            CipAlarms, CipFaults, CipState, CipStatus, Dint, Event, Fault, MotionAlarms, MotionFaults, MotionStatus,
+            Real, Status,
         };
-        let fields: [(&str, AxisField); 26] = [
+        let fields: [(&str, AxisField); 39] = [
             ("AxisFault", Fault),
             ("AxisStatus", Status),
             ("AxisEvent", Event),
@@ -191,6 +192,19 @@ impl AxisLayout {
             ("StartActualPosition", Real(|axis| axis.started_at[1])),
             ("StrobeCommandPosition", Real(|axis| axis.strobed[0])),
             ("StrobeActualPosition", Real(|axis| axis.strobed[1])),
+            ("WatchPosition", Real(|axis| axis.watched)),
+            ("Registration1Position", Real(|axis| axis.registered[0][0])),
+            ("Registration1PositiveEdgePosition", Real(|axis| axis.registered[0][1])),
+            ("Registration1NegativeEdgePosition", Real(|axis| axis.registered[0][2])),
+            ("Registration2Position", Real(|axis| axis.registered[1][0])),
+            ("Registration2PositiveEdgePosition", Real(|axis| axis.registered[1][1])),
+            ("Registration2NegativeEdgePosition", Real(|axis| axis.registered[1][2])),
+            ("Registration1Time", Dint(|axis| axis.registered_at[0][0])),
+            ("Registration1PositiveEdgeTime", Dint(|axis| axis.registered_at[0][1])),
+            ("Registration1NegativeEdgeTime", Dint(|axis| axis.registered_at[0][2])),
+            ("Registration2Time", Dint(|axis| axis.registered_at[1][0])),
+            ("Registration2PositiveEdgeTime", Dint(|axis| axis.registered_at[1][1])),
+            ("Registration2NegativeEdgeTime", Dint(|axis| axis.registered_at[1][2])),
             ("InterpolatedActualPosition", Real(|axis| axis.actual[0])),
             ("InterpolatedCommandPosition", Real(|axis| axis.command[0])),
         ];
@@ -218,6 +232,7 @@ impl AxisLayout {
                 AxisField::CipAlarms => put(bytes, *offset, axis.cip_faults[1].to_le_bytes()),
                 AxisField::CipState => put(bytes, *offset, axis.cip_state.to_le_bytes()),
                 AxisField::CipStatus => put(bytes, *offset, axis.cip_status.to_le_bytes()),
+                AxisField::Dint(of) => put(bytes, *offset, of(axis).to_le_bytes()),
                 AxisField::Real(of) => put(bytes, *offset, (of(axis) as f32).to_le_bytes()),
             }
         }

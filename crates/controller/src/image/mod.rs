@@ -15,6 +15,7 @@ mod error;
 mod fault_inject;
 mod feed_override;
 mod health;
+mod inputs;
 mod read;
 mod shared;
 mod table;
@@ -69,6 +70,8 @@ pub struct Image {
     overlapping: bool,
     /// Cam profiles that are calculated or used.
     profiles: cams::Profiles,
+    /// Tags that the machine reads.
+    inputs: inputs::Inputs,
 }
 
 impl Image {
@@ -94,6 +97,7 @@ impl Image {
                 .collect(),
             overlapping: false,
             profiles: cams::Profiles::default(),
+            inputs: inputs::Inputs::new(machine),
         };
         image.add(
             &machine.group,

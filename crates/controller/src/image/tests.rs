@@ -25,6 +25,7 @@ fn axis(name: &str, kind: AxisKind) -> Axis {
         programmed_stop_mode: ProgrammedStopMode::default(),
         exception_actions: ExceptionActions::default(),
         average_velocity_timebase: 0.25,
+        inputs: Default::default(),
         home: crate::machine::Home::immediate(1.0, 1.0),
     }
 }

@@ -3,9 +3,11 @@
 mod average;
 pub(crate) mod camming;
 pub(crate) mod faults;
+pub(crate) mod feed;
 mod following;
 pub(crate) mod generator;
 pub(crate) mod homing;
+pub(crate) mod probes;
 mod sensor;
 pub(crate) mod sum;
 
@@ -22,9 +24,11 @@ use crate::rotary;
 use average::Average;
 use camming::Cams;
 use faults::{Faults, Observed};
+use feed::Feeding;
 use following::Linked;
 use generator::Generator;
 use homing::Homing;
+use probes::{Registration, Watch};
 use sum::{Slot, Sum};
 
 /// The axis state machine (spec/axis-and-data-types.md §12), as far as instructions see it.
@@ -90,6 +94,10 @@ pub(crate) struct Axis {
     pub(crate) strobed: [f64; 2],
     pub(crate) faults: Faults,
     pub(crate) average: Average,
+    /// Where the position of an encoder comes from: it has no drive.
+    pub(crate) feeding: Option<Feeding>,
+    pub(crate) watch: Watch,
+    pub(crate) registrations: [Registration; 2],
 }
 
 impl Axis {
@@ -99,6 +107,7 @@ impl Axis {
         let position = start.position;
         let (drive, state) = match &description.kind {
             AxisKind::Virtual => (Drive::ideal(position), AxisState::Running),
+            AxisKind::Feedback => (Drive::ideal(position), AxisState::Stopped),
             AxisKind::Servo(drive) => (
                 Drive::servo(position, &drive.settings(start.redefined)),
                 if start.servo_on {
@@ -134,6 +143,17 @@ impl Axis {
             stop_mode: description.programmed_stop_mode,
             after_stop: AfterStop::Hold,
             strobed: [0.0; 2],
+            feeding: description
+                .inputs
+                .feed
+                .as_ref()
+                .map(|feed| Feeding::new(feed, position)),
+            watch: Watch::default(),
+            registrations: description
+                .inputs
+                .registration
+                .each_ref()
+                .map(|input| Registration::new(input.is_some())),
             faults,
             average: Average::new(
                 position - start.redefined,
@@ -304,12 +324,13 @@ impl Axis {
 
     /// What faults look at.
     pub(crate) fn observed(&self) -> Observed {
-        let loop_closed = self.has_torque() && !self.is_virtual;
+        let loop_closed = self.has_torque() && !self.is_virtual && self.feeding.is_none();
         Observed {
             position: self.drive.actual().position,
             homed: self.homed,
             velocity: self.command.velocity,
             error: loop_closed.then(|| self.drive.error()),
+            lost: false,
         }
     }
 
@@ -354,13 +375,17 @@ impl Axis {
 
     /// Shifts every position by an offset: command, actual, and the ends of what runs. Nothing moves.
     pub(crate) fn redefine(&mut self, offset: f64) {
+        if let Some(feeding) = &mut self.feeding {
+            feeding.redefine(offset);
+        }
         self.sum.redefine(offset);
         self.shift(offset);
     }
 
     /// Folds whole turns of a rotary axis away where what is shown stays the same: at rest, and in an endless jog.
     pub(crate) fn fold(&mut self, clock: &Clock) {
-        let Some(unwind) = self.unwind else {
+        // What is fed is of the nearest turn by itself.
+        let Some(unwind) = self.unwind.filter(|_| self.feeding.is_none()) else {
             return;
         };
         let offset = if self.sum.is_idle() {

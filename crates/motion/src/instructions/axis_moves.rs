@@ -99,8 +99,11 @@ pub(super) fn steady(from: State, limits: &Limits) -> State {
     }
 }
 
-/// The axis may be moved: not shut down, servo on, not homed, and its stops can be made.
+/// The axis may be moved: it is no encoder, not shut down, servo on, not homed, and its stops can be made.
 pub(super) fn verify_axis(axis: &Axis, s_curve: bool) -> Result<(), MotionError> {
+    if axis.feeding.is_some() {
+        return Err(MotionError::WrongAxisType(AxisIndex(0)));
+    }
     ready(axis)?;
     not_homing(axis)?;
     stoppable(axis)?;

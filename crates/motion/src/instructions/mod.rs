@@ -8,10 +8,12 @@ mod mah;
 mod maj;
 mod mam;
 mod mapc;
+mod mar;
 mod mas;
 mod masd;
 mod masr;
 mod matc;
+mod maw;
 mod mccd;
 mod mccm;
 mod mccp;
@@ -22,6 +24,8 @@ mod mcsd;
 mod mcsr;
 mod mcsv;
 mod mct;
+mod mdr;
+mod mdw;
 mod mgs;
 mod mgsd;
 mod mgsp;
@@ -57,6 +61,9 @@ pub(crate) struct Layouts {
     mag: mag::Layout,
     mapc: mapc::Layout,
     matc: matc::Layout,
+    maw: maw::Layout,
+    mar: mar::Layout,
+    mdr: mdr::Layout,
     mct: mct::Layout,
     mgs: mgs::Layout,
     mrp: mrp::Layout,
@@ -77,6 +84,9 @@ impl Layouts {
             mag: mag::Layout::new(),
             mapc: mapc::Layout::new(),
             matc: matc::Layout::new(),
+            maw: maw::Layout::new(),
+            mar: mar::Layout::new(),
+            mdr: mdr::Layout::new(),
             mct: mct::Layout::of(Mnemonic::Mct),
             mgs: mgs::Layout::new(),
             mrp: mrp::Layout::new(),
@@ -116,6 +126,10 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mccp => mccp::execute(motion, execution, call, sent),
         Mnemonic::Mcsv => mcsv::execute(motion, execution, call, sent),
+        Mnemonic::Maw => maw::execute(motion, execution, call),
+        Mnemonic::Mdw => mdw::execute(motion, execution, call),
+        Mnemonic::Mar => mar::execute(motion, execution, call),
+        Mnemonic::Mdr => mdr::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
         _ => {
             motion.verify_operands(call)?;
