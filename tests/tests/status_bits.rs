@@ -121,7 +121,7 @@ const SCENARIOS: &[Scenario] = &[
 ];
 
 /// Scenarios that a virtual axis goes through just so.
-const VIRTUAL_TOO: [&str; 9] = [
+const VIRTUAL_TOO: [&str; 11] = [
     "move",
     "jog and stop",
     "too fast",
