@@ -182,12 +182,6 @@ impl Server {
         self.log.so_far()
     }
 
-    /// The process.
-    #[must_use]
-    pub fn process(&self) -> u32 {
-        self.child.id()
-    }
-
     /// Ends the server at once, with SIGKILL, and waits until it is gone. Gives its log.
     #[must_use]
     pub fn kill(mut self) -> String {
