@@ -51,7 +51,7 @@ impl Log {
     }
 
     /// To its end, which must be near; once.
-    fn to_the_end(&mut self) -> Option<String> {
+    fn until_the_end(&mut self) -> Option<String> {
         // A reader that panicked has shown what it has.
         let _ = self.reader.take()?.join();
         Some(self.so_far())
@@ -135,7 +135,7 @@ impl Server {
             let status = child.wait();
             panic!(
                 "no ready line within {READY:?} but {line:?} ({status:?}); the server's log:\n{}",
-                log.to_the_end().unwrap_or_default()
+                log.until_the_end().unwrap_or_default()
             );
         };
         Self {
@@ -187,7 +187,7 @@ impl Server {
     pub fn kill(mut self) -> String {
         self.child.kill().expect("the server is our child and runs");
         self.child.wait().expect("the server is our child");
-        self.log.to_the_end().unwrap_or_default()
+        self.log.until_the_end().unwrap_or_default()
     }
 
     /// Asks the server to stop, as an init system would, and waits until it has ended.
@@ -200,7 +200,7 @@ impl Server {
         let status = crate::eventually("end of the server after SIGTERM", READY, || {
             child.try_wait().expect("the server is our child")
         });
-        (status, self.log.to_the_end().unwrap_or_default())
+        (status, self.log.until_the_end().unwrap_or_default())
     }
 }
 
@@ -209,7 +209,7 @@ impl Drop for Server {
         // Already ended: nothing to do.
         let _ = self.child.kill();
         let _ = self.child.wait();
-        if let Some(log) = self.log.to_the_end()
+        if let Some(log) = self.log.until_the_end()
             && (std::thread::panicking() || log.contains("panicked"))
         {
             eprintln!(
