@@ -306,11 +306,14 @@ mod tests {
         ways
     }
 
+    /// Its name, the lock, the master's unwind, its positions and the way at each.
+    type Case<'a> = (&'a str, LockTo, Option<f64>, &'a [f64], &'a [(f64, bool)]);
+
     #[test]
     fn a_way_is_how_far_the_master_has_gone_in_the_lock_direction() {
         use Sense::{Forward, Reverse};
         #[rustfmt::skip]
-        let cases: [(&str, LockTo, Option<f64>, &[f64], &[(f64, bool)]); 9] = [
+        let cases: [Case; 9] = [
             ("at once, forward",            lock(Forward, None), None, &[5.0, 6.0, 8.0], &[(0.0, true), (1.0, true), (3.0, true)]),
             ("at once, reverse",            lock(Reverse, None), None, &[5.0, 4.0, 2.0], &[(0.0, true), (1.0, true), (3.0, true)]),
             ("a master that stands",        lock(Forward, None), None, &[5.0, 5.0], &[(0.0, true), (0.0, true)]),
