@@ -313,7 +313,7 @@ mod tests {
     fn a_way_is_how_far_the_master_has_gone_in_the_lock_direction() {
         use Sense::{Forward, Reverse};
         #[rustfmt::skip]
-        let cases: [Case; 9] = [
+        let cases: [Case<'_>; 9] = [
             ("at once, forward",            lock(Forward, None), None, &[5.0, 6.0, 8.0], &[(0.0, true), (1.0, true), (3.0, true)]),
             ("at once, reverse",            lock(Reverse, None), None, &[5.0, 4.0, 2.0], &[(0.0, true), (1.0, true), (3.0, true)]),
             ("a master that stands",        lock(Forward, None), None, &[5.0, 5.0], &[(0.0, true), (0.0, true)]),
