@@ -104,7 +104,8 @@ impl Directory for Names<'_> {
     }
 
     fn real_array(&self, name: &str) -> Option<WrittenArray> {
-        (name == "Data").then_some(WrittenArray { tag: 0, elements: 4 })
+        let data = (name == "Data").then_some(WrittenArray { tag: 0, elements: 4 });
+        data.or_else(|| image(self.0).real_array(name))
     }
 
     fn structure(&self, type_name: &str, name: &str) -> Option<u32> {

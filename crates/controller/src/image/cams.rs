@@ -54,7 +54,7 @@ impl Image {
             Mnemonic::Mccp => self.calculate_profile(call),
             Mnemonic::Mcsv => self.calculate_values(call),
             Mnemonic::Mapc | Mnemonic::Matc => self.use_profile(call),
-            Mnemonic::Mctp => return self.expect_numbers(call, "Transform Position"),
+            Mnemonic::Mctp => return Self::expect_numbers(call, "Transform Position"),
             _ => return (None, None),
         };
         match prepared {
@@ -106,15 +106,14 @@ impl Image {
     }
 
     /// A place for what the tick calculates, where the operand names an array.
-    fn expect_numbers(&self, call: &Call, name: &str) -> (Option<Material>, Option<Staged>) {
-        let Some(tag) = call.tag(operand(call.mnemonic, name)) else {
+    fn expect_numbers(call: &Call, name: &str) -> (Option<Material>, Option<Staged>) {
+        let Some(array) = call.written(operand(call.mnemonic, name)) else {
             return (None, None);
         };
-        let room = self.written_array(tag).map_or(0, |(_, _, elements)| elements);
-        let answer = Arc::new(Answer::new(room));
+        let answer = Arc::new(Answer::new(usize::from(array.elements)));
         (
             Some(Material::Answer(answer.clone())),
-            Some(Staged(Result_::Answer(tag, answer))),
+            Some(Staged(Result_::Answer(array.tag, answer))),
         )
     }
 
