@@ -7,8 +7,7 @@ use arcline_proto::cpf::Packet;
 use arcline_proto::epath::{Epath, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{
-    ReadModifyWrite, ReadReply, ReadTag, ReadTemplate, Symbol, TemplateAttributes, WriteTag,
-    decode_operands,
+    ReadModifyWrite, ReadReply, ReadTag, ReadTemplate, Symbol, TemplateAttributes, WriteTag, decode_operands,
 };
 use bytes::Bytes;
 use libfuzzer_sys::fuzz_target;

@@ -10,7 +10,9 @@ fuzz_target!(|data: &[u8]| {
     let mut chain = crc32fast::hash(&file);
     file.extend_from_slice(&chain.to_le_bytes());
     // A state and then a change, as far as the bytes go: the first byte says where the one ends.
-    let (first, rest) = data.split_first().map_or((0, data), |(first, rest)| (usize::from(*first), rest));
+    let (first, rest) = data
+        .split_first()
+        .map_or((0, data), |(first, rest)| (usize::from(*first), rest));
     let (state, change) = rest.split_at(first.min(rest.len()));
     for record in [state, change] {
         for part in [&(record.len() as u32).to_le_bytes()[..], record] {
