@@ -4,9 +4,12 @@
 
 use arcline_config::{DEFAULT, load, table};
 use arcline_controller::image::Image;
+use arcline_fuzz::timed;
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(|data: &[u8]| timed(|| run(data)));
+
+fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
     for text in [text, &format!("{DEFAULT}\n{text}")] {
         let project = match load(text, "fuzz.toml") {
@@ -24,4 +27,4 @@ fuzz_target!(|data: &[u8]| {
             load(&arcline_config::format(&table(&project)), "again.toml").expect("what was written can be read");
         assert_eq!(again, project);
     }
-});
+}

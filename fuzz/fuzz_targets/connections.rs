@@ -6,7 +6,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-use arcline_fuzz::{Device, LOCAL, MOST, PEER, SIZE};
+use arcline_fuzz::{Device, LOCAL, MOST, PEER, SIZE, timed};
 use arcline_proto::cip::{CipStatus, Request, service};
 use arcline_proto::connection::{
     ConnectionKey, ConnectionType, ForwardClose, ForwardOpen, NetworkParameters, TickTime,
@@ -94,7 +94,9 @@ impl Source<'_> {
     }
 }
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(|data: &[u8]| timed(|| run(data)));
+
+fn run(data: &[u8]) {
     let mut device = Device::default();
     let mut session = ServerSession::new(Arc::new(Settings::default()), LOCAL, device.now);
     let register = Frame::request(
@@ -201,4 +203,4 @@ fuzz_target!(|data: &[u8]| {
     assert!(device.io.is_empty());
     session.handle_disconnect(&mut device);
     assert_eq!(device.open, 0);
-});
+}

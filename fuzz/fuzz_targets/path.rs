@@ -5,6 +5,7 @@
 use std::sync::LazyLock;
 
 use arcline_controller::image::{Image, TagId};
+use arcline_fuzz::timed;
 use arcline_proto::epath::{Epath, Target};
 use arcline_tag::{Location, TagPath};
 use bytes::Bytes;
@@ -42,7 +43,9 @@ static IMAGE: LazyLock<Image> = LazyLock::new(|| {
     Image::new(&project.machine, &project.instruction_tags, &project.tags)
 });
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(|data: &[u8]| timed(|| run(data)));
+
+fn run(data: &[u8]) {
     if let Ok(path) = Epath::decode(&Bytes::copy_from_slice(data)) {
         assert_eq!(Epath::decode(&path.to_bytes()).as_ref(), Ok(&path));
         if let Ok(target) = Target::new(&path) {
@@ -62,7 +65,7 @@ fuzz_target!(|data: &[u8]| {
     if let Ok((tag, place)) = IMAGE.locate(&path) {
         is_there(tag, &place);
     }
-});
+}
 
 fn follow(target: &Target) {
     let found = match target.instance {

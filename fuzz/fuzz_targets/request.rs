@@ -1,6 +1,7 @@
 //! Any bytes as a message: every decoder; what decodes to a request or path must survive a round trip.
 #![no_main]
 
+use arcline_fuzz::timed;
 use arcline_proto::cip::{self, Reply, Request};
 use arcline_proto::connection::{ForwardClose, ForwardOpen, ForwardOpenReply, UnconnectedSend};
 use arcline_proto::cpf::Packet;
@@ -12,7 +13,9 @@ use arcline_proto::logix::{
 use bytes::Bytes;
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(|data: &[u8]| timed(|| run(data)));
+
+fn run(data: &[u8]) {
     let data = Bytes::copy_from_slice(data);
     if let Ok(path) = Epath::decode(&data) {
         assert_eq!(Epath::decode(&path.to_bytes()), Ok(path));
@@ -58,4 +61,4 @@ fuzz_target!(|data: &[u8]| {
         ForwardClose::decode(data),
     );
     let _ = decode_operands(data);
-});
+}

@@ -1,10 +1,13 @@
 //! Any bytes as a file of a retained state, and as a record in one whose checksums are right.
 #![no_main]
 
+use arcline_fuzz::timed;
 use arcline_state::parse;
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(|data: &[u8]| timed(|| run(data)));
+
+fn run(data: &[u8]) {
     let _ = parse(data);
     let mut file = b"ARCSTATE\x01\0\0\0".to_vec();
     let mut chain = crc32fast::hash(&file);
@@ -26,4 +29,4 @@ fuzz_target!(|data: &[u8]| {
     if let Ok(kept) = parse(&file) {
         assert_eq!(kept.state.check(), Ok(()));
     }
-});
+}

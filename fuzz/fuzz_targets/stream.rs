@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use arcline_fuzz::{Device, LOCAL};
+use arcline_fuzz::{Device, LOCAL, timed};
 use arcline_proto::cip::Reply;
 use arcline_proto::client::{ClientSession, OpenOptions};
 use arcline_proto::connection::ConnectionKey;
@@ -14,7 +14,9 @@ use arcline_proto::session::{Event, Host, ServerSession, Settings};
 use bytes::BytesMut;
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(|data: &[u8]| timed(|| run(data)));
+
+fn run(data: &[u8]) {
     let mut host = Device::default();
     let mut server = ServerSession::new(Arc::new(Settings::default()), LOCAL, Duration::ZERO);
     let mut client = ClientSession::new(Duration::from_secs(5));
@@ -41,7 +43,7 @@ fuzz_target!(|data: &[u8]| {
     let _ = discovery::answer(data, host.identity(), 0, LOCAL);
     server.handle_disconnect(&mut host);
     assert_eq!(host.open, 0);
-});
+}
 
 fn pump(client: &mut ClientSession, server: &mut ServerSession, host: &mut Device) {
     while let Some(bytes) = client.poll_transmit() {

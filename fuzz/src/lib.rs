@@ -1,8 +1,9 @@
-//! The device that the fuzz targets of sessions talk to.
+//! What the fuzz targets share: a watch on how long an input takes, and the device that those of sessions talk to.
 //!
 //! Not a target itself, and without tags: whoever drives a session answers its requests. Times are since the run's beginning.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use arcline_proto::cip::CipStatus;
@@ -10,6 +11,7 @@ use arcline_proto::connection::{ConnectionKey, Count};
 use arcline_proto::identity::Identity;
 use arcline_proto::io::{Assemblies, Assembly, IO_PORT, IoConnections, IoSettings, Originator};
 use arcline_proto::session::{Host, IoOpen, IoOpened};
+use rustix::time::{ClockId, clock_gettime};
 
 /// The near end.
 pub const LOCAL: SocketAddrV4 = SocketAddrV4::new(Ipv4Addr::new(10, 0, 0, 1), 44818);
@@ -55,6 +57,33 @@ impl Default for Device {
             identity: Identity::new("Arcline", 1),
         }
     }
+}
+
+/// Runs an input and tells when none before took as long. Time is the thread's own, so that a busy machine slows nothing down.
+///
+/// # Panics
+/// When it takes longer than [`LONGEST`]: that is a hang.
+pub fn timed(run: impl FnOnce()) {
+    static SLOWEST: AtomicU64 = AtomicU64::new(1_000);
+    let began = own_time();
+    run();
+    let took = own_time() - began;
+    let micros = u64::try_from(took.as_micros()).unwrap_or(u64::MAX);
+    if SLOWEST.fetch_max(micros, Ordering::Relaxed) < micros {
+        eprintln!("slowest input so far: {took:?}");
+    }
+    assert!(took < LONGEST, "an input took {took:?}");
+}
+
+/// 10 ms, and what the sanitizer and the counting of branches make of them.
+pub const LONGEST: Duration = Duration::from_millis(200);
+
+fn own_time() -> Duration {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    Duration::new(
+        u64::try_from(time.tv_sec).unwrap_or_default(),
+        u32::try_from(time.tv_nsec).unwrap_or_default(),
+    )
 }
 
 fn draw(drawn: &mut u32) -> Option<u32> {
