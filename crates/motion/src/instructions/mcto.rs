@@ -88,7 +88,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     mct::verify_free(motion, target)?;
     layout.verify_frames(frames)?;
     let [from, to] = [source, target].map(|index| &motion.systems[index].description.axes);
-    let map = RobotMap::with_wrist(frames, robot, positions(motion, to), &positions(motion, from))?;
+    let map = RobotMap::with_wrist(frames, robot, positions(motion, to), &positions(motion, from));
     let link = Link::new(Some(execution), source, Map::Robot(map), from, to);
     mct::begin(motion, execution, target, link)
 }
