@@ -72,6 +72,8 @@ pub(crate) struct System {
     pub(crate) shutdown: bool,
     /// Links to masters (MDCC).
     pub(crate) links: Links,
+    /// The MDCC whose motion is being stopped.
+    pub(crate) stopping_link: Option<Execution>,
     /// What the active move is a function of, where that is not time.
     pub(crate) guide: Option<Guide>,
     /// When a master driven move with Actual Tolerance came to its programmed end.
@@ -112,6 +114,7 @@ impl System {
             stop: None,
             shutdown: false,
             links: Links::default(),
+            stopping_link: None,
             guide: None,
             ended: None,
             calculated: (0, 0),
