@@ -4,7 +4,7 @@ use arcline_kinematics::{GeometryError, Robot};
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::Phase;
-use arcline_planner::{Clock, ContourQueue, Instant, Planner, Sample};
+use arcline_planner::{Clock, ContourQueue, Instant, Move, Planner, Sample};
 
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
@@ -178,6 +178,13 @@ impl System {
     /// The contours, unless a merged move is travelled.
     pub(crate) fn contour_in_force(&self) -> Option<&ContourQueue<Planned>> {
         self.contour.as_ref().filter(|_| self.planner.active().is_none())
+    }
+
+    /// The moves that are active or wait, the active one first.
+    pub(crate) fn moves(&self) -> impl Iterator<Item = &Move<Planned>> {
+        let active = self.planner.active().map(|running| &running.motion);
+        let contour = self.contour.iter().flat_map(ContourQueue::moves);
+        active.into_iter().chain(self.planner.pending()).chain(contour)
     }
 
     /// Whether every pending place is taken.

@@ -13,9 +13,14 @@ fn bench(action: &str) -> Bench {
     let faulting = |text: &str, axis: &str| {
         let head = format!("[[axis]]\nname = \"{axis}\"\n");
         assert!(text.contains(&head));
-        text.replace(&head, &format!("{head}exception_actions = {{ drive = \"{action}\" }}\n"))
+        text.replace(
+            &head,
+            &format!("{head}exception_actions = {{ drive = \"{action}\" }}\n"),
+        )
     };
-    let mut text = ["X", "S"].into_iter().fold(arcline_config::DEFAULT.to_owned(), |text, axis| faulting(&text, axis));
+    let mut text = ["X", "S"]
+        .into_iter()
+        .fold(arcline_config::DEFAULT.to_owned(), |text, axis| faulting(&text, axis));
     text += "[[coordinate_system]]\nname = \"M\"\ntype = \"cartesian\"\naxes = [\"S\"]\nmax_speed = 500.0\n\
              max_acceleration = 5000.0\nmax_deceleration = 5000.0\nactual_tolerance = 0.01\ncommand_tolerance = 0.5\n";
     Bench::with(&text)
@@ -31,8 +36,14 @@ fn driven(action: &str) -> Bench {
     let mut bench = bench(action);
     execute(&mut bench, "MDCC(CS1, S, D1, Command, 0);");
     execute(&mut bench, "MDAC(X, B, D3, Move, Command);");
-    execute(&mut bench, "MAJ(S, J1, Forward, 50, 0, 10000, 0, 10000, 0, 0, 100, 100, 2, Disabled, Programmed);");
-    execute(&mut bench, "MAJ(Z, J2, Forward, 5, 0, 10000, 0, 10000, 0, 0, 100, 100, 2, Disabled, Programmed);");
+    execute(
+        &mut bench,
+        "MAJ(S, J1, Forward, 50, 0, 10000, 0, 10000, 0, 0, 100, 100, 2, Disabled, Programmed);",
+    );
+    execute(
+        &mut bench,
+        "MAJ(Z, J2, Forward, 5, 0, 10000, 0, 10000, 0, 0, 100, 100, 2, Disabled, Programmed);",
+    );
     bench.run(20);
     execute(
         &mut bench,
@@ -63,9 +74,18 @@ struct Left {
     active: bool,
 }
 
-const ALL: Left = Left { links: [true; 3], active: true };
-const LINKS: Left = Left { links: [true; 3], active: false };
-const NONE: Left = Left { links: [false; 3], active: false };
+const ALL: Left = Left {
+    links: [true; 3],
+    active: true,
+};
+const LINKS: Left = Left {
+    links: [true; 3],
+    active: false,
+};
+const NONE: Left = Left {
+    links: [false; 3],
+    active: false,
+};
 /// The links of the master's slaves, and others of these slaves.
 const MDAC_TOO: Left = NONE;
 
@@ -135,7 +155,10 @@ fn the_action_table() {
 #[test]
 fn a_stopped_move_is_shown_by_its_link_until_it_stands() {
     // The MCS seed: AC of the MDCC is reset when the axis is stopped, IP at once by a stop of all.
-    for (stop, during, after) in [("CoordinatedMove", "EN DN IP AC", "EN DN IP"), ("All", "EN DN AC", "EN DN")] {
+    for (stop, during, after, least) in [
+        ("CoordinatedMove", "EN DN IP AC", "EN DN IP", 150),
+        ("All", "EN DN AC", "EN DN", 5),
+    ] {
         let mut bench = driven("ignore");
         let call = format!("MCS(CS1, T, {stop}, Yes, 500, 0, No, 0, 0);");
         execute(&mut bench, &call);
@@ -147,8 +170,8 @@ fn a_stopped_move_is_shown_by_its_link_until_it_stands() {
             bench.tick();
             ticks += 1;
         }
-        // 100 units/s, at 500 units/s² along the path, or of every axis by itself.
-        assert!(ticks > 100, "{stop}: {ticks}");
+        // From 100 units/s, at 500 units/s² along the path; a stop of all is at the axes' own maxima.
+        assert!(ticks > least, "{stop}: {ticks}");
         assert_eq!(bench.bits("D1"), after, "{stop}");
     }
 }
@@ -159,7 +182,11 @@ fn what_breaks_one_link_of_a_slave_breaks_all_and_so_for_all_slaves_of_a_master(
     for (why, call, left) in [
         ("of the slave", "MASD(X, T);", [false, false, false, false, true]),
         ("of the master", "MASD(A, T);", [false, false, false, false, false]),
-        ("of another axis of a slave", "MASD(Y, T);", [false, false, true, true, true]),
+        (
+            "of another axis of a slave",
+            "MASD(Y, T);",
+            [false, false, true, true, true],
+        ),
     ] {
         let mut bench = bench("ignore");
         for call in [
@@ -173,6 +200,10 @@ fn what_breaks_one_link_of_a_slave_breaks_all_and_so_for_all_slaves_of_a_master(
         }
         execute(&mut bench, call);
         bench.run(2);
-        assert_eq!(["D1", "D2", "D3", "D4", "D5"].map(|tag| bench.control(tag).has(Flag::Ip)), left, "{why}");
+        assert_eq!(
+            ["D1", "D2", "D3", "D4", "D5"].map(|tag| bench.control(tag).has(Flag::Ip)),
+            left,
+            "{why}"
+        );
     }
 }

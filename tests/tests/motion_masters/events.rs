@@ -54,7 +54,9 @@ fn bench() -> Bench {
 
 fn line(mode: Mode, tag: &str, to: [f64; 3], ending: u8, tolerance: f64, events: &str) -> String {
     let (dynamics, lock) = (mode.dynamics(), mode.lock());
-    format!("MCLM(CS1, {tag}, 0, {to:?}, {dynamics}, {ending}, Disabled, Programmed, {tolerance}, 0, {lock}, {events});")
+    format!(
+        "MCLM(CS1, {tag}, 0, {to:?}, {dynamics}, {ending}, Disabled, Programmed, {tolerance}, 0, {lock}, {events});"
+    )
 }
 
 #[track_caller]
@@ -64,7 +66,10 @@ fn execute(bench: &mut Bench, call: &str) {
 
 /// The master goes to a position.
 fn lead(bench: &mut Bench, to: f64) {
-    execute(bench, &format!("MAM(A, Go, 0, {to}, 50, 0, 1000, 0, 1000, 0, 0, 100, 100, 2);"));
+    execute(
+        bench,
+        &format!("MAM(A, Go, 0, {to}, 50, 0, 1000, 0, 1000, 0, 0, 100, 100, 2);"),
+    );
     bench.until("Go", Flag::Pc);
 }
 
@@ -85,7 +90,11 @@ fn answers(bench: &Bench, mode: Mode, array: &str, expected: &[f64], why: &str) 
     assert_eq!(is.len(), expected.len(), "{why}");
     for (is, expected) in is.iter().zip(expected) {
         // -1 says that a distance was skipped.
-        let expected = if *expected < 0.0 { *expected } else { expected * mode.scale() };
+        let expected = if *expected < 0.0 {
+            *expected
+        } else {
+            expected * mode.scale()
+        };
         assert!((is - expected).abs() < 1e-9, "{why}, {mode:?}: {is} is not {expected}");
     }
 }
@@ -94,13 +103,19 @@ fn answers(bench: &Bench, mode: Mode, array: &str, expected: &[f64], why: &str) 
 fn distances_of_one_move() {
     for mode in [Time, Master] {
         let mut bench = bench();
-        execute(&mut bench, &line(mode, "M1", [100.0, 0.0, 0.0], 1, 0.0, "[0, 2, 50, -3, 200, 100], Data6"));
+        execute(
+            &mut bench,
+            &line(mode, "M1", [100.0, 0.0, 0.0], 1, 0.0, "[0, 2, 50, -3, 200, 100], Data6"),
+        );
         assert!(bench.control("M1").has(Flag::CalculatedDataAvailable), "{mode:?}");
         bench.tick();
         // §27.8, and: skipped, before its start, at its start.
         answers(&bench, mode, "Data6", &[52.0, 50.0, 26.0, -1.0, 0.0, 0.0], "a line");
         execute(&mut bench, &line(mode, "M2", [100.0, 50.0, 0.0], 1, 0.0, "0, 0"));
-        assert!(!bench.control("M2").has(Flag::CalculatedDataAvailable), "nothing is asked for");
+        assert!(
+            !bench.control("M2").has(Flag::CalculatedDataAvailable),
+            "nothing is asked for"
+        );
         let short = line(mode, "M3", [0.0, 0.0, 0.0], 1, 0.0, "[0, 1], Data1");
         assert_eq!(bench.call(&short), (101, 0), "{mode:?}");
     }
@@ -140,13 +155,19 @@ fn termination_types_by_time_and_by_a_master() {
     for (why, second, ending, tolerance, complete, blended) in changes {
         for mode in [Time, Master] {
             let mut bench = bench();
-            execute(&mut bench, &line(mode, "M1", [100.0, 0.0, 0.0], ending, tolerance, "[0], Of1"));
+            execute(
+                &mut bench,
+                &line(mode, "M1", [100.0, 0.0, 0.0], ending, tolerance, "[0], Of1"),
+            );
             execute(&mut bench, &line(mode, "M2", second, 1, 0.0, "[0], Then1"));
             bench.tick();
             answers(&bench, mode, "Of1", &[complete], why);
             let begun = bench.now() - 1;
             if mode == Master {
-                execute(&mut bench, "MAJ(A, J, 0, 10, 0, 10000, 0, 10000, 0, 0, 100, 100, 2, Disabled, Programmed);");
+                execute(
+                    &mut bench,
+                    "MAJ(A, J, 0, 10, 0, 10000, 0, 10000, 0, 0, 100, 100, 2, Disabled, Programmed);",
+                );
             }
             let mut was_blended = false;
             let mut before = 0.0;
@@ -172,9 +193,15 @@ fn termination_types_by_time_and_by_a_master() {
             assert_eq!(was_blended, blended, "{why}, {mode:?}");
             // The whole is what both took.
             let whole = complete + bench.array("Then1")[0];
-            assert!((gone(&bench) - whole).abs() < 0.011 * if mode == Time { 0.1 } else { 1.0 }, "{why}, {mode:?}");
+            assert!(
+                (gone(&bench) - whole).abs() < 0.011 * if mode == Time { 0.1 } else { 1.0 },
+                "{why}, {mode:?}"
+            );
             let end = ["X", "Y"].map(|axis| bench.position(axis));
-            assert!((end[0] - second[0]).abs() < 1e-9 && (end[1] - second[1]).abs() < 1e-9, "{why}, {mode:?}: {end:?}");
+            assert!(
+                (end[0] - second[0]).abs() < 1e-9 && (end[1] - second[1]).abs() < 1e-9,
+                "{why}, {mode:?}: {end:?}"
+            );
         }
     }
 }
@@ -193,22 +220,44 @@ fn change(mode: Mode, speed: f64, scope: &str) -> String {
 fn a_change_of_dynamics_is_calculated_from_the_start_of_the_move() {
     for mode in [Time, Master] {
         let mut bench = bench();
-        execute(&mut bench, &line(mode, "M1", [100.0, 0.0, 0.0], 1, 0.0, "[0, 2, 60], Data3"));
+        execute(
+            &mut bench,
+            &line(mode, "M1", [100.0, 0.0, 0.0], 1, 0.0, "[0, 2, 60], Data3"),
+        );
         go_on(&mut bench, mode, 26.0);
         answers(&bench, mode, "Data3", &[52.0, 50.0, 21.0], "as programmed");
         assert!((bench.position("X") - 50.0).abs() < 1e-9);
         // From 2 to 1 on 1.5 in 1; 48 at 1; the ramp of 0.5 in 1.
         execute(&mut bench, &change(mode, 1.0, "ActiveMotion"));
-        assert!(!bench.control("M1").has(Flag::CalculatedDataAvailable), "{mode:?}: recalculated");
+        assert!(
+            !bench.control("M1").has(Flag::CalculatedDataAvailable),
+            "{mode:?}: recalculated"
+        );
         bench.tick();
-        assert!(bench.control("M1").has(Flag::CalculatedDataAvailable), "{mode:?}: available again");
+        assert!(
+            !bench.control("M1").has(Flag::CalculatedDataAvailable),
+            "{mode:?}: for an update"
+        );
+        bench.tick();
+        assert!(
+            bench.control("M1").has(Flag::CalculatedDataAvailable),
+            "{mode:?}: available again"
+        );
         // What lies behind keeps its answer.
-        bench.tick();
-        answers(&bench, mode, "Data3", &[26.0 + 1.0 + 48.0 + 1.0, 26.0 + 1.0 + 46.5, 21.0], "slower");
+        answers(
+            &bench,
+            mode,
+            "Data3",
+            &[26.0 + 1.0 + 48.0 + 1.0, 26.0 + 1.0 + 46.5, 21.0],
+            "slower",
+        );
 
         // Not while it stands; then the standstill is part of it.
         let mut bench = self::bench();
-        execute(&mut bench, &line(mode, "M1", [100.0, 0.0, 0.0], 1, 0.0, "[0, 2, 60], Data3"));
+        execute(
+            &mut bench,
+            &line(mode, "M1", [100.0, 0.0, 0.0], 1, 0.0, "[0, 2, 60], Data3"),
+        );
         go_on(&mut bench, mode, 26.0);
         execute(&mut bench, &change(mode, 0.0, "ActiveMotion"));
         go_on(&mut bench, mode, 14.0);
@@ -217,8 +266,17 @@ fn a_change_of_dynamics_is_calculated_from_the_start_of_the_move() {
         answers(&bench, mode, "Data3", &[52.0, 50.0, 21.0], "not calculated");
         execute(&mut bench, &change(mode, 2.0, "ActiveMotion"));
         bench.run(2);
-        assert!(bench.control("M1").has(Flag::CalculatedDataAvailable), "{mode:?}: it goes on");
-        answers(&bench, mode, "Data3", &[40.0 + 2.0 + 22.0 + 2.0, 40.0 + 2.0 + 22.0, 21.0], "with the standstill");
+        assert!(
+            bench.control("M1").has(Flag::CalculatedDataAvailable),
+            "{mode:?}: it goes on"
+        );
+        answers(
+            &bench,
+            mode,
+            "Data3",
+            &[40.0 + 2.0 + 22.0 + 2.0, 40.0 + 2.0 + 22.0, 21.0],
+            "with the standstill",
+        );
 
         // A stop makes them of no use.
         execute(&mut bench, "MCS(CS1, S, CoordinatedMove, No, 0, 0, No, 0, 0);");
@@ -240,7 +298,10 @@ fn a_change_of_dynamics_of_what_waits_is_calculated_when_that_is_active() {
             go_on(&mut bench, mode, 51.0);
             answers(&bench, mode, "Of1", &[76.0], scope);
             assert_eq!(bench.bits("M1").split(' ').nth(2), Some("PC"), "{scope}, {mode:?}");
-            assert!(bench.control("M2").has(Flag::CalculatedDataAvailable), "{scope}, {mode:?}");
+            assert!(
+                bench.control("M2").has(Flag::CalculatedDataAvailable),
+                "{scope}, {mode:?}"
+            );
             answers(&bench, mode, "Then1", &[second], scope);
         }
     }
@@ -250,7 +311,10 @@ fn a_change_of_dynamics_of_what_waits_is_calculated_when_that_is_active() {
 fn a_successor_that_comes_later_changes_what_was_calculated() {
     for mode in [Time, Master] {
         let mut bench = bench();
-        execute(&mut bench, &line(mode, "M1", [100.0, 0.0, 0.0], 3, 0.0, "[0, 10], Data2"));
+        execute(
+            &mut bench,
+            &line(mode, "M1", [100.0, 0.0, 0.0], 3, 0.0, "[0, 10], Data2"),
+        );
         go_on(&mut bench, mode, 10.0);
         answers(&bench, mode, "Data2", &[52.0, 46.0], "alone");
         execute(&mut bench, &line(mode, "M2", [100.0, 100.0, 0.0], 1, 0.0, "0, 0"));

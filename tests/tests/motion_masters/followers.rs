@@ -12,8 +12,15 @@ use arcline_tests::random::Random;
 /// What follows a master: how far it goes for how far the master goes, from where both were in the beginning.
 #[derive(Debug)]
 enum Law {
-    Gear { ratio: f64 },
-    Cam { profile: Profile, entry: f64, scales: [f64; 2], endless: bool },
+    Gear {
+        ratio: f64,
+    },
+    Cam {
+        profile: Profile,
+        entry: f64,
+        scales: [f64; 2],
+        endless: bool,
+    },
 }
 
 /// A slave and its master.
@@ -41,7 +48,11 @@ impl Law {
             } => {
                 let (start, length) = (profile.start().0, profile.length());
                 let place = entry + way / master;
-                let turn = if *endless { ((place - start) / length).floor() } else { 0.0 };
+                let turn = if *endless {
+                    ((place - start) / length).floor()
+                } else {
+                    0.0
+                };
                 slave * (turn * profile.rise() + profile.at(place - turn * length).y - profile.at(*entry).y)
             }
         }
@@ -51,8 +62,15 @@ impl Law {
     fn steepness(&self) -> f64 {
         match self {
             Law::Gear { ratio } => ratio.abs(),
-            Law::Cam { profile, scales: [slave, master], .. } => {
-                let steps = profile.segments().windows(2).map(|pair| ((pair[1].y - pair[0].y) / (pair[1].x - pair[0].x)).abs());
+            Law::Cam {
+                profile,
+                scales: [slave, master],
+                ..
+            } => {
+                let steps = profile
+                    .segments()
+                    .windows(2)
+                    .map(|pair| ((pair[1].y - pair[0].y) / (pair[1].x - pair[0].x)).abs());
                 // A cubic may be some times as steep as the line between its points.
                 10.0 * (slave / master).abs() * steps.fold(1.0, f64::max)
             }
@@ -127,16 +145,31 @@ fn bind(random: &mut Random, bench: &mut Bench, place: usize, slave: &'static st
             let kinds = points.iter().map(|(x, y, kind)| Point {
                 x: *x,
                 y: *y,
-                kind: if *kind == 0 { SegmentType::Linear } else { SegmentType::Cubic },
+                kind: if *kind == 0 {
+                    SegmentType::Linear
+                } else {
+                    SegmentType::Cubic
+                },
             });
-            let profile = Profile::calculate(&kinds.collect::<Vec<_>>(), 0.25, -0.5).expect("the instruction made it too");
-            Law::Cam { profile, entry, scales: [sign * scales[0], scales[1]], endless }
+            let profile =
+                Profile::calculate(&kinds.collect::<Vec<_>>(), 0.25, -0.5).expect("the instruction made it too");
+            Law::Cam {
+                profile,
+                entry,
+                scales: [sign * scales[0], scales[1]],
+                endless,
+            }
         }
     };
     // A cam is entered where the master is now, a gear when it has locked.
-    let met = matches!(law, Law::Cam { .. })
-        .then(|| [position(bench, master, actual), position(bench, slave, false)]);
-    Chain { slave, master, actual, law, met }
+    let met = matches!(law, Law::Cam { .. }).then(|| [position(bench, master, actual), position(bench, slave, false)]);
+    Chain {
+        slave,
+        master,
+        actual,
+        law,
+        met,
+    }
 }
 
 #[test]
@@ -169,7 +202,10 @@ fn a_slave_is_where_its_master_makes_it_be_at_every_period() {
             for _ in 0..1 + random.below(60) {
                 bench.tick();
                 for chain in &mut chains {
-                    let now = [position(&bench, chain.master, chain.actual), position(&bench, chain.slave, false)];
+                    let now = [
+                        position(&bench, chain.master, chain.actual),
+                        position(&bench, chain.slave, false),
+                    ];
                     let locked = match chain.law {
                         Law::Gear { .. } => bench.axis(chain.slave).motion_status & GEARING_LOCK_STATUS != 0,
                         Law::Cam { .. } => true,
@@ -179,7 +215,8 @@ fn a_slave_is_where_its_master_makes_it_be_at_every_period() {
                     }
                     let [master, slave] = *chain.met.get_or_insert(now);
                     let expected = slave + chain.law.at(now[0] - master);
-                    let size = now[0].abs().max(master.abs()) * chain.law.steepness() + now[1].abs() + slave.abs() + 100.0;
+                    let size =
+                        now[0].abs().max(master.abs()) * chain.law.steepness() + now[1].abs() + slave.abs() + 100.0;
                     assert!(
                         (now[1] - expected).abs() <= 32.0 * f64::EPSILON * size,
                         "case {case} at {period} ms: {} is not {expected}: {chain:?}",
@@ -188,6 +225,9 @@ fn a_slave_is_where_its_master_makes_it_be_at_every_period() {
                 }
             }
         }
-        assert!(chains.iter().all(|chain| chain.met.is_some()), "case {case}: {chains:?}");
+        assert!(
+            chains.iter().all(|chain| chain.met.is_some()),
+            "case {case}: {chains:?}"
+        );
     }
 }

@@ -3,9 +3,9 @@
 //!
 //! `ARCLINE_CASES` sets how many sequences of each kind are travelled (20 unless told).
 
+use arcline_instruction_set::BlendedSequence;
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status::MOVE_PENDING_QUEUE_FULL_STATUS;
-use arcline_instruction_set::BlendedSequence;
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::follow::machine;
 use arcline_tests::random::Random;
@@ -57,12 +57,24 @@ fn sequence(random: &mut Random, endings: &[&[u8]], lock: (f64, u8)) -> Vec<Prog
         let chord = |to: [f64; 3]| (0..3).map(|axis| (to[axis] - here[axis]).powi(2)).sum::<f64>().sqrt();
         let length = chord(end);
         let ending = *random.one_of(choices);
-        let tolerance = if random.below(4) == 0 { 1000.0 } else { random.between(0.5, 20.0) };
+        let tolerance = if random.below(4) == 0 {
+            1000.0
+        } else {
+            random.between(0.5, 20.0)
+        };
         let rates = [0; 2].map(|_| random.between(0.2, 12.0));
-        let [shape, jerk, units] = match random.below(3) {
-            0 => ["0".into(), "100, 100".into(), "6"],
-            1 => ["1".into(), format!("{}, {}", random.between(1.0, 100.0), random.between(1.0, 100.0)), "6"],
-            _ => ["1".into(), format!("{}, {}", random.between(0.2, 40.0), random.between(0.2, 40.0)), "4"],
+        let (shape, jerk, units) = match random.below(3) {
+            0 => ("0", "100, 100".to_owned(), "6"),
+            1 => (
+                "1",
+                format!("{}, {}", random.between(1.0, 100.0), random.between(1.0, 100.0)),
+                "6",
+            ),
+            _ => (
+                "1",
+                format!("{}, {}", random.between(0.2, 40.0), random.between(0.2, 40.0)),
+                "4",
+            ),
         };
         let (position, direction) = match (place, lock.1) {
             (0, _) => lock,
@@ -107,7 +119,10 @@ fn execute(bench: &mut Bench, call: &str) {
 
 fn jog(bench: &mut Bench, speed: f64, more: &str) {
     let direction = u8::from(speed < 0.0);
-    let call = format!("MAJ(A2, J, {direction}, {}, 0, 2000, 0, 2000, 0, {more}, Disabled, Programmed);", speed.abs());
+    let call = format!(
+        "MAJ(A2, J, {direction}, {}, 0, 2000, 0, 2000, 0, {more}, Disabled, Programmed);",
+        speed.abs()
+    );
     execute(bench, &call);
 }
 
@@ -131,9 +146,17 @@ fn blended_sequences_are_complete_at_what_was_calculated() {
         let period = *random.one_of(&PERIODS);
         let depth = *random.one_of(&[1, 8]);
         let speed = random.between(20.0, 150.0);
-        let lock = if random.below(2) == 0 { (0.0, 1) } else { (random.between(0.5, 30.0), 3) };
+        let lock = if random.below(2) == 0 {
+            (0.0, 1)
+        } else {
+            (random.between(0.5, 30.0), 3)
+        };
         let blended: &[u8] = &[2, 3, 6];
-        let moves = sequence(&mut random, &[blended, blended, blended, blended, &[0, 1, 2, 3, 6]], lock);
+        let moves = sequence(
+            &mut random,
+            &[blended, blended, blended, blended, &[0, 1, 2, 3, 6]],
+            lock,
+        );
         let mut bench = bench(period, depth);
         execute(&mut bench, "MDCC(L1, A2, D, Command, 100);");
         let mut sent = 0;
@@ -145,6 +168,8 @@ fn blended_sequences_are_complete_at_what_was_calculated() {
             send(&mut bench, &moves, &mut sent);
             assert!(bench.now() < 200_000, "case {case}: {moves:#?}");
         }
+        // Arrays are written when the tick ends.
+        bench.tick();
         let whole: f64 = moves.iter().map(|one| bench.array(&one.data)[0]).sum();
         let margin = BlendedSequence {
             moves: 5,
@@ -237,7 +262,8 @@ fn the_path_is_a_function_of_the_masters_position() {
 
         // The same over an encoder that goes from one of these positions to another, in steps of its own.
         for stride in [1, 2 + random.below(60) as usize] {
-            let mut fed = bench(1.0, 8);
+            // What a corner lets pass hangs on the period (§7.5).
+            let mut fed = bench(period, 8);
             fed.write("Encoder", 0.0);
             execute(&mut fed, "MDCC(L1, E, D, Actual, 50);");
             for one in &moves {
@@ -253,17 +279,28 @@ fn the_path_is_a_function_of_the_masters_position() {
                 fed.write("Encoder", sense * furthest);
                 fed.tick();
                 let expected = slave(&fed);
-                let apart = (0..3).map(|axis| (expected[axis] - look.slave[axis]).abs()).fold(0.0, f64::max);
+                let apart = (0..3)
+                    .map(|axis| (expected[axis] - look.slave[axis]).abs())
+                    .fold(0.0, f64::max);
                 assert!(
                     apart < SAME,
                     "case {case}, {stride} ticks of {period} ms at a time: {apart} apart at {} (tick {tick}): {moves:#?}",
                     look.master
                 );
-                assert_eq!(complete(&fed, &moves), look.complete, "case {case} at {}: {moves:#?}", look.master);
+                assert_eq!(
+                    complete(&fed, &moves),
+                    look.complete,
+                    "case {case} at {}: {moves:#?}",
+                    look.master
+                );
             }
             for one in &moves {
                 let (here, there) = (driven.array(&one.data)[0], fed.array(&one.data)[0]);
-                assert!((here - there).abs() < SAME, "case {case}, {}: {here} or {there}: {moves:#?}", one.tag);
+                assert!(
+                    (here - there).abs() < SAME,
+                    "case {case}, {}: {here} or {there}: {moves:#?}",
+                    one.tag
+                );
             }
         }
     }

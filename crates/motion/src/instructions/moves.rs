@@ -273,19 +273,17 @@ fn verify_lead(motion: &Motion, index: usize, merge: i32, lead: Lead, idle: bool
     if system.activity != Activity::Moving {
         return Ok(());
     }
-    let active = system.planner.active().map(|running| &running.motion);
     let before = if merge == MERGE_DISABLED {
-        let last = system.planner.pending().last().or(active);
-        last.filter(|last| last.ending != Ending::Stop)
+        system.moves().last().filter(|last| last.ending != Ending::Stop)
     } else {
-        active
+        system.moves().next()
     };
     let led = before.and_then(|before| before.data.lead);
     if !idle && led.is_some_and(|led| led.lock.sense != lead.lock.sense) {
         return Err(MotionError::MdscDirectionMismatch);
     }
     let waits = |other: &Move<Planned>| other.data.lead.is_some_and(|lead| lead.lock.position.is_some());
-    if lead.lock.position.is_some() && (active.is_some_and(waits) || system.planner.pending().any(waits)) {
+    if lead.lock.position.is_some() && system.moves().any(waits) {
         return Err(MotionError::MdscLockWhileMoving);
     }
     Ok(())
@@ -295,12 +293,11 @@ fn verify_lead(motion: &Motion, index: usize, merge: i32, lead: Lead, idle: bool
 fn parameter(motion: &mut Motion, index: usize, merge: i32, lead: Lead, link: &MasterLink) -> Parameter {
     let system = &motion.systems[index];
     if merge == MERGE_DISABLED && system.activity == Activity::Moving && lead.lock.position.is_none() {
-        let active = system.planner.active().map(|running| &running.motion);
         let led = |last: &&Move<Planned>| {
             let before = last.data.lead;
             before.is_some_and(|before| before.link == lead.link && before.lock.sense == lead.lock.sense)
         };
-        if let Some(last) = system.planner.pending().last().or(active).filter(led) {
+        if let Some(last) = system.moves().last().filter(led) {
             return last.parameter;
         }
     }

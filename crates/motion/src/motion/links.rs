@@ -182,7 +182,9 @@ impl Motion {
             let used = system.guide.filter(|_| moving).map(|guide| guide.link);
             let stopping = system.stopping_link;
             let mut links = system.links;
-            self.show(links.iter_mut(), |link| used == Some(link.id) || stopping == Some(link.execution));
+            self.show(links.iter_mut(), |link| {
+                used == Some(link.id) || stopping == Some(link.execution)
+            });
             self.systems[index].links = links;
         }
         for axis in 0..self.axes.len() {
