@@ -31,7 +31,7 @@ mod tube;
 
 pub use arcline_geometry::{Path, Point};
 pub use plan::{Effort, plan, plan_with};
-pub use splice::extend;
+pub use splice::{extend, replan};
 pub use trajectory::{Peaks, Piece, Rates, State, Trajectory};
 
 /// One programmed move.
