@@ -279,9 +279,9 @@ const MOST_LEAD: f64 = 0.8;
 const RETRY: f64 = 0.3;
 const RETRY_ANEW: f64 = 0.1;
 /// Seconds without a change after which what has changed is planned anew.
-const CALM: f64 = 0.03;
+const CALM: f64 = 0.1;
 /// What is slower, or shorter (seconds), is not planned anew.
-const LEAST_PACE: f64 = 0.05;
+const LEAST_PACE: f64 = 0.2;
 const LEAST_LEFT: f64 = 0.1;
 
 /// How far from a corner superposition without a tolerance would pass it: what No Decel may round by
