@@ -64,7 +64,7 @@ impl Operands {
             .given_operands()
             .filter_map(|place| instruction.operands.get(place));
         let given = operands.map(|operand| match operand.kind {
-            Kind::Array(_) | Kind::Reference(_) | Kind::Structure(_) => Given::Missing,
+            Kind::Array(_) | Kind::Reference(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => Given::Missing,
             _ => Given::Number(operand.initial.into()),
         });
         Self {
@@ -314,7 +314,10 @@ fn typed(given: &Given, kind: &Kind) -> Option<Typed> {
             Typed::Numbers(Elementary::Lreal, values.iter().copied().map(Value::Lreal).collect())
         }
         (Given::Word(word) | Given::Name(word), Kind::Word(words)) => integer(words.parse_word(word)?.into()),
-        (Given::Word(name) | Given::Name(name), Kind::Reference(_) | Kind::Structure(_) | Kind::WrittenArray(_)) => {
+        (
+            Given::Word(name) | Given::Name(name),
+            Kind::Reference(_) | Kind::Structure(_) | Kind::StructureOrNone(_) | Kind::WrittenArray(_),
+        ) => {
             if name.eq_ignore_ascii_case("none") {
                 integer(0)
             } else {

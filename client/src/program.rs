@@ -7,8 +7,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use arcline_instruction_set::enumerations::MERGE;
-use arcline_instruction_set::{Flag, Given, Mnemonic, Object};
+use arcline_instruction_set::{Flag, Mnemonic, Object};
 use arcline_proto::cip::CipStatus;
 use arcline_structured_text::{
     Answer, BoundCall, Interpreter, Names, Program, Request, RuntimeError, SyntaxError, unmade_control,
@@ -262,7 +261,10 @@ impl<'c> Runner<'c> {
             given,
             line,
         } = call;
-        if self.queue_full == QueueFull::Wait && needs_room(mnemonic, &given) && self.is_full(&target).await? {
+        if self.queue_full == QueueFull::Wait
+            && mnemonic.instruction().takes_place(&given)
+            && self.is_full(&target).await?
+        {
             return Ok(Answer::QueueFull);
         }
         let control = control.unwrap_or_default();
@@ -351,26 +353,6 @@ async fn update_period(client: &Client) -> Result<Option<Duration>, ClientError>
         .as_f64()
         .and_then(|milliseconds| Duration::try_from_secs_f64(milliseconds / 1e3).ok());
     Ok(period.filter(|period| (Duration::from_nanos(1)..=LONGEST_TICK).contains(period)))
-}
-
-/// Whether the call is a move that takes a place in the queue; one that merges takes none.
-fn needs_room(mnemonic: Mnemonic, given: &[Given]) -> bool {
-    let instruction = mnemonic.instruction();
-    let place = instruction
-        .operand("Merge")
-        .filter(|_| instruction.object == Object::CoordinateSystem);
-    let Some(place) = place else { return false };
-    let merge = instruction
-        .given_operands()
-        .position(|given| given == place)
-        .and_then(|index| given.get(index));
-    match merge {
-        None | Some(Given::Missing) => true,
-        Some(Given::Number(number)) => *number == 0.0,
-        Some(Given::Integer(number)) => *number == 0,
-        Some(Given::Word(word) | Given::Name(word)) => MERGE.parse_word(word) == Some(0),
-        Some(Given::Array(_)) => false,
-    }
 }
 
 /// The server's names, for the check of a program.

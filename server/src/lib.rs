@@ -10,10 +10,12 @@ mod cli;
 pub mod eip;
 pub mod hmi;
 mod l5x;
+mod names;
 pub mod plant;
 mod retained;
 mod run;
 mod simulate;
+pub mod trace;
 
 pub use cli::main;
 pub use retained::NotKept;

@@ -6,6 +6,8 @@
 //! never across an await; the real-time thread knows nothing of it.
 
 mod io;
+mod log;
+mod moves;
 mod records;
 mod reload;
 mod state;
@@ -22,6 +24,9 @@ use arcline_realtime::{Handle, Link, Options, SpawnError};
 use tokio::sync::Notify;
 
 use crate::retained::{NotKept, Watch, WhenKept};
+use crate::trace::Trace;
+pub use log::Logged;
+pub use moves::{LiveMove, LiveMoves};
 use records::instance_of;
 pub use reload::ReloadError;
 use state::State;
@@ -71,6 +76,7 @@ struct Shared {
     state: Mutex<State>,
     machine: Machine,
     server: ServerConfig,
+    trace: Trace,
     /// Something was sent: the pump looks sooner.
     sent: Notify,
 }
@@ -95,6 +101,9 @@ impl Plant {
     ) -> Result<(Plant, Handle), SpawnError> {
         let (link, handle) = arcline_realtime::spawn(&project.machine, Options::default())?;
         let plant = Plant::with(project, link, image, watch);
+        if let Err(error) = plant.trace().spawn() {
+            tracing::warn!(%error, "no thread for traces: they have rows only while somebody asks");
+        }
         tokio::spawn(pump(Arc::downgrade(&plant.0)));
         Ok((plant, handle))
     }
@@ -104,12 +113,14 @@ impl Plant {
         Plant::with(project, link, image_of(project), None)
     }
 
-    fn with(project: &Project, link: Link, image: Image, watch: Option<Watch>) -> Plant {
-        let state = State::new(image, link, watch);
+    fn with(project: &Project, mut link: Link, image: Image, watch: Option<Watch>) -> Plant {
+        let trace = Trace::new(&project.machine, link.samples.take());
+        let state = State::new(image, link, watch, trace.clone());
         Plant(Arc::new(Shared {
             state: Mutex::new(state),
             machine: project.machine.clone(),
             server: project.server.clone(),
+            trace,
             sent: Notify::new(),
         }))
     }
@@ -122,6 +133,11 @@ impl Plant {
     /// The network side as configured.
     pub fn server(&self) -> &ServerConfig {
         &self.0.server
+    }
+
+    /// The samples of every tick, and traces of them.
+    pub fn trace(&self) -> &Trace {
+        &self.0.trace
     }
 
     /// The real-time thread's measurements.
@@ -212,6 +228,21 @@ impl Plant {
         control: Option<&str>,
         given: &[Given],
     ) -> Result<Executed, CallRefused> {
+        self.call_told(mnemonic, target, control, given, |_| {}).await
+    }
+
+    /// The same; `tell` is told its instance before anything has happened.
+    ///
+    /// # Errors
+    /// As [`Plant::call`].
+    pub(crate) async fn call_told(
+        &self,
+        mnemonic: Mnemonic,
+        target: Option<u16>,
+        control: Option<&str>,
+        given: &[Given],
+        tell: impl FnOnce(u32),
+    ) -> Result<Executed, CallRefused> {
         let (ticket, answer) = {
             let mut state = self.0.lock();
             if state.waiting.len() >= OUTSTANDING {
@@ -222,7 +253,9 @@ impl Plant {
             if let Some(name) = control {
                 call.control = state.image.control_slot(name)?;
             }
-            state.send(call)
+            let (ticket, answer) = state.send(call);
+            tell(instance_of(ticket));
+            (ticket, answer)
         };
         self.0.sent.notify_one();
         if tokio::time::timeout(ANSWER_WITHIN, answer).await.is_err() {

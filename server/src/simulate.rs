@@ -13,9 +13,10 @@ use arcline_config::Project;
 use arcline_structured_text::{Interpreter, Program};
 
 use crate::cli::{Failure, SimulateArgs, project};
+use crate::names::ImageNames;
 use crate::plant::image_of;
-use output::Output;
-use runner::{End, Runner};
+use output::{Files, Output};
+pub(crate) use runner::{End, Observer, Options, Runner};
 
 /// Runs a program to its end.
 pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
@@ -25,17 +26,19 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
         .map_err(|error| Failure::usage(format!("{file}: cannot be read: {error}")))?;
     let program = check(&text, &project).map_err(|error| Failure::usage(format!("{file}: {error}")))?;
     let create = |path: &Path| Output::create(path).map_err(|error| cannot_write(path, &error));
-    let mut trace = args.trace.as_deref().map(create).transpose()?;
-    let mut events = args.events.as_deref().map(create).transpose()?;
+    let trace = args.trace.as_deref().map(create).transpose()?;
+    let events = args.events.as_deref().map(create).transpose()?;
 
     let image = image_of(&project);
-    let options = runner::Options {
+    let options = Options {
         until: args.until,
         keep_going: args.keep_going,
         queue_full: args.queue_full,
     };
     let mut runner = Runner::new(&project.machine, image, Interpreter::new(program), options);
-    let end = runner.run(trace.as_mut(), events.as_mut());
+    let mut files = Files { trace, events };
+    let end = runner.run(&mut files);
+    let Files { trace, events } = files;
     for (output, path) in [(trace, &args.trace), (events, &args.events)] {
         if let (Some(output), Some(path)) = (output, path) {
             output.finish().map_err(|error| cannot_write(path, &error))?;
@@ -49,13 +52,15 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
             3,
             format!("{file}: not at its end after {seconds} s of simulated time (--until)"),
         )),
+        // Files take everything.
+        End::Left => Ok(ExitCode::SUCCESS),
     }
 }
 
 /// Reads a program and checks that its names mean something.
 fn check(text: &str, project: &Project) -> Result<Program, arcline_structured_text::SyntaxError> {
     let mut program = Program::parse(text)?;
-    program.check(&runner::ImageNames(&image_of(project)))?;
+    program.check(&ImageNames(&image_of(project)))?;
     Ok(program)
 }
 

@@ -5,17 +5,21 @@
 use std::collections::BTreeMap;
 
 use arcline_config::Project;
+use arcline_controller::image::Image;
 use arcline_controller::machine::Start;
 use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{ControlSlot, Directory, FaultKind, FaultSet, Flag, MotionControl, Object, bind};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
+use arcline_tag::Value;
 
 /// A controller between the beginning and the end of a tick, and everything it has reported so far.
 pub struct Bench {
     project: Project,
     controller: Controller,
     contour: ContourRequest,
+    /// Plain tags; motion and motion controls are the controller's.
+    image: Image,
     controls: BTreeMap<String, ControlSlot>,
     tickets: u64,
     /// Every event so far, with the name of its tag.
@@ -40,7 +44,9 @@ impl Bench {
     pub fn of(project: Project) -> Self {
         let mut controller = Controller::new(&project.machine);
         controller.begin_tick();
+        let image = Image::new(&project.machine, &[], &project.tags);
         Bench {
+            image,
             project,
             controller,
             contour: ContourRequest::new(),
@@ -82,7 +88,38 @@ impl Bench {
         let target = self.object(object, &call.target);
         let bound = bind(call.mnemonic, target, control, &call.given, self).unwrap_or_else(|error| panic!("{error}"));
         self.tickets += 1;
-        self.controller.execute(Ticket(self.tickets), &bound)
+        let (material, staged) = self.image.prepare(&bound);
+        let shown = self.controller.execute_with(Ticket(self.tickets), &bound, material);
+        if let Some(staged) = staged {
+            self.image.settle(staged, &shown);
+        }
+        shown
+    }
+
+    /// Writes a value to a plain tag.
+    pub fn write(&mut self, path: &str, value: f64) {
+        let path = path.parse().unwrap_or_else(|error| panic!("{path}: {error:?}"));
+        let written = self.image.write_value(&path, Value::Lreal(value));
+        written.unwrap_or_else(|error| panic!("{error}"));
+    }
+
+    /// The value of a plain tag.
+    pub fn read(&mut self, path: &str) -> f64 {
+        self.image.show_uses();
+        let path = path.parse().unwrap_or_else(|error| panic!("{path}: {error:?}"));
+        self.image
+            .read(&path)
+            .unwrap_or_else(|error| panic!("{error}"))
+            .as_f64()
+    }
+
+    /// Writes the points of a cam, each with master, slave and segment type, into a CAM array.
+    pub fn cam(&mut self, tag: &str, points: &[(f64, f64, u8)]) {
+        for (place, (master, slave, kind)) in points.iter().enumerate() {
+            self.write(&format!("{tag}[{place}].Master"), *master);
+            self.write(&format!("{tag}[{place}].Slave"), *slave);
+            self.write(&format!("{tag}[{place}].SegmentType"), f64::from(*kind));
+        }
     }
 
     /// The rung of the instruction with this tag is false.
@@ -240,7 +277,11 @@ impl Directory for Bench {
         }
     }
 
-    fn real_array(&self, _: &str) -> Option<u32> {
-        None
+    fn real_array(&self, name: &str) -> Option<u32> {
+        self.image.real_array(name)
+    }
+
+    fn structure(&self, type_name: &str, name: &str) -> Option<u32> {
+        self.image.structure(type_name, name)
     }
 }

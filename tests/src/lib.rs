@@ -24,8 +24,10 @@ pub mod node;
 pub mod programs;
 pub mod python;
 pub mod random;
+pub mod robots;
 pub mod scanner;
 pub mod server;
+pub mod terminal;
 
 /// The root folder of the workspace.
 #[must_use]

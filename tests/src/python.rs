@@ -72,13 +72,19 @@ impl Python {
     /// When the script fails (with all it printed) or has not ended within two minutes.
     #[must_use]
     pub fn run(&self, script: &str, arguments: &[&str]) -> String {
+        let mut command = self.command();
+        command.arg(crate::fixture("python").join(script)).args(arguments);
+        foreign::run(script, &mut command)
+    }
+
+    /// Python that finds the packages, without arguments.
+    #[must_use]
+    pub fn command(&self) -> Command {
         let mut command = Command::new("python3");
         command
             .arg("-B")
-            .arg(crate::fixture("python").join(script))
-            .args(arguments)
             .env("PYTHONPATH", &self.packages)
             .env("PYTHONUNBUFFERED", "1");
-        foreign::run(script, &mut command)
+        command
     }
 }

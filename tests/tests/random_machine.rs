@@ -20,8 +20,9 @@ const RATE: f64 = 1000.0;
 const STOP_RATE: f64 = 2000.0;
 /// Axes of the other side of a transform, which add up on an axis.
 const SIDES: f64 = 3.0;
-/// What can act on an axis at once: two moves that are superposed, a residual, a move, a jog, a gear, and a brake of each.
-const GENERATORS: f64 = 6.0;
+/// What can act on an axis at once: two moves that are superposed, a residual, a move, a jog, a gear, two cams, and a brake
+/// of each.
+const GENERATORS: f64 = 8.0;
 
 const AXES: [&str; 7] = ["X", "Y", "Z", "S", "A", "B", "C"];
 /// Degrees of a turn where axes are rotary.
@@ -60,7 +61,9 @@ impl Kind {
                 keys.extend(["X", "Z", "S"].map(|axis| (axis, drive)));
             }
         }
-        keys.iter().fold(slow, |text, (axis, keys)| {
+        let tags = "\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[2]\"\n[[tag]]\nname = \"Position\"\ntype = \"CAM_PROFILE[2]\"\n\
+                    [[tag]]\nname = \"Time\"\ntype = \"CAM_PROFILE[2]\"\n";
+        keys.iter().fold(slow + tags, |text, (axis, keys)| {
             let name = format!("name = \"{axis}\"\ntype = ");
             assert!(text.contains(&name), "{axis}");
             text.replacen(&name, &format!("{keys}\n{name}"), 1)
@@ -75,6 +78,10 @@ const MOVING: u32 = motion_status::ACCEL_STATUS
     | motion_status::JOG_STATUS
     | motion_status::GEARING_STATUS
     | motion_status::HOMING_STATUS
+    | motion_status::POSITION_CAM_STATUS
+    | motion_status::TIME_CAM_STATUS
+    | motion_status::POSITION_CAM_PENDING_STATUS
+    | motion_status::TIME_CAM_PENDING_STATUS
     | motion_status::STOPPING_STATUS
     | motion_status::COORDINATED_MOTION_STATUS;
 
@@ -92,14 +99,52 @@ impl Sequence {
     fn new(seed: u64, kind: Kind) -> Self {
         let mut random = Random(seed);
         let switching = random.below(2) == 0;
-        Sequence {
+        let mut sequence = Sequence {
             bench: Bench::with(&kind.configuration()),
             random,
             program: String::new(),
             executed: 0,
             switching,
             kind,
-        }
+        };
+        // From rest to rest, so that nothing jumps: at most 0.75 units a unit, and 60 units/s.
+        sequence.calculate("Position", 40.0, 20.0);
+        sequence.calculate("Time", 0.25, 10.0);
+        sequence
+    }
+
+    /// A cubic cam from 0 to 0.
+    fn calculate(&mut self, profile: &str, length: f64, rise: f64) {
+        self.bench.cam("Cam", &[(0.0, 0.0, 1), (length, rise, 1)]);
+        let _ = writeln!(
+            self.program,
+            "Cam[0].SegmentType := 1; Cam[1].SegmentType := 1; Cam[1].Master := {length}; Cam[1].Slave := {rise};"
+        );
+        self.execute(&format!("MCCP({{tag}}, Cam, 2, 0, 0, {profile})"));
+    }
+
+    fn cam(&mut self) {
+        let axis = self.axis();
+        let (direction, scale) = (self.random.below(4), self.random.between(0.5, 1.0));
+        let pending = u64::from(self.random.below(3) == 0);
+        let call = if self.random.below(3) == 0 {
+            let mode = self.random.below(2);
+            format!(
+                "MATC({axis}, {{tag}}, {direction}, Time, {scale}, {}, {mode}, {pending})",
+                1.0 / scale
+            )
+        } else {
+            let master = self.axis();
+            let (mode, schedule) = (self.random.below(3), *self.random.one_of(&[0, pending, 2, 3, 4]));
+            let (lock, entry) = (self.random.between(0.0, 60.0), *self.random.one_of(&[0, 40]));
+            let (reference, way) = (self.random.below(2), self.random.below(3));
+            format!(
+                "MAPC({axis}, {master}, {{tag}}, {direction}, Position, {scale}, {}, {mode}, {schedule}, {lock}, {entry}, \
+                 {reference}, {way})",
+                1.0 / scale
+            )
+        };
+        self.execute(&call);
     }
 
     /// Executes an instruction with a motion control tag of its own: `{tag}` stands for it.
@@ -175,7 +220,7 @@ impl Sequence {
     fn stop(&mut self) {
         let call = match self.random.below(8) {
             0..=3 => {
-                let (axis, kind) = (self.axis(), self.random.below(5));
+                let (axis, kind) = (self.axis(), *self.random.one_of(&[0, 1, 2, 3, 4, 7, 8]));
                 format!("MAS({axis}, {{tag}}, {kind}, 1, {RATE}, 0, 0, 0, 2)")
             }
             4..=6 => {
@@ -369,7 +414,8 @@ fn sequence(sequence: &mut Sequence) {
     for _ in 0..8 + sequence.random.below(25) {
         match sequence.random.below(16) {
             0..=3 => sequence.coordinated(),
-            4..=6 => sequence.single_axis(),
+            4 | 5 => sequence.single_axis(),
+            6 => sequence.cam(),
             7 => match sequence.random.below(3) {
                 0 => sequence.change(),
                 1 => sequence.reference(),

@@ -4,13 +4,14 @@
 //! rings and take answers, events and snapshots out of them, allocating all the time. The global allocator ends
 //! the process when the guarded thread asks it for anything (debug builds; release builds have no guard).
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use arcline_config::Project;
+use arcline_controller::image::{Image, Staged};
 use arcline_controller::{Command, Controller, Ticket};
-use arcline_instruction_set::{Call, ControlSlot, Directory, Flag, Given, Mnemonic, Object, bind};
+use arcline_instruction_set::{Call, ControlSlot, Directory, Flag, Given, Mnemonic, MotionControl, Object, bind};
 use arcline_realtime::{Link, link, step};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
@@ -55,6 +56,14 @@ const CALLS: &[&str] = &[
     "MRP(Y, M36, Relative, Command, 10);",
     "MGSP(Motion, M37);",
     "MGS(Motion, M38, FastStop);",
+    "MCCP(M39, Cam, 3, 0, 0, Profile);",
+    "MCSV(M41, Profile, 0.05);",
+    "MAPC(Y, X, M42, Same, Profile, 1, 100, Continuous, Immediate, 0, 0, Command, Bidirectional);",
+    "MAPC(Y, X, M43, Opposite, Profile, 1, 50, Once, Pending, 0, 0, Command, ForwardOnly);",
+    "MAPC(B, A, M44, Same, Profile, 1, 90, Persistent, Bidirectional, 3, 0.1, Actual, ForwardOnly);",
+    "MATC(C, M45, Same, Profile, 3, 1, Continuous, Immediate);",
+    "MATC(C, M46, Reverse, Profile, 1, 1, Once, Pending);",
+    "MAS(Y, M47, PositionCam, Yes, 3000, Unitspersec2, No, 0, %ofTime);",
     "MCS(XY, M17, CoordinatedMove, No, 0, Unitspersec2, No, 0, %ofTime);",
 ];
 
@@ -82,6 +91,15 @@ impl Directory for Names<'_> {
     fn real_array(&self, _: &str) -> Option<u32> {
         None
     }
+
+    fn structure(&self, type_name: &str, name: &str) -> Option<u32> {
+        image(self.0).structure(type_name, name)
+    }
+}
+
+/// The tags of a project.
+fn image(project: &Project) -> Image {
+    Image::new(&project.machine, &[], &project.tags)
 }
 
 /// A call from its text, with the control slot `M1` … say.
@@ -115,6 +133,9 @@ fn zeros(project: &Project) -> Vec<Call> {
 /// The async side of the rings, shared by the clients.
 struct Outer {
     link: Link,
+    image: Image,
+    /// What instructions write to tags when they are done, by ticket.
+    staged: BTreeMap<u64, Staged>,
     /// Mnemonic of every ticket so far.
     sent: Vec<Mnemonic>,
     /// Instructions that were accepted at least once.
@@ -123,9 +144,11 @@ struct Outer {
 }
 
 impl Outer {
-    fn new(link: Link) -> Self {
+    fn new(project: &Project, link: Link) -> Self {
         Outer {
             link,
+            image: image(project),
+            staged: BTreeMap::new(),
             sent: Vec::new(),
             accepted: BTreeSet::new(),
             events: 0,
@@ -136,9 +159,17 @@ impl Outer {
     fn burst(&mut self, calls: &[Call]) {
         for call in calls {
             let ticket = Ticket(self.sent.len() as u64);
-            if self.link.commands.push(Command::Call(ticket, *call)).is_ok() {
+            let (material, staged) = self.image.prepare(call);
+            let command = match material {
+                None => Command::Call(ticket, *call),
+                Some(material) => Command::CallWith(ticket, *call, material),
+            };
+            if self.link.commands.push(command).is_ok() {
                 self.sent.push(call.mnemonic);
+                self.staged.extend(staged.map(|staged| (ticket.0, staged)));
                 let _ = self.link.commands.push(Command::RungFalse(call.control));
+            } else if let Some(staged) = staged {
+                self.image.settle(staged, &MotionControl::default());
             }
         }
     }
@@ -146,6 +177,9 @@ impl Outer {
     /// Takes everything out; returns the tick of the newest snapshot.
     fn drain(&mut self) -> u64 {
         while let Ok(answer) = self.link.answers.pop() {
+            if let Some(staged) = self.staged.remove(&answer.ticket.0) {
+                self.image.settle(staged, &answer.control);
+            }
             if !answer.control.has(Flag::Er) {
                 self.accepted.insert(self.sent[answer.ticket.0 as usize]);
             }
@@ -153,6 +187,7 @@ impl Outer {
         while self.link.events.pop().is_ok() {
             self.events += 1;
         }
+        self.image.show_uses();
         self.link.snapshots.read().tick
     }
 }
@@ -184,7 +219,11 @@ fn project() -> Project {
     let drive =
         "drive = { velocity_feedforward = 0.0, speed_limit = 150.0, torque_limit = 1500.0, encoder_resolution = 1e3 }";
     let limited = format!("type = \"servo\"\n{drive}");
-    let config = arcline_config::DEFAULT.replacen("type = \"servo\"", &limited, 1);
+    let cam = "value = [{ Master = 0.0 }, { Master = 0.1, Slave = 1.0, SegmentType = 1 }, { Master = 0.2 }]";
+    let config = format!(
+        "{}\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[3]\"\n{cam}\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[3]\"\n",
+        arcline_config::DEFAULT.replacen("type = \"servo\"", &limited, 1)
+    );
     arcline_config::load(&config, "default.toml").expect("the default with a limited drive is valid")
 }
 
@@ -224,6 +263,33 @@ const SCENES: &[&[(&str, u32)]] = &[
         ),
         ("MCSD(CS2, M15);", 5),
         ("MCSR(CS2, M16);", 5),
+    ],
+    &[
+        ("MCCP(M39, Cam, 3, 0, 0, Profile);", 1),
+        ("MCSV(M41, Profile, 0.05);", 1),
+        (
+            "MAPC(Y, X, M42, Same, Profile, 1, 100, Continuous, Immediate, 0, 0, Command, Bidirectional);",
+            1,
+        ),
+        (
+            "MAPC(Y, X, M43, Opposite, Profile, 1, 50, Once, Pending, 0, 0, Command, ForwardOnly);",
+            1,
+        ),
+        (
+            "MAPC(B, A, M44, Same, Profile, 1, 90, Persistent, Bidirectional, 3, 0.1, Actual, ForwardOnly);",
+            1,
+        ),
+        ("MATC(C, M45, Same, Profile, 3, 1, Continuous, Immediate);", 30),
+        ("MATC(C, M46, Reverse, Profile, 1, 1, Once, Pending);", 30),
+        (
+            "MAM(X, M24, 1, 40, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
+            900,
+        ),
+        (
+            "MAM(A, M24, 1, 40, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
+            900,
+        ),
+        ("MGSD(Motion, M33);", 5),
     ],
     &[
         ("MCT(CS3, CS1, M20, [0, 0, 90], [0, 0, 0]);", 5),
@@ -269,7 +335,7 @@ fn no_instruction_allocates() {
     let project = project();
     let (mut rings, link) = link(&project.machine);
     let mut controller = Controller::new(&project.machine);
-    let mut outer = Outer::new(link);
+    let mut outer = Outer::new(&project, link);
     let mut play = |outer: &mut Outer, call: Call, ticks: u32| {
         outer.burst(&[call]);
         for _ in 0..=ticks {
@@ -316,7 +382,7 @@ fn no_override_allocates() {
     let (mut rings, mut link) = link(&project.machine);
     let mut planning = link.planning.take();
     let mut controller = Controller::new(&project.machine);
-    let mut outer = Outer::new(link);
+    let mut outer = Outer::new(&project, link);
     let [deep, contours] = ["CS1", "CS3"].map(|name| {
         Names(&project)
             .object(Object::CoordinateSystem, name)
@@ -365,7 +431,7 @@ fn no_tick_allocates_while_clients_press() {
     let calls = all_calls(&project);
     let (mut rings, link) = link(&project.machine);
     let mut controller = Controller::new(&project.machine);
-    let outer = Mutex::new(Outer::new(link));
+    let outer = Mutex::new(Outer::new(&project, link));
     let over = AtomicBool::new(false);
     let ticks = std::thread::scope(|scope| {
         let tick = scope.spawn(|| {

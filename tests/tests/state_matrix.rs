@@ -35,7 +35,11 @@ fn machine() -> Bench {
         assert!(text.contains(&axis));
         text = text.replacen(&axis, &with_home, 1);
     }
-    Bench::with(&text)
+    text += "[[tag]]\nname = \"Cam\"\ntype = \"CAM[2]\"\nvalue = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }]\n\
+             [[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[2]\"\n";
+    let mut bench = Bench::with(&text);
+    assert_eq!(bench.call("MCCP(Calculated, Cam, 2, 0, 0, Profile)"), OK);
+    bench
 }
 
 /// Executes what makes a state.
@@ -110,6 +114,8 @@ const MATRIX: &[Row] = &[
     ("MAM(X, T, 1, 5, {rates})",                          [  5,  7, 20, 16, 78,  0,  0]),
     ("MAJ(X, T, 0, {rates})",                             [  5,  7, 20, 16, 78,  0,  0]),
     ("MAG(X, Z, T, 0, 1, 1, 1, 1, 0, 1)",                 [  5,  7, 20, 16, 78,  0,  0]),
+    ("MAPC(X, Z, T, 0, Profile, 1, 1)",                   [  5,  7, 20, 16, 78,  0,  0]),
+    ("MATC(X, T, 0, Profile, 1, 1)",                      [  5,  7, 20, 16, 78,  0,  0]),
     ("MAS(X, T, All, No, 0, 0, No, 0, 2)",                [  5,  7,  0,  0,  0,  0,  0]),
     ("MAH(X, T)",                                         [  5,  7, 20, 16, 78,  0, 63]),
     ("MAH(S, T)",                                         [  0,  7,  0,  0,  0,  0, 63]),

@@ -45,6 +45,15 @@ max_acceleration = 10000.0
 max_deceleration = 10000.0
 travel = { min = -1.0, max = 1.0 }
 exception_actions = { soft_travel_positive = "alarm", soft_travel_negative = "alarm", drive = "alarm" }
+
+[[tag]]
+name = "Cam"
+type = "CAM[4]"
+value = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }, { Master = 6.0 }, { Master = 7.0 }]
+
+[[tag]]
+name = "Profile"
+type = "CAM_PROFILE[2]"
 "#;
 
 /// A name, the last tick, and what happens at which tick: a call, `fault AXIS BITS`, `false TAG` of a rung, `late` and
@@ -59,6 +68,10 @@ const SCENARIOS: &[Scenario] = &[
     ("too fast", 400, "10 MAJ(X, M, 0, 1500, 0, 10000, 0, 10000, 0, 0, 100, 100, 2)\n200 MAS(X, Stop, All, Yes, 10000, 0)"),
     // The master runs at 50 units/s, which 10 ms of clutch reach.
     ("gear", 310, "0 MAJ(Y, J, 0, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n150 MAG(X, Y, M, 0, 1, 1, 1, Command, Real, Enabled, 5000, 0)\n200 MAS(X, Stop, Gear, Yes, 500, 0)"),
+    // The master is at 2.5 units and 50 units/s after 100 ms, at its lock after 63.6, at 6.01 after 170.2, at 11.01 after 270.2.
+    ("position cam", 330, "0 MCCP(P, Cam, 2, 0, 0, Profile)\n10 MAPC(X, Y, M, 0, Profile, 1, 1, Once, ForwardOnly, 1.01, 0, Command, 0)\n20 MAPC(X, Y, N, 0, Profile, 1, 1, Once, Pending, 0, 0, Command, 0)\n30 MAM(Y, J, 0, 20, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)"),
+    // 51.5 ms and 51 ms more.
+    ("time cam", 130, "0 MCCP(P, Cam, 2, 0, 0, Profile)\n10 MATC(X, M, 0, Profile, 1, 0.0103, Once, Immediate)\n20 MATC(X, N, 0, Profile, 1, 0.0102, Once, Pending)"),
     // 125 ms to the switch at 5 units, then 50 ms of braking.
     ("home", 300, "10 MAH(H, M)"),
     ("virtual home", 60, "10 MAH(A, M)"),
@@ -93,7 +106,15 @@ const SCENARIOS: &[Scenario] = &[
 ];
 
 /// Scenarios that a virtual axis goes through just so.
-const VIRTUAL_TOO: [&str; 5] = ["move", "jog and stop", "too fast", "gear", "line"];
+const VIRTUAL_TOO: [&str; 7] = [
+    "move",
+    "jog and stop",
+    "too fast",
+    "gear",
+    "line",
+    "position cam",
+    "time cam",
+];
 
 /// A scenario, a bit (`TAG.MEMBER`, or `TAG.MEMBER.BIT` of a word without names), what it is at tick 0, and the ticks at
 /// which it changes.
@@ -110,6 +131,14 @@ const ROWS: &[Row] = &[
     ("too fast",         "X.MaximumSpeedExceeded",          false, &[111, 250]),
     ("gear",             "X.GearingStatus",                 false, &[150, 200]),
     ("gear",             "X.GearingLockStatus",             false, &[160, 200]),
+    ("position cam",     "X.PositionCamStatus",             false, &[10, 301]),
+    ("position cam",     "X.PositionCamLockStatus",         false, &[94, 301]),
+    ("position cam",     "X.PositionCamPendingStatus",      false, &[20, 201]),
+    ("position cam",     "M.PC",                            false, &[201]),
+    ("time cam",         "X.TimeCamStatus",                 false, &[10, 113]),
+    ("time cam",         "X.TimeCamLockStatus",             false, &[10, 113]),
+    ("time cam",         "X.TimeCamPendingStatus",          false, &[20, 62]),
+    ("time cam",         "N.IP",                            false, &[20, 113]),
     ("home",             "H.HomingStatus",                  false, &[10, 185]),
     ("home",             "H.AxisHomedStatus",               false, &[185]),
     ("virtual home",     "A.HomingStatus",                  false, &[10, 11]),
@@ -239,9 +268,7 @@ const NEVER: &[(&str, &str)] = &[
     ("SafetyFault", "no safety functions"),
     ("ConfigUpdateInProcess", "attributes do not change while it runs"), ("InhibitStatus", "no axis can be inhibited"),
     ("DirectControlStatus", "no MDS"), ("DirectVelocityControlStatus", "no MDS"), ("DirectTorqueControlStatus", "no MDS"),
-    ("PositionCamStatus", "no cams yet"), ("TimeCamStatus", "no cams yet"), ("PositionCamPendingStatus", "no cams yet"),
-    ("TimeCamPendingStatus", "no cams yet"), ("PositionCamLockStatus", "no cams yet"), ("TimeCamLockStatus", "no cams yet"),
-    ("MasterOffsetMoveStatus", "no cams yet"), ("MasterOffsetMoveLockStatus", "no cams yet"),
+    ("MasterOffsetMoveStatus", "no master offset yet"), ("MasterOffsetMoveLockStatus", "no master offset yet"),
     ("MoveLockStatus", "nothing is master driven yet"), ("JogLockStatus", "nothing is master driven yet"),
     ("WatchEventArmedStatus", "no MAW"), ("WatchEventStatus", "no MAW"), ("RegEvent1ArmedStatus", "no MAR"),
     ("RegEvent1Status", "no MAR"), ("RegEvent2ArmedStatus", "no MAR"), ("RegEvent2Status", "no MAR"),

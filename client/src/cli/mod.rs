@@ -6,15 +6,23 @@
 mod args;
 mod fault;
 mod feed_override;
+mod gcode;
+mod identify;
 mod moves;
 mod operands;
 mod output;
+mod plot;
 mod programs;
+mod shell;
 mod status;
 mod sweep;
 mod tags;
+mod tools;
+mod trace;
 mod wait;
+mod watch;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::FromArgMatches;
@@ -33,6 +41,36 @@ pub(crate) enum Failure {
     Program(#[from] ProgramError),
     #[error("{path}: {source}")]
     File { path: String, source: std::io::Error },
+    #[error("{path}: {source}")]
+    Gcode {
+        path: String,
+        source: arcline_gcode::GcodeError,
+    },
+    /// A move of a G-code program was refused.
+    #[error("{path}: line {line}: {source}")]
+    Move {
+        path: String,
+        line: usize,
+        source: ProgramError,
+    },
+    #[error("{path}: {source}")]
+    Plot {
+        path: String,
+        source: arcline_plot::PlotError,
+    },
+    /// `arcline-server simulate` failed; what it said.
+    #[error("{said}")]
+    Simulate { said: String, code: u8 },
+    #[error("there is no ERR {err}; docs/ERRORS.md lists them")]
+    NoSuchError { err: i16 },
+    #[error("the terminal: {0}")]
+    Terminal(std::io::Error),
+    /// It has been told, by the shell whose line it was.
+    #[error("a line of the shell failed")]
+    Told { code: u8 },
+    /// The arguments of a line of the shell, as clap tells it.
+    #[error("{0}")]
+    Usage(String),
     #[error("{axis} cannot have the fault {fault}: it has no drive")]
     NoSuchFault { axis: String, fault: &'static str },
     /// What has been done about it has been told already.
@@ -44,12 +82,32 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
+    /// A file that cannot be read or written.
+    pub(crate) fn at(path: &Path, source: std::io::Error) -> Self {
+        Self::File {
+            path: path.display().to_string(),
+            source,
+        }
+    }
+
     fn code(&self) -> u8 {
         match self {
             Self::Client(error) | Self::Program(ProgramError::Client { source: error, .. }) => client_code(error),
             Self::Program(ProgramError::Syntax(_)) | Self::File { .. } | Self::NoSuchFault { .. } => 2,
+            Self::Move {
+                source: ProgramError::Client { source, .. },
+                ..
+            } => client_code(source),
+            Self::Move {
+                source: ProgramError::Runtime(_),
+                ..
+            } => 1,
+            Self::Gcode { .. } | Self::Move { .. } | Self::Plot { .. } => 2,
+            Self::Simulate { code, .. } => *code,
+            Self::NoSuchError { .. } | Self::Terminal(_) | Self::Usage(_) => 2,
             Self::Program(ProgramError::Runtime(_)) | Self::Several { .. } => 1,
             Self::Interrupted => 130,
+            Self::Told { code } => *code,
         }
     }
 
@@ -57,6 +115,10 @@ impl Failure {
     pub(crate) fn client(&self) -> Option<&ClientError> {
         match self {
             Self::Client(error) | Self::Program(ProgramError::Client { source: error, .. }) => Some(error),
+            Self::Move {
+                source: ProgramError::Client { source: error, .. },
+                ..
+            } => Some(error),
             _ => None,
         }
     }
@@ -96,35 +158,64 @@ pub(crate) fn main() -> ExitCode {
 }
 
 async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
-    if let Command::Identify(identify) = &arguments.command
-        && let Some(address) = &identify.broadcast
-    {
-        return status::discover(address, identify.wait, output).await;
+    let server = arguments.server;
+    if let Command::Shell(command) = &arguments.command {
+        return shell::shell(&server, command, output).await;
     }
-    let client = Client::connect(&arguments.server).await?;
-    let result = match arguments.command {
-        Command::Exec(exec) => programs::exec(&client, &exec, output).await,
-        Command::Run(run) => programs::run(&client, &run, output).await,
-        Command::Move(command) => moves::line(&client, command, output).await,
-        Command::Arc(command) => moves::arc(&client, command, output).await,
-        Command::MoveAxis(command) => moves::axis(&client, command, output).await,
-        Command::Jog(command) => moves::jog(&client, command, output).await,
-        Command::Change(command) => moves::change(&client, command, output).await,
-        Command::Override(command) => feed_override::set(&client, &command, output).await,
-        Command::Hold(command) => feed_override::hold(&client, &command, output).await,
-        Command::Resume(command) => feed_override::resume(&client, &command, output).await,
-        Command::Fault(FaultCommand::Inject(command)) => fault::inject(&client, &command, output).await,
-        Command::Fault(FaultCommand::Clear(command)) => fault::clear(&client, &command, output).await,
-        Command::Fault(FaultCommand::List(command)) => fault::list(&client, &command, output).await,
-        Command::Stop(command) => moves::stop(&client, command, output).await,
-        Command::Home(command) => moves::home(&client, command, output).await,
-        Command::Servo(command) => moves::servo(&client, command, output).await,
-        Command::Status(command) => status::status(&client, &command.names, output).await,
-        Command::Tags(command) => tags::tags(&client, &command, output).await,
-        Command::Read(command) => tags::read(&client, &command.tags, output).await,
-        Command::Write(command) => tags::write(&client, &command, output).await,
-        Command::Identify(_) => status::identify(&client, output).await,
-    };
+    if let Some(done) = alone(&server, &arguments.command, output).await {
+        return done;
+    }
+    let client = Client::connect(&server).await?;
+    let result = on_machine(&client, arguments.command, output).await;
     client.close().await;
     result
+}
+
+/// The commands that need no server, or find it by themselves; `None` for the others.
+async fn alone(server: &str, command: &Command, output: &Output) -> Option<Result<(), Failure>> {
+    Some(match command {
+        Command::Identify(command) if command.broadcast.is_some() => identify::run(None, command, output).await,
+        Command::Explain(command) => tools::explain(server, command, output).await,
+        Command::Completions(command) => {
+            tools::completions(command);
+            Ok(())
+        }
+        Command::Man(command) => tools::man(command, output),
+        Command::Plot(command) => plot::plot(command, output),
+        Command::Gcode(command) if !command.needs_server() => gcode::alone(command, output),
+        _ => return None,
+    })
+}
+
+/// The commands that ask one server over one connection.
+async fn on_machine(client: &Client, command: Command, output: &Output) -> Result<(), Failure> {
+    match command {
+        Command::Exec(exec) => programs::exec(client, &exec, output).await,
+        Command::Run(run) => programs::run(client, &run, output).await,
+        Command::Move(command) => moves::line(client, command, output).await,
+        Command::Arc(command) => moves::arc(client, command, output).await,
+        Command::MoveAxis(command) => moves::axis(client, command, output).await,
+        Command::Jog(command) => moves::jog(client, command, output).await,
+        Command::Change(command) => moves::change(client, command, output).await,
+        Command::Override(command) => feed_override::set(client, &command, output).await,
+        Command::Hold(command) => feed_override::hold(client, &command, output).await,
+        Command::Resume(command) => feed_override::resume(client, &command, output).await,
+        Command::Fault(FaultCommand::Inject(command)) => fault::inject(client, &command, output).await,
+        Command::Fault(FaultCommand::Clear(command)) => fault::clear(client, &command, output).await,
+        Command::Fault(FaultCommand::List(command)) => fault::list(client, &command, output).await,
+        Command::Stop(command) => moves::stop(client, command, output).await,
+        Command::Home(command) => moves::home(client, command, output).await,
+        Command::Servo(command) => moves::servo(client, command, output).await,
+        Command::Status(command) => status::status(client, &command.names, output).await,
+        Command::Watch(command) => watch::watch(client, &command, output).await,
+        Command::Tags(command) => tags::tags(client, &command, output).await,
+        Command::Read(command) => tags::read(client, &command.tags, output).await,
+        Command::Write(command) => tags::write(client, &command, output).await,
+        Command::Trace(command) => trace::trace(client, &command, output).await,
+        Command::Gcode(command) => gcode::run(client, &command, output).await,
+        Command::Identify(command) => identify::run(Some(client), &command, output).await,
+        Command::Shell(_) => Err(Failure::Usage("the shell is this one".to_owned())),
+        // They have been done before there was a connection.
+        Command::Explain(_) | Command::Completions(_) | Command::Man(_) | Command::Plot(_) => Ok(()),
+    }
 }

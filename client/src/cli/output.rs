@@ -61,12 +61,23 @@ impl Output {
 
     /// Tells why a command failed.
     pub(crate) fn failure(&self, failure: &Failure) {
-        if matches!(failure, Failure::Interrupted | Failure::Several { .. }) {
+        if matches!(
+            failure,
+            Failure::Interrupted | Failure::Several { .. } | Failure::Told { .. }
+        ) {
             return;
         }
         if !self.json {
             // Best effort: there is nowhere else to tell it.
             let _ = writeln!(std::io::stderr(), "{failure}");
+            if self.is_watched()
+                && let Some(ClientError::Motion { mnemonic, err, exerr }) = failure.client()
+            {
+                let instruction = mnemonic.map(|mnemonic| format!(" {mnemonic}")).unwrap_or_default();
+                self.note(&format!(
+                    "`arcline explain {err}/{exerr}{instruction}` tells cause and remedy"
+                ));
+            }
             return;
         }
         let mut object = Map::new();

@@ -44,7 +44,37 @@ pub(crate) async fn run(client: &Client, command: &Run, output: &Output) -> Resu
         OnError::Stop
     };
     let runner = Runner::program(client, &text).await?;
-    let mut runner = runner.queue_full(command.queue_full.into()).on_error(on_error);
+    let runner = runner.queue_full(command.queue_full.into()).on_error(on_error);
+    let how = How {
+        keep_going: command.keep_going,
+        no_wait: command.no_wait,
+    };
+    to_its_end(client, runner, &command.file, how, output).await
+}
+
+/// A piece of a program, as a line of the shell: run until all it began has ended.
+pub(crate) async fn text(client: &Client, text: &str, output: &Output) -> Result<(), Failure> {
+    let runner = Runner::program(client, text).await?;
+    to_its_end(client, runner, "line", How::default(), output).await
+}
+
+/// What ends a run.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct How {
+    /// Errors do not.
+    pub(crate) keep_going: bool,
+    /// The end of the text, not of the motion.
+    pub(crate) no_wait: bool,
+}
+
+/// Runs a program that is called `name`, tells what it does, and stops what it began on Ctrl-C.
+pub(crate) async fn to_its_end(
+    client: &Client,
+    mut runner: Runner<'_>,
+    name: &str,
+    how: How,
+    output: &Output,
+) -> Result<(), Failure> {
     let (mut executed, mut erred) = (0, 0);
     let mut on_event = |event: Event<'_>| match event {
         Event::Executed { line, execution } => {
@@ -68,7 +98,7 @@ pub(crate) async fn run(client: &Client, command: &Run, output: &Output) -> Resu
         } => {
             erred += 1;
             // What ends the program is told once, by its end.
-            if command.keep_going {
+            if how.keep_going {
                 let (err, exerr) = error.motion().unwrap_or_default();
                 output.note(&format!("line {line}: {mnemonic} {target}: {error}"));
                 if output.is_json() {
@@ -85,7 +115,7 @@ pub(crate) async fn run(client: &Client, command: &Run, output: &Output) -> Resu
     let result = tokio::select! {
         result = async {
             runner.run(&mut on_event).await?;
-            if command.no_wait { Ok(()) } else { runner.finish(&mut on_event).await }
+            if how.no_wait { Ok(()) } else { runner.finish(&mut on_event).await }
         } => Some(result),
         () = wait::interrupted() => None,
     };
@@ -97,10 +127,9 @@ pub(crate) async fn run(client: &Client, command: &Run, output: &Output) -> Resu
             return Err(wait::interrupt(client, stops, output).await);
         }
     }
-    let file = &command.file;
     output.result(
-        format!("{file}: {executed} instructions executed, {erred} erred"),
-        || json!({"program": file, "executed": executed, "erred": erred}),
+        format!("{name}: {executed} instructions executed, {erred} erred"),
+        || json!({"program": name, "executed": executed, "erred": erred}),
     );
     if erred > 0 {
         Err(Failure::Several { count: erred })

@@ -1,11 +1,10 @@
-//! `status` and `identify`: the machine and the server at a glance.
+//! `status`: the machine at a glance. What `watch` shows again and again comes from here too.
 
 use std::collections::BTreeMap;
-use std::time::Duration;
 
 use serde_json::{Value as Json, json};
 
-use arcline_client::{Client, ClientError, Identity, Object, Reading, Tag, discover as ask_everybody, nearest};
+use arcline_client::{Client, ClientError, Object, Reading, Tag, nearest};
 
 use super::output::table;
 use super::{Failure, Output};
@@ -16,14 +15,19 @@ const REAL_TIME: &str = "RealTime";
 const FEED_OVERRIDE: &str = "FeedOverride";
 
 /// What is shown of an object: a row of its table, and a JSON object.
-struct Shown {
-    kind: Kind,
-    row: Vec<String>,
-    object: Json,
+#[derive(Clone, Debug)]
+pub(super) struct Shown {
+    pub(super) kind: Kind,
+    pub(super) name: String,
+    pub(super) row: Vec<String>,
+    pub(super) object: Json,
+    /// Actual position of an axis, or of each axis of a coordinate system, position units.
+    pub(super) position: Vec<f64>,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+/// What an object is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Kind {
     Axis,
     System,
     Group,
@@ -31,9 +35,9 @@ enum Kind {
 }
 
 impl Kind {
-    const ALL: [Kind; 4] = [Self::Axis, Self::System, Self::Group, Self::RealTime];
+    pub(super) const ALL: [Kind; 4] = [Self::Axis, Self::System, Self::Group, Self::RealTime];
 
-    fn header(self) -> &'static [&'static str] {
+    pub(super) fn header(self) -> &'static [&'static str] {
         match self {
             Self::Axis => &["axis", "position", "command", "velocity", "servo", "homed", "state"],
             Self::System => &["coordinate system", "position", "state"],
@@ -54,63 +58,97 @@ impl Kind {
 
 /// `status`.
 pub(crate) async fn status(client: &Client, names: &[String], output: &Output) -> Result<(), Failure> {
-    let tags = client.browse().await?;
-    let shown: Vec<(Tag, Kind)> = tags
-        .into_iter()
-        .filter_map(|tag| kind(&tag).map(|kind| (tag, kind)))
-        .collect();
-    for name in names {
-        if !shown.iter().any(|(tag, _)| tag.name.eq_ignore_ascii_case(name)) {
-            let suggestion = nearest(name, shown.iter().map(|(tag, _)| tag.name.as_str()));
-            return Err(ClientError::UnknownTag {
-                name: name.clone(),
-                suggestion,
-            }
-            .into());
-        }
-    }
-    let asked = |tag: &Tag| names.is_empty() || names.iter().any(|name| name.eq_ignore_ascii_case(&tag.name));
-    let shown: Vec<(Tag, Kind)> = shown.into_iter().filter(|(tag, _)| asked(tag)).collect();
-    let paths: Vec<&str> = shown.iter().map(|(tag, _)| tag.name.as_str()).collect();
-    let overrides = overrides(client).await?;
-    let mut rows = Vec::new();
-    for ((tag, kind), reading) in shown.iter().zip(client.read_many(&paths).await?) {
-        let reading = reading?;
-        rows.push(match kind {
-            Kind::Axis => axis(tag, &reading),
-            Kind::System => system(tag, &reading, overrides.get(&tag.name).copied()),
-            Kind::Group => group(tag, &reading),
-            Kind::RealTime => real_time(tag, &reading),
-        });
-    }
+    let shown = Looked::at(client, names).await?.look(client).await?;
     if output.is_json() {
-        rows.into_iter().for_each(|shown| output.result("", || shown.object));
-        return Ok(());
+        shown.into_iter().for_each(|shown| output.result("", || shown.object));
+    } else {
+        output.result(tables(&shown), || Json::Null);
     }
+    Ok(())
+}
+
+/// A table for each kind, with blank lines between them.
+pub(super) fn tables(shown: &[Shown]) -> String {
     let mut tables = Vec::new();
     for kind in Kind::ALL {
-        let rows: Vec<Vec<String>> = rows
-            .iter()
-            .filter(|shown| shown.kind == kind)
-            .map(|s| s.row.clone())
-            .collect();
+        let rows = shown.iter().filter(|shown| shown.kind == kind);
+        let rows: Vec<Vec<String>> = rows.map(|shown| shown.row.clone()).collect();
         if !rows.is_empty() {
             tables.push(table(kind.header(), &rows));
         }
     }
-    output.result(tables.join("\n\n"), || Json::Null);
-    Ok(())
+    tables.join("\n\n")
 }
 
-/// The feed override of every coordinate system, percent; none where the server has no such tag.
-async fn overrides(client: &Client) -> Result<BTreeMap<String, f64>, Failure> {
-    let values = match client.read(FEED_OVERRIDE).await {
-        Ok(reading) => reading.numbers().unwrap_or_default(),
-        Err(error) if error.is_connection() => return Err(error.into()),
-        Err(_) => Vec::new(),
-    };
-    let systems = client.objects(Object::CoordinateSystem).await?;
-    Ok(systems.into_iter().zip(values).collect())
+/// The objects that are looked at, found once.
+#[derive(Debug)]
+pub(super) struct Looked {
+    objects: Vec<(Tag, Kind)>,
+    /// Every coordinate system, in the order of the feed overrides.
+    systems: Vec<String>,
+}
+
+impl Looked {
+    /// Those of these names, case ignored; all that there are when no name is given.
+    pub(super) async fn at(client: &Client, names: &[String]) -> Result<Self, Failure> {
+        let tags = client.browse().await?;
+        let all: Vec<(Tag, Kind)> = tags
+            .into_iter()
+            .filter_map(|tag| kind(&tag).map(|kind| (tag, kind)))
+            .collect();
+        for name in names {
+            if !all.iter().any(|(tag, _)| tag.name.eq_ignore_ascii_case(name)) {
+                let suggestion = nearest(name, all.iter().map(|(tag, _)| tag.name.as_str()));
+                return Err(ClientError::UnknownTag {
+                    name: name.clone(),
+                    suggestion,
+                }
+                .into());
+            }
+        }
+        let asked = |tag: &Tag| names.is_empty() || names.iter().any(|name| name.eq_ignore_ascii_case(&tag.name));
+        let systems = all.iter().filter(|(_, kind)| *kind == Kind::System);
+        let systems = systems.map(|(tag, _)| tag.name.clone()).collect();
+        let objects = all.into_iter().filter(|(tag, _)| asked(tag)).collect();
+        Ok(Self { objects, systems })
+    }
+
+    /// Reads them, as far as possible at the same moment.
+    pub(super) async fn look(&self, client: &Client) -> Result<Vec<Shown>, Failure> {
+        let paths: Vec<&str> = self.objects.iter().map(|(tag, _)| tag.name.as_str()).collect();
+        let overrides = if self.objects.iter().any(|(_, kind)| *kind == Kind::System) {
+            self.overrides(client).await?
+        } else {
+            BTreeMap::new()
+        };
+        let mut shown = Vec::new();
+        for ((tag, kind), reading) in self.objects.iter().zip(client.read_many(&paths).await?) {
+            let reading = reading?;
+            shown.push(match kind {
+                Kind::Axis => axis(tag, &reading),
+                Kind::System => system(tag, &reading, overrides.get(&tag.name).copied()),
+                Kind::Group => group(tag, &reading),
+                Kind::RealTime => real_time(tag, &reading),
+            });
+        }
+        Ok(shown)
+    }
+
+    /// The feed override of every coordinate system, percent; none where the server has no such tag.
+    async fn overrides(&self, client: &Client) -> Result<BTreeMap<String, f64>, Failure> {
+        let values = match client.read(FEED_OVERRIDE).await {
+            Ok(reading) => reading.numbers().unwrap_or_default(),
+            Err(error) if error.is_connection() => return Err(error.into()),
+            Err(_) => Vec::new(),
+        };
+        Ok(self.systems.iter().cloned().zip(values).collect())
+    }
+
+    /// The names of the axes or coordinate systems among them.
+    pub(super) fn of(&self, wanted: Kind) -> impl Iterator<Item = &str> {
+        let of_kind = self.objects.iter().filter(move |(_, kind)| *kind == wanted);
+        of_kind.map(|(tag, _)| tag.name.as_str())
+    }
 }
 
 fn kind(tag: &Tag) -> Option<Kind> {
@@ -183,8 +221,10 @@ fn axis(tag: &Tag, reading: &Reading) -> Shown {
     });
     Shown {
         kind: Kind::Axis,
+        name: tag.name.clone(),
         row,
         object,
+        position: vec![position],
     }
 }
 
@@ -227,8 +267,10 @@ fn system(tag: &Tag, reading: &Reading, percent: Option<f64>) -> Shown {
     });
     Shown {
         kind: Kind::System,
+        name: tag.name.clone(),
         row: vec![tag.name.clone(), shown.join(", "), state],
         object,
+        position,
     }
 }
 
@@ -253,8 +295,10 @@ fn group(tag: &Tag, reading: &Reading) -> Shown {
     let row = vec![tag.name.clone(), yes_no(synced, "yes", "no"), or(faults, "none")];
     Shown {
         kind: Kind::Group,
+        name: tag.name.clone(),
         row,
         object,
+        position: Vec::new(),
     }
 }
 
@@ -287,8 +331,10 @@ fn real_time(tag: &Tag, reading: &Reading) -> Shown {
     ];
     Shown {
         kind: Kind::RealTime,
+        name: tag.name.clone(),
         row,
         object,
+        position: Vec::new(),
     }
 }
 
@@ -298,54 +344,4 @@ fn fixed(number: f64) -> String {
 
 fn yes_no(truth: bool, yes: &str, no: &str) -> String {
     if truth { yes } else { no }.to_owned()
-}
-
-/// `identify`.
-pub(crate) async fn identify(client: &Client, output: &Output) -> Result<(), Failure> {
-    let (address, identity) = client.identify().await?;
-    show(&address.to_string(), &identity, output);
-    Ok(())
-}
-
-/// `identify --broadcast`.
-pub(crate) async fn discover(address: &str, seconds: f64, output: &Output) -> Result<(), Failure> {
-    let wait = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::from_secs(1));
-    let port = arcline_client::DEFAULT_PORT;
-    let address = if address.contains(':') {
-        address.to_owned()
-    } else {
-        format!("{address}:{port}")
-    };
-    let found = ask_everybody(&address, wait).await?;
-    for one in &found {
-        show(&one.from.to_string(), &one.identity, output);
-    }
-    if found.is_empty() {
-        output.note(&format!("nobody answered at {address} within {seconds} s"));
-    }
-    Ok(())
-}
-
-fn show(address: &str, identity: &Identity, output: &Output) {
-    let Identity {
-        vendor,
-        device_type,
-        product_code,
-        major,
-        minor,
-        serial,
-        state,
-        ..
-    } = identity;
-    let text = format!(
-        "{address}  {}  revision {major}.{minor}  serial {serial:08X}  vendor 0x{vendor:04X}  type 0x{device_type:02X}  \
-         product {product_code}  state {state}",
-        identity.name()
-    );
-    output.result(text, || {
-        json!({
-            "address": address, "name": identity.name(), "revision": format!("{major}.{minor}"), "serial": serial,
-            "vendor": vendor, "device_type": device_type, "product_code": product_code, "state": state,
-        })
-    });
 }

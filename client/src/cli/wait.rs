@@ -77,6 +77,13 @@ impl Stopping {
         };
         Some(Stopping { mnemonic, kind, target })
     }
+
+    /// Executes the stop; the motion ends later.
+    pub(crate) async fn begin(&self, client: &Client) -> Result<Execution, ClientError> {
+        let Stopping { mnemonic, kind, target } = self;
+        let operands = Operands::full_speed(*mnemonic).with("Stop Type", Given::Integer(*kind))?;
+        client.execute(*mnemonic, target, "", operands.given()).await
+    }
 }
 
 /// Until Ctrl-C; for good when its signal cannot be had.
@@ -103,9 +110,7 @@ pub(crate) async fn interrupt(client: &Client, stops: impl IntoIterator<Item = S
 }
 
 async fn stop(client: &Client, stopping: &Stopping) -> Result<(), ClientError> {
-    let Stopping { mnemonic, kind, target } = stopping;
-    let operands = Operands::full_speed(*mnemonic).with("Stop Type", Given::Integer(*kind))?;
-    let execution = client.execute(*mnemonic, target, "", operands.given()).await?;
+    let execution = stopping.begin(client).await?;
     client.wait_for(&execution, Flag::Pc, STOPPING).await.map(drop)
 }
 

@@ -239,16 +239,32 @@ impl<'t> Section<'t> {
         let Some(value) = self.find(key) else {
             return Ok(None);
         };
-        let number = match value.get_ref() {
-            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
-                .ok()
-                .map(|whole| whole as f64),
-            DeValue::Float(float) => float.as_str().parse().ok(),
-            _ => None,
-        };
-        match number {
+        match number(value.get_ref()) {
             Some(number) if number.is_finite() && (rule.holds)(number) => Ok(Some(number)),
             _ => Err(self.wrong(key, value, rule.expected)),
+        }
+    }
+
+    /// A list of as many finite numbers as there is room for; an absent one leaves them as they are.
+    pub(crate) fn numbers(
+        &self,
+        key: &'static str,
+        expected: &'static str,
+        room: &mut [f64],
+    ) -> Result<(), ConfigError> {
+        let Some(value) = self.find(key) else {
+            return Ok(());
+        };
+        let DeValue::Array(items) = value.get_ref() else {
+            return Err(self.wrong(key, value, expected));
+        };
+        let numbers: Option<Vec<f64>> = items.iter().map(|item| number(item.get_ref())).collect();
+        match numbers.filter(|numbers| numbers.len() == room.len() && numbers.iter().all(|one| one.is_finite())) {
+            Some(numbers) => {
+                room.copy_from_slice(&numbers);
+                Ok(())
+            }
+            None => Err(self.wrong(key, value, expected)),
         }
     }
 
@@ -363,5 +379,16 @@ impl<'t> Section<'t> {
         Err(self
             .source
             .error(first.span().start, self.key(first.get_ref()), problem))
+    }
+}
+
+/// A number, whole or not.
+fn number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+            .ok()
+            .map(|whole| whole as f64),
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        _ => None,
     }
 }

@@ -1,8 +1,8 @@
 //! Texts in, projects and errors out.
 
 use arcline_controller::machine::{
-    AxisKind, AxisLimits, Corner, Drive, Home, HomeDirection, HomeMarker, HomeMode, HomeSequence, HomeSwitch, Start,
-    Travel,
+    AxisKind, AxisLimits, Corner, Drive, Geometry, Home, HomeDirection, HomeMarker, HomeMode, HomeSequence, HomeSwitch,
+    Start, Travel,
 };
 use arcline_instruction_set::Mnemonic;
 
@@ -323,7 +323,10 @@ fn errors_name_place_key_and_expectation() {
         ("an axis twice", format!("{AXIS}{}", SYSTEM.replace("[\"x\"]", "[\"x\", \"X\"]")), "m.toml:8:14: coordinate_system[1].axes[2]: found \"X\", expected each axis once".into()),
         ("no axes", format!("{AXIS}{}", SYSTEM.replace("[\"x\"]", "[]")), "m.toml:8:8: coordinate_system[1].axes: found [], expected a list of 1 to 3 names of axes".into()),
         ("four axes", format!("{AXIS}{}", SYSTEM.replace("[\"x\"]", "[\"x\", \"y\", \"z\", \"u\"]")), "m.toml:8:8: coordinate_system[1].axes: found".into()),
-        ("another geometry", format!("{AXIS}{SYSTEM}type = \"delta\""), "m.toml:11:8: coordinate_system[1].type: found \"delta\", expected \"cartesian\"".into()),
+        ("another geometry", format!("{AXIS}{SYSTEM}type = \"hexapod\""), "m.toml:11:8: coordinate_system[1].type: found \"hexapod\", expected \"cartesian\", \"articulated_independent\"".into()),
+        ("a robot without its joints", format!("{AXIS}{SYSTEM}type = \"delta\""), "m.toml:8:8: coordinate_system[1].axes: found [\"x\"], expected as many axes as the geometry has joints".into()),
+        ("links of no robot", format!("{AXIS}{SYSTEM}link_lengths = [1, 2]"), "m.toml:11:16: coordinate_system[1].link_lengths: found [1, 2], expected no such key".into()),
+        ("one link", format!("{AXIS}{SYSTEM}link_lengths = [1]"), "m.toml:11:16: coordinate_system[1].link_lengths: found [1], expected two numbers".into()),
         ("too deep a queue", format!("{AXIS}{SYSTEM}queue_depth = 1001"), "m.toml:11:15: coordinate_system[1].queue_depth: found 1001, expected a whole number from 1 to 1000".into()),
         ("no such corner", format!("{AXIS}{SYSTEM}corner = \"round\""), "m.toml:11:10: coordinate_system[1].corner: found \"round\", expected \"logix\" or \"precise\"".into()),
         ("no such system", format!("{base}[[transform]]\nname = \"T\"\nsource = \"CS\"\ntarget = \"CSS\""), format!("m.toml:{}:10: transform[1].target: there is no coordinate system `CSS` (did you mean `CS`?)", lines + 4)),
@@ -493,5 +496,40 @@ mod hostile {
                 Err(error) => prop_assert!(error.line >= 1 && error.column >= 1),
             }
         }
+    }
+}
+
+#[test]
+fn robots_are_read_and_written() {
+    let axes: String = ["J1", "J2", "J3"]
+        .iter()
+        .map(|name| {
+            format!("[[axis]]\nname = \"{name}\"\ntype = \"virtual\"\nmax_speed = 10.0\nmax_acceleration = 100.0\n")
+        })
+        .collect();
+    #[rustfmt::skip]
+    let cases = [
+        ("articulated_independent", 2, Geometry::ArticulatedIndependent2), ("articulated_independent", 3, Geometry::ArticulatedIndependent3),
+        ("articulated_dependent", 2, Geometry::ArticulatedDependent2), ("articulated_dependent", 3, Geometry::ArticulatedDependent3),
+        ("scara_independent", 3, Geometry::ScaraIndependent), ("scara_delta", 3, Geometry::ScaraDelta),
+        ("delta", 2, Geometry::Delta2), ("delta", 3, Geometry::Delta3),
+    ];
+    for (word, count, geometry) in cases {
+        let names = &["J1", "J2", "J3"][..count];
+        let text = format!(
+            "{axes}[[coordinate_system]]\nname = \"R\"\ntype = \"{word}\"\naxes = {names:?}\nmax_speed = 1.0\nmax_acceleration = 1.0\n\
+             joint_limits = \"enforce\"\nlink_lengths = [10, 20.5]\nbase_offsets = [1, 2, 3]\nend_effector_offsets = [4, 5, -6]\n\
+             zero_angles = [0, 90, -45.5]\n"
+        );
+        let project = load(&text, "m.toml").expect(word);
+        let robot = project.machine.systems[0].robot.expect(word);
+        assert_eq!(robot.geometry, geometry);
+        assert_eq!(robot.parameters.link_lengths, [10.0, 20.5]);
+        assert_eq!(robot.parameters.base_offsets, [1.0, 2.0, 3.0]);
+        assert_eq!(robot.parameters.end_effector_offsets, [4.0, 5.0, -6.0]);
+        assert_eq!(robot.parameters.zero_angles, [0.0, 90.0, -45.5, 0.0, 0.0, 0.0]);
+        let written = crate::format(&crate::table(&project));
+        let again = load(&written, "m.toml").expect("what is written can be read");
+        assert_eq!(again.machine.systems, project.machine.systems, "{word}");
     }
 }

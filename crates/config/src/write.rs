@@ -3,8 +3,8 @@
 
 use arcline_controller::image::Access;
 use arcline_controller::machine::{
-    Axis, AxisKind, AxisLimits, CoordinateSystem, Corner, Home, HomeDirection, HomeMode, HomeSequence, Machine,
-    ProgrammedStopMode,
+    Axis, AxisKind, AxisLimits, CoordinateSystem, Corner, Geometry, Home, HomeDirection, HomeMode, HomeSequence,
+    Machine, ProgrammedStopMode, Robot,
 };
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet};
 use arcline_tag::{DataType, Elementary, Member, STRING_INSTANCE, Template, string_text};
@@ -304,23 +304,47 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
         Corner::Logix => "logix",
         Corner::Precise => "precise",
     };
-    let axis_limits = match system.axis_limits {
-        AxisLimits::Ignore => "ignore",
-        AxisLimits::Enforce => "enforce",
+    let limits = |limits: AxisLimits| match limits {
+        AxisLimits::Ignore => text("ignore"),
+        AxisLimits::Enforce => text("enforce"),
     };
+    if let Some(Robot { parameters, .. }) = &system.robot {
+        let numbers = |numbers: &[f64]| Value::Array(numbers.iter().copied().map(Value::Float).collect());
+        for (key, value) in [
+            ("link_lengths", numbers(&parameters.link_lengths)),
+            ("base_offsets", numbers(&parameters.base_offsets)),
+            ("end_effector_offsets", numbers(&parameters.end_effector_offsets)),
+            ("zero_angles", numbers(&parameters.zero_angles[..3])),
+        ] {
+            table.insert(key.to_owned(), value);
+        }
+    }
     for (key, value) in [
         ("name", text(&system.name)),
-        ("type", text("cartesian")),
+        ("type", text(build_of(system.robot.as_ref()))),
         ("axes", Value::Array(axes.map(|axis| text(&axis.name)).collect())),
         ("actual_tolerance", Value::Float(system.actual_tolerance)),
         ("command_tolerance", Value::Float(system.command_tolerance)),
         ("queue_depth", Value::Integer(system.queue_depth as i64)),
         ("corner", text(corner)),
-        ("axis_limits", text(axis_limits)),
+        ("axis_limits", limits(system.axis_limits)),
+        ("joint_limits", limits(system.joint_limits)),
     ] {
         table.insert(key.to_owned(), value);
     }
     Value::Table(table)
+}
+
+/// The word of `type`.
+fn build_of(robot: Option<&Robot>) -> &'static str {
+    match robot.map(|robot| robot.geometry) {
+        None => "cartesian",
+        Some(Geometry::ArticulatedIndependent2 | Geometry::ArticulatedIndependent3) => "articulated_independent",
+        Some(Geometry::ArticulatedDependent2 | Geometry::ArticulatedDependent3) => "articulated_dependent",
+        Some(Geometry::ScaraIndependent) => "scara_independent",
+        Some(Geometry::ScaraDelta) => "scara_delta",
+        Some(Geometry::Delta2 | Geometry::Delta3) => "delta",
+    }
 }
 
 fn data_type(template: &Template) -> Value {

@@ -4,16 +4,18 @@ use std::sync::Arc;
 
 use arcline_instruction_set::{Call, ControlSlot, FaultSet, MotionControl};
 use arcline_motion::machine::Machine;
-use arcline_motion::{ContourRequest, Event, Motion, Ticket, Trajectory};
+use arcline_motion::{AcceptedMove, ContourRequest, Event, Material, Motion, Ticket, Trajectory};
 
 use crate::snapshot::Snapshot;
 
 /// What reaches the controller from outside.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "a box would be freed in the tick")]
 pub enum Command {
     /// Execute an instruction: a false-to-true transition of its rung condition.
     Call(Ticket, Call),
+    /// The same with what the instruction has from tags.
+    CallWith(Ticket, Call, Material),
     /// The rung condition of the instruction with this motion control tag is false.
     RungFalse(ControlSlot),
     /// Take a share of the programmed speeds of a coordinate system's moves, 0 to 2; 0 holds.
@@ -43,6 +45,10 @@ pub trait Port {
     fn answer(&mut self, ticket: Ticket, control: MotionControl);
     /// A change of an instruction's status.
     fn event(&mut self, event: &Event);
+    /// A coordinated move was accepted.
+    fn accepted(&mut self, accepted: &AcceptedMove) {
+        let _ = accepted;
+    }
     /// A place for the state at the end of this tick; `None` when nobody wants it.
     fn snapshot(&mut self) -> Option<&mut Snapshot>;
     /// The snapshot is filled.
@@ -113,6 +119,10 @@ impl Controller {
                     let control = self.execute(ticket, &call);
                     port.answer(ticket, control);
                 }
+                Some(Command::CallWith(ticket, call, material)) => {
+                    let control = self.execute_with(ticket, &call, Some(material));
+                    port.answer(ticket, control);
+                }
                 Some(Command::RungFalse(control)) => self.rung_false(control),
                 Some(Command::Override { system, rate }) => self.set_override(system, rate),
                 Some(Command::Inject { axis, causes }) => self.inject(axis, causes),
@@ -131,6 +141,7 @@ impl Controller {
                 break;
             }
         }
+        self.accepted_moves(|accepted| port.accepted(accepted));
         self.end_tick(|event| port.event(event));
         if let Some(snapshot) = port.snapshot() {
             self.snapshot(snapshot);
@@ -147,6 +158,11 @@ impl Controller {
     /// Executes an instruction at the present tick and returns what its motion control tag shows. Real-time.
     pub fn execute(&mut self, ticket: Ticket, call: &Call) -> MotionControl {
         self.motion.execute(ticket, call)
+    }
+
+    /// The same with what the instruction has from tags. Real-time.
+    pub fn execute_with(&mut self, ticket: Ticket, call: &Call, material: Option<Material>) -> MotionControl {
+        self.motion.execute_with(ticket, call, material)
     }
 
     /// A false rung condition. Real-time.
@@ -194,6 +210,11 @@ impl Controller {
             });
         }
         while self.motion.retired_contour().is_some() {}
+    }
+
+    /// The coordinated moves accepted since the last call, in order. Real-time as far as `report` is.
+    pub fn accepted_moves(&mut self, report: impl FnMut(&AcceptedMove)) {
+        self.motion.accepted_moves(report);
     }
 
     /// Closes the tick and reports what changed, in order. Real-time as far as `report` is.

@@ -7,10 +7,12 @@
 
 mod controller;
 pub mod image;
+pub mod samples;
 mod snapshot;
 
 pub use arcline_motion::{
-    AxisSnapshot, CONTROL_SLOTS, ContourRequest, Event, SystemSnapshot, Ticket, Trajectory, UNNAMED, machine,
+    AcceptedMove, AxisSnapshot, CONTROL_SLOTS, ContourRequest, Event, Material, Path, Point, SystemSnapshot, Ticket,
+    Trajectory, UNNAMED, machine,
 };
 pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port};
 pub use snapshot::Snapshot;

@@ -141,7 +141,8 @@ impl Binder<'_> {
                 Given::Missing => Err(self.missing()),
                 _ => Err(self.wrong_type(given, "the name of a motion object")),
             },
-            Kind::Structure(type_name) => match given {
+            Kind::StructureOrNone(_) if is_none(given) => Ok(Argument::None),
+            Kind::Structure(type_name) | Kind::StructureOrNone(type_name) => match given {
                 Given::Word(name) | Given::Name(name) => match self.directory.structure(type_name, name) {
                     Some(tag) => Ok(Argument::Tag(tag)),
                     None => Err(BindError::UnknownTag {

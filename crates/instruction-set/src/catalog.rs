@@ -8,7 +8,14 @@ use crate::instruction::{ArrayRule, Axes, Condition, Instruction, Kind, Object, 
 use crate::{Flag, Mnemonic, Words};
 
 /// Class 0x0300 in the order of the service codes.
-pub const MOTION_GROUP: &[Mnemonic] = &[Mnemonic::Mgs, Mnemonic::Mgsd, Mnemonic::Mgsr, Mnemonic::Mgsp];
+pub const MOTION_GROUP: &[Mnemonic] = &[
+    Mnemonic::Mgs,
+    Mnemonic::Mgsd,
+    Mnemonic::Mgsr,
+    Mnemonic::Mgsp,
+    Mnemonic::Mccp,
+    Mnemonic::Mcsv,
+];
 
 /// Class 0x0301 in the order of the service codes.
 pub const AXIS: &[Mnemonic] = &[
@@ -27,6 +34,12 @@ pub const AXIS: &[Mnemonic] = &[
     Mnemonic::Mdac,
     Mnemonic::Mapc,
     Mnemonic::Matc,
+    Mnemonic::Maw,
+    Mnemonic::Mdw,
+    Mnemonic::Mar,
+    Mnemonic::Mdr,
+    Mnemonic::Maoc,
+    Mnemonic::Mdoc,
 ];
 
 /// Class 0x0302 in the order of the service codes.
@@ -231,6 +244,26 @@ instructions! {
         target("Group", Object::MotionGroup), motion_control(),
     ];
 
+    MCCP = Mccp on MotionGroup, Immediate, EN_DN_ER, Axes::ANY,
+    "Calculates a cam profile from the points of a cam.": [
+        motion_control(),
+        operand("Cam", Kind::Structure("CAM"), "the points, an array"),
+        operand("Length", Kind::Integer(Range::Any), "points to use, 2 or more (26)").first(2.0),
+        number("Start Slope", Range::Any, "of a cubic first segment, slave units per master unit"),
+        number("End Slope", Range::Any, "of a cubic last segment, slave units per master unit"),
+        operand("Cam Profile", Kind::Structure("CAM_PROFILE"), "receives the profile, an array of Length elements or more"),
+    ];
+
+    MCSV = Mcsv on MotionGroup, Immediate, EN_DN_ER, Axes::ANY,
+    "Calculates where a cam profile leads a slave, without motion.": [
+        motion_control(),
+        operand("Cam Profile", Kind::Structure("CAM_PROFILE"), "a calculated profile"),
+        number("Master Value", Range::Any, "within the profile"),
+        operand("Slave Value", Kind::WrittenArray(1), "receives the slave's position"),
+        operand("Slope Value", Kind::WrittenArray(1), "receives the first derivative by the master"),
+        operand("Slope Derivative", Kind::WrittenArray(1), "receives the second derivative by the master"),
+    ];
+
     MSO = Mso on Axis, Message, EN_DN_ER, Axes::ANY,
     "Energises the drive and closes the servo loop at the present position.": [axis(), motion_control()];
 
@@ -364,6 +397,58 @@ instructions! {
         word("Execution Schedule", &TIME_CAM_EXECUTION_SCHEDULE),
         lock_position(), word("Lock Direction", &LOCK_DIRECTION),
         word("Instruction Mode", &INSTRUCTION_MODE),
+    ];
+
+    MAW = Maw on Axis, MessageProcess, EN_DN_ER_IP_PC, Axes::ANY,
+    "Watches for the actual position of the axis to pass a position.": [
+        axis(), motion_control(),
+        word("Trigger Condition", &WATCH_TRIGGER),
+        number("Position", Range::Any, "position units"),
+    ];
+
+    MDW = Mdw on Axis, Message, EN_DN_ER, Axes::ANY,
+    "Ends the watch of the axis's position.": [axis(), motion_control()];
+
+    MAR = Mar on Axis, MessageProcess, EN_DN_ER_IP_PC, Axes::ANY,
+    "Latches the actual position of the axis at an edge of a registration input.": [
+        axis(), motion_control(),
+        word("Trigger Condition", &REGISTRATION_TRIGGER),
+        word("Windowed Registration", &WINDOWED),
+        number("Min Position", Range::Any, "position units; beginning of the window").when(3, 1),
+        number("Max Position", Range::Any, "position units; end of the window").when(3, 1),
+        operand("Input Number", Kind::Integer(Range::Between(1.0, 2.0)), "registration input of the axis").first(1.0),
+    ];
+
+    MDR = Mdr on Axis, Message, EN_DN_ER, Axes::ANY,
+    "Ends the wait for a registration input.": [
+        axis(), motion_control(),
+        operand("Input Number", Kind::Integer(Range::Between(1.0, 2.0)), "registration input of the axis").first(1.0),
+    ];
+
+    MAOC = Maoc on Axis, MessageProcess, EN_DN_ER_IP_PC, Axes::ANY,
+    "Sets and clears bits of a DINT by the position of the axis.": [
+        axis(),
+        operand("Execution Target", Kind::Integer(Range::Any), "0 to below the axis's output_cam_execution_targets (35)"),
+        motion_control(),
+        operand("Output", Kind::Structure("DINT"), "its bits are set and cleared"),
+        operand("Input", Kind::StructureOrNone("DINT"), "its bits enable"),
+        operand("Output Cam", Kind::Structure("OUTPUT_CAM"), "an array, all of which is used"),
+        number("Cam Start Position", Range::Any, "position units"),
+        number("Cam End Position", Range::Any, "position units, above Cam Start Position"),
+        operand("Output Compensation", Kind::StructureOrNone("OUTPUT_COMPENSATION"), "an array, an element for each output bit"),
+        word("Execution Mode", &EXECUTION_MODE),
+        word("Execution Schedule", &EXECUTION_SCHEDULE),
+        number("Axis Arm Position", Range::Any, "position units"),
+        number("Cam Arm Position", Range::Any, "position units, within the cam"),
+        word("Position Reference", &POSITION_REFERENCE),
+    ];
+
+    MDOC = Mdoc on Axis, Immediate, EN_DN_ER, Axes::ANY,
+    "Ends output cams of the axis.": [
+        axis(),
+        operand("Execution Target", Kind::Integer(Range::Any), "0 to below the axis's output_cam_execution_targets (35)"),
+        motion_control(),
+        word("Disarm Type", &DISARM_TYPE),
     ];
 
     MCLM = Mclm on CoordinateSystem, Process, PATH_BITS_CALCULATED, Axes { least: 1, most: 3 },
@@ -519,7 +604,7 @@ mod tests {
         let cases = [
             (0x0302, 0x32, "MCLM"), (0x0302, 0x33, "MCCM"), (0x0302, 0x34, "MCCD"), (0x0302, 0x35, "MCS"),
             (0x0302, 0x3D, "MCTPO"), (0x0301, 0x32, "MSO"), (0x0301, 0x33, "MSF"), (0x0301, 0x40, "MATC"),
-            (0x0300, 0x35, "MGSP"),
+            (0x0300, 0x35, "MGSP"), (0x0300, 0x37, "MCSV"), (0x0301, 0x41, "MAW"), (0x0301, 0x46, "MDOC"),
         ];
         for (class, service, name) in cases {
             let mnemonic: Mnemonic = name.parse().expect(name);
@@ -530,8 +615,8 @@ mod tests {
             (0x0302, 0x31),
             (0x0302, 0x3E),
             (0x0303, 0x32),
-            (0x0301, 0x41),
-            (0x0300, 0x36),
+            (0x0301, 0x47),
+            (0x0300, 0x38),
         ] {
             assert_eq!(by_service(class, service), None, "{class:#06x} {service:#04x}");
         }
@@ -549,7 +634,11 @@ mod tests {
             assert_eq!(instruction.mnemonic, *mnemonic);
             assert!(instruction.operands.len() <= MAX_OPERANDS, "{mnemonic}");
             let kinds = instruction.operands.iter().map(|operand| &operand.kind);
-            assert!(matches!(instruction.operands[0].kind, Kind::Target(object) if object == instruction.object));
+            let target = |kind: &Kind| matches!(kind, Kind::Target(object) if *object == instruction.object);
+            let is_first = target(&instruction.operands[0].kind);
+            assert_eq!(is_first, instruction.has_target(), "{mnemonic}");
+            let calculates = matches!(mnemonic, Mnemonic::Mccp | Mnemonic::Mcsv);
+            assert_eq!(is_first, !calculates, "{mnemonic}");
             assert_eq!(
                 kinds.filter(|kind| matches!(kind, Kind::MotionControl)).count(),
                 1,

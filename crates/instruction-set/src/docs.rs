@@ -35,6 +35,15 @@ pub fn errors() -> String {
             row.err, row.name, row.cause, row.remedy
         );
     }
+    page.push_str(
+        "\n## Lists of their own\n\nWhat EXERR means for these errors. `arcline explain 13/4 MCLM` tells all of it for one \
+         error.\n\n| ERR | EXERR | meaning |\n|---|---|---|\n",
+    );
+    for row in ERRORS {
+        for (exerr, meaning) in row.details {
+            let _ = writeln!(page, "| {} | {exerr} | {meaning} |", row.err);
+        }
+    }
     page
 }
 
@@ -96,6 +105,7 @@ pub fn operand_type(kind: &Kind) -> String {
         Kind::ArrayOrNone => "REAL array or 0".to_owned(),
         Kind::WrittenArray(_) => "REAL array tag or 0".to_owned(),
         Kind::Structure(name) => format!("{name} tag"),
+        Kind::StructureOrNone(name) => format!("{name} tag or 0"),
     }
 }
 

@@ -67,6 +67,8 @@ pub struct ErrorText {
     pub cause: &'static str,
     /// What to do about it.
     pub remedy: &'static str,
+    /// What values of EXERR mean, for an error with a list of its own ([`Extended::Detail`]); others count something.
+    pub details: &'static [(i8, &'static str)],
 }
 
 /// Payloads of [`MotionError`] to and from EXERR.
@@ -124,7 +126,9 @@ macro_rules! motion_errors {
     (@extended AxisIndex) => { Extended::Axis };
     (@extended Culprit) => { Extended::Culprit };
     (@extended Detail) => { Extended::Detail };
-    ($($err:literal $variant:ident $(($payload:ident))? $name:literal $cause:literal $remedy:literal;)*) => {
+    (@details) => { &[] };
+    (@details $details:ident) => { $details };
+    ($($err:literal $variant:ident $(($payload:ident $($details:ident)?))? $name:literal $cause:literal $remedy:literal;)*) => {
         /// Why an instruction was refused or failed. The variant is ERR, the payload is EXERR.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
         #[non_exhaustive]
@@ -139,6 +143,7 @@ macro_rules! motion_errors {
             extended: motion_errors!(@extended $($payload)?),
             cause: $cause,
             remedy: $remedy,
+            details: motion_errors!(@details $($($details)?)?),
         }),*];
 
         impl MotionError {
@@ -172,6 +177,42 @@ macro_rules! motion_errors {
     };
 }
 
+/// EXERR of error 12 (spec/axis-and-data-types.md §7.4).
+const SERVO_MESSAGE: &[(i8, &str)] = &[
+    (2, "no response, or no memory in the module"),
+    (3, "an invalid value"),
+    (12, "the axis is in shutdown"),
+    (15, "the enable input is off, or the process was terminated on request"),
+    (
+        16,
+        "the drive is in the wrong state: homing, MRP and registration 2 exclude each other",
+    ),
+];
+
+/// EXERR of error 61 (spec/coordinated-instructions.md §19.6).
+const CONNECTION: &[(i8, &str)] = &[
+    (1, "one of the systems is in no motion group, or in another"),
+    (
+        2,
+        "source and target are the same system, or of the same type where they must differ",
+    ),
+    (3, "the transform dimension of the source is not allowed"),
+    (4, "the transform dimension of the target is not allowed"),
+    (
+        5,
+        "the type or the axes of the source are not allowed, or neither system is Cartesian",
+    ),
+    (6, "the type or the axes of the target are not allowed"),
+    (7, "an axis belongs to both systems"),
+    (8, "another coordinated motion uses axes of the target"),
+    (9, "link lengths are 0, negative or equal where they must differ"),
+    (10, "the offsets leave no workspace"),
+    (17, "the transform dimensions differ"),
+];
+
+/// EXERR of errors 151 to 156.
+const JOINT_LIMIT: &[(i8, &str)] = &[(1, "beyond the positive limit"), (2, "beyond the negative limit")];
+
 #[rustfmt::skip]
 motion_errors! {
     3 ExecutionCollision "Execution Collision" "The same kind of request is still under way." "Wait for DN or ER before the next rung transition.";
@@ -183,7 +224,7 @@ motion_errors! {
     9 OvertravelCondition "Overtravel Condition" "The motion would go further into an overtravel." "Move the axis back into its travel.";
     10 MasterAxisConflict "Master Axis Conflict" "Master and slave are the same axis, or the link would close a loop." "Choose another master axis.";
     11 AxisNotConfigured(Culprit) "Axis Not Configured" "The axis does not exist, has no drive, or is in no group; -1: the coordinate system could not set it up." "Check the name of the target and the configuration.";
-    12 ServoMessageFailure(Detail) "Servo Message Failure" "The drive refused a message (2 no response, 3 invalid value, 12 in shutdown, 15 enable input off, 16 wrong state)." "Look at the state of the drive.";
+    12 ServoMessageFailure(Detail SERVO_MESSAGE) "Servo Message Failure" "The drive refused a message." "Look at the state of the drive.";
     13 ParameterOutOfRange(OperandIndex) "Parameter Out Of Range" "The operand is out of its range." "Correct the operand that EXERR counts from 0.";
     14 TuneProcess "Tune Process Error" "Tuning runs or failed." "Wait for the end of tuning.";
     15 TestProcess "Test Process Error" "The hookup test runs or failed." "Wait for the end of the test.";
@@ -226,7 +267,7 @@ motion_errors! {
     52 CoordinatedMotionInProcess(AxisIndex) "Coordinated Motion In Process" "Another coordinated motion holds the axes." "Wait for it, stop it, or merge.";
     53 AxisIsInhibited(AxisIndex) "Axis Is Inhibited" "The axis is inhibited." "Uninhibit the axis.";
     54 ZeroMaxDecel(Culprit) "Zero Max Decel" "The Maximum Deceleration is 0." "Set the Maximum Deceleration.";
-    61 ConnectionConflict(Detail) "Connection Conflict" "The transform cannot be set up (1 group, 2 same system, 3 and 4 transform dimensions, 5 and 6 type or axes, 7 shared axis, 8 axes in use, 9 and 10 geometry, 17 dimensions differ)." "Correct the two coordinate systems.";
+    61 ConnectionConflict(Detail CONNECTION) "Connection Conflict" "The transform cannot be set up." "Correct the two coordinate systems.";
     62 TransformInProgress "Transform In Progress" "The coordinate system is already part of a transform." "Stop that transform first.";
     63 AxisInTransformMotion(AxisIndex) "Axis In Transform Motion" "The axis belongs to an active transform." "Stop the transform first.";
     64 AncillaryNotSupported "Ancillary Not Supported" "Ancillary axes are not allowed here." "Use a coordinate system without them.";
@@ -274,12 +315,12 @@ motion_errors! {
     148 InvalidWorkFrame(Detail) "Invalid Work Frame" "The work frame is not valid." "Correct the frame.";
     149 InvalidToolFrame(Detail) "Invalid Tool Frame" "The tool frame is not valid." "Correct the frame.";
     150 InvalidArmConfiguration(Detail) "Invalid Arm Configuration" "The wrist or arm configuration is not valid." "Correct it.";
-    151 J1BeyondLimit(Detail) "Joint J1 Beyond Limit" "Joint J1 is beyond its limit (1 positive, 2 negative)." "Choose a position within the limit.";
-    152 J2BeyondLimit(Detail) "Joint J2 Beyond Limit" "Joint J2 is beyond its limit (1 positive, 2 negative)." "Choose a position within the limit.";
-    153 J3BeyondLimit(Detail) "Joint J3 Beyond Limit" "Joint J3 is beyond its limit (1 positive, 2 negative)." "Choose a position within the limit.";
-    154 J4BeyondLimit(Detail) "Joint J4 Beyond Limit" "Joint J4 is beyond its limit (1 positive, 2 negative)." "Choose a position within the limit.";
-    155 J5BeyondLimit(Detail) "Joint J5 Beyond Limit" "Joint J5 is beyond its limit (1 positive, 2 negative)." "Choose a position within the limit.";
-    156 J6BeyondLimit(Detail) "Joint J6 Beyond Limit" "Joint J6 is beyond its limit (1 positive, 2 negative)." "Choose a position within the limit.";
+    151 J1BeyondLimit(Detail JOINT_LIMIT) "Joint J1 Beyond Limit" "Joint J1 is beyond its limit." "Choose a position within the limit.";
+    152 J2BeyondLimit(Detail JOINT_LIMIT) "Joint J2 Beyond Limit" "Joint J2 is beyond its limit." "Choose a position within the limit.";
+    153 J3BeyondLimit(Detail JOINT_LIMIT) "Joint J3 Beyond Limit" "Joint J3 is beyond its limit." "Choose a position within the limit.";
+    154 J4BeyondLimit(Detail JOINT_LIMIT) "Joint J4 Beyond Limit" "Joint J4 is beyond its limit." "Choose a position within the limit.";
+    155 J5BeyondLimit(Detail JOINT_LIMIT) "Joint J5 Beyond Limit" "Joint J5 is beyond its limit." "Choose a position within the limit.";
+    156 J6BeyondLimit(Detail JOINT_LIMIT) "Joint J6 Beyond Limit" "Joint J6 is beyond its limit." "Choose a position within the limit.";
     157 InvalidTurnsCounter(Detail) "Invalid Turns Counter" "A turns counter is not valid." "Correct it.";
     158 GeometryNotSupported(Detail) "Geometry Not Supported" "The geometry is not offered." "Use another geometry.";
     159 InvalidPathData(Detail) "Invalid Path Data" "A member of PATH_DATA is not valid; EXERR is its place." "Correct the member.";
@@ -317,7 +358,7 @@ impl fmt::Display for MotionError {
 impl std::error::Error for MotionError {}
 
 /// The row of an error code.
-fn text(err: i16) -> Option<&'static ErrorText> {
+pub(crate) fn text(err: i16) -> Option<&'static ErrorText> {
     ERRORS
         .binary_search_by_key(&err, |row| row.err)
         .ok()
@@ -374,6 +415,7 @@ mod tests {
             );
             assert_eq!(error.name(), row.name);
             assert!(row.cause.ends_with('.') && row.remedy.ends_with('.'), "{}", row.name);
+            assert!(row.details.is_sorted_by(|a, b| a.0 < b.0), "{}", row.name);
         }
         for err in [-1, 0, 1, 2, 55, 60, 89, 92, 109, 146, 161, i16::MAX] {
             assert_eq!(MotionError::from_codes(err, 0), None, "{err}");

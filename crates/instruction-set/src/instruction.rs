@@ -95,7 +95,15 @@ pub struct Instruction {
 }
 
 impl Instruction {
-    /// Faceplate position of the motion control: 1, or 2 behind a second object.
+    /// Whether it acts on an object; the others only calculate.
+    pub fn has_target(&self) -> bool {
+        matches!(
+            self.operands.first().map(|operand| &operand.kind),
+            Some(Kind::Target(_))
+        )
+    }
+
+    /// Faceplate position of the motion control: 1, 2 behind a second object, or 0 where there is no object.
     pub fn control_operand(&self) -> usize {
         self.operands
             .iter()
@@ -184,7 +192,7 @@ impl Operand {
 /// Type and range of an operand.
 #[derive(Debug)]
 pub enum Kind {
-    /// The object that the instruction acts on; always operand 0.
+    /// The object that the instruction acts on; always operand 0. Instructions without one are services of `object`.
     Target(Object),
     /// The MOTION_INSTRUCTION tag.
     MotionControl,
@@ -204,6 +212,8 @@ pub enum Kind {
     WrittenArray(u16),
     /// Names a tag of this type.
     Structure(&'static str),
+    /// Names a tag of this type, or 0: none.
+    StructureOrNone(&'static str),
 }
 
 /// Legal magnitudes. NaN and infinities never are.

@@ -11,12 +11,14 @@ pub mod catalog;
 mod control;
 pub mod docs;
 mod error;
+mod explain;
 mod fault;
 mod form;
 mod instruction;
 mod instruction_tag;
 mod mnemonic;
 pub mod predefined;
+mod queue;
 mod verify;
 mod words;
 
@@ -24,6 +26,7 @@ pub use bind::{BindError, Directory, Given, bind};
 pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray};
 pub use control::{Flag, MotionControl};
 pub use error::{AxisIndex, Culprit, Detail, ERRORS, ErrorText, Extended, MotionError, OperandIndex, describe};
+pub use explain::{Explanation, explain};
 pub use fault::{ExceptionAction, FAULTS, Fault, FaultKind, FaultSet, FaultWord};
 pub use form::{TargetDialog, TargetRow, Unit};
 pub use instruction::{

@@ -14,7 +14,7 @@ macro_rules! mnemonics {
         }
 
         impl Mnemonic {
-            /// Every instruction, group and axis instructions first.
+            /// Every instruction, in the order in which they came to be: the place is that of the type of its tag.
             pub const ALL: &'static [Mnemonic] = &[$(Self::$name),*];
 
             /// In capitals, such as `MCLM`.
@@ -67,6 +67,14 @@ mnemonics! {
     Mcpm MCPM "MCPM" "Motion Coordinated Path Move";
     Mcto MCTO "MCTO" "Motion Coordinated Transform with Orientation";
     Mctpo MCTPO "MCTPO" "Motion Calculate Transform Position with Orientation";
+    Mccp MCCP "MCCP" "Motion Calculate Cam Profile";
+    Mcsv MCSV "MCSV" "Motion Calculate Slave Values";
+    Maw MAW "MAW" "Motion Arm Watch";
+    Mdw MDW "MDW" "Motion Disarm Watch";
+    Mar MAR "MAR" "Motion Arm Registration";
+    Mdr MDR "MDR" "Motion Disarm Registration";
+    Maoc MAOC "MAOC" "Motion Arm Output Cam";
+    Mdoc MDOC "MDOC" "Motion Disarm Output Cam";
 }
 
 impl fmt::Display for Mnemonic {

@@ -213,6 +213,16 @@ pub mod list {
         TIME_CAM_EXECUTION_SCHEDULE "Execution Schedule" { 0 "Immediate", 1 "Pending" };
         /// MAPC.
         MASTER_DIRECTION "Master Direction" { 0 "Bidirectional", 1 "Forward Only", 2 "Reverse Only" };
+        /// MAW.
+        WATCH_TRIGGER "Trigger Condition" { 0 "Forward", 1 "Reverse" };
+        /// MAR.
+        REGISTRATION_TRIGGER "Trigger Condition" { 0 "Positive Edge", 1 "Negative Edge" };
+        /// MAR.
+        WINDOWED "Windowed Registration" { 0 "Disabled", 1 "Enabled" };
+        /// MAOC: what the cam follows of its axis.
+        POSITION_REFERENCE "Position Reference" { 0 "Actual", 1 "Command" };
+        /// MDOC.
+        DISARM_TYPE "Disarm Type" { 0 "All", 1 "Specific" };
         /// MATC.
         INSTRUCTION_MODE "Instruction Mode" { 0 "Time Driven Mode", 1 "Master Driven Mode" };
         /// MCTP, MCTPO.

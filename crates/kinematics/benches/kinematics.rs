@@ -3,7 +3,7 @@
 
 use std::hint::black_box;
 
-use arcline_kinematics::{Arm, Geometry, Moving, Number, Parameters, Robot};
+use arcline_kinematics::{Arm, Geometry, Moving, Number, OrientedRobot, Parameters, Robot, Wrist};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 const POINTS: usize = 1024;
@@ -68,5 +68,29 @@ fn bench(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, bench);
+fn six_axes(c: &mut Criterion) {
+    let parameters = Parameters {
+        link_lengths: [300.0, 250.0],
+        base_offsets: [40.0, 0.0, 300.0],
+        end_effector_offsets: [80.0, 0.0, 30.0],
+        ..Parameters::default()
+    };
+    let robot = OrientedRobot::new(Wrist::ArticulatedJ1J2J3J4J5J6, &parameters).expect("the parameters make a robot");
+    let joints: Vec<[f64; 6]> = (0..POINTS)
+        .map(|k| std::array::from_fn(|joint| (k * (37 + 11 * joint) % 300) as f64 - 149.5))
+        .collect();
+    let taken: Vec<_> = joints.iter().filter_map(|joints| robot.forward(joints).ok()).collect();
+    let mut next = (0..taken.len()).cycle();
+    c.bench_function("six axes inverse", |b| {
+        b.iter(|| {
+            let taken = black_box(&taken[next.next().unwrap_or(0)]);
+            robot.inverse(&taken.pose, taken.configuration, taken.turns)
+        });
+    });
+    c.bench_function("six axes forward", |b| {
+        b.iter(|| robot.forward(black_box(&joints[next.next().unwrap_or(0)])));
+    });
+}
+
+criterion_group!(benches, bench, six_axes);
 criterion_main!(benches);

@@ -4,19 +4,27 @@
 //! numbers map positions, [`Moving`] ones map velocities and accelerations along, by exact differentiation. Everything is
 //! total and safe in the tick: no allocation, no loop that is not bounded, no panic.
 //!
+//! An [`OrientedRobot`] has a wrist behind its arm and maps a [`Pose`].
+//!
 //! Not here: axes, coordinate systems, instructions, time. Source: spec/coordinated-instructions.md §22; formulas that
 //! other documents have in another form are in `NOTES.md`.
 #![forbid(unsafe_code)]
 
 mod error;
 mod number;
+mod oriented;
 mod parallel;
+mod pose;
 mod robot;
 mod two_links;
 
 pub use error::{GeometryError, KinematicsError};
 pub use number::{Moving, Number};
+pub use oriented::{Configuration, OrientedRobot, Taken, Turns, Wrist};
+pub use pose::{Pose, end_of_arm, tool_centre};
 pub use robot::{Arm, Elbow, Geometry, Parameters, Robot};
 
+#[cfg(test)]
+mod oriented_tests;
 #[cfg(test)]
 mod tests;

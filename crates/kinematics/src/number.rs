@@ -87,15 +87,23 @@ pub struct Moving {
     pub acceleration: f64,
 }
 
+impl Moving {
+    /// At rest.
+    #[must_use]
+    pub fn standing(position: f64) -> Self {
+        Moving {
+            position,
+            ..Moving::default()
+        }
+    }
+}
+
 impl Number for Moving {
     const NEAREST: f64 = 1e-6;
     const LEAST_BEND: f64 = 1e-6;
 
     fn constant(position: f64) -> Self {
-        Moving {
-            position,
-            ..Moving::default()
-        }
+        Moving::standing(position)
     }
 
     fn value(self) -> f64 {

@@ -1,7 +1,7 @@
 //! A robot: its geometry with its parameters, and the two directions of its transform
 //! (spec/coordinated-instructions.md §22).
 //!
-//! Not here: work and tool frames, orientation ([`crate::SixAxis`]), which turn of a joint an axis is in. Units: lengths
+//! Not here: work and tool frames, orientation ([`crate::OrientedRobot`]), which turn of a joint an axis is in. Units: lengths
 //! in position units, joints in degrees (linear joints in position units) as the axes' tags show them.
 
 use crate::error::{GeometryError, KinematicsError};

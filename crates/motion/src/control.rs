@@ -37,6 +37,8 @@ pub struct Event {
     pub err: i16,
     /// EXERR after the change.
     pub exerr: i8,
+    /// SEGMENT after the change.
+    pub segment: i32,
 }
 
 impl Event {
@@ -45,6 +47,7 @@ impl Event {
         control.flags = (control.flags & !self.clear) | self.set;
         control.err = self.err;
         control.exerr = self.exerr;
+        control.segment = self.segment;
     }
 }
 
@@ -66,6 +69,8 @@ struct Control {
     /// Of those, the ones that count as set again when they still are: EN alone survives an edge.
     kept: u32,
     changed: bool,
+    /// SEGMENT is not what was last reported.
+    moved: bool,
 }
 
 /// Every motion control tag.
@@ -92,6 +97,7 @@ impl Controls {
             reported: 0,
             kept: u32::MAX,
             changed: false,
+            moved: false,
         };
         Controls {
             table: vec![unused; CONTROL_SLOTS],
@@ -119,6 +125,7 @@ impl Controls {
             reported: control.word.flags,
             kept: Flag::En.mask(),
             changed: control.changed,
+            moved: false,
         };
         self.write(execution, Flag::En.mask(), 0, tick);
         if busy && execution.control != UNNAMED {
@@ -135,6 +142,18 @@ impl Controls {
     /// Ends an execution with an error. IP and AC clear; DN stays as it is.
     pub(crate) fn fail(&mut self, execution: Execution, error: MotionError, tick: u64) {
         self.change(execution, Flag::Er.mask(), UNDER_WAY, Some(error), tick);
+    }
+
+    /// Sets SEGMENT of an execution that its tag still shows.
+    pub(crate) fn set_segment(&mut self, execution: Execution, segment: i32, tick: u64) {
+        let Some(control) = self.table.get_mut(execution.control.0 as usize) else {
+            return;
+        };
+        if control.ticket == execution.ticket && control.word.segment != segment {
+            control.word.segment = segment;
+            control.moved = true;
+            self.change(execution, 0, 0, None, tick);
+        }
     }
 
     /// A false rung: EN clears once DN or ER is set.
@@ -191,6 +210,7 @@ impl Controls {
                 clear,
                 err,
                 exerr,
+                segment: 0,
             });
             return;
         }
@@ -223,11 +243,13 @@ impl Controls {
             clear: control.reported & !now,
             err: control.word.err,
             exerr: control.word.exerr,
+            segment: control.word.segment,
         };
         control.reported = now;
         control.kept = u32::MAX;
         control.changed = false;
-        if event.set | event.clear != 0 {
+        let moved = std::mem::take(&mut control.moved);
+        if event.set | event.clear != 0 || moved {
             self.push(event);
         }
     }

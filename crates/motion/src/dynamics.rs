@@ -3,6 +3,7 @@
 
 use arcline_profile::{Jerk, Limits, jerk_from_percent_of_time};
 
+use crate::follow::reach::Pace;
 use crate::machine::{Axis, CoordinateSystem};
 
 /// Speed Units, Accel Units, Decel Units, Jerk Units: % of Maximum.
@@ -131,6 +132,15 @@ impl Dynamics {
         if speed > 0.0 {
             self.last_speed = speed;
         }
+    }
+
+    /// Takes no more than what the joints of robots let it; jerks in percent of time follow.
+    pub(crate) fn keep_to(&mut self, pace: &Pace) {
+        if pace.speed < self.speed {
+            self.set_speed(pace.speed);
+        }
+        self.acceleration = self.acceleration.min(pace.acceleration);
+        self.deceleration = self.deceleration.min(pace.deceleration);
     }
 
     pub(crate) fn is_s_curve(&self) -> bool {

@@ -2,6 +2,7 @@
 
 use arcline_planner::Clock;
 
+use crate::machine::AxisLimits;
 use crate::motion::Motion;
 use crate::system::{Activity, System};
 
@@ -18,7 +19,12 @@ impl Motion {
         if let Some(system) = self.systems.get_mut(usize::from(system))
             && !share.is_nan()
         {
-            system.set_override(share.clamp(0.0, MAX_OVERRIDE), &clock);
+            // Moves whose joints are at their limits cannot be faster.
+            let most = match system.description.joint_limits {
+                AxisLimits::Enforce => 1.0,
+                AxisLimits::Ignore => MAX_OVERRIDE,
+            };
+            system.set_override(share.clamp(0.0, most), &clock);
         }
     }
 }

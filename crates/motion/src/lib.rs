@@ -9,6 +9,7 @@
 
 #![forbid(unsafe_code)]
 
+mod accepted;
 mod axis;
 mod contour;
 mod control;
@@ -17,6 +18,7 @@ mod feed_override;
 mod follow;
 mod instructions;
 pub mod machine;
+mod material;
 mod motion;
 mod rotary;
 mod snapshot;
@@ -25,9 +27,13 @@ mod stop;
 mod system;
 mod verify;
 
+pub use accepted::AcceptedMove;
+pub use arcline_cam as cam;
+pub use arcline_planner::geometry::{Path, Point};
 pub use arcline_planner::precise::Trajectory;
 pub use contour::ContourRequest;
 pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};
 pub use feed_override::MAX_OVERRIDE;
+pub use material::Material;
 pub use motion::Motion;
 pub use snapshot::{AxisSnapshot, SystemSnapshot};

@@ -10,6 +10,8 @@ mod home;
 
 pub use home::{Home, HomeDirection, HomeMarker, HomeMode, HomeSequence, HomeSwitch};
 
+pub use arcline_kinematics::{Geometry, Parameters};
+
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 
 /// Largest number of axes of one machine.
@@ -265,7 +267,7 @@ impl Default for Start {
     }
 }
 
-/// One Cartesian coordinate system (axis-and-data-types.md §9.6). The maxima are of the vector.
+/// One coordinate system (axis-and-data-types.md §9.6). The maxima are of the vector.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CoordinateSystem {
     /// Name, the coordinate system's tag.
@@ -292,6 +294,19 @@ pub struct CoordinateSystem {
     pub corner: Corner,
     /// Whether the axes' own limits lower the path speed.
     pub axis_limits: AxisLimits,
+    /// Whether the joints of robots that a transform leads lower the path speed.
+    pub joint_limits: AxisLimits,
+    /// The robot whose joints its axes are; `None`: it is Cartesian.
+    pub robot: Option<Robot>,
+}
+
+/// A robot as it was described: MCT refuses one that cannot be (ERR 61).
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Robot {
+    /// How it is built; it has as many joints as the coordinate system has axes.
+    pub geometry: Geometry,
+    /// What it is built with.
+    pub parameters: Parameters,
 }
 
 /// How termination types 2, 3 and 6 shape a corner.

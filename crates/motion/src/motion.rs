@@ -13,12 +13,14 @@ use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::{AxisLimits, Trajectory};
 
+use crate::accepted::{ACCEPTED, AcceptedMove};
 use crate::axis::{Axis, AxisState};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
 use crate::follow::order::Order;
 use crate::follow::transform::Link;
 use crate::instructions::{self, Layouts};
 use crate::machine::Machine;
+use crate::material::{Material, Sent};
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::status;
 use crate::stop::Stop;
@@ -43,6 +45,8 @@ pub struct Motion {
     /// The group's stop that is under way (MGS).
     pub(crate) group_stop: Option<Stop>,
     messages: Vec<Message>,
+    /// Coordinated moves that nobody has taken notice of yet.
+    pub(crate) accepted: Vec<AcceptedMove>,
 }
 
 /// A request to a drive: its instruction is done an update later.
@@ -78,6 +82,7 @@ impl Motion {
             retired: Vec::with_capacity(2 * machine.systems.len()),
             group_stop: None,
             messages: Vec::with_capacity(MESSAGES),
+            accepted: Vec::with_capacity(ACCEPTED),
         }
     }
 
@@ -97,6 +102,7 @@ impl Motion {
             }
         }
         self.advance_axes();
+        self.look_after_transforms();
         self.check_faults();
         for index in 0..self.systems.len() {
             self.finish_stop(index);
@@ -108,18 +114,27 @@ impl Motion {
     /// Executes an instruction at the present tick and returns what its motion control tag shows then.
     /// Real-time: bounded by the instruction and the coordinate systems that share its axes.
     pub fn execute(&mut self, ticket: Ticket, call: &Call) -> MotionControl {
+        self.execute_with(ticket, call, None)
+    }
+
+    /// The same with what the instruction has from tags. Real-time.
+    pub fn execute_with(&mut self, ticket: Ticket, call: &Call, material: Option<Material>) -> MotionControl {
         let execution = Execution {
             ticket,
             control: call.control,
             mnemonic: call.mnemonic,
         };
         let tick = self.clock.tick;
+        let sent = Sent(material);
         let result = self
             .controls
             .begin(execution, tick)
-            .and_then(|()| instructions::execute(self, execution, call));
+            .and_then(|()| instructions::execute(self, execution, call, &sent));
         if let Err(error) = result {
             self.controls.fail(execution, error, tick);
+            if sent.verdict() == Err(error) {
+                self.controls.set_segment(execution, sent.element() as i32, tick);
+            }
         }
         self.controls.word(call.control)
     }

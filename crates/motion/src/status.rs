@@ -11,6 +11,7 @@ use arcline_planner::profile::Phase;
 
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
+use crate::follow::cam::Cam;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::system::{Activity, System};
 
@@ -101,6 +102,8 @@ fn axis_word(axis: &Axis) -> u32 {
 fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     let phase = phase(axis);
     let runs = |slot| axis.sum.get(slot).is_some_and(|generator| !generator.stopping);
+    let pends = |slot| axis.cams(slot).pending.is_some();
+    let cam_locked = |slot| axis.cam(slot).is_some_and(Cam::follows);
     let braking = axis.sum.active().any(|(_, generator)| generator.stopping);
     [
         (phase == Phase::Accelerating, motion_status::ACCEL_STATUS),
@@ -115,6 +118,12 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
             axis.gear().is_some_and(|gear| gear.is_locked(clock)),
             motion_status::GEARING_LOCK_STATUS,
         ),
+        (runs(Slot::PositionCam), motion_status::POSITION_CAM_STATUS),
+        (runs(Slot::TimeCam), motion_status::TIME_CAM_STATUS),
+        (pends(Slot::PositionCam), motion_status::POSITION_CAM_PENDING_STATUS),
+        (pends(Slot::TimeCam), motion_status::TIME_CAM_PENDING_STATUS),
+        (cam_locked(Slot::PositionCam), motion_status::POSITION_CAM_LOCK_STATUS),
+        (cam_locked(Slot::TimeCam), motion_status::TIME_CAM_LOCK_STATUS),
         (axis.is_linked(), motion_status::TRANSFORM_STATE_STATUS),
         (axis.linked.controlled, motion_status::CONTROLLED_BY_TRANSFORM_STATUS),
         (axis.is_coordinated(), motion_status::COORDINATED_MOTION_STATUS),

@@ -1,5 +1,6 @@
 //! One coordinate system: its planner, its stop, and what its status bits remember.
 
+use arcline_kinematics::{GeometryError, Robot};
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::Phase;
@@ -7,6 +8,7 @@ use arcline_planner::{ContourQueue, Planner};
 
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
+use crate::follow::reach::Pace;
 use crate::machine::{AxisLimits as Limits, CoordinateSystem, Corner};
 use crate::stop::Stop;
 
@@ -25,6 +27,8 @@ pub(crate) struct Planned {
     pub(crate) execution: Execution,
     pub(crate) dynamics: Dynamics,
     pub(crate) termination: Termination,
+    /// How fast it may be for the sake of robots' joints, where that is kept.
+    pub(crate) pace: Pace,
 }
 
 /// Whose motion the planner's active move is.
@@ -42,6 +46,8 @@ pub(crate) enum Activity {
 #[derive(Debug)]
 pub(crate) struct System {
     pub(crate) description: CoordinateSystem,
+    /// Whose joints its axes are.
+    pub(crate) robot: Option<Result<Robot, GeometryError>>,
     pub(crate) planner: Planner<Planned>,
     /// In place of the planner where moves are travelled as planned contours, but for one that was merged: the planner
     /// travels that, and the moves here wait behind it.
@@ -72,6 +78,9 @@ impl System {
         System {
             contour: contours.then(|| ContourQueue::new(description.queue_depth)),
             axis_limits,
+            robot: description
+                .robot
+                .map(|robot| Robot::new(robot.geometry, &robot.parameters)),
             planner: Planner::new(description.queue_depth, corner_step),
             description: description.clone(),
             activity: Activity::Idle,

@@ -10,7 +10,7 @@ use arcline_instruction_set::{AxisIndex, Culprit, MotionError};
 use arcline_planner::geometry::Point;
 
 use crate::axis::{Axis, AxisState};
-use crate::system::{System, component};
+use crate::system::{Activity, System, component};
 
 /// Whether a Units word belongs to a master axis.
 pub(crate) fn is_master_driven(units: f64) -> bool {
@@ -70,7 +70,8 @@ pub(crate) fn not_stopping(system: &System, axes: &[Axis]) -> Result<(), MotionE
     if let Some(place) = first(system, axes, Axis::is_stopping) {
         return Err(MotionError::NotAllowedWhileStopping(place));
     }
-    if system.stop.is_some_and(|stop| stop.of_moves) {
+    // A transform that failed stops moves on their path as well.
+    if system.activity == Activity::Stopping || system.stop.is_some_and(|stop| stop.of_moves) {
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
     }
     Ok(())

@@ -10,11 +10,13 @@
 mod contour;
 mod meter;
 mod rings;
+mod samples;
 mod schedule;
 mod thread;
 
 pub use contour::Planning;
 pub use meter::Meter;
-pub use rings::{Answer, COMMANDS, EVENTS, Link, Rings, link};
+pub use rings::{ACCEPTED, Answer, COMMANDS, EVENTS, Link, Rings, link};
+pub use samples::Samples;
 pub use schedule::{Report, Shortfall, prepare_beside_tick};
 pub use thread::{Handle, Options, SpawnError, spawn, step};

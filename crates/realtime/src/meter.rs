@@ -21,6 +21,7 @@ pub struct Meter {
     compute: Histogram,
     lost_events: AtomicU64,
     lost_answers: AtomicU64,
+    lost_samples: AtomicU64,
     fifo: AtomicBool,
     memory_locked: AtomicBool,
     /// The core plus 1; 0: not pinned.
@@ -52,6 +53,7 @@ impl Meter {
             compute: self.compute.measured(ticks),
             lost_events: self.lost_events.load(Relaxed),
             lost_answers: self.lost_answers.load(Relaxed),
+            lost_samples: self.lost_samples.load(Relaxed),
             fifo: self.fifo.load(Relaxed),
             memory_locked: self.memory_locked.load(Relaxed),
             core: self
@@ -82,6 +84,10 @@ impl Meter {
 
     pub(crate) fn lose_answer(&self) {
         add(&self.lost_answers, 1);
+    }
+
+    pub(crate) fn lose_samples(&self) {
+        add(&self.lost_samples, 1);
     }
 
     pub(crate) fn report(&self, report: &Report) {

@@ -4,16 +4,21 @@
 use std::sync::Arc;
 
 use arcline_controller::machine::Machine;
-use arcline_controller::{Command, ContourRequest, Event, PlannedContour, Port, Snapshot, Ticket, Trajectory};
+use arcline_controller::{
+    AcceptedMove, Command, ContourRequest, Event, PlannedContour, Port, Snapshot, Ticket, Trajectory,
+};
 use arcline_instruction_set::MotionControl;
 
 use crate::contour::{self, Contours, Planning};
 use crate::meter::Meter;
+use crate::samples::{self, SampleSender, Samples};
 
 /// Commands that can wait for the controller.
 pub const COMMANDS: usize = 4096;
 /// Events that can wait for their reader; one tick can make as many.
 pub const EVENTS: usize = 16_384;
+/// Accepted moves that can wait for their reader; more are not shown.
+pub const ACCEPTED: usize = 2048;
 
 /// What an instruction's tag showed right after it was executed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +43,10 @@ pub struct Link {
     pub answers: rtrb::Consumer<Answer>,
     /// Changes of instructions, in order.
     pub events: rtrb::Consumer<Event>,
+    /// Coordinated moves as they were accepted, in order.
+    pub accepted: rtrb::Consumer<AcceptedMove>,
+    /// A row of samples for every tick; `None`: somebody has taken it.
+    pub samples: Option<Samples>,
     /// The newest snapshot.
     pub snapshots: triple_buffer::Output<Snapshot>,
     /// The thread's measurements.
@@ -52,6 +61,8 @@ pub struct Rings {
     commands: rtrb::Consumer<Command>,
     answers: rtrb::Producer<Answer>,
     events: rtrb::Producer<Event>,
+    accepted: rtrb::Producer<AcceptedMove>,
+    samples: SampleSender,
     snapshots: triple_buffer::Input<Snapshot>,
     pub(crate) meter: Arc<Meter>,
     /// The tick that runs or comes next.
@@ -76,6 +87,8 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
     // Every command in the ring may be answered before anybody looks.
     let (answers, answer_receiver) = rtrb::RingBuffer::new(2 * COMMANDS);
     let (events, event_receiver) = rtrb::RingBuffer::new(EVENTS);
+    let (accepted, accepted_receiver) = rtrb::RingBuffer::new(ACCEPTED);
+    let (samples, sample_receiver) = samples::link(machine);
     let (snapshots, snapshot_output) = triple_buffer::triple_buffer(&Snapshot::new(machine));
     let meter = Arc::new(Meter::default());
     let (contours, planning) = contour::link(machine).unzip();
@@ -83,6 +96,8 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         commands,
         answers,
         events,
+        accepted,
+        samples,
         snapshots,
         meter: meter.clone(),
         tick: 0,
@@ -93,6 +108,8 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         commands: command_sender,
         answers: answer_receiver,
         events: event_receiver,
+        accepted: accepted_receiver,
+        samples: Some(sample_receiver),
         snapshots: snapshot_output,
         meter,
         planning,
@@ -141,11 +158,19 @@ impl Port for Rings {
         }
     }
 
+    fn accepted(&mut self, accepted: &AcceptedMove) {
+        // Without room it is not drawn, and moves all the same.
+        let _ = self.accepted.push(*accepted);
+    }
+
     fn snapshot(&mut self) -> Option<&mut Snapshot> {
         Some(self.snapshots.input_buffer_mut())
     }
 
     fn publish(&mut self) {
+        if !self.samples.send(self.snapshots.input_buffer_mut()) {
+            self.meter.lose_samples();
+        }
         self.snapshots.publish();
     }
 

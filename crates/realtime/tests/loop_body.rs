@@ -49,6 +49,8 @@ fn machine(period_ns: u64) -> Machine {
             queue_depth: 1,
             corner: Default::default(),
             axis_limits: Default::default(),
+            joint_limits: Default::default(),
+            robot: None,
         }],
         transforms: Vec::new(),
     }

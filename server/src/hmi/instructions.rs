@@ -61,7 +61,7 @@ fn operand(instruction: &Instruction, place: usize, operand: &Operand) -> Value 
     });
     match &operand.kind {
         Kind::Target(object) | Kind::Reference(object) => described["object"] = object.member().into(),
-        Kind::Structure(name) => described["type"] = (*name).into(),
+        Kind::Structure(name) | Kind::StructureOrNone(name) => described["type"] = (*name).into(),
         Kind::Word(words) => described["words"] = choices(words),
         Kind::Number(limits) | Kind::Integer(limits) => described["range"] = range(instruction, *limits),
         Kind::Array(rule) => {
@@ -91,7 +91,7 @@ fn kind(kind: &Kind) -> &'static str {
         Kind::Array(_) => "array",
         Kind::ArrayOrNone => "array_or_none",
         Kind::WrittenArray(_) => "written_array",
-        Kind::Structure(_) => "structure",
+        Kind::Structure(_) | Kind::StructureOrNone(_) => "structure",
     }
 }
 

@@ -1,7 +1,11 @@
 //! What a viewer may ask for, and what it is answered.
 
+use arcline_instruction_set::{Mnemonic, MotionError, OperandIndex, describe};
+use arcline_structured_text::SyntaxError;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
+
+use crate::plant::CallRefused;
 
 /// A request, by its `do`.
 #[derive(Deserialize, Debug)]
@@ -9,19 +13,163 @@ use serde_json::{Value, json};
 pub(super) enum Ask {
     /// Is anybody there?
     Ping,
+    /// The right to drive an object.
+    Take {
+        object: String,
+        #[serde(default)]
+        force: bool,
+    },
+    /// The right back.
+    Release { object: String },
+    /// One instruction as Structured Text.
+    Execute { text: String },
+    /// The Structured Text of a filled form.
+    Line {
+        instruction: String,
+        #[serde(default)]
+        operands: Map<String, Value>,
+    },
+    /// Moves an axis as long as [`Ask::Keep`] comes; u/s with its sign, u/s².
+    Jog {
+        axis: String,
+        speed: f64,
+        accel: Option<f64>,
+        decel: Option<f64>,
+    },
+    /// The hand is still on the button.
+    Keep { axis: String },
+    /// It is not.
+    JogEnd { axis: String },
+    /// Stops an object, or everything.
+    Stop { object: Option<String> },
+    /// Takes a share of the programmed speeds, percent.
+    Override { coordinate_system: String, percent: f64 },
+    /// An override of 0.
+    Hold { coordinate_system: String },
+    /// The override from before.
+    Resume { coordinate_system: String },
+    /// What one instruction would do.
+    Preview { text: String },
+    /// What a program would do.
+    DryRun { text: String },
+    /// What is wrong with a program.
+    Check { text: String },
+    /// Runs a program; `step`: it waits in front of its first statement.
+    Run {
+        text: String,
+        #[serde(default, alias = "paused")]
+        step: bool,
+    },
+    /// One statement more.
+    Step,
+    /// No further statement for now.
+    Pause,
+    /// All further statements.
+    Continue,
+    /// No further statement.
+    End,
+    /// Names and types of tags.
+    Tags {
+        #[serde(default)]
+        pattern: String,
+        after: Option<String>,
+    },
+    /// Values of tags, once.
+    Read { names: Vec<String> },
+    /// Values of tags, again and again, in place of those before.
+    Watch { names: Vec<String> },
+    /// A value into a tag.
+    Write { tag: String, value: Value },
+    /// Frames of samples.
+    Trace { on: bool },
+    /// What has happened to instructions.
+    Events { since: Option<u64> },
 }
 
 /// Why something was not done.
-#[derive(Serialize, Clone, Debug, Default)]
+#[derive(Serialize, Clone, PartialEq, Debug, Default)]
 pub(super) struct Refusal {
     /// For people.
     pub(super) text: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) err: Option<i16>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) exerr: Option<i8>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) cause: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) remedy: Option<&'static str>,
+    /// Place in a text, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) line: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) column: Option<u32>,
+    /// The operand at fault.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) member: Option<Box<str>>,
+    /// Who has the right that was missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) holder: Option<Box<str>>,
 }
 
 impl Refusal {
     pub(super) fn new(text: impl Into<String>) -> Self {
-        Self { text: text.into() }
+        Self {
+            text: text.into(),
+            ..Self::default()
+        }
     }
+
+    /// A motion error.
+    pub(super) fn motion(err: i16, exerr: i8, mnemonic: Mnemonic) -> Self {
+        let row = MotionError::from_codes(err, exerr);
+        let concerns_operand = matches!(row, Some(MotionError::ParameterOutOfRange(_)));
+        Self {
+            err: Some(err),
+            exerr: Some(exerr),
+            cause: row.map(MotionError::cause),
+            remedy: row.map(MotionError::remedy),
+            member: u8::try_from(exerr)
+                .ok()
+                .filter(|_| concerns_operand)
+                .and_then(|place| member(mnemonic, OperandIndex(place))),
+            ..Self::new(describe(err, exerr, Some(mnemonic)))
+        }
+    }
+
+    /// A call that was not executed.
+    pub(super) fn call(refused: &CallRefused, mnemonic: Mnemonic) -> Self {
+        let operand = match refused {
+            CallRefused::Bind(error) => error.operand(),
+            CallRefused::Control(_) | CallRefused::Busy | CallRefused::NoAnswer => None,
+        };
+        Self {
+            member: operand.and_then(|operand| member(mnemonic, operand)),
+            ..Self::new(refused.to_string())
+        }
+    }
+
+    pub(super) fn syntax(error: &SyntaxError) -> Self {
+        Self {
+            line: u32::try_from(error.line).ok(),
+            column: u32::try_from(error.column).ok(),
+            ..Self::new(error.problem.to_string())
+        }
+    }
+
+    pub(super) fn at(self, line: usize) -> Self {
+        Self {
+            line: u32::try_from(line).ok(),
+            ..self
+        }
+    }
+}
+
+fn member(mnemonic: Mnemonic, operand: OperandIndex) -> Option<Box<str>> {
+    let operands = mnemonic.instruction().operands;
+    operands
+        .get(usize::from(operand.0))
+        .map(|operand| operand.member().into())
 }
 
 /// Reads a message: its `id`, which the answer repeats, and what it asks for.

@@ -6,25 +6,38 @@
 
 mod access;
 mod assets;
+mod drive;
+mod events;
+mod frames;
 mod instructions;
+mod line;
 mod machine;
 mod message;
+mod paths;
+mod preview;
+mod program;
+mod rights;
 mod serve;
 mod status;
+mod tags;
 #[cfg(test)]
 mod tests;
 mod viewer;
 
 use std::io;
 use std::net::SocketAddr;
-use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use axum::extract::ws::Utf8Bytes;
 use tokio::net::TcpListener;
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::{Semaphore, broadcast, watch};
 
 use crate::plant::Plant;
 use assets::Assets;
+use drive::{Jogs, Origins};
+use program::Programs;
+use rights::Rights;
 use status::Status;
 
 /// The bound HMI.
@@ -49,6 +62,22 @@ struct Shared {
     /// Viewers so far.
     viewers: AtomicU64,
     status: watch::Sender<Status>,
+    /// Frames of samples.
+    frames: broadcast::Sender<bytes::Bytes>,
+    rights: Mutex<Rights>,
+    jogs: Mutex<Jogs>,
+    origins: Mutex<Origins>,
+    program: Programs,
+    /// One for each simulation that may run.
+    simulations: Arc<Semaphore>,
+    /// Changes of instructions.
+    events: broadcast::Sender<Utf8Bytes>,
+}
+
+impl Shared {
+    fn rights(&self) -> MutexGuard<'_, Rights> {
+        self.rights.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Hmi {
@@ -66,6 +95,13 @@ impl Hmi {
             places: Arc::new(Semaphore::new(VIEWERS)),
             viewers: AtomicU64::new(0),
             status: watch::Sender::new(Status::default()),
+            frames: broadcast::Sender::new(frames::WAITING),
+            rights: Mutex::default(),
+            jogs: Mutex::default(),
+            origins: Mutex::default(),
+            program: Programs::default(),
+            simulations: Arc::new(Semaphore::new(SIMULATIONS)),
+            events: broadcast::Sender::new(events::WAITING),
             plant,
         };
         Ok(Self {
@@ -82,10 +118,15 @@ impl Hmi {
     /// Serves until the future is dropped; that closes every viewer.
     pub async fn serve(self) {
         let statuses = status::produce(self.shared.clone());
+        let samples = frames::produce(self.shared.clone());
+        let dead_man = drive::watch(self.shared.clone());
+        let events = events::produce(self.shared.clone());
         let connections = serve::accept(self.listener, self.shared);
-        tokio::join!(statuses, connections);
+        tokio::join!(dead_man, statuses, samples, events, connections);
     }
 }
 
+/// Simulations at a time, for previews.
+const SIMULATIONS: usize = 1;
 /// Viewers at a time.
 const VIEWERS: usize = 32;

@@ -1,6 +1,7 @@
 //! The state of the machine, pushed to every viewer: made once for all of them, and only while there is one.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use arcline_controller::Snapshot;
@@ -12,7 +13,8 @@ use axum::extract::ws::Utf8Bytes;
 use serde_json::{Value, json};
 use tokio::time::{MissedTickBehavior, interval};
 
-use super::Shared;
+use super::{Shared, paths};
+use crate::plant::LiveMoves;
 
 /// Time between two of them.
 const EVERY: Duration = Duration::from_millis(66);
@@ -20,39 +22,53 @@ const EVERY: Duration = Duration::from_millis(66);
 /// One push of the state.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Status {
-    /// As it is sent.
-    pub(super) text: Utf8Bytes,
+    /// Which paths it is about: other paths have another number.
+    pub(super) paths: u64,
+    /// For a viewer that has the paths already.
+    pub(super) light: Utf8Bytes,
+    /// With the paths.
+    pub(super) whole: Utf8Bytes,
 }
 
 /// Makes a status whenever one is due, until the future is dropped.
 pub(super) async fn produce(shared: Arc<Shared>) {
     let words = Words::new(&shared);
+    let mut latest = Status::default();
+    let (mut shown, mut viewers) = (Vec::new(), 0);
     let mut due = interval(EVERY);
     due.set_missed_tick_behavior(MissedTickBehavior::Delay);
     loop {
         due.tick().await;
-        if shared.status.receiver_count() > 0 {
-            let text = words.status(&shared).to_string().into();
-            shared.status.send_replace(Status { text });
+        if shared.status.receiver_count() == 0 {
+            continue;
         }
+        // Who is new has no paths yet.
+        let now = (versions(&shared), shared.viewers.load(Ordering::Relaxed));
+        if now != (shown, viewers) {
+            latest.paths += 1;
+            latest.whole = words.status(&shared, Paths::Drawn).to_string().into();
+        }
+        (shown, viewers) = now;
+        latest.light = words.status(&shared, Paths::LeftOut).to_string().into();
+        shared.status.send_replace(latest.clone());
     }
 }
 
-/// The signals of a frame of samples, in order.
-pub(super) fn signals(machine: &Machine) -> Vec<String> {
-    let of_axis = [
-        "CommandPosition",
-        "CommandVelocity",
-        "CommandAcceleration",
-        "ActualPosition",
-    ];
-    let axes = machine.axes.iter();
-    let axes = axes.flat_map(|axis| of_axis.map(|signal| format!("{}.{signal}", axis.name)));
-    let systems = machine
-        .systems
-        .iter()
-        .map(|system| format!("{}.PathSpeed", system.name));
-    axes.chain(systems).collect()
+/// What is told of programmed paths.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Paths {
+    /// Every point of them.
+    Drawn,
+    /// Their versions.
+    LeftOut,
+}
+
+/// The versions of the paths of all coordinate systems.
+fn versions(shared: &Shared) -> Vec<u64> {
+    let systems = shared.plant.machine().systems.len();
+    shared
+        .plant
+        .with_state(|_, _, moves| (0..systems).map(|system| moves.version(system)).collect())
 }
 
 /// Where the status bits of each object stand in its tag.
@@ -85,19 +101,20 @@ impl Words {
         })
     }
 
-    fn status(&self, shared: &Shared) -> Value {
+    fn status(&self, shared: &Shared, paths: Paths) -> Value {
         let machine = shared.plant.machine();
         let health = shared.plant.health();
-        shared.plant.with_state(|image, snapshot| {
+        let drivers = shared.rights().drivers(machine);
+        shared.plant.with_state(|image, snapshot, moves| {
             json!({
                 "push": "status",
                 "tick": snapshot.tick,
                 "time_s": snapshot.tick as f64 * machine.period(),
                 "axes": self.axes(machine, image, snapshot),
-                "coordinate_systems": self.systems(machine, image, snapshot),
+                "coordinate_systems": self.systems(machine, image, snapshot, moves, paths),
                 "group": {"name": machine.group, "bits": set(image, &machine.group, &self.group)},
                 "realtime": realtime(&health),
-                "drivers": {},
+                "drivers": drivers,
             })
         })
     }
@@ -125,19 +142,24 @@ impl Words {
         axes.collect()
     }
 
-    fn systems(&self, machine: &Machine, image: &Image, snapshot: &Snapshot) -> Value {
+    fn systems(&self, machine: &Machine, image: &Image, snapshot: &Snapshot, moves: &LiveMoves, drawn: Paths) -> Value {
         let systems = machine.systems.iter().zip(&snapshot.systems).zip(&self.systems);
-        let systems = systems.map(|((system, now), bits)| {
-            json!({
+        let systems = systems.enumerate().map(|(place, ((system, now), bits))| {
+            let mut told = json!({
                 "name": system.name,
                 "position": &now.actual[..system.axes.len().min(now.actual.len())],
-                "active": Value::Null,
-                "pending": [],
+                "active": paths::active(moves, place, image, now),
+                "pending": paths::pending(moves, place, image),
+                "path_version": moves.version(place),
                 "speed": now.path_speed,
                 "override": 100.0 * now.feed_override,
                 "held": now.feed_override == 0.0,
                 "bits": set(image, &system.name, bits),
-            })
+            });
+            if drawn == Paths::Drawn {
+                told["path"] = paths::of(moves, place, system.axes.len());
+            }
+            told
         });
         systems.collect()
     }

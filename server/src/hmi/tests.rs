@@ -23,6 +23,7 @@ const SOON: Duration = Duration::from_secs(10);
 /// A machine that runs, and its HMI.
 struct Bench {
     address: SocketAddr,
+    plant: Plant,
     serving: JoinHandle<()>,
     _tick: Handle,
 }
@@ -42,6 +43,7 @@ impl Bench {
             .expect("a free port");
         Bench {
             address: hmi.local_addr(),
+            plant,
             serving: tokio::spawn(hmi.serve()),
             _tick: tick,
         }
@@ -317,3 +319,8 @@ async fn the_state_is_pushed() {
     let second = viewer.push("status").await;
     assert!(second["tick"].as_u64() > first["tick"].as_u64(), "{first} {second}");
 }
+
+mod driving;
+mod looking;
+mod previews;
+mod programs;

@@ -6,8 +6,8 @@ use std::sync::TryLockError;
 use arcline_controller::image::Image;
 use arcline_controller::{Command, Snapshot};
 
-use super::Plant;
 use super::state::State;
+use super::{LiveMoves, Logged, Plant};
 
 impl Plant {
     /// Reads the state of the newest tick.
@@ -17,12 +17,20 @@ impl Plant {
         read(state.link.snapshots.output_buffer())
     }
 
-    /// Reads the state of the newest tick and the tags of the same one.
-    pub fn with_state<R>(&self, read: impl FnOnce(&Image, &Snapshot) -> R) -> R {
+    /// The newest changes of instructions behind a number, oldest first, with the tags of now.
+    pub fn events_since<R>(&self, number: u64, read: impl FnOnce(&Image, Vec<Logged>) -> R) -> R {
         let mut state = self.0.lock();
         state.refresh();
-        let State { image, link, .. } = &mut *state;
-        read(image, link.snapshots.output_buffer())
+        let events = state.log.since(number).copied().collect();
+        read(&state.image, events)
+    }
+
+    /// Reads the state of the newest tick, the tags of the same one, and the moves under way.
+    pub fn with_state<R>(&self, read: impl FnOnce(&Image, &Snapshot, &LiveMoves) -> R) -> R {
+        let mut state = self.0.lock();
+        state.refresh();
+        let State { image, link, moves, .. } = &mut *state;
+        read(image, link.snapshots.output_buffer(), moves)
     }
 
     /// As [`Plant::with_snapshot`], but does not wait for whoever has the plant: `None` when it is not to be had soon.

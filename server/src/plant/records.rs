@@ -5,37 +5,53 @@ use std::collections::VecDeque;
 use arcline_controller::Ticket;
 use arcline_instruction_set::{Flag, MotionControl};
 
+#[derive(Clone, Copy, Debug)]
+struct Record {
+    control: MotionControl,
+    /// The object it acts on, by its place.
+    target: Option<u16>,
+}
+
 /// The newest executions.
 #[derive(Debug, Default)]
 pub(super) struct Records {
-    ring: VecDeque<MotionControl>,
+    ring: VecDeque<Record>,
     newest: u64,
 }
 
 impl Records {
     /// Makes place for the next ticket. Tickets are in sequence.
-    pub(super) fn begin(&mut self, ticket: Ticket) {
+    pub(super) fn begin(&mut self, ticket: Ticket, target: Option<u16>) {
         if self.ring.len() == RECORDS {
             self.ring.pop_front();
         }
         // An execution begins with EN, and no event repeats that when the tag's EN was set before.
         let mut begun = MotionControl::default();
         begun.set(Flag::En);
-        self.ring.push_back(begun);
+        self.ring.push_back(Record { control: begun, target });
         self.newest = ticket.0;
     }
 
     pub(super) fn get_mut(&mut self, ticket: Ticket) -> Option<&mut MotionControl> {
+        let place = self.place(ticket)?;
+        self.ring.get_mut(place).map(|record| &mut record.control)
+    }
+
+    /// The object that an execution acts on.
+    pub(super) fn target(&self, ticket: Ticket) -> Option<u16> {
+        self.ring.get(self.place(ticket)?)?.target
+    }
+
+    fn place(&self, ticket: Ticket) -> Option<usize> {
         let age = usize::try_from(self.newest.checked_sub(ticket.0)?).ok()?;
-        let place = self.ring.len().checked_sub(age + 1)?;
-        self.ring.get_mut(place)
+        self.ring.len().checked_sub(age + 1)
     }
 
     pub(super) fn by_instance(&self, instance: u32) -> Option<MotionControl> {
         // Instances are the low half of a ticket.
         let age = (self.newest as u32).wrapping_sub(instance) as usize;
         let place = self.ring.len().checked_sub(age.checked_add(1)?)?;
-        self.ring.get(place).copied()
+        self.ring.get(place).map(|record| record.control)
     }
 
     pub(super) fn newest(&self) -> Option<Ticket> {

@@ -3,15 +3,18 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use arcline_controller::image::{Edge, Image, TagKind};
+use arcline_controller::image::{Edge, Image, Staged, TagKind};
 use arcline_controller::{Command, Ticket};
 use arcline_instruction_set::{Call, FaultSet, Flag, MotionControl, MotionError};
 use arcline_realtime::Link;
 use tokio::sync::oneshot;
 
 use super::OUTSTANDING;
+use super::log::Log;
+use super::moves::LiveMoves;
 use super::records::Records;
 use crate::retained::Watch;
+use crate::trace::Trace;
 
 /// Everything behind the plant's lock.
 #[derive(Debug)]
@@ -25,18 +28,25 @@ pub(super) struct State {
     /// What found no room in the ring, in order.
     pub(super) backlog: VecDeque<Command>,
     pub(super) records: Records,
+    pub(super) log: Log,
+    pub(super) moves: LiveMoves,
     lost: u64,
+    /// What instructions under way write to tags when they are done.
+    staged: BTreeMap<Ticket, Staged>,
     /// The overrides that the controller has been sent, percent.
     overrides: Vec<f32>,
     /// The injected causes of faults that the controller has been sent.
     injected: Vec<FaultSet>,
     /// Sees what is kept over a restart.
     pub(super) watch: Option<Watch>,
+    /// Sees what triggers it.
+    trace: Trace,
 }
 
 impl State {
     /// On rings of which nothing has come yet.
-    pub(super) fn new(image: Image, link: Link, watch: Option<Watch>) -> Self {
+    pub(super) fn new(image: Image, link: Link, watch: Option<Watch>, trace: Trace) -> Self {
+        let moves = LiveMoves::new(link.snapshots.output_buffer().systems.len());
         State {
             overrides: image.feed_overrides().collect(),
             injected: image.injected_faults().collect(),
@@ -46,9 +56,13 @@ impl State {
             next_ticket: 1,
             waiting: BTreeMap::new(),
             backlog: VecDeque::new(),
+            staged: BTreeMap::new(),
             records: Records::default(),
+            log: Log::default(),
+            moves,
             lost: 0,
             watch,
+            trace,
         }
     }
 
@@ -60,6 +74,14 @@ impl State {
             return;
         }
         let tick = self.link.snapshots.output_buffer().tick;
+        while let Ok(accepted) = self.link.accepted.peek() {
+            if accepted.tick > tick {
+                break;
+            }
+            let accepted = *accepted;
+            let _ = self.link.accepted.pop();
+            self.moves.accept(accepted);
+        }
         while let Ok(event) = self.link.events.peek() {
             if event.tick > tick {
                 break;
@@ -67,11 +89,16 @@ impl State {
             let event = *event;
             let _ = self.link.events.pop();
             self.image.apply_event(&event);
+            self.moves.event(&event);
+            self.log.push(event, self.records.target(event.ticket));
+            let tag = self.image.control_name(event.control);
+            self.trace.event(event.tick, tag, event.mnemonic, event.set);
             let record = self.records.get_mut(event.ticket);
             if let Some(control) = record {
                 event.apply(control);
                 if is_accepted(control) {
-                    self.complete(event.ticket);
+                    let control = *control;
+                    self.complete(event.ticket, &control);
                 }
             }
         }
@@ -90,12 +117,13 @@ impl State {
                 {
                     *control = answer.control;
                 }
-                self.complete(answer.ticket);
+                self.complete(answer.ticket, &answer.control);
             }
         }
         if updated {
             let snapshot = self.link.snapshots.output_buffer();
             self.image.apply_snapshot(snapshot);
+            self.moves.settle(snapshot);
             if let Some(watch) = &mut self.watch {
                 watch.axes(snapshot);
             }
@@ -112,7 +140,10 @@ impl State {
         }
     }
 
-    fn complete(&mut self, ticket: Ticket) {
+    fn complete(&mut self, ticket: Ticket, control: &MotionControl) {
+        if let Some(staged) = self.staged.remove(&ticket) {
+            self.image.settle(staged, control);
+        }
         if let Some(waiting) = self.waiting.remove(&ticket) {
             // Whoever waited may have given up.
             let _ = waiting.send(());
@@ -121,17 +152,24 @@ impl State {
 
     /// Sends a call; the receiver is told when DN, ER or IP is set.
     pub(super) fn send(&mut self, call: Call) -> (Ticket, oneshot::Receiver<()>) {
-        let ticket = self.ticket();
+        let ticket = self.ticket(call.target);
         let (sender, receiver) = oneshot::channel();
         self.waiting.insert(ticket, sender);
-        self.push(Command::Call(ticket, call));
+        let (material, staged) = self.image.prepare(&call);
+        if let Some(staged) = staged {
+            self.staged.insert(ticket, staged);
+        }
+        self.push(match material {
+            None => Command::Call(ticket, call),
+            Some(material) => Command::CallWith(ticket, call, material),
+        });
         (ticket, receiver)
     }
 
-    fn ticket(&mut self) -> Ticket {
+    fn ticket(&mut self, target: Option<u16>) -> Ticket {
         let ticket = Ticket(self.next_ticket);
         self.next_ticket += 1;
-        self.records.begin(ticket);
+        self.records.begin(ticket, target);
         ticket
     }
 
@@ -209,7 +247,7 @@ impl State {
             // A name among the operands that means nothing is a value out of range.
             Err(error) => MotionError::from_codes(OUT_OF_RANGE, error.operand().map_or(0, |operand| operand.0 as i8))?,
         };
-        let ticket = self.ticket();
+        let ticket = self.ticket(None);
         let refused = MotionControl::refused(error);
         self.image.set_control(kind.control, refused);
         if let Some(control) = self.records.get_mut(ticket) {

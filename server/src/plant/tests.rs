@@ -129,7 +129,7 @@ fn the_newest_executions_are_kept() {
         (None, None, None)
     );
     for ticket in 1..=RECORDS as u64 + 10 {
-        records.begin(Ticket(ticket));
+        records.begin(Ticket(ticket), None);
         records.get_mut(Ticket(ticket)).expect("the newest").err = (ticket % 100) as i16;
     }
     assert_eq!(

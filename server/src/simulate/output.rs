@@ -4,9 +4,41 @@ use std::fs::File;
 use std::io::{self, Write as _};
 use std::path::Path;
 
-use arcline_controller::Event;
+use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
+use arcline_controller::{Controller, Event};
 use arcline_instruction_set::Flag;
+
+use super::Observer;
+
+/// What a simulation writes down.
+#[derive(Debug)]
+pub(super) struct Files {
+    pub(super) trace: Option<Output>,
+    pub(super) events: Option<Output>,
+}
+
+impl Observer for Files {
+    fn begin(&mut self, machine: &Machine) {
+        if let Some(trace) = &mut self.trace {
+            trace.header(machine);
+        }
+    }
+
+    fn tick(&mut self, tick: u64, machine: &Machine, controller: &mut Controller) -> bool {
+        if let Some(trace) = &mut self.trace {
+            let time = (tick as f64 * machine.period_ns as f64) / 1e9;
+            trace.row(tick, time, controller.trace());
+        }
+        true
+    }
+
+    fn event(&mut self, event: &Event, time: f64, image: &Image) {
+        if let Some(events) = &mut self.events {
+            events.event(event, time, image.control_name(event.control));
+        }
+    }
+}
 
 /// A file that is written in large pieces. A failed write is reported at the end.
 #[derive(Debug)]
@@ -66,6 +98,10 @@ impl Output {
 
     /// One change of an instruction's status.
     pub(super) fn event(&mut self, event: &Event, time: f64, tag: &str) {
+        if event.set | event.clear == 0 {
+            // A cam has come to another segment.
+            return;
+        }
         let text = &mut self.text;
         text.extend_from_slice(b"{\"time_s\":");
         number(text, time);

@@ -5,27 +5,24 @@ use std::fmt;
 use arcline_controller::image::{Edge, Image, TagKind};
 use arcline_controller::machine::Machine;
 use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket, UNNAMED};
-use arcline_instruction_set::{
-    BindError, Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, Object, bind, describe,
-};
-use arcline_structured_text::{Answer, BoundCall, Interpreter, Names, Request, RuntimeError, unmade_control};
+use arcline_instruction_set::{BindError, Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, bind, describe};
+use arcline_structured_text::{Answer, BoundCall, Interpreter, Request, RuntimeError, unmade_control};
 use arcline_tag::{TagPath, Value};
 
-use super::output::Output;
 use crate::cli::QueueFull;
 
 /// How to run.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Options {
+pub(crate) struct Options {
     /// Longest simulated time, s.
-    pub(super) until: f64,
-    pub(super) keep_going: bool,
-    pub(super) queue_full: QueueFull,
+    pub(crate) until: f64,
+    pub(crate) keep_going: bool,
+    pub(crate) queue_full: QueueFull,
 }
 
 /// How a run ended.
 #[derive(Debug)]
-pub(super) enum End {
+pub(crate) enum End {
     /// The program ran to its end and all motion ended.
     Finished,
     /// An instruction erred, and the motion that had begun ended.
@@ -34,11 +31,13 @@ pub(super) enum End {
     Wrong(Wrong),
     /// So many seconds passed.
     TooLong(f64),
+    /// Its observer has seen enough.
+    Left,
 }
 
 /// An instruction that erred.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Erred {
+pub(crate) struct Erred {
     tag: String,
     mnemonic: Mnemonic,
     line: usize,
@@ -56,7 +55,7 @@ impl fmt::Display for Erred {
 
 /// A statement that cannot be executed.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum Wrong {
+pub(crate) enum Wrong {
     #[error(transparent)]
     Runtime(#[from] RuntimeError),
     #[error("line {line}: {error}")]
@@ -78,6 +77,25 @@ pub(super) enum Wrong {
     },
 }
 
+/// Sees a simulation, tick by tick.
+pub(crate) trait Observer {
+    /// Before the first tick.
+    fn begin(&mut self, machine: &Machine) {
+        let _ = machine;
+    }
+    /// The state at the end of a tick. False: it has seen enough.
+    fn tick(&mut self, tick: u64, machine: &Machine, controller: &mut Controller) -> bool;
+    /// A change of an instruction's status, s after the beginning.
+    fn event(&mut self, event: &Event, time: f64, image: &Image);
+}
+
+impl Erred {
+    /// ERR, EXERR, the instruction, and the line of its call.
+    pub(crate) fn codes(&self) -> (i16, i8, Mnemonic, usize) {
+        (self.err, self.exerr, self.mnemonic, self.line)
+    }
+}
+
 /// What the program does at the next tick.
 #[derive(Debug)]
 enum Program {
@@ -94,7 +112,7 @@ enum Program {
 
 /// A controller and a program on a virtual clock.
 #[derive(Debug)]
-pub(super) struct Runner<'m> {
+pub(crate) struct Runner<'m> {
     machine: &'m Machine,
     controller: Controller,
     image: Image,
@@ -117,7 +135,7 @@ pub(super) struct Runner<'m> {
 }
 
 impl<'m> Runner<'m> {
-    pub(super) fn new(machine: &'m Machine, image: Image, interpreter: Interpreter, options: Options) -> Self {
+    pub(crate) fn new(machine: &'m Machine, image: Image, interpreter: Interpreter, options: Options) -> Self {
         Runner {
             machine,
             controller: Controller::new(machine),
@@ -137,11 +155,20 @@ impl<'m> Runner<'m> {
         }
     }
 
-    /// Runs until everything has ended.
-    pub(super) fn run(&mut self, mut trace: Option<&mut Output>, mut events: Option<&mut Output>) -> End {
-        if let Some(trace) = trace.as_deref_mut() {
-            trace.header(self.machine);
+    /// Takes the overrides and injected faults that the image has; a hold would have no end, and is none.
+    pub(crate) fn take_overrides(&mut self) {
+        for (system, percent) in (0..).zip(self.image.feed_overrides()) {
+            let share = if percent > 0.0 { f64::from(percent) / 100.0 } else { 1.0 };
+            self.controller.set_override(system, share);
         }
+        for (axis, causes) in (0..).zip(self.image.injected_faults()) {
+            self.controller.inject(axis, causes);
+        }
+    }
+
+    /// Runs until everything has ended.
+    pub(crate) fn run(&mut self, observer: &mut impl Observer) -> End {
+        observer.begin(self.machine);
         let period = self.machine.period_ns;
         let time = |tick: u64| (tick as f64 * period as f64) / 1e9;
         loop {
@@ -153,10 +180,10 @@ impl<'m> Runner<'m> {
             self.controller.plan_contours(&mut self.contour);
             self.controller.end_tick(|event| self.events.push(*event));
             if !self.events.is_empty() {
-                self.take_events(events.as_deref_mut(), time(tick));
+                self.take_events(observer, time(tick));
             }
-            if let Some(trace) = trace.as_deref_mut() {
-                trace.row(tick, time(tick), self.controller.trace());
+            if !observer.tick(tick, self.machine, &mut self.controller) {
+                return End::Left;
             }
             if matches!(self.program, Program::Ended) && self.controller.at_rest() {
                 return match (self.wrong.take(), self.erred.take()) {
@@ -263,7 +290,8 @@ impl<'m> Runner<'m> {
         match tag.map(|tag| tag.kind) {
             Some(TagKind::MotionControl(slot)) => self.watch(slot),
             Some(TagKind::Instruction(kind)) => self.watch(kind.control),
-            Some(TagKind::Plain | TagKind::FeedOverride | TagKind::FaultInject) => {}
+            Some(TagKind::Plain) => self.image.show_uses(),
+            Some(TagKind::FeedOverride | TagKind::FaultInject) => {}
             Some(_) => {
                 self.reads_motion = true;
                 self.show(tick);
@@ -311,7 +339,11 @@ impl<'m> Runner<'m> {
         self.lines.push(line);
         let ticket = Ticket(self.lines.len() as u64);
         self.shown = None;
-        let control = self.controller.execute(ticket, call);
+        let (material, staged) = self.image.prepare(call);
+        let control = self.controller.execute_with(ticket, call, material);
+        if let Some(staged) = staged {
+            self.image.settle(staged, &control);
+        }
         if control.has(Flag::Er) {
             self.err(call.control, call.mnemonic, ticket, control.err, control.exerr);
         }
@@ -350,12 +382,10 @@ impl<'m> Runner<'m> {
         Ok(())
     }
 
-    fn take_events(&mut self, mut output: Option<&mut Output>, time: f64) {
+    fn take_events(&mut self, observer: &mut impl Observer, time: f64) {
         for event in std::mem::take(&mut self.events) {
             self.image.apply_event(&event);
-            if let Some(output) = output.as_deref_mut() {
-                output.event(&event, time, self.image.control_name(event.control));
-            }
+            observer.event(&event, time, &self.image);
             if event.set & Flag::Er.mask() != 0 {
                 self.err(event.control, event.mnemonic, event.ticket, event.err, event.exerr);
             }
@@ -386,27 +416,4 @@ impl<'m> Runner<'m> {
 enum Next {
     Answer(Answer),
     Pause(Program),
-}
-
-/// The names of an image, for the check of a program.
-#[derive(Debug)]
-pub(super) struct ImageNames<'i>(pub(super) &'i Image);
-
-impl Names for ImageNames<'_> {
-    fn is_object(&self, object: Object, name: &str) -> bool {
-        self.0.object(object, name).is_some()
-    }
-
-    fn is_tag(&self, path: &TagPath) -> bool {
-        self.0.locate(path).is_ok()
-    }
-
-    fn objects(&self, object: Object) -> Vec<String> {
-        let names = self.0.tags().iter().filter(|tag| self.is_object(object, &tag.name));
-        names.map(|tag| tag.name.clone()).collect()
-    }
-
-    fn tags(&self) -> Vec<String> {
-        self.0.tags().iter().map(|tag| tag.name.clone()).collect()
-    }
 }

@@ -1,6 +1,6 @@
 //! What parses, what is refused, and the help.
 
-use arcline_client::Mnemonic;
+use arcline_client::{Input, Mnemonic};
 
 use super::help::instructions;
 use super::*;
@@ -11,12 +11,81 @@ fn parse(line: &str) -> Result<Command, clap::Error> {
     <Arguments as clap::FromArgMatches>::from_arg_matches(&matches).map(|arguments| arguments.command)
 }
 
+/// The examples of a command's help: the lines from `Example:` on, without their indentation.
+fn examples(command: &clap::Command) -> Vec<String> {
+    let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    let Some((_, examples)) = help.split_once("Example: ") else {
+        return Vec::new();
+    };
+    examples.lines().map(|line| line.trim().to_owned()).collect()
+}
+
 #[test]
-fn the_command_is_consistent_and_every_help_has_an_example() {
+fn the_command_is_consistent() {
     command().debug_assert();
-    for sub in command().get_subcommands() {
-        let help = sub.get_after_help().map(ToString::to_string).unwrap_or_default();
-        assert!(help.contains("Example: arcline "), "{}", sub.get_name());
+}
+
+#[test]
+fn every_help_has_examples_that_parse_as_that_command() {
+    let mut whole = command();
+    whole.build();
+    let mut todo: Vec<(String, clap::Command)> = vec![("arcline".to_owned(), whole)];
+    let mut count = 0;
+    while let Some((name, one)) = todo.pop() {
+        let found = examples(&one);
+        assert!(!found.is_empty(), "{name} has no example");
+        for example in found {
+            let words = shlex::split(&example).unwrap_or_else(|| panic!("{name}: {example}"));
+            // What a shell does with the output is not ours.
+            let words: Vec<String> = words
+                .into_iter()
+                .take_while(|word| word != ">" && word != "|")
+                .collect();
+            let parsed = command().try_get_matches_from(&words);
+            assert!(
+                parsed.is_ok(),
+                "{name}: {example}: {}",
+                parsed.err().map_or_else(String::new, |e| e.to_string())
+            );
+            assert!(example.starts_with(&name), "{example} is no example of {name}");
+            count += 1;
+        }
+        let children = one.get_subcommands().filter(|child| child.get_name() != "help");
+        todo.extend(children.map(|child| (format!("{name} {}", child.get_name()), child.clone())));
+    }
+    assert!(count > 30, "{count} examples");
+}
+
+#[test]
+fn slips_are_answered_with_the_nearest_name() {
+    #[rustfmt::skip]
+    let cases = [
+        ("a command",        "mvoe CS1 1,2",                           "'move'"),
+        ("an option",        "move CS1 1,2 --spede 5",                 "'--speed'"),
+        ("an instruction",   "explain 13/4 MCLN",                      "did you mean MCLM?"),
+        ("a word",           "move CS1 1,2 --termination NoSetle",     "did you mean NoSettle?"),
+        ("a fault",          "fault inject X overcurent",              "'overcurrent'"),
+    ];
+    for (why, line, expected) in cases {
+        let error = parse(line).expect_err(why).to_string();
+        assert!(error.contains(expected), "{why}: {line}: {error}");
+    }
+}
+
+#[test]
+fn what_is_explained_is_told_apart() {
+    use arcline_client::FaultKind;
+    for (text, expected) in [
+        ("13/4", Ok(Subject::Codes(13, 4))),
+        ("54/-1", Ok(Subject::Codes(54, -1))),
+        ("43", Ok(Subject::Codes(43, 0))),
+        ("overcurrent", Ok(Subject::Fault(FaultKind::Overcurrent))),
+        ("Move1", Ok(Subject::Tag("Move1".to_owned()))),
+        ("13/x", Err(())),
+        ("13/200", Err(())),
+        ("%", Err(())),
+    ] {
+        assert_eq!(text.parse::<Subject>().map_err(drop), expected, "{text}");
     }
 }
 
@@ -128,6 +197,13 @@ fn the_others_parse() {
         "identify",
         "identify --broadcast 10.0.0.255",
         "--server h:1 status",
+        "explain 13/4 MCLM",
+        "explain 54/-1",
+        "watch",
+        "watch X --interval 0.1 --for 1",
+        "shell",
+        "completions zsh",
+        "man -o pages",
     ] {
         assert!(parse(line).is_ok(), "{line}: {:?}", parse(line).err());
     }

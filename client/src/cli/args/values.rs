@@ -2,7 +2,8 @@
 
 use std::str::FromStr;
 
-use arcline_instruction_set::{FAULTS, FaultKind, Words};
+use arcline_client::nearest;
+use arcline_instruction_set::{FAULTS, FaultKind, Word, Words};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 
 /// A magnitude in units or in percent of the maximum.
@@ -74,9 +75,13 @@ pub(super) fn word_parser(
 ) -> impl Fn(&str) -> Result<i32, String> + Clone + Send + Sync + 'static {
     move |text| {
         let value = text.parse().ok().or_else(|| words.parse_word(text));
-        value
-            .filter(|value| words.contains(*value))
-            .ok_or_else(|| format!("expected {}", words.choices()))
+        value.filter(|value| words.contains(*value)).ok_or_else(|| {
+            let keywords: Vec<String> = words.words.iter().map(Word::keyword).collect();
+            match nearest(text, keywords.iter().map(String::as_str)) {
+                Some(near) => format!("did you mean {near}? Expected {}", words.choices()),
+                None => format!("expected {}", words.choices()),
+            }
+        })
     }
 }
 
@@ -88,4 +93,11 @@ pub(super) fn fault_parser() -> impl clap::builder::TypedValueParser<Value = Fau
             .map(|fault| PossibleValue::new(fault.word).help(fault.meaning)),
     )
     .try_map(|word| FaultKind::from_word(&word).ok_or("no kind of fault"))
+}
+
+/// A time of 1 ms to a year.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    number(text)
+        .filter(|seconds| (0.001..=3.2e7).contains(seconds))
+        .ok_or_else(|| format!("{text:?} is no time, expected seconds such as 0.5"))
 }

@@ -145,7 +145,7 @@ fn unbounded(text: &str, structure: impl Fn(&str) -> Option<Arc<Template>>) -> O
             Some(elementary) => DataType::Elementary(elementary),
             None => DataType::Structure(string_template()),
         },
-        None => DataType::Structure(structure(element)?),
+        None => DataType::Structure(predefined::of_tags(element).or_else(|| structure(element))?),
     };
     let is_bool = matches!(data_type, DataType::Elementary(Elementary::Bool));
     match dimensions {
@@ -189,7 +189,7 @@ pub const ELEMENTARY: &[&str] = &[
 
 const MEMBERS: &str = "a list of tables such as { name = \"Speed\", type = \"REAL\" }";
 const TOO_LARGE: &str = "a type of at most 2 MiB";
-const MEMBER_TYPE: &str = "BOOL, SINT, INT, DINT, LINT, USINT, UINT, UDINT, REAL, LREAL, STRING or a [[data_type]] above, \
-     or an array of 1 to 65535 of them such as REAL[16]";
-pub(super) const TAG_TYPE: &str = "BOOL, SINT, INT, DINT, LINT, USINT, UINT, UDINT, REAL, LREAL, STRING or a [[data_type]], \
-     or an array of 1 to 65535 of them in each of up to three dimensions such as REAL[16] or DINT[2,3]";
+const MEMBER_TYPE: &str = "BOOL, SINT, INT, DINT, LINT, USINT, UINT, UDINT, REAL, LREAL, STRING, CAM, CAM_PROFILE, OUTPUT_CAM, \
+     OUTPUT_COMPENSATION or a [[data_type]] above, or an array of 1 to 65535 of them such as REAL[16]";
+pub(super) const TAG_TYPE: &str = "BOOL, SINT, INT, DINT, LINT, USINT, UINT, UDINT, REAL, LREAL, STRING, CAM, CAM_PROFILE, OUTPUT_CAM, \
+     OUTPUT_COMPENSATION or a [[data_type]], or an array of 1 to 65535 of them in each of up to three dimensions such as REAL[16] or DINT[2,3]";

@@ -65,4 +65,12 @@ impl Directory for Image {
         let writable = for_instructions && self.writable(id, place.offset, 4 * place.elements as usize);
         (real && writable && id.0 <= 0xFFFF).then_some(id.0 << 16 | offset)
     }
+
+    fn structure(&self, type_name: &str, name: &str) -> Option<u32> {
+        let (id, place) = self.locate(&name.parse().ok()?).ok()?;
+        let named = place.data_type.name().eq_ignore_ascii_case(type_name) && place.bit.is_none();
+        let plain = self.tag(id)?.kind == TagKind::Plain;
+        let offset = u32::try_from(place.offset / 4).ok()?;
+        (named && plain && offset <= 0xFFFF && id.0 <= 0xFFFF).then_some(id.0 << 16 | offset)
+    }
 }

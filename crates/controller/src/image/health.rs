@@ -31,6 +31,8 @@ pub struct Health {
     pub lost_events: u64,
     /// Answers that found no room on their way out.
     pub lost_answers: u64,
+    /// Ticks whose samples found no room on their way out.
+    pub lost_samples: u64,
     /// Whether the thread has a real-time scheduling class.
     pub fifo: bool,
     /// Whether memory is locked.

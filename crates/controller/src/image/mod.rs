@@ -8,6 +8,7 @@
 //! All bytes are little-endian, offsets are bytes.
 
 mod calls;
+mod cams;
 mod controls;
 mod encode;
 mod error;
@@ -31,6 +32,7 @@ use arcline_tag::{DataType, Elementary, TagType, Template, write_string};
 use crate::machine::Machine;
 use crate::{Event, Snapshot, UNNAMED};
 
+pub use cams::Staged;
 pub use error::{ControlError, ReadError, WriteError};
 pub use fault_inject::FAULT_INJECT_TAG;
 pub use feed_override::{FEED_OVERRIDE_PERCENT, FEED_OVERRIDE_TAG};
@@ -62,6 +64,8 @@ pub struct Image {
     possible_faults: Vec<FaultSet>,
     /// Whether the latest tick overran.
     overlapping: bool,
+    /// Cam profiles that are calculated or used.
+    profiles: cams::Profiles,
 }
 
 impl Image {
@@ -86,6 +90,7 @@ impl Image {
                 .map(|axis| FaultSet::possible(!axis.is_virtual()))
                 .collect(),
             overlapping: false,
+            profiles: cams::Profiles::default(),
         };
         image.add(
             &machine.group,
@@ -197,6 +202,7 @@ impl Image {
     pub fn apply_snapshot(&mut self, snapshot: &Snapshot) {
         self.snapshot_tick = snapshot.tick;
         self.encoder.snapshot(snapshot, self.overlapping, &mut self.bytes);
+        self.show_uses();
     }
 
     /// Takes over the real-time thread's health, into its own tag and the group's Task members.

@@ -1,7 +1,8 @@
 //! The tag memory: names, paths, who may write, edges, and what events and snapshots make of it.
 
 use arcline_instruction_set::predefined::axis_fault;
-use arcline_instruction_set::{Argument, Directory, Flag, Mnemonic};
+use arcline_instruction_set::{Argument, Directory, Flag, Given, Mnemonic, MotionControl, MotionError, bind};
+use arcline_motion::Material;
 use arcline_tag::{Elementary, TagPath, Value};
 
 use super::*;
@@ -49,6 +50,8 @@ fn machine() -> Machine {
             queue_depth: 1,
             corner: Default::default(),
             axis_limits: Default::default(),
+            joint_limits: Default::default(),
+            robot: None,
         }],
         transforms: Vec::new(),
     }
@@ -226,6 +229,7 @@ fn events_show_in_the_tag_that_owns_them() {
         clear: clear.iter().fold(0, |word, flag| word | flag.mask()),
         err,
         exerr: -1,
+        segment: 0,
     };
     image.apply_event(&event(true, &[Flag::En, Flag::Dn, Flag::Ip], &[], 0));
     image.apply_event(&event(false, &[Flag::Pc], &[Flag::Ip], 0));
@@ -509,4 +513,73 @@ fn only_written_parts_of_plain_tags_are_remembered() {
     image.restore(axis, &vec![1; before.len()]);
     assert_eq!((image.bytes(count), image.bytes(axis)), (&[8, 0][..], &before[..]));
     assert_eq!(image.take_written(), [], "what is restored is not written");
+}
+
+#[test]
+fn a_profile_is_being_calculated_until_it_is_settled() {
+    let tag = |name: &str, template, elements| PlainTag::new(name, TagType::array(template, elements));
+    let tags = [
+        tag("Cam", predefined::cam(), 2),
+        tag("Curve", predefined::cam_profile(), 3),
+    ];
+    let mut image = Image::new(&machine(), &[], &tags);
+    let wrote = image.write_value(&path("Cam[1].Master"), Value::Real(5.0));
+    assert_eq!(wrote, Ok(None));
+    let name = |name: &str| Given::Name(name.to_owned());
+    let given = [
+        name("Cam"),
+        Given::Integer(2),
+        Given::Integer(0),
+        Given::Integer(0),
+        name("Curve"),
+    ];
+    let call = bind(Mnemonic::Mccp, None, UNNAMED, &given, &image).expect("it binds");
+    let status = |image: &Image| number(image, "Curve[0].Status");
+
+    let (material, staged) = image.prepare(&call);
+    assert!(matches!(material, Some(Material::Done)));
+    assert_eq!(status(&image), 1.0);
+    let (again, nothing) = image.prepare(&call);
+    let refused = MotionError::CamProfileBeingCalculated;
+    assert!(matches!(again, Some(Material::Refused { error, .. }) if error == refused) && nothing.is_none());
+    image.settle(
+        staged.expect("a profile"),
+        &MotionControl::refused(MotionError::ExecutionCollision),
+    );
+    assert_eq!(status(&image), 0.0, "not done: nothing was there before");
+
+    let (_, staged) = image.prepare(&call);
+    let mut done = MotionControl::default();
+    done.set(Flag::Dn);
+    image.settle(staged.expect("a profile"), &done);
+    assert_eq!(
+        (
+            status(&image),
+            number(&image, "Curve[1].Status"),
+            number(&image, "Curve[2].Status")
+        ),
+        (2.0, 2.0, 0.0)
+    );
+    let (_, staged) = image.prepare(&call);
+    image.settle(
+        staged.expect("a profile"),
+        &MotionControl::refused(MotionError::ExecutionCollision),
+    );
+    assert_eq!(status(&image), 2.0, "not done: what was there is there still");
+
+    // Two cams use it; freed by whoever had them, it is used no more.
+    let given = [
+        name("V"),
+        Given::Integer(0),
+        name("Curve"),
+        Given::Integer(1),
+        Given::Integer(1),
+    ];
+    let call = bind(Mnemonic::Mapc, Some(0), UNNAMED, &given, &image).expect("it binds");
+    let cams = [image.prepare(&call).0, image.prepare(&call).0];
+    image.show_uses();
+    assert_eq!(status(&image), 4.0);
+    drop(cams);
+    image.show_uses();
+    assert_eq!(status(&image), 2.0);
 }

@@ -39,12 +39,39 @@ predefined! {
     axis_virtual "AXIS_VIRTUAL" 0xF04 132;
     /// MOTION_GROUP, 88 bytes.
     motion_group "MOTION_GROUP" 0xF05 88;
+    /// CAM, 12 bytes: a point of a cam, for MCCP.
+    cam "CAM" 0xF07 12;
+    /// CAM_PROFILE, 56 bytes: a segment of a calculated cam, of which clients are shown the Status; see
+    /// [`cam_profile_status`].
+    cam_profile "CAM_PROFILE" 0xF08 56;
+    /// OUTPUT_CAM, 32 bytes: an element of an output cam, for MAOC.
+    output_cam "OUTPUT_CAM" 0xF09 32;
+    /// OUTPUT_COMPENSATION, 24 bytes: of an output bit, for MAOC.
+    output_compensation "OUTPUT_COMPENSATION" 0xF0A 24;
     /// REAL_TIME, 248 bytes, a type of our own: the health of the real-time thread.
     ///
     /// Lateness is how long after its time a tick began, Compute how long it took; both in µs. Bucket 0 of a
     /// histogram counts values below 0.25 µs, bucket k ≥ 1 those from 2^(k−1) to below 2^k quarter-µs, and the
     /// last bucket, 23, also everything above (from 1.05 s). See [`histogram_bucket`].
     real_time "REAL_TIME" 0xF06 248;
+}
+
+/// The predefined type of that name that plain tags can have, case ignored.
+pub fn of_tags(name: &str) -> Option<Arc<Template>> {
+    let types = [cam(), cam_profile(), output_cam(), output_compensation()];
+    types
+        .into_iter()
+        .find(|template| template.name.eq_ignore_ascii_case(name))
+}
+
+/// Values of CAM_PROFILE.Status (spec/axis-and-data-types.md §3.9).
+pub mod cam_profile_status {
+    /// There is no profile.
+    pub const NOT_CALCULATED: i32 = 0;
+    /// MCCP works on it.
+    pub const BEING_CALCULATED: i32 = 1;
+    /// It can be used; so many more, by as many instructions it is.
+    pub const CALCULATED: i32 = 2;
 }
 
 /// Buckets of the histograms of REAL_TIME.

@@ -188,6 +188,13 @@ impl Faults {
         shown
     }
 
+    /// Whether a position is beyond the travel that a motion may not leave.
+    pub(crate) fn forbids_position(&self, position: f64) -> bool {
+        let side = self.side_of(position);
+        let stops = |(own, kind): (i8, FaultKind)| own == side && self.actions.of(kind).stops();
+        self.homed && side != 0 && TRAVEL.into_iter().any(stops)
+    }
+
     /// Positions were shifted without motion: where the axis is now is where it was.
     pub(crate) fn redefined(&mut self, position: f64) {
         self.side = self.side_of(position);

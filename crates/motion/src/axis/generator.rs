@@ -9,6 +9,7 @@ use arcline_planner::{Clock, Instant, ROUNDING};
 use super::sum::Displacements;
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
+use crate::follow::cam::Cam;
 use crate::follow::gear::Gear;
 
 /// How a generator comes to its position.
@@ -20,6 +21,8 @@ pub(crate) enum Law {
     Planned { profile: Profile, start: Instant },
     /// By the ratio of a gear, along with its master.
     Geared(Gear),
+    /// By a cam, over its master.
+    Cammed(Cam),
 }
 
 /// What an instruction programmed, for later changes of it.
@@ -54,6 +57,8 @@ pub(crate) struct Generator {
     pub(crate) s_curve: bool,
     /// ACCEL and DECEL of its instruction, as last written.
     pub(crate) shown_phase: Phase,
+    /// SEGMENT of its instruction, as last written.
+    pub(crate) shown_segment: usize,
     /// A planned one has come to its end.
     pub(crate) over: bool,
     /// It brakes, perhaps with more, what a cancelled transform had moved.
@@ -77,6 +82,7 @@ impl Generator {
             stopping: false,
             s_curve,
             shown_phase: Phase::Steady,
+            shown_segment: 0,
             over: false,
             parting: false,
             origin: 0.0,
@@ -117,7 +123,7 @@ impl Generator {
     pub(crate) fn phase(&self, clock: &Clock) -> Phase {
         match &self.law {
             Law::Planned { profile, start } => profile.phase(start.elapsed(clock)),
-            Law::Followed | Law::Geared(_) => Phase::Steady,
+            Law::Followed | Law::Geared(_) | Law::Cammed(_) => Phase::Steady,
         }
     }
 

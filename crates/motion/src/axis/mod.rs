@@ -1,6 +1,7 @@
 //! One axis: its state, its drive, and what moves it.
 
 mod average;
+pub(crate) mod camming;
 pub(crate) mod faults;
 mod following;
 pub(crate) mod generator;
@@ -15,9 +16,11 @@ use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
 use crate::dynamics::Maxima;
+use crate::follow::cam::Cam;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
 use crate::rotary;
 use average::Average;
+use camming::Cams;
 use faults::{Faults, Observed};
 use following::Linked;
 use generator::Generator;
@@ -78,6 +81,8 @@ pub(crate) struct Axis {
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
     pub(crate) linked: Linked,
+    /// Of position cams, and of time cams.
+    pub(super) cams: [Cams; 2],
     pub(crate) stop_mode: ProgrammedStopMode,
     /// What happens when the stop that is under way has ended.
     pub(crate) after_stop: AfterStop,
@@ -125,6 +130,7 @@ impl Axis {
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
             linked: Linked::default(),
+            cams: Default::default(),
             stop_mode: description.programmed_stop_mode,
             after_stop: AfterStop::Hold,
             strobed: [0.0; 2],
@@ -157,7 +163,11 @@ impl Axis {
 
     /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others.
     pub(crate) fn will_end(&self) -> bool {
-        let endless = |slot| matches!(slot, Slot::Jog | Slot::Gear | Slot::Transform);
+        let endless = |slot| match slot {
+            Slot::Jog | Slot::Gear | Slot::Transform => true,
+            Slot::PositionCam | Slot::TimeCam => !self.cam(slot).is_some_and(Cam::will_end),
+            _ => false,
+        };
         let mut active = self.sum.active();
         active.any(|(slot, generator)| generator.stopping || !endless(slot))
     }
@@ -262,6 +272,7 @@ impl Axis {
     /// The command at the present tick, but for what a coordinate system or homing gives.
     pub(crate) fn advance(&mut self, clock: &Clock) {
         if !self.sum.is_idle() && !self.is_driven_home() {
+            self.follow_time(clock);
             self.sum.advance(clock);
             self.command = self.sum.command();
         }

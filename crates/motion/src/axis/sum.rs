@@ -25,6 +25,10 @@ pub(crate) enum Slot {
     Home,
     /// MAG.
     Gear,
+    /// MAPC.
+    PositionCam,
+    /// MATC.
+    TimeCam,
     /// MCT: the axis follows another coordinate system, or is led back by it.
     Transform,
     /// What a transform moved brakes: it was cancelled.
@@ -39,13 +43,18 @@ impl Slot {
         Slot::Jog,
         Slot::Home,
         Slot::Gear,
+        Slot::PositionCam,
+        Slot::TimeCam,
         Slot::Transform,
         Slot::Parting,
     ];
 
     /// Whether a single-axis instruction begins it: what merges and stops of the axis end.
     pub(crate) fn is_single_axis(self) -> bool {
-        matches!(self, Slot::Move | Slot::Jog | Slot::Home | Slot::Gear)
+        matches!(
+            self,
+            Slot::Move | Slot::Jog | Slot::Home | Slot::Gear | Slot::PositionCam | Slot::TimeCam
+        )
     }
 
     /// Whether a transform moves the axis by it, or what is left of one.
@@ -53,12 +62,12 @@ impl Slot {
         matches!(self, Slot::Transform | Slot::Parting)
     }
 
-    const fn bit(self) -> u8 {
+    const fn bit(self) -> u16 {
         1 << self as u8
     }
 }
 
-const SLOTS: usize = 8;
+const SLOTS: usize = 10;
 
 /// Displacements by kind of generator.
 pub(super) type Displacements = [f64; SLOTS];
@@ -68,7 +77,7 @@ pub(super) type Displacements = [f64; SLOTS];
 pub(crate) struct Sum {
     generators: [Option<Generator>; SLOTS],
     /// Places of `generators` that are taken, by bit.
-    active: u8,
+    active: u16,
     /// What generators that are over have displaced the axis.
     displaced: Displacements,
     /// Where the axis stands while nothing is active.

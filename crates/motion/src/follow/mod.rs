@@ -1,23 +1,28 @@
-//! Axes that follow others: slaves of gears, and both sides of transforms.
+//! Axes that follow others: slaves of gears and cams, and both sides of transforms.
 //!
 //! What follows is computed after what it follows, in the same tick, in an order that is worked out when a link is made.
 //! While nothing follows there is no order, and axes are computed one after the other. Real-time: nothing allocates; a
 //! tick is bounded by the axes and the transforms that are under way.
 
+pub(crate) mod cam;
 mod cancel;
+mod failing;
 pub(crate) mod gear;
 pub(crate) mod order;
+pub(crate) mod reach;
+pub(crate) mod robot;
 pub(crate) mod transform;
 
 use arcline_drive::Motion as Point;
 
-use crate::axis::AxisState;
 use crate::axis::generator::Law;
 use crate::axis::sum::Slot;
+use crate::axis::{Axis, AxisState};
 use crate::motion::Motion;
+use cam::{Cam, Source};
 pub(crate) use cancel::Release;
 use gear::{MasterAt, Reference};
-use order::{Circle, Followers, Step};
+use order::{Circle, Followers, Masters, Step};
 use transform::Link;
 
 impl Motion {
@@ -32,7 +37,7 @@ impl Motion {
             if let Step::Whole(axis) = step {
                 self.follow_command(axis);
                 let state = &self.axes[usize::from(axis)];
-                followers += usize::from(state.is_linked()) + usize::from(state.gear().is_some());
+                followers += usize::from(state.is_linked() || masters(state).iter().any(Option::is_some));
             }
         }
         if followers == 0 {
@@ -55,6 +60,7 @@ impl Motion {
                 self.follow_master(axis);
                 self.axes[usize::from(axis)].advance(&self.clock);
             }
+            Step::Down(index) => self.compute_down(usize::from(index)),
             Step::Back(index) => self.compute_back(usize::from(index)),
             Step::Lead(index) => self.compute_lead(usize::from(index)),
             Step::Whole(axis) => self.compose(axis),
@@ -62,6 +68,13 @@ impl Motion {
     }
 
     fn follow_master(&mut self, axis: u16) {
+        for slot in Axis::CAMS {
+            let cam = self.axes[usize::from(axis)].cam(slot);
+            if let Some(Source::Axis { master, reference }) = cam.map(Cam::source) {
+                let at = self.master_at(master, reference);
+                self.axes[usize::from(axis)].follow_cam(slot, &at);
+            }
+        }
         let Some(gear) = self.axes[usize::from(axis)].gear() else {
             return;
         };
@@ -90,20 +103,20 @@ impl Motion {
         }
     }
 
-    /// Works out the order with one gear more.
+    /// Works out the order with one master more of an axis.
     ///
     /// # Errors
     /// When the axes would follow each other in a circle.
-    pub(crate) fn plan_gear(&mut self, slave: u16, master: u16) -> Result<(), Circle> {
+    pub(crate) fn plan_master(&mut self, slave: u16, master: u16) -> Result<(), Circle> {
         let Motion { axes, links, order, .. } = self;
         order.plan(&Followers {
             axes: axes.len(),
-            master: |axis: u16| {
+            masters: |axis: u16| {
+                let mut masters = masters(&axes[usize::from(axis)]);
                 if axis == slave {
-                    Some(master)
-                } else {
-                    axes[usize::from(axis)].gear().map(|gear| gear.master)
+                    masters[0] = Some(master);
                 }
+                masters
             },
             links,
         })
@@ -118,10 +131,20 @@ impl Motion {
         let before = links[target].replace(*link);
         let planned = order.plan(&Followers {
             axes: axes.len(),
-            master: |axis: u16| axes[usize::from(axis)].gear().map(|gear| gear.master),
+            masters: |axis: u16| masters(&axes[usize::from(axis)]),
             links,
         });
         links[target] = before;
         planned
     }
+}
+
+/// The axes that an axis follows; the first place is free.
+fn masters(axis: &Axis) -> Masters {
+    [
+        None,
+        axis.gear().map(|gear| gear.master),
+        axis.cam_master(Slot::PositionCam),
+        axis.cam_master(Slot::TimeCam),
+    ]
 }

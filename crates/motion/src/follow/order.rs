@@ -10,6 +10,8 @@ use super::transform::Link;
 pub(crate) enum Step {
     /// What an axis's own generators say, its gear included.
     Own(u16),
+    /// Where a transform leads its target before the targets of its source lead anything back.
+    Down(u16),
     /// What the motion of a transform's target adds to its source.
     Back(u16),
     /// Where a transform leads its target.
@@ -22,12 +24,15 @@ pub(crate) enum Step {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Circle;
 
+/// Axes that one axis follows.
+pub(crate) type Masters = [Option<u16>; 4];
+
 /// Who follows whom.
 pub(crate) struct Followers<'a, M> {
     /// Axes of the machine.
     pub(crate) axes: usize,
-    /// The master of a geared axis.
-    pub(crate) master: M,
+    /// The masters of an axis.
+    pub(crate) masters: M,
     /// Transforms under way, at the place of their target system.
     pub(crate) links: &'a [Option<Link>],
 }
@@ -51,7 +56,7 @@ enum Visit {
 impl Order {
     /// For a machine of so many axes and coordinate systems. The only allocation.
     pub(crate) fn new(axes: usize, systems: usize) -> Self {
-        let most = 2 * (axes + systems);
+        let most = 2 * axes + 3 * systems;
         Order {
             steps: Vec::with_capacity(most),
             next: Vec::with_capacity(most),
@@ -81,7 +86,7 @@ impl Order {
     ///
     /// # Errors
     /// When there is none. The present order stays.
-    pub(crate) fn plan<M: Fn(u16) -> Option<u16>>(&mut self, followers: &Followers<'_, M>) -> Result<(), Circle> {
+    pub(crate) fn plan<M: Fn(u16) -> Masters>(&mut self, followers: &Followers<'_, M>) -> Result<(), Circle> {
         self.next.clear();
         self.visits.fill(Visit::Ahead);
         for axis in 0..followers.axes {
@@ -96,7 +101,7 @@ impl Order {
     }
 
     /// A step behind all that it needs. As deep as there are steps at most.
-    fn visit<M: Fn(u16) -> Option<u16>>(&mut self, step: Step, followers: &Followers<'_, M>) -> Result<(), Circle> {
+    fn visit<M: Fn(u16) -> Masters>(&mut self, step: Step, followers: &Followers<'_, M>) -> Result<(), Circle> {
         let place = self.place(step);
         match self.visits.get(place) {
             Some(Visit::Ahead) => {}
@@ -110,7 +115,7 @@ impl Order {
         };
         match step {
             Step::Own(axis) => {
-                if let Some(master) = (followers.master)(axis) {
+                for master in (followers.masters)(axis).into_iter().flatten() {
                     self.visit(Step::Whole(master), followers)?;
                 }
             }
@@ -137,6 +142,26 @@ impl Order {
                         self.visit(Step::Back(other), followers)?;
                     }
                 }
+                // Behind a robot's joints what is added depends on where they are led to.
+                if link.robot().is_some() {
+                    self.visit(Step::Down(index), followers)?;
+                }
+            }
+            Step::Down(index) => {
+                let Some(Some(link)) = followers.links.get(usize::from(index)) else {
+                    return Ok(());
+                };
+                for axis in link.source() {
+                    self.visit(Step::Own(*axis), followers)?;
+                }
+                for (other, near) in links() {
+                    if other < index && share(near.source(), link.source()) {
+                        self.visit(Step::Back(other), followers)?;
+                    }
+                    if share(near.target(), link.source()) {
+                        self.visit(Step::Down(other), followers)?;
+                    }
+                }
             }
             Step::Lead(index) => {
                 let Some(Some(link)) = followers.links.get(usize::from(index)) else {
@@ -161,12 +186,13 @@ impl Order {
     }
 
     fn place(&self, step: Step) -> usize {
-        let axes = self.visits.len() / 2 - self.systems;
+        let axes = (self.visits.len() - 3 * self.systems) / 2;
         match step {
             Step::Own(axis) => usize::from(axis),
             Step::Whole(axis) => axes + usize::from(axis),
             Step::Back(index) => 2 * axes + usize::from(index),
             Step::Lead(index) => 2 * axes + self.systems + usize::from(index),
+            Step::Down(index) => 2 * axes + 2 * self.systems + usize::from(index),
         }
     }
 }
@@ -192,11 +218,13 @@ mod tests {
         let mut order = Order::new(9, links.len());
         order.plan(&Followers {
             axes: 9,
-            master: |axis| {
-                gears
-                    .iter()
-                    .find(|(slave, _)| *slave == axis)
-                    .map(|(_, master)| *master)
+            masters: |axis| {
+                let mut masters = Masters::default();
+                let of_axis = gears.iter().filter(|(slave, _)| *slave == axis);
+                for (place, (_, master)) in masters.iter_mut().zip(of_axis) {
+                    *place = Some(*master);
+                }
+                masters
             },
             links: &links,
         })?;

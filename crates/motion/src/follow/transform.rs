@@ -1,15 +1,19 @@
 //! Transforms under way: two coordinate systems that lead each other (spec/coordinated-instructions.md §19, §20).
 //!
-//! The source leads the target: where the target would be without motion of its own is what [`Link::place`] makes of
-//! the source. Motion that the target has of its own leads the source back by what [`Link::turn_back`] makes of it, so
-//! that both stay at the same point. These two functions and [`Link::source_of`] are all that knows the geometry; they
-//! are the inverse and forward transform of other geometries.
+//! The source leads the target: where the target would be without motion of its own is what the [`Map`] makes of the
+//! source. Motion that the target has of its own leads the source back, so that both stay at the same point. Between
+//! Cartesian frames that is a turn of what was added. Behind a robot's joints nothing is linear: what the target adds is
+//! added to where the source leads it *before* that ([`Link::down`]), and the source is led back by where this is.
 //!
-//! Not here: when something is computed ([`super::order`]), and what MCT refuses (`instructions::mct`). Nothing
-//! allocates. Units: position units, seconds.
+//! Not here: when something is computed ([`super::order`]), what MCT refuses (`instructions::mct`), what happens when a
+//! robot cannot follow ([`super::failing`]). Nothing allocates. Units: position units, seconds.
 
 use arcline_drive::Motion as Point;
-use arcline_planner::geometry::{Frame, Point as Vector};
+use arcline_instruction_set::MotionError;
+use arcline_planner::geometry::Point as Vector;
+
+pub(crate) use super::robot::Map;
+use super::robot::{RobotMap, side, vectors};
 
 use crate::axis::generator::Generator;
 use crate::axis::sum::Slot;
@@ -26,7 +30,7 @@ pub(crate) struct Link {
     pub(crate) execution: Option<Execution>,
     /// Place of the source system.
     pub(crate) from: usize,
-    frame: Frame,
+    pub(super) map: Map,
     dimension: usize,
     source: [u16; MAX_PRIMARY_AXES],
     target: [u16; MAX_PRIMARY_AXES],
@@ -34,6 +38,10 @@ pub(crate) struct Link {
     offset: Vector,
     /// What had been added to the target at the start.
     added_from: Vector,
+    /// Where the source is without what this target and later ones lead it back by.
+    pub(super) above: Side,
+    /// Where that leads the target, in the frames of its axes' generators.
+    pub(super) down: Side,
     /// Where the target is led to, in the frames of its axes' generators.
     pub(super) led: Side,
     /// What the target's own motion adds to the source.
@@ -42,23 +50,31 @@ pub(crate) struct Link {
     pub(super) leads: bool,
     /// The same of the target's own motion.
     pub(super) leads_back: bool,
+    /// Why the target could not be led on; it goes on straight meanwhile.
+    pub(super) failed: Option<MotionError>,
+    /// It has failed: what moves either side brakes, and then it ends.
+    pub(crate) braking: bool,
 }
 
 impl Link {
-    pub(crate) fn new(execution: Option<Execution>, from: usize, frame: Frame, source: &[u16], target: &[u16]) -> Self {
+    pub(crate) fn new(execution: Option<Execution>, from: usize, map: Map, source: &[u16], target: &[u16]) -> Self {
         let mut link = Link {
             execution,
             from,
-            frame,
+            map,
             dimension: source.len().min(target.len()).min(MAX_PRIMARY_AXES),
             source: [0; MAX_PRIMARY_AXES],
             target: [0; MAX_PRIMARY_AXES],
             offset: Vector::zeros(),
             added_from: Vector::zeros(),
+            above: Side::default(),
+            down: Side::default(),
             led: Side::default(),
             back: Side::default(),
             leads: false,
             leads_back: false,
+            failed: None,
+            braking: false,
         };
         let places = link.source.iter_mut().zip(&mut link.target);
         for ((from, to), (source, target)) in places.zip(source.iter().zip(target)) {
@@ -70,8 +86,8 @@ impl Link {
     /// One that turns and shifts nothing.
     #[cfg(test)]
     pub(crate) fn between(source: &[u16], target: &[u16]) -> Self {
-        let frame = Frame::new(Vector::zeros(), Vector::zeros());
-        Link::new(None, 0, frame, source, target)
+        let map = Map::Frames(arcline_planner::geometry::Frame::new(Vector::zeros(), Vector::zeros()));
+        Link::new(None, 0, map, source, target)
     }
 
     /// Axes of the source, in the order of its system.
@@ -89,21 +105,101 @@ impl Link {
         self.source().contains(&axis) || self.target().contains(&axis)
     }
 
-    /// The inverse transform: where the target is while the source is there.
-    fn place(&self, source: &Side) -> Side {
-        let [position, velocity, acceleration] = vectors(source);
-        let placed = self.frame.place(&position) + self.offset;
-        side([placed, self.frame.turn(&velocity), self.frame.turn(&acceleration)])
+    /// The robot at one end.
+    pub(crate) fn robot(&self) -> Option<&RobotMap> {
+        match &self.map {
+            Map::Frames(_) => None,
+            Map::Robot(robot) => Some(robot),
+        }
     }
 
-    /// The forward transform of what has been added to the target.
-    fn turn_back(&self, added: &Side) -> Side {
-        side(vectors(added).map(|vector| self.frame.turn_back(&vector)))
+    /// Where the target is while the source is there, in the frames of its axes' generators.
+    ///
+    /// # Errors
+    /// Where a robot cannot be.
+    pub(super) fn place(&self, source: &Side) -> Result<Side, MotionError> {
+        let mut placed = match &self.map {
+            Map::Frames(frame) => {
+                let [position, velocity, acceleration] = vectors(source);
+                side([frame.place(&position), frame.turn(&velocity), frame.turn(&acceleration)])
+            }
+            Map::Robot(robot) => robot.place(source)?,
+        };
+        for (point, offset) in placed.iter_mut().zip(self.offset.iter()) {
+            point.position += offset;
+        }
+        Ok(placed)
     }
 
-    /// The forward transform: where the source is while the target is there.
-    pub(crate) fn source_of(&self, target: &Vector) -> Vector {
-        self.frame.place_back(target)
+    /// What has been added to the target leads the source by this.
+    ///
+    /// # Errors
+    /// Where a robot cannot be.
+    fn turn_back(&self, added: &Side) -> Result<Side, MotionError> {
+        match &self.map {
+            Map::Frames(frame) => Ok(side(vectors(added).map(|vector| frame.turn_back(&vector)))),
+            Map::Robot(_) if *added == Side::default() => Ok(Side::default()),
+            Map::Robot(robot) => {
+                let mut back = robot.place_back(&self.with(added))?;
+                for (back, above) in back.iter_mut().zip(&self.above) {
+                    back.position -= above.position;
+                    back.velocity -= above.velocity;
+                    back.acceleration -= above.acceleration;
+                }
+                Ok(back)
+            }
+        }
+    }
+
+    /// Where the source leads the target, with what is added to that.
+    fn with(&self, added: &Side) -> Side {
+        let mut whole = self.down;
+        for ((whole, added), offset) in whole.iter_mut().zip(added).zip(self.offset.iter()) {
+            whole.position -= offset;
+            add(whole, added);
+        }
+        whole
+    }
+
+    /// Whether its target is a robot's joints.
+    pub(super) fn leads_joints(&self) -> bool {
+        self.robot().is_some_and(RobotMap::leads_joints)
+    }
+
+    /// A step of the source as one of the target; none behind a robot's joints.
+    pub(super) fn turned(&self, step: &Side) -> Side {
+        match &self.map {
+            Map::Frames(frame) => side(vectors(step).map(|vector| frame.turn(&vector))),
+            Map::Robot(_) => Side::default(),
+        }
+    }
+
+    /// It cannot be led on: the target goes straight on for an update.
+    fn fail(&mut self, error: MotionError, period: f64) {
+        self.failed = Some(error);
+        for point in self.down.iter_mut().chain(&mut self.led).chain(&mut self.back) {
+            point.position += point.velocity * period;
+            point.acceleration = 0.0;
+        }
+    }
+
+    /// Where the source is while the target is there.
+    ///
+    /// # Errors
+    /// Where a robot cannot be.
+    pub(crate) fn source_of(&self, target: &Vector) -> Result<Vector, MotionError> {
+        match &self.map {
+            Map::Frames(frame) => Ok(frame.place_back(target)),
+            Map::Robot(robot) => {
+                let back = robot.place_back(&side([*target, Vector::zeros(), Vector::zeros()]))?;
+                Ok(vectors(&back)[0])
+            }
+        }
+    }
+
+    /// Whether the target could be led while the source is there, and moves.
+    pub(crate) fn verify(&self, source: &Vector) -> Result<(), MotionError> {
+        self.place(&side([*source, Vector::zeros(), Vector::zeros()])).map(drop)
     }
 }
 
@@ -157,7 +253,32 @@ impl Motion {
 
     /// An axis without what one transform leads it back by.
     fn without(&self, axis: u16, link: usize) -> Point {
-        let lead = self.lead(axis);
+        let mut total = self.seen(axis, self.lead(axis));
+        add(&mut total, &self.led_back(axis, Some(link)));
+        total
+    }
+
+    /// An axis without what one transform and later ones lead it back by, ever before the whole is known.
+    fn above(&self, axis: u16, link: usize) -> Point {
+        let linked = &self.axes[usize::from(axis)].linked;
+        let mut lead = match self.leader(axis) {
+            Some((link, place)) => link.down[place],
+            None => standing(linked.rest),
+        };
+        lead.position += linked.settled;
+        let mut total = self.seen(axis, lead);
+        for other in (0..link).filter(|other| linked.led_back_by & bit(*other) != 0) {
+            if let Some(other) = &self.links[other]
+                && let Some(place) = other.source().iter().position(|own| *own == axis)
+            {
+                add(&mut total, &other.back[place]);
+            }
+        }
+        total
+    }
+
+    /// An axis with what moves it besides transforms, which lead it somewhere.
+    fn seen(&self, axis: u16, lead: Point) -> Point {
         let state = &self.axes[usize::from(axis)];
         let mut total = state.sum.motion_of(|slot| slot != Slot::Transform);
         // `lead` is in the frame of the generator; the axis is where that shows.
@@ -165,7 +286,6 @@ impl Motion {
         total.position = position.unwrap_or(state.command.position);
         total.velocity += lead.velocity;
         total.acceleration += lead.acceleration;
-        add(&mut total, &self.led_back(axis, Some(link)));
         total
     }
 
@@ -183,47 +303,141 @@ impl Motion {
         self.followed_by(axis, but).any(|link| link.leads_back)
     }
 
+    /// Where the source leads the target before anything leads it back.
+    pub(super) fn compute_down(&mut self, index: usize) {
+        let Some(mut link) = self.links[index].filter(|link| link.failed.is_none()) else {
+            return;
+        };
+        let mut above = Side::default();
+        for (axis, point) in link.source().iter().zip(&mut above) {
+            *point = self.above(*axis, index);
+        }
+        match link.place(&above) {
+            Ok(down) => (link.above, link.down) = (above, down),
+            Err(error) => link.fail(error, self.clock.period()),
+        }
+        if let (Map::Robot(robot), None) = (&mut link.map, link.failed) {
+            robot.follow(&above, &(vectors(&link.down)[0] - link.offset));
+        }
+        self.links[index] = Some(link);
+    }
+
     /// What the target's own motion adds to the source now.
     pub(super) fn compute_back(&mut self, index: usize) {
         let Some(link) = self.links[index] else {
             return;
         };
+        let leads_back = link.target().iter().any(|axis| self.leads_by_itself(*axis));
+        let back = link.turn_back(&self.added_to(&link));
+        let period = self.clock.period();
+        if let Some(own) = &mut self.links[index] {
+            own.leads_back = leads_back;
+            match back {
+                _ if own.failed.is_some() => {}
+                Ok(back) => own.back = back,
+                Err(error) => own.fail(error, period),
+            }
+        }
+    }
+
+    /// What has been added to the target since the transform began, or since that became part of where the source is.
+    fn added_to(&self, link: &Link) -> Side {
         let mut added = Side::default();
         for ((place, axis), added) in link.target().iter().enumerate().zip(&mut added) {
             *added = self.added(*axis);
             added.position -= link.added_from[place];
         }
-        let moves = |axis: &u16| self.axes[usize::from(*axis)].moves_itself() || self.is_led_back(*axis, None);
-        let leads_back = link.target().iter().any(moves);
-        if let Some(own) = &mut self.links[index] {
-            own.back = link.turn_back(&added);
-            own.leads_back = leads_back;
-        }
+        added
+    }
+
+    /// Whether an axis moves otherwise than by a transform that leads it.
+    fn leads_by_itself(&self, axis: u16) -> bool {
+        self.axes[usize::from(axis)].moves_itself() || self.is_led_back(axis, None)
+    }
+
+    /// Whether an axis of the source leads the target.
+    fn leads_on(&self, axis: u16, index: usize) -> bool {
+        let led = self.leader(axis).is_some_and(|(other, _)| other.leads);
+        self.axes[usize::from(axis)].moves_itself() || led || self.is_led_back(axis, Some(index))
     }
 
     /// Where the source leads the target now.
     pub(super) fn compute_lead(&mut self, index: usize) {
-        let Some(link) = self.links[index] else {
+        let Some(mut link) = self.links[index] else {
             return;
         };
-        let source = self.source_without(index, &link);
-        let mut s_curve = false;
-        let mut leads = false;
-        for axis in link.source() {
-            let state = &self.axes[usize::from(*axis)];
-            s_curve |= state.is_s_curve();
-            let led = self.leader(*axis).is_some_and(|(other, _)| other.leads);
-            leads |= state.moves_itself() || led || self.is_led_back(*axis, Some(index));
+        let s_curve = link
+            .source()
+            .iter()
+            .any(|axis| self.axes[usize::from(*axis)].is_s_curve());
+        link.leads = link.source().iter().any(|axis| self.leads_on(*axis, index));
+        if link.failed.is_none() {
+            match self.lead_of(index, &link) {
+                Ok(led) => link.led = led,
+                Err(error) => link.fail(error, self.clock.period()),
+            }
         }
-        if let Some(own) = &mut self.links[index] {
-            own.led = link.place(&source);
-            own.leads = leads;
-        }
+        self.links[index] = Some(link);
         for axis in link.target() {
             if let Some(generator) = self.axes[usize::from(*axis)].sum.get_mut(Slot::Transform) {
                 generator.s_curve = s_curve;
             }
         }
+    }
+
+    fn lead_of(&self, index: usize, link: &Link) -> Result<Side, MotionError> {
+        let source = self.source_without(index, link);
+        let Map::Robot(robot) = &link.map else {
+            return link.place(&source);
+        };
+        if source == link.above {
+            return Ok(link.down);
+        }
+        // Later targets lead the source as well: this one follows to where all of them lead it.
+        let mut whole = source;
+        for (whole, back) in whole.iter_mut().zip(&link.back) {
+            add(whole, back);
+        }
+        let added = self.added_to(link);
+        let mut moved = *link;
+        let mut own = *robot;
+        own.stand(vectors(&link.with(&added))[0]);
+        moved.map = Map::Robot(own);
+        let mut led = moved.place(&whole)?;
+        for (led, added) in led.iter_mut().zip(&added) {
+            led.position -= added.position;
+            led.velocity -= added.velocity;
+            led.acceleration -= added.acceleration;
+        }
+        Ok(led)
+    }
+
+    /// What the target of a robot's transform has moved by itself becomes part of where the source is, once all stands: the
+    /// arm is then in the solution in which its joints are.
+    pub(super) fn settle_transform(&mut self, index: usize) {
+        let Some(mut link) = self.links[index].filter(|link| link.failed.is_none()) else {
+            return;
+        };
+        let moves = link.target().iter().any(|axis| self.leads_by_itself(*axis))
+            || link.source().iter().any(|axis| self.leads_on(*axis, index));
+        let added = self.added_to(&link);
+        if moves || added == Side::default() || link.robot().is_none() {
+            return;
+        }
+        let whole = link.with(&added);
+        for (place, axis) in link.source.iter().enumerate().take(link.dimension) {
+            self.axes[usize::from(*axis)].linked.settled += link.back[place].position;
+            link.above[place].position += link.back[place].position;
+        }
+        link.back = Side::default();
+        for (place, (axis, added)) in link.target.iter().zip(&added).enumerate().take(link.dimension) {
+            link.added_from[place] = self.added(*axis).position;
+            link.offset[place] -= added.position;
+        }
+        if let Map::Robot(robot) = &mut link.map {
+            robot.settle(&link.above, &whole);
+        }
+        self.links[index] = Some(link);
     }
 
     fn source_without(&self, index: usize, link: &Link) -> Side {
@@ -265,10 +479,13 @@ impl Motion {
             link.added_from[place] = self.added(*axis).position;
         }
         let source = self.source_without(target, &link);
-        let placed = link.place(&source);
+        // What it is cannot fail: it has been verified for this position.
+        let placed = link.place(&source).unwrap_or_default();
+        link.above = source;
         for (place, axis) in targets.iter().enumerate().take(link.dimension) {
             let rest = self.axes[usize::from(*axis)].linked.rest;
             link.offset[place] = rest - placed[place].position;
+            link.down[place] = standing(rest);
             link.led[place] = standing(rest);
             // No machine has more systems than a byte counts.
             self.axes[usize::from(*axis)].linked.leader = Some(target as u8);
@@ -287,29 +504,7 @@ pub(super) fn bit(index: usize) -> u64 {
     1 << index
 }
 
-fn vectors(side: &Side) -> [Vector; 3] {
-    let mut vectors = [Vector::zeros(); 3];
-    for (place, point) in side.iter().enumerate() {
-        vectors[0][place] = point.position;
-        vectors[1][place] = point.velocity;
-        vectors[2][place] = point.acceleration;
-    }
-    vectors
-}
-
-fn side([position, velocity, acceleration]: [Vector; 3]) -> Side {
-    let mut side = Side::default();
-    for (place, point) in side.iter_mut().enumerate() {
-        *point = Point {
-            position: position[place],
-            velocity: velocity[place],
-            acceleration: acceleration[place],
-        };
-    }
-    side
-}
-
-fn add(total: &mut Point, more: &Point) {
+pub(super) fn add(total: &mut Point, more: &Point) {
     total.position += more.position;
     total.velocity += more.velocity;
     total.acceleration += more.acceleration;

@@ -86,7 +86,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     axis_moves::verify_axis(&motion.axes[at], false)?;
     axis_moves::not_stopping(&motion.axes[at])?;
-    if motion.plan_gear(axis, master).is_err() {
+    if motion.plan_master(axis, master).is_err() {
         return Err(MotionError::MasterAxisConflict);
     }
     let running = motion.axes[at].gear().map(|gear| gear.ratio);

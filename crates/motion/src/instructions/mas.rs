@@ -83,6 +83,8 @@ fn stopped(stop_type: i32) -> Option<Option<Slot>> {
         2 => Some(Some(Slot::Move)),
         3 => Some(Some(Slot::Gear)),
         4 => Some(Some(Slot::Home)),
+        7 => Some(Some(Slot::TimeCam)),
+        8 => Some(Some(Slot::PositionCam)),
         _ => None,
     }
 }
@@ -99,6 +101,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
     if matches!(stopped(call.word(layout.stop_type)), Some(None | Some(Slot::Home))) {
         motion.end_passive_homing(axis);
+    }
+    if let Some(kind) = stopped(call.word(layout.stop_type)) {
+        motion.end_pending_cams(axis, kind);
     }
     let state = &motion.axes[at];
     match stopped(call.word(layout.stop_type)) {

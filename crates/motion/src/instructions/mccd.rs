@@ -44,8 +44,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     verify::stoppable(system, &motion.axes, active.dynamics.is_s_curve())?;
     let maxima = Maxima::from(&system.description);
-    let change = |dynamics| layout.dynamics.change(call, &maxima, dynamics);
-    let dynamics = change(active.dynamics)?;
+    let change = |planned: &Planned| changed(&layout, call, &maxima, planned);
+    let dynamics = change(&active)?;
     if system.contour_in_force().is_some() {
         change_contour(motion, index, call)?;
         motion.done(execution);
@@ -56,10 +56,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             change_queued(contour, usize::MAX, change)?;
         }
         for waiting in system.planner.pending() {
-            change(waiting.data.dynamics)?;
+            change(&waiting.data)?;
         }
         for waiting in system.planner.pending_mut() {
-            waiting.data.dynamics = change(waiting.data.dynamics)?;
+            waiting.data.dynamics = change(&waiting.data)?;
             waiting.limits = waiting.data.dynamics.limits();
         }
     }
@@ -77,7 +77,7 @@ fn change_contour(motion: &mut Motion, index: usize, call: &Call) -> Result<(), 
     let layout = motion.layouts.mccd;
     let system = &mut motion.systems[index];
     let maxima = Maxima::from(&system.description);
-    let change = |dynamics| layout.dynamics.change(call, &maxima, dynamics);
+    let change = |planned: &Planned| changed(&layout, call, &maxima, planned);
     let all = call.word(layout.scope) == ACTIVE_AND_PENDING;
     if let Some(contour) = &mut system.contour {
         change_queued(contour, if all { usize::MAX } else { 1 }, change)?;
@@ -87,17 +87,24 @@ fn change_contour(motion: &mut Motion, index: usize, call: &Call) -> Result<(), 
     Ok(())
 }
 
+/// The dynamics of a move with what the call changes, no faster than the joints of robots let it be.
+fn changed(layout: &Layout, call: &Call, maxima: &Maxima, planned: &Planned) -> Result<Dynamics, MotionError> {
+    let mut dynamics = layout.dynamics.change(call, maxima, planned.dynamics)?;
+    dynamics.keep_to(&planned.pace);
+    Ok(dynamics)
+}
+
 /// So many of the moves, or none where one of them cannot be.
 fn change_queued(
     contour: &mut ContourQueue<Planned>,
     count: usize,
-    change: impl Fn(Dynamics) -> Result<Dynamics, MotionError>,
+    change: impl Fn(&Planned) -> Result<Dynamics, MotionError>,
 ) -> Result<(), MotionError> {
     for waiting in contour.moves().take(count) {
-        change(waiting.data.dynamics)?;
+        change(&waiting.data)?;
     }
     for waiting in contour.moves_mut().take(count) {
-        waiting.data.dynamics = change(waiting.data.dynamics)?;
+        waiting.data.dynamics = change(&waiting.data)?;
         waiting.limits = waiting.data.dynamics.limits();
     }
     Ok(())

@@ -176,7 +176,7 @@ fn is_s_curve(motion: &Motion, index: usize) -> bool {
 }
 
 /// Stops the coordinated move on its path and empties the queue.
-fn stop_move(motion: &mut Motion, index: usize, limits: &Limits) {
+pub(crate) fn stop_move(motion: &mut Motion, index: usize, limits: &Limits) {
     motion.cancel_pending(index);
     motion.end_active(index);
     let system = &mut motion.systems[index];

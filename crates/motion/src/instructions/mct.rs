@@ -1,17 +1,19 @@
-//! MCT, Motion Coordinated Transform (spec/coordinated-instructions.md §19, §20), between Cartesian systems.
+//! MCT, Motion Coordinated Transform (spec/coordinated-instructions.md §19, §20), and what MCTP shares with it.
 
 use arcline_instruction_set::{AxisIndex, Call, Detail, Flag, Mnemonic, MotionError, OperandIndex};
+use arcline_kinematics::{GeometryError, Robot};
 use arcline_planner::geometry::{Frame, Point};
 
 use super::place;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::follow::order::share;
-use crate::follow::transform::Link;
+use crate::follow::robot::{Joints, RobotMap};
+use crate::follow::transform::{Link, Map};
 use crate::motion::Motion;
 use crate::verify;
 
-/// Places of MCT's operands.
+/// Places of the operands of MCT, and of MCTP.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
     target: usize,
@@ -26,16 +28,22 @@ const CONSISTENT: f64 = 1e-3;
 
 /// EXERR of error 61 (§19.6): both systems are the same.
 const SAME_SYSTEM: Detail = Detail(2);
+/// EXERR of error 61: neither is Cartesian.
+const NEITHER_CARTESIAN: Detail = Detail(5);
 /// EXERR of error 61: an axis belongs to both systems.
 const AXIS_IN_BOTH: Detail = Detail(7);
 /// EXERR of error 61: another coordinated motion uses axes of the target.
 const TARGET_IN_USE: Detail = Detail(8);
+/// EXERR of error 61: the link lengths.
+const LINK_LENGTHS: Detail = Detail(9);
+/// EXERR of error 61: the offsets.
+const OFFSETS: Detail = Detail(10);
 /// EXERR of error 61: the dimensions differ.
 const DIMENSIONS_DIFFER: Detail = Detail(17);
 
 impl Layout {
-    pub(super) fn new() -> Self {
-        let place = |name| place(Mnemonic::Mct, name);
+    pub(super) fn of(mnemonic: Mnemonic) -> Self {
+        let place = |name| place(mnemonic, name);
         Layout {
             target: place("Target System"),
             orientation: place("Orientation"),
@@ -43,8 +51,16 @@ impl Layout {
         }
     }
 
+    /// The place of the target system.
+    pub(super) fn target(&self, motion: &Motion, call: &Call) -> Result<usize, MotionError> {
+        let target = call.object(self.target).map(usize::from);
+        target
+            .filter(|target| *target < motion.systems.len())
+            .ok_or(MotionError::ParameterOutOfRange(OperandIndex(self.target as u8)))
+    }
+
     /// How the target lies in the source.
-    fn frame(&self, call: &Call, dimension: usize) -> Result<Frame, MotionError> {
+    pub(super) fn frame(&self, call: &Call, dimension: usize) -> Result<Frame, MotionError> {
         let orientation = vector(call.array(self.orientation));
         let translation = vector(call.array(self.translation));
         for (place, angle) in orientation.iter().enumerate() {
@@ -69,16 +85,24 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let layout = motion.layouts.mct;
     let source = motion.target_system(call)?;
     motion.verify_operands(call)?;
-    let target = call
-        .object(layout.target)
-        .map(usize::from)
-        .filter(|target| *target < motion.systems.len())
-        .ok_or(MotionError::ParameterOutOfRange(OperandIndex(layout.target as u8)))?;
-    verify_pair(motion, source, target)?;
+    let target = layout.target(motion, call)?;
+    let robot = verify_pair(motion, source, target)?;
+    verify_free(motion, target)?;
     let [from, to] = [source, target].map(|index| &motion.systems[index].description.axes);
     let frame = layout.frame(call, from.len())?;
-    let link = Link::new(Some(execution), source, frame, from, to);
-    verify_linear(motion, &link)?;
+    let map = match robot {
+        None => Map::Frames(frame),
+        Some((robot, side)) => {
+            let joints = match side {
+                Joints::Target => positions(motion, to),
+                Joints::Source => positions(motion, from),
+            };
+            Map::Robot(RobotMap::new(frame, robot, side, joints))
+        }
+    };
+    let link = Link::new(Some(execution), source, map, from, to);
+    verify_linear(motion, from)?;
+    verify_linear(motion, to)?;
     for index in [source, target] {
         let system = &motion.systems[index];
         verify::axes_ready(system, &motion.axes)?;
@@ -95,45 +119,78 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     Ok(())
 }
 
-/// The two systems can be linked at all (§19.3, §19.4).
-fn verify_pair(motion: &Motion, source: usize, target: usize) -> Result<(), MotionError> {
+/// The two systems can be linked at all (§19.3, §19.4, §19.6): with the robot that one of them may be.
+pub(super) fn verify_pair(
+    motion: &Motion,
+    source: usize,
+    target: usize,
+) -> Result<Option<(Robot, Joints)>, MotionError> {
     let refused = |detail| Err(MotionError::ConnectionConflict(detail));
     if source == target {
         return refused(SAME_SYSTEM);
     }
+    let robot = match [source, target].map(|index| motion.systems[index].robot) {
+        [Some(_), Some(_)] => return refused(NEITHER_CARTESIAN),
+        [Some(robot), None] => Some((robot, Joints::Source)),
+        [None, Some(robot)] => Some((robot, Joints::Target)),
+        [None, None] => None,
+    };
     let [from, to] = [source, target].map(|index| &motion.systems[index].description.axes);
     if share(from, to) {
         return refused(AXIS_IN_BOTH);
     }
-    let mut others = motion.systems.iter().enumerate();
-    if others.any(|(index, other)| index != target && other.is_busy() && share(&other.description.axes, to)) {
-        return refused(TARGET_IN_USE);
-    }
+    let robot = match robot {
+        Some((Err(GeometryError::LinkLengths), _)) => return refused(LINK_LENGTHS),
+        Some((Err(GeometryError::Offsets), _)) => return refused(OFFSETS),
+        Some((Ok(robot), side)) => Some((robot, side)),
+        None => None,
+    };
     if from.len() != to.len() {
         return refused(DIMENSIONS_DIFFER);
+    }
+    Ok(robot)
+}
+
+/// No other coordinated motion uses axes of the target.
+fn verify_free(motion: &Motion, target: usize) -> Result<(), MotionError> {
+    let axes = &motion.systems[target].description.axes;
+    let mut others = motion.systems.iter().enumerate();
+    if others.any(|(index, other)| index != target && other.is_busy() && share(&other.description.axes, axes)) {
+        return Err(MotionError::ConnectionConflict(TARGET_IN_USE));
     }
     Ok(())
 }
 
-fn verify_linear(motion: &Motion, link: &Link) -> Result<(), MotionError> {
-    for side in [link.source(), link.target()] {
-        let rotary = side
-            .iter()
-            .position(|axis| motion.axes[usize::from(*axis)].unwind.is_some());
-        if let Some(place) = rotary {
-            return Err(MotionError::AxesInTransformMustBeLinear(AxisIndex(place as u8)));
-        }
+/// Command positions of a list of axes.
+pub(super) fn positions(motion: &Motion, axes: &[u16]) -> Point {
+    let mut positions = Point::zeros();
+    for (axis, position) in axes.iter().zip(positions.iter_mut()) {
+        *position = motion.axes[usize::from(*axis)].command.position;
     }
-    Ok(())
+    positions
+}
+
+pub(super) fn verify_linear(motion: &Motion, axes: &[u16]) -> Result<(), MotionError> {
+    let rotary = axes
+        .iter()
+        .position(|axis| motion.axes[usize::from(*axis)].unwind.is_some());
+    match rotary {
+        Some(place) => Err(MotionError::AxesInTransformMustBeLinear(AxisIndex(place as u8))),
+        None => Ok(()),
+    }
 }
 
 /// Each target once, no circles; nothing that was cancelled still brakes.
 fn verify_chain(motion: &mut Motion, target: usize, link: &Link) -> Result<(), MotionError> {
-    if motion.links[target].is_some_and(|running| running.from == link.from) {
+    if motion.links[target].is_some_and(|running| running.from == link.from && !running.braking) {
         return Err(MotionError::TransformInProgress);
     }
     let mut axes = link.source().iter().chain(link.target());
-    if axes.any(|axis| motion.axes[usize::from(*axis)].is_parting()) {
+    let brakes = |axis: &u16| {
+        let mut links = motion.links().filter(|(_, other)| other.braking);
+        motion.axes[usize::from(*axis)].is_parting() || links.any(|(_, other)| other.has(*axis))
+    };
+    if axes.any(brakes) {
         return Err(MotionError::TransformIsCanceling);
     }
     if motion.links().any(|(_, other)| share(other.target(), link.target()))
@@ -162,11 +219,8 @@ fn verify_at_rest(motion: &Motion, link: &Link) -> Result<(), MotionError> {
 /// The source stands where the target says (§19.1): axes without a drive, if nothing else holds them, are put there,
 /// all others must be there.
 fn meet(motion: &mut Motion, link: &Link) -> Result<(), MotionError> {
-    let mut target = Point::zeros();
-    for (axis, position) in link.target().iter().zip(target.iter_mut()) {
-        *position = motion.axes[usize::from(*axis)].command.position;
-    }
-    let source = link.source_of(&target);
+    let source = link.source_of(&positions(motion, link.target()))?;
+    link.verify(&source)?;
     let deviates = |axis: u16, position: f64| (motion.axes[usize::from(axis)].command.position - position).abs();
     for (place, (axis, position)) in link.source().iter().zip(source.iter()).enumerate() {
         let state = &motion.axes[usize::from(*axis)];

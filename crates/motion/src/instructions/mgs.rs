@@ -58,6 +58,7 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
     }
     for axis in 0..motion.axes.len() as u16 {
         motion.end_passive_homing(axis);
+        motion.end_pending_cams(axis, None);
         let at = usize::from(axis);
         let state = &motion.axes[at];
         let mode = mode.unwrap_or(state.stop_mode);

@@ -1,21 +1,26 @@
 //! What each instruction does, one file an instruction; here, how they are found and what they share.
 
 mod axis_moves;
+mod camming;
 mod mafr;
 mod mag;
 mod mah;
 mod maj;
 mod mam;
+mod mapc;
 mod mas;
 mod masd;
 mod masr;
+mod matc;
 mod mccd;
 mod mccm;
+mod mccp;
 mod mcd;
 mod mclm;
 mod mcs;
 mod mcsd;
 mod mcsr;
+mod mcsv;
 mod mct;
 mod mgs;
 mod mgsd;
@@ -31,8 +36,10 @@ mod seconds;
 use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
 
 use crate::control::Execution;
+use crate::material::Sent;
 use crate::motion::Motion;
 pub(crate) use masd::shut_down;
+pub(crate) use mcs::stop_move;
 use moves::MoveLayout;
 
 /// Places of the operands on the faceplates, looked up in the catalogue once.
@@ -48,6 +55,8 @@ pub(crate) struct Layouts {
     mcd: mcd::Layout,
     mas: mas::Layout,
     mag: mag::Layout,
+    mapc: mapc::Layout,
+    matc: matc::Layout,
     mct: mct::Layout,
     mgs: mgs::Layout,
     mrp: mrp::Layout,
@@ -66,7 +75,9 @@ impl Layouts {
             mcd: mcd::Layout::new(),
             mas: mas::Layout::new(),
             mag: mag::Layout::new(),
-            mct: mct::Layout::new(),
+            mapc: mapc::Layout::new(),
+            matc: matc::Layout::new(),
+            mct: mct::Layout::of(Mnemonic::Mct),
             mgs: mgs::Layout::new(),
             mrp: mrp::Layout::new(),
         }
@@ -77,7 +88,7 @@ impl Layouts {
 ///
 /// # Errors
 /// The first reason, in the order of spec/coordinated-instructions.md §11.1. Nothing has moved or changed then.
-pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
+pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
     match call.mnemonic {
         Mnemonic::Mclm => mclm::execute(motion, execution, call),
         Mnemonic::Mccm => mccm::execute(motion, execution, call),
@@ -98,9 +109,13 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Mnemonic::Maj => maj::execute(motion, execution, call),
         Mnemonic::Mcd => mcd::execute(motion, execution, call),
         Mnemonic::Mag => mag::execute(motion, execution, call),
+        Mnemonic::Mapc => mapc::execute(motion, execution, call, sent),
+        Mnemonic::Matc => matc::execute(motion, execution, call, sent),
         Mnemonic::Mct => mct::execute(motion, execution, call),
         Mnemonic::Mah => mah::execute(motion, execution, call),
         Mnemonic::Mrp => mrp::execute(motion, execution, call),
+        Mnemonic::Mccp => mccp::execute(motion, execution, call, sent),
+        Mnemonic::Mcsv => mcsv::execute(motion, execution, call, sent),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
         _ => {
             motion.verify_operands(call)?;

@@ -7,10 +7,12 @@ use arcline_planner::{Ending, Momentum, Move};
 
 use super::place;
 use super::programmed::DynamicsLayout;
+use crate::accepted::AcceptedMove;
 use crate::axis::Axis;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::Maxima;
+use crate::follow::reach::Pace;
 use crate::machine::{AxisLimits, CoordinateSystem, Corner};
 use crate::motion::Motion;
 use crate::rotary::Turn;
@@ -57,8 +59,10 @@ impl MoveLayout {
     /// How the move completes, and what happens there if it has a successor.
     fn termination(&self, call: &Call, system: &CoordinateSystem) -> Result<(Termination, Ending), MotionError> {
         let word = call.word(self.termination_type);
-        let superposed = matches!(word, 2 | 3 | 6) && system.corner == Corner::Logix;
-        if superposed && system.axis_limits == AxisLimits::Enforce {
+        let blended = matches!(word, 2 | 3 | 6);
+        let superposed = blended && system.corner == Corner::Logix;
+        let (axes, joints) = (system.axis_limits, system.joint_limits);
+        if superposed && axes == AxisLimits::Enforce || blended && joints == AxisLimits::Enforce {
             return Err(MotionError::FeatureNotSupported);
         }
         let ending = match word {
@@ -122,15 +126,21 @@ pub(super) fn execute(
         MERGE_DISABLED => queue_shift(motion, index),
         _ => Point::zeros(),
     };
-    let path = path(motion, system, start + shift)?.shifted(&-shift);
+    let programmed = path(motion, system, start + shift)?;
+    let path = programmed.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
     verify::no_overtravel(system, &motion.axes, &path.end())?;
+    let mut pace = motion.verify_reach(index, &path.shifted(&shift))?;
+    if system.description.joint_limits == AxisLimits::Ignore {
+        pace = Pace::UNLIMITED;
+    }
 
     let momentum = terminated(motion, index, merge);
     let current = command(motion, index, |axis| axis.command.velocity).norm();
     if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && current > 0.0 {
         dynamics.set_speed(current);
     }
+    dynamics.keep_to(&pace);
     let planned = Move {
         path,
         limits: dynamics.limits(),
@@ -139,10 +149,23 @@ pub(super) fn execute(
             execution,
             dynamics,
             termination,
+            pace,
         },
     };
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
     let tick = motion.clock.tick;
+    let accepted_move = AcceptedMove {
+        tick,
+        ticket: execution.ticket,
+        control: execution.control,
+        mnemonic: execution.mnemonic,
+        system: index as u16,
+        path: programmed,
+        tolerance: match ending {
+            Ending::Blend { tolerance } => tolerance,
+            Ending::Stop | Ending::Contour { .. } => 0.0,
+        },
+    };
     if motion.systems[index].contour.is_some() {
         if merge != MERGE_DISABLED {
             terminate(motion, index, merge);
@@ -150,6 +173,7 @@ pub(super) fn execute(
         // What does not move is not merged, and planned like any other move.
         if momentum.velocity == Point::zeros() && momentum.acceleration == Point::zeros() {
             motion.queue_contour(index, planned)?;
+            motion.accept(accepted_move);
             motion.controls.write(execution, accepted, 0, tick);
             return Ok(());
         }
@@ -159,6 +183,7 @@ pub(super) fn execute(
             .planner
             .enqueue(planned, &motion.clock)
             .map_err(|_| MotionError::CoordinateSystemQueueFull)?;
+        motion.accept(accepted_move);
         motion.controls.write(execution, accepted, 0, tick);
         return Ok(());
     } else if merge != MERGE_DISABLED {
@@ -181,6 +206,7 @@ pub(super) fn execute(
     system.stale = true;
     motion.join_axes(index);
     motion.seat_axes(index);
+    motion.accept(accepted_move);
     motion.controls.write(execution, accepted | Flag::Ac.mask(), 0, tick);
     Ok(())
 }

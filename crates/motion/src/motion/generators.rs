@@ -9,6 +9,7 @@ use super::Motion;
 use crate::axis::sum::Slot;
 use crate::axis::{AfterStop, Axis, AxisState};
 use crate::control::Execution;
+use crate::follow::cam::Cam;
 
 impl Motion {
     /// Commands and drives of all axes at the present tick, and what came to its end.
@@ -46,8 +47,20 @@ impl Motion {
         }
     }
 
+    /// Ends the cams of an axis that wait for the end of others, without PC: of one kind, or of both.
+    pub(crate) fn end_pending_cams(&mut self, axis: u16, only: Option<Slot>) {
+        for slot in Axis::CAMS {
+            if only.is_none_or(|only| only == slot)
+                && let Some(pending) = self.axes[usize::from(axis)].cams_mut(slot).pending.take()
+            {
+                self.end_move(pending.execution, 0);
+            }
+        }
+    }
+
     /// Ends what single-axis instructions began on an axis, but for one kind of it.
     pub(crate) fn end_single_axis(&mut self, axis: u16, but: Option<Slot>) {
+        self.end_pending_cams(axis, None);
         for slot in Slot::ALL {
             if slot.is_single_axis() && but != Some(slot) {
                 self.end_generator(axis, slot);
@@ -58,6 +71,7 @@ impl Motion {
     /// Ends everything on an axis without PC, and the transforms that it is part of.
     pub(crate) fn end_generators(&mut self, axis: u16) {
         self.cancel_transforms_of(axis);
+        self.end_pending_cams(axis, None);
         for slot in Slot::ALL {
             self.end_generator(axis, slot);
         }
@@ -75,6 +89,7 @@ impl Motion {
     pub(crate) fn stop_axis_at(&mut self, axis: u16, limits: &Limits, execution: Option<Execution>) {
         let at = usize::from(axis);
         self.end_passive_homing(axis);
+        self.end_pending_cams(axis, None);
         self.cancel_transforms_of(axis);
         if !self.axes[at].in_motion() {
             // All that was to be stopped was a transform that did not move this axis.
@@ -140,6 +155,9 @@ impl Motion {
             if slot == Slot::Home && is_driven_home {
                 continue;
             }
+            if Axis::CAMS.contains(&slot) {
+                self.report_cam(axis, slot);
+            }
             let Some(generator) = self.axes[at].sum.get_mut(slot) else {
                 continue;
             };
@@ -166,6 +184,23 @@ impl Motion {
                 };
                 self.controls.write(execution, set, clear, tick);
             }
+        }
+    }
+
+    /// PC of a cam that another one has taken over from, and SEGMENT.
+    fn report_cam(&mut self, axis: u16, slot: Slot) {
+        let at = usize::from(axis);
+        if let Some(ended) = self.axes[at].cams_mut(slot).ended.take() {
+            self.end_move(ended, Flag::Pc.mask());
+        }
+        let Some(segment) = self.axes[at].cam(slot).map(Cam::segment) else {
+            return;
+        };
+        if let Some(generator) = self.axes[at].sum.get_mut(slot)
+            && std::mem::replace(&mut generator.shown_segment, segment) != segment
+            && let Some(execution) = generator.execution
+        {
+            self.controls.set_segment(execution, segment as i32, self.clock.tick);
         }
     }
 }

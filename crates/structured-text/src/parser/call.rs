@@ -100,7 +100,9 @@ impl<'t> Parser<'t> {
             OperandKind::Array(_) | OperandKind::ArrayOrNone if self.peek.is("[") => {
                 return self.array();
             }
-            OperandKind::ArrayOrNone | OperandKind::WrittenArray(_) if self.peek.is_word("None") => {
+            OperandKind::ArrayOrNone | OperandKind::WrittenArray(_) | OperandKind::StructureOrNone(_)
+                if self.peek.is_word("None") =>
+            {
                 self.advance()?;
                 self.emit(Op::Number(0.0));
                 self.emit(Op::GiveNumber);
@@ -112,7 +114,10 @@ impl<'t> Parser<'t> {
         let shape = self.expression()?;
         let op = match (kind, shape) {
             (OperandKind::Array(_) | OperandKind::ArrayOrNone, Shape::Path(path)) => Op::GiveRead(path),
-            (OperandKind::WrittenArray(_) | OperandKind::Structure(_), Shape::Path(path)) => {
+            (
+                OperandKind::WrittenArray(_) | OperandKind::Structure(_) | OperandKind::StructureOrNone(_),
+                Shape::Path(path),
+            ) => {
                 // The instruction writes or keeps the tag itself: a variable of the program does not do.
                 self.program.uses.pop();
                 self.uses(start.offset, Meaning::Written(path));

@@ -19,6 +19,7 @@ mod qos;
 pub(crate) mod symbol;
 mod tcp_ip_interface;
 mod template;
+mod trace;
 mod wall_clock;
 
 use std::cell::RefCell;
@@ -36,7 +37,7 @@ use super::router::{Context, Memory};
 use super::tags::unknown;
 
 /// Every class that answers, ascending: the Message Router's object list.
-const CLASSES: [u16; 17] = [
+const CLASSES: [u16; 18] = [
     class::IDENTITY,
     class::MESSAGE_ROUTER,
     class::ASSEMBLY,
@@ -54,6 +55,7 @@ const CLASSES: [u16; 17] = [
     Object::Axis.class_code(),
     Object::CoordinateSystem.class_code(),
     EXECUTION,
+    trace::CLASS,
 ];
 
 /// The class of executed instructions.
@@ -61,7 +63,13 @@ const EXECUTION: u16 = motion_instruction::CLASS;
 
 /// The classes that are answered after the tag memory has been let go: assemblies and executions are behind the plant's
 /// lock, and what the system shows of its network stands in files.
-pub(crate) const LATE: [u16; 4] = [class::ASSEMBLY, class::TCP_IP, class::ETHERNET_LINK, EXECUTION];
+pub(crate) const LATE: [u16; 5] = [
+    class::ASSEMBLY,
+    class::TCP_IP,
+    class::ETHERNET_LINK,
+    EXECUTION,
+    trace::CLASS,
+];
 
 /// What the class attributes tell (CIP Vol. 1, 4-4).
 struct Extent {
@@ -246,6 +254,7 @@ pub(crate) fn serve_late(context: &Context<'_>, request: &Request, target: &Targ
             device,
         }),
         Some(class::ASSEMBLY) => with(&assembly::Assemblies(device)),
+        Some(trace::CLASS) => trace::serve(context, request, target),
         Some(class::ETHERNET_LINK) => with(&ethernet_link::EthernetLink(context.adapter())),
         _ => with(&motion_instruction::MotionInstructions(&device.plant)),
     }

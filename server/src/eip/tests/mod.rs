@@ -11,6 +11,7 @@ mod sessions;
 mod tag_face;
 mod tag_services;
 mod tag_table;
+mod trace;
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddrV4};
 use std::sync::Arc;

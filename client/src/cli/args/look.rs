@@ -1,0 +1,42 @@
+//! `status`, `watch`, `identify` and `shell`.
+
+use clap::Args;
+
+use super::values::seconds;
+
+#[derive(Args, Debug)]
+pub(crate) struct Watch {
+    /// Axes, coordinate systems, groups; all of them when none is named
+    #[arg(value_name = "NAME")]
+    pub(crate) names: Vec<String>,
+    /// Seconds between two looks
+    #[arg(long, value_name = "SECONDS", default_value = "0.1", value_parser = seconds)]
+    pub(crate) interval: f64,
+    /// End after so many seconds; otherwise by Ctrl-C
+    #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) duration: Option<f64>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Shell {
+    /// Where the lines of earlier sessions are kept; `arcline/history` in the folder of the user's state unless given
+    #[arg(long, value_name = "FILE|off")]
+    pub(crate) history: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Status {
+    /// Axes, coordinate systems, groups; all of them when none is named
+    #[arg(value_name = "NAME")]
+    pub(crate) names: Vec<String>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Identify {
+    /// Ask everybody at a broadcast address
+    #[arg(long, value_name = "ADDR[:PORT]")]
+    pub(crate) broadcast: Option<String>,
+    /// Seconds to listen for answers to a broadcast
+    #[arg(long, value_name = "SECONDS", default_value = "1")]
+    pub(crate) wait: f64,
+}

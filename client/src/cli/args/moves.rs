@@ -1,0 +1,191 @@
+//! What coordinate systems and axes are told: `move`, `arc`, `change`, `override`, `hold`, `resume`, `stop`, `servo`, `home`.
+
+use clap::{Args, ValueEnum};
+
+use arcline_instruction_set::enumerations;
+
+use super::values::{Percent, Point, Rate, word_parser};
+
+/// What lines and arcs have in common.
+#[derive(Args, Debug, Default)]
+pub(crate) struct Dynamics {
+    /// Take positions relative to where the move begins
+    #[arg(long)]
+    pub(crate) relative: bool,
+    /// Speed: units/s, or % of the maximum
+    #[arg(long, value_name = "V[%]", allow_hyphen_values = true)]
+    pub(crate) speed: Option<Rate>,
+    /// Acceleration: units/s², or % of the maximum
+    #[arg(long, value_name = "A[%]", allow_hyphen_values = true)]
+    pub(crate) accel: Option<Rate>,
+    /// Deceleration: units/s², or % of the maximum
+    #[arg(long, value_name = "D[%]", allow_hyphen_values = true)]
+    pub(crate) decel: Option<Rate>,
+    /// Trapezoidal profile instead of an S-curve
+    #[arg(long)]
+    pub(crate) trapezoid: bool,
+    /// Termination type, by word or number
+    #[arg(long, value_name = "T", value_parser = word_parser(&enumerations::TERMINATION_TYPE))]
+    pub(crate) termination: Option<i32>,
+    /// Merge, by word or number
+    #[arg(long, value_name = "M", value_parser = word_parser(&enumerations::MERGE))]
+    pub(crate) merge: Option<i32>,
+    /// Name of the motion control tag, made on first use
+    #[arg(long, value_name = "NAME")]
+    pub(crate) tag: Option<String>,
+    /// Do not wait for the end of the motion
+    #[arg(long)]
+    pub(crate) no_wait: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Move {
+    /// Coordinate system
+    #[arg(value_name = "CS")]
+    pub(crate) system: String,
+    /// End point, or increments
+    #[arg(value_name = "X,Y[,Z]", allow_hyphen_values = true)]
+    pub(crate) position: Point,
+    #[command(flatten)]
+    pub(crate) dynamics: Dynamics,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Arc {
+    /// Coordinate system
+    #[arg(value_name = "CS")]
+    pub(crate) system: String,
+    /// End point, or increments
+    #[arg(value_name = "X,Y[,Z]", allow_hyphen_values = true)]
+    pub(crate) position: Point,
+    #[command(flatten)]
+    pub(crate) circle: Circle,
+    #[command(flatten)]
+    pub(crate) direction: Direction,
+    /// A full circle
+    #[arg(long)]
+    pub(crate) full: bool,
+    #[command(flatten)]
+    pub(crate) dynamics: Dynamics,
+}
+
+#[derive(Args, Debug, Default)]
+#[group(required = true, multiple = false)]
+pub(crate) struct Circle {
+    /// A point on the arc
+    #[arg(long, value_name = "P", allow_hyphen_values = true)]
+    pub(crate) via: Option<Point>,
+    /// The centre
+    #[arg(long, value_name = "P", allow_hyphen_values = true)]
+    pub(crate) center: Option<Point>,
+    /// The radius; negative for the longer arc
+    #[arg(long, value_name = "R", allow_hyphen_values = true)]
+    pub(crate) radius: Option<f64>,
+    /// The centre, relative to the start
+    #[arg(long, value_name = "P", allow_hyphen_values = true)]
+    pub(crate) center_offset: Option<Point>,
+}
+
+#[derive(Args, Debug, Default)]
+#[group(multiple = false)]
+pub(crate) struct Direction {
+    /// Clockwise (the default in two dimensions)
+    #[arg(long)]
+    pub(crate) cw: bool,
+    /// Counterclockwise
+    #[arg(long)]
+    pub(crate) ccw: bool,
+    /// The shorter way (the default in three dimensions)
+    #[arg(long)]
+    pub(crate) shortest: bool,
+    /// The longer way
+    #[arg(long)]
+    pub(crate) longest: bool,
+}
+
+#[derive(Args, Debug)]
+#[command(group = clap::ArgGroup::new("changes").args(["speed", "accel", "decel"]).required(true).multiple(true))]
+pub(crate) struct Change {
+    /// Coordinate system
+    #[arg(value_name = "CS")]
+    pub(crate) system: String,
+    /// New speed: units/s, or % of the maximum
+    #[arg(long, value_name = "V[%]", allow_hyphen_values = true)]
+    pub(crate) speed: Option<Rate>,
+    /// New acceleration: units/s², or % of the maximum
+    #[arg(long, value_name = "A[%]", allow_hyphen_values = true)]
+    pub(crate) accel: Option<Rate>,
+    /// New deceleration: units/s², or % of the maximum
+    #[arg(long, value_name = "D[%]", allow_hyphen_values = true)]
+    pub(crate) decel: Option<Rate>,
+    /// Change the pending move too
+    #[arg(long)]
+    pub(crate) pending: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Stop {
+    /// Coordinate system
+    #[arg(value_name = "CS")]
+    pub(crate) system: Option<String>,
+    /// What to stop
+    #[arg(long = "type", value_enum, default_value = "all")]
+    pub(crate) kind: StopType,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Override {
+    /// The coordinate system
+    #[arg(value_name = "CS")]
+    pub(crate) system: String,
+    /// Percent of the programmed speeds, 0 to 200
+    #[arg(value_name = "PERCENT[%]", allow_hyphen_values = true)]
+    pub(crate) percent: Percent,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct System {
+    /// The coordinate system
+    #[arg(value_name = "CS")]
+    pub(crate) system: String,
+}
+
+#[derive(ValueEnum, Clone, Copy, PartialEq, Debug)]
+pub(crate) enum StopType {
+    /// Moves and transforms
+    All,
+    /// Moves
+    Move,
+    /// Transforms
+    Transform,
+}
+
+#[derive(Args, Debug)]
+#[command(group = clap::ArgGroup::new("which").args(["axes", "all"]).required(true))]
+pub(crate) struct Servo {
+    /// On or off
+    #[arg(value_enum)]
+    pub(crate) state: OnOff,
+    /// Axes
+    #[arg(value_name = "AXIS")]
+    pub(crate) axes: Vec<String>,
+    /// Every axis that has a drive
+    #[arg(long)]
+    pub(crate) all: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Home {
+    /// Axes
+    #[arg(value_name = "AXIS", required = true)]
+    pub(crate) axes: Vec<String>,
+    /// Do not wait until they are homed
+    #[arg(long)]
+    pub(crate) no_wait: bool,
+}
+
+#[derive(ValueEnum, Clone, Copy, PartialEq, Debug)]
+pub(crate) enum OnOff {
+    On,
+    Off,
+}

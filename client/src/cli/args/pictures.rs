@@ -1,0 +1,86 @@
+//! `gcode` and `plot`: files in, motion, programs and pictures out.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::values::Point;
+
+#[derive(Args, Debug)]
+#[command(group = clap::ArgGroup::new("instead").args(["simulate", "emit"]))]
+pub(crate) struct Gcode {
+    /// The program
+    #[arg(value_name = "FILE.ngc")]
+    pub(crate) file: PathBuf,
+    /// The coordinate system that runs it
+    #[arg(value_name = "CS")]
+    pub(crate) system: String,
+    /// Run it on a virtual clock, by `arcline-server simulate`, and tell how long it takes
+    #[arg(long)]
+    pub(crate) simulate: bool,
+    /// Write it as Structured Text instead; - is standard output
+    #[arg(long, value_name = "OUT.st")]
+    pub(crate) emit: Option<PathBuf>,
+    /// With --simulate: the machine; the embedded one unless given
+    #[arg(long, value_name = "FILE.toml", requires = "simulate")]
+    pub(crate) config: Option<PathBuf>,
+    /// With --simulate: write a trace
+    #[arg(long, value_name = "OUT.csv", requires = "simulate")]
+    pub(crate) trace: Option<PathBuf>,
+    /// With --simulate: write the events
+    #[arg(long, value_name = "OUT.jsonl", requires = "simulate")]
+    pub(crate) events: Option<PathBuf>,
+    /// Axes of the coordinate system; asked of the server, otherwise 3
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=3))]
+    pub(crate) axes: Option<u8>,
+    /// Unit of the coordinate system; asked of the server, otherwise mm
+    #[arg(long, value_enum)]
+    pub(crate) unit: Option<Unit>,
+    /// Where it stands before the first line; asked of the server, otherwise 0
+    #[arg(long, value_name = "X,Y[,Z]", allow_hyphen_values = true)]
+    pub(crate) start: Option<Point>,
+    /// Words to pass over: such as M3, or S for every S word
+    #[arg(long, value_name = "WORD", value_delimiter = ',')]
+    pub(crate) skip: Vec<String>,
+    /// Name of the motion control tag, made on first use
+    #[arg(long, value_name = "NAME", default_value = "Ngc")]
+    pub(crate) tag: String,
+}
+
+impl Gcode {
+    /// Whether it is run on a server.
+    pub(crate) fn needs_server(&self) -> bool {
+        !self.simulate && self.emit.is_none()
+    }
+}
+
+/// A unit of length.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Unit {
+    /// Millimetre
+    Mm,
+    /// Inch
+    Inch,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Plot {
+    /// The trace, of `arcline-server simulate --trace` or `arcline trace`
+    #[arg(value_name = "FILE.csv")]
+    pub(crate) trace: PathBuf,
+    /// The picture
+    #[arg(short, long, value_name = "OUT.svg|.png")]
+    pub(crate) output: PathBuf,
+    /// Mark the instructions of these events
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub(crate) events: Option<PathBuf>,
+    /// The axes, the first two or three with their path; those that move unless given
+    #[arg(long, value_name = "AXIS", value_delimiter = ',')]
+    pub(crate) axes: Vec<String>,
+    /// A title
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    pub(crate) title: String,
+    /// PNG: pixels for each of the picture's own 960 by 596
+    #[arg(long, value_name = "FACTOR", default_value = "2")]
+    pub(crate) scale: f32,
+}

@@ -1,0 +1,80 @@
+//! `tags`, `read` and `write`.
+
+use std::str::FromStr;
+
+use clap::{Args, Subcommand, ValueEnum};
+
+use arcline_client::Input;
+
+#[derive(Args, Debug)]
+#[command(args_conflicts_with_subcommands = true)]
+pub(crate) struct Tags {
+    #[command(subcommand)]
+    pub(crate) change: Option<TagsChange>,
+    /// Part of the name, or a pattern with * and ?
+    pub(crate) pattern: Option<String>,
+}
+
+/// A change of the server's tags.
+#[derive(Subcommand, Debug)]
+pub(crate) enum TagsChange {
+    /// Create a plain tag; clients see it as after a download
+    #[command(after_help = "Example: arcline tags create Recipe REAL[16] --program Main")]
+    Create(CreateTag),
+    /// Delete a plain tag
+    #[command(after_help = "Example: arcline tags delete Recipe")]
+    Delete(DeleteTag),
+}
+
+/// What is created.
+#[derive(Args, Debug)]
+pub(crate) struct CreateTag {
+    /// 1 to 40 letters, digits and underscores, no digit first
+    pub(crate) name: String,
+    /// Such as DINT, `REAL[16]`, `DINT[2,3]`, or a structure of the server's configuration
+    #[arg(value_name = "TYPE")]
+    pub(crate) data_type: String,
+    /// The program in whose scope it is
+    #[arg(long)]
+    pub(crate) program: Option<String>,
+    /// Who may write it
+    #[arg(long, value_enum, default_value = "read_write")]
+    pub(crate) access: TagAccess,
+}
+
+/// What is deleted.
+#[derive(Args, Debug)]
+pub(crate) struct DeleteTag {
+    /// The tag
+    pub(crate) name: String,
+    /// The program in whose scope it is
+    #[arg(long)]
+    pub(crate) program: Option<String>,
+}
+
+/// Who may write a tag.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum TagAccess {
+    /// Clients too
+    #[value(name = "read_write")]
+    ReadWrite,
+    /// Nobody
+    #[value(name = "read_only")]
+    ReadOnly,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Read {
+    /// Such as `X.ActualPosition`, `Move1.Position[0]`, `Word.5`
+    #[arg(value_name = "TAG", required = true)]
+    pub(crate) tags: Vec<String>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Write {
+    /// Such as Move1.Speed
+    pub(crate) tag: String,
+    /// A number, true or false, a text, or `[1,2,3]`
+    #[arg(allow_hyphen_values = true, value_parser = Input::from_str)]
+    pub(crate) value: Input,
+}

@@ -1,0 +1,59 @@
+//! `plot`: a picture of a trace. How it is drawn is `arcline-plot`'s.
+
+use std::path::Path;
+
+use serde_json::json;
+
+use arcline_plot::{Mark, Options, PlotError, Trace, png, svg};
+
+use super::args::Plot;
+use super::{Failure, Output};
+
+/// `plot`.
+pub(crate) fn plot(command: &Plot, output: &Output) -> Result<(), Failure> {
+    let Plot {
+        trace,
+        output: target,
+        events,
+        axes,
+        title,
+        scale,
+    } = command;
+    let is_png = match target.extension().and_then(|ending| ending.to_str()) {
+        Some(ending) if ending.eq_ignore_ascii_case("svg") => false,
+        Some(ending) if ending.eq_ignore_ascii_case("png") => true,
+        _ => {
+            let shown = target.display();
+            return Err(Failure::Usage(format!("{shown} ends neither in .svg nor in .png")));
+        }
+    };
+    let wrong = |path: &Path| {
+        let path = path.display().to_string();
+        move |source: PlotError| Failure::Plot { path, source }
+    };
+    let read = |path: &Path| std::fs::read_to_string(path).map_err(|source| Failure::at(path, source));
+    let columns = Trace::parse(&read(trace)?).map_err(wrong(trace))?;
+    let marks = match events {
+        Some(events) => Mark::parse(&read(events)?).map_err(wrong(events))?,
+        None => Vec::new(),
+    };
+    let options = Options {
+        axes: axes.clone(),
+        marks,
+        title: title.clone(),
+    };
+    let picture = svg(&columns, &options).map_err(wrong(trace))?;
+    let bytes = if is_png {
+        png(&picture, *scale).map_err(wrong(target))?
+    } else {
+        picture.into_bytes()
+    };
+    std::fs::write(target, bytes).map_err(|source| Failure::at(target, source))?;
+    let shown = target.display().to_string();
+    let rows = columns.time.len();
+    output.result(
+        format!("{shown}: {rows} rows drawn"),
+        || json!({"picture": shown, "rows": rows}),
+    );
+    Ok(())
+}

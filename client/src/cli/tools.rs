@@ -1,0 +1,129 @@
+//! `explain`, `completions` and `man`.
+
+use std::io::Write;
+use std::path::Path;
+
+use serde_json::json;
+
+use arcline_client::{Client, ClientError, Mnemonic};
+use arcline_instruction_set::explain as explain_error;
+
+use super::args::{self, Completions, Explain, Man, Subject};
+use super::{Failure, Output};
+
+/// `explain`: connects only when the subject is a tag of the server.
+pub(crate) async fn explain(server: &str, command: &Explain, output: &Output) -> Result<(), Failure> {
+    match &command.what {
+        Subject::Codes(err, exerr) => codes(*err, *exerr, command.instruction, output),
+        Subject::Fault(kind) => {
+            let fault = kind.fault();
+            let text = format!(
+                "{}\ncause   {}\nremedy  Take the cause away, then `arcline fault clear AXIS` and `arcline servo on AXIS`.\n        \
+                 Default action: {}; see docs/FAULTS.md.",
+                fault.word,
+                fault.meaning,
+                fault.default.word()
+            );
+            output.result(
+                text,
+                || json!({"fault": fault.word, "cause": fault.meaning, "action": fault.default.word()}),
+            );
+            Ok(())
+        }
+        Subject::Tag(tag) => {
+            let client = Client::connect(server).await?;
+            let told = of_tag(&client, tag, command.instruction).await;
+            client.close().await;
+            let (err, exerr, mnemonic) = told?;
+            if err == 0 {
+                output.result(format!("{tag}: no error"), || json!({"tag": tag, "ERR": 0, "EXERR": 0}));
+                return Ok(());
+            }
+            codes(err, exerr, mnemonic, output)
+        }
+    }
+}
+
+/// What a control tag shows: ERR, EXERR, and the instruction, which the type of an instruction tag tells.
+async fn of_tag(
+    client: &Client,
+    tag: &str,
+    given: Option<Mnemonic>,
+) -> Result<(i16, i8, Option<Mnemonic>), ClientError> {
+    let reading = client.read(tag).await?;
+    let control = reading.member("MotionControl").unwrap_or(&reading);
+    let number = |name| control.member(name).and_then(|member| member.as_f64());
+    let (Some(err), Some(exerr)) = (number("ERR"), number("EXERR")) else {
+        return Err(ClientError::Value {
+            path: tag.to_owned(),
+            expected: "no tag of an instruction".to_owned(),
+            given: "an error".to_owned(),
+        });
+    };
+    let tags = client.browse().await?;
+    let known = tags.iter().find(|one| one.name.eq_ignore_ascii_case(tag));
+    let of_type = known.and_then(|one| one.type_name().parse().ok());
+    // Both were read from an INT and a SINT.
+    Ok((err as i16, exerr as i8, given.or(of_type)))
+}
+
+fn codes(err: i16, exerr: i8, mnemonic: Option<Mnemonic>, output: &Output) -> Result<(), Failure> {
+    let told = explain_error(err, exerr, mnemonic).ok_or(Failure::NoSuchError { err })?;
+    let mut text = format!("{}\ncause   {}", told.headline, told.cause);
+    if let Some(concerns) = &told.concerns {
+        text.push_str(&format!("\n        {concerns}"));
+    }
+    text.push_str(&format!("\nremedy  {}", told.remedy));
+    output.result(text, || {
+        json!({
+            "ERR": err, "EXERR": exerr, "instruction": mnemonic.map(Mnemonic::name), "error": told.headline,
+            "cause": told.cause, "concerns": told.concerns, "remedy": told.remedy,
+        })
+    });
+    Ok(())
+}
+
+/// `completions`: a script for a shell, on standard output.
+pub(crate) fn completions(command: &Completions) {
+    let mut script = Vec::new();
+    clap_complete::generate(command.shell, &mut args::command(), "arcline", &mut script);
+    // A reader that has gone away is no error of ours.
+    let _ = std::io::stdout().write_all(&script);
+}
+
+/// `man`: the first page on standard output, or all of them into a folder.
+pub(crate) fn man(command: &Man, output: &Output) -> Result<(), Failure> {
+    let Some(folder) = &command.output else {
+        let page = page(args::command()).map_err(|source| Failure::at(Path::new("arcline.1"), source))?;
+        let _ = std::io::stdout().write_all(&page);
+        return Ok(());
+    };
+    std::fs::create_dir_all(folder).map_err(|source| Failure::at(folder, source))?;
+    let mut count = 0;
+    let mut todo = vec![args::command()];
+    while let Some(mut next) = todo.pop() {
+        next.build();
+        let name = next.get_display_name().unwrap_or(next.get_name()).to_owned();
+        let children = next.get_subcommands().filter(|child| child.get_name() != "help");
+        todo.extend(children.map(|child| {
+            let whole = format!("{name}-{}", child.get_name());
+            child.clone().display_name(whole)
+        }));
+        let path = folder.join(format!("{name}.1"));
+        let written = page(next).and_then(|page| std::fs::write(&path, page));
+        written.map_err(|source| Failure::at(&path, source))?;
+        count += 1;
+    }
+    let shown = folder.display().to_string();
+    output.result(
+        format!("{shown}: {count} pages"),
+        || json!({"folder": shown, "pages": count}),
+    );
+    Ok(())
+}
+
+fn page(command: clap::Command) -> std::io::Result<Vec<u8>> {
+    let mut page = Vec::new();
+    clap_mangen::Man::new(command).render(&mut page)?;
+    Ok(page)
+}

@@ -1,0 +1,171 @@
+//! `trace`: every tick of some signals into a file, as they come. What the server records is `arcline_client`'s trace.
+
+mod csv;
+mod mcap;
+
+use std::time::Duration;
+
+use serde_json::json;
+
+use arcline_client::{Client, ClientError, Object, TraceRequest, TraceState, nearest};
+
+use super::args::Trace;
+use super::{Failure, Output, wait};
+use csv::Csv;
+use mcap::Mcap;
+
+/// Time between two looks when there is nothing new.
+const POLL: Duration = Duration::from_millis(20);
+/// The signals of an axis, as those of a trace of `simulate` (spec/contract.md §1).
+const OF_AXIS: [&str; 4] = [
+    "CommandPosition",
+    "CommandVelocity",
+    "CommandAcceleration",
+    "ActualPosition",
+];
+/// The signals of a coordinate system.
+const OF_SYSTEM: [&str; 2] = ["PathSpeed", "PathPosition"];
+
+/// Where rows go.
+enum Sink {
+    Csv(Csv),
+    Mcap(Mcap),
+}
+
+/// `trace`.
+pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> Result<(), Failure> {
+    let period = client.trace_period().await?.max(Duration::from_nanos(1));
+    let signals = signals(client, &command.names).await?;
+    let ticks = |seconds: f64| (seconds / period.as_secs_f64()).round().clamp(1.0, f64::from(u32::MAX)) as u32;
+    let request = TraceRequest {
+        signals,
+        before: command.before.map_or(0, ticks),
+        length: command.duration.map_or(0, ticks),
+        every: command.every,
+        trigger: command.trigger.as_ref().map(|text| text.0.clone()).unwrap_or_default(),
+    };
+    let at = |source| Failure::at(&command.output, source);
+    let is_mcap = match command.output.extension().and_then(|ending| ending.to_str()) {
+        Some(ending) if ending.eq_ignore_ascii_case("csv") => false,
+        Some(ending) if ending.eq_ignore_ascii_case("mcap") => true,
+        _ => {
+            let shown = command.output.display();
+            return Err(Failure::Usage(format!("{shown} ends neither in .csv nor in .mcap")));
+        }
+    };
+    let mut sink = if is_mcap {
+        Sink::Mcap(Mcap::create(&command.output, &request.signals, period).map_err(at)?)
+    } else {
+        Sink::Csv(Csv::create(&command.output, &request.signals, period).map_err(at)?)
+    };
+    let instance = client.start_trace(&request).await?;
+    let result = follow(client, instance, &mut sink, command, output).await;
+    // It would be forgotten in a minute anyway.
+    let _ = client.delete_trace(instance).await;
+    let finished = match sink {
+        Sink::Csv(csv) => csv.finish(),
+        Sink::Mcap(mcap) => mcap.finish(),
+    };
+    finished.map_err(at)?;
+    let Taken { rows, missing } = result?;
+    let (shown, width) = (command.output.display().to_string(), request.signals.len());
+    let gap = if missing == 0 {
+        "no gap".to_owned()
+    } else {
+        format!("{missing} ticks missing")
+    };
+    output.result(
+        format!("{shown}: {rows} rows of {width} signals, {gap}"),
+        || json!({"trace": shown, "rows": rows, "signals": request.signals, "missing": missing}),
+    );
+    Ok(())
+}
+
+/// What has been written.
+#[derive(Clone, Copy, Debug, Default)]
+struct Taken {
+    rows: u64,
+    /// Ticks that were not there any more, or never.
+    missing: u64,
+}
+
+/// Writes rows until the trace has ended, or Ctrl-C ends it.
+async fn follow(
+    client: &Client,
+    instance: u32,
+    sink: &mut Sink,
+    command: &Trace,
+    output: &Output,
+) -> Result<Taken, Failure> {
+    let mut taken = Taken::default();
+    let mut from = 0;
+    let mut interrupted = std::pin::pin!(wait::interrupted());
+    let mut told = false;
+    loop {
+        let read = client.read_trace(instance, from).await?;
+        if read.rows.is_empty() {
+            if read.state == TraceState::Ended {
+                return Ok(taken);
+            }
+            if read.state == TraceState::Armed && !told {
+                told = true;
+                output.note("waiting for the trigger");
+            }
+            tokio::select! {
+                () = tokio::time::sleep(POLL) => {}
+                // What has been recorded by then is still taken.
+                () = &mut interrupted => {
+                    client.stop_trace(instance).await?;
+                    interrupted.set(wait::interrupted());
+                }
+            }
+            continue;
+        }
+        if taken.rows > 0 {
+            taken.missing += read.first.saturating_sub(from);
+        }
+        let every = u64::from(read.every.max(1));
+        for (place, row) in read.rows.iter().enumerate() {
+            let tick = read.first + place as u64 * every;
+            let written = match sink {
+                Sink::Csv(csv) => csv.row(tick, row),
+                Sink::Mcap(mcap) => mcap.row(tick, row),
+            };
+            written.map_err(|source| Failure::at(&command.output, source))?;
+        }
+        taken.rows += read.rows.len() as u64;
+        from = read.next();
+    }
+}
+
+/// The signals of names: those of an axis or a coordinate system, or a single one.
+async fn signals(client: &Client, names: &[String]) -> Result<Vec<String>, Failure> {
+    let axes = client.objects(Object::Axis).await?;
+    let systems = client.objects(Object::CoordinateSystem).await?;
+    let of = |object: &str, members: &[&str]| {
+        members
+            .iter()
+            .map(|member| format!("{object}.{member}"))
+            .collect::<Vec<_>>()
+    };
+    if names.is_empty() {
+        return Ok(axes.iter().flat_map(|axis| of(axis, &OF_AXIS)).collect());
+    }
+    let mut signals = Vec::new();
+    for name in names {
+        let is = |known: &&String| known.eq_ignore_ascii_case(name);
+        if name.contains('.') {
+            signals.push(name.clone());
+        } else if let Some(axis) = axes.iter().find(is) {
+            signals.extend(of(axis, &OF_AXIS));
+        } else if let Some(system) = systems.iter().find(is) {
+            signals.extend(of(system, &OF_SYSTEM));
+        } else {
+            let known = axes.iter().chain(&systems).map(String::as_str);
+            let suggestion = nearest(name, known);
+            let name = name.clone();
+            return Err(ClientError::UnknownTag { name, suggestion }.into());
+        }
+    }
+    Ok(signals)
+}

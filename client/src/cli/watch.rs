@@ -1,0 +1,164 @@
+//! `watch`: the state of the machine again and again. On a terminal a full screen with the path of a coordinate system;
+//! otherwise, or with `--json`, a line for each object whenever something of it has changed.
+//!
+//! What is read and in which words it is told is `status`'s; what the screen looks like is `screen`'s.
+
+mod screen;
+mod view;
+
+use std::time::Duration;
+
+use ratatui::DefaultTerminal;
+use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
+use tokio::time::Instant;
+
+use arcline_client::{Client, Object};
+
+use super::args::Watch;
+use super::status::{Kind, Looked, Shown};
+use super::wait::{self, Stopping};
+use super::{Failure, Output};
+use view::View;
+
+/// Time between two looks at the keyboard.
+const KEYS: Duration = Duration::from_millis(20);
+
+/// `watch`.
+pub(crate) async fn watch(client: &Client, command: &Watch, output: &Output) -> Result<(), Failure> {
+    let looked = Looked::at(client, &command.names).await?;
+    // Both are finite and positive: the arguments do not parse otherwise.
+    let interval = Duration::from_secs_f64(command.interval);
+    let end = command
+        .duration
+        .map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
+    if !output.is_watched() {
+        return lines(client, &looked, interval, end, output).await;
+    }
+    let mut terminal = ratatui::try_init().map_err(Failure::Terminal)?;
+    let result = full_screen(client, &looked, interval, end, &mut terminal).await;
+    ratatui::restore();
+    result
+}
+
+/// A line for each object that has changed, with the time since the first look.
+async fn lines(
+    client: &Client,
+    looked: &Looked,
+    interval: Duration,
+    end: Option<Instant>,
+    output: &Output,
+) -> Result<(), Failure> {
+    let began = Instant::now();
+    let mut last: Vec<Shown> = Vec::new();
+    loop {
+        let next = Instant::now() + interval;
+        let shown = looked.look(client).await?;
+        let seconds = began.elapsed().as_secs_f64();
+        for (place, one) in shown.iter().enumerate() {
+            // The counters of the thread change always.
+            let same = last.get(place).is_some_and(|last| last.row == one.row);
+            if same || one.kind == Kind::RealTime && !last.is_empty() {
+                continue;
+            }
+            output.result(format!("{seconds:.3}  {}", one.row.join("  ")), || {
+                let mut object = one.object.clone();
+                object["time_s"] = seconds.into();
+                object
+            });
+        }
+        last = shown;
+        if end.is_some_and(|end| next >= end) {
+            return Ok(());
+        }
+        tokio::select! {
+            () = tokio::time::sleep_until(next) => {}
+            () = wait::interrupted() => return Ok(()),
+        }
+    }
+}
+
+async fn full_screen(
+    client: &Client,
+    looked: &Looked,
+    interval: Duration,
+    end: Option<Instant>,
+    terminal: &mut DefaultTerminal,
+) -> Result<(), Failure> {
+    let began = Instant::now();
+    let mut view = View::new();
+    loop {
+        let next = Instant::now() + interval;
+        if !view.paused {
+            view.take(looked.look(client).await?, began.elapsed().as_secs_f64());
+        }
+        loop {
+            terminal
+                .draw(|frame| screen::draw(&view, frame))
+                .map_err(Failure::Terminal)?;
+            match key(&mut view)? {
+                Asked::Nothing => {}
+                Asked::End => return Ok(()),
+                Asked::Stop => view.note = stop(client, looked).await?,
+            }
+            if end.is_some_and(|end| Instant::now() >= end) {
+                return Ok(());
+            }
+            let now = Instant::now();
+            if now >= next {
+                break;
+            }
+            tokio::time::sleep(KEYS.min(next - now)).await;
+        }
+    }
+}
+
+/// What a key asks for beyond the view itself.
+enum Asked {
+    Nothing,
+    End,
+    Stop,
+}
+
+fn key(view: &mut View) -> Result<Asked, Failure> {
+    while event::poll(Duration::ZERO).map_err(Failure::Terminal)? {
+        let Event::Key(key) = event::read().map_err(Failure::Terminal)? else {
+            continue;
+        };
+        if key.kind == KeyEventKind::Release {
+            continue;
+        }
+        match key.code {
+            KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => return Ok(Asked::End),
+            KeyCode::Char('q') => return Ok(Asked::End),
+            KeyCode::Char('s') | KeyCode::Esc => return Ok(Asked::Stop),
+            KeyCode::Char('p') => view.paused = !view.paused,
+            KeyCode::Char('c') => view.clear(),
+            KeyCode::Tab => view.next_system(),
+            _ => {}
+        }
+    }
+    Ok(Asked::Nothing)
+}
+
+/// Stops every coordinate system, then every axis, of those that are watched. Tells what came of it.
+async fn stop(client: &Client, looked: &Looked) -> Result<String, Failure> {
+    let mut failed = Vec::new();
+    let mut stopped = Vec::new();
+    for (kind, object) in [(Kind::System, Object::CoordinateSystem), (Kind::Axis, Object::Axis)] {
+        for name in looked.of(kind) {
+            let Some(stopping) = Stopping::all(object, name.to_owned()) else {
+                continue;
+            };
+            match stopping.begin(client).await {
+                Ok(_) => stopped.push(name),
+                Err(error) if error.is_connection() => return Err(error.into()),
+                Err(error) => failed.push(format!("{name}: {error}")),
+            }
+        }
+    }
+    let stopped = stopped.join(" ");
+    Ok(match failed.first() {
+        None => format!("stop: {stopped}"),
+        Some(first) => format!("stop: {stopped}; {first}"),
+    })
+}

@@ -1,0 +1,74 @@
+//! What a coordinate system is made of: attributes of classes 0x0301 and 0x0302.
+
+use bytes::Bytes;
+
+use arcline_instruction_set::Object;
+use arcline_proto::cip::service;
+use arcline_proto::epath::Epath;
+use arcline_proto::wire::Reader;
+
+use crate::{Client, ClientError, nearest};
+
+/// Attribute of a coordinate system: `n UINT, instance of the axis UINT × n`.
+const AXES: u16 = 2;
+/// Attribute of an axis: its position units, SHORT_STRING.
+const UNITS: u16 = 8;
+
+/// An axis of a coordinate system.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct SystemAxis {
+    /// Its name.
+    pub name: String,
+    /// Its position units, such as `mm`.
+    pub units: String,
+}
+
+impl Client {
+    /// The axes of a coordinate system, in its order.
+    ///
+    /// # Errors
+    /// [`ClientError::UnknownObject`]; [`ClientError::Refused`] when the server does not tell it; otherwise what the
+    /// session meets.
+    pub async fn axes_of(&self, system: &str) -> Result<Vec<SystemAxis>, ClientError> {
+        let systems = self.objects(Object::CoordinateSystem).await?;
+        let place = systems.iter().position(|name| name.eq_ignore_ascii_case(system));
+        let place = place.ok_or_else(|| ClientError::UnknownObject {
+            object: Object::CoordinateSystem,
+            name: system.to_owned(),
+            suggestion: nearest(system, systems.iter().map(String::as_str)),
+        })?;
+        let names = self.objects(Object::Axis).await?;
+        let instance = u32::try_from(place + 1).unwrap_or(u32::MAX);
+        let data = self.attribute(system, Object::CoordinateSystem, instance, AXES).await?;
+        let mut reader = Reader::new(&data);
+        let count = reader.u16().ok_or(CUT)?;
+        let mut axes = Vec::new();
+        for _ in 0..count {
+            let instance = reader.u16().ok_or(CUT)?;
+            let name = usize::from(instance)
+                .checked_sub(1)
+                .and_then(|place| names.get(place))
+                .ok_or(CUT)?;
+            let text = self.attribute(name, Object::Axis, instance.into(), UNITS).await?;
+            let (length, text) = text.split_first().ok_or(CUT)?;
+            let text = text.get(..usize::from(*length)).ok_or(CUT)?;
+            axes.push(SystemAxis {
+                name: name.clone(),
+                units: String::from_utf8_lossy(text).into_owned(),
+            });
+        }
+        Ok(axes)
+    }
+
+    async fn attribute(&self, what: &str, object: Object, instance: u32, id: u16) -> Result<Bytes, ClientError> {
+        let path = Epath::attribute(object.class_code(), instance, id);
+        let reply = self
+            .ask(what, service::GET_ATTRIBUTE_SINGLE, path, Bytes::new())
+            .await?;
+        Ok(reply.data)
+    }
+}
+
+const CUT: ClientError = ClientError::Malformed {
+    what: "the axes of a coordinate system are cut",
+};

@@ -1,0 +1,107 @@
+//! A calculated profile and its evaluation.
+
+use crate::SegmentType;
+
+/// From a point of a profile to the next: `y = y0 + a1·u + a2·u² + a3·u³` with `u = x − x0`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// Where it begins.
+    pub x: f64,
+    /// The slave there: A0.
+    pub y: f64,
+    /// A1, A2 and A3; zeros at the last point.
+    pub coefficients: [f64; 3],
+    /// How it was made; of the last point it means nothing.
+    pub kind: SegmentType,
+}
+
+/// Where a slave is at a position of the master.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Value {
+    /// Position of the slave.
+    pub y: f64,
+    /// First derivative by the master's position.
+    pub slope: f64,
+    /// Second derivative by the master's position.
+    pub curvature: f64,
+    /// Segment that the master is in, from 0.
+    pub segment: usize,
+}
+
+/// A slave's position over a master's, from its first point to its last.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// One a point; the last one ends the profile.
+    segments: Vec<Segment>,
+}
+
+impl Profile {
+    /// A profile of segments that somebody has kept; the last one ends it. `None`: fewer than two, masters that do not
+    /// rise, or a number that is none.
+    pub fn from_segments(segments: Vec<Segment>) -> Option<Self> {
+        let finite = segments.iter().all(|segment| {
+            let [a1, a2, a3] = segment.coefficients;
+            [segment.x, segment.y, a1, a2, a3].into_iter().all(f64::is_finite)
+        });
+        let rising = segments.windows(2).all(|pair| pair[0].x < pair[1].x);
+        (segments.len() >= 2 && finite && rising).then_some(Profile { segments })
+    }
+
+    /// The segments, and the last point.
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// Master and slave at the first point.
+    pub fn start(&self) -> (f64, f64) {
+        let first = &self.segments[0];
+        (first.x, first.y)
+    }
+
+    /// Master and slave at the last point.
+    pub fn end(&self) -> (f64, f64) {
+        let last = &self.segments[self.segments.len() - 1];
+        (last.x, last.y)
+    }
+
+    /// Way of the master over the whole profile, above 0.
+    pub fn length(&self) -> f64 {
+        self.end().0 - self.start().0
+    }
+
+    /// Way of the slave over the whole profile, with its sign.
+    pub fn rise(&self) -> f64 {
+        self.end().1 - self.start().1
+    }
+
+    /// Whether the master's position is in the profile, both ends included.
+    pub fn contains(&self, x: f64) -> bool {
+        (self.start().0..=self.end().0).contains(&x)
+    }
+
+    /// The slave at a position of the master; beyond the ends it stands, at an end it moves as just inside of it.
+    ///
+    /// Exactly on a point at that point. Real-time: bounded by the logarithm of the points.
+    pub fn at(&self, x: f64) -> Value {
+        let last = self.segments.len() - 1;
+        let behind = self.segments.partition_point(|segment| segment.x <= x);
+        let place = behind.saturating_sub(1).min(last - 1);
+        let segment = &self.segments[place];
+        let [a1, a2, a3] = segment.coefficients;
+        let inside = x.clamp(segment.x, self.segments[place + 1].x);
+        let u = inside - segment.x;
+        // The last point itself, not what rounding leaves of it.
+        let y = if inside >= self.segments[last].x {
+            self.segments[last].y
+        } else {
+            segment.y + u * (a1 + u * (a2 + u * a3))
+        };
+        let moves = self.contains(x);
+        Value {
+            y,
+            slope: if moves { a1 + u * (2.0 * a2 + u * 3.0 * a3) } else { 0.0 },
+            curvature: if moves { 2.0 * a2 + u * 6.0 * a3 } else { 0.0 },
+            segment: place,
+        }
+    }
+}

@@ -1,0 +1,344 @@
+//! Instructions that work on cam tags: what they need of them goes with the call into the tick, and what they write is
+//! written when they are done (spec/axis-and-data-types.md §3.9, §8.9).
+//!
+//! The elements of a CAM_PROFILE array are the segments of its profile, as far as their Status says that there is one;
+//! the last one is the last point. Not here: the mathematics (`arcline_cam`) and what a cam does.
+
+use std::sync::Arc;
+
+use arcline_instruction_set::predefined::cam_profile_status::{BEING_CALCULATED, CALCULATED, NOT_CALCULATED};
+use arcline_instruction_set::{Call, Detail, Flag, Mnemonic, MotionControl, MotionError, OperandIndex};
+use arcline_motion::Material;
+use arcline_motion::cam::{CalculateError, Point, Profile, Segment, SegmentType};
+
+use arcline_tag::{DataType, Member};
+
+use super::{Image, TagId};
+
+/// What an instruction writes to tags when it is done.
+#[derive(Clone, Debug)]
+#[must_use = "a profile stays \"being calculated\" until it is settled"]
+pub struct Staged(Result_);
+
+#[derive(Clone, Debug)]
+enum Result_ {
+    Profile(Place, Profile),
+    Numbers(Vec<(u32, f64)>),
+}
+
+/// Elements of an array of structures, from one of them to the end of the array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Place {
+    id: TagId,
+    /// Byte of the first element.
+    offset: usize,
+    /// Elements from there on.
+    elements: usize,
+}
+
+/// Profiles of the tags that something is done with.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Profiles {
+    calculated: Vec<Place>,
+    /// Kept until nobody else has the profile any more: it is freed here.
+    used: Vec<(Place, Arc<Profile>)>,
+}
+
+impl Image {
+    /// What a call needs of tags, and what it writes to them: the latter is for [`Image::settle`] once the instruction was
+    /// executed.
+    pub fn prepare(&mut self, call: &Call) -> (Option<Material>, Option<Staged>) {
+        let prepared = match call.mnemonic {
+            Mnemonic::Mccp => self.calculate_profile(call),
+            Mnemonic::Mcsv => self.calculate_values(call),
+            Mnemonic::Mapc | Mnemonic::Matc => self.use_profile(call),
+            _ => return (None, None),
+        };
+        match prepared {
+            Ok((material, staged)) => (Some(material), staged),
+            Err(Refusal { error, element }) => (Some(Material::Refused { error, element }), None),
+        }
+    }
+
+    /// Writes what an instruction has calculated, if it is done.
+    pub fn settle(&mut self, staged: Staged, control: &MotionControl) {
+        let done = control.has(Flag::Dn) && !control.has(Flag::Er);
+        match staged.0 {
+            Result_::Profile(place, profile) => {
+                self.profiles.calculated.retain(|other| *other != place);
+                if done {
+                    self.write_profile(place, &profile);
+                } else if self.status(place) == BEING_CALCULATED {
+                    // What was there is there still.
+                    let status = self.stored(place).map_or(NOT_CALCULATED, |_| CALCULATED);
+                    self.set_status(place, status);
+                }
+            }
+            Result_::Numbers(numbers) => {
+                for (tag, number) in numbers.into_iter().filter(|_| done) {
+                    self.write_number(tag, number);
+                }
+            }
+        }
+    }
+
+    /// Shows how many instructions use each profile, and frees those that none uses any more.
+    pub fn show_uses(&mut self) {
+        if self.profiles.used.is_empty() {
+            return;
+        }
+        let places: Vec<Place> = self.profiles.used.iter().map(|(place, _)| *place).collect();
+        for place in places {
+            if self.status(place) >= CALCULATED {
+                self.set_status(place, CALCULATED + self.users(place));
+            }
+        }
+        self.profiles.used.retain(|(_, profile)| Arc::strong_count(profile) > 1);
+    }
+
+    /// Instructions that use a profile of these elements.
+    fn users(&self, place: Place) -> i32 {
+        let of_place = self.profiles.used.iter().filter(|(used, _)| used.overlaps(&place));
+        of_place.map(|(_, profile)| Arc::strong_count(profile) as i32 - 1).sum()
+    }
+
+    fn calculate_profile(&mut self, call: &Call) -> Prepared {
+        let cam = self.array_of(call, Mnemonic::Mccp, "Cam", CAM)?;
+        let place = self.array_of(call, Mnemonic::Mccp, CAM_PROFILE_OPERAND, SEGMENT)?;
+        let [length, start_slope, end_slope] =
+            ["Length", "Start Slope", "End Slope"].map(|name| call.number(operand(Mnemonic::Mccp, name)));
+        let length = length.round_ties_even();
+        if !(2.0..=cam.elements as f64).contains(&length) {
+            return Err(MotionError::IllegalCamLength.into());
+        }
+        let length = length as usize;
+        if place.elements < length {
+            return Err(MotionError::IllegalCamProfileLength.into());
+        }
+        if self.is_calculated(place) {
+            return Err(MotionError::CamProfileBeingCalculated.into());
+        }
+        if self.users(place) > 0 {
+            return Err(MotionError::CamProfileBeingUsed.into());
+        }
+        let points = self.points(cam, length)?;
+        let profile = Profile::calculate(&points, start_slope, end_slope).map_err(|error| match error {
+            CalculateError::TooFew { .. } => Refusal::from(MotionError::IllegalCamLength),
+            CalculateError::Order { place } => Refusal::element(MotionError::IllegalCamOrder, place),
+            // A number that is none: an operand out of range.
+            CalculateError::NotFinite { place } => Refusal {
+                error: MotionError::ParameterOutOfRange(OperandIndex(operand(Mnemonic::Mccp, "Cam") as u8)),
+                element: place as u32,
+            },
+        })?;
+        self.profiles.calculated.push(place);
+        self.set_status(place, BEING_CALCULATED);
+        Ok((Material::Done, Some(Staged(Result_::Profile(place, profile)))))
+    }
+
+    fn calculate_values(&mut self, call: &Call) -> Prepared {
+        let place = self.array_of(call, Mnemonic::Mcsv, CAM_PROFILE_OPERAND, SEGMENT)?;
+        let profile = self.profile(place)?;
+        let master = operand(Mnemonic::Mcsv, "Master Value");
+        let x = call.number(master);
+        if !profile.contains(x) {
+            return Err(MotionError::ParameterOutOfRange(OperandIndex(master as u8)).into());
+        }
+        let value = profile.at(x);
+        let results = [
+            ("Slave Value", value.y),
+            ("Slope Value", value.slope),
+            ("Slope Derivative", value.curvature),
+        ];
+        let numbers = results.into_iter().filter_map(|(name, number)| {
+            let tag = call.tag(operand(Mnemonic::Mcsv, name))?;
+            Some((tag, number))
+        });
+        Ok((Material::Done, Some(Staged(Result_::Numbers(numbers.collect())))))
+    }
+
+    fn use_profile(&mut self, call: &Call) -> Prepared {
+        self.show_uses();
+        let place = self.array_of(call, call.mnemonic, CAM_PROFILE_OPERAND, SEGMENT)?;
+        let profile = Arc::new(self.profile(place)?);
+        self.profiles.used.push((place, profile.clone()));
+        Ok((Material::Cam(profile), None))
+    }
+
+    /// The profile of these elements, if it can be used.
+    fn profile(&self, place: Place) -> Result<Profile, Refusal> {
+        if self.is_calculated(place) {
+            return Err(MotionError::CamProfileBeingCalculated.into());
+        }
+        self.stored(place).ok_or(MotionError::CamProfileNotCalculated.into())
+    }
+
+    fn is_calculated(&self, place: Place) -> bool {
+        self.profiles.calculated.iter().any(|other| other.overlaps(&place))
+    }
+
+    /// The array that an operand names.
+    fn array_of(&self, call: &Call, mnemonic: Mnemonic, name: &str, size: usize) -> Result<Place, Refusal> {
+        let at = operand(mnemonic, name);
+        let unknown = || MotionError::ParameterOutOfRange(OperandIndex(at as u8));
+        let tag = call.tag(at).ok_or_else(unknown)?;
+        let (id, offset) = (TagId(tag >> 16), (tag & 0xFFFF) as usize * 4);
+        let tag_type = &self.tag(id).ok_or_else(unknown)?.tag_type;
+        let elements = elements_from(&tag_type.data_type, tag_type.elements() as usize, offset, size);
+        match elements {
+            Some(elements) => Ok(Place { id, offset, elements }),
+            None => Err(unknown().into()),
+        }
+    }
+
+    fn points(&self, cam: Place, length: usize) -> Result<Vec<Point>, Refusal> {
+        let bytes = self.bytes(cam.id).get(cam.offset..).unwrap_or_default();
+        let mut points: Vec<Point> = Vec::with_capacity(length);
+        for (place, element) in bytes.chunks_exact(CAM).take(length).enumerate() {
+            let [x, y] = [0, 4].map(|at| f64::from(f32::from_le_bytes(word(element, at))));
+            let kind = match i32::from_le_bytes(word(element, 8)) {
+                0 => SegmentType::Linear,
+                1 => SegmentType::Cubic,
+                _ => return Err(Refusal::element(MotionError::IllegalCamType, place)),
+            };
+            let rises = points.last().is_none_or(|last| x > last.x);
+            if !rises {
+                return Err(Refusal::element(MotionError::IllegalCamOrder, place));
+            }
+            points.push(Point { x, y, kind });
+        }
+        Ok(points)
+    }
+
+    fn status(&self, place: Place) -> i32 {
+        let bytes = self.bytes(place.id).get(place.offset..);
+        bytes.map_or(NOT_CALCULATED, |bytes| i32::from_le_bytes(word(bytes, 0)))
+    }
+
+    fn set_status(&mut self, place: Place, status: i32) {
+        self.put(place.id, place.offset, &status.to_le_bytes());
+    }
+
+    /// The profile that the bytes of these elements are.
+    fn stored(&self, place: Place) -> Option<Profile> {
+        let bytes = self.bytes(place.id).get(place.offset..)?;
+        let elements = bytes.chunks_exact(SEGMENT).take(place.elements).enumerate();
+        let segments = elements.map_while(|(at, element)| {
+            let status = i32::from_le_bytes(word(element, 0));
+            // The first one says how often the profile is used, and that it is calculated once more.
+            let is_one = status >= CALCULATED || (at == 0 && status == BEING_CALCULATED);
+            let number = |at: usize| f64::from_le_bytes(word(element, at));
+            is_one.then(|| Segment {
+                x: number(8),
+                y: number(16),
+                coefficients: [number(32), number(40), number(48)],
+                kind: match i32::from_le_bytes(word(element, 4)) {
+                    0 => SegmentType::Linear,
+                    _ => SegmentType::Cubic,
+                },
+            })
+        });
+        Profile::from_segments(segments.collect())
+    }
+
+    fn write_profile(&mut self, place: Place, profile: &Profile) {
+        let mut bytes = Vec::with_capacity(place.elements * SEGMENT);
+        for segment in profile.segments() {
+            bytes.extend(CALCULATED.to_le_bytes());
+            bytes.extend((segment.kind as i32).to_le_bytes());
+            let [a1, a2, a3] = segment.coefficients;
+            for number in [segment.x, segment.y, segment.y, a1, a2, a3] {
+                bytes.extend(number.to_le_bytes());
+            }
+        }
+        bytes.resize(place.elements * SEGMENT, 0);
+        self.put(place.id, place.offset, &bytes);
+        self.note_written(place.id, place.offset, bytes.len());
+    }
+
+    fn write_number(&mut self, tag: u32, number: f64) {
+        if let Some((id, offset, 1..)) = self.written_array(tag) {
+            let bytes = (number as f32).to_le_bytes();
+            self.put(id, offset, &bytes);
+            self.note_written(id, offset, bytes.len());
+        }
+    }
+
+    fn put(&mut self, id: TagId, offset: usize, data: &[u8]) {
+        if let Some(place) = self
+            .bytes_mut(id)
+            .and_then(|bytes| bytes.get_mut(offset..offset + data.len()))
+        {
+            place.copy_from_slice(data);
+        }
+    }
+}
+
+impl Place {
+    fn overlaps(&self, other: &Place) -> bool {
+        let end = |place: &Place| place.offset + place.elements * SEGMENT;
+        self.id == other.id && self.offset < end(other) && other.offset < end(self)
+    }
+}
+
+type Prepared = Result<(Material, Option<Staged>), Refusal>;
+
+/// What an instruction errs with, and the element to blame.
+struct Refusal {
+    error: MotionError,
+    element: u32,
+}
+
+impl Refusal {
+    /// EXERR has one byte: elements behind the 127th show in SEGMENT only.
+    fn element(error: fn(Detail) -> MotionError, place: usize) -> Self {
+        Refusal {
+            error: error(Detail(place.min(127) as i8)),
+            element: place as u32,
+        }
+    }
+}
+
+impl From<MotionError> for Refusal {
+    fn from(error: MotionError) -> Self {
+        Refusal { error, element: 0 }
+    }
+}
+
+/// How many structures of a size there are from a byte of an array on.
+fn elements_from(data_type: &DataType, elements: usize, offset: usize, size: usize) -> Option<usize> {
+    let DataType::Structure(template) = data_type else {
+        return None;
+    };
+    let own = data_type.size();
+    if own == size && offset.is_multiple_of(own) {
+        return elements.checked_sub(offset / own).filter(|left| *left > 0);
+    }
+    let inside = offset % own;
+    let holds = |member: &&Member| {
+        let from = member.offset as usize;
+        member.bit.is_none() && (from..from + member.size()).contains(&inside)
+    };
+    let member = template.members.iter().find(holds)?;
+    elements_from(
+        &member.data_type,
+        member.elements(),
+        inside - member.offset as usize,
+        size,
+    )
+}
+
+fn operand(mnemonic: Mnemonic, name: &str) -> usize {
+    let operands = mnemonic.instruction().operands;
+    operands.iter().position(|operand| operand.name == name).unwrap_or(0)
+}
+
+fn word<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+    bytes.get(at..).and_then(<[u8]>::first_chunk).copied().unwrap_or([0; N])
+}
+
+const CAM_PROFILE_OPERAND: &str = "Cam Profile";
+/// Bytes of a CAM.
+const CAM: usize = 12;
+/// Bytes of a CAM_PROFILE.
+const SEGMENT: usize = 56;

@@ -1,0 +1,138 @@
+//! The samples of a tick: one row of numbers for the whole machine, in an order that does not change.
+//!
+//! Column 0 is the tick. Then come the columns of every axis, then those of every coordinate system, in configuration order.
+//! Status words are numbers too: a word of 32 bits fits a 64-bit float exactly, and so does a tick.
+
+use arcline_instruction_set::predefined;
+use arcline_tag::Template;
+
+use crate::machine::Machine;
+use crate::{AxisSnapshot, Snapshot, SystemSnapshot};
+
+/// The columns of an axis, named as the members of its tag.
+pub const AXIS: [&str; 10] = [
+    "CommandPosition",
+    "CommandVelocity",
+    "CommandAcceleration",
+    "ActualPosition",
+    "ActualVelocity",
+    "PositionError",
+    "AxisFault",
+    "AxisStatus",
+    "MotionStatus",
+    "AxisEvent",
+];
+
+/// The columns of a coordinate system; words are named as the members of its tag.
+pub const SYSTEM: [&str; 4] = [
+    "PathSpeed",
+    "PathPosition",
+    "CoordinateSystemStatus",
+    "CoordinateMotionStatus",
+];
+
+/// Where a signal is in a row.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Column {
+    /// The number in a column.
+    Number(usize),
+    /// A bit of the word in a column: 0 or 1.
+    Bit {
+        /// The column.
+        column: usize,
+        /// The bit.
+        mask: u32,
+    },
+}
+
+impl Column {
+    /// The signal in a row; 0 if the row has no such column.
+    pub fn of(self, row: &[f64]) -> f64 {
+        match self {
+            Self::Number(column) => row.get(column).copied().unwrap_or_default(),
+            Self::Bit { column, mask } => {
+                let word = row.get(column).copied().unwrap_or_default() as u32;
+                f64::from(u8::from(word & mask != 0))
+            }
+        }
+    }
+}
+
+/// Numbers in a row.
+pub fn width(machine: &Machine) -> usize {
+    1 + AXIS.len() * machine.axes.len() + SYSTEM.len() * machine.systems.len()
+}
+
+/// The row of a snapshot. Real-time: no allocation, as many numbers as [`width`] of its machine.
+pub fn row(snapshot: &Snapshot) -> impl Iterator<Item = f64> + '_ {
+    let axes = snapshot.axes.iter().flat_map(axis);
+    let systems = snapshot.systems.iter().flat_map(system);
+    std::iter::once(snapshot.tick as f64).chain(axes).chain(systems)
+}
+
+/// The names of all columns but the first, in order: `X.CommandPosition`.
+pub fn names(machine: &Machine) -> Vec<String> {
+    let axes = machine.axes.iter();
+    let axes = axes.flat_map(|axis| AXIS.map(|signal| format!("{}.{signal}", axis.name)));
+    let systems = machine.systems.iter();
+    let systems = systems.flat_map(|system| SYSTEM.map(|signal| format!("{}.{signal}", system.name)));
+    axes.chain(systems).collect()
+}
+
+/// Where a signal is, by its name, case ignored: a column, or a bit of a status word (`X.MoveStatus`).
+pub fn find(machine: &Machine, name: &str) -> Option<Column> {
+    let (object, signal) = name.split_once('.')?;
+    if let Some(place) = machine.axis(object) {
+        let place = usize::from(place);
+        let template = if machine.axes[place].is_virtual() {
+            predefined::axis_virtual()
+        } else {
+            predefined::axis_cip_drive()
+        };
+        return within(&AXIS, &template, signal, 1 + place * AXIS.len());
+    }
+    let place = usize::from(machine.system(object)?);
+    let first = 1 + machine.axes.len() * AXIS.len() + place * SYSTEM.len();
+    within(&SYSTEM, &predefined::coordinate_system(), signal, first)
+}
+
+/// A signal among the columns of an object that begin at `first`.
+fn within(columns: &[&str], template: &Template, signal: &str, first: usize) -> Option<Column> {
+    if let Some(place) = columns.iter().position(|column| column.eq_ignore_ascii_case(signal)) {
+        return Some(Column::Number(first + place));
+    }
+    let member = template.member(signal)?;
+    let bit = u32::from(member.bit?);
+    columns.iter().enumerate().find_map(|(place, column)| {
+        let word = template.member(column).filter(|word| word.bit.is_none())?;
+        let byte = member.offset.checked_sub(word.offset).filter(|byte| *byte < 4)?;
+        Some(Column::Bit {
+            column: first + place,
+            mask: 1 << (8 * byte + bit),
+        })
+    })
+}
+
+fn axis(axis: &AxisSnapshot) -> [f64; AXIS.len()] {
+    [
+        axis.command[0],
+        axis.command[1],
+        axis.command[2],
+        axis.actual[0],
+        axis.actual[1],
+        axis.position_error,
+        axis.fault.into(),
+        axis.status.into(),
+        axis.motion_status.into(),
+        axis.event.into(),
+    ]
+}
+
+fn system(system: &SystemSnapshot) -> [f64; SYSTEM.len()] {
+    [
+        system.path_speed,
+        system.path_position,
+        system.status.into(),
+        system.motion_status.into(),
+    ]
+}

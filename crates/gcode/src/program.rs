@@ -1,0 +1,160 @@
+//! A program as steps: what is travelled, at which speed, and what happens at its end.
+
+use crate::modal::Modes;
+use crate::words::words;
+use crate::{GcodeError, MAX_BYTES, MAX_STEPS, Problem};
+
+/// What a program does not say itself.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Options {
+    /// Axes of the coordinate system: 1 (X), 2 (X, Y) or 3 (X, Y, Z).
+    pub axes: usize,
+    /// Where it stands before the first line, in its own units.
+    pub start: [f64; 3],
+    /// Whether its unit is the inch; otherwise the millimetre.
+    pub inches: bool,
+    /// Words that are passed over although they mean nothing here: `M3`, or `S` for every word with the letter.
+    pub skip: Vec<String>,
+}
+
+impl Default for Options {
+    /// Three axes at 0, in millimetres.
+    fn default() -> Self {
+        Self {
+            axes: 3,
+            start: [0.0; 3],
+            inches: false,
+            skip: Vec::new(),
+        }
+    }
+}
+
+/// How fast.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Speed {
+    /// As fast as the coordinate system goes.
+    Rapid,
+    /// Units of the machine per second.
+    Feed(f64),
+}
+
+/// What happens at the end of a motion that another one follows.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Corner {
+    /// The path is followed exactly, as fast as its corner can be passed (G61).
+    Exact,
+    /// The motion stops (G61.1, and whenever no motion follows at once).
+    Stop,
+    /// Rounded within the tolerance of the coordinate system (G64).
+    Rounded,
+    /// Rounded within a tolerance in units of the machine (G64 P).
+    Within(f64),
+}
+
+/// Motions and dwells.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Motion {
+    /// A line to a point.
+    Line {
+        /// Its end, absolute, units of the machine.
+        end: [f64; 3],
+        /// How fast.
+        speed: Speed,
+        /// What happens there.
+        corner: Corner,
+    },
+    /// An arc of at most 270° through a point to a point.
+    Arc {
+        /// The point in its middle.
+        via: [f64; 3],
+        /// Its end.
+        end: [f64; 3],
+        /// How fast.
+        speed: Speed,
+        /// What happens there.
+        corner: Corner,
+    },
+    /// Rest.
+    Dwell {
+        /// How long.
+        seconds: f64,
+    },
+}
+
+/// A motion and where it was written.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Step {
+    /// Line of the program, from 1.
+    pub line: usize,
+    /// What happens.
+    pub motion: Motion,
+}
+
+/// A program that has been read.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Program {
+    /// How many axes the positions have.
+    pub axes: usize,
+    /// What is done, in order.
+    pub steps: Vec<Step>,
+}
+
+impl Program {
+    /// Reads a program. A line that moves nothing leaves no step.
+    ///
+    /// # Errors
+    /// [`GcodeError`] for the first thing that cannot be read, is not known, or makes no sense.
+    pub fn parse(text: &str, options: &Options) -> Result<Self, GcodeError> {
+        let too_large = |line, limit, unit| GcodeError {
+            line,
+            column: 1,
+            problem: Problem::TooLarge { limit, unit },
+        };
+        if text.len() > MAX_BYTES {
+            return Err(too_large(1, MAX_BYTES, "bytes"));
+        }
+        let mut modes = Modes::new(options);
+        let mut steps: Vec<Step> = Vec::new();
+        let mut framed = false;
+        for (place, text) in text.lines().enumerate() {
+            let line = place + 1;
+            if text.trim() == "%" {
+                // The first one opens the program, the second one is its end.
+                if framed || !steps.is_empty() {
+                    break;
+                }
+                framed = true;
+                continue;
+            }
+            let words = words(text, line)?;
+            let goes_on = modes.line(&words, line, &mut |motion| steps.push(Step { line, motion }))?;
+            if steps.len() > MAX_STEPS {
+                return Err(too_large(line, MAX_STEPS, "motions"));
+            }
+            if !goes_on {
+                break;
+            }
+        }
+        stop_where_nothing_follows(&mut steps);
+        Ok(Self {
+            axes: options.axes,
+            steps,
+        })
+    }
+}
+
+/// The last motion, and the one before a dwell, end at rest whatever the path control is.
+fn stop_where_nothing_follows(steps: &mut [Step]) {
+    let mut follows = false;
+    for step in steps.iter_mut().rev() {
+        match &mut step.motion {
+            Motion::Line { corner, .. } | Motion::Arc { corner, .. } => {
+                if !follows {
+                    *corner = Corner::Stop;
+                }
+                follows = true;
+            }
+            Motion::Dwell { .. } => follows = false,
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Which calls take a place in the queue of a coordinate system.
+
+use crate::enumerations::MERGE;
+use crate::{Given, Instruction, Object};
+
+impl Instruction {
+    /// Whether a call with these operands behind target and motion control takes a place in the queue; one that merges
+    /// takes none.
+    pub fn takes_place(&self, given: &[Given]) -> bool {
+        let place = self
+            .operand("Merge")
+            .filter(|_| self.object == Object::CoordinateSystem);
+        let Some(place) = place else { return false };
+        let merge = self
+            .given_operands()
+            .position(|given| given == place)
+            .and_then(|index| given.get(index));
+        match merge {
+            None | Some(Given::Missing) => true,
+            Some(Given::Number(number)) => *number == 0.0,
+            Some(Given::Integer(number)) => *number == 0,
+            Some(Given::Word(word) | Given::Name(word)) => MERGE.parse_word(word) == Some(0),
+            Some(Given::Array(_)) => false,
+        }
+    }
+}

@@ -1,0 +1,321 @@
+//! Robots with a wrist: deltas that turn and tilt their tool, a SCARA that turns it, and the arm of six axes
+//! (spec/coordinated-instructions.md §22.8).
+//!
+//! The arm before the wrist is a [`Robot`] of its own. Not here: work and tool frames ([`crate::end_of_arm`]). Units: position
+//! units, degrees.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::error::{GeometryError, KinematicsError};
+use crate::pose::{Pose, turn_x, turn_y, turn_z};
+use crate::robot::{Arm, Elbow, Geometry, Parameters, Robot};
+
+/// How a robot with a wrist is built, by the names of its joints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrist {
+    /// A delta of two arms and J6, which turns the tool.
+    DeltaJ1J2J6,
+    /// A delta of three arms and J6.
+    DeltaJ1J2J3J6,
+    /// A delta of three arms, J4, which turns a swing arm, and J5, which tilts it.
+    DeltaJ1J2J3J4J5,
+    /// An independent SCARA and J6.
+    ScaraJ1J2J3J6,
+    /// An independent articulated arm and three axes through one point: J4 along the second link, J5 across it, J6 along the
+    /// tool. At internal 0 all of it lies along X1. X1e is from that point to the end of the arm, X3e how far the second link
+    /// is above its joint.
+    ArticulatedJ1J2J3J4J5J6,
+}
+
+impl Wrist {
+    /// Joints.
+    #[must_use]
+    pub fn joints(self) -> usize {
+        match self {
+            Wrist::DeltaJ1J2J6 => 3,
+            Wrist::DeltaJ1J2J3J6 | Wrist::ScaraJ1J2J3J6 => 4,
+            Wrist::DeltaJ1J2J3J4J5 => 5,
+            Wrist::ArticulatedJ1J2J3J4J5J6 => 6,
+        }
+    }
+
+    fn arm(self) -> Geometry {
+        match self {
+            Wrist::DeltaJ1J2J6 => Geometry::Delta2,
+            Wrist::DeltaJ1J2J3J6 | Wrist::DeltaJ1J2J3J4J5 => Geometry::Delta3,
+            Wrist::ScaraJ1J2J3J6 => Geometry::ScaraIndependent,
+            Wrist::ArticulatedJ1J2J3J4J5J6 => Geometry::ArticulatedIndependent3,
+        }
+    }
+
+    /// The place among the joints of each turns counter: J1, J4, J6.
+    fn counted(self) -> [Option<usize>; 3] {
+        match self {
+            Wrist::DeltaJ1J2J6 => [None, None, Some(2)],
+            Wrist::DeltaJ1J2J3J6 => [None, None, Some(3)],
+            Wrist::ScaraJ1J2J3J6 => [Some(0), None, Some(3)],
+            Wrist::DeltaJ1J2J3J4J5 => [None, Some(3), None],
+            Wrist::ArticulatedJ1J2J3J4J5J6 => [Some(0), Some(3), Some(5)],
+        }
+    }
+}
+
+/// Which of the solutions, as the bits of RobotConfiguration. A delta has one: 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Configuration {
+    /// Bit 1: a SCARA's elbow is on the left; the base of an articulated arm points away from the wrist.
+    pub lefty: bool,
+    /// Bit 2: the elbow of an articulated arm is below the line from shoulder to wrist.
+    pub below: bool,
+    /// Bit 3: J5 of an articulated arm is negative.
+    pub flip: bool,
+}
+
+impl Configuration {
+    /// The bits.
+    #[must_use]
+    pub fn bits(self) -> i32 {
+        i32::from(self.lefty) << 1 | i32::from(self.below) << 2 | i32::from(self.flip) << 3
+    }
+
+    /// The configuration of bits; the others say nothing.
+    #[must_use]
+    pub fn from_bits(bits: i32) -> Self {
+        Configuration {
+            lefty: bits & 2 != 0,
+            below: bits & 4 != 0,
+            flip: bits & 8 != 0,
+        }
+    }
+}
+
+/// Whole turns of J1, J4 and J6: what they are beyond half a turn either way.
+pub type Turns = [i16; 3];
+
+/// Where joints bring the end of the arm, and which of the ways there they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Taken {
+    /// The end of the arm in the frame of the base.
+    pub pose: Pose,
+    /// The solution.
+    pub configuration: Configuration,
+    /// The turns.
+    pub turns: Turns,
+}
+
+/// A robot with a wrist whose parameters make sense. Total, bounded, without allocation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrientedRobot {
+    wrist: Wrist,
+    arm: Robot,
+    zero: [f64; 6],
+    /// From the point of the wrist to the end of the arm, along the tool.
+    tool: f64,
+}
+
+impl OrientedRobot {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// [`GeometryError`], as of a [`Robot`].
+    pub fn new(wrist: Wrist, parameters: &Parameters) -> Result<OrientedRobot, GeometryError> {
+        let mut arm = *parameters;
+        arm.zero_angles = [0.0; 6];
+        let mut tool = 0.0;
+        if wrist == Wrist::ArticulatedJ1J2J3J4J5J6 {
+            tool = std::mem::take(&mut arm.end_effector_offsets[0]);
+        }
+        // Of two arms X3 is up, which their own plane calls X2.
+        if wrist == Wrist::DeltaJ1J2J6 {
+            arm.end_effector_offsets[1] = arm.end_effector_offsets[2];
+        }
+        Ok(OrientedRobot {
+            wrist,
+            arm: Robot::new(wrist.arm(), &arm)?,
+            zero: parameters.zero_angles,
+            tool,
+        })
+    }
+
+    /// How it is built.
+    #[must_use]
+    pub fn wrist(&self) -> Wrist {
+        self.wrist
+    }
+
+    /// Where the end of the arm is. Joints behind the last one are not looked at.
+    ///
+    /// # Errors
+    /// [`KinematicsError`] where a joint is where it cannot be, or the arms hold nothing.
+    pub fn forward(&self, joints: &[f64; 6]) -> Result<Taken, KinematicsError> {
+        let mut internal = *joints;
+        for (joint, zero) in internal.iter_mut().zip(self.zero) {
+            *joint -= zero;
+        }
+        let [j1, j2, j3, j4, j5, j6] = internal;
+        let arm = self.arm.arm([j1, j2, j3]);
+        let mut configuration = Configuration::default();
+        let (position, rotation) = match self.wrist {
+            Wrist::DeltaJ1J2J6 => {
+                let [x, z, _] = self.arm.forward([j1, j2, 0.0])?;
+                (Vector3::new(x, 0.0, z), turn_z(j3) * down())
+            }
+            Wrist::DeltaJ1J2J3J6 => (self.arm.forward([j1, j2, j3])?.into(), turn_z(j4) * down()),
+            Wrist::DeltaJ1J2J3J4J5 => (
+                self.arm.forward([j1, j2, j3])?.into(),
+                turn_z(-j4) * turn_y(-j5) * down(),
+            ),
+            Wrist::ScaraJ1J2J3J6 => {
+                configuration.lefty = arm.elbow == Elbow::Left;
+                (self.arm.forward([j1, j2, j3])?.into(), turn_z(j1 + j2 + j4) * down())
+            }
+            Wrist::ArticulatedJ1J2J3J4J5J6 => {
+                configuration = Configuration {
+                    lefty: arm.mirrored,
+                    below: arm.elbow == Elbow::Right,
+                    flip: wrapped(j5) < 0.0,
+                };
+                let rotation = forearm(j1, j2 + j3) * turn_x(j4) * turn_y(-j5) * turn_x(j6) * along_tool();
+                let wrist: Vector3<f64> = self.arm.forward([j1, j2, j3])?.into();
+                (wrist + rotation.column(2) * self.tool, rotation)
+            }
+        };
+        let mut turns = Turns::default();
+        for (counter, place) in turns.iter_mut().zip(self.wrist.counted()) {
+            if let Some(place) = place {
+                *counter = ((internal[place] - wrapped(internal[place])) / TURN).round() as i16;
+            }
+        }
+        let taken = Taken {
+            pose: Pose { position, rotation },
+            configuration,
+            turns,
+        };
+        let finite = position.iter().chain(rotation.iter()).all(|part| part.is_finite());
+        finite.then_some(taken).ok_or(KinematicsError::Reach { joint: 0 })
+    }
+
+    /// The joints that bring the end of the arm to a pose. Those behind the last one are 0.
+    ///
+    /// # Errors
+    /// [`KinematicsError`] where the pose cannot be reached, or the robot cannot make its orientation.
+    pub fn inverse(
+        &self,
+        pose: &Pose,
+        configuration: Configuration,
+        turns: Turns,
+    ) -> Result<[f64; 6], KinematicsError> {
+        let m = &pose.rotation;
+        let p = &pose.position;
+        let elbow = |right: bool| if right { Elbow::Right } else { Elbow::Left };
+        let mut joints = match self.wrist {
+            Wrist::DeltaJ1J2J6 => {
+                if p.y.abs() > OFF_PLANE {
+                    return Err(KinematicsError::Orientation { angle: 1 });
+                }
+                let [j1, j2, _] = self.arm.inverse([p.x, p.z, 0.0], Arm::default())?;
+                [j1, j2, downwards(m)?, 0.0, 0.0, 0.0]
+            }
+            Wrist::DeltaJ1J2J3J6 => {
+                let [j1, j2, j3] = self.arm.inverse((*p).into(), Arm::default())?;
+                [j1, j2, j3, downwards(m)?, 0.0, 0.0]
+            }
+            Wrist::DeltaJ1J2J3J4J5 => {
+                let [j1, j2, j3] = self.arm.inverse((*p).into(), Arm::default())?;
+                let turned = m * down();
+                if turned[(2, 1)].abs() > OFF_ANGLE {
+                    return Err(KinematicsError::Orientation { angle: 3 });
+                }
+                let j4 = -degrees(-turned[(0, 1)], turned[(1, 1)]);
+                let j5 = -degrees(-turned[(2, 0)], turned[(2, 2)]);
+                [j1, j2, j3, j4, j5, 0.0]
+            }
+            Wrist::ScaraJ1J2J3J6 => {
+                let arm = Arm {
+                    elbow: elbow(!configuration.lefty),
+                    mirrored: false,
+                };
+                let [j1, j2, j3] = self.arm.inverse((*p).into(), arm)?;
+                [j1, j2, j3, wrapped(downwards(m)? - j1 - j2), 0.0, 0.0]
+            }
+            Wrist::ArticulatedJ1J2J3J4J5J6 => {
+                let arm = Arm {
+                    elbow: elbow(configuration.below),
+                    mirrored: configuration.lefty,
+                };
+                let wrist = p - m.column(2) * self.tool;
+                let [j1, j2, j3] = self.arm.inverse(wrist.into(), arm)?;
+                let hand = forearm(j1, j2 + j3).transpose() * m * along_tool().transpose();
+                let [j4, j5, j6] = hand_joints(&hand, configuration.flip);
+                [j1, j2, j3, j4, j5, j6]
+            }
+        };
+        for (counter, place) in turns.into_iter().zip(self.wrist.counted()) {
+            if let Some(joint) = place.and_then(|place| joints.get_mut(place)) {
+                *joint = wrapped(*joint) + TURN * f64::from(counter);
+            }
+        }
+        for (joint, zero) in joints.iter_mut().zip(self.zero).take(self.wrist.joints()) {
+            *joint += zero;
+        }
+        Ok(joints)
+    }
+}
+
+/// The turn of the forearm against the base.
+fn forearm(base: f64, lift: f64) -> Matrix3<f64> {
+    turn_z(base) * turn_y(-lift)
+}
+
+/// J4, J5, J6 of `Rx(J4) * Ry(-J5) * Rx(J6)`. Where J5 is 0, J4 is too.
+fn hand_joints(m: &Matrix3<f64>, flip: bool) -> [f64; 3] {
+    let bend = libm::hypot(m[(1, 0)], m[(2, 0)]);
+    if bend < STRAIGHT {
+        let straight = if m[(0, 0)] < 0.0 { 180.0 } else { 0.0 };
+        return [0.0, straight, degrees(m[(2, 1)], m[(1, 1)])];
+    }
+    let sign = if flip { -1.0 } else { 1.0 };
+    [
+        degrees(-sign * m[(1, 0)], sign * m[(2, 0)]),
+        degrees(sign * bend, m[(0, 0)]),
+        degrees(-sign * m[(0, 1)], -sign * m[(0, 2)]),
+    ]
+}
+
+/// How a tool that points straight down is turned: Rz.
+fn downwards(m: &Matrix3<f64>) -> Result<f64, KinematicsError> {
+    if libm::hypot(m[(2, 0)], m[(2, 1)]) > OFF_ANGLE || m[(2, 2)] > 0.0 {
+        let angle = if m[(2, 0)].abs() > OFF_ANGLE { 4 } else { 3 };
+        return Err(KinematicsError::Orientation { angle });
+    }
+    Ok(degrees(m[(1, 0)], m[(0, 0)]))
+}
+
+/// The tool of a delta or SCARA points down: Rx is 180.
+fn down() -> Matrix3<f64> {
+    turn_x(180.0)
+}
+
+/// The end of an articulated arm has its Z along the tool, which is X1 at internal 0.
+fn along_tool() -> Matrix3<f64> {
+    turn_y(90.0)
+}
+
+fn degrees(sin: f64, cos: f64) -> f64 {
+    libm::atan2(sin, cos).to_degrees()
+}
+
+/// Within half a turn: above -180 up to 180.
+fn wrapped(angle: f64) -> f64 {
+    let turned = angle - TURN * (angle / TURN).round();
+    if turned <= -0.5 * TURN { turned + TURN } else { turned }
+}
+
+/// Degrees.
+const TURN: f64 = 360.0;
+/// Operands are REAL: this far off the plane, position units, is in it.
+const OFF_PLANE: f64 = 1e-3;
+/// Sine of an angle that is rounding.
+const OFF_ANGLE: f64 = 1e-5;
+/// Sine of J5 below which J4 and J6 turn about the same axis.
+const STRAIGHT: f64 = 1e-9;

@@ -1,0 +1,243 @@
+//! Robots with a wrist: the examples of the specification, and both directions against each other.
+
+use proptest::prelude::*;
+
+use crate::{Configuration, KinematicsError, OrientedRobot, Parameters, Pose, Wrist, end_of_arm, tool_centre};
+
+const EVERY: [Wrist; 5] = [
+    Wrist::DeltaJ1J2J6,
+    Wrist::DeltaJ1J2J3J6,
+    Wrist::DeltaJ1J2J3J4J5,
+    Wrist::ScaraJ1J2J3J6,
+    Wrist::ArticulatedJ1J2J3J4J5J6,
+];
+
+fn robot(wrist: Wrist) -> OrientedRobot {
+    let parameters = match wrist {
+        Wrist::ScaraJ1J2J3J6 => Parameters {
+            link_lengths: [250.0, 200.0],
+            zero_angles: [3.0, -4.0, 12.5, 7.0, 0.0, 0.0],
+            ..Parameters::default()
+        },
+        Wrist::ArticulatedJ1J2J3J4J5J6 => Parameters {
+            link_lengths: [300.0, 250.0],
+            base_offsets: [40.0, 0.0, 300.0],
+            end_effector_offsets: [80.0, 0.0, 30.0],
+            zero_angles: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
+        },
+        _ => Parameters {
+            link_lengths: [120.0, 260.0],
+            base_offsets: [60.0, 0.0, 0.0],
+            end_effector_offsets: [20.0, 0.0, -30.0],
+            zero_angles: [3.0, -4.0, 2.0, 5.0, -6.0, 0.0],
+        },
+    };
+    OrientedRobot::new(wrist, &parameters).expect("the parameters make a robot")
+}
+
+fn apart(a: &Pose, b: &Pose) -> f64 {
+    let turned = (a.rotation - b.rotation).abs().max();
+    (a.position - b.position).abs().max().max(turned)
+}
+
+#[test]
+fn angles_of_a_pose() {
+    // spec/coordinated-instructions.md §22.8: fixed X-Y-Z angles in their ranges.
+    let cases = [
+        ([1.0, 2.0, 3.0, 10.0, 20.0, 30.0], [1.0, 2.0, 3.0, 10.0, 20.0, 30.0]),
+        ([0.0, 0.0, 0.0, 180.0, 0.0, -180.0], [0.0, 0.0, 0.0, 180.0, 0.0, 180.0]),
+        ([0.0, 0.0, 0.0, 180.0, 120.0, 10.0], [0.0, 0.0, 0.0, 0.0, 60.0, -170.0]),
+        ([0.0, 0.0, 0.0, 20.0, 90.0, 50.0], [0.0, 0.0, 0.0, 0.0, 90.0, 30.0]),
+        ([0.0, 0.0, 0.0, 20.0, -90.0, 50.0], [0.0, 0.0, 0.0, 0.0, -90.0, 70.0]),
+    ];
+    for (given, expected) in cases {
+        let shown = Pose::new(given).coordinates();
+        for (shown, expected) in shown.iter().zip(expected) {
+            assert!((shown - expected).abs() < 1e-9, "{given:?}: {shown} is not {expected}");
+        }
+    }
+}
+
+#[test]
+fn turns_of_a_joint() {
+    // §22.8: Rz = 45 with counter 0, 1, -1 is joint 45, 405, -315.
+    let parameters = Parameters {
+        link_lengths: [120.0, 260.0],
+        ..Parameters::default()
+    };
+    let robot = OrientedRobot::new(Wrist::DeltaJ1J2J3J6, &parameters).expect("a robot");
+    let pose = Pose::new([10.0, 20.0, -280.0, 180.0, 0.0, 45.0]);
+    for (turns, expected) in [(0, 45.0), (1, 405.0), (-1, -315.0)] {
+        let joints = robot
+            .inverse(&pose, Configuration::default(), [0, 0, turns])
+            .expect("within reach");
+        assert!((joints[3] - expected).abs() < 1e-9, "{joints:?}");
+        assert_eq!(robot.forward(&joints).expect("joints").turns, [0, 0, turns]);
+    }
+}
+
+#[test]
+fn the_mirror_rule_of_a_swing_arm() {
+    // §22.8: J5 within a quarter turn is Rx = 180, Ry = -J5; beyond it Rx = 0 and Ry runs back.
+    let parameters = Parameters {
+        link_lengths: [120.0, 260.0],
+        ..Parameters::default()
+    };
+    let robot = OrientedRobot::new(Wrist::DeltaJ1J2J3J4J5, &parameters).expect("a robot");
+    #[rustfmt::skip]
+    let cases = [
+        (0.0,   10.0, [180.0, 0.0, -10.0]),
+        (30.0,  10.0, [180.0, -30.0, -10.0]),
+        (-60.0, 10.0, [180.0, 60.0, -10.0]),
+        (120.0, 10.0, [0.0, -60.0, 170.0]),
+        (-100.0, 10.0, [0.0, 80.0, 170.0]),
+    ];
+    for (j5, j4, expected) in cases {
+        let joints = [20.0, 20.0, 20.0, j4, j5, 0.0];
+        let taken = robot.forward(&joints).expect("joints");
+        let [.., rx, ry, rz] = taken.pose.coordinates();
+        for (shown, expected) in [rx, ry, rz].iter().zip(expected) {
+            assert!((shown - expected).abs() < 1e-9, "J5 {j5}: {rx} {ry} {rz}");
+        }
+        let back = robot
+            .inverse(&taken.pose, taken.configuration, taken.turns)
+            .expect("a pose of it");
+        assert!((back[4] - j5).abs() < 1e-9 && (back[3] - j4).abs() < 1e-9, "{back:?}");
+    }
+}
+
+#[test]
+fn poses_that_cannot_be_taken() {
+    use KinematicsError::Orientation;
+    #[rustfmt::skip]
+    let cases = [
+        ("off the plane",      Wrist::DeltaJ1J2J6,     [0.0, 5.0, -280.0, 180.0, 0.0, 0.0], Orientation { angle: 1 }),
+        ("tilted",             Wrist::DeltaJ1J2J3J6,   [0.0, 5.0, -280.0, 180.0, 5.0, 0.0], Orientation { angle: 4 }),
+        ("rolled",             Wrist::ScaraJ1J2J3J6,   [200.0, 150.0, 0.0, 170.0, 0.0, 0.0], Orientation { angle: 3 }),
+        ("upside down",        Wrist::DeltaJ1J2J3J6,   [0.0, 5.0, -280.0, 0.0, 0.0, 0.0],   Orientation { angle: 3 }),
+        ("rolled on a swing",  Wrist::DeltaJ1J2J3J4J5, [0.0, 5.0, -280.0, 170.0, 5.0, 0.0], Orientation { angle: 3 }),
+        ("too far",            Wrist::ArticulatedJ1J2J3J4J5J6, [900.0, 0.0, 300.0, 0.0, 90.0, 0.0], KinematicsError::Reach { joint: 2 }),
+    ];
+    for (why, wrist, pose, expected) in cases {
+        let refused = robot(wrist).inverse(&Pose::new(pose), Configuration::default(), [0; 3]);
+        assert_eq!(refused, Err(expected), "{why}");
+    }
+}
+
+#[test]
+fn an_arm_of_six_axes_lies_along_x_and_reaches_down() {
+    let parameters = Parameters {
+        link_lengths: [300.0, 250.0],
+        base_offsets: [0.0, 0.0, 400.0],
+        end_effector_offsets: [100.0, 0.0, 0.0],
+        ..Parameters::default()
+    };
+    let robot = OrientedRobot::new(Wrist::ArticulatedJ1J2J3J4J5J6, &parameters).expect("a robot");
+    let flat = robot.forward(&[0.0; 6]).expect("joints");
+    assert!(
+        (flat.pose.position - nalgebra::Vector3::new(650.0, 0.0, 400.0))
+            .abs()
+            .max()
+            < 1e-9
+    );
+    // Upper arm upright, forearm level, the hand bent down: the tool points down.
+    let bent = robot.forward(&[0.0, 90.0, -90.0, 0.0, -90.0, 0.0]).expect("joints");
+    let [x, y, z, rx, ry, _] = bent.pose.coordinates();
+    assert!(
+        (x - 250.0).abs() < 1e-9 && y.abs() < 1e-9 && (z - 600.0).abs() < 1e-9,
+        "{:?}",
+        bent.pose
+    );
+    assert!((rx.abs() - 180.0).abs() < 1e-9 && ry.abs() < 1e-9, "{rx} {ry}");
+}
+
+/// Random joints of every robot: what they take is taken again by the joints of their pose, in every solution.
+#[test]
+fn forward_is_the_inverse_of_inverse() {
+    let cases = std::env::var("ARCLINE_CASES")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(2_000);
+    let mut seed = 7_u64;
+    let mut random = move |least: f64, most: f64| {
+        seed = seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        least + (most - least) * (seed >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    for wrist in EVERY {
+        let robot = robot(wrist);
+        let (mut worst, mut found) = (0.0_f64, 0);
+        for _ in 0..cases {
+            let joints: [f64; 6] = match wrist {
+                Wrist::ScaraJ1J2J3J6 | Wrist::ArticulatedJ1J2J3J4J5J6 => std::array::from_fn(|_| random(-500.0, 500.0)),
+                _ => [
+                    random(-10.0, 50.0),
+                    random(-10.0, 50.0),
+                    if wrist == Wrist::DeltaJ1J2J6 {
+                        random(-900.0, 900.0)
+                    } else {
+                        random(-10.0, 50.0)
+                    },
+                    random(-900.0, 900.0),
+                    random(-170.0, 170.0),
+                    0.0,
+                ],
+            };
+            let Ok(taken) = robot.forward(&joints) else { continue };
+            for bits in 0..8 {
+                let configuration = Configuration::from_bits(bits << 1);
+                let Ok(other) = robot.inverse(&taken.pose, configuration, taken.turns) else {
+                    continue;
+                };
+                let again = robot.forward(&other).expect("joints of a pose");
+                worst = worst.max(apart(&again.pose, &taken.pose));
+                assert!(apart(&again.pose, &taken.pose) < 1e-9, "{wrist:?} {joints:?} {other:?}");
+                found += 1;
+            }
+            if let Ok(same) = robot.inverse(&taken.pose, taken.configuration, taken.turns) {
+                let again = robot.forward(&same).expect("joints of a pose");
+                assert_eq!(again.turns, taken.turns, "{wrist:?} {joints:?} {same:?}");
+                assert_eq!(
+                    again.configuration, taken.configuration,
+                    "{wrist:?} {joints:?} {same:?}"
+                );
+                let counted = match wrist {
+                    Wrist::DeltaJ1J2J6 => &joints[2..3],
+                    Wrist::DeltaJ1J2J3J4J5 | Wrist::DeltaJ1J2J3J6 => &joints[3..4],
+                    _ => &joints[..1],
+                };
+                assert!(
+                    counted
+                        .iter()
+                        .all(|joint| same.iter().any(|other| (joint - other).abs() < 1e-6)),
+                    "{joints:?} {same:?}"
+                );
+            }
+        }
+        assert!(found > cases, "{wrist:?}: {found}");
+        println!("{wrist:?}: {found} solutions, worst {worst:.1e}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn frames_there_and_back(
+        work in prop::array::uniform6(-170.0..170.0_f64),
+        tool in prop::array::uniform6(-170.0..170.0_f64),
+        point in prop::array::uniform6(-170.0..170.0_f64),
+    ) {
+        let [work, tool, point] = [work, tool, point].map(Pose::new);
+        let end = end_of_arm(&work, &point, &tool);
+        prop_assert!(apart(&tool_centre(&work, &end, &tool), &point) < 1e-9);
+        // Angles say all of an orientation.
+        prop_assert!(apart(&Pose::new(end.coordinates()), &end) < 1e-9);
+    }
+
+    #[test]
+    fn every_input_has_an_answer(which in 0..EVERY.len(), numbers in prop::array::uniform6(any::<f64>()), bits in any::<i32>()) {
+        let robot = robot(EVERY[which]);
+        let _ = robot.forward(&numbers);
+        let _ = robot.inverse(&Pose::new(numbers), Configuration::from_bits(bits), [i16::MAX, 0, i16::MIN]);
+    }
+}

@@ -1,0 +1,79 @@
+//! What an axis keeps of cams: those that wait for the end of another, what they have ended, and the last directions.
+//!
+//! Not here: where a cam leads (`crate::follow::cam`). Real-time: nothing allocates.
+
+use arcline_planner::Clock;
+
+use super::Axis;
+use super::generator::Law;
+use super::sum::Slot;
+use crate::control::Execution;
+use crate::follow::cam::{self, Cam, Ended, Pending, Source};
+use crate::follow::gear::MasterAt;
+
+/// Cams of one kind on one axis, next to the one that is under way.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Cams {
+    /// Takes over when the one under way ends.
+    pub(crate) pending: Option<Pending>,
+    /// The instruction of the one that it took over from, which is still to be told.
+    pub(crate) ended: Option<Execution>,
+    /// 1 when the last profile was added, -1 when it was subtracted.
+    pub(crate) direction: Option<f64>,
+}
+
+impl Axis {
+    /// The kinds of generators that cams are.
+    pub(crate) const CAMS: [Slot; 2] = [Slot::PositionCam, Slot::TimeCam];
+
+    /// What is kept of cams of a kind.
+    pub(crate) fn cams(&self, slot: Slot) -> &Cams {
+        &self.cams[usize::from(slot == Slot::TimeCam)]
+    }
+
+    pub(crate) fn cams_mut(&mut self, slot: Slot) -> &mut Cams {
+        &mut self.cams[usize::from(slot == Slot::TimeCam)]
+    }
+
+    /// The cam of a kind that is under way.
+    pub(crate) fn cam(&self, slot: Slot) -> Option<&Cam> {
+        match &self.sum.get(slot)?.law {
+            Law::Cammed(cam) => Some(cam),
+            _ => None,
+        }
+    }
+
+    /// The master axis of a cam of a kind.
+    pub(crate) fn cam_master(&self, slot: Slot) -> Option<u16> {
+        match self.cam(slot)?.source() {
+            Source::Axis { master, .. } => Some(master),
+            Source::Time { .. } => None,
+        }
+    }
+
+    /// Brings a cam to where its master leads it.
+    pub(crate) fn follow_cam(&mut self, slot: Slot, at: &MasterAt) {
+        let cams = &mut self.cams[usize::from(slot == Slot::TimeCam)];
+        let Some(generator) = self.sum.get_mut(slot) else {
+            return;
+        };
+        let Law::Cammed(cam) = &mut generator.law else { return };
+        if generator.over {
+            return;
+        }
+        let (now, ended) = cam.follow(at, generator.now.position, &mut cams.pending);
+        generator.now = now;
+        match ended {
+            Ended::Nothing => {}
+            Ended::Cam => generator.over = true,
+            Ended::HandedOver(next) => cams.ended = generator.execution.replace(next),
+        }
+    }
+
+    /// The same with time as the master.
+    pub(crate) fn follow_time(&mut self, clock: &Clock) {
+        if let Some(Source::Time { since }) = self.cam(Slot::TimeCam).map(Cam::source) {
+            self.follow_cam(Slot::TimeCam, &cam::time(since, clock));
+        }
+    }
+}

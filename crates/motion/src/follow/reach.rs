@@ -1,0 +1,180 @@
+//! Whether the robots that a coordinate system leads can follow a path, before anything moves
+//! (spec/coordinated-instructions.md §19.8), and how fast their joints let it be.
+//!
+//! The path is looked at in steps that are halved where a joint turns far in one: so neither a crossing of the first joint's
+//! axis nor the edge of the workspace lies between two of them. Real-time: nothing allocates; the number of looks is fixed.
+//! Units: position units, degrees of joints.
+
+use arcline_drive::Motion as Point;
+use arcline_instruction_set::{AxisIndex, MotionError};
+use arcline_planner::geometry::Path;
+
+use super::robot::RobotMap;
+use super::transform::{Link, Map, Side, add};
+use crate::motion::Motion;
+
+/// How fast a path may be travelled for the joints' sake; infinite where nothing limits it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    /// Along the path, units/s.
+    pub(crate) speed: f64,
+    /// Along the path, units/s².
+    pub(crate) acceleration: f64,
+    /// Along the path, units/s².
+    pub(crate) deceleration: f64,
+}
+
+impl Pace {
+    pub(crate) const UNLIMITED: Pace = Pace {
+        speed: f64::INFINITY,
+        acceleration: f64::INFINITY,
+        deceleration: f64::INFINITY,
+    };
+
+    /// At a place where a joint does so much per unit of the path, and changes that by so much per unit. Half of its
+    /// acceleration is left for each of the two.
+    fn slow(&mut self, joint: &Point, speed: f64, [acceleration, deceleration]: [f64; 2]) {
+        let (slope, bend) = (joint.velocity.abs(), joint.acceleration.abs());
+        let [speed, acceleration, deceleration] = [speed, acceleration, deceleration].map(|limit| SHARE * limit);
+        self.speed = self.speed.min(speed / slope);
+        let least = 0.5 * acceleration.min(deceleration);
+        self.speed = self.speed.min((least / bend).sqrt());
+        self.acceleration = self.acceleration.min(0.5 * acceleration / slope);
+        self.deceleration = self.deceleration.min(0.5 * deceleration / slope);
+    }
+}
+
+impl Motion {
+    /// Whether every robot that a coordinate system leads can follow its path, and how fast.
+    ///
+    /// # Errors
+    /// 67, 68 or 72: what the transform would fail with on the way, and 72 too for a joint beyond its soft travel.
+    pub(crate) fn verify_reach(&self, system: usize, path: &Path) -> Result<Pace, MotionError> {
+        let mut pace = Pace::UNLIMITED;
+        for (_, link) in self.links() {
+            if link.leads_joints() && !link.braking && self.leads_to(system, link, self.links.len()) {
+                self.verify_path(system, link, path, &mut pace)?;
+            }
+        }
+        Ok(pace)
+    }
+
+    /// Whether a system moves axes of the source of a link, or of one that leads it.
+    pub(super) fn leads_to(&self, system: usize, link: &Link, depth: usize) -> bool {
+        let own = |axis: &u16| self.systems[system].has(*axis);
+        if link.source().iter().any(own) {
+            return true;
+        }
+        let leads = |above: &Link| above.target().iter().any(|axis| link.source().contains(axis));
+        let mut links = self.links();
+        depth > 0 && links.any(|(_, above)| leads(above) && self.leads_to(system, above, depth - 1))
+    }
+
+    /// Where the source of a link is when axes of it, or of what leads it, are a step from where they are, and how fast.
+    pub(super) fn when(&self, link: &Link, step: &impl Fn(u16) -> Point) -> Side {
+        let mut whole = self.step_of(link, step, self.links.len());
+        for (axis, point) in link.source().iter().zip(&mut whole) {
+            point.position += self.axes[usize::from(*axis)].command.position;
+        }
+        whole
+    }
+
+    fn step_of(&self, link: &Link, step: &impl Fn(u16) -> Point, depth: usize) -> Side {
+        let mut whole = Side::default();
+        for (axis, point) in link.source().iter().zip(&mut whole) {
+            *point = step(*axis);
+        }
+        for (_, above) in self.links() {
+            let leads = above.target().iter().any(|axis| link.source().contains(axis));
+            if !leads || depth == 0 {
+                continue;
+            }
+            let led = above.turned(&self.step_of(above, step, depth - 1));
+            for (axis, led) in above.target().iter().zip(&led) {
+                if let Some(place) = link.source().iter().position(|own| own == axis) {
+                    add(&mut whole[place], led);
+                }
+            }
+        }
+        whole
+    }
+
+    fn verify_path(&self, system: usize, link: &Link, path: &Path, pace: &mut Pace) -> Result<(), MotionError> {
+        let Map::Robot(robot) = &link.map else {
+            return Ok(());
+        };
+        let mut robot = *robot;
+        let length = path.length();
+        let source = |share: f64| {
+            let at = path.at(share * length);
+            self.when(link, &|axis| {
+                let place = self.systems[system]
+                    .description
+                    .axes
+                    .iter()
+                    .position(|own| *own == axis);
+                place.map_or_else(Point::default, |place| Point {
+                    position: at.position[place] - self.axes[usize::from(axis)].command.position,
+                    velocity: at.tangent[place],
+                    acceleration: at.curvature[place],
+                })
+            })
+        };
+        let mut looks = LOOKS;
+        let mut joints = robot.begin(&source(0.0))?;
+        self.verify_joints(link, &joints, pace)?;
+        let mut here = 0.0;
+        for step in 1..=STEPS {
+            let goal = f64::from(step) / f64::from(STEPS);
+            let mut next = goal;
+            while here < goal {
+                let there = robot.place(&source(next))?;
+                looks -= 1;
+                if looks > 0 && turns_far(&robot, &joints, &there) {
+                    if next - here < FINEST {
+                        return Err(MotionError::TransformAtOrigin);
+                    }
+                    next = 0.5 * (here + next);
+                    continue;
+                }
+                self.verify_joints(link, &there, pace)?;
+                robot.follow_joints(&there);
+                (here, joints, next) = (next, there, goal);
+                if looks == 0 {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Within their soft travel; what they do per unit of the path slows it down.
+    fn verify_joints(&self, link: &Link, joints: &Side, pace: &mut Pace) -> Result<(), MotionError> {
+        for (place, (axis, joint)) in link.target().iter().zip(joints).enumerate() {
+            let axis = &self.axes[usize::from(*axis)];
+            if axis.faults.forbids_position(joint.position) {
+                return Err(MotionError::MaxJointAngleExceeded(AxisIndex(place as u8)));
+            }
+            let dynamics = &axis.dynamics;
+            pace.slow(joint, dynamics.speed, [dynamics.acceleration, dynamics.deceleration]);
+        }
+        Ok(())
+    }
+}
+
+/// Whether a joint that turns does so by more than a step should.
+fn turns_far(robot: &RobotMap, before: &Side, after: &Side) -> bool {
+    let mut joints = before.iter().zip(after).enumerate();
+    joints.any(|(place, (before, after))| robot.turns(place) && (after.position - before.position).abs() > FAR)
+}
+
+/// Steps of a path.
+const STEPS: u16 = 32;
+/// Looks at one path, the halved steps included.
+const LOOKS: u16 = 400;
+/// What joints do between two looks at a path is within this share of what they do at one of them.
+const SHARE: f64 = 0.98;
+/// Degrees.
+const FAR: f64 = 5.0;
+/// A joint that turns far in a step of this share of the path turns at once: it is at the origin.
+const FINEST: f64 = 1.0 / (1 << 20) as f64;

@@ -1,0 +1,162 @@
+//! What MAPC and MATC share: directions, modes, and how a cam begins or waits for the end of another.
+
+use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError, OperandIndex};
+
+use super::{axis_moves, place};
+use crate::axis::Axis;
+use crate::axis::generator::{Generator, Law};
+use crate::axis::sum::Slot;
+use crate::control::Execution;
+use crate::follow::cam::{Cam, Lock, Mode, Pending, Program, Source};
+use crate::follow::gear::MasterAt;
+use crate::motion::Motion;
+
+/// Places of the operands that both have, under either name.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CamLayout {
+    direction: usize,
+    pub(super) slave_scaling: usize,
+    pub(super) master_scaling: usize,
+    mode: usize,
+    schedule: usize,
+}
+
+/// Direction: the profile is added.
+const SAME: i32 = 0;
+/// Direction: the profile is subtracted.
+const OPPOSITE: i32 = 1;
+/// Direction: the other way than the last cam.
+const REVERSE: i32 = 2;
+/// Execution Mode: again from its beginning.
+const CONTINUOUS: i32 = 1;
+/// Execution Mode: again when the master comes back.
+const PERSISTENT: i32 = 2;
+/// Execution Schedule: when the cam under way ends.
+const PENDING: i32 = 1;
+
+impl CamLayout {
+    pub(super) fn of(mnemonic: Mnemonic, slave_scaling: &str, master_scaling: &str) -> Self {
+        CamLayout {
+            direction: place(mnemonic, "Direction"),
+            slave_scaling: place(mnemonic, slave_scaling),
+            master_scaling: place(mnemonic, master_scaling),
+            mode: place(mnemonic, "Execution Mode"),
+            schedule: place(mnemonic, "Execution Schedule"),
+        }
+    }
+
+    pub(super) fn mode(&self, call: &Call) -> Mode {
+        match call.word(self.mode) {
+            CONTINUOUS => Mode::Continuous,
+            PERSISTENT => Mode::Persistent,
+            _ => Mode::Once,
+        }
+    }
+
+    pub(super) fn is_pending(&self, call: &Call) -> bool {
+        call.word(self.schedule) == PENDING
+    }
+
+    /// 1 where the profile is added, -1 where it is subtracted. Without a cam before, the reverse of it is the opposite, and
+    /// what is unchanged is the same.
+    pub(super) fn direction(&self, call: &Call, before: Option<f64>) -> f64 {
+        match call.word(self.direction) {
+            SAME => 1.0,
+            OPPOSITE => -1.0,
+            REVERSE => -before.unwrap_or(1.0),
+            _ => before.unwrap_or(1.0),
+        }
+    }
+}
+
+/// A master axis that is read from an operand, on which something lies at a position.
+pub(super) fn on_turn(axis: &Axis, position: f64, operand: usize) -> Result<(), MotionError> {
+    match axis.unwind {
+        Some(unwind) if !(0.0..unwind).contains(&position) => {
+            Err(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// No stop of everything is under way, nor one of the kind of cam.
+pub(super) fn not_stopping(axis: &Axis, slot: Slot) -> Result<(), MotionError> {
+    axis_moves::not_stopping(axis)?;
+    if axis.sum.get(slot).is_some_and(|generator| generator.stopping) {
+        return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
+    }
+    Ok(())
+}
+
+/// A cam waits behind one that has the same master, and is not the second of its kind that is under way.
+///
+/// # Errors
+/// `IllegalDynamicChange` (23).
+pub(super) fn verify_change(axis: &Axis, slot: Slot, source: Source, pending: bool) -> Result<(), MotionError> {
+    let same = |other: Source| match (other, source) {
+        (Source::Time { .. }, Source::Time { .. }) => true,
+        (other, source) => other == source,
+    };
+    let runs = axis.cam(slot).map(Cam::source);
+    let waits = axis.cams(slot).pending.as_ref().map(|pending| pending.program.source);
+    let fits = if pending {
+        runs.is_none_or(same)
+    } else {
+        waits.is_none_or(same)
+    };
+    if !fits || (!pending && runs.is_some()) {
+        return Err(MotionError::IllegalDynamicChange);
+    }
+    Ok(())
+}
+
+/// A verified cam that is to begin.
+pub(super) struct Beginning {
+    pub(super) slot: Slot,
+    pub(super) program: Program,
+    pub(super) lock: Option<Lock>,
+    /// The master as it is now.
+    pub(super) master: MasterAt,
+}
+
+/// The cam waits for the end of the one under way.
+pub(super) fn wait(motion: &mut Motion, axis: u16, slot: Slot, program: Program, execution: Execution) {
+    motion.end_pending_cams(axis, Some(slot));
+    let cams = motion.axes[usize::from(axis)].cams_mut(slot);
+    cams.direction = Some(program.slave_scale.signum());
+    cams.pending = Some(Pending { program, execution });
+    accept(motion, execution);
+}
+
+/// The cam begins now.
+pub(super) fn begin(motion: &mut Motion, axis: u16, beginning: Beginning, execution: Execution) {
+    let Beginning {
+        slot,
+        program,
+        lock,
+        master,
+    } = beginning;
+    let state = &mut motion.axes[usize::from(axis)];
+    state.cams_mut(slot).direction = Some(program.slave_scale.signum());
+    let slave = state.command.position;
+    let cam = Cam::new(program, lock, &master, slave);
+    let segment = cam.segment();
+    let mut generator = Generator::followed(false);
+    generator.execution = Some(execution);
+    generator.shown_segment = segment;
+    generator.law = Law::Cammed(cam);
+    state.begin(slot, generator);
+    // What is executed next at this tick finds the slave in motion.
+    state.follow_cam(slot, &master);
+    state.command = state.sum.command();
+    state.stale = true;
+    accept(motion, execution);
+    motion
+        .controls
+        .set_segment(execution, segment as i32, motion.clock.tick);
+}
+
+fn accept(motion: &mut Motion, execution: Execution) {
+    let accepted = Flag::Dn.mask() | Flag::Ip.mask();
+    motion.controls.write(execution, accepted, 0, motion.clock.tick);
+}

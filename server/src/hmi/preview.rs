@@ -1,0 +1,333 @@
+//! What a call or a program would do from the present state: the same controller on a virtual clock, without moving
+//! anything. Paths, duration, peaks of every axis, and the first limit that would be exceeded.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use arcline_controller::image::Image;
+use arcline_controller::machine::{Machine, Start};
+use arcline_controller::{AcceptedMove, Controller, Event, Snapshot};
+use arcline_instruction_set::predefined::{axis_status, motion_status};
+use arcline_instruction_set::{Flag, MotionError};
+use arcline_structured_text::{Interpreter, Program};
+use serde_json::{Value, json};
+
+use super::message::Refusal;
+use super::{Shared, paths};
+use crate::cli::QueueFull;
+use crate::names::ImageNames;
+use crate::plant::LiveMoves;
+use crate::simulate::{End, Observer, Options, Runner};
+
+/// Longest simulated time, s.
+const LONGEST: f64 = 3600.0;
+/// Longest real time.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// Ticks between two looks at the real time.
+const LOOK: u64 = 4096;
+/// Points of a path, at most.
+const POINTS: usize = 2000;
+/// Events that are told.
+const EVENTS: usize = 1000;
+/// Programmed paths whose blends are told.
+const MOVES: usize = 1000;
+/// Share by which a peak may be above its limit: what rounding leaves.
+const ROUNDING: f64 = 1e-6;
+
+impl Shared {
+    /// What one call would do.
+    pub(super) async fn preview(self: &Arc<Self>, text: &str) -> Result<Value, Refusal> {
+        let mut program = Program::parse_call(text).map_err(|error| Refusal::syntax(&error))?;
+        self.plant
+            .with_image(|image| program.check(&ImageNames(image)))
+            .map_err(|error| Refusal::syntax(&error))?;
+        self.simulate(program).await
+    }
+
+    /// What a program would do.
+    pub(super) async fn dry_run(self: &Arc<Self>, text: &str) -> Result<Value, Refusal> {
+        self.simulate(self.checked(text)?).await
+    }
+
+    async fn simulate(self: &Arc<Self>, program: Program) -> Result<Value, Refusal> {
+        let turn = self.simulations.clone().acquire_owned().await;
+        let shared = self.clone();
+        let simulated = tokio::task::spawn_blocking(move || {
+            let told = shared.simulate_here(program);
+            drop(turn);
+            told
+        });
+        simulated.await.map_err(|_| Refusal::new("the simulation failed"))?
+    }
+
+    fn simulate_here(&self, program: Program) -> Result<Value, Refusal> {
+        let (machine, image) = self
+            .plant
+            .with_state(|image, snapshot, moves| (present(self.plant.machine(), snapshot, moves), image.clone()));
+        let options = Options {
+            until: LONGEST,
+            keep_going: false,
+            queue_full: QueueFull::Wait,
+        };
+        let mut seen = Seen::new(&machine);
+        let mut runner = Runner::new(&machine, image, Interpreter::new(program), options);
+        runner.take_overrides();
+        let end = runner.run(&mut seen);
+        match end {
+            End::Finished => Ok(seen.told(&machine, None)),
+            End::Erred(erred) => {
+                let (err, exerr, mnemonic, line) = erred.codes();
+                Err(Refusal::motion(err, exerr, mnemonic).at(line))
+            }
+            End::Wrong(wrong) => Err(Refusal::new(wrong.to_string())),
+            End::TooLong(seconds) => Ok(seen.told(&machine, Some(format!("not at its end after {seconds} s")))),
+            End::Left => Ok(seen.told(
+                &machine,
+                Some(format!("not at its end after {} s of computing", PATIENCE.as_secs())),
+            )),
+        }
+    }
+}
+
+/// The machine with its axes as they are now, or as they will be where moves under way end.
+fn present(machine: &Machine, snapshot: &Snapshot, moves: &LiveMoves) -> Machine {
+    let mut machine = machine.clone();
+    for (axis, now) in machine.axes.iter_mut().zip(&snapshot.axes) {
+        axis.start = Start {
+            position: now.command[0],
+            servo_on: now.status & axis_status::SERVO_ACTION_STATUS != 0,
+            homed: now.motion_status & motion_status::AXIS_HOMED_STATUS != 0,
+            faults: now.faults,
+            redefined: now.redefined,
+        };
+    }
+    for (place, system) in machine.systems.iter().enumerate() {
+        let Some(last) = moves.of(place).last() else { continue };
+        let end = last.accepted.path.end();
+        for (axis, position) in system.axes.iter().zip(end.iter()) {
+            let axis = machine.axes.get_mut(usize::from(*axis));
+            if let Some(axis) = axis.filter(|axis| !axis.is_rotary()) {
+                axis.start.position = *position;
+            }
+        }
+    }
+    machine
+}
+
+/// What a simulation has shown.
+struct Seen {
+    began: Instant,
+    tick: u64,
+    period: f64,
+    axes: Vec<Peaks>,
+    /// Positions of the axes of each system that has moved.
+    trails: BTreeMap<usize, Trail>,
+    moves: Vec<AcceptedMove>,
+    limit: Option<String>,
+    events: Vec<Value>,
+}
+
+#[derive(Clone, Default)]
+struct Peaks {
+    velocity: f64,
+    acceleration: f64,
+    jerk: f64,
+    /// Acceleration and position of the tick before.
+    before: Option<(f64, f64)>,
+}
+
+/// Points of a path, every nth tick: n doubles when there are too many.
+struct Trail {
+    points: Vec<Vec<f64>>,
+    every: u64,
+}
+
+impl Seen {
+    fn new(machine: &Machine) -> Self {
+        Seen {
+            began: Instant::now(),
+            tick: 0,
+            period: machine.period(),
+            axes: vec![Peaks::default(); machine.axes.len()],
+            trails: BTreeMap::new(),
+            moves: Vec::new(),
+            limit: None,
+            events: Vec::new(),
+        }
+    }
+
+    fn told(self, machine: &Machine, unfinished: Option<String>) -> Value {
+        let coordinated = |system: &usize| self.moves.iter().any(|one| usize::from(one.system) == *system);
+        let any = self.trails.keys().any(coordinated);
+        let shown = self.trails.iter().filter(|(system, _)| !any || coordinated(system));
+        let paths = shown.map(|(place, trail)| {
+            let system = &machine.systems[*place];
+            let moves = self.moves.iter().filter(|one| usize::from(one.system) == *place);
+            let blends = moves.filter(|one| one.tolerance > 0.0 && one.tolerance.is_finite());
+            let blends = blends.map(|one| paths::circle(&one.path.end(), one.tolerance, system.axes.len()));
+            json!({
+                "coordinate_system": system.name,
+                "points": trail.points,
+                "blends": blends.collect::<Vec<_>>(),
+            })
+        });
+        let peaks = machine.axes.iter().zip(&self.axes).map(|(axis, peaks)| {
+            json!({
+                "axis": axis.name,
+                "velocity": peaks.velocity,
+                "acceleration": peaks.acceleration,
+                "jerk": peaks.jerk,
+            })
+        });
+        let ends = unfinished.is_none();
+        json!({
+            "paths": paths.collect::<Vec<_>>(),
+            "duration_s": ends.then_some(self.tick as f64 * self.period),
+            "ticks": self.tick,
+            "peaks": peaks.collect::<Vec<_>>(),
+            "limit": self.limit.or(unfinished).map(|text| json!({"text": text})),
+            "events": self.events,
+        })
+    }
+
+    /// Peaks of an axis, and the first limit that it exceeds.
+    fn look(&mut self, machine: &Machine, place: usize, [position, velocity, acceleration, _]: [f64; 4]) {
+        let (axis, peaks) = (&machine.axes[place], &mut self.axes[place]);
+        peaks.velocity = peaks.velocity.max(velocity.abs());
+        peaks.acceleration = peaks.acceleration.max(acceleration.abs());
+        if let Some((before, _)) = peaks.before {
+            peaks.jerk = peaks.jerk.max((acceleration - before).abs() / self.period);
+        }
+        let moved = peaks.before.is_none_or(|(_, before)| before != position);
+        peaks.before = Some((acceleration, position));
+        if self.limit.is_some() {
+            return;
+        }
+        let brakes = velocity * acceleration < 0.0;
+        let rate = if brakes {
+            axis.max_deceleration
+        } else {
+            axis.max_acceleration
+        };
+        let above = |value: f64, limit: f64| value > limit * (1.0 + ROUNDING);
+        let what = if above(velocity.abs(), axis.max_speed) {
+            format!("speed {velocity:.6} above {}", axis.max_speed)
+        } else if above(acceleration.abs(), rate) {
+            let name = if brakes { "deceleration" } else { "acceleration" };
+            format!("{name} {:.6} above {rate}", acceleration.abs())
+        } else {
+            let outside = axis.travel.filter(|travel| {
+                moved && axis.start.homed && !(travel.min - ROUNDING..=travel.max + ROUNDING).contains(&position)
+            });
+            let Some(travel) = outside else { return };
+            format!("position {position:.6} outside {} to {}", travel.min, travel.max)
+        };
+        self.limit = Some(format!(
+            "{}: {what} at {:.3} s",
+            axis.name,
+            self.tick as f64 * self.period
+        ));
+    }
+}
+
+impl Observer for Seen {
+    fn tick(&mut self, tick: u64, machine: &Machine, controller: &mut Controller) -> bool {
+        self.tick = tick;
+        let room = &mut self.moves;
+        controller.accepted_moves(|accepted| {
+            if room.len() < MOVES {
+                room.push(*accepted);
+            }
+        });
+        let rows: Vec<[f64; 4]> = controller.trace().collect();
+        let was: Vec<Option<f64>> = self
+            .axes
+            .iter()
+            .map(|peaks| peaks.before.map(|(_, position)| position))
+            .collect();
+        for (place, row) in rows.iter().enumerate() {
+            self.look(machine, place, *row);
+        }
+        let moved = |axis: &u16| {
+            let place = usize::from(*axis);
+            was[place].is_some_and(|before| before != rows[place][0])
+        };
+        for (place, system) in machine.systems.iter().enumerate() {
+            if !system.axes.iter().any(moved) {
+                continue;
+            }
+            let position =
+                |row: &dyn Fn(usize) -> f64| system.axes.iter().map(|axis| row(usize::from(*axis))).collect();
+            let trail = self.trails.entry(place).or_insert_with(|| Trail {
+                points: vec![position(&|axis| was[axis].unwrap_or(rows[axis][0]))],
+                every: 1,
+            });
+            trail.add(tick, position(&|axis| rows[axis][0]));
+        }
+        !tick.is_multiple_of(LOOK) || self.began.elapsed() < PATIENCE
+    }
+
+    fn event(&mut self, event: &Event, time: f64, image: &Image) {
+        if self.events.len() == EVENTS {
+            return;
+        }
+        let flags = |word| -> Vec<&str> { Flag::in_word(word).map(Flag::name).collect() };
+        let error = MotionError::from_codes(event.err, event.exerr).filter(|_| event.set & Flag::Er.mask() != 0);
+        self.events.push(json!({
+            "time_s": time,
+            "tick": event.tick,
+            "tag": image.control_name(event.control),
+            "instruction": event.mnemonic.to_string(),
+            "set": flags(event.set),
+            "clear": flags(event.clear),
+            "err": event.err,
+            "exerr": event.exerr,
+            "error": error.map(|_| Refusal::motion(event.err, event.exerr, event.mnemonic)),
+        }));
+    }
+}
+
+impl Trail {
+    /// The newest point stays the last, so that a path ends where it ends.
+    fn add(&mut self, tick: u64, point: Vec<f64>) {
+        let last = self.points.len() - 1;
+        if last > 0 && !tick.is_multiple_of(self.every) {
+            self.points[last] = point;
+            return;
+        }
+        self.points.push(point);
+        if self.points.len() > POINTS {
+            self.every *= 2;
+            let newest = self.points.len() - 1;
+            let mut place = 0;
+            self.points.retain(|_| {
+                place += 1;
+                (place - 1) % 2 == 0 || place - 1 == newest
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trail_has_its_ends_and_not_too_many_points() {
+        let mut trail = Trail {
+            points: vec![vec![0.0]],
+            every: 1,
+        };
+        for tick in 1..=100_000u64 {
+            trail.add(tick, vec![tick as f64]);
+        }
+        assert!(trail.points.len() <= POINTS, "{}", trail.points.len());
+        assert!(trail.points.len() > POINTS / 4, "{}", trail.points.len());
+        assert_eq!(
+            (trail.points.first(), trail.points.last()),
+            (Some(&vec![0.0]), Some(&vec![100_000.0]))
+        );
+        assert!(trail.points.is_sorted_by(|a, b| a[0] < b[0]));
+    }
+}

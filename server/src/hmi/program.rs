@@ -1,0 +1,404 @@
+//! The one program that viewers may run: it goes on from statement to statement as a client's would, on a thread of its own,
+//! with the rights of the viewer who started it.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use arcline_instruction_set::Flag;
+use arcline_instruction_set::predefined::coordinate_motion_status;
+use arcline_structured_text::{Answer, BoundCall, Interpreter, Program, Request};
+use serde::Serialize;
+use serde_json::{Value, json};
+use tokio::sync::watch;
+
+use super::Shared;
+use super::drive::Accepted;
+use super::message::Refusal;
+use super::rights::ViewerId;
+use crate::names::ImageNames;
+
+/// Time between two looks at motion that must end.
+const POLL: Duration = Duration::from_millis(5);
+/// Shortest pause of a program that waits.
+const LEAST_TICK: Duration = Duration::from_millis(1);
+/// Executions that are watched: as many as have instances.
+const WATCHED: usize = 4096;
+/// ERR of a full queue.
+const QUEUE_FULL: i16 = 43;
+
+/// The program, and where its viewers see it.
+#[derive(Debug)]
+pub(super) struct Programs {
+    shown: watch::Sender<Shown>,
+    mode: Mutex<Option<Running>>,
+}
+
+#[derive(Debug)]
+struct Running {
+    viewer: ViewerId,
+    mode: watch::Sender<Mode>,
+}
+
+/// How it goes on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Mode {
+    Run,
+    Pause,
+    Step,
+    End,
+}
+
+/// What viewers see of it.
+#[derive(Clone, Serialize, Debug)]
+pub(super) struct Shown {
+    state: State,
+    /// The statement that runs, or comes next.
+    line: Option<usize>,
+    viewer: Option<String>,
+    error: Option<Refusal>,
+    /// Another number for every program.
+    run: u64,
+    #[serde(skip)]
+    text: Arc<str>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Serialize, Debug)]
+#[serde(rename_all = "snake_case")]
+enum State {
+    Idle,
+    Running,
+    Paused,
+    Ended,
+    Failed,
+}
+
+/// Why it does not go on.
+enum Stopped {
+    /// Somebody ended it.
+    Ended,
+    Failed(Refusal),
+}
+
+impl From<Refusal> for Stopped {
+    fn from(refusal: Refusal) -> Self {
+        Self::Failed(refusal)
+    }
+}
+
+impl Shown {
+    /// The push; with the program's text for a viewer that has seen another program last.
+    pub(super) fn push(&self, last: &mut Option<u64>) -> String {
+        let mut push = json!(self);
+        push["push"] = "program".into();
+        if last.replace(self.run) != Some(self.run) {
+            push["text"] = (*self.text).into();
+        }
+        push.to_string()
+    }
+}
+
+impl Default for Programs {
+    fn default() -> Self {
+        Self {
+            shown: watch::Sender::new(Shown {
+                state: State::Idle,
+                line: None,
+                viewer: None,
+                error: None,
+                run: 0,
+                text: Arc::default(),
+            }),
+            mode: Mutex::default(),
+        }
+    }
+}
+
+impl Programs {
+    pub(super) fn watch(&self) -> watch::Receiver<Shown> {
+        let mut watch = self.shown.subscribe();
+        watch.mark_changed();
+        watch
+    }
+
+    /// No further statement is executed.
+    pub(super) fn end(&self) {
+        // Without a program there is nothing to end.
+        let _ = self.set(Mode::End);
+    }
+
+    /// Ends the program of a viewer who goes.
+    pub(super) fn end_of(&self, viewer: ViewerId) {
+        let own = self.running().as_ref().is_some_and(|running| running.viewer == viewer);
+        if own {
+            self.end();
+        }
+    }
+
+    fn set(&self, mode: Mode) -> Result<Value, Refusal> {
+        match &*self.running() {
+            Some(running) => {
+                running.mode.send_replace(mode);
+                Ok(json!({}))
+            }
+            None => Err(Refusal::new("no program runs")),
+        }
+    }
+
+    fn running(&self) -> std::sync::MutexGuard<'_, Option<Running>> {
+        self.mode.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn show(&self, state: State, line: Option<usize>) {
+        self.shown.send_if_modified(|shown| {
+            let changed = (shown.state, shown.line) != (state, line);
+            (shown.state, shown.line) = (state, line);
+            changed
+        });
+    }
+}
+
+impl Shared {
+    /// What is wrong with a program.
+    pub(super) fn check(&self, text: &str) -> Value {
+        let errors: Vec<Refusal> = self.checked(text).err().into_iter().collect();
+        json!({"errors": errors})
+    }
+
+    /// A program that can run.
+    pub(super) fn checked(&self, text: &str) -> Result<Program, Refusal> {
+        let mut program = Program::parse(text).map_err(|error| Refusal::syntax(&error))?;
+        self.plant
+            .with_image(|image| program.check(&ImageNames(image)))
+            .map_err(|error| Refusal::syntax(&error))?;
+        Ok(program)
+    }
+
+    /// Starts a program.
+    pub(super) fn run(self: &Arc<Self>, viewer: ViewerId, text: &str, step: bool) -> Result<Value, Refusal> {
+        let program = self.checked(text)?;
+        let first = if step { Mode::Pause } else { Mode::Run };
+        let mode = {
+            let mut running = self.program.running();
+            if let Some(other) = &*running {
+                let by = self.rights().name(other.viewer).to_owned();
+                return Err(Refusal::new(format!("a program of {by} runs already: end it first")));
+            }
+            let (sender, mode) = watch::channel(first);
+            *running = Some(Running { viewer, mode: sender });
+            mode
+        };
+        let name = self.rights().name(viewer).to_owned();
+        self.program.shown.send_modify(|shown| {
+            *shown = Shown {
+                state: State::Running,
+                line: None,
+                viewer: Some(name),
+                error: None,
+                run: shown.run + 1,
+                text: text.into(),
+            };
+        });
+        let shared = self.clone();
+        let runtime = tokio::runtime::Handle::current();
+        // Its own thread: a program that computes without end takes nobody's turn.
+        tokio::task::spawn_blocking(move || {
+            let mut run = Run {
+                shared: &shared,
+                viewer,
+                mode,
+                granted: None,
+                executed: VecDeque::new(),
+            };
+            let end = runtime.block_on(run.whole(Interpreter::new(program)));
+            *shared.program.running() = None;
+            shared.program.shown.send_modify(|shown| match end {
+                Ok(()) | Err(Stopped::Ended) => shown.state = State::Ended,
+                Err(Stopped::Failed(error)) => {
+                    shown.state = State::Failed;
+                    shown.line = error.line.map(|line| line as usize).or(shown.line);
+                    shown.error = Some(error);
+                }
+            });
+        });
+        Ok(json!({}))
+    }
+
+    pub(super) fn step(&self) -> Result<Value, Refusal> {
+        self.program.set(Mode::Step)
+    }
+
+    pub(super) fn pause(&self) -> Result<Value, Refusal> {
+        self.program.set(Mode::Pause)
+    }
+
+    pub(super) fn go_on(&self) -> Result<Value, Refusal> {
+        self.program.set(Mode::Run)
+    }
+}
+
+/// A program on its way.
+struct Run<'s> {
+    shared: &'s Shared,
+    viewer: ViewerId,
+    mode: watch::Receiver<Mode>,
+    /// The line that may run while it is paused.
+    granted: Option<usize>,
+    executed: VecDeque<(usize, Accepted)>,
+}
+
+impl Run<'_> {
+    async fn whole(&mut self, mut interpreter: Interpreter) -> Result<(), Stopped> {
+        let mut answer = Answer::Start;
+        loop {
+            let request = interpreter.resume(answer).map_err(|error| {
+                let line = error.line;
+                Refusal::new(error.problem.to_string()).at(line)
+            })?;
+            let line = interpreter.line();
+            let at = |refusal: Refusal| Stopped::Failed(refusal.at(line));
+            if request != Request::End {
+                self.turn(line).await?;
+            }
+            answer = match request {
+                Request::Read(path) => Answer::Value(self.shared.read_value(&path).map_err(at)?),
+                Request::ReadArray(path) => Answer::Array(self.shared.read_numbers(&path).map_err(at)?),
+                Request::Write(path, value) => {
+                    let value = match value {
+                        arcline_tag::Value::Bool(on) => on.into(),
+                        number => number.as_f64().into(),
+                    };
+                    let path = path.to_string();
+                    self.shared.write(self.viewer, &path, &value).await.map_err(at)?;
+                    Answer::Done
+                }
+                Request::Call(call) => self.call(call).await.map_err(at)?,
+                Request::NextTick => {
+                    let tick = Duration::from_nanos(self.shared.plant.machine().period_ns);
+                    self.pause(tick.max(LEAST_TICK)).await?;
+                    Answer::Done
+                }
+                Request::Delay(seconds) => {
+                    self.pause(Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX))
+                        .await?;
+                    Answer::Done
+                }
+                Request::End => return self.finish().await,
+            };
+        }
+    }
+
+    /// Waits until the statement of a line may run.
+    async fn turn(&mut self, line: usize) -> Result<(), Stopped> {
+        loop {
+            let mode = *self.mode.borrow_and_update();
+            match mode {
+                Mode::End => return Err(Stopped::Ended),
+                Mode::Run => {
+                    self.granted = None;
+                    break;
+                }
+                Mode::Pause if self.granted == Some(line) => break,
+                Mode::Pause => {
+                    self.shared.program.show(State::Paused, Some(line));
+                    self.changed().await?;
+                }
+                Mode::Step => {
+                    self.granted = Some(line);
+                    // Unless somebody has wanted something else since.
+                    if let Some(running) = &*self.shared.program.running() {
+                        running.mode.send_if_modified(|now| {
+                            let stepped = *now == Mode::Step;
+                            if stepped {
+                                *now = Mode::Pause;
+                            }
+                            stepped
+                        });
+                    }
+                    break;
+                }
+            }
+        }
+        self.shared.program.show(State::Running, Some(line));
+        Ok(())
+    }
+
+    async fn changed(&mut self) -> Result<(), Stopped> {
+        self.mode.changed().await.map_err(|_| Stopped::Ended)
+    }
+
+    async fn call(&mut self, call: BoundCall) -> Result<Answer, Refusal> {
+        if self.is_full(&call) {
+            return Ok(Answer::QueueFull);
+        }
+        match self.shared.call(self.viewer, &call, None).await {
+            Ok(accepted) => {
+                if self.executed.len() == WATCHED {
+                    self.executed.pop_front();
+                }
+                self.executed.push_back((call.line, accepted));
+                Ok(Answer::Done)
+            }
+            Err(refusal) if refusal.err == Some(QUEUE_FULL) => Ok(Answer::QueueFull),
+            Err(refusal) => Err(refusal),
+        }
+    }
+
+    /// Looked at first, so that a call that waits leaves no error in its tag.
+    fn is_full(&self, call: &BoundCall) -> bool {
+        let machine = self.shared.plant.machine();
+        let place = machine.system(&call.target).map(usize::from);
+        let Some(place) = place.filter(|_| call.mnemonic.instruction().takes_place(&call.given)) else {
+            return false;
+        };
+        self.shared.plant.with_snapshot(|snapshot| {
+            let system = snapshot.systems.get(place);
+            let full = coordinate_motion_status::MOVE_PENDING_QUEUE_FULL_STATUS;
+            system.is_some_and(|system| system.motion_status & full != 0)
+        })
+    }
+
+    /// Waits, unless it is ended; an instruction that errs meanwhile ends it.
+    async fn pause(&mut self, time: Duration) -> Result<(), Stopped> {
+        self.look()?;
+        let over = tokio::time::sleep(time);
+        tokio::pin!(over);
+        loop {
+            tokio::select! {
+                () = &mut over => return Ok(()),
+                changed = self.mode.changed() => {
+                    changed.map_err(|_| Stopped::Ended)?;
+                    if *self.mode.borrow_and_update() == Mode::End {
+                        return Err(Stopped::Ended);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Waits until all motion that the program began and that has an end has come to it.
+    async fn finish(&mut self) -> Result<(), Stopped> {
+        loop {
+            self.look()?;
+            if self.executed.is_empty() {
+                return Ok(());
+            }
+            self.pause(POLL).await?;
+        }
+    }
+
+    /// Forgets executions that are over.
+    fn look(&mut self) -> Result<(), Refusal> {
+        let mut failed = None;
+        self.executed.retain(|(line, accepted)| {
+            let Some(control) = self.shared.plant.instruction_instance(accepted.instance) else {
+                return false;
+            };
+            if control.has(Flag::Er) {
+                failed.get_or_insert(Refusal::motion(control.err, control.exerr, accepted.mnemonic).at(*line));
+            }
+            control.has(Flag::Ip) && accepted.mnemonic.instruction().bits.contains(&Flag::Pc)
+        });
+        failed.map_or(Ok(()), Err)
+    }
+}

@@ -1,0 +1,280 @@
+//! Tags for a viewer: a list by pages, values as JSON, and writes with the right that they need.
+
+use arcline_controller::image::{Access, Edge, Image, Tag, TagKind, WriteError};
+use arcline_instruction_set::instruction_tag_target;
+use arcline_tag::{
+    DataType, Location, PathSegment, STRING_INSTANCE, TagPath, Template, Value, string_text, write_string,
+};
+use serde_json::{Map, Value as Json, json};
+
+use super::Shared;
+use super::message::Refusal;
+use super::rights::{Thing, ViewerId};
+
+/// Tags of one page.
+const PAGE: usize = 200;
+/// Names of one message, and values that it may have in all.
+const NAMES: usize = 200;
+const VALUES: usize = 20_000;
+
+impl Shared {
+    /// The tags whose names have `pattern` in them, in any case; `*` stands for anything.
+    pub(super) fn tags(&self, pattern: &str, after: Option<&str>) -> Json {
+        let pattern = pattern.to_ascii_lowercase();
+        let after = after.map(str::to_ascii_lowercase);
+        self.plant.with_image(|image| {
+            let mut found: Vec<(String, &Tag)> = image
+                .tags()
+                .iter()
+                .filter(|tag| !matches!(tag.kind, TagKind::Program(_)))
+                .map(|tag| (image.full_name(tag).to_ascii_lowercase(), tag))
+                .filter(|(name, _)| matches(name, &pattern))
+                .filter(|(name, _)| after.as_ref().is_none_or(|after| name > after))
+                .collect();
+            found.sort_by(|(a, _), (b, _)| a.cmp(b));
+            let more = found.len() > PAGE;
+            let rows: Vec<Json> = found.iter().take(PAGE).map(|(_, tag)| row(image, tag)).collect();
+            json!({"tags": rows, "more": more})
+        })
+    }
+
+    /// The values of tags, or why there is none.
+    pub(super) fn values(&self, names: &[String]) -> Result<Json, Refusal> {
+        if names.len() > NAMES {
+            return Err(Refusal::new(format!(
+                "{} names, at most {NAMES} are possible",
+                names.len()
+            )));
+        }
+        Ok(self.plant.with_image(|image| {
+            let mut budget = VALUES;
+            let values: Map<String, Json> = names
+                .iter()
+                .map(|name| {
+                    let value = value(image, name, &mut budget);
+                    (name.clone(), value.unwrap_or_else(|error| json!({"error": error.text})))
+                })
+                .collect();
+            json!({"values": values})
+        }))
+    }
+
+    /// Writes a value. What executes an instruction or changes motion needs the right to drive what it moves.
+    pub(super) async fn write(&self, viewer: ViewerId, name: &str, value: &Json) -> Result<Json, Refusal> {
+        let path = path_of(name)?;
+        let things = self.plant.with_image(|image| moved(image, &path, value));
+        for thing in things {
+            self.check_right(viewer, thing)?;
+        }
+        let (done, written) = self.plant.write(|image, edges| {
+            let edge = put(image, &path, value)?;
+            edges.extend(edge);
+            Ok::<_, Refusal>(())
+        });
+        let kept = self.plant.fire(written).await;
+        done?;
+        kept.map_err(|error| Refusal::new(error.to_string()))?;
+        Ok(json!({}))
+    }
+}
+
+/// Whether a name has a pattern in it, both in lower case.
+fn matches(name: &str, pattern: &str) -> bool {
+    let mut rest = name;
+    pattern.split('*').all(|part| match rest.find(part) {
+        Some(at) => {
+            rest = &rest[at + part.len()..];
+            true
+        }
+        None => false,
+    })
+}
+
+fn row(image: &Image, tag: &Tag) -> Json {
+    let dimensions: Vec<u32> = tag
+        .tag_type
+        .dimensions
+        .iter()
+        .copied()
+        .take_while(|size| *size > 0)
+        .collect();
+    let mut row = json!({
+        "name": image.full_name(tag),
+        "type": tag.tag_type.data_type.name(),
+        "dims": dimensions,
+        "access": match tag.access {
+            Access::ReadOnly => "read",
+            Access::ReadWrite => "read/write",
+        },
+    });
+    let single = dimensions.is_empty() && matches!(tag.tag_type.data_type, DataType::Elementary(_));
+    if single && let Ok(value) = value(image, &image.full_name(tag), &mut 1) {
+        row["value"] = value;
+    }
+    row
+}
+
+fn path_of(name: &str) -> Result<TagPath, Refusal> {
+    name.parse().map_err(|error| Refusal::new(format!("{error}")))
+}
+
+/// The value at a path; `budget` is how many numbers there may still be.
+fn value(image: &Image, name: &str, budget: &mut usize) -> Result<Json, Refusal> {
+    let path = path_of(name)?;
+    let (id, place) = image.locate(&path).map_err(|error| Refusal::new(error.to_string()))?;
+    let bytes = image.bytes(id).get(place.offset..).unwrap_or_default();
+    if let Some(bit) = place.bit {
+        let byte = bytes.get(usize::from(bit / 8)).copied().unwrap_or_default();
+        return Ok((byte & 1 << (bit % 8) != 0).into());
+    }
+    // An index means one element, a name all of them.
+    let one = matches!(path.0.last(), Some(PathSegment::Element(_))) || place.elements <= 1;
+    if one {
+        return of_type(&place.data_type, bytes, budget);
+    }
+    let size = place.element_size().max(1);
+    let elements = bytes.chunks_exact(size).take(place.elements as usize);
+    elements.map(|bytes| of_type(&place.data_type, bytes, budget)).collect()
+}
+
+fn of_type(data_type: &DataType, bytes: &[u8], budget: &mut usize) -> Result<Json, Refusal> {
+    *budget = budget
+        .checked_sub(1)
+        .ok_or_else(|| Refusal::new(format!("more than {VALUES} values")))?;
+    match data_type {
+        DataType::Elementary(kind) => Ok(Value::read(*kind, bytes).map_or(Json::Null, number)),
+        DataType::Structure(template) if is_string(template) => Ok(string_text(bytes).into()),
+        DataType::Structure(template) => structure(template, bytes, budget).map(Json::Object),
+    }
+}
+
+fn structure(template: &Template, bytes: &[u8], budget: &mut usize) -> Result<Map<String, Json>, Refusal> {
+    let mut members = Map::new();
+    for member in template.members.iter().filter(|member| !member.hidden) {
+        let bytes = bytes.get(member.offset as usize..).unwrap_or_default();
+        let value = match member.bit {
+            Some(bit) => {
+                *budget = budget.saturating_sub(1);
+                (bytes.first().copied().unwrap_or_default() & 1 << bit != 0).into()
+            }
+            None if member.dimension == 0 => of_type(&member.data_type, bytes, budget)?,
+            None => bytes
+                .chunks_exact(member.data_type.size().max(1))
+                .take(member.elements())
+                .map(|bytes| of_type(&member.data_type, bytes, budget))
+                .collect::<Result<_, _>>()?,
+        };
+        members.insert(member.name.clone(), value);
+    }
+    Ok(members)
+}
+
+fn is_string(template: &Template) -> bool {
+    template.instance == STRING_INSTANCE
+}
+
+/// A number as JSON; what JSON has no number for as text.
+fn number(value: Value) -> Json {
+    match value {
+        Value::Bool(on) => on.into(),
+        Value::Real(real) if real.is_finite() => shortest(real),
+        value => match value.to_integer() {
+            Some(integer) => integer.into(),
+            None if value.as_f64().is_finite() => value.as_f64().into(),
+            None => value.as_f64().to_string().into(),
+        },
+    }
+}
+
+/// A REAL by the digits that it has: 0.1 is not 0.10000000149.
+fn shortest(real: f32) -> Json {
+    let text = real.to_string();
+    text.parse::<f64>().map_or(Json::Null, Json::from)
+}
+
+/// What a write would move.
+fn moved(image: &Image, path: &TagPath, value: &Json) -> Vec<Thing> {
+    let Some(tag) = path.full_name().and_then(|name| image.find(&name)) else {
+        return Vec::new();
+    };
+    let systems = |kind: fn(u16) -> Thing, all: usize| match path.rest().first() {
+        Some(PathSegment::Element(place)) => vec![kind(*place as u16)],
+        _ => (0..all as u16).map(kind).collect(),
+    };
+    let elements = tag.tag_type.elements() as usize;
+    match tag.kind {
+        TagKind::FeedOverride => systems(Thing::System, elements),
+        TagKind::FaultInject => systems(Thing::Axis, elements),
+        TagKind::Instruction(kind) if truth(value) && is_member(path, "EnableIn") => {
+            let target = instruction_tag_target(kind.mnemonic, image.bytes(tag.id));
+            let object = kind.mnemonic.instruction().object;
+            let place = arcline_instruction_set::Directory::object(image, object, &target);
+            place.map(|place| Thing::of(object, place)).into_iter().collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn truth(value: &Json) -> bool {
+    !matches!(value, Json::Bool(false) | Json::Null) && value.as_f64() != Some(0.0)
+}
+
+fn is_member(path: &TagPath, name: &str) -> bool {
+    matches!(path.rest(), [PathSegment::Symbol(member), ..] if member.eq_ignore_ascii_case(name))
+}
+
+fn put(image: &mut Image, path: &TagPath, value: &Json) -> Result<Option<Edge>, Refusal> {
+    let refuse = |error: WriteError| Refusal::new(error.to_string());
+    let (id, place) = image.locate(path).map_err(|error| Refusal::new(error.to_string()))?;
+    match value {
+        Json::Bool(on) => image.write_value(path, Value::Bool(*on)).map_err(refuse),
+        Json::Number(number) => {
+            let value = match number.as_i64() {
+                Some(integer) => Value::Lint(integer),
+                None => Value::Lreal(number.as_f64().unwrap_or(f64::NAN)),
+            };
+            image.write_value(path, value).map_err(refuse)
+        }
+        Json::String(text) => {
+            let Location {
+                data_type: DataType::Structure(template),
+                offset,
+                ..
+            } = place
+            else {
+                return Err(Refusal::new(format!("{path} is no STRING, expected a number")));
+            };
+            if !is_string(&template) {
+                return Err(Refusal::new(format!(
+                    "{path} is a {}, expected one of its members",
+                    template.name
+                )));
+            }
+            let mut bytes = vec![0; template.size as usize];
+            write_string(&mut bytes, text).ok_or_else(|| Refusal::new("the text is longer than a STRING"))?;
+            image.write(id, offset, &bytes).map_err(refuse)
+        }
+        _ => Err(Refusal::new("expected a number, true, false or a text")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns() {
+        #[rustfmt::skip]
+        let cases = [
+            ("anything",            "move1",       "",        true),
+            ("a part",              "move1",       "ove",     true),
+            ("not a part",          "move1",       "x",       false),
+            ("parts in order",      "cs1.status",  "cs*stat", true),
+            ("parts out of order",  "cs1.status",  "stat*cs", false),
+            ("once only",           "aba",         "ab*ba",   false),
+        ];
+        for (why, name, pattern, expected) in cases {
+            assert_eq!(matches(name, pattern), expected, "{why}: {pattern} in {name}");
+        }
+    }
+}

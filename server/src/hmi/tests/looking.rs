@@ -1,0 +1,255 @@
+//! Tags, events, frames of samples.
+
+use super::*;
+
+#[tokio::test]
+async fn tags_are_listed_read_watched_and_written() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    let page = viewer
+        .ask(json!({"do": "tags", "pattern": "feed"}))
+        .await
+        .expect("a page");
+    assert_eq!(
+        page,
+        json!({"tags": [{"name": "FeedOverride", "type": "REAL", "dims": [4], "access": "read/write"}], "more": false})
+    );
+    let all = viewer.ask(json!({"do": "tags"})).await.expect("a page");
+    let names: Vec<&str> = all["tags"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|tag| tag["name"].as_str())
+        .collect();
+    assert!(names.contains(&"Move1") && names.contains(&"CS1"), "{names:?}");
+    let behind = viewer
+        .ask(json!({"do": "tags", "after": "Stop1"}))
+        .await
+        .expect("a page");
+    assert!(
+        behind["tags"]
+            .as_array()
+            .is_some_and(|tags| tags.iter().all(|tag| tag["name"].as_str() > Some("T")))
+    );
+
+    let names = json!([
+        "Move1.Speed",
+        "FeedOverride",
+        "Move1.CoordinateSystem",
+        "CS1.MoveStatus",
+        "Move1.MotionControl",
+        "Nobody"
+    ]);
+    let read = viewer.ask(json!({"do": "read", "names": names})).await.expect("values");
+    let values = &read["values"];
+    assert_eq!(
+        (&values["Move1.Speed"], &values["CS1.MoveStatus"]),
+        (&json!(100.0), &json!(false))
+    );
+    assert_eq!(values["FeedOverride"], json!([100.0, 100.0, 100.0, 100.0]));
+    assert_eq!(values["Move1.CoordinateSystem"], "CS1");
+    assert_eq!(values["Move1.MotionControl"]["EN"], false);
+    assert_eq!(values["Nobody"]["error"], "there is no tag \"Nobody\"");
+
+    assert_eq!(
+        viewer
+            .ask(json!({"do": "write", "tag": "Move1.Speed", "value": 12.5}))
+            .await,
+        Ok(json!({}))
+    );
+    viewer
+        .ask(json!({"do": "watch", "names": ["Move1.Speed"]}))
+        .await
+        .expect("values");
+    let push = viewer.push("values").await;
+    assert_eq!(push["values"], json!({"Move1.Speed": 12.5}));
+    #[rustfmt::skip]
+    let cases = [
+        ("no such tag",       json!({"do": "write", "tag": "Nobody", "value": 1})),
+        ("read only",         json!({"do": "write", "tag": "X.CommandPosition", "value": 1})),
+        ("no value",          json!({"do": "write", "tag": "Move1.Speed", "value": {}})),
+        ("a text",            json!({"do": "write", "tag": "Move1.Speed", "value": "fast"})),
+        ("without right",     json!({"do": "write", "tag": "Move1.EnableIn", "value": true})),
+        ("everything's",      json!({"do": "write", "tag": "FeedOverride[0]", "value": 50})),
+        ("too many names",    json!({"do": "read", "names": vec!["X"; 201]})),
+    ];
+    for (why, message) in cases {
+        assert!(viewer.ask(message).await.is_err(), "{why}");
+    }
+    assert_eq!(
+        viewer
+            .ask(json!({"do": "write", "tag": "Move1.CoordinateSystem", "value": "CS2"}))
+            .await,
+        Ok(json!({}))
+    );
+    let read = viewer
+        .ask(json!({"do": "read", "names": ["move1.coordinatesystem"]}))
+        .await
+        .expect("values");
+    assert_eq!(read["values"]["move1.coordinatesystem"], "CS2");
+}
+
+#[tokio::test]
+async fn an_instruction_tag_moves_with_the_right() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    viewer.take("CS1").await;
+    viewer
+        .ask(json!({"do": "write", "tag": "Move1.Position[0]", "value": 5}))
+        .await
+        .expect("plain data");
+    viewer
+        .ask(json!({"do": "write", "tag": "Move1.EnableIn", "value": true}))
+        .await
+        .expect("it has the right");
+    viewer.status(|status| status["axes"][0]["command"] == 5.0).await;
+    let events = viewer.ask(json!({"do": "events"})).await.expect("events");
+    let events = events["events"].as_array().expect("a list");
+    let pc = events
+        .iter()
+        .find(|event| event["set"].as_array().is_some_and(|set| set.contains(&json!("PC"))));
+    let pc = pc.expect("it is complete");
+    assert_eq!(
+        (&pc["tag"], &pc["object"], &pc["viewer"]),
+        (&json!("Move1"), &json!("CS1"), &Value::Null)
+    );
+    let last = events.last().expect("events")["seq"].clone();
+    let none = viewer.ask(json!({"do": "events", "since": last})).await;
+    assert_eq!(none, Ok(json!({"events": []})));
+}
+
+/// A frame of samples: its first tick, signals, and values by row.
+pub(super) fn decode(frame: &[u8]) -> (u64, usize, Vec<f64>) {
+    let word = |at: usize| u32::from_le_bytes(*frame[at..].first_chunk().expect("4 bytes")) as usize;
+    assert_eq!(&frame[..4], b"ARC1");
+    let (rows, signals) = (word(4), word(8));
+    let first = u64::from_le_bytes(*frame[16..].first_chunk().expect("8 bytes"));
+    let (bases, samples) = frame[24..].split_at(8 * signals);
+    let bases: Vec<f64> = bases
+        .chunks_exact(8)
+        .map(|base| f64::from_le_bytes(*base.first_chunk().expect("8 bytes")))
+        .collect();
+    let samples: Vec<f64> = samples
+        .chunks_exact(4)
+        .zip(bases.iter().cycle())
+        .map(|(sample, base)| base + f64::from(f32::from_le_bytes(*sample.first_chunk().expect("4 bytes"))))
+        .collect();
+    assert_eq!(samples.len(), rows * signals);
+    (first, signals, samples)
+}
+
+impl Viewer {
+    /// The next frame of samples.
+    pub(super) async fn frame(&mut self) -> (u64, usize, Vec<f64>) {
+        loop {
+            let message = timeout(SOON, self.socket.next()).await.expect("in time");
+            if let Some(Ok(Message::Binary(frame))) = message {
+                return decode(&frame);
+            }
+        }
+    }
+}
+
+#[tokio::test]
+async fn frames_have_every_tick() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    let on = viewer.ask(json!({"do": "trace", "on": true})).await.expect("frames");
+    assert_eq!(
+        (&on["signals"][0], &on["period_s"]),
+        (&json!("X.CommandPosition"), &json!(0.001))
+    );
+    let (mut expected, mut rows) = (None, 0);
+    while rows < 500 {
+        let (first, signals, values) = viewer.frame().await;
+        assert_eq!(signals, 32);
+        assert!(
+            expected.is_none_or(|expected| expected == first),
+            "{first} is not {expected:?}"
+        );
+        rows += values.len() / signals;
+        expected = Some(first + (values.len() / signals) as u64);
+    }
+    viewer
+        .ask(json!({"do": "trace", "on": false}))
+        .await
+        .expect("no frames");
+    viewer.status(|_| true).await;
+}
+
+/// A trace of 32 signals while ten viewers look: `ARCLINE_TRACE_SECONDS` makes it longer.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_trace_has_no_gap_while_ten_viewers_look() {
+    let seconds: u64 = std::env::var("ARCLINE_TRACE_SECONDS")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(2);
+    let bench = Bench::start().await;
+    let machine = bench.plant.machine().clone();
+    let ticks = seconds * 1000;
+    tokio::time::sleep(Duration::from_secs(seconds.min(10))).await;
+    let alone = bench.plant.health();
+    let mut looking = Vec::new();
+    for _ in 0..10 {
+        let mut viewer = bench.viewer().await;
+        viewer.ask(json!({"do": "trace", "on": true})).await.expect("frames");
+        looking.push(tokio::spawn(
+            async move { while viewer.socket.next().await.is_some() {} },
+        ));
+    }
+    let signals: Vec<_> = super::super::frames::signals(&machine)
+        .iter()
+        .filter_map(|name| arcline_controller::samples::find(&machine, name))
+        .collect();
+    assert_eq!(signals.len(), 32);
+    let trace = bench.plant.trace();
+    let config = crate::trace::Config {
+        signals,
+        before: 0,
+        length: ticks as u32,
+        every: 1,
+        trigger: crate::trace::Trigger::None,
+    };
+    let cpu = cpu_seconds();
+    let instance = trace.create(config).expect("room");
+    let (mut next, mut rows) = (None, 0u64);
+    while rows < ticks {
+        let block = trace.read(instance, next.unwrap_or(0), 500).expect("it is there");
+        if block.rows == 0 {
+            tokio::time::sleep(Duration::from_millis(20)).await;
+            continue;
+        }
+        assert!(
+            next.is_none_or(|next| next == block.first),
+            "a gap before {}",
+            block.first
+        );
+        assert_eq!(block.values.len(), 32 * block.rows);
+        rows += block.rows as u64;
+        next = Some(block.first + block.rows as u64);
+    }
+    assert_eq!(trace.standing(instance).map(|standing| standing.missing), Some(0));
+    let (health, used) = (bench.plant.health(), cpu_seconds() - cpu);
+    println!(
+        "{seconds} s, 32 signals, 10 viewers: {rows} rows, no gap; lateness p50/p99/max {}/{}/{} us (before: {}/{}/{}), compute p99 {} us \
+         (before {}), {} overruns (before {}), CPU {:.1} % of a core in all, clients included",
+        health.lateness.p50(),
+        health.lateness.p99(),
+        health.lateness.max,
+        alone.lateness.p50(),
+        alone.lateness.p99(),
+        alone.lateness.max,
+        health.compute.p99(),
+        alone.compute.p99(),
+        health.overruns,
+        alone.overruns,
+        100.0 * used / seconds as f64,
+    );
+    looking.iter().for_each(JoinHandle::abort);
+}
+
+/// CPU time of this process, s.
+fn cpu_seconds() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 / 1e9
+}

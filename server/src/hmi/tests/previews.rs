@@ -1,0 +1,134 @@
+//! Previews and dry runs: what would happen, and that nothing does.
+
+use super::*;
+
+fn preview(text: &str) -> Value {
+    json!({"do": "preview", "text": text})
+}
+
+fn peak<'v>(told: &'v Value, axis: &str) -> &'v Value {
+    let peaks = told["peaks"].as_array().expect("a list");
+    peaks.iter().find(|peak| peak["axis"] == axis).expect(axis)
+}
+
+fn close(value: &Value, expected: f64) -> bool {
+    value
+        .as_f64()
+        .is_some_and(|value| (value - expected).abs() < 1e-6 * expected.abs().max(1.0))
+}
+
+#[tokio::test]
+async fn a_preview_shows_path_duration_and_peaks() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    // 100 units at 100 units/s with 1,000 units/s^2: 0.1 s to gain and lose speed, 1.1 s in all.
+    let line = "MCLM(CS1, P, Absolute, [100, 0, 0], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);";
+    let told = viewer
+        .ask(preview(line))
+        .await
+        .expect("it can be executed, without any right");
+    assert!(close(&told["duration_s"], 1.1), "{}", told["duration_s"]);
+    assert_eq!(told["ticks"], 1100);
+    assert!(
+        close(&peak(&told, "X")["velocity"], 100.0) && close(&peak(&told, "X")["acceleration"], 1000.0),
+        "{told}"
+    );
+    assert_eq!(peak(&told, "Y")["velocity"], 0.0);
+    assert_eq!(told["limit"], Value::Null);
+    let path = &told["paths"][0];
+    assert_eq!(path["coordinate_system"], "CS1");
+    let points = path["points"].as_array().expect("points");
+    assert_eq!(
+        (&points[0], points.last()),
+        (&json!([0.0, 0.0, 0.0]), Some(&json!([100.0, 0.0, 0.0])))
+    );
+    assert_eq!(told["paths"].as_array().map(Vec::len), Some(1));
+    let moved = bench.plant.with_snapshot(|snapshot| snapshot.axes[0].command[0]);
+    assert_eq!(moved, 0.0, "nothing moved");
+}
+
+#[tokio::test]
+async fn a_preview_begins_where_the_machine_will_be() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    viewer.take("CS1").await;
+    let slow = "MCLM(CS1, Slow, Absolute, [400, 0, 0], 50, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);";
+    viewer.execute(slow).await.expect("it has the right");
+    let next = "MCLM(CS1, P, Incremental, [0, 10, 0], 50, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);";
+    let told = viewer.ask(preview(next)).await.expect("it can be executed");
+    let points = told["paths"][0]["points"].as_array().expect("points");
+    assert_eq!(
+        (&points[0], points.last()),
+        (&json!([400.0, 0.0, 0.0]), Some(&json!([400.0, 10.0, 0.0])))
+    );
+    viewer.ask(json!({"do": "stop"})).await.expect("it stops");
+}
+
+#[tokio::test]
+async fn the_first_limit_and_errors_are_told() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    let fast = "MAM(X, P, Absolute, 500, 2000, Unitspersec, 9000, Unitspersec2, 9000, Unitspersec2);";
+    let told = viewer.ask(preview(fast)).await.expect("it can be executed");
+    let limit = told["limit"]["text"].as_str().expect("a limit");
+    assert!(
+        limit.starts_with("X: speed 100") && limit.contains("above 1000 at 0.11"),
+        "{limit}"
+    );
+    let error = viewer
+        .ask(preview("MCLM(CS1, P, Absolute, [1, 0, 0], -1, Unitspersec);"))
+        .await
+        .expect_err("out of range");
+    assert_eq!(
+        (&error["err"], &error["member"], &error["line"]),
+        (&json!(13), &json!("Speed"), &json!(1))
+    );
+    let jog = viewer
+        .ask(preview(
+            "MAJ(X, P, Forward, 5, Unitspersec, 100, Unitspersec2, 100, Unitspersec2);",
+        ))
+        .await;
+    assert!(jog.is_ok(), "a jog has no end, and its preview one: {jog:?}");
+}
+
+#[tokio::test]
+async fn a_dry_run_knows_the_program_to_the_tick() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    let program = "MCLM(CS1, P1, Absolute, [30, 0, 0], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2,
+        Trapezoidal, 100, 100, %ofTime, CommandToleranceProgrammed, Disabled, Programmed, 5);
+MCLM(CS1, P2, Absolute, [30, 40, 0], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);
+WAIT(P2.PC);
+DELAY(0.25);
+";
+    let told = viewer
+        .ask(json!({"do": "dry_run", "text": program}))
+        .await
+        .expect("it runs");
+    assert_eq!(
+        told["paths"][0]["blends"],
+        json!([{"centre": [30.0, 0.0, 0.0], "radius": 5.0}])
+    );
+    let events = told["events"].as_array().expect("events");
+    let last = events.last().expect("an event");
+    assert_eq!((&last["tag"], &last["set"]), (&json!("P2"), &json!(["PC"])));
+    assert_eq!(told["ticks"].as_u64(), last["tick"].as_u64().map(|tick| tick + 250));
+    let wrong = program.replace("WAIT(P2.PC)", "MCLM(CS1, P3, Absolute, [1, 0, 0], 5, Unitspersec, 0)");
+    let error = viewer
+        .ask(json!({"do": "dry_run", "text": wrong}))
+        .await
+        .expect_err("ACCEL is 0");
+    assert_eq!(
+        (&error["line"], &error["err"], &error["member"]),
+        (&json!(4), &json!(13), &json!("AccelRate"))
+    );
+    let endless = json!({"do": "dry_run", "text": "WHILE TRUE DO DELAY(1); END_WHILE;"});
+    let told = viewer.ask(endless).await.expect("as long as it may");
+    assert_eq!(told["duration_s"], Value::Null);
+    assert!(
+        told["limit"]["text"]
+            .as_str()
+            .is_some_and(|text| text.starts_with("not at its end")),
+        "{told}"
+    );
+}

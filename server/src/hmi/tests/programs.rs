@@ -1,0 +1,141 @@
+//! Programs: checked, run, stepped, ended.
+
+use super::*;
+
+impl Viewer {
+    /// The next push of the program in that state.
+    async fn program(&mut self, state: &str) -> Value {
+        for _ in 0..200 {
+            let push = self.push("program").await;
+            if push["state"] == state {
+                return push;
+            }
+            assert_ne!(push["state"], "failed", "{push}");
+        }
+        panic!("it was never {state}");
+    }
+
+    async fn run(&mut self, text: &str) -> Result<Value, Value> {
+        self.ask(json!({"do": "run", "text": text})).await
+    }
+}
+
+const MOVES: &str = "// two moves
+n := 0;
+MCLM(CS1, P1, Absolute, [3, 0, 0], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);
+MCLM(CS1, P2, Absolute, [3, 4, 0], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);
+MCLM(CS1, P3, Absolute, [0, 0, 0], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);
+WAIT(P3.PC);
+n := n + 1;
+";
+
+#[tokio::test]
+async fn what_is_wrong_is_told_at_its_place() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    let checked = viewer.ask(json!({"do": "check", "text": MOVES})).await;
+    assert_eq!(checked, Ok(json!({"errors": []})));
+    let wrong = MOVES.replace("WAIT(P3.PC)", "WAIT(P4.PC)");
+    let checked = viewer
+        .ask(json!({"do": "check", "text": wrong}))
+        .await
+        .expect("an answer");
+    assert_eq!(
+        (&checked["errors"][0]["line"], &checked["errors"][0]["column"]),
+        (&json!(6), &json!(6)),
+        "{checked}"
+    );
+    let refused = viewer.run(&wrong).await.expect_err("it cannot run");
+    assert_eq!(refused["line"], 6);
+}
+
+#[tokio::test]
+async fn a_program_runs_to_its_end() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    assert_eq!(viewer.push("program").await["state"], "idle");
+    viewer.run(MOVES).await.expect("it runs");
+    let failed = viewer.program("failed").await;
+    assert_eq!((&failed["line"], &failed["text"]), (&json!(3), &json!(MOVES)));
+    assert_eq!(failed["error"]["text"], "nobody drives CS1: take it first");
+    viewer.take("CS1").await;
+    viewer.run(MOVES).await.expect("it runs");
+    assert!(viewer.run(MOVES).await.is_err(), "one at a time");
+    viewer.program("ended").await;
+    let position = bench.plant.with_snapshot(|snapshot| snapshot.axes[0].command[0]);
+    assert_eq!(position, 0.0);
+}
+
+#[tokio::test]
+async fn an_instruction_that_errs_ends_it_at_its_line() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    viewer.take("CS1").await;
+    viewer
+        .run("DELAY(0.01);\nMCLM(CS1, P1, Absolute, [3, 0, 0], -1, Unitspersec);")
+        .await
+        .expect("it runs");
+    let failed = viewer.program("failed").await;
+    assert_eq!((&failed["line"], &failed["error"]["err"]), (&json!(2), &json!(13)));
+    assert!(failed["error"]["remedy"].is_string());
+}
+
+#[tokio::test]
+async fn it_steps_pauses_and_ends() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    assert!(viewer.ask(json!({"do": "step"})).await.is_err(), "nothing runs");
+    viewer.take("CS1").await;
+    let program = MOVES
+        .replace("n := 0", "Move1.Speed := 40")
+        .replace("n := n + 1", "Move1.Speed := 60");
+    viewer
+        .ask(json!({"do": "run", "text": program, "step": true}))
+        .await
+        .expect("it runs");
+    for line in [2, 3, 4] {
+        let paused = viewer.program("paused").await;
+        assert_eq!(paused["line"], line);
+        viewer.ask(json!({"do": "step"})).await.expect("a statement");
+    }
+    assert_eq!(viewer.program("paused").await["line"], 5);
+    let speed = viewer
+        .ask(json!({"do": "read", "names": ["Move1.Speed"]}))
+        .await
+        .expect("a value");
+    assert_eq!(speed["values"]["Move1.Speed"], 40.0);
+    viewer.ask(json!({"do": "continue"})).await.expect("it goes on");
+    viewer.program("ended").await;
+
+    viewer
+        .run("WHILE TRUE DO DELAY(0.01); END_WHILE;")
+        .await
+        .expect("it runs");
+    viewer.program("running").await;
+    viewer.ask(json!({"do": "pause"})).await.expect("it pauses");
+    viewer.program("paused").await;
+    viewer.ask(json!({"do": "end"})).await.expect("it ends");
+    viewer.program("ended").await;
+}
+
+#[tokio::test]
+async fn a_stop_and_the_end_of_its_viewer_end_it() {
+    let bench = Bench::start().await;
+    let mut other = bench.viewer().await;
+    let mut viewer = bench.viewer().await;
+    viewer.take("CS1").await;
+    viewer
+        .run("WHILE TRUE DO DELAY(0.01); END_WHILE;")
+        .await
+        .expect("it runs");
+    other.program("running").await;
+    other.ask(json!({"do": "stop"})).await.expect("stop is everyone's");
+    other.program("ended").await;
+    viewer
+        .run("WHILE TRUE DO DELAY(0.01); END_WHILE;")
+        .await
+        .expect("it runs");
+    other.program("running").await;
+    drop(viewer);
+    other.program("ended").await;
+}

@@ -1,0 +1,97 @@
+//! Machines with one robot: a Cartesian system `CART` of virtual axes and the robot's joints as the system `ROBOT`.
+
+use crate::bench::Bench;
+
+/// A robot as its keys in a configuration, and joints to begin at.
+#[derive(Clone, Copy, Debug)]
+pub struct RobotMachine {
+    /// Keys of the coordinate system.
+    pub keys: &'static str,
+    /// Where its joints are at the start.
+    pub joints: &'static [f64],
+    /// Maximum Speed and Acceleration of each joint.
+    pub joint_speed: f64,
+    /// Further keys of `CART`.
+    pub cart: &'static str,
+    /// Coarse update period, ms.
+    pub period: f64,
+}
+
+/// Three arms, in the middle of its workspace.
+pub const DELTA: RobotMachine = RobotMachine {
+    keys: "type = \"delta\"\nlink_lengths = [120.0, 260.0]\nbase_offsets = [60.0, 0.0, 0.0]\n\
+           end_effector_offsets = [20.0, 0.0, -30.0]\nzero_angles = [3.0, -4.0, 2.0]\n",
+    joints: &[23.0, 16.0, 22.0],
+    joint_speed: 4000.0,
+    cart: "",
+    period: 1.0,
+};
+
+/// Two horizontal links, bent to the right.
+pub const SCARA: RobotMachine = RobotMachine {
+    keys: "type = \"scara_independent\"\nlink_lengths = [250.0, 200.0]\nzero_angles = [0.0, -5.0, 10.0]\n",
+    joints: &[10.0, 75.0, 10.0],
+    ..DELTA
+};
+
+/// A turning base and two links.
+pub const ARTICULATED: RobotMachine = RobotMachine {
+    keys: "type = \"articulated_independent\"\nlink_lengths = [300.0, 250.0]\nbase_offsets = [20.0, 0.0, 40.0]\n\
+           end_effector_offsets = [30.0, 0.0, -15.0]\n",
+    joints: &[0.0, 70.0, -80.0],
+    ..DELTA
+};
+
+/// Two links in a plane.
+pub const PLANAR: RobotMachine = RobotMachine {
+    keys: "type = \"articulated_dependent\"\nlink_lengths = [300.0, 250.0]\n",
+    joints: &[70.0, -10.0],
+    ..DELTA
+};
+
+/// Two arms that lie, and a vertical axis.
+pub const SCARA_DELTA: RobotMachine = RobotMachine {
+    keys: "type = \"scara_delta\"\nlink_lengths = [120.0, 260.0]\nbase_offsets = [60.0, 0.0, 0.0]\n\
+           end_effector_offsets = [20.0, 0.0, 0.0]\n",
+    joints: &[20.0, 20.0, 5.0],
+    ..DELTA
+};
+
+impl RobotMachine {
+    /// The configuration. Axes `X Y Z` are `CART`'s, `J1 J2 J3` the robot's, `U V W` a second Cartesian system `WORLD`'s.
+    pub fn config(&self) -> String {
+        let mut text = format!(
+            "[motion_group]\nname = \"Motion\"\ncoarse_update_period_ms = {:?}\n",
+            self.period
+        );
+        let mut axis = |name: &str, units: &str, speed: f64, position: f64| {
+            text += &format!(
+                "[[axis]]\nname = \"{name}\"\ntype = \"virtual\"\nunits = \"{units}\"\nmax_speed = {speed:?}\n\
+                 max_acceleration = {:?}\nstart = {{ position = {position:?} }}\n",
+                speed * 20.0
+            );
+        };
+        let axes = self.joints.len();
+        for name in ["X", "Y", "Z", "U", "V", "W"] {
+            axis(name, "mm", 2000.0, 0.0);
+        }
+        for (place, joint) in self.joints.iter().enumerate() {
+            axis(&format!("J{}", place + 1), "deg", self.joint_speed, *joint);
+        }
+        let mut system = |name: &str, axes: &[&str], keys: &str| {
+            text += &format!(
+                "[[coordinate_system]]\nname = \"{name}\"\naxes = {axes:?}\nmax_speed = 1000.0\nmax_acceleration = 10000.0\n\
+                 command_tolerance = 5.0\nqueue_depth = 8\n{keys}"
+            );
+        };
+        system("CART", &["X", "Y", "Z"][..axes], self.cart);
+        system("WORLD", &["U", "V", "W"][..axes], "");
+        system("ROBOT", &["J1", "J2", "J3"][..axes], self.keys);
+        text
+    }
+
+    /// The machine at tick 0.
+    pub fn bench(&self) -> Bench {
+        Bench::with(&self.config())
+    }
+}
