@@ -54,6 +54,7 @@ impl Host for Device {
         let originator = Originator {
             address: PEER,
             port: open.port,
+            group: Some(Ipv4Addr::new(239, 192, 1, 0)),
         };
         let drawn = &mut self.drawn;
         let random = || {
@@ -66,6 +67,7 @@ impl Host for Device {
         Ok(IoOpened {
             reply,
             listens: SocketAddrV4::new(Ipv4Addr::UNSPECIFIED, IO_PORT),
+            group: None,
         })
     }
     fn close_io(&mut self, key: ConnectionKey) -> bool {
@@ -165,6 +167,7 @@ fuzz_target!(|data: &[u8]| {
             },
             max_connections: MOST,
             min_interval: 1000,
+            volatile: 2,
             local: SocketAddr::new((*local.ip()).into(), IO_PORT),
         }),
         identity: Identity::new("Arcline", 1),

@@ -173,7 +173,8 @@ impl Item {
         })
     }
 
-    fn encode(&self, out: &mut BytesMut) {
+    /// Appends the item with its type and length.
+    pub(crate) fn encode(&self, out: &mut BytesMut) {
         out.put_u16_le(self.type_code());
         match self {
             Self::NullAddress => out.put_u16_le(0),
@@ -294,6 +295,18 @@ impl Packet {
         })
     }
 
+    /// Reads the data of a frame that must be a class 3 message: as [`Self::decode`] and [`Self::connected_message`].
+    ///
+    /// # Errors
+    /// As both.
+    pub fn decode_connected(data: &Bytes) -> Result<(ConnectionId, u16, Bytes), CpfError> {
+        match two_items(data) {
+            Some((id, sequence, message)) => Ok((id, sequence, data.slice_ref(message))),
+            // Unusual items, or what is wrong.
+            None => Self::decode(data)?.connected_message(),
+        }
+    }
+
     /// The data of a frame.
     pub fn to_bytes(&self) -> Bytes {
         let mut out = BytesMut::with_capacity(64);
@@ -330,6 +343,21 @@ impl Packet {
             _ => Err(CpfError::Missing("the connected address item")),
         }
     }
+}
+
+/// A class 3 message as every client sends it: two items and nothing else.
+fn two_items(data: &[u8]) -> Option<(ConnectionId, u16, &[u8])> {
+    let mut reader = Reader::new(data);
+    reader.take(6)?;
+    let head = (reader.u16()?, reader.u16()?, reader.u16()?);
+    let id = ConnectionId(reader.u32()?);
+    let (kind, length) = (reader.u16()?, reader.u16()?);
+    if head != (2, item_type::CONNECTED_ADDRESS, 4) || kind != item_type::CONNECTED_DATA {
+        return None;
+    }
+    let mut reader = Reader::new(reader.take(length.into())?);
+    let sequence = reader.u16()?;
+    Some((id, sequence, reader.rest()))
 }
 
 /// Reads 16 bytes: family, port, address, eight ignored; big-endian.

@@ -25,6 +25,7 @@ use proptest::prelude::*;
 
 const INPUT: [u8; 32] = [7; 32];
 const PEER: IpAddr = IpAddr::V4(Ipv4Addr::new(10, 0, 0, 9));
+const GROUP: Ipv4Addr = Ipv4Addr::new(239, 192, 1, 0);
 const FROM: SocketAddr = SocketAddr::new(PEER, 40_000);
 
 fn ms(millis: u64) -> Duration {
@@ -56,6 +57,7 @@ fn settings() -> IoSettings {
         },
         max_connections: 4,
         min_interval: 1000,
+        volatile: 4,
         local: LOCAL,
     }
 }
@@ -92,6 +94,7 @@ impl Bench {
             Originator {
                 address: PEER,
                 port: None,
+                group: Some(GROUP),
             },
         )
     }
@@ -210,6 +213,7 @@ impl Host for Device {
         let originator = Originator {
             address: PEER,
             port: open.port,
+            group: Some(GROUP),
         };
         let reply = self
             .1
@@ -217,6 +221,12 @@ impl Host for Device {
         Ok(IoOpened {
             reply,
             listens: SocketAddrV4::new(Ipv4Addr::UNSPECIFIED, IO_PORT),
+            group: open
+                .open
+                .t_to_o
+                .connection_type
+                .eq(&ConnectionType::Multicast)
+                .then_some(SocketAddrV4::new(GROUP, IO_PORT)),
         })
     }
     fn close_io(&mut self, key: ConnectionKey) -> bool {
@@ -376,12 +386,12 @@ fn datagrams_cut_at_every_byte() {
 fn what_a_forward_open_may_ask_for() {
     type Change = fn(&mut ForwardOpen);
     #[rustfmt::skip]
-    let cases: [(&str, Change, Result<(), CipStatus>); 40] = [
+    let cases: [(&str, Change, Result<(), CipStatus>); 39] = [
         ("as it should be",               |_| {},                                                    Ok(())),
         ("class 0: no sequence count",    |o| { o.transport = 0; o.o_to_t.size = 36; o.t_to_o.size = 32; }, Ok(())),
         ("server direction",              |o| o.transport = 0x81,                                    Ok(())),
         ("class 2",                       |o| o.transport = 2,                                       Err(connection(0x011C))),
-        ("change of state",               |o| o.transport = 0x11,                                    Err(connection(0x011D))),
+        ("change of state",               |o| o.transport = 0x11,                                    Ok(())),
         ("application trigger",           |o| o.transport = 0x21,                                    Err(connection(0x011D))),
         ("multiplier 512",                |o| o.multiplier = 7,                                      Ok(())),
         ("no such multiplier",            |o| o.multiplier = 8,                                      Err(connection(0x0133))),
@@ -390,7 +400,6 @@ fn what_a_forward_open_may_ask_for() {
         ("faster out",                    |o| o.o_to_t_rpi = 999,                                    Err(connection(0x0111))),
         ("never",                         |o| o.o_to_t_rpi = 0,                                      Err(connection(0x0111))),
         ("slowest",                       |o| { o.o_to_t_rpi = u32::MAX; o.t_to_o_rpi = u32::MAX; o.multiplier = 7; }, Ok(())),
-        ("multicast in",                  |o| o.t_to_o.connection_type = ConnectionType::Multicast,  Err(connection(0x0124))),
         ("multicast out",                 |o| o.o_to_t.connection_type = ConnectionType::Multicast,  Err(connection(0x0123))),
         ("null out",                      |o| o.o_to_t.connection_type = ConnectionType::Null,       Err(connection(0x0123))),
         ("null in",                       |o| o.t_to_o.connection_type = ConnectionType::Null,       Err(connection(0x0124))),
@@ -490,6 +499,7 @@ fn null_forward_open_confirms_what_is_there() {
     let elsewhere = Originator {
         address: LOCAL.ip(),
         port: None,
+        group: None,
     };
     assert_eq!(bench.open_from(&null, elsewhere), Err(connection(0x0100)));
     // It is no sign of life.
@@ -691,7 +701,14 @@ fn where_inputs_go() {
     let to = |bench: &mut Bench, address, port| {
         bench.io = IoConnections::new(settings());
         let id = bench
-            .open_from(&owner(1), Originator { address, port })
+            .open_from(
+                &owner(1),
+                Originator {
+                    address,
+                    port,
+                    group: None,
+                },
+            )
             .unwrap()
             .o_to_t_id;
         bench.io.start(id, bench.now);
@@ -847,4 +864,151 @@ proptest! {
         prop_assert!(bench.events().len() <= 2);
         prop_assert_eq!(bench.io.len(), 1);
     }
+}
+
+fn multicast(open: ForwardOpen) -> ForwardOpen {
+    ForwardOpen {
+        t_to_o: NetworkParameters {
+            connection_type: ConnectionType::Multicast,
+            ..open.t_to_o
+        },
+        ..open
+    }
+}
+
+/// Consumers of one group at one interval share one production under an id of the target's: one datagram for all of them.
+#[test]
+fn a_group_is_sent_each_datagram_once() {
+    let mut bench = Bench::new();
+    let first = bench.open(&multicast(owner(1))).unwrap();
+    assert_ne!(first.t_to_o_id, owner(1).t_to_o_id, "the target chooses it");
+    assert!(bench.io.start(first.o_to_t_id, bench.now));
+    let second = bench.open(&multicast(listen_only(2))).unwrap();
+    assert_eq!(second.t_to_o_id, first.t_to_o_id, "shared");
+    assert!(bench.io.start(second.o_to_t_id, bench.now));
+    let mut slow = multicast(listen_only(3));
+    slow.t_to_o_rpi = 20_000;
+    let slow = bench.open(&slow).unwrap();
+    assert_ne!(slow.t_to_o_id, first.t_to_o_id, "another interval");
+    assert!(bench.io.start(slow.o_to_t_id, bench.now));
+    let group = SocketAddr::new(GROUP.into(), IO_PORT);
+    for id in [&first, &second, &slow].map(|reply| reply.o_to_t_id) {
+        assert_eq!(bench.io.group(id), Some(group));
+    }
+    let sent = |bench: &mut Bench| {
+        let mut sent = Vec::new();
+        while let Some((to, bytes)) = bench.transmit() {
+            assert_eq!(to, group);
+            let datagram = Datagram::decode(&bytes).unwrap();
+            sent.push((datagram.id, datagram.sequence));
+        }
+        sent.sort_unstable();
+        sent
+    };
+    let (fast_id, slow_id) = (first.t_to_o_id, slow.t_to_o_id);
+    let mut both = vec![(fast_id, 1), (slow_id, 1)];
+    both.sort_unstable();
+    assert_eq!(sent(&mut bench), both);
+    bench.now = ms(10);
+    assert_eq!(sent(&mut bench), [(fast_id, 2)]);
+    // Who opened it goes; the others are sent on, and nothing begins anew.
+    assert!(bench.io.close(key(1), PEER).is_ok());
+    assert!(bench.io.is_empty(), "those that only listened have gone with it");
+    bench.now = ms(20);
+    assert_eq!(sent(&mut bench), []);
+    let owner_again = bench.open(&multicast(owner(4))).unwrap();
+    let listener = bench.open(&multicast(input_only(5))).unwrap();
+    bench.io.start(owner_again.o_to_t_id, bench.now);
+    bench.io.start(listener.o_to_t_id, bench.now);
+    let id = listener.t_to_o_id;
+    assert_eq!(sent(&mut bench), [(id, 1)]);
+    assert!(bench.io.close(key(4), PEER).is_ok());
+    bench.now = ms(30);
+    assert_eq!(sent(&mut bench), [(id, 2)]);
+    assert!(bench.io.close(key(5), PEER).is_ok());
+    bench.now = ms(40);
+    assert_eq!(sent(&mut bench), []);
+}
+
+#[test]
+fn without_a_group_multicast_is_refused() {
+    let mut bench = Bench::new();
+    let nowhere = Originator {
+        address: PEER,
+        port: None,
+        group: None,
+    };
+    assert_eq!(bench.open_from(&multicast(owner(1)), nowhere), Err(connection(0x0124)));
+}
+
+/// Sent when it changes, not more often than the inhibit time allows, and at the interval when it does not. The first bytes,
+/// the tick, are no change. The sequence count goes up with new data only.
+#[test]
+fn a_change_of_state_is_sent_when_it_comes() {
+    let mut bench = Bench::new();
+    let mut open = input_only(1);
+    open.transport = 0x11;
+    open.t_to_o_rpi = 100_000;
+    open.path.0.insert(
+        0,
+        Segment::Network {
+            kind: 0x43,
+            data: Bytes::from_static(&[5]),
+        },
+    );
+    let drawn = &mut bench.drawn;
+    let random = || {
+        *drawn += 1;
+        Some(*drawn)
+    };
+    let originator = Originator {
+        address: PEER,
+        port: None,
+        group: None,
+    };
+    let application = &open.path.0[1..];
+    let id = bench
+        .io
+        .open(&open, application, originator, Duration::ZERO, random)
+        .unwrap();
+    bench.io.start(id.o_to_t_id, Duration::ZERO);
+    let mut data = INPUT;
+    let mut sent = Vec::new();
+    for time in 0..400_u64 {
+        bench.now = ms(time);
+        data[..4].copy_from_slice(&(time as u32).to_le_bytes());
+        // A single change, one that lasts, and two that are closer than 5 ms.
+        data[10] = match time {
+            0..50 => 0,
+            50..120 => 1,
+            120..140 => time as u8,
+            _ => 2,
+        };
+        if bench.io.is_due(bench.now) {
+            let mut out = BytesMut::new();
+            while bench.io.poll_transmit(bench.now, &data, &mut out).is_some() {
+                let datagram = Datagram::decode(&out).unwrap();
+                let count = u16::from_le_bytes([datagram.data[0], datagram.data[1]]);
+                sent.push((time, datagram.sequence, count));
+                out.clear();
+            }
+            assert!(!bench.io.is_due(bench.now), "once is enough");
+        }
+    }
+    let expected: Vec<(u64, u32, u16)> = [
+        (0, 1),
+        (50, 2),
+        (120, 3),
+        (125, 4),
+        (130, 5),
+        (135, 6),
+        (140, 7),
+        (240, 7),
+        (340, 7),
+    ]
+    .iter()
+    .zip(1..)
+    .map(|((time, count), sequence)| (*time, sequence, *count))
+    .collect();
+    assert_eq!(sent, expected);
 }

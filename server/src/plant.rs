@@ -4,32 +4,40 @@
 //! One task drains the real-time thread's rings, faster while calls are outstanding; every read refreshes too, so
 //! that it shows the newest tick, and of that tick positions and bits alike. The lock is held for microseconds and
 //! never across an await; the real-time thread knows nothing of it.
+//!
+//! Reads wait for no lock: they see the tag memory as it was published when the lock was last let go. The first read of a
+//! tick refreshes it; one that comes while somebody else does that, or writes, sees the memory before.
 
 mod io;
 mod log;
 mod moves;
+mod owned;
 mod records;
 mod reload;
 mod state;
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::ops::{Deref, DerefMut};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError, Weak};
 use std::time::Duration;
 
-use arcline_config::{Project, ServerConfig};
+use arc_swap::ArcSwap;
+use arcline_config::{ConnectionLoss, Project, ServerConfig};
 use arcline_controller::UNNAMED;
 use arcline_controller::image::{ControlError, Edge, Health, Image};
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::{BindError, Given, Mnemonic, MotionControl, bind};
-use arcline_realtime::{Handle, Link, Options, SpawnError};
+use arcline_realtime::{Handle, Link, Meter, Options, SpawnError};
 use tokio::sync::Notify;
 
 use crate::retained::{NotKept, Watch, WhenKept};
 use crate::trace::Trace;
 pub use log::Logged;
 pub use moves::{LiveMove, LiveMoves};
+pub use owned::Owner;
 use records::instance_of;
 pub use reload::ReloadError;
-use state::State;
+use state::{Published, State};
 
 /// The running machine. Clones are the same one.
 #[derive(Clone, Debug)]
@@ -74,6 +82,8 @@ pub enum CallRefused {
 #[derive(Debug)]
 struct Shared {
     state: Mutex<State>,
+    published: Published,
+    meter: Arc<Meter>,
     machine: Machine,
     server: ServerConfig,
     trace: Trace,
@@ -114,10 +124,17 @@ impl Plant {
     }
 
     fn with(project: &Project, mut link: Link, image: Image, watch: Option<Watch>) -> Plant {
+        let published = Published {
+            image: ArcSwap::from_pointee(image.clone()),
+            snapshots: AtomicU64::new(0),
+        };
+        let meter = link.meter.clone();
         let trace = Trace::new(&project.machine, link.samples.take());
         let state = State::new(image, link, watch, trace.clone());
         Plant(Arc::new(Shared {
             state: Mutex::new(state),
+            published,
+            meter,
             machine: project.machine.clone(),
             server: project.server.clone(),
             trace,
@@ -142,14 +159,18 @@ impl Plant {
 
     /// The real-time thread's measurements.
     pub fn health(&self) -> Health {
-        self.0.lock().link.meter.health()
+        self.0.meter.health()
     }
 
     /// Reads tags, refreshed to the newest tick.
     pub fn with_image<R>(&self, read: impl FnOnce(&Image) -> R) -> R {
-        let mut state = self.0.lock();
-        state.refresh();
-        read(&state.image)
+        let published = &self.0.published;
+        if published.snapshots.load(Ordering::Acquire) != self.0.meter.snapshots()
+            && let Some(mut state) = self.0.try_lock()
+        {
+            state.refresh();
+        }
+        read(&published.image.load())
     }
 
     /// Writes tags. What the closure gives as edges and what comes of the write besides is for [`Plant::fire`].
@@ -157,10 +178,9 @@ impl Plant {
         let mut state = self.0.lock();
         state.refresh();
         let mut edges = Vec::new();
-        let result = write(&mut state.image, &mut edges);
+        let result = write(state.image_mut(), &mut edges);
         // Sent under the lock: kept in the order in which it was written.
-        let State { watch, image, .. } = &mut *state;
-        let kept = watch.as_mut().and_then(|watch| watch.tags(image));
+        let kept = state.keep();
         (result, Written { edges, kept })
     }
 
@@ -171,8 +191,16 @@ impl Plant {
     /// # Errors
     /// [`NotKept`]: plain tags have what was written to them, but may not have it after a restart.
     pub async fn fire(&self, written: Written) -> Result<(), NotKept> {
+        self.fire_for(None, written).await
+    }
+
+    /// The same for an owner, who has begun what comes of it.
+    ///
+    /// # Errors
+    /// As [`Self::fire`].
+    pub async fn fire_for(&self, owner: Option<Owner>, written: Written) -> Result<(), NotKept> {
         let Written { edges, kept } = written;
-        self.execute(edges).await;
+        self.execute(owner, edges).await;
         match kept {
             None => Ok(()),
             Some(kept) => match tokio::time::timeout(ANSWER_WITHIN, kept).await {
@@ -182,7 +210,7 @@ impl Plant {
         }
     }
 
-    async fn execute(&self, edges: Vec<Edge>) {
+    async fn execute(&self, owner: Option<Owner>, edges: Vec<Edge>) {
         if edges.is_empty() {
             return;
         }
@@ -190,7 +218,7 @@ impl Plant {
         {
             let mut state = self.0.lock();
             for edge in edges {
-                answers.extend(state.edge(edge));
+                answers.extend(state.edge(owner, edge));
             }
         }
         self.0.sent.notify_one();
@@ -228,15 +256,43 @@ impl Plant {
         control: Option<&str>,
         given: &[Given],
     ) -> Result<Executed, CallRefused> {
-        self.call_told(mnemonic, target, control, given, |_| {}).await
+        self.call_with(None, mnemonic, target, control, given, |_| {}).await
     }
 
-    /// The same; `tell` is told its instance before anything has happened.
+    /// The same for an owner, who has begun what comes of it.
+    ///
+    /// # Errors
+    /// As [`Self::call`].
+    pub async fn call_for(
+        &self,
+        owner: Owner,
+        mnemonic: Mnemonic,
+        target: Option<u16>,
+        control: Option<&str>,
+        given: &[Given],
+    ) -> Result<Executed, CallRefused> {
+        self.call_with(Some(owner), mnemonic, target, control, given, |_| {})
+            .await
+    }
+
+    /// The same as [`Plant::call`]; `tell` is told its instance before anything has happened.
     ///
     /// # Errors
     /// As [`Plant::call`].
     pub(crate) async fn call_told(
         &self,
+        mnemonic: Mnemonic,
+        target: Option<u16>,
+        control: Option<&str>,
+        given: &[Given],
+        tell: impl FnOnce(u32),
+    ) -> Result<Executed, CallRefused> {
+        self.call_with(None, mnemonic, target, control, given, tell).await
+    }
+
+    async fn call_with(
+        &self,
+        owner: Option<Owner>,
         mnemonic: Mnemonic,
         target: Option<u16>,
         control: Option<&str>,
@@ -249,11 +305,11 @@ impl Plant {
                 return Err(CallRefused::Busy);
             }
             // Bound before the tag is made: what is refused leaves nothing behind.
-            let mut call = bind(mnemonic, target, UNNAMED, given, &state.image)?;
+            let mut call = bind(mnemonic, target, UNNAMED, given, state.image())?;
             if let Some(name) = control {
-                call.control = state.image.control_slot(name)?;
+                call.control = state.image_mut().control_slot(name)?;
             }
-            let (ticket, answer) = state.send(call);
+            let (ticket, answer) = state.send_for(owner, call);
             tell(instance_of(ticket));
             (ticket, answer)
         };
@@ -265,6 +321,28 @@ impl Plant {
         let instance = instance_of(ticket);
         let control = self.instruction_instance(instance).ok_or(CallRefused::NoAnswer)?;
         Ok(Executed { instance, control })
+    }
+
+    /// An owner is lost: what it began and what still runs of that is stopped, held or goes on. Whether something was stopped
+    /// or held.
+    pub fn lose(&self, owner: Owner, reaction: ConnectionLoss) -> bool {
+        let any = {
+            let mut state = self.0.lock();
+            state.refresh();
+            state.lose(owner, reaction)
+        };
+        self.0.sent.notify_one();
+        any
+    }
+
+    /// An owner has closed its connection in order: what it began goes on as if nobody had.
+    pub fn release(&self, owner: Owner) {
+        self.0.lock().owned.forget(owner);
+    }
+
+    /// Who has begun something in a session.
+    pub fn owners(&self, session: u64) -> Vec<Owner> {
+        self.0.lock().owned.of_session(session)
     }
 
     /// An execution by its instance of class 0x0303; `None` when there never was one, or it has been dropped.
@@ -286,8 +364,50 @@ impl Plant {
 }
 
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> Held<'_> {
+        Held {
+            state: self.state.lock().unwrap_or_else(PoisonError::into_inner),
+            published: &self.published,
+        }
+    }
+
+    /// `None`: somebody has it.
+    fn try_lock(&self) -> Option<Held<'_>> {
+        let state = match self.state.try_lock() {
+            Ok(state) => state,
+            Err(TryLockError::Poisoned(error)) => error.into_inner(),
+            Err(TryLockError::WouldBlock) => return None,
+        };
+        Some(Held {
+            state,
+            published: &self.published,
+        })
+    }
+}
+
+/// The lock. What has changed is published before it is let go.
+struct Held<'p> {
+    state: MutexGuard<'p, State>,
+    published: &'p Published,
+}
+
+impl Deref for Held<'_> {
+    type Target = State;
+
+    fn deref(&self) -> &State {
+        &self.state
+    }
+}
+
+impl DerefMut for Held<'_> {
+    fn deref_mut(&mut self) -> &mut State {
+        &mut self.state
+    }
+}
+
+impl Drop for Held<'_> {
+    fn drop(&mut self) {
+        self.state.publish(self.published);
     }
 }
 

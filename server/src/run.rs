@@ -73,6 +73,7 @@ async fn serve(
     let mut settings = Settings::new(&project.server.name);
     settings.io = project.server.io.address(listen);
     settings.io_loss = project.server.io_loss;
+    settings.connection_loss = project.server.connection_loss;
     settings.also.clone_from(&project.server.listen_also);
     settings.max_clients = project.server.max_clients;
     settings.max_clients_per_address = project.server.max_clients_per_address;

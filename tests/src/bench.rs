@@ -5,11 +5,13 @@
 use std::collections::BTreeMap;
 
 use arcline_config::Project;
-use arcline_controller::image::Image;
+use arcline_controller::image::{Edge, Image};
 use arcline_controller::machine::Start;
 use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket};
 use arcline_instruction_set::predefined::motion_status;
-use arcline_instruction_set::{ControlSlot, Directory, FaultKind, FaultSet, Flag, MotionControl, Object, bind};
+use arcline_instruction_set::{
+    ControlSlot, Directory, FaultKind, FaultSet, Flag, Given, MotionControl, Object, WrittenArray, bind,
+};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
 use arcline_tag::Value;
 
@@ -22,6 +24,8 @@ pub struct Bench {
     image: Image,
     controls: BTreeMap<String, ControlSlot>,
     tickets: u64,
+    arrays: Vec<String>,
+    written: BTreeMap<String, Vec<f64>>,
     /// Every event so far, with the name of its tag.
     pub events: Vec<(String, Event)>,
 }
@@ -52,6 +56,8 @@ impl Bench {
             contour: ContourRequest::new(),
             controls: BTreeMap::new(),
             tickets: 0,
+            arrays: Vec::new(),
+            written: BTreeMap::new(),
             events: Vec::new(),
         }
     }
@@ -82,6 +88,13 @@ impl Bench {
             panic!("{text}: operands of a bench are literals, not {request:?}");
         };
         let name = call.control.unwrap_or_default();
+        for operand in &call.given {
+            if let Given::Name(name) | Given::Word(name) = operand
+                && !self.arrays.contains(name)
+            {
+                self.arrays.push(name.clone());
+            }
+        }
         let free = ControlSlot(self.controls.len() as u32);
         let control = *self.controls.entry(name).or_insert(free);
         let object = call.mnemonic.instruction().object;
@@ -100,7 +113,14 @@ impl Bench {
     pub fn write(&mut self, path: &str, value: f64) {
         let path = path.parse().unwrap_or_else(|error| panic!("{path}: {error:?}"));
         let written = self.image.write_value(&path, Value::Lreal(value));
-        written.unwrap_or_else(|error| panic!("{error}"));
+        let edge = written.unwrap_or_else(|error| panic!("{error}"));
+        assert!(
+            matches!(edge, None | Some(Edge::Input)),
+            "{path} does more than a plain tag"
+        );
+        for input in self.image.take_inputs() {
+            self.controller.input(input);
+        }
     }
 
     /// The value of a plain tag.
@@ -156,6 +176,12 @@ impl Bench {
             let name = controls.iter().find(|(_, slot)| **slot == event.control);
             events.push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));
         });
+        let (arrays, written, image) = (&self.arrays, &mut self.written, &mut self.image);
+        self.controller
+            .take_array_writes(|write| match arrays.get(write.tag as usize) {
+                Some(name) => drop(written.insert(name.clone(), write.values.as_slice().to_vec())),
+                None => image.apply_array_write(write),
+            });
         let seen = look(self);
         self.controller.begin_tick();
         seen
@@ -210,6 +236,11 @@ impl Bench {
             .filter(|flag| control.has(**flag))
             .map(|flag| flag.name());
         shown.collect::<Vec<_>>().join(" ")
+    }
+
+    /// What an instruction has written to an array by now; nothing at first.
+    pub fn array(&self, name: &str) -> Vec<f64> {
+        self.written.get(name).cloned().unwrap_or_default()
     }
 
     /// The machine after a restart: axes as the present tick shows them, their drives off, all else as configured.
@@ -277,8 +308,16 @@ impl Directory for Bench {
         }
     }
 
-    fn real_array(&self, name: &str) -> Option<u32> {
-        self.image.real_array(name)
+    /// An array of the configuration, or any name: an array of so many elements as it ends with, 4 where it does not.
+    fn real_array(&self, name: &str) -> Option<WrittenArray> {
+        self.image.real_array(name).or_else(|| {
+            let elements = name.trim_start_matches(|letter: char| !letter.is_ascii_digit()).parse();
+            let place = self.arrays.iter().position(|known| known == name)?;
+            Some(WrittenArray {
+                tag: place as u32,
+                elements: elements.unwrap_or(4),
+            })
+        })
     }
 
     fn structure(&self, type_name: &str, name: &str) -> Option<u32> {

@@ -62,7 +62,7 @@ pub fn node(script: &str) {
     if !cfg!(target_os = "linux") {
         return crate::not_run(script, "only Linux has more loopback addresses than one");
     }
-    match Node::with_client() {
+    match Node::with("node") {
         Ok(node) => {
             let [low, high, ..] = std::process::id().to_le_bytes();
             let listen = format!("127.{}.{low}.1:44818", high.max(1));

@@ -2,9 +2,9 @@
 //!
 //! This library is their common ground. It runs Structured Text on a controller tick by tick ([`mod@bench`]), finds
 //! the programs ([`programs`]), runs a server for the length of a test ([`server`]), runs foreign clients
-//! ([`python`], [`node`], [`libplctag`]), exchanges data in cycles ([`scanner`]) and records what goes over the loopback
-//! interface ([`capture`]). It holds no
-//! tests and knows nothing of motion; the tests are in `tests/tests`.
+//! ([`python`], [`node`], [`libplctag`]) and a browser ([`browser`]), exchanges data in cycles ([`scanner`]), asks much at
+//! a time ([`load`]) and records what goes over the loopback interface ([`capture`]). It holds no tests and knows nothing
+//! of motion; the tests are in `tests/tests`.
 //!
 //! What a test needs and cannot have is said by [`not_run`]: a printed line on a developer's machine, a failure
 //! where `CI` is set. No test is ever ignored silently.
@@ -14,12 +14,14 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 pub mod bench;
+pub mod browser;
 pub mod capture;
 pub mod command_line;
 pub mod follow;
 pub mod foreign;
 pub mod interop;
 pub mod libplctag;
+pub mod load;
 pub mod node;
 pub mod programs;
 pub mod python;

@@ -1,4 +1,4 @@
-//! JavaScript with a client from npm, fetched into the target folder. Nothing is installed on the machine.
+//! JavaScript with packages from npm, fetched into the target folder. Nothing is installed on the machine.
 
 use std::fs;
 use std::path::PathBuf;
@@ -6,38 +6,41 @@ use std::process::Command;
 
 use crate::foreign::{self, Store};
 
-/// A Node.js with the packages of `tests/node/package-lock.json`.
+/// A Node.js with the packages of a folder of tests.
 pub struct Node {
+    scripts: PathBuf,
     folder: PathBuf,
 }
 
 impl Node {
-    /// Finds Node.js and npm and fetches the packages, once for each version of the lock file.
+    /// Finds Node.js and npm and fetches the packages of `tests/NAME/package-lock.json` into `target/NAME`, once for
+    /// each version of the lock file.
     ///
     /// # Errors
     /// Says what is missing on this machine.
-    pub fn with_client() -> Result<Self, String> {
+    pub fn with(name: &str) -> Result<Self, String> {
         let version = output("node", Command::new("node").arg("--version"))?;
         output("npm", Command::new("npm").arg("--version"))?;
-        let lock = crate::fixture("node/package-lock.json");
+        let scripts = crate::fixture(name);
+        let lock = scripts.join("package-lock.json");
         let wanted = fs::read_to_string(&lock).map_err(|error| format!("{lock:?}: {error}"))? + &version;
-        let store = Store::open("node")?;
+        let store = Store::open(name)?;
         let folder = store.folder().to_owned();
         if !store.holds(&wanted) {
             for file in ["package.json", "package-lock.json"] {
-                let from = crate::fixture("node").join(file);
+                let from = scripts.join(file);
                 fs::copy(&from, folder.join(file)).map_err(|error| format!("{from:?}: {error}"))?;
             }
             let mut npm = Command::new("npm");
             npm.args(["ci", "--ignore-scripts", "--no-audit", "--no-fund", "--silent"]);
             output("npm", npm.current_dir(&folder))
-                .map_err(|why| format!("npm could not fetch st-ethernet-ip: {why}"))?;
+                .map_err(|why| format!("npm could not fetch the packages of tests/{name}: {why}"))?;
             store.filled(&wanted)?;
         }
-        Ok(Self { folder })
+        Ok(Self { scripts, folder })
     }
 
-    /// Runs `tests/node/SCRIPT` to its end and gives what it printed.
+    /// Runs the script of `tests/NAME` to its end and gives what it printed.
     ///
     /// # Panics
     /// As [`foreign::run`].
@@ -45,7 +48,7 @@ impl Node {
     pub fn run(&self, script: &str, arguments: &[&str]) -> String {
         let mut command = Command::new("node");
         command
-            .arg(crate::fixture("node").join(script))
+            .arg(self.scripts.join(script))
             .args(arguments)
             .current_dir(&self.folder);
         foreign::run(script, &mut command)

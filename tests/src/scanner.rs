@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use arcline_proto::cip::{CipStatus, Reply, Request, service};
 use arcline_proto::connection::{
-    ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TickTime,
+    ConnectionKey, ConnectionType, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TickTime,
 };
 use arcline_proto::cpf::{ConnectionId, Item, Packet};
 use arcline_proto::encap::{Command, Frame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
@@ -39,6 +39,19 @@ pub struct Wanted {
     pub rpi: u32,
     /// Code of the timeout multiplier.
     pub multiplier: u8,
+    /// How its data is sent.
+    pub sent: Sent,
+}
+
+/// How data is sent to an originator.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Sent {
+    /// At the interval, to the originator.
+    Alone,
+    /// At the interval, to a group that the target names; the scanner does not join it.
+    ToGroup,
+    /// The same when data has changed, every 2 ms at most.
+    ToGroupOnChange,
 }
 
 /// An open connection.
@@ -128,6 +141,24 @@ impl Session {
             ..NetworkParameters::explicit(size)
         };
         let [output, input] = wanted.sizes;
+        let inhibit = Segment::Network {
+            kind: 0x43,
+            data: Bytes::from_static(&[2]),
+        };
+        let on_change = wanted.sent == Sent::ToGroupOnChange;
+        let mut path = vec![
+            Segment::Class(4),
+            Segment::Instance(151),
+            Segment::ConnectionPoint(wanted.points[0]),
+            Segment::ConnectionPoint(wanted.points[1]),
+        ];
+        if on_change {
+            path.insert(0, inhibit);
+        }
+        let mut t_to_o = parameters(input + 2);
+        if wanted.sent != Sent::Alone {
+            t_to_o.connection_type = ConnectionType::Multicast;
+        }
         let open = ForwardOpen {
             time: TickTime::DEFAULT,
             o_to_t_id: ConnectionId(0),
@@ -137,14 +168,9 @@ impl Session {
             o_to_t_rpi: wanted.rpi,
             o_to_t: parameters(if output > 0 { output + 6 } else { 2 }),
             t_to_o_rpi: wanted.rpi,
-            t_to_o: parameters(input + 2),
-            transport: 1,
-            path: Epath(vec![
-                Segment::Class(4),
-                Segment::Instance(151),
-                Segment::ConnectionPoint(wanted.points[0]),
-                Segment::ConnectionPoint(wanted.points[1]),
-            ]),
+            t_to_o,
+            transport: if on_change { 0x11 } else { 1 },
+            path: Epath(path),
         };
         let request = Request::new(
             service::FORWARD_OPEN,

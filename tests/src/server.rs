@@ -3,8 +3,8 @@
 use std::io::{BufRead, BufReader, Read};
 use std::net::SocketAddr;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::mpsc;
+use std::process::{Child, ChildStderr, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -15,8 +15,47 @@ const READY: Duration = Duration::from_secs(20);
 pub struct Server {
     child: Child,
     address: SocketAddr,
+    hmi: Option<SocketAddr>,
     ready_after: Duration,
-    log: Option<JoinHandle<String>>,
+    log: Log,
+}
+
+/// What a server writes to standard error.
+struct Log {
+    text: Arc<Mutex<Vec<u8>>>,
+    reader: Option<JoinHandle<()>>,
+}
+
+impl Log {
+    fn read(mut stderr: ChildStderr) -> Self {
+        let text = Arc::new(Mutex::new(Vec::new()));
+        let shared = text.clone();
+        let reader = std::thread::spawn(move || {
+            let mut piece = [0; 4096];
+            // A read error ends the log; what came before it is what there is to show.
+            while let Ok(length @ 1..) = stderr.read(&mut piece) {
+                let mut text = shared.lock().unwrap_or_else(PoisonError::into_inner);
+                text.extend_from_slice(&piece[..length]);
+            }
+        });
+        Self {
+            text,
+            reader: Some(reader),
+        }
+    }
+
+    /// So far.
+    fn so_far(&self) -> String {
+        let text = self.text.lock().unwrap_or_else(PoisonError::into_inner);
+        String::from_utf8_lossy(&text).into_owned()
+    }
+
+    /// To its end, which must be near; once.
+    fn until_the_end(&mut self) -> Option<String> {
+        // A reader that panicked has shown what it has.
+        let _ = self.reader.take()?.join();
+        Some(self.so_far())
+    }
 }
 
 impl Server {
@@ -35,7 +74,7 @@ impl Server {
         Self::start_with(&["--config", file.to_str().expect("the project's paths are UTF-8")])
     }
 
-    /// Starts the server with `arguments` besides those for a free port, no HMI and, unless they name one, no
+    /// Starts the server with `arguments` besides those for a free port and, unless they name one, no HMI and no
     /// state file.
     #[must_use]
     pub fn start_with(arguments: &[&str]) -> Self {
@@ -62,7 +101,12 @@ impl Server {
     fn start_by(mut command: Command, listen: &str, arguments: &[&str]) -> Self {
         let began = Instant::now();
         let mut child = command
-            .args(["run", "--listen", listen, "--hmi", "off"])
+            .args(["run", "--listen", listen])
+            .args(if arguments.contains(&"--hmi") {
+                &[][..]
+            } else {
+                &["--hmi", "off"]
+            })
             .args(if arguments.contains(&"--state") {
                 &[][..]
             } else {
@@ -75,13 +119,7 @@ impl Server {
             .spawn()
             .expect("the server was just built");
         let stdout = child.stdout.take().expect("stdout is piped");
-        let mut stderr = child.stderr.take().expect("stderr is piped");
-        let log = std::thread::spawn(move || {
-            let mut text = Vec::new();
-            // A read error ends the log; what came before it is what there is to show.
-            let _ = stderr.read_to_end(&mut text);
-            String::from_utf8_lossy(&text).into_owned()
-        });
+        let mut log = Log::read(child.stderr.take().expect("stderr is piped"));
         let (line_sender, line) = mpsc::channel();
         std::thread::spawn(move || {
             let mut lines = BufReader::new(stdout).lines();
@@ -91,20 +129,21 @@ impl Server {
         });
         let line = line.recv_timeout(READY).unwrap_or_default();
         let ready_after = began.elapsed();
-        let Some(address) = ready_address(&line) else {
+        let Some(address) = ready_address(&line, "eip=") else {
             // It may have ended by itself; its log says why either way.
             let _ = child.kill();
             let status = child.wait();
             panic!(
                 "no ready line within {READY:?} but {line:?} ({status:?}); the server's log:\n{}",
-                log.join().unwrap_or_default()
+                log.until_the_end().unwrap_or_default()
             );
         };
         Self {
+            hmi: ready_address(&line, "hmi="),
             child,
             address,
             ready_after,
-            log: Some(log),
+            log,
         }
     }
 
@@ -114,10 +153,33 @@ impl Server {
         self.address
     }
 
+    /// Where the HMI is served, if it is.
+    #[must_use]
+    pub fn hmi(&self) -> Option<SocketAddr> {
+        self.hmi
+    }
+
+    /// The process, for signals.
+    #[must_use]
+    pub fn process(&self) -> u32 {
+        self.child.id()
+    }
+
     /// From just before the process was started to its ready line.
     #[must_use]
     pub fn ready_after(&self) -> Duration {
         self.ready_after
+    }
+
+    /// Has the server look at its configuration again, with SIGHUP.
+    pub fn hang_up(&self) {
+        signal("HUP", self.child.id());
+    }
+
+    /// What it has written to its log so far.
+    #[must_use]
+    pub fn log(&self) -> String {
+        self.log.so_far()
     }
 
     /// Ends the server at once, with SIGKILL, and waits until it is gone. Gives its log.
@@ -125,7 +187,7 @@ impl Server {
     pub fn kill(mut self) -> String {
         self.child.kill().expect("the server is our child and runs");
         self.child.wait().expect("the server is our child");
-        self.log.take().and_then(|log| log.join().ok()).unwrap_or_default()
+        self.log.until_the_end().unwrap_or_default()
     }
 
     /// Asks the server to stop, as an init system would, and waits until it has ended.
@@ -138,10 +200,7 @@ impl Server {
         let status = crate::eventually("end of the server after SIGTERM", READY, || {
             child.try_wait().expect("the server is our child")
         });
-        (
-            status,
-            self.log.take().and_then(|log| log.join().ok()).unwrap_or_default(),
-        )
+        (status, self.log.until_the_end().unwrap_or_default())
     }
 }
 
@@ -150,7 +209,7 @@ impl Drop for Server {
         // Already ended: nothing to do.
         let _ = self.child.kill();
         let _ = self.child.wait();
-        if let Some(log) = self.log.take().and_then(|log| log.join().ok())
+        if let Some(log) = self.log.until_the_end()
             && (std::thread::panicking() || log.contains("panicked"))
         {
             eprintln!(
@@ -175,11 +234,11 @@ pub fn signal(name: &str, process: u32) {
     );
 }
 
-/// The address in `ready eip=127.0.0.1:44818 hmi=off`.
-fn ready_address(line: &str) -> Option<SocketAddr> {
+/// An address in `ready eip=127.0.0.1:44818 hmi=off`, by the word before it.
+fn ready_address(line: &str, name: &str) -> Option<SocketAddr> {
     let mut words = line.split_whitespace();
     (words.next() == Some("ready")).then_some(())?;
-    words.find_map(|word| word.strip_prefix("eip="))?.parse().ok()
+    words.find_map(|word| word.strip_prefix(name))?.parse().ok()
 }
 
 #[cfg(test)]
@@ -190,16 +249,18 @@ mod tests {
     fn ready_lines() {
         #[rustfmt::skip]
         let cases = [
-            // why,                   line,                                          address
-            ("the contract's line",   "ready eip=127.0.0.1:44818 hmi=127.0.0.1:8080", Some("127.0.0.1:44818")),
-            ("no HMI",                "ready eip=127.0.0.1:40001 hmi=off",            Some("127.0.0.1:40001")),
-            ("something else",        "listening eip=127.0.0.1:40001",                None),
-            ("no address",            "ready hmi=off",                                None),
-            ("the server has ended",  "",                                             None),
+            // why,                   line,                                           of,     address
+            ("the contract's line",   "ready eip=127.0.0.1:44818 hmi=127.0.0.1:8080", "eip=", Some("127.0.0.1:44818")),
+            ("its second address",    "ready eip=127.0.0.1:44818 hmi=127.0.0.1:8080", "hmi=", Some("127.0.0.1:8080")),
+            ("no HMI",                "ready eip=127.0.0.1:40001 hmi=off",            "eip=", Some("127.0.0.1:40001")),
+            ("no HMI, asked for it",  "ready eip=127.0.0.1:40001 hmi=off",            "hmi=", None),
+            ("something else",        "listening eip=127.0.0.1:40001",                "eip=", None),
+            ("no address",            "ready hmi=off",                                "eip=", None),
+            ("the server has ended",  "",                                             "eip=", None),
         ];
-        for (why, line, address) in cases {
+        for (why, line, of, address) in cases {
             let expected = address.map(|text| text.parse().expect("an address"));
-            assert_eq!(ready_address(line), expected, "{why}: {line}");
+            assert_eq!(ready_address(line, of), expected, "{why}: {line}");
         }
     }
 }

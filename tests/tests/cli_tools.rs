@@ -100,10 +100,9 @@ fn watching_on_a_terminal_fills_the_screen_and_leaves_it() {
     let _ = arcline(at, &["jog", "X", "5", "--no-wait"]).expect(0);
     let shown = at_a_terminal(&command(at, &["watch", "X"]), &[("jogging", "s"), ("stop:", "q")]);
     assert_eq!(shown.code, Some(0), "{shown:?}");
-    let stopped = arcline_tests::eventually("the stop", std::time::Duration::from_secs(20), || {
+    arcline_tests::eventually("the stop", std::time::Duration::from_secs(20), || {
         (read_numbers(at, &["X.CommandVelocity"])[0] == 0.0).then_some(())
     });
-    assert_eq!(stopped, ());
 }
 
 #[test]

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use arcline_proto::cip::CipStatus;
 use arcline_tests::capture::Capture;
-use arcline_tests::scanner::{Arrival, Session, Wanted};
+use arcline_tests::scanner::{Arrival, Sent, Session, Wanted};
 use arcline_tests::server::Server;
 use arcline_tests::{eventually, not_run};
 
@@ -49,6 +49,7 @@ fn owner(serial: u16, rpi: u32) -> Wanted {
         sizes: [OUTPUT, INPUT],
         rpi,
         multiplier: 6,
+        sent: Sent::Alone,
     }
 }
 
@@ -83,7 +84,17 @@ fn exchanged(session: &mut Session, wanted: Wanted, time: Duration, output: &[u8
     static ALONE: Mutex<()> = Mutex::new(());
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     for _ in 0..TRIES {
-        let mut connection = session.open(wanted, socket()).expect("it opens");
+        // A server that was kept from its times confirms nothing that short before it has seen better ones.
+        let refused = CipStatus::connection(0x0111);
+        let mut connection = eventually("a confirmed interval", Duration::from_secs(60), || {
+            match session.open(wanted, socket()) {
+                Ok(connection) => Some(connection),
+                Err(status) => {
+                    assert_eq!(status, refused);
+                    None
+                }
+            }
+        });
         assert_eq!(connection.confirmed, [wanted.rpi; 2]);
         let arrivals = connection.exchange(time, output);
         if connection.longest_pause < PAUSE {
@@ -165,11 +176,18 @@ fn assert_kept(arrivals: &[Arrival], time: Duration, rpi: u32) {
         came * 10 >= expected * 9 && came <= expected + 1,
         "{came} of {expected}"
     );
-    let drift = percentile(&deviations(arrivals, rpi), 0.5);
+    let deviations = deviations(arrivals, rpi);
+    let drift = percentile(&deviations, 0.5);
     assert!(
         drift < 0.2,
         "it drifts: half of it is {drift} intervals off the schedule"
     );
+    let p99 = percentile(&deviations, 0.99) * f64::from(rpi);
+    println!("{rpi} µs: 99 of 100 datagrams within {p99:.0} µs of the schedule");
+    // Where tests run beside each other, the scanner itself is late.
+    if std::env::var_os("ARCLINE_IO_SECONDS").is_some() {
+        assert!(p99 < 250.0, "{p99} µs off the schedule");
+    }
 }
 
 fn percentile(sorted: &[f64], share: f64) -> f64 {
@@ -211,6 +229,13 @@ fn two_milliseconds_without_loss_and_nothing_malformed() {
             socket(),
         )
         .expect("there is something to hear");
+    for (serial, sent) in [(3, Sent::ToGroup), (4, Sent::ToGroupOnChange), (5, Sent::ToGroup)] {
+        let wanted = Wanted {
+            sent,
+            ..input_only(serial, 10_000)
+        };
+        assert!(session.open(wanted, socket()).is_ok(), "{sent:?}");
+    }
     assert!(listener.exchange(Duration::from_millis(55), &[]).len() >= 5);
     assert!(session.close(1).is_success());
     assert_eq!(session.close(1), CipStatus::connection(0x0107));

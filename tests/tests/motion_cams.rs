@@ -475,6 +475,9 @@ fn time_cams() {
     }
 }
 
+/// Why, what is executed before, the call, and its ERR and EXERR.
+type Refusal = (&'static str, Vec<String>, String, (i16, i8));
+
 #[test]
 fn what_is_refused() {
     let mapc = |slave: &str, master: &str, rest: &str| format!("MAPC({slave}, {master}, C, {rest})");
@@ -483,7 +486,7 @@ fn what_is_refused() {
     let gear = "MAG(B1, A1, G, Same, 1, 1, 1, Command, Real, Disabled)";
     let first = mapc("A1", "B1", good).replace(", C,", ", First,");
     #[rustfmt::skip]
-    let cases: Vec<(&str, Vec<String>, String, (i16, i8))> = vec![
+    let cases: Vec<Refusal> = vec![
         ("direction",            vec![], mapc("A1", "B1", "4, P1, 1, 1, 0, 0, 0, 0, 0, 0"), (13, 3)),
         ("slave scaling",        vec![], mapc("A1", "B1", "0, P1, 0, 1, 0, 0, 0, 0, 0, 0"), (13, 5)),
         ("master scaling",       vec![], mapc("A1", "B1", "0, P1, 1, -1, 0, 0, 0, 0, 0, 0"), (13, 6)),

@@ -212,9 +212,9 @@ impl Watch {
     fn tick(&mut self, bench: &mut Bench) {
         bench.tick();
         let now = ["X", "Y"].map(|axis| bench.axis(axis).command);
-        for axis in 0..2 {
-            let ([_, v, a], [_, last_v, last_a]) = (now[axis], self.last[axis]);
-            let [speed, rate, jerk] = self.limits[axis];
+        for ((now, last), limits) in now.iter().zip(&self.last).zip(&self.limits) {
+            let ([_, v, a], [_, last_v, last_a]) = (now, last);
+            let [speed, rate, jerk] = limits;
             let tick = bench.now();
             assert!(v.abs() <= speed * 1.000_001, "tick {tick}: velocity {v}");
             assert!(a.abs() <= rate * 1.000_001, "tick {tick}: acceleration {a}");

@@ -86,6 +86,22 @@ value = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }, { Master = 6.0 }, { Ma
 name = "Profile"
 type = "CAM_PROFILE[2]"
 
+[[axis]]
+name = "E"
+type = "feedback"
+max_speed = 1000.0
+max_acceleration = 10000.0
+feed = { tag = "Encoder" }
+registration = { input_1 = "Mark", input_2 = "Mark" }
+
+[[tag]]
+name = "Encoder"
+type = "REAL"
+
+[[tag]]
+name = "Mark"
+type = "BOOL"
+
 [[tag]]
 name = "NoType"
 type = "CAM[2]"
@@ -170,7 +186,29 @@ fn machine() -> String {
 /// What comes before, one step a line: a call, `run TICKS`, or `fault AXIS`. Then a call and its ERR and EXERR.
 type Row = (&'static str, &'static str, (i16, i8));
 
+/// Speed, rates and jerks by a master.
+const DRIVEN: &str = "2, 4, 1, 4, 1, 4, 0, 1, 1, 4";
 const LINE: &str = "MCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 20";
+/// Linked to A, which stands, goes backwards at 50 units/s, or forwards at 1.
+const STANDING: &str =
+    "MDCC(CS1, A, B7, 1, 0)\nMDAC(X, A, B9, 0, 1)\nMCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 200";
+const BACKWARDS: &str =
+    "MDCC(CS1, A, B7, 1, 0)\nMAJ(A, B6, 1, {rates})\nMCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 200";
+const SLOW: &str = "MDCC(CS1, A, B7, 1, 0)\nMAJ(A, B6, 0, 1, 0, 500, 0, 500, 0, 0, 1, 1, 0)\nMCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)\nrun 200";
+const WAITING: &str = "MDCC(CS1, A, B7, 1, 0)\nMCLM(CS1, B1, 0, [9, 0, 0], {driven}, 1, 0, 0, 0, 5, 3)";
+const ARC_STANDING: &str = "MDCC(XY, A, B7, 1, 0)\nMCLM(XY, B1, 0, [300, 0], {rates}, 1)\nrun 200";
+const ARC_BACKWARDS: &str =
+    "MDCC(XY, A, B7, 1, 0)\nMAJ(A, B6, 1, {rates})\nMCLM(XY, B1, 0, [300, 0], {rates}, 1)\nrun 200";
+const ARC_SLOW: &str = "MDCC(XY, A, B7, 1, 0)\nMAJ(A, B6, 0, 1, 0, 500, 0, 500, 0, 0, 1, 1, 0)\nMCLM(XY, B1, 0, [300, 0], {rates}, 1)\nrun 200";
+const ARC_WAITING: &str = "MDCC(XY, A, B7, 1, 0)\nMCLM(XY, B1, 0, [9, 0], {driven}, 1, 0, 0, 0, 5, 3)";
+const MOVE: &str = "MDAC(X, A, B9, 0, 1)\nMAM(X, B1, 0, 300, {rates})\nrun 200";
+const MOVE_BACKWARDS: &str = "MDAC(X, A, B9, 0, 1)\nMAJ(A, B6, 1, {rates})\nMAM(X, B1, 0, 300, {rates})\nrun 200";
+const MOVE_SLOW: &str =
+    "MDAC(X, A, B9, 0, 1)\nMAJ(A, B6, 0, 1, 0, 500, 0, 500, 0, 0, 1, 1, 0)\nMAM(X, B1, 0, 300, {rates})\nrun 200";
+const MOVE_WAITING: &str = "MDAC(X, A, B9, 0, 1)\nMAM(X, B1, 0, 9, {driven}, 0, 0, 5, 3)";
+const JOG_STANDING: &str = "MDAC(X, A, B9, 0, 1)\nMAJ(X, B1, 0, {rates})\nrun 200";
+const JOG_BACKWARDS: &str = "MDAC(X, A, B9, 0, 1)\nMAJ(A, B6, 1, {rates})\nMAJ(X, B1, 0, {rates})\nrun 200";
+const JOG_WAITING: &str = "MDAC(X, A, B9, 0, 1)\nMAJ(X, B1, 0, {driven}, 0, 0, 5, 3)";
 const LINK: &str = "MCT(CS2, CS3, B1, [0, 0, 0], [0, 0, 0])\nrun 5";
 const HOMING: &str = "MAH(H, B1)\nrun 5";
 const REACH: &str = "MCT(Tool, Arm, B1, [0, 0, 0], [0, 0, 0])\nrun 5";
@@ -194,7 +232,11 @@ const TABLE: &[Row] = &[
     ("",                    "MCLM(CS1, T, 0, [5, 5, 5], 50, 0, 500, 4, 500, 0, 0, 100, 100, 2)",  (94, 0)),
     ("",                    "MCLM(CS1, T, 0, [5, 5, 5], {rates}, 1, 0, 0, 0, 0, 1)",              (95, 0)),
     ("",                    "MCLM(CS1, T, 0, [5, 5, 5], 50, 4, 500, 4, 500, 4, 0, 1, 1, 4, 1, 0, 0, 0, 0, 1)", (93, 0)),
-    ("",                    "MCLM(CS1, T, 0, [5, 5, 5], {rates}, 1, 0, 0, 0, 0, 0, [1])",         (99, 0)),
+    ("",                    "MCLM(CS1, T, 0, [5, 5, 5], {rates}, 1, 0, 0, 0, 0, 0, [1])",         (101, 0)),
+    (STANDING,              "MCLM(CS1, T, 0, [5, 5, 5], {driven}, 1, 1, 0, 0, 0, 1)",             (97, 0)),
+    (BACKWARDS,             "MCLM(CS1, T, 0, [5, 5, 5], {driven}, 1, 1, 0, 0, 0, 1)",             (98, 0)),
+    (WAITING,               "MCLM(CS1, T, 0, [5, 5, 5], {driven}, 1, 0, 0, 0, 5, 3)",             (102, 0)),
+    (SLOW,                  "MCLM(CS1, T, 0, [5, 5, 5], {driven}, 1, 1, 0, 0, 0, 1)",             (103, 0)),
     ("",                    "MCLM(Enforced, T, 0, [5, 5], {rates}, 3)",                           (99, 0)),
     ("",                    "MCLM(Decel, T, 0, [5, 5], {rates}, 1)",                              (54, -1)),
     ("",                    "MCLM(AxisDecel, T, 0, [5, 5], {rates}, 1)",                          (54, 1)),
@@ -226,7 +268,12 @@ const TABLE: &[Row] = &[
     ("",                    "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, 50, 0, 500, 4, 500, 0, 0, 100, 100, 2)", (94, 0)),
     ("",                    "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1, 0, 0, 0, 0, 1)",    (95, 0)),
     ("",                    "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, 50, 4, 500, 4, 500, 4, 0, 1, 1, 4, 1, 0, 0, 0, 0, 1)", (93, 0)),
-    ("",                    "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1, 0, 0, 0, 0, 0, [1])", (99, 0)),
+    ("",                    "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1, 0, 0, 0, 0, 0, [1])", (101, 0)),
+    (ARC_STANDING,          "MCCM(XY, T, 1, [0, 0], 3, [9, 0], 1, {driven}, 1, 1, 0, 0, 0, 1)",   (97, 0)),
+    (ARC_BACKWARDS,         "MCCM(XY, T, 1, [0, 0], 3, [9, 0], 1, {driven}, 1, 1, 0, 0, 0, 1)",   (98, 0)),
+    (ARC_WAITING,           "MCCM(XY, T, 1, [0, 0], 3, [9, 0], 1, {driven}, 1, 0, 0, 0, 5, 3)",   (102, 0)),
+    (ARC_SLOW,              "MCCM(XY, T, 1, [0, 0], 3, [9, 0], 1, {driven}, 1, 1, 0, 0, 0, 1)",   (103, 0)),
+    ("",                    "MCCM(Precise, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1, 0, 0, 0, 0, 0, [1], Data)", (99, 0)),
     ("",                    "MCCM(Decel, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1)",                (54, -1)),
     ("",                    "MCCM(AxisDecel, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1)",            (54, 1)),
     ("",                    "MCCM(Jerk, T, 0, [0, 0], 1, [9, 0], 2, {curve}, 1)",                 (76, -1)),
@@ -292,6 +339,14 @@ const TABLE: &[Row] = &[
     ("MCT(CS2, CS3, B1, [0, 0, 0], [0, 0, 0])\nMAM(S, B2, 0, 90, {rates})\nrun 99\nMCS(CS3, B3, 3, Yes, 50, 0)\nrun 2",
                             "MCT(CS2, CS3, T, [0, 0, 0], [0, 0, 0])",                             (71, 0)),
     (LINK,                  "MCT(CS1, CS3, T, [0, 0, 0], [0, 0, 0])",                             (73, 0)),
+    // MCTP.
+    ("",                    "MCTP(CS2, CS3, T, [0, 0], [0, 0, 0], 1, [1, 2, 3], 0)",              (13, 3)),
+    ("",                    "MCTP(CS2, CS2, T, [0, 0, 0], [0, 0, 0], 1, [1, 2, 3], 0)",           (61, 2)),
+    ("",                    "MCTP(Tool, Arm, T, [0, 0, 0], [0, 0, 0], 1, [190, 190, 0], 0)",      (67, 2)),
+    ("",                    "MCTP(Tool, Arm, T, [0, 0, 0], [0, 0, 0], 1, [0, 0, 100], 0)",        (68, 0)),
+    ("",                    "MCTP(XY, Round, T, [0, 0, 0], [0, 0, 0], 1, [1, 2, 3], 0)",          (70, 1)),
+    ("",                    "MCTP(CS2, CS3, T, [0, 361, 0], [0, 0, 0], 1, [1, 2, 3], 0)",         (74, 1)),
+    ("",                    "MCTP(CS2, CS3, T, [0, 0, 0], [0, 0, 0], 2, [1, 2, 3], 0)",           (77, 0)),
     // MSO, MSF.
     (DOWN,                  "MSO(X, T)",                                                          (7, 0)),
     ("",                    "MSO(A, T)",                                                          (8, 0)),
@@ -328,6 +383,9 @@ const TABLE: &[Row] = &[
     (STOP_ALL,              "MAJ(X, T, 0, {rates})",                                              (78, 0)),
     ("",                    "MAJ(X, T, 0, 50, 4, 500, 4, 500, 4, 0, 1, 1, 4, 0, 0, 0, 1)",        (93, 0)),
     ("",                    "MAJ(X, T, 0, 50, 0, 500, 4, 500, 0)",                                (94, 0)),
+    (JOG_STANDING,          "MAJ(X, T, 0, {driven}, 0, 0, 0, 1)",                                 (97, 0)),
+    (JOG_BACKWARDS,         "MAJ(X, T, 0, {driven}, 0, 0, 0, 1)",                                 (98, 0)),
+    (JOG_WAITING,           "MAJ(X, T, 0, {driven}, 0, 0, 5, 3)",                                 (102, 0)),
     ("",                    "MAJ(X, T, 0, {rates}, 0, 0, 0, 1)",                                  (95, 0)),
     // MAM.
     (OFF,                   "MAM(X, T, 0, 9, {rates})",                                           (5, 0)),
@@ -346,9 +404,23 @@ const TABLE: &[Row] = &[
     ("",                    "MAM(X, T, 0, 9, 50, 4, 500, 4, 500, 4, 0, 1, 1, 4, 0, 0, 0, 1)",     (93, 0)),
     ("",                    "MAM(X, T, 0, 9, 50, 0, 500, 4, 500, 0)",                             (94, 0)),
     ("",                    "MAM(X, T, 0, 9, {rates}, 0, 0, 0, 1)",                               (95, 0)),
-    ("",                    "MAM(X, T, 0, 9, {rates}, 0, 0, 0, 0, [1])",                          (99, 0)),
+    (MOVE,                  "MAM(X, T, 0, 9, {driven}, 0, 0, 0, 1)",                              (97, 0)),
+    (MOVE_BACKWARDS,        "MAM(X, T, 0, 9, {driven}, 0, 0, 0, 1)",                              (98, 0)),
+    ("",                    "MAM(X, T, 0, 9, {rates}, 0, 0, 0, 0, [1])",                          (101, 0)),
+    (MOVE_WAITING,          "MAM(X, T, 0, 9, {driven}, 0, 0, 5, 3)",                              (102, 0)),
+    (MOVE_SLOW,             "MAM(X, T, 0, 9, {driven}, 0, 0, 0, 1)",                              (103, 0)),
     (JOG,                   "MAM(X, T, 0, 9, 2, 3, 0.5, 3, 0.5, 3, 0, 1, 1, 3)",                  (100, 0)),
     ("",                    "MAM(X, T, 0, 9, 2, 3, 0.5, 3, 0.5, 3, 0, 1, 1, 3, 1, 1)",            (106, 0)),
+    // MDCC, MDAC.
+    ("",                    "MDCC(CS1, X, T, 1, 0)",                                              (10, 0)),
+    ("",                    "MDCC(CS1, A, T, 2, 0)",                                              (13, 3)),
+    ("",                    "MDCC(CS1, A, T, 1, -1)",                                             (13, 4)),
+    ("MDCC(CS1, A, B2, 1, 0)\nMCLM(CS1, B1, 0, [300, 0, 0], {rates}, 1)", "MDCC(CS1, A, T, 0, 0)", (105, 0)),
+    ("",                    "MDAC(X, X, T, 0, 1)",                                                (10, 0)),
+    ("",                    "MDAC(X, A, T, 5, 1)",                                                (13, 3)),
+    ("",                    "MDAC(X, A, T, 0, 2)",                                                (13, 4)),
+    ("MDAC(X, A, B1, 1, 1)", "MDAC(X, A, T, 0, 1)",                                               (96, 0)),
+    ("MDAC(X, A, B2, 0, 1)\nMAJ(X, B1, 0, {driven}, 0, 0, 0, 1)", "MDAC(X, A, T, 0, 0)",          (105, 0)),
     // MAG.
     (OFF,                   "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)",                                  (5, 0)),
     (DOWN,                  "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)",                                  (7, 0)),
@@ -360,6 +432,24 @@ const TABLE: &[Row] = &[
     ("",                    "MAG(X, Y, T, 2, 1, 1, 1, 1, 0, 1)",                                  (23, 0)),
     ("",                    "MAG(NoDecel, Y, T, 0, 1, 1, 1, 1, 0, 1)",                            (54, 0)),
     (STOP_ALL,              "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)",                                  (78, 0)),
+    // An encoder.
+    ("",                    "MAM(E, T, 0, 9, {rates})",                                           (8, 0)),
+    ("",                    "MAJ(E, T, 0, {rates})",                                              (8, 0)),
+    ("",                    "MAG(E, Y, T, 0, 1, 1, 1, 1, 0, 1)",                                  (8, 0)),
+    ("",                    "MCD(E, T, Jog, Yes, 5)",                                             (8, 0)),
+    ("",                    "MAPC(E, Y, T, 0, Empty, 1, 1)",                                      (8, 0)),
+    ("",                    "MATC(E, T, 0, Empty, 1, 1)",                                         (8, 0)),
+    // MAW, MAR, MDR.
+    (DOWN,                  "MAW(X, T, 0, 5)",                                                    (7, 0)),
+    ("",                    "MAW(X, T, 2, 5)",                                                    (13, 2)),
+    ("",                    "MAW(R, T, 0, 360)",                                                  (13, 3)),
+    ("MAW(X, B1, 0, 5)",    "MAW(X, T, 0, 5)",                                                    (3, 0)),
+    ("MASD(E, B1)\nrun 20", "MAR(E, T, 0, 0, 0, 0, 1)",                                           (7, 0)),
+    ("",                    "MAR(E, T, 0, 1, 5, 4, 1)",                                           (13, 4)),
+    ("MAR(E, B1, 0, 0, 0, 0, 1)", "MAR(E, T, 0, 0, 0, 0, 1)",                                     (34, 0)),
+    ("",                    "MAR(X, T, 0, 0, 0, 0, 1)",                                           (75, 0)),
+    ("",                    "MDR(E, T, 0)",                                                       (13, 2)),
+    ("",                    "MDR(X, T, 1)",                                                       (75, 0)),
     // MCCP, MCSV.
     ("",                    "MCCP(T, Cam, 3e9, 0, 0, Profile)",                                   (13, 2)),
     ("",                    "MCCP(T, Cam, 5, 0, 0, Profile)",                                     (26, 0)),
@@ -423,10 +513,12 @@ const TABLE: &[Row] = &[
 #[rustfmt::skip]
 const GOOD: &[&str] = &[
     "MCLM(CS1, T, 0, [5, 5, 5], {rates}, 1)", "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1)", "MCS(CS1, T, 0, 0, 0, 0)",
-    "MCSD(CS1, T)", "MCSR(CS1, T)", "MCT(CS2, CS3, T, [0, 0, 0], [0, 0, 0])",
+    "MDCC(CS1, A, T, 1, 0)", "MDAC(X, A, T, 0, 1)", "MCSD(CS1, T)", "MCSR(CS1, T)", "MCT(CS2, CS3, T, [0, 0, 0], [0, 0, 0])",
+    "MCTP(CS2, CS3, T, [0, 0, 0], [0, 0, 0], 1, [1, 2, 3], 0)",
     "MSO(X, T)", "MSF(X, T)", "MASD(X, T)", "MASR(X, T)", "MAFR(X, T)", "MAS(X, T, All, No, 0, 0)", "MAH(X, T)",
     "MAJ(X, T, 0, {rates})", "MAM(X, T, 0, 9, {rates})", "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)", "MRP(X, T, 0, 0, 5)",
     "MGS(Motion, T, 1)", "MGSD(Motion, T)", "MGSR(Motion, T)", "MGSP(Motion, T)", "MCCP(T, Cam, 2, 0, 0, Profile)",
+    "MAW(X, T, 0, 5)", "MDW(X, T)", "MAR(E, T, 0, 0, 0, 0, 2)", "MDR(E, T, 1)",
 ];
 
 /// The same, where something has to move.
@@ -443,15 +535,18 @@ const GOOD_MOVING: &[(&str, &str)] = &[
 /// axis-and-data-types.md §1.7, §2, §3, §4.
 #[rustfmt::skip]
 const LISTS: &[(&str, &[i16])] = &[
-    ("MCLM", &[3, 24, 50, 19, 13, 94, 95, 93, 101, 11, 8, 38, 53, 7, 5, 20, 16, 14, 15, 54, 76, 51, 43, 78, 52, 97, 98, 102, 105, 9, 99,
-               67, 68, 72]),
+    ("MCLM", &[3, 24, 50, 19, 13, 94, 95, 93, 101, 11, 8, 38, 53, 7, 5, 20, 16, 14, 15, 54, 76, 51, 43, 78, 52, 97, 98, 102, 103,
+               105, 9, 99, 67, 68, 72]),
     ("MCCM", &[3, 24, 50, 19, 13, 94, 95, 93, 101, 11, 8, 38, 53, 7, 5, 20, 16, 14, 15, 54, 76, 51, 25, 44, 45, 46, 49, 43, 78, 52, 97,
-               98, 102, 105, 9, 99, 67, 68, 72]),
+               98, 102, 103, 105, 9, 99, 67, 68, 72]),
     ("MCCD", &[3, 24, 50, 19, 13, 94, 105, 11, 8, 38, 53, 7, 5, 20, 23, 78, 103]),
     ("MCS",  &[3, 24, 50, 19, 13, 11, 8, 38, 53, 7, 5, 54, 76]),
     ("MCSD", &[3, 11, 50, 12]),
     ("MCSR", &[3, 11, 50, 12, 20]),
     ("MCT",  &[3, 24, 50, 19, 13, 11, 7, 5, 20, 16, 22, 54, 76, 61, 62, 64, 66, 67, 68, 70, 71, 73, 74, 77, 99, 69, 72]),
+    ("MDCC", &[3, 24, 50, 19, 13, 11, 10, 105]),
+    ("MDAC", &[3, 24, 19, 13, 11, 10, 96, 105]),
+    ("MCTP", &[3, 13, 61, 67, 68, 70, 74, 77]),
     ("MSO",  &[3, 24, 19, 7, 8, 11, 12, 20, 22, 53]),
     ("MSF",  &[3, 24, 19, 8, 11, 53]),
     ("MASD", &[3, 19, 11]),
@@ -459,11 +554,16 @@ const LISTS: &[(&str, &[i16])] = &[
     ("MAFR", &[3, 19, 11]),
     ("MAS",  &[3, 5, 7, 8, 11, 13, 19, 20, 24, 38, 54, 76, 78]),
     ("MAH",  &[3, 5, 7, 8, 11, 12, 13, 16, 19, 20, 22, 24, 38, 39, 41, 54, 63, 78, 84, 85]),
-    ("MAJ",  &[3, 24, 19, 13, 94, 95, 93, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 76, 78, 102, 105, 9]),
-    ("MAM",  &[3, 24, 19, 13, 94, 100, 106, 95, 93, 101, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 76, 17, 33, 78, 102, 105, 9, 99]),
+    ("MAJ",  &[3, 24, 19, 13, 94, 95, 93, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 76, 78, 97, 98, 102, 105, 9]),
+    ("MAM",  &[3, 24, 19, 13, 94, 100, 106, 95, 93, 101, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 76, 17, 33, 78, 97, 98, 102,
+               103, 105, 9, 99]),
     ("MAG",  &[3, 24, 19, 13, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 10, 23, 78]),
     ("MCCP", &[3, 13, 26, 27, 28, 29, 30, 31]),
     ("MCSV", &[3, 13, 30, 32]),
+    ("MAW",  &[3, 24, 19, 13, 11, 38, 53, 7]),
+    ("MDW",  &[3, 24, 19, 11, 38, 53]),
+    ("MAR",  &[3, 24, 19, 13, 11, 38, 53, 7, 34, 39, 75]),
+    ("MDR",  &[3, 24, 19, 13, 11, 38, 53, 75]),
     ("MAPC", &[3, 24, 19, 13, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 10, 23, 30, 32, 78]),
     ("MATC", &[3, 24, 19, 13, 93, 95, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 23, 30, 32, 78]),
     ("MCD",  &[3, 24, 19, 13, 94, 105, 11, 8, 38, 53, 21, 7, 5, 20, 16, 54, 76, 23, 78, 103]),
@@ -491,14 +591,8 @@ const NEVER: &[(i16, &str)] = &[
     (53,  "no axis can be inhibited"),
     (64,  "Cartesian systems have no ancillary axes"),
     (66,  "the arm keeps its solution: the way round to another one leads through a singularity, which 67 tells"),
-    (77,  "MCT has no direction"),
     (79,  "a coordinate system without a contour has no contour's queue"),
     (87,  "there is no direct control"),
-    (97,  "nothing is master driven yet: 93 comes first"),
-    (98,  "nothing is master driven yet: 93 comes first"),
-    (101, "Event Distance answers 99 before"),
-    (102, "nothing is master driven yet: 93 comes first"),
-    (103, "nothing is master driven yet"),
 ];
 
 /// Codes that an instruction does not raise here although its list has them.
@@ -508,19 +602,16 @@ const NEVER_HERE: &[(&str, i16, &str)] = &[
     ("MCCM", 8,   "every axis type can be moved"),
     ("MCCD", 8,   "every axis type can be moved"),
     ("MCS",  8,   "every axis type can be moved"),
-    ("MAS",  8,   "every axis type can be moved"),
+    ("MAS",  8,   "an encoder has no servo: 5 tells"),
     ("MAH",  8,   "every axis type can be homed"),
-    ("MAJ",  8,   "every axis type can be moved"),
-    ("MAM",  8,   "every axis type can be moved"),
-    ("MAG",  8,   "every axis type can be moved"),
-    ("MAPC", 8,   "every axis type can be moved"),
-    ("MATC", 8,   "every axis type can be moved"),
-    ("MCD",  8,   "every axis type can be moved"),
     ("MRP",  8,   "every axis type has a position"),
-    ("MCLM", 105, "nothing is master driven yet: 93 comes first"),
-    ("MCCM", 105, "nothing is master driven yet: 93 comes first"),
-    ("MAJ",  105, "nothing is master driven yet: 93 comes first"),
-    ("MAM",  105, "nothing is master driven yet: 93 comes first"),
+    ("MCLM", 105, "when it is to begin, not when it is executed: motion_masters.rs"),
+    ("MCCM", 105, "when it is to begin, not when it is executed: motion_masters.rs"),
+    ("MAJ",  105, "nothing waits on an axis: a move begins in its own mode"),
+    ("MAM",  105, "nothing waits on an axis: a move begins in its own mode"),
+    ("MAM",  99,  "all of it is executed"),
+    ("MCCD", 103, "what is slowed down too much overshoots"),
+    ("MCD",  103, "what is slowed down too much overshoots"),
     ("MCS",  76,  "no S-curve was started that this stop would need"),
     ("MAS",  76,  "no S-curve was started that this stop would need"),
     ("MCD",  76,  "no S-curve was started that could be changed"),
@@ -528,11 +619,14 @@ const NEVER_HERE: &[(&str, i16, &str)] = &[
     ("MAS",  78,  "a stop of everything supersedes the one before it"),
     ("MAH",  13,  "it has no operand with a range"),
     ("MAH",  22,  "an immediate home of a moving axis brakes it"),
+    ("MCT",  77,  "it has no direction"),
     ("MCT",  99,  "what can be configured can be linked"),
 ];
 
 fn filled(text: &str) -> String {
-    text.replace("{rates}", RATES).replace("{curve}", CURVE)
+    text.replace("{rates}", RATES)
+        .replace("{driven}", DRIVEN)
+        .replace("{curve}", CURVE)
 }
 
 fn prepared(machine: &str, steps: &str) -> Bench {

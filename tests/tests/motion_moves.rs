@@ -248,7 +248,7 @@ fn errors_in_the_order_of_verification() {
         ("a lock without a master",         "", "MAM(X, M1, 0, 10, 100, 0, 1000, 0, 1000, 0, 0, 1, 1, 0, 0, 0, 0, 1)",    (95, 0)),
         ("master driven without a lock",    "", "MAM(X, M1, 0, 10, 100, 4, 1000, 4, 1000, 4, 0, 1, 1, 4)",                 (95, 0)),
         ("master driven without a link",    "", "MAM(X, M1, 0, 10, 2, 7, 0.5, 7, 0.5, 7, 0, 1, 1, 7, 0, 0, 0, 1)",        (93, 0)),
-        ("event distances",                 "", "MAM(X, M1, 0, 10, 100, 0, 1000, 0, 1000, 0, 0, 1, 1, 0, 0, 0, 0, 0, [1])", (99, 0)),
+        ("event distances",                 "", "MAM(X, M1, 0, 10, 100, 0, 1000, 0, 1000, 0, 0, 1, 1, 0, 0, 0, 0, 0, [1])", (101, 0)),
         ("no servo",                        "", &format!("MAM(D, M1, 0, 10, {RATES})"),                                        (5, 0)),
         ("shutdown",                        "MASD(X, S1)", &format!("MAM(X, M1, 0, 10, {RATES})"),                             (7, 0)),
         ("no deceleration",                 "", &format!("MAM(Z, M1, 0, 10, {RATES})"),                                        (54, 0)),

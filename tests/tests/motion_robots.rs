@@ -464,3 +464,91 @@ fn what_mct_refuses_of_robots() {
         assert_eq!(Bench::with(&more).call(call), expected, "{why}");
     }
 }
+
+#[test]
+fn positions_are_calculated_without_motion() {
+    let tag = "[[tag]]\nname = \"P\"\ntype = \"REAL[3]\"\n[[tag]]\nname = \"Short\"\ntype = \"REAL[2]\"\n";
+    let frames = "[0, 0, 0], [0, 0, 0]";
+    let read = |bench: &mut Bench| [0, 1, 2].map(|k| bench.read(&format!("P[{k}]")));
+    // §27.9, and the solutions of §21: left, left mirror, right, right mirror.
+    let arm = RobotMachine {
+        keys: "type = \"articulated_independent\"\nlink_lengths = [10.0, 10.0]\n",
+        joints: &[0.0, 90.0, -90.0],
+        ..ARTICULATED
+    };
+    let mut bench = Bench::with(&(arm.config() + tag));
+    let robot = geometry(&arm);
+    #[rustfmt::skip]
+    let cases = [
+        (0, [0.0, 90.0, -90.0], [10.0, 0.0, 10.0]),
+        (1, [10.0, 0.0, 10.0],  [0.0, 90.0, -90.0]),
+        (2, [10.0, 0.0, 10.0],  [0.0, 90.0, -90.0]),
+        (3, [10.0, 0.0, 10.0],  [180.0, 180.0, -90.0]),
+        (4, [10.0, 0.0, 10.0],  [0.0, 0.0, 90.0]),
+        (5, [10.0, 0.0, 10.0],  [180.0, 90.0, 90.0]),
+    ];
+    for (direction, from, expected) in cases {
+        let call = format!("MCTP(CART, ROBOT, C, {frames}, {direction}, {from:?}, P)");
+        assert_eq!(bench.call(&call), OK, "{call}");
+        assert_eq!(bench.bits("C"), "EN DN", "{call}");
+        let is = read(&mut bench);
+        assert!(apart(is, expected) < 1e-5, "{call}: {is:?}");
+        if direction > 0 {
+            let tool = robot.forward(is).expect("joints");
+            assert!(apart(tool, from) < 1e-5, "{call}");
+        }
+    }
+    // A frame before it, and Cartesian systems alone.
+    let turned = "[0, 0, 90], [0, 0, 3]";
+    assert_eq!(
+        bench.call(&format!("MCTP(CART, ROBOT, C, {turned}, 0, [90, 90, -90], P)")),
+        OK
+    );
+    assert!(apart(read(&mut bench), [-10.0, 0.0, 7.0]) < 1e-5);
+    assert_eq!(
+        bench.call(&format!("MCTP(CART, WORLD, C, {turned}, 1, [1, 2, 3], P)")),
+        OK
+    );
+    assert_eq!(read(&mut bench), [2.0, -1.0, 6.0]);
+    assert_eq!(
+        bench.call(&format!("MCTP(CART, WORLD, C, {turned}, 0, [2, -1, 6], P)")),
+        OK
+    );
+    assert_eq!(read(&mut bench), [1.0, 2.0, 3.0]);
+    // A robot as the source.
+    assert_eq!(
+        bench.call(&format!("MCTP(ROBOT, CART, C, {frames}, 1, [0, 90, -90], P)")),
+        OK
+    );
+    assert!(apart(read(&mut bench), [10.0, 0.0, 10.0]) < 1e-5);
+    #[rustfmt::skip]
+    let refused = [
+        (format!("MCTP(CART, ROBOT, C, {frames}, 1, [20.1, 0, 0], P)"), (67, 2)),
+        (format!("MCTP(CART, ROBOT, C, {frames}, 4, [0, 0, 5], P)"), (68, 0)),
+        (format!("MCTP(CART, ROBOT, C, {frames}, 6, [1, 0, 5], P)"), (13, 5)),
+        (format!("MCTP(CART, ROBOT, C, {frames}, 1, [1, 0], P)"), (13, 6)),
+        (format!("MCTP(CART, ROBOT, C, {frames}, 1, [10, 0, 10], Short)"), (13, 7)),
+        (format!("MCTP(CART, WORLD, C, {frames}, 2, [1, 0, 5], P)"), (77, 0)),
+        (format!("MCTP(ROBOT, CART, C, {frames}, 4, [1, 0, 5], P)"), (77, 0)),
+        ("MCTP(CART, ROBOT, C, [361, 0, 0], [0, 0, 0], 1, [1, 0, 5], P)".into(), (74, 0)),
+        (format!("MCTP(CART, CART, C, {frames}, 1, [1, 0, 5], P)"), (61, 2)),
+    ];
+    for (call, expected) in refused {
+        assert_eq!(bench.call(&call), expected, "{call}");
+        assert!(
+            apart(read(&mut bench), [10.0, 0.0, 10.0]) < 1e-5,
+            "{call} writes nothing"
+        );
+    }
+    // Without a place for the answer it is verified all the same.
+    assert_eq!(
+        bench.call(&format!("MCTP(CART, ROBOT, C, {frames}, 1, [10, 0, 10], 0)")),
+        OK
+    );
+    let delta =
+        Bench::with(&(DELTA.config() + tag)).call(&format!("MCTP(CART, ROBOT, C, {frames}, 4, [0, 0, -280], P)"));
+    assert_eq!(delta, (77, 0));
+    let scara =
+        Bench::with(&(SCARA.config() + tag)).call(&format!("MCTP(CART, ROBOT, C, {frames}, 5, [300, 0, 0], P)"));
+    assert_eq!(scara, (77, 0));
+}

@@ -82,9 +82,8 @@ fn what_later_issues_bring_is_bound_verified_and_refused() {
         ("MAM(X,M,0,10,-1,0,500,0,500,0)", (13, 4)),
         ("MAS(X,M,11)", (13, 2)),
         ("MGS(Motion,M,3)", (13, 2)),
-        ("MDAC(X,Y,M,0,0)", (99, 0)),
-        ("MDCC(CS1,A,M,0,50)", (99, 0)),
-        ("MCLM(CS1,M,0,[9,0,0], 50,0,500,0,500,0,1,100,100,2,1,0,0,0,0,0,[0])", (99, 0)),
+        ("MDAC(X,Y,M,5,0)", (13, 3)),
+        ("MDCC(CS1,A,M,0,-50)", (13, 4)),
     ];
     for (call, expected) in cases {
         assert_eq!(Bench::new().call(call), expected, "{call}");

@@ -11,7 +11,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use arcline_config::Project;
 use arcline_controller::image::{Image, Staged};
 use arcline_controller::{Command, Controller, Ticket};
-use arcline_instruction_set::{Call, ControlSlot, Directory, Flag, Given, Mnemonic, MotionControl, Object, bind};
+use arcline_instruction_set::{
+    Call, ControlSlot, Directory, Flag, Given, Mnemonic, MotionControl, Object, WrittenArray, bind,
+};
 use arcline_realtime::{Link, link, step};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
@@ -23,6 +25,9 @@ static ALLOCATOR: AllocDisabler = AllocDisabler;
 const CALLS: &[&str] = &[
     "MCT(CS3, CS1, M20, [0, 0, 90], [0, 0, 0]);",
     "MCT(CS1, CS2, M21, [0, 0, 0], [0, 0, 0]);",
+    "MCT(TOOL, ARM, M58, [0, 0, 0], [0, 0, 0]);",
+    "MCLM(TOOL, M59, Incremental, [-9, 30, 4], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+    "MCTP(TOOL, ARM, M60, [0, 0, 0], [0, 0, 0], InverseLeftArm, [100, 50, 60], Place);",
     "MAG(S, A, M22, Same, 0.5, 1, 1, Command, Real, Enabled, 1000, Unitspersec2);",
     "MAG(A, S, M23, Same, 0.5, 1, 1, Actual, Real, Disabled);",
     "MAM(A, M24, 1, 20, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
@@ -34,6 +39,12 @@ const CALLS: &[&str] = &[
     "MCS(CS3, M26, CoordinatedTransform, Yes, 3000, Unitspersec2, No, 0, %ofTime);",
     "MAS(S, M27, Gear, Yes, 3000, Unitspersec2, No, 0, %ofTime);",
     "MAS(X, M28, All, No, 0, Unitspersec2, No, 0, %ofTime);",
+    "MDCC(CS1, A, M33, Command, 50);",
+    "MDAC(B, A, M34, All, Actual);",
+    "MCLM(CS1, M35, Absolute, [10, 5, 2], 2, Unitspermasterunit, 1, Unitspermasterunit2, 1, Unitspermasterunit2, S-curve, 100, 100, %ofTimeMasterDriven, 2, Disabled, Programmed, 0, 0, ImmediateForwardOnly, [0, 1, 2], Data);",
+    "MCLM(CS1, M36, Absolute, [0, 0, 0], 2, Unitspermasterunit, 1, Unitspermasterunit2, 1, Unitspermasterunit2, Trapezoidal, 100, 100, %ofTimeMasterDriven, 1, CoordinatedMotion, Current, 0, 5, PositionForwardOnly, [0], Data);",
+    "MAM(B, M37, Incremental, 2, 2, Unitspermasterunit, 1, Unitspermasterunit2, 1, Unitspermasterunit2, S-curve, 100, 100, %ofTimeMasterDriven, Disabled, Programmed, 0, ImmediateForwardOnly, [0, 1, 2, 3], Data);",
+    "MAJ(B, M38, Forward, 2, Unitspermasterunit, 1, Unitspermasterunit2, 1, Unitspermasterunit2, Trapezoidal, 100, 100, %ofTimeMasterDriven, Disabled, Programmed, 0, ImmediateForwardOnly);",
     "MSO(X, M1);",
     "MSO(Y, M1);",
     "MSO(Z, M1);",
@@ -56,6 +67,10 @@ const CALLS: &[&str] = &[
     "MRP(Y, M36, Relative, Command, 10);",
     "MGSP(Motion, M37);",
     "MGS(Motion, M38, FastStop);",
+    "MAW(A, M48, Forward, 3);",
+    "MDW(A, M49);",
+    "MAR(A, M60, PositiveEdge, Enabled, 0, 500, 1);",
+    "MDR(A, M61, 1);",
     "MCCP(M39, Cam, 3, 0, 0, Profile);",
     "MCSV(M41, Profile, 0.05);",
     "MAPC(Y, X, M42, Same, Profile, 1, 100, Continuous, Immediate, 0, 0, Command, Bidirectional);",
@@ -88,8 +103,9 @@ impl Directory for Names<'_> {
         }
     }
 
-    fn real_array(&self, _: &str) -> Option<u32> {
-        None
+    fn real_array(&self, name: &str) -> Option<WrittenArray> {
+        let data = (name == "Data").then_some(WrittenArray { tag: 0, elements: 4 });
+        data.or_else(|| image(self.0).real_array(name))
     }
 
     fn structure(&self, type_name: &str, name: &str) -> Option<u32> {
@@ -220,9 +236,35 @@ fn project() -> Project {
         "drive = { velocity_feedforward = 0.0, speed_limit = 150.0, torque_limit = 1500.0, encoder_resolution = 1e3 }";
     let limited = format!("type = \"servo\"\n{drive}");
     let cam = "value = [{ Master = 0.0 }, { Master = 0.1, Slave = 1.0, SegmentType = 1 }, { Master = 0.2 }]";
+    let axis = |name: &str| {
+        format!("[[axis]]\nname = \"{name}\"\ntype = \"virtual\"\nmax_speed = 90.0\nmax_acceleration = 900.0\n")
+    };
+    let robot: String = ["K1", "K2", "K3", "J1", "J2", "J3"]
+        .iter()
+        .map(|name| axis(name))
+        .collect();
+    let system = |name: &str, axes: &str, more: &str| {
+        format!(
+            "[[coordinate_system]]\nname = \"{name}\"\naxes = [{axes}]\nmax_speed = 100.0\nmax_acceleration = 1000.0\n{more}"
+        )
+    };
+    let robot = robot
+        + &system("TOOL", "\"K1\", \"K2\", \"K3\"", "")
+        + &system(
+            "ARM",
+            "\"J1\", \"J2\", \"J3\"",
+            "type = \"articulated_independent\"\nlink_lengths = [100.0, 100.0]\nzero_angles = [0.0, -90.0, 90.0]\n",
+        );
     let config = format!(
-        "{}\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[3]\"\n{cam}\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[3]\"\n",
-        arcline_config::DEFAULT.replacen("type = \"servo\"", &limited, 1)
+        "{}\n{robot}[[tag]]\nname = \"Place\"\ntype = \"REAL[3]\"\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[3]\"\n{cam}\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[3]\"\n",
+        arcline_config::DEFAULT
+            .replacen("type = \"servo\"", &limited, 1)
+            .replacen(
+                "name = \"A\"\n",
+                "name = \"A\"\nregistration = { input_1 = \"Mark\" }\n",
+                1
+            )
+            + "\n[[tag]]\nname = \"Mark\"\ntype = \"BOOL\"\n"
     );
     arcline_config::load(&config, "default.toml").expect("the default with a limited drive is valid")
 }
@@ -265,6 +307,10 @@ const SCENES: &[&[(&str, u32)]] = &[
         ("MCSR(CS2, M16);", 5),
     ],
     &[
+        ("MDW(A, M49);", 2),
+        ("MDR(A, M61, 1);", 2),
+        ("MAW(A, M48, Forward, 3);", 1),
+        ("MAR(A, M60, PositiveEdge, Enabled, 0, 500, 1);", 1),
         ("MCCP(M39, Cam, 3, 0, 0, Profile);", 1),
         ("MCSV(M41, Profile, 0.05);", 1),
         (
@@ -290,6 +336,26 @@ const SCENES: &[&[(&str, u32)]] = &[
             900,
         ),
         ("MGSD(Motion, M33);", 5),
+    ],
+    &[
+        // A robot that follows its path, is taken along by a joint, and is stopped where it would be too fast.
+        ("MCT(TOOL, ARM, M58, [0, 0, 0], [0, 0, 0]);", 5),
+        (
+            "MCTP(TOOL, ARM, M60, [0, 0, 0], [0, 0, 0], InverseLeftArm, [100, 50, 60], Place);",
+            2,
+        ),
+        (
+            "MCLM(TOOL, M59, Absolute, [60, 30, 90], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+            100,
+        ),
+        (
+            "MAM(J2, M24, 1, 5, 50, Unitspersec, 500, Unitspersec2, 500, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
+            1500,
+        ),
+        (
+            "MCLM(TOOL, M59, Absolute, [-60, 3, 90], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+            2500,
+        ),
     ],
     &[
         ("MCT(CS3, CS1, M20, [0, 0, 90], [0, 0, 0]);", 5),

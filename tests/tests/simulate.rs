@@ -63,7 +63,8 @@ fn two_runs_give_the_same_bytes() {
 
 #[test]
 fn faster_than_real_time() {
-    const TRIES: usize = 3;
+    // The least of several runs: the machine may be busy with something else.
+    const TRIES: usize = 12;
     let folder = tempfile::tempdir().expect("a temporary folder");
     let program = program(folder.path());
     let trace = folder.path().join("trace.csv");

@@ -54,9 +54,17 @@ value = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }, { Master = 6.0 }, { Ma
 [[tag]]
 name = "Profile"
 type = "CAM_PROFILE[2]"
+
+[[tag]]
+name = "Mark1"
+type = "BOOL"
+
+[[tag]]
+name = "Mark2"
+type = "BOOL"
 "#;
 
-/// A name, the last tick, and what happens at which tick: a call, `fault AXIS BITS`, `false TAG` of a rung, `late` and
+/// A name, the last tick, and what happens at which tick: a call, `fault AXIS BITS`, `write TAG VALUE`, `false TAG` of a rung, `late` and
 /// `in time` of the motion task.
 type Scenario = (&'static str, u64, &'static str);
 
@@ -72,6 +80,9 @@ const SCENARIOS: &[Scenario] = &[
     ("position cam", 330, "0 MCCP(P, Cam, 2, 0, 0, Profile)\n10 MAPC(X, Y, M, 0, Profile, 1, 1, Once, ForwardOnly, 1.01, 0, Command, 0)\n20 MAPC(X, Y, N, 0, Profile, 1, 1, Once, Pending, 0, 0, Command, 0)\n30 MAM(Y, J, 0, 20, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)"),
     // 51.5 ms and 51 ms more.
     ("time cam", 130, "0 MCCP(P, Cam, 2, 0, 0, Profile)\n10 MATC(X, M, 0, Profile, 1, 0.0103, Once, Immediate)\n20 MATC(X, N, 0, Profile, 1, 0.0102, Once, Pending)"),
+    // 5.02 units after 150.4 ms.
+    ("watch", 230, "10 MAW(X, M, Forward, 5.02)\n20 MAM(X, N, 0, 20, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MAW(X, O, Forward, 90)\n220 MDW(X, D)"),
+    ("registration", 90, "10 MAR(X, M, 0, 0, 0, 0, 1)\n20 MAR(X, N, 1, 0, 0, 0, 2)\n30 write Mark1 1\n40 write Mark2 1\n50 write Mark2 0\n60 MAR(X, O, 0, 0, 0, 0, 1)\n70 MAR(X, O, 1, 0, 0, 0, 2)"),
     // 125 ms to the switch at 5 units, then 50 ms of braking.
     ("home", 300, "10 MAH(H, M)"),
     ("virtual home", 60, "10 MAH(A, M)"),
@@ -84,6 +95,10 @@ const SCENARIOS: &[Scenario] = &[
     // The second begins 0.5 units before the end of the first: after 255 ms.
     ("blend", 630, "10 MCLM(CS1, M, 0, [9.98, 0, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 2)\n20 MCLM(CS1, N, 0, [9.98, 9.98, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 2)"),
     ("deep queue", 330, "10 MCLM(Deep, M, 0, [9.98, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)\n20 MCLM(Deep, N, 0, [9.98, 9.98], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)\n30 MCLM(Deep, O, 0, [0, 9.98], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)"),
+    // The master runs at 51 units/s; 5 master units of ramp, 5 at 2 units per master unit, 5 of ramp.
+    ("driven line", 500, "0 MAJ(A, J, 0, 51, 0, 5100, 0, 5100, 0, 0, 100, 100, 2)\n20 MDCC(CS1, A, L, Command, 0)\n100 MCLM(CS1, M, 0, [20, 0, 0], 2, 4, 0.4, 4, 0.4, 4, 0, 100, 100, 6, 1, 0, 0, 0, 0, 1, [0], Data)"),
+    ("driven move", 500, "0 MAJ(Y, J, 0, 51, 0, 5100, 0, 5100, 0, 0, 100, 100, 2)\n20 MDAC(X, Y, L, Move, Command)\n100 MAM(X, M, 0, 20, 2, 4, 0.4, 4, 0.4, 4, 0, 100, 100, 6, 0, 0, 0, 1, [0, 1, 2, 3], Data)"),
+    ("driven jog", 500, "0 MAJ(Y, J, 0, 51, 0, 5100, 0, 5100, 0, 0, 100, 100, 2)\n20 MDAC(X, Y, L, Jog, Command)\n100 MAJ(X, M, 0, 2, 4, 0.4, 4, 0.4, 4, 0, 100, 100, 6, 0, 0, 0, 1)\n300 MAS(X, Stop, Jog, Yes, 1000, 0)"),
     ("stopped line", 330, "10 MCLM(CS1, M, 0, [9.98, 0, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)\n160 MCS(CS1, Stop, 2, Yes, 500, 0)"),
     ("transform", 300, "10 MCT(CS2, CS3, M, [0, 0, 0], [0, 0, 0])\n20 MAM(A, N, 0, 1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MCS(CS2, Stop, 3, No, 0, 0)"),
     ("transform forwards", 300, "10 MCT(CS2, CS3, M, [0, 0, 0], [0, 0, 0])\n20 MAM(X, N, 0, 1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MCS(CS3, Stop, 3, No, 0, 0)"),
@@ -106,14 +121,18 @@ const SCENARIOS: &[Scenario] = &[
 ];
 
 /// Scenarios that a virtual axis goes through just so.
-const VIRTUAL_TOO: [&str; 7] = [
+const VIRTUAL_TOO: [&str; 11] = [
     "move",
     "jog and stop",
     "too fast",
     "gear",
     "line",
+    "driven move",
+    "driven jog",
     "position cam",
     "time cam",
+    "watch",
+    "registration",
 ];
 
 /// A scenario, a bit (`TAG.MEMBER`, or `TAG.MEMBER.BIT` of a word without names), what it is at tick 0, and the ticks at
@@ -129,6 +148,8 @@ const ROWS: &[Row] = &[
     ("jog and stop",     "X.JogStatus",                     false, &[10, 160]),
     ("jog and stop",     "X.StoppingStatus",                false, &[160, 260]),
     ("too fast",         "X.MaximumSpeedExceeded",          false, &[111, 250]),
+    ("driven move",      "X.MoveLockStatus",                false, &[100, 395]),
+    ("driven jog",       "X.JogLockStatus",                 false, &[100, 300]),
     ("gear",             "X.GearingStatus",                 false, &[150, 200]),
     ("gear",             "X.GearingLockStatus",             false, &[160, 200]),
     ("position cam",     "X.PositionCamStatus",             false, &[10, 301]),
@@ -151,6 +172,16 @@ const ROWS: &[Row] = &[
     ("transform forwards", "A.ControlledByTransformStatus", false, &[20, 110]),
     ("transform forwards", "X.ControlledByTransformStatus", false, &[]),
     // AxisEvent.
+    ("watch",            "X.WatchEventArmedStatus",         false, &[10, 171, 200, 220]),
+    ("watch",            "X.WatchEventStatus",              false, &[171, 200]),
+    ("watch",            "M.DN",                            false, &[11]),
+    ("watch",            "M.IP",                            false, &[10, 171]),
+    ("watch",            "M.PC",                            false, &[171]),
+    ("watch",            "O.IP",                            false, &[200, 220]),
+    ("registration",     "X.RegEvent1ArmedStatus",          false, &[10, 30, 60]),
+    ("registration",     "X.RegEvent1Status",               false, &[30, 60]),
+    ("registration",     "X.RegEvent2ArmedStatus",          false, &[20, 50, 70]),
+    ("registration",     "X.RegEvent2Status",               false, &[50, 70]),
     ("home",             "H.HomeEventArmedStatus",          false, &[10, 135]),
     ("home",             "H.HomeEventStatus",               false, &[135]),
     // AxisStatus, CIPAxisStatus.
@@ -194,6 +225,8 @@ const ROWS: &[Row] = &[
     ("deep queue",       "Deep.MovePendingQueueFullStatus", false, &[30, 310]),
     ("two lines",        "CS1.MoveTransitionStatus",        false, &[]),
     ("blend",            "CS1.MoveTransitionStatus",        false, &[265, 310]),
+    ("driven line",      "CS1.CoordinateSystemLockStatus",  false, &[100, 395]),
+    ("driven line",      "CS1.AccelStatus",                 false, &[100, 199]),
     ("stopped line",     "CS1.StoppingStatus",              false, &[160, 260]),
     ("stopped line",     "CS1.DecelStatus",                 false, &[160, 260]),
     ("stopped line",     "CS1.MoveStatus",                  false, &[10, 160]),
@@ -240,6 +273,15 @@ const ROWS: &[Row] = &[
     ("two lines",        "N.ACCEL",                         false, &[310, 410]),
     ("blend",            "M.PC",                            false, &[265]),
     ("blend",            "N.AC",                            false, &[265, 565]),
+    ("driven line",      "M.AC",                            false, &[100, 395]),
+    ("driven line",      "M.TrackingMaster",                false, &[199, 297]),
+    ("driven line",      "M.CalculatedDataAvailable",       false, &[100]),
+    ("driven line",      "L.IP",                            false, &[20]),
+    ("driven line",      "L.AC",                            false, &[100, 395]),
+    ("driven move",      "M.TrackingMaster",                false, &[199, 297]),
+    ("driven move",      "M.CalculatedDataAvailable",       false, &[100]),
+    ("driven jog",       "M.TrackingMaster",                false, &[199, 300]),
+    ("driven jog",       "M.AC",                            false, &[100, 300]),
     ("stopped line",     "M.IP",                            false, &[10, 160]),
     ("stopped line",     "M.PC",                            false, &[]),
     ("stopped line",     "Stop.IP",                         false, &[160, 260]),
@@ -269,11 +311,8 @@ const NEVER: &[(&str, &str)] = &[
     ("ConfigUpdateInProcess", "attributes do not change while it runs"), ("InhibitStatus", "no axis can be inhibited"),
     ("DirectControlStatus", "no MDS"), ("DirectVelocityControlStatus", "no MDS"), ("DirectTorqueControlStatus", "no MDS"),
     ("MasterOffsetMoveStatus", "no master offset yet"), ("MasterOffsetMoveLockStatus", "no master offset yet"),
-    ("MoveLockStatus", "nothing is master driven yet"), ("JogLockStatus", "nothing is master driven yet"),
-    ("WatchEventArmedStatus", "no MAW"), ("WatchEventStatus", "no MAW"), ("RegEvent1ArmedStatus", "no MAR"),
-    ("RegEvent1Status", "no MAR"), ("RegEvent2ArmedStatus", "no MAR"), ("RegEvent2Status", "no MAR"),
     ("AxisInhibitStatus", "no axis can be inhibited"), ("InhibStatus", "the group cannot be inhibited"),
-    ("ToolChangeAllowedStatus", "no orientation transforms"), ("CoordinateSystemLockStatus", "nothing is master driven yet"),
+    ("ToolChangeAllowedStatus", "no orientation transforms"),
     ("CSTLossFault", "one clock"), ("GroupTaskLoadingFault", "an overlap shows as such"), ("ClockSyncFault", "one clock"),
     ("ClockSyncAlarm", "one clock"),
     ("LocalControlStatus", "no local control"), ("DCBusUpStatus", "no bus is simulated"), ("MotorFluxUpStatus", "no flux is simulated"),
@@ -284,7 +323,6 @@ const NEVER: &[(&str, &str)] = &[
     ("DCBusUnload", "no bus is simulated"), ("ACPowerLossStatus", "no power is simulated"),
     ("PositionControlModeStatus", "Axis Configuration tells it"), ("VelocityControlModeStatus", "always position control"),
     ("TorqueControlModeStatus", "always position control"),
-    ("TrackingMaster", "nothing is master driven yet"), ("CalculatedDataAvailable", "Event Distance answers 99"),
 ];
 
 /// Words of AXIS_CIP_DRIVE in which every bit is 0, with the reason; of the two last those that no [`FAULTS`] shows.
@@ -314,7 +352,14 @@ fn machine(keys: &str) -> String {
     let text = format!("{}\n{MORE}\n{deep}", arcline_config::DEFAULT);
     let axis = "name = \"X\"\ntype = ";
     assert!(text.contains(axis));
-    text.replacen(axis, &format!("{keys}{axis}"), 1)
+    let inputs = "registration = { input_1 = \"Mark1\", input_2 = \"Mark2\" }\n";
+    let without_drive = "name = \"A\"\ntype = ";
+    assert!(text.contains(without_drive));
+    text.replacen(axis, &format!("{keys}{inputs}{axis}"), 1).replacen(
+        without_drive,
+        &format!("{inputs}{without_drive}"),
+        1,
+    )
 }
 
 fn template(tag: &str) -> std::sync::Arc<arcline_tag::Template> {
@@ -357,6 +402,10 @@ fn traces(config: &str, last: u64, steps: &str, bits: &[String], mut look: impl 
                     let kinds = FAULTS.iter().map(|fault| fault.kind);
                     let kinds: Vec<FaultKind> = kinds.filter(|kind| bits & (1 << *kind as u32) != 0).collect();
                     bench.inject(axis, &kinds);
+                }
+                (_, Some(("write", write))) => {
+                    let (tag, value) = write.split_once(' ').expect("a tag and a value");
+                    bench.write(tag, value.parse().expect("a number"));
                 }
                 (_, Some(("false", tag))) => bench.rung_false(tag),
                 _ => {

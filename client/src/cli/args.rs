@@ -4,6 +4,7 @@ mod axis;
 mod faults;
 mod help;
 mod look;
+mod margin;
 mod moves;
 mod pictures;
 mod programs;
@@ -18,6 +19,7 @@ pub(crate) use axis::{AxisMotion, Jog, MoveAxis};
 pub(crate) use faults::{FaultClear, FaultCommand, FaultInject, FaultList};
 pub(crate) use help::command;
 pub(crate) use look::{Identify, Shell, Status, Watch};
+pub(crate) use margin::Margin;
 pub(crate) use moves::{
     Arc, Change, Circle, Direction, Dynamics, Home, Move, OnOff, Override, Servo, Stop, StopType, System,
 };
@@ -149,6 +151,12 @@ pub(crate) enum Command {
     /// Write a tag
     #[command(after_help = "Example: arcline write Move1.Position [100,50,0]")]
     Write(Write),
+    /// Tell how much further a master must go than the Calculated Data of blended, master driven moves say
+    #[command(
+        after_help = "To be added to their sum, so that the last move reaches its end. Asks no server.\n\
+        Example: arcline margin 5 --master-speed 500 --update-period 2"
+    )]
+    Margin(Margin),
     /// Run a G-code program, or simulate it, or write it as Structured Text
     #[command(
         after_help = "Known: G0 to G3, G4 P, G17 to G19, G20, G21, G61, G61.1, G64 [P], G90, G91, G90.1, G91.1, F, X Y Z, I J K, R, M2, \

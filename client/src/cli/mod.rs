@@ -8,6 +8,7 @@ mod fault;
 mod feed_override;
 mod gcode;
 mod identify;
+mod margin;
 mod moves;
 mod operands;
 mod output;
@@ -182,6 +183,10 @@ async fn alone(server: &str, command: &Command, output: &Output) -> Option<Resul
         }
         Command::Man(command) => tools::man(command, output),
         Command::Plot(command) => plot::plot(command, output),
+        Command::Margin(command) => {
+            margin::tell(command, output);
+            Ok(())
+        }
         Command::Gcode(command) if !command.needs_server() => gcode::alone(command, output),
         _ => return None,
     })
@@ -216,6 +221,8 @@ async fn on_machine(client: &Client, command: Command, output: &Output) -> Resul
         Command::Identify(command) => identify::run(Some(client), &command, output).await,
         Command::Shell(_) => Err(Failure::Usage("the shell is this one".to_owned())),
         // They have been done before there was a connection.
-        Command::Explain(_) | Command::Completions(_) | Command::Man(_) | Command::Plot(_) => Ok(()),
+        Command::Explain(_) | Command::Completions(_) | Command::Man(_) | Command::Plot(_) | Command::Margin(_) => {
+            Ok(())
+        }
     }
 }

@@ -46,6 +46,7 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         let kind = match axis.kind {
             AxisKind::Servo(_) => "servo",
             AxisKind::Virtual => "virtual",
+            AxisKind::Feedback => "feedback",
         };
         let unit = &axis.units;
         write!(

@@ -78,6 +78,8 @@ pub struct ServerConfig {
     pub io: IoListen,
     /// What motion does when the owner of the outputs is lost, closes its connection or goes idle.
     pub io_loss: IoLoss,
+    /// What becomes of motion when the class 3 connection or the session that began it is lost.
+    pub connection_loss: ConnectionLoss,
 }
 
 /// Where implicit I/O (class 0 and 1 connections) listens.
@@ -138,6 +140,40 @@ impl IoLoss {
     }
 }
 
+/// What becomes of motion when the class 3 connection or the session over which it was begun is lost: ends without a Forward
+/// Close or UnRegisterSession. What others began is not touched.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum ConnectionLoss {
+    /// Jogs are stopped; everything else goes on to its end.
+    #[default]
+    Jogs,
+    /// All of it is stopped.
+    Stop,
+    /// The coordinate systems of its coordinated moves are held (a feed override of 0), jogs are stopped; moves of single
+    /// axes go on to their end.
+    Hold,
+    /// It goes on to its end, or without end.
+    Finish,
+}
+
+impl ConnectionLoss {
+    /// The word of each in a configuration.
+    pub const WORDS: [(&'static str, Self); 4] = [
+        ("jogs", Self::Jogs),
+        ("stop", Self::Stop),
+        ("hold", Self::Hold),
+        ("finish", Self::Finish),
+    ];
+
+    /// The word in a configuration.
+    pub fn word(self) -> &'static str {
+        Self::WORDS
+            .iter()
+            .find(|(_, loss)| *loss == self)
+            .map_or("", |(word, _)| word)
+    }
+}
+
 impl Default for ServerConfig {
     fn default() -> Self {
         Self {
@@ -152,6 +188,7 @@ impl Default for ServerConfig {
             hmi: Some(read::DEFAULT_HMI),
             io: IoListen::default(),
             io_loss: IoLoss::default(),
+            connection_loss: ConnectionLoss::default(),
         }
     }
 }

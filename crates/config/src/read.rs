@@ -5,6 +5,7 @@
 mod axis;
 mod dynamics;
 mod home;
+mod inputs;
 mod names;
 mod server;
 mod system;
@@ -16,6 +17,7 @@ use arcline_controller::machine::{MAX_AXES, MAX_SYSTEMS, MAX_TRANSFORMS, Machine
 use toml::de::DeTable;
 
 use self::axis::{AXIS, axis};
+use self::inputs::check_inputs;
 use self::names::{NAME, Taken};
 use self::server::server;
 use self::system::{COORDINATE_SYSTEM, TRANSFORM, coordinate_system, transform};
@@ -54,6 +56,7 @@ pub(crate) fn project(text: &str, file: &str) -> Result<Project, ConfigError> {
     let instruction_tags = instruction_tags(&root, &machine, &mut names)?;
     let types = Types::read(&root)?;
     let tags = plain_tags(&root, &types, &mut names)?;
+    check_inputs(&root, &machine, &instruction_tags, &tags)?;
     Ok(Project {
         server,
         machine,

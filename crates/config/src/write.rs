@@ -29,12 +29,24 @@ pub fn table(project: &Project) -> Table {
         IoListen::At(address) => Some(address.to_string()),
         IoListen::Off => Some("off".to_owned()),
     };
+    let listen = [&server.listen].into_iter().chain(&server.listen_also);
+    let listen = Value::Array(listen.map(|address| text(&address.to_string())).collect());
+    let number = |most: usize| Some(Value::Integer(i64::try_from(most).unwrap_or(i64::MAX)));
     let server = [
         ("name", Some(text(&server.name))),
-        ("listen", Some(text(&server.listen.to_string()))),
+        ("listen", Some(listen)),
         ("hmi", Some(text(&hmi))),
         ("io", io.map(|io| text(&io))),
         ("io_loss", Some(text(server.io_loss.word()))),
+        ("connection_loss", Some(text(server.connection_loss.word()))),
+        ("max_clients", number(server.max_clients)),
+        ("max_clients_per_address", number(server.max_clients_per_address)),
+        ("max_connections", number(server.max_connections)),
+        (
+            "max_connections_per_address",
+            number(server.max_connections_per_address),
+        ),
+        ("inactivity_timeout_s", number(server.inactivity_timeout.into())),
     ];
     let server = server.into_iter().filter_map(|(key, value)| Some((key, value?)));
     root.insert("server".into(), keys(server));
@@ -180,7 +192,12 @@ fn axis(axis: &Axis) -> Value {
     ]);
     let mut put = |key: &str, value: Value| table.insert(key.to_owned(), value);
     put("name", text(&axis.name));
-    put("type", text(if axis.is_virtual() { "virtual" } else { "servo" }));
+    let kind = match axis.kind {
+        AxisKind::Servo(_) => "servo",
+        AxisKind::Virtual => "virtual",
+        AxisKind::Feedback => "feedback",
+    };
+    put("type", text(kind));
     put("units", text(&axis.units));
     if let Some(travel) = axis.travel {
         put(
@@ -214,6 +231,20 @@ fn axis(axis: &Axis) -> Value {
             drive_table.extend(number.map(|number| (key.to_owned(), Value::Float(number))));
         }
         put("drive", Value::Table(drive_table));
+    }
+    if let Some(feed) = &axis.inputs.feed {
+        let fed = [
+            ("tag", text(&feed.tag)),
+            ("interval_ms", Value::Float(feed.interval * 1000.0)),
+            ("timeout_ms", Value::Float(feed.timeout * 1000.0)),
+        ];
+        put("feed", keys(fed));
+    }
+    let inputs = ["input_1", "input_2"].into_iter().zip(&axis.inputs.registration);
+    let inputs = inputs.filter_map(|(key, path)| Some((key.to_owned(), text(path.as_deref()?))));
+    let inputs: Table = inputs.collect();
+    if !inputs.is_empty() {
+        put("registration", Value::Table(inputs));
     }
     put("home", home(&axis.home));
     let mode = ProgrammedStopMode::ALL

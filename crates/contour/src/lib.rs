@@ -10,6 +10,7 @@
     reason = "axes, nodes and band rows are indexed side by side"
 )]
 
+mod assemble;
 mod banded;
 mod course;
 mod ease;

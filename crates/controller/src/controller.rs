@@ -4,13 +4,12 @@ use std::sync::Arc;
 
 use arcline_instruction_set::{Call, ControlSlot, FaultSet, MotionControl};
 use arcline_motion::machine::Machine;
-use arcline_motion::{AcceptedMove, ContourRequest, Event, Material, Motion, Ticket, Trajectory};
+use arcline_motion::{AcceptedMove, ArrayWrite, ContourRequest, Event, Input, Material, Motion, Ticket, Trajectory};
 
 use crate::snapshot::Snapshot;
 
 /// What reaches the controller from outside.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "a box would be freed in the tick")]
 pub enum Command {
     /// Execute an instruction: a false-to-true transition of its rung condition.
     Call(Ticket, Call),
@@ -32,6 +31,8 @@ pub enum Command {
         /// The causes.
         causes: FaultSet,
     },
+    /// Take what was written to a tag that the machine reads.
+    Input(Input),
     /// Stop all motion of every coordinate system in a controlled way: what a shutdown of the process needs.
     StopAll,
 }
@@ -45,6 +46,8 @@ pub trait Port {
     fn answer(&mut self, ticket: Ticket, control: MotionControl);
     /// A change of an instruction's status.
     fn event(&mut self, event: &Event);
+    /// An instruction wrote to an array.
+    fn array_write(&mut self, _: &ArrayWrite) {}
     /// A coordinated move was accepted.
     fn accepted(&mut self, accepted: &AcceptedMove) {
         let _ = accepted;
@@ -126,6 +129,7 @@ impl Controller {
                 Some(Command::RungFalse(control)) => self.rung_false(control),
                 Some(Command::Override { system, rate }) => self.set_override(system, rate),
                 Some(Command::Inject { axis, causes }) => self.inject(axis, causes),
+                Some(Command::Input(input)) => self.input(input),
                 Some(Command::StopAll) => self.stop_all(),
                 None => break,
             }
@@ -143,6 +147,7 @@ impl Controller {
         }
         self.accepted_moves(|accepted| port.accepted(accepted));
         self.end_tick(|event| port.event(event));
+        self.take_array_writes(|write| port.array_write(write));
         if let Some(snapshot) = port.snapshot() {
             self.snapshot(snapshot);
             port.publish();
@@ -178,6 +183,11 @@ impl Controller {
     /// Puts causes of faults on an axis: see [`Motion::inject`]. Real-time.
     pub fn inject(&mut self, axis: u16, causes: FaultSet) {
         self.motion.inject(axis, causes);
+    }
+
+    /// Takes what was written to a tag that the machine reads. Real-time.
+    pub fn input(&mut self, input: Input) {
+        self.motion.input(input);
     }
 
     /// Stops everything that moves, every axis by itself. Real-time.
@@ -220,6 +230,11 @@ impl Controller {
     /// Closes the tick and reports what changed, in order. Real-time as far as `report` is.
     pub fn end_tick(&mut self, report: impl FnMut(&Event)) {
         self.motion.finish(report);
+    }
+
+    /// What instructions wrote to arrays in the tick that was closed. Real-time as far as `report` is.
+    pub fn take_array_writes(&mut self, report: impl FnMut(&ArrayWrite)) {
+        self.motion.take_array_writes(report);
     }
 
     /// Whether the instruction would find room in its coordinate system's queue.

@@ -11,8 +11,8 @@ pub mod samples;
 mod snapshot;
 
 pub use arcline_motion::{
-    AcceptedMove, AxisSnapshot, CONTROL_SLOTS, ContourRequest, Event, Material, Path, Point, SystemSnapshot, Ticket,
-    Trajectory, UNNAMED, machine,
+    AcceptedMove, ArrayWrite, AxisSnapshot, CONTROL_SLOTS, ContourRequest, Event, Input, Material, Path, Point,
+    SystemSnapshot, Ticket, Trajectory, UNNAMED, machine,
 };
 pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port};
 pub use snapshot::Snapshot;

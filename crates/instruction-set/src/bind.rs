@@ -8,7 +8,7 @@ mod error;
 mod given;
 
 use crate::instruction::{Kind, Object};
-use crate::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, Mnemonic, OperandIndex, RealArray};
+use crate::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, Mnemonic, OperandIndex, RealArray, WrittenArray};
 
 pub use error::BindError;
 pub use given::Given;
@@ -21,7 +21,7 @@ pub trait Directory {
     fn object(&self, object: Object, name: &str) -> Option<u16>;
 
     /// A REAL array tag (or member, such as `Move1.CalculatedData`) that can be written.
-    fn real_array(&self, name: &str) -> Option<u32>;
+    fn real_array(&self, name: &str) -> Option<WrittenArray>;
 
     /// A tag of a structure type such as `PATH_DATA`. Machines without such tags have none.
     fn structure(&self, type_name: &str, name: &str) -> Option<u32> {
@@ -119,7 +119,7 @@ impl Binder<'_> {
             Kind::WrittenArray(_) => match given {
                 _ if is_none(given) => Ok(Argument::None),
                 Given::Word(name) | Given::Name(name) => match self.directory.real_array(name) {
-                    Some(tag) => Ok(Argument::Tag(tag)),
+                    Some(array) => Ok(Argument::Written(array)),
                     None => Err(BindError::UnknownArray {
                         mnemonic: self.mnemonic,
                         operand: self.operand,

@@ -48,8 +48,19 @@ pub enum Argument {
     Array(RealArray),
     /// Another motion object, by its index.
     Object(u16),
-    /// A tag that is written (or a structure that is read), by what [`crate::Directory`] calls it.
+    /// A structure tag that is read, by what [`crate::Directory`] calls it.
     Tag(u32),
+    /// A REAL array tag that is written.
+    Written(WrittenArray),
+}
+
+/// A REAL array that an instruction writes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct WrittenArray {
+    /// What [`crate::Directory`] calls it.
+    pub tag: u32,
+    /// Elements from there to its end.
+    pub elements: u16,
 }
 
 /// An instruction with everything it needs to execute. Real-time: `Copy`, no heap.
@@ -113,7 +124,15 @@ impl Call {
         }
     }
 
-    /// An operand as a tag that is written.
+    /// An operand as an array that is written.
+    pub fn written(&self, operand: usize) -> Option<WrittenArray> {
+        match self.argument(operand) {
+            Argument::Written(array) => Some(array),
+            _ => None,
+        }
+    }
+
+    /// An operand as a structure tag.
     pub fn tag(&self, operand: usize) -> Option<u32> {
         match self.argument(operand) {
             Argument::Tag(tag) => Some(tag),

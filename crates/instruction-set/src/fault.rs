@@ -90,8 +90,8 @@ pub static FAULTS: [Fault; FaultKind::COUNT] = [
         "The positive limit switch is hit."),
     fault(FaultKind::OvertravelNegative, "overtravel_negative", FaultWord::Cip, 51, ExceptionAction::StopDrive, false,
         "The negative limit switch is hit."),
-    fault(FaultKind::FeedbackLoss, "feedback_loss", FaultWord::Cip, 43, ExceptionAction::StopDrive, false,
-        "The encoder gives no signal."),
+    fault(FaultKind::FeedbackLoss, "feedback_loss", FaultWord::Cip, 43, ExceptionAction::StopDrive, true,
+        "The encoder gives no signal: nothing is written to the tag that feeds an axis of type feedback."),
 ];
 
 const fn fault(

@@ -19,11 +19,12 @@ mod instruction_tag;
 mod mnemonic;
 pub mod predefined;
 mod queue;
+mod safety_margin;
 mod verify;
 mod words;
 
 pub use bind::{BindError, Directory, Given, bind};
-pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray};
+pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray, WrittenArray};
 pub use control::{Flag, MotionControl};
 pub use error::{AxisIndex, Culprit, Detail, ERRORS, ErrorText, Extended, MotionError, OperandIndex, describe};
 pub use explain::{Explanation, explain};
@@ -37,4 +38,5 @@ pub use instruction_tag::{
     set_instruction_tag_target,
 };
 pub use mnemonic::{Mnemonic, UnknownMnemonic};
+pub use safety_margin::BlendedSequence;
 pub use words::{Word, Words, list as enumerations, normalized};

@@ -63,7 +63,7 @@ impl Operand {
             }
             Kind::ArrayOrNone => call.array(place).iter().all(|number| number.is_finite()),
             Kind::WrittenArray(_) => {
-                matches!(call.argument(place), Argument::None | Argument::Tag(_))
+                matches!(call.argument(place), Argument::None | Argument::Written(_))
             }
         }
     }

@@ -249,11 +249,7 @@ impl Robot {
                 independent,
             } => {
                 let second = |first: N, bend: N| {
-                    if independent {
-                        wrapped(bend - bent)
-                    } else {
-                        wrapped(first + bend)
-                    }
+                    if independent { bend - bent } else { first + bend }
                 };
                 match self.geometry {
                     Geometry::ScaraIndependent => {
@@ -346,7 +342,7 @@ impl Robot {
 
     fn shown<N: Number>(&self, joint: N, place: usize) -> N {
         let scaled = match self.geometry.turns(place) {
-            true => joint * DEGREES,
+            true => wrapped(joint) * DEGREES,
             false => joint,
         };
         if place < self.geometry.joints() {
@@ -357,7 +353,7 @@ impl Robot {
     }
 }
 
-/// An angle within half a turn of 0.
+/// An angle within half a turn of 0: above -pi up to pi.
 fn wrapped<N: Number>(angle: N) -> N {
     use core::f64::consts::{PI, TAU};
     if angle.value() > PI {

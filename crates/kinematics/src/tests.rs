@@ -168,6 +168,15 @@ fn every_solution_of_an_arm() {
             seen.push(joints);
         }
     }
+    // Straight ahead the mirror is half a turn to the left, whatever the sign of a zero.
+    for zero in [0.0, -0.0] {
+        let mirrored = Arm {
+            mirrored: true,
+            ..Arm::default()
+        };
+        let [turn, ..] = robot.inverse([200.0, zero, 95.0], mirrored).expect("within reach");
+        assert!((turn - 185.0).abs() < 1e-9, "{turn}");
+    }
     // The mirror is the other way round, half a turn.
     assert!((seen[0][0] - seen[1][0]).abs() - 180.0 < 1e-9);
 }

@@ -83,7 +83,8 @@ pub(crate) struct Controls {
 }
 
 /// FLAGS bits of an execution under way: its end clears them.
-pub(crate) const UNDER_WAY: u32 = Flag::Ip.mask() | Flag::Ac.mask() | Flag::Accel.mask() | Flag::Decel.mask();
+pub(crate) const UNDER_WAY: u32 =
+    Flag::Ip.mask() | Flag::Ac.mask() | Flag::Accel.mask() | Flag::Decel.mask() | Flag::TrackingMaster.mask();
 
 /// Events that one tick can hold.
 const EVENTS: usize = 2 * CONTROL_SLOTS;
@@ -137,6 +138,12 @@ impl Controls {
     /// Sets and clears FLAGS bits of an execution.
     pub(crate) fn write(&mut self, execution: Execution, set: u32, clear: u32, tick: u64) {
         self.change(execution, set, clear, None, tick);
+    }
+
+    /// Sets or clears one FLAGS bit of an execution.
+    pub(crate) fn flag(&mut self, execution: Execution, flag: Flag, on: bool, tick: u64) {
+        let (set, clear) = if on { (flag.mask(), 0) } else { (0, flag.mask()) };
+        self.write(execution, set, clear, tick);
     }
 
     /// Ends an execution with an error. IP and AC clear; DN stays as it is.

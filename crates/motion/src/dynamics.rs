@@ -10,6 +10,8 @@ use crate::machine::{Axis, CoordinateSystem};
 pub(crate) const PERCENT_OF_MAXIMUM: i32 = 1;
 /// Jerk Units: % of Time.
 pub(crate) const PERCENT_OF_TIME: i32 = 2;
+/// Jerk Units: % of Time, of the way of the master's in place of time.
+pub(crate) const PERCENT_OF_MASTERS_WAY: i32 = 6;
 
 /// The maxima of an axis or, along the path, of a coordinate system: units/s, units/s², units/s³.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -178,7 +180,7 @@ pub(crate) fn in_units(value: f64, units: i32, maximum: f64) -> f64 {
 /// A programmed jerk: `units` is the word of Jerk Units.
 pub(crate) fn jerk_in_units(value: f64, units: i32, maximum: f64) -> JerkRate {
     match units {
-        PERCENT_OF_TIME => JerkRate::PercentOfTime(value),
+        PERCENT_OF_TIME | PERCENT_OF_MASTERS_WAY => JerkRate::PercentOfTime(value),
         _ => JerkRate::Units(in_units(value, units, maximum)),
     }
 }

@@ -38,7 +38,8 @@ impl System {
         if let Some(contour) = &mut self.contour {
             contour.set_rate(share, clock);
         }
-        self.planner.set_rate(share, clock);
+        let clock = self.clock(clock);
+        self.planner.set_rate(share, &clock);
         self.stale = self.activity == Activity::Moving;
     }
 }

@@ -7,8 +7,10 @@
 //! nanoseconds or seconds as named. Places (`u16`) count from 0 in configuration order.
 
 mod home;
+mod inputs;
 
 pub use home::{Home, HomeDirection, HomeMarker, HomeMode, HomeSequence, HomeSwitch};
+pub use inputs::{Feed, Inputs};
 
 pub use arcline_kinematics::{Geometry, Parameters};
 
@@ -109,6 +111,8 @@ pub struct Axis {
     pub exception_actions: ExceptionActions,
     /// Time over which AverageVelocity is taken, above 0, at most 1 s.
     pub average_velocity_timebase: f64,
+    /// What it has from tags that clients write.
+    pub inputs: Inputs,
 }
 
 /// The action of every kind of fault (axis-and-data-types.md §9.3).
@@ -182,6 +186,8 @@ pub enum AxisKind {
     Servo(Drive),
     /// Nothing: actual is command; the axis is an AXIS_VIRTUAL.
     Virtual,
+    /// An encoder: it cannot be moved, its position is written to a tag; the axis is an AXIS_CIP_DRIVE.
+    Feedback,
 }
 
 /// A simulated servo drive.

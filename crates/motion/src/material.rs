@@ -1,9 +1,10 @@
 //! What an instruction needs besides its operands, and has from tags: made beside the tick, by whoever has the tags.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use arcline_cam::Profile;
-use arcline_instruction_set::MotionError;
+use arcline_instruction_set::{MAX_ELEMENTS, MotionError};
 
 /// What goes into the tick with a call.
 ///
@@ -22,6 +23,46 @@ pub enum Material {
     },
     /// A calculated cam profile.
     Cam(Arc<Profile>),
+    /// A place for numbers that the instruction calculates in the tick.
+    Answer(Arc<Answer>),
+}
+
+/// Numbers on their way out of the tick: written once there, read when the instruction is done.
+#[derive(Debug, Default)]
+pub struct Answer {
+    room: usize,
+    count: AtomicUsize,
+    numbers: [AtomicU64; MAX_ELEMENTS],
+}
+
+impl Answer {
+    /// For an array of so many elements.
+    pub fn new(room: usize) -> Self {
+        Answer {
+            room,
+            ..Answer::default()
+        }
+    }
+
+    /// The numbers that were given; none before.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
+        let count = self.count.load(Ordering::Acquire);
+        let bits = self.numbers.iter().take(count);
+        bits.map(|bits| f64::from_bits(bits.load(Ordering::Relaxed)))
+    }
+
+    /// Elements of the array.
+    pub(crate) fn room(&self) -> usize {
+        self.room
+    }
+
+    /// Real-time.
+    pub(crate) fn give(&self, numbers: &[f64]) {
+        for (place, number) in self.numbers.iter().zip(numbers) {
+            place.store(number.to_bits(), Ordering::Relaxed);
+        }
+        self.count.store(numbers.len().min(MAX_ELEMENTS), Ordering::Release);
+    }
 }
 
 /// What was sent for an instruction that works on tags, and the element to blame when it errs.
@@ -33,6 +74,14 @@ impl Sent {
         match self.0 {
             Some(Material::Refused { element, .. }) => element,
             _ => 0,
+        }
+    }
+
+    /// Where numbers are wanted.
+    pub(crate) fn answer(&self) -> Option<&Answer> {
+        match &self.0 {
+            Some(Material::Answer(answer)) => Some(answer),
+            _ => None,
         }
     }
 

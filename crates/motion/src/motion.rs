@@ -4,6 +4,8 @@ mod advance;
 mod faults;
 mod generators;
 mod homing;
+mod links;
+mod probes;
 mod take_over;
 
 use std::sync::Arc;
@@ -16,6 +18,7 @@ use arcline_planner::precise::{AxisLimits, Trajectory};
 use crate::accepted::{ACCEPTED, AcceptedMove};
 use crate::axis::{Axis, AxisState};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
+use crate::events::{ArrayWrite, Events};
 use crate::follow::order::Order;
 use crate::follow::transform::Link;
 use crate::instructions::{self, Layouts};
@@ -27,6 +30,7 @@ use crate::stop::Stop;
 use crate::system::System;
 
 pub(crate) use advance::MAX_ENDS_PER_TICK;
+pub use probes::Input;
 
 /// Every axis and coordinate system of one motion group, and the instructions that move them.
 #[derive(Debug)]
@@ -40,6 +44,11 @@ pub struct Motion {
     pub(crate) links: Vec<Option<Link>>,
     /// The order of a tick while some axes follow others.
     pub(crate) order: Order,
+    /// Links to masters, and ways of them, so far.
+    link_count: u32,
+    way_count: u32,
+    /// What instructions wrote to arrays in this tick.
+    array_writes: Vec<ArrayWrite>,
     /// Trajectories that are no longer needed, to be freed outside the tick.
     pub(crate) retired: Vec<Arc<Trajectory>>,
     /// The group's stop that is under way (MGS).
@@ -58,6 +67,9 @@ struct Message {
     reached: Option<AxisState>,
 }
 
+/// Arrays that are written in one tick; one more is lost.
+const ARRAY_WRITES: usize = 1024;
+
 /// Messages under way at once; one more is done at once.
 const MESSAGES: usize = 1024;
 
@@ -65,10 +77,7 @@ impl Motion {
     /// The machine at rest, before its first tick. The only allocation.
     pub fn new(machine: &Machine) -> Self {
         Motion {
-            clock: Clock {
-                tick: 0,
-                period_ns: machine.period_ns.max(1),
-            },
+            clock: Clock::at(0, machine.period_ns.max(1)),
             axes: machine
                 .axes
                 .iter()
@@ -79,6 +88,9 @@ impl Motion {
             layouts: Layouts::new(),
             links: vec![None; machine.systems.len()],
             order: Order::new(machine.axes.len(), machine.systems.len()),
+            link_count: 0,
+            way_count: 0,
+            array_writes: Vec::with_capacity(ARRAY_WRITES),
             retired: Vec::with_capacity(2 * machine.systems.len()),
             group_stop: None,
             messages: Vec::with_capacity(MESSAGES),
@@ -97,7 +109,8 @@ impl Motion {
         self.clock.tick = tick;
         self.finish_messages();
         for index in 0..self.systems.len() {
-            if self.systems[index].is_busy() {
+            // Behind its masters otherwise.
+            if self.systems[index].is_busy() && !self.systems[index].follows() {
                 self.advance_system(index);
             }
         }
@@ -109,6 +122,7 @@ impl Motion {
         }
         self.finish_group_stop();
         self.update_tolerances();
+        self.show_links();
     }
 
     /// Executes an instruction at the present tick and returns what its motion control tag shows then.
@@ -154,7 +168,18 @@ impl Motion {
             }
         }
         self.refresh_axes(changed);
+        for index in 0..self.systems.len() {
+            self.calculate(index);
+        }
+        self.show_links();
         self.controls.drain(self.clock.tick, report);
+    }
+
+    /// What instructions wrote to arrays in this tick, in order: to be called once a tick, behind [`Motion::finish`]. Real-time as
+    /// far as `report` is.
+    pub fn take_array_writes(&mut self, report: impl FnMut(&ArrayWrite)) {
+        self.array_writes.iter().for_each(report);
+        self.array_writes.clear();
     }
 
     /// Whether a coordinated move would find the queue of its coordinate system full.
@@ -166,14 +191,14 @@ impl Motion {
         system.is_none_or(|system| !system.is_busy() || !system.is_full())
     }
 
-    /// Whether nothing moves and nothing is under way that would end.
+    /// Whether nothing moves and nothing is under way that would end. What waits for a master that stands does not end.
     pub fn at_rest(&self) -> bool {
         self.messages.is_empty()
             && self.group_stop.is_none()
             && self
                 .systems
                 .iter()
-                .all(|system| !system.is_busy() && system.stop.is_none())
+                .all(|system| !system.will_end() && system.stop.is_none())
             && self
                 .axes
                 .iter()
@@ -186,6 +211,7 @@ impl Motion {
             self.end_stop(index);
             self.abort_system(index, |_| false);
         }
+        self.unlink_all();
         for axis in 0..self.axes.len() {
             self.stop_axis(axis as u16, None);
         }
@@ -303,7 +329,23 @@ impl Motion {
             Mnemonic::Mah => set | Flag::Dn.mask(),
             _ => set,
         };
-        self.controls.write(execution, set, UNDER_WAY & !set, self.clock.tick);
+        // What was calculated for a move that did not come to its end is of no use.
+        let calculated = if set & Flag::Pc.mask() == 0 {
+            Flag::CalculatedDataAvailable.mask()
+        } else {
+            0
+        };
+        self.controls
+            .write(execution, set, (UNDER_WAY | calculated) & !set, self.clock.tick);
+    }
+
+    /// Writes Calculated Data and says so.
+    pub(crate) fn give(&mut self, execution: Execution, events: &Events) {
+        if self.array_writes.len() < ARRAY_WRITES {
+            self.array_writes.push(events.write(self.clock.tick));
+        }
+        let available = Flag::CalculatedDataAvailable.mask();
+        self.controls.write(execution, available, 0, self.clock.tick);
     }
 
     fn finish_messages(&mut self) {

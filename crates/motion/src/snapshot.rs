@@ -37,6 +37,12 @@ pub struct AxisSnapshot {
     pub started_at: [f64; 2],
     /// StrobeCommandPosition, StrobeActualPosition.
     pub strobed: [f64; 2],
+    /// WatchPosition.
+    pub watched: f64,
+    /// Of each registration input: the position of the last event, of the last positive edge, of the last negative one.
+    pub registered: [[f64; 3]; 2],
+    /// The same of times, µs since the first tick.
+    pub registered_at: [[i32; 3]; 2],
 }
 
 /// One coordinate system: the words of its tag (spec/axis-and-data-types.md §8.3).

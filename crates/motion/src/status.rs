@@ -23,6 +23,7 @@ const STANDSTILL: f64 = 1e-3;
 /// One axis as its tag shows it.
 pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
     let actual = axis.drive.actual();
+    let [first, second] = &axis.registrations;
     let saturation = axis.drive.saturation();
     let command = axis.command;
     AxisSnapshot {
@@ -38,6 +39,12 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         event: [
             (axis.awaits_home_event(), axis_event::HOME_EVENT_ARMED_STATUS),
             (axis.home_event, axis_event::HOME_EVENT_STATUS),
+            (axis.watch.is_armed(), axis_event::WATCH_EVENT_ARMED_STATUS),
+            (axis.watch.seen, axis_event::WATCH_EVENT_STATUS),
+            (first.is_armed(), axis_event::REG_EVENT1_ARMED_STATUS),
+            (first.seen, axis_event::REG_EVENT1_STATUS),
+            (second.is_armed(), axis_event::REG_EVENT2_ARMED_STATUS),
+            (second.seen, axis_event::REG_EVENT2_STATUS),
         ]
         .into_iter()
         .fold(0, with),
@@ -81,6 +88,9 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         position_error: axis.drive.error(),
         started_at: axis.started_at.map(|position| axis.shown(position)),
         strobed: axis.strobed,
+        watched: axis.watch.position,
+        registered: [first.positions, second.positions],
+        registered_at: [first.times, second.times],
     }
 }
 
@@ -102,6 +112,10 @@ fn axis_word(axis: &Axis) -> u32 {
 fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     let phase = phase(axis);
     let runs = |slot| axis.sum.get(slot).is_some_and(|generator| !generator.stopping);
+    let locked = |slot| {
+        let generator = axis.sum.get(slot);
+        generator.is_some_and(|generator| generator.guide.is_some_and(|guide| guide.follows()))
+    };
     let pends = |slot| axis.cams(slot).pending.is_some();
     let cam_locked = |slot| axis.cam(slot).is_some_and(Cam::follows);
     let braking = axis.sum.active().any(|(_, generator)| generator.stopping);
@@ -118,6 +132,8 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
             axis.gear().is_some_and(|gear| gear.is_locked(clock)),
             motion_status::GEARING_LOCK_STATUS,
         ),
+        (locked(Slot::Move), motion_status::MOVE_LOCK_STATUS),
+        (locked(Slot::Jog), motion_status::JOG_LOCK_STATUS),
         (runs(Slot::PositionCam), motion_status::POSITION_CAM_STATUS),
         (runs(Slot::TimeCam), motion_status::TIME_CAM_STATUS),
         (pends(Slot::PositionCam), motion_status::POSITION_CAM_PENDING_STATUS),
@@ -199,12 +215,9 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
     .into_iter()
     .fold(0, with);
     shown.motion_status = [
+        (on_path && system.course == Phase::Accelerating, motion::ACCEL_STATUS),
         (
-            on_path && system.shown_phase == Phase::Accelerating,
-            motion::ACCEL_STATUS,
-        ),
-        (
-            system.stop.is_some() || (on_path && system.shown_phase == Phase::Decelerating),
+            system.stop.is_some() || (on_path && system.course == Phase::Decelerating),
             motion::DECEL_STATUS,
         ),
         (system.in_actual_tolerance, motion::ACTUAL_POS_TOLERANCE_STATUS),
@@ -216,6 +229,10 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
         (pending && system.is_full(), motion::MOVE_PENDING_QUEUE_FULL_STATUS),
         (role.source, motion::TRANSFORM_SOURCE_STATUS),
         (role.target, motion::TRANSFORM_TARGET_STATUS),
+        (
+            moving && system.guide.is_some_and(|guide| guide.follows()),
+            motion::COORDINATE_SYSTEM_LOCK_STATUS,
+        ),
     ]
     .into_iter()
     .fold(0, with);

@@ -4,10 +4,13 @@ use arcline_kinematics::{GeometryError, Robot};
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::Phase;
-use arcline_planner::{ContourQueue, Planner};
+use arcline_planner::{Clock, ContourQueue, Instant, Planner, Sample};
 
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
+use crate::events::Events;
+use crate::follow::guide::{Guide, LockTo};
+use crate::follow::links::Links;
 use crate::follow::reach::Pace;
 use crate::machine::{AxisLimits as Limits, CoordinateSystem, Corner};
 use crate::stop::Stop;
@@ -29,6 +32,16 @@ pub(crate) struct Planned {
     pub(crate) termination: Termination,
     /// How fast it may be for the sake of robots' joints, where that is kept.
     pub(crate) pace: Pace,
+    /// How it is master driven.
+    pub(crate) lead: Option<Lead>,
+    pub(crate) events: Option<Events>,
+}
+
+/// The link by which a move is master driven, and its lock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Lead {
+    pub(crate) link: u32,
+    pub(crate) lock: LockTo,
 }
 
 /// Whose motion the planner's active move is.
@@ -57,6 +70,18 @@ pub(crate) struct System {
     pub(crate) activity: Activity,
     pub(crate) stop: Option<Stop>,
     pub(crate) shutdown: bool,
+    /// Links to masters (MDCC).
+    pub(crate) links: Links,
+    /// What the active move is a function of, where that is not time.
+    pub(crate) guide: Option<Guide>,
+    /// When a master driven move with Actual Tolerance came to its programmed end.
+    pub(crate) ended: Option<Instant>,
+    /// The plan that Calculated Data is of, and the tick from which on it is computed again.
+    pub(crate) calculated: (u32, u64),
+    /// What the speed along the path does, masters included.
+    pub(crate) course: Phase,
+    /// TrackingMaster of the active instruction, as last written.
+    pub(crate) shown_tracking: bool,
     /// ACCEL and DECEL of the active instruction, as last written.
     pub(crate) shown_phase: Phase,
     pub(crate) in_actual_tolerance: bool,
@@ -86,6 +111,12 @@ impl System {
             activity: Activity::Idle,
             stop: None,
             shutdown: false,
+            links: Links::default(),
+            guide: None,
+            ended: None,
+            calculated: (0, 0),
+            course: Phase::Steady,
+            shown_tracking: false,
             shown_phase: Phase::Steady,
             in_actual_tolerance: false,
             in_command_tolerance: false,
@@ -94,6 +125,46 @@ impl System {
             feed_override: 1.0,
             stale: false,
         }
+    }
+
+    /// What the planner's active move is a function of at the present tick: time, or a master's way.
+    pub(crate) fn clock(&self, time: &Clock) -> Clock {
+        self.guide.map_or(*time, |guide| guide.clock())
+    }
+
+    /// Whether it has masters, active or not: it is computed behind them then.
+    pub(crate) fn follows(&self) -> bool {
+        self.guide.is_some() || !self.links.is_empty()
+    }
+
+    /// Where the active move is at the present tick, by time, and its speed by what it is a function of.
+    pub(crate) fn sample(&self, time: &Clock) -> Option<(Sample, f64)> {
+        let sample = match self.contour_in_force() {
+            Some(contour) => contour.sample(time),
+            None => self.planner.sample(&self.clock(time)),
+        }?;
+        let planned = sample.along.velocity;
+        Some(match &self.guide {
+            Some(guide) => (guide.pace().sample(sample), planned),
+            None => (sample, planned),
+        })
+    }
+
+    /// A move, or a stop, that comes to an end by itself: not one that waits for a master.
+    pub(crate) fn will_end(&self) -> bool {
+        self.is_busy()
+            && self
+                .guide
+                .is_none_or(|guide| guide.will_go_on() || self.planner.passage(&guide.clock()).is_some())
+    }
+
+    /// Whether the active move has its full speed by its master's. `planned`: its speed by the master's way.
+    pub(crate) fn is_tracking(&self, planned: f64) -> bool {
+        self.guide.is_some_and(|guide| guide.has_begun())
+            && self.activity == Activity::Moving
+            && self.shown_phase == Phase::Steady
+            && planned > 0.0
+            && !self.in_transition
     }
 
     /// Whether a merged move is travelled by the planner although the others are planned contours.

@@ -1,4 +1,12 @@
-//! Time as an integer number of ticks and a fraction of one (spec/motion-core.md §12.3).
+//! What moves are functions of: time, as an integer number of ticks and a fraction of one (spec/motion-core.md §12.3), or
+//! the way of a master (§10.4).
+//!
+//! A master's way has no ticks: a clock of it shows the way itself, in master units. Everything that is planned over it has
+//! master units where it has seconds otherwise. How fast the way goes on is its [`Pace`].
+
+use arcline_profile::State;
+
+use crate::Sample;
 
 const NANOSECONDS: f64 = 1e9;
 
@@ -6,16 +14,36 @@ const NANOSECONDS: f64 = 1e9;
 /// of ticks ends at the last of them.
 pub const ROUNDING: f64 = 1e-10;
 
-/// The present tick and what a tick is worth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The present tick and what a tick is worth; or where on its way a master is.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
     /// Coarse updates since the start; tick 0 is the first.
     pub tick: u64,
-    /// Coarse update period, nanoseconds; more than 0.
+    /// Coarse update period, nanoseconds; more than 0. 0: the clock shows a master's way.
     pub period_ns: u64,
+    /// The way of a master, master units; 0 where the clock shows time.
+    way: f64,
 }
 
 impl Clock {
+    /// Time: a tick, and the coarse update period in nanoseconds, more than 0.
+    pub const fn at(tick: u64, period_ns: u64) -> Self {
+        Clock {
+            tick,
+            period_ns,
+            way: 0.0,
+        }
+    }
+
+    /// A master has gone so far, master units.
+    pub const fn of_way(way: f64) -> Self {
+        Clock {
+            tick: 0,
+            period_ns: 0,
+            way,
+        }
+    }
+
     /// Coarse update period in seconds.
     pub fn period(&self) -> f64 {
         self.period_ns as f64 / NANOSECONDS
@@ -26,42 +54,92 @@ impl Clock {
         (self.tick * self.period_ns) as f64 / NANOSECONDS
     }
 
-    /// The present tick as an instant.
+    /// What the clock shows as an instant.
     pub fn now(&self) -> Instant {
         Instant {
             tick: self.tick,
-            offset: 0.0,
+            offset: self.way,
         }
     }
 }
 
-/// A point in time between two ticks: exact however long the controller has been running.
+/// A point in time between two ticks: exact however long the controller has been running. On a clock of a master's way: a
+/// place on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instant {
     tick: u64,
-    /// Seconds after `tick`, at least 0 and less than a period.
+    /// Seconds after `tick`, at least 0 and less than a period; or the way.
     offset: f64,
 }
 
 impl Instant {
-    /// Seconds from this instant to the clock's tick; negative when the instant lies ahead.
+    /// Seconds from this instant to the clock's tick; negative when the instant lies ahead. Master units on a master's way.
     pub fn elapsed(&self, clock: &Clock) -> f64 {
         let ticks = if clock.tick >= self.tick {
             ((clock.tick - self.tick) * clock.period_ns) as f64
         } else {
             -(((self.tick - clock.tick) * clock.period_ns) as f64)
         };
-        ticks / NANOSECONDS - self.offset
+        ticks / NANOSECONDS + (clock.way - self.offset)
     }
 
-    /// The instant `seconds` (at least 0) after this one.
+    /// The instant `seconds` (at least 0), or master units, after this one.
     pub fn after(&self, seconds: f64, clock: &Clock) -> Instant {
-        let period = clock.period();
         let total = self.offset + seconds;
+        if clock.period_ns == 0 {
+            return Instant { tick: 0, offset: total };
+        }
+        let period = clock.period();
         let whole = (total / period).floor();
         Instant {
             tick: self.tick + whole as u64,
             offset: (total - whole * period).clamp(0.0, period),
+        }
+    }
+}
+
+/// How a master's way goes on: what turns derivatives by the way into derivatives by time, and back.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pace {
+    /// Master units/s, at least 0.
+    pub speed: f64,
+    /// Master units/s².
+    pub acceleration: f64,
+}
+
+impl Pace {
+    /// A state by the way as one by time.
+    pub fn in_time(&self, state: State) -> State {
+        State {
+            velocity: state.velocity * self.speed,
+            acceleration: state.acceleration * self.speed * self.speed + state.velocity * self.acceleration,
+            ..state
+        }
+    }
+
+    /// A state by time as one by the way; at rest where the way does not go on.
+    pub fn on_the_way(&self, state: State) -> State {
+        if self.speed <= 0.0 {
+            return State {
+                position: state.position,
+                ..State::default()
+            };
+        }
+        let velocity = state.velocity / self.speed;
+        State {
+            velocity,
+            acceleration: (state.acceleration - velocity * self.acceleration) / (self.speed * self.speed),
+            ..state
+        }
+    }
+
+    /// A sample by the way as one by time. What its phase says stays that of the move itself.
+    pub fn sample(&self, sample: Sample) -> Sample {
+        Sample {
+            acceleration: sample.acceleration * (self.speed * self.speed) + sample.velocity * self.acceleration,
+            velocity: sample.velocity * self.speed,
+            along: self.in_time(sample.along),
+            ..sample
         }
     }
 }
@@ -72,10 +150,7 @@ mod tests {
 
     #[test]
     fn instants_keep_their_fraction_however_far_they_lie() {
-        let clock = |tick| Clock {
-            tick,
-            period_ns: 1_000_000,
-        };
+        let clock = |tick| Clock::at(tick, 1_000_000);
         let day = 86_400_000;
         for (why, from, seconds, read_at, elapsed) in [
             ("inside the first tick", 0, 0.0004, 1, 0.0006),
@@ -87,5 +162,31 @@ mod tests {
             let got = instant.elapsed(&clock(read_at));
             assert!((got - elapsed).abs() < 1e-15, "{why}: {got} is not {elapsed}");
         }
+    }
+
+    #[test]
+    fn a_way_has_no_ticks() {
+        let place = Clock::of_way(2.5).now().after(10.0, &Clock::of_way(2.5));
+        assert_eq!(place.elapsed(&Clock::of_way(14.0)), 1.5);
+        assert_eq!(place.elapsed(&Clock::of_way(12.0)), -0.5);
+    }
+
+    #[test]
+    fn a_pace_turns_derivatives_by_the_way_into_such_by_time_and_back() {
+        let pace = Pace {
+            speed: 50.0,
+            acceleration: 30.0,
+        };
+        let state = State {
+            position: 7.0,
+            velocity: 2.0,
+            acceleration: -0.5,
+        };
+        let timed = pace.in_time(state);
+        // d²s/dt² = s'' (dm/dt)² + s' d²m/dt²
+        assert_eq!((timed.velocity, timed.acceleration), (100.0, -1250.0 + 60.0));
+        assert_eq!(pace.on_the_way(timed), state);
+        let standing = Pace::default().on_the_way(timed);
+        assert_eq!((standing.velocity, standing.acceleration), (0.0, 0.0));
     }
 }

@@ -43,6 +43,7 @@ impl<T: Copy> Planner<T> {
                 self.run(next, passing(end), start, None, blended, clock);
                 if let Some(running) = &mut self.active {
                     running.track.approach = Some(approach);
+                    running.begun = at;
                 }
             }
             _ => {
@@ -77,6 +78,7 @@ impl<T: Copy> Planner<T> {
         let running = Running {
             motion: next,
             track,
+            begun: at,
             exit: 0.0,
             joined: 0,
             blended: true,
@@ -112,6 +114,7 @@ impl<T: Copy> Planner<T> {
         self.active = Some(Running {
             motion: next,
             track,
+            begun: at,
             exit: last.exit,
             joined: last.joined - 1,
             blended,

@@ -43,7 +43,8 @@ const TANGENT: f64 = 1e-6;
 
 /// How `first` goes over into `second`; `blended` tells that something blended into `first`.
 pub(crate) fn junction<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Junction {
-    if first.path.length() == 0.0 || second.path.length() == 0.0 {
+    let other = first.parameter != second.parameter;
+    if other || first.path.length() == 0.0 || second.path.length() == 0.0 {
         return Junction::Rest;
     }
     let in_line = collinear(&first.path, &second.path);
@@ -144,7 +145,7 @@ pub(crate) fn link<T>(first: &Move<T>, second: &Move<T>, blended: bool, corner_s
             constrained: true,
         },
         Junction::Pass { constrained, .. } => {
-            let corner = corner_speed(&first.path, &second.path, corner_step);
+            let corner = corner_speed(&first.path, &second.path, corner_step) / first.parameter.speed;
             let speed = first.limits.speed.min(second.limits.speed);
             if corner == 0.0 {
                 Link::Rest

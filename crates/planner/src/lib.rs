@@ -6,7 +6,8 @@
 //! between two moves stands in `junction`, how one becomes the next in `hand_over`, what the queue allows in `queue`.
 //!
 //! Not here: instructions, status bits, axes, drives, and anything that knows what a tick does. Units:
-//! position units, seconds. Nothing here allocates after [`Planner::new`].
+//! position units, seconds; master units in place of seconds for moves that are functions of a master's way
+//! ([`Parameter`]). Nothing here allocates after [`Planner::new`].
 
 #![forbid(unsafe_code)]
 
@@ -21,10 +22,10 @@ mod planner;
 mod queue;
 mod track;
 
-pub use clock::{Clock, Instant, ROUNDING};
+pub use clock::{Clock, Instant, Pace, ROUNDING};
 pub use contour::{ContourBatch, ContourPassage, ContourQueue, Extension, Installed};
 pub use junction::Ending;
-pub use planner::{Momentum, Move, Passage, Planner, QueueFull, Running};
+pub use planner::{Momentum, Move, Parameter, Passage, Planner, QueueFull, Reach, Running};
 pub use track::Sample;
 
 pub use arcline_contour as precise;

@@ -146,6 +146,7 @@ impl<T: Copy> Planner<T> {
 
     /// Finds when the successor takes over, if it does so before the programmed end; not before `since`.
     pub(crate) fn schedule(&mut self, since: Instant, clock: &Clock) {
+        self.plans = self.plans.wrapping_add(1);
         self.hand_over_at = None;
         let (Some(running), Some(next)) = (&self.active, self.queue.front()) else {
             return;

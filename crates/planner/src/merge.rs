@@ -211,14 +211,12 @@ fn ramped_out(momentum: &Momentum, own: &Limits, axes: &AxisLimits, path: &Path,
         };
         let mut direction = Point::zeros();
         direction[axis] = 1.0;
-        Part {
-            direction,
-            profile: if path.length() > 0.0 {
-                Profile::stop(from, &limits)
-            } else {
-                Profile::to_position(from, 0.0, 0.0, &limits)
-            },
-        }
+        let profile = if path.length() > 0.0 {
+            Profile::stop(from, &limits)
+        } else {
+            Profile::to_position(from, 0.0, 0.0, &limits)
+        };
+        Part::new(direction, profile)
     })
 }
 
@@ -289,7 +287,7 @@ impl Within {
             speed
                 .min(self.axes.speed[axis] / along(axis))
                 .min((a_of(axis) / across(axis)).sqrt())
-                .min((j_of(axis) / (across(axis) * curvature * curvature)).powf(1.0 / 3.0))
+                .min(libm::cbrt(j_of(axis) / (across(axis) * curvature * curvature)))
         });
         // An override may double the speed later.
         let coupled = most_speed.min(MOST_RATE * own.speed);

@@ -9,7 +9,7 @@ use crate::junction::{Ending, braking, is_along};
 use crate::merge::Within;
 use crate::queue::Queue;
 use crate::track::{Part, Residual, Sample, Track};
-use crate::{Clock, Instant, ROUNDING};
+use crate::{Clock, Instant, Pace, ROUNDING};
 
 /// A path to travel and the limits along it. `T` is whatever the owner wants back with it.
 #[derive(Clone, Copy, Debug)]
@@ -20,8 +20,26 @@ pub struct Move<T> {
     pub limits: Limits,
     /// What happens at its end if it has a successor.
     pub ending: Ending,
+    /// What it is a function of.
+    pub parameter: Parameter,
     /// The owner's own data.
     pub data: T,
+}
+
+/// What a move is a function of: time, or one of the ways that its owner numbers. All clocks that a planner is given show
+/// that of its active move. Moves of different ones do not go over into each other without rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// 0: time.
+    pub number: u32,
+    /// How fast a way may go on, master units/s, more than 0: what a corner may ask of the axes is meant at this speed. 1 for
+    /// time.
+    pub speed: f64,
+}
+
+impl Parameter {
+    /// Time.
+    pub const TIME: Parameter = Parameter { number: 0, speed: 1.0 };
 }
 
 /// The move being interpolated.
@@ -30,6 +48,8 @@ pub struct Running<T> {
     /// The move itself.
     pub motion: Move<T>,
     pub(crate) track: Track,
+    /// When it became active.
+    pub(crate) begun: Instant,
     /// Speed with which the profile ends.
     pub(crate) exit: f64,
     /// Pending moves that the profile runs over too.
@@ -49,6 +69,17 @@ pub enum Passage {
     HandOver(Instant),
     /// The programmed end is reached and nothing has taken over.
     Reached(Instant),
+}
+
+/// When the active move comes to a point before its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reach {
+    /// So long after it became active: seconds, or master units.
+    At(f64),
+    /// It was there before the present plan began.
+    Passed,
+    /// Not by the present plan: it is paused before.
+    Never,
 }
 
 /// Velocity and acceleration with which a merge begins.
@@ -76,6 +107,8 @@ pub struct Planner<T> {
     pub(crate) hand_over_at: Option<f64>,
     /// Paths of cancelled moves along which a stop of the active one may have to go on.
     trail: VecDeque<Path>,
+    /// Counts the plans of active moves.
+    pub(crate) plans: u32,
     /// What the active move may use of the limits of the axes, where these are kept.
     pub(crate) within: Option<Within>,
 }
@@ -94,6 +127,7 @@ impl<T: Copy> Planner<T> {
             depth,
             hand_over_at: None,
             trail: VecDeque::with_capacity(depth),
+            plans: 0,
             within: None,
         }
     }
@@ -106,6 +140,11 @@ impl<T: Copy> Planner<T> {
     /// The active move's data, to change.
     pub fn active_data(&mut self) -> Option<&mut T> {
         self.active.as_mut().map(|running| &mut running.motion.data)
+    }
+
+    /// The oldest move that waits.
+    pub fn next(&self) -> Option<Move<T>> {
+        self.queue.front().copied()
     }
 
     /// The moves that wait, oldest first.
@@ -173,10 +212,7 @@ impl<T: Copy> Planner<T> {
                 Profile::to_position(from, 0.0, 0.0, &limits)
             }
         };
-        let part = |direction, from| Part {
-            direction,
-            profile: ramped_out(from),
-        };
+        let part = |direction, from| Part::new(direction, ramped_out(from));
         let parts = [
             part(direction, if kept { State::default() } else { along }),
             part(
@@ -234,13 +270,66 @@ impl<T: Copy> Planner<T> {
         if !running.track.profile.arrives() {
             return None;
         }
-        let mut end = running.track.duration(clock);
-        if running.exit == 0.0
-            && let Some(tail) = &self.tail
-        {
-            end = end.max(tail.duration(clock) + elapsed - tail.start.elapsed(clock));
-        }
+        let end = self.end_of(running, clock);
         (elapsed >= end - rounding).then(|| Passage::Reached(instant(end)))
+    }
+
+    /// When the distance to go of the active move falls to `distance`, at least 0, along its path. With 0, where its
+    /// successor is superposed, when that begins.
+    pub fn reaches(&self, distance: f64, clock: &Clock) -> Reach {
+        let Some(running) = &self.active else {
+            return Reach::Never;
+        };
+        let track = &running.track;
+        let since = running.begun.elapsed(clock) - track.start.elapsed(clock);
+        let at = |planned: f64| Reach::At((since + planned).max(0.0));
+        let length = running.motion.path.length();
+        if distance > length {
+            return Reach::At(0.0);
+        }
+        let arrives = track.profile.arrives();
+        if distance == 0.0 {
+            if let (Some(early), Ending::Blend { .. }) = (self.hand_over_at, running.motion.ending) {
+                return at(early);
+            }
+            if running.joined == 0 {
+                return if arrives {
+                    at(self.end_of(running, clock))
+                } else {
+                    Reach::Never
+                };
+            }
+        }
+        let place = track.offset + length - distance;
+        if place < track.profile.start().position {
+            return Reach::Passed;
+        }
+        match track.profile.time_at_position(place) {
+            Some(planned) => at(planned),
+            None if arrives => at(track.profile.duration()),
+            None => Reach::Never,
+        }
+    }
+
+    /// Whether the active move stays at rest before its end, until its speed is changed.
+    pub fn is_paused(&self) -> bool {
+        self.active.is_some_and(|running| !running.track.profile.arrives())
+    }
+
+    /// A number that changes whenever the active move is another one or planned again.
+    pub fn plans(&self) -> u32 {
+        self.plans
+    }
+
+    /// When everything of the active move has come to its end, after the start of its track.
+    fn end_of(&self, running: &Running<T>, clock: &Clock) -> f64 {
+        let end = running.track.duration(clock);
+        match &self.tail {
+            Some(tail) if running.exit == 0.0 => {
+                end.max(tail.duration(clock) + running.track.start.elapsed(clock) - tail.start.elapsed(clock))
+            }
+            _ => end,
+        }
     }
 
     /// Whether the active move goes over into its successor without rest.
@@ -296,6 +385,23 @@ impl<T: Copy> Planner<T> {
         }
     }
 
+    /// As [`Planner::stop`], for an active move that is a function of a master's way: `clock` shows it, and `pace` how it goes
+    /// on. From now on the planner's clock is `time`.
+    pub fn stop_in_time(&mut self, limits: &Limits, pace: &Pace, clock: &Clock, time: &Clock) {
+        self.hand_over_at = None;
+        let running = self.active.iter_mut().map(|running| &mut running.track);
+        for track in running.chain(&mut self.tail) {
+            track.stop_in_time(limits, pace, clock, time);
+        }
+        if let Some(running) = &mut self.active {
+            running.motion.parameter = Parameter::TIME;
+            running.begun = time.now();
+            running.exit = 0.0;
+            running.joined = 0;
+            running.stopped = true;
+        }
+    }
+
     /// Where the coordinate system is at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
         let mut sample = self.active.as_ref()?.track.sample_along(&self.trail, clock);
@@ -335,6 +441,7 @@ impl<T: Copy> Planner<T> {
         let mut running = Running {
             motion,
             track,
+            begun: track.start,
             exit: 0.0,
             joined: 0,
             blended,

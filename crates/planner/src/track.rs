@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use arcline_geometry::{Path, PathPoint, Point};
 use arcline_profile::{Limits, Phase, Profile, State};
 
-use crate::{Clock, Instant};
+use crate::{Clock, Instant, Pace};
 
 /// A path with the profile along it, from an instant on.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +51,8 @@ pub(crate) struct Residual {
 pub(crate) struct Part {
     pub(crate) direction: Point,
     pub(crate) profile: Profile,
+    /// The displacement at its end.
+    whole: f64,
 }
 
 /// Where a track, or a whole coordinate system, is at one instant.
@@ -147,6 +149,21 @@ impl Track {
         self.start = at;
     }
 
+    /// Brakes on its path from the instant that both clocks show: so far it was a function of a master's way, from now on of
+    /// time. What ramps out beside the path brakes too.
+    pub(crate) fn stop_in_time(&mut self, limits: &Limits, pace: &Pace, clock: &Clock, time: &Clock) {
+        let from = pace.in_time(self.state(clock));
+        if let Some(residual) = &mut self.residual {
+            let elapsed = residual.start.elapsed(clock);
+            for part in &mut residual.parts {
+                let now = pace.in_time(part.profile.at(elapsed));
+                part.profile = Profile::stop(now, limits);
+            }
+            residual.start = time.now();
+        }
+        self.replan(Profile::stop(from, limits), time.now());
+    }
+
     /// Whether the path has not begun: the predecessor is still being interpolated to its end.
     pub(crate) fn is_approaching(&self, clock: &Clock) -> bool {
         self.approach.is_some() && self.start.elapsed(clock) < 0.0
@@ -198,11 +215,7 @@ impl Residual {
     fn add(&self, sample: &mut Sample, length: f64, clock: &Clock) {
         for part in &self.parts {
             let now = part.profile.at(self.start.elapsed(clock));
-            let share = if length > 0.0 {
-                part.profile.end().position / length
-            } else {
-                0.0
-            };
+            let share = if length > 0.0 { part.whole / length } else { 0.0 };
             sample.position += part.direction * (now.position - share * sample.along.position);
             sample.velocity += part.direction * (now.velocity - share * sample.along.velocity);
             sample.acceleration += part.direction * (now.acceleration - share * sample.along.acceleration);
@@ -211,8 +224,16 @@ impl Residual {
 }
 
 impl Part {
+    pub(crate) fn new(direction: Point, profile: Profile) -> Self {
+        Part {
+            direction,
+            profile,
+            whole: profile.end().position,
+        }
+    }
+
     pub(crate) fn total(&self) -> Point {
-        self.direction * self.profile.end().position
+        self.direction * self.whole
     }
 }
 

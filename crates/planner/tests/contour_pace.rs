@@ -10,7 +10,7 @@ use std::sync::Arc;
 use arcline_planner::geometry::{Path, Point};
 use arcline_planner::precise::{self, AxisLimits, ContourMove, Trajectory};
 use arcline_planner::profile::{Jerk, Limits};
-use arcline_planner::{Clock, ContourPassage, ContourQueue, Ending, Move};
+use arcline_planner::{Clock, ContourPassage, ContourQueue, Ending, Move, Parameter};
 
 /// 4 kHz.
 const PERIOD_NS: u64 = 250_000;
@@ -84,6 +84,7 @@ fn moves(random: &mut Random, s_curve: bool) -> Vec<Move<usize>> {
                 } else {
                     Ending::Blend { tolerance: TOLERANCE }
                 },
+                parameter: Parameter::TIME,
                 data,
             }
         })
@@ -140,10 +141,7 @@ impl Ride {
             acceleration: Point::new(5000.0, random.between(2000.0, 6000.0), 4000.0),
             jerk: s_curve.then(|| Point::new(100_000.0, random.between(40_000.0, 120_000.0), 80_000.0)),
         };
-        let clock = Clock {
-            tick: 0,
-            period_ns: PERIOD_NS,
-        };
+        let clock = Clock::at(0, PERIOD_NS);
         let mut queue = ContourQueue::new(100);
         for motion in &moves {
             queue.push(*motion, &clock).expect("there is room");

@@ -3,7 +3,7 @@
 
 use arcline_planner::geometry::{Line, Path, Point};
 use arcline_planner::profile::{Jerk, Limits, stop_distance};
-use arcline_planner::{Clock, Ending, Move, Passage, Planner};
+use arcline_planner::{Clock, Ending, Move, Parameter, Passage, Planner};
 
 const PIECE: f64 = 0.1;
 const COUNT: usize = 1000;
@@ -19,10 +19,7 @@ const LIMITS: Limits = Limits {
 
 /// Pieces along X. `limits` of each of them.
 fn queue(limits: impl Fn(usize) -> Limits) -> (Planner<usize>, Clock) {
-    let clock = Clock {
-        tick: 0,
-        period_ns: 1_000_000,
-    };
+    let clock = Clock::at(0, 1_000_000);
     let mut planner = Planner::new(COUNT, Point::zeros());
     planner.set_rate(0.0, &clock);
     for data in 0..COUNT {
@@ -31,6 +28,7 @@ fn queue(limits: impl Fn(usize) -> Limits) -> (Planner<usize>, Clock) {
             path: Path::Line(Line::new(at(data), at(data + 1))),
             limits: limits(data),
             ending: Ending::Contour { constrained: true },
+            parameter: Parameter::TIME,
             data,
         };
         if data == 0 {

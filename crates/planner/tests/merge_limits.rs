@@ -6,7 +6,7 @@
 use arcline_planner::geometry::{Arc, CirclePoint, Dimension, Direction, Path, Point};
 use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::{Jerk, Limits};
-use arcline_planner::{Clock, Ending, Momentum, Move, Passage, Planner};
+use arcline_planner::{Clock, Ending, Momentum, Move, Parameter, Passage, Planner};
 
 const PERIOD_NS: u64 = 250_000;
 const PERIOD: f64 = 0.000_25;
@@ -41,10 +41,10 @@ fn momentum(random: &mut Random, axes: &AxisLimits, kind: u64) -> Momentum {
     for axis in 0..2 {
         let (most, rate) = (axes.speed[axis], axes.acceleration[axis]);
         velocity[axis] = random.between(-most, most);
-        if kind % 3 > 0 {
+        if !kind.is_multiple_of(3) {
             acceleration[axis] = random.between(-rate, rate);
         }
-        if kind % 5 == 0 {
+        if kind.is_multiple_of(5) {
             velocity[axis] *= 0.05;
         }
         let swing = axes.jerk.map_or(0.0, |jerk| {
@@ -111,12 +111,10 @@ fn no_merge_exceeds_a_limit_of_an_axis() {
             path: path(&mut random, &momentum),
             limits,
             ending: Ending::Stop,
+            parameter: Parameter::TIME,
             data: (),
         };
-        let mut clock = Clock {
-            tick: 0,
-            period_ns: PERIOD_NS,
-        };
+        let mut clock = Clock::at(0, PERIOD_NS);
         let mut planner = Planner::new(10, Point::zeros());
         let plot = seed % 4;
         if plot == 1 {

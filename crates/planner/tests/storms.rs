@@ -6,7 +6,7 @@
 
 use arcline_planner::geometry::{Line, Path, Point};
 use arcline_planner::profile::{Jerk, Limits};
-use arcline_planner::{Clock, Ending, Move, Passage, Planner, Sample};
+use arcline_planner::{Clock, Ending, Move, Parameter, Passage, Planner, Sample};
 
 const PERIOD: f64 = 0.001;
 /// Change of the velocity of an axis that a corner may make, units/s.
@@ -161,6 +161,7 @@ impl<'k> Storm<'k> {
                     path,
                     limits,
                     ending: random.of(kind.endings),
+                    parameter: Parameter::TIME,
                     data,
                 }
             })
@@ -171,10 +172,7 @@ impl<'k> Storm<'k> {
             seed,
             random,
             planner: Planner::new(count, Point::repeat(CORNER_STEP)),
-            clock: Clock {
-                tick: 0,
-                period_ns: 1_000_000,
-            },
+            clock: Clock::at(0, 1_000_000),
             moves,
             sent: 0,
             done: 0,

@@ -4,7 +4,7 @@
 
 use arcline_planner::geometry::{Arc, CirclePoint, Dimension, Direction, Path, Point};
 use arcline_planner::profile::{Jerk, Limits};
-use arcline_planner::{Clock, Ending, Instant, Move, Passage, Planner, Sample};
+use arcline_planner::{Clock, Ending, Instant, Move, Parameter, Passage, Planner, Sample};
 use proptest::prelude::*;
 
 /// Shared instants are compared at multiples of the longest period.
@@ -13,7 +13,7 @@ const PERIODS_NS: [u64; 3] = [250_000, 1_000_000, 4_000_000];
 const LONGEST: f64 = 20.0;
 
 fn clock(tick: u64, period_ns: u64) -> Clock {
-    Clock { tick, period_ns }
+    Clock::at(tick, period_ns)
 }
 
 fn start(path: Path, limits: Limits, period_ns: u64) -> Planner<()> {
@@ -29,6 +29,7 @@ fn stopping(path: Path, limits: Limits) -> Move<()> {
         path,
         limits,
         ending,
+        parameter: Parameter::TIME,
         data: (),
     }
 }

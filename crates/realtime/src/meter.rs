@@ -2,7 +2,8 @@
 //!
 //! A reader may see the numbers of two neighbouring ticks; each number by itself is whole.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::Ordering::{Acquire, Relaxed, Release};
+use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use arcline_controller::image::{Health, Measured};
 use arcline_instruction_set::predefined::{HISTOGRAM_BUCKETS, histogram_bucket};
@@ -12,6 +13,8 @@ use crate::schedule::Report;
 /// The measurements of one thread.
 #[derive(Debug, Default)]
 pub struct Meter {
+    /// Snapshots that were published.
+    snapshots: AtomicU64,
     ticks: AtomicU64,
     overruns: AtomicU64,
     caught_up: AtomicU64,
@@ -62,6 +65,17 @@ impl Meter {
                 .checked_sub(1)
                 .and_then(|core| u16::try_from(core).ok()),
         }
+    }
+
+    /// How many snapshots were published: who has seen so many has seen the newest one, with the events of its tick.
+    pub fn snapshots(&self) -> u64 {
+        self.snapshots.load(Acquire)
+    }
+
+    /// Counts a snapshot that has been published. Real-time, one thread only.
+    pub(crate) fn publish(&self) {
+        self.snapshots
+            .store(self.snapshots.load(Relaxed).wrapping_add(1), Release);
     }
 
     /// Counts a tick: how late it began and how long it took, ns. Real-time, one thread only.

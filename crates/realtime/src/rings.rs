@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use arcline_controller::machine::Machine;
 use arcline_controller::{
-    AcceptedMove, Command, ContourRequest, Event, PlannedContour, Port, Snapshot, Ticket, Trajectory,
+    AcceptedMove, ArrayWrite, Command, ContourRequest, Event, PlannedContour, Port, Snapshot, Ticket, Trajectory,
 };
 use arcline_instruction_set::MotionControl;
 
@@ -17,6 +17,8 @@ use crate::samples::{self, SampleSender, Samples};
 pub const COMMANDS: usize = 4096;
 /// Events that can wait for their reader; one tick can make as many.
 pub const EVENTS: usize = 16_384;
+/// Writes to arrays that can wait for their reader.
+const ARRAY_WRITES: usize = 4096;
 /// Accepted moves that can wait for their reader; more are not shown.
 pub const ACCEPTED: usize = 2048;
 
@@ -43,6 +45,8 @@ pub struct Link {
     pub answers: rtrb::Consumer<Answer>,
     /// Changes of instructions, in order.
     pub events: rtrb::Consumer<Event>,
+    /// What instructions wrote to arrays, in order.
+    pub array_writes: rtrb::Consumer<ArrayWrite>,
     /// Coordinated moves as they were accepted, in order.
     pub accepted: rtrb::Consumer<AcceptedMove>,
     /// A row of samples for every tick; `None`: somebody has taken it.
@@ -61,6 +65,7 @@ pub struct Rings {
     commands: rtrb::Consumer<Command>,
     answers: rtrb::Producer<Answer>,
     events: rtrb::Producer<Event>,
+    array_writes: rtrb::Producer<ArrayWrite>,
     accepted: rtrb::Producer<AcceptedMove>,
     samples: SampleSender,
     snapshots: triple_buffer::Input<Snapshot>,
@@ -87,6 +92,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
     // Every command in the ring may be answered before anybody looks.
     let (answers, answer_receiver) = rtrb::RingBuffer::new(2 * COMMANDS);
     let (events, event_receiver) = rtrb::RingBuffer::new(EVENTS);
+    let (array_writes, array_write_receiver) = rtrb::RingBuffer::new(ARRAY_WRITES);
     let (accepted, accepted_receiver) = rtrb::RingBuffer::new(ACCEPTED);
     let (samples, sample_receiver) = samples::link(machine);
     let (snapshots, snapshot_output) = triple_buffer::triple_buffer(&Snapshot::new(machine));
@@ -96,6 +102,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         commands,
         answers,
         events,
+        array_writes,
         accepted,
         samples,
         snapshots,
@@ -108,6 +115,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         commands: command_sender,
         answers: answer_receiver,
         events: event_receiver,
+        array_writes: array_write_receiver,
         accepted: accepted_receiver,
         samples: Some(sample_receiver),
         snapshots: snapshot_output,
@@ -158,6 +166,12 @@ impl Port for Rings {
         }
     }
 
+    fn array_write(&mut self, write: &ArrayWrite) {
+        if self.array_writes.push(*write).is_err() {
+            self.meter.lose_event();
+        }
+    }
+
     fn accepted(&mut self, accepted: &AcceptedMove) {
         // Without room it is not drawn, and moves all the same.
         let _ = self.accepted.push(*accepted);
@@ -172,6 +186,7 @@ impl Port for Rings {
             self.meter.lose_samples();
         }
         self.snapshots.publish();
+        self.meter.publish();
     }
 
     fn contour_request(&mut self) -> Option<&mut ContourRequest> {

@@ -27,6 +27,7 @@ fn machine(period_ns: u64) -> Machine {
         programmed_stop_mode: ProgrammedStopMode::default(),
         exception_actions: ExceptionActions::default(),
         average_velocity_timebase: 0.25,
+        inputs: Default::default(),
         home: arcline_controller::machine::Home::immediate(1.0, 1.0),
     };
     Machine {

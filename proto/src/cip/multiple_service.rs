@@ -101,7 +101,9 @@ fn join(bodies: &[Bytes]) -> Bytes {
 /// Collects the replies to the requests of one Multiple Service Packet, never beyond its budget.
 #[derive(Debug)]
 pub struct MultipleReplies {
-    replies: Vec<Bytes>,
+    /// Count, offsets and replies as they leave.
+    out: BytesMut,
+    pushed: usize,
     expected: usize,
     room: usize,
     failed: bool,
@@ -115,8 +117,13 @@ impl MultipleReplies {
     pub fn new(count: usize, budget: usize) -> Result<Self, CipStatus> {
         let least = REPLY_HEAD + 2 + count * (2 + REPLY_HEAD);
         let room = budget.checked_sub(least).ok_or(CipStatus::REPLY_TOO_LARGE)?;
+        let table = 2 + 2 * count;
+        let mut out = BytesMut::with_capacity(table + count * TYPICAL);
+        out.put_u16_le(u16::try_from(count).unwrap_or(u16::MAX));
+        out.put_bytes(0, table - 2);
         Ok(Self {
-            replies: Vec::new(),
+            out,
+            pushed: 0,
             expected: count,
             room,
             failed: false,
@@ -131,22 +138,30 @@ impl MultipleReplies {
     /// Adds the next reply. One that does not fit is answered in place with 0x06 and no data, as controllers do. More
     /// replies than requests are ignored.
     pub fn push(&mut self, reply: &Reply) {
-        if self.replies.len() == self.expected {
+        if self.pushed == self.expected {
             return;
         }
-        let bytes = if reply.len() <= self.budget() {
-            reply.to_bytes()
-        } else {
-            Reply::error(reply.service, CipStatus::PARTIAL_TRANSFER).to_bytes()
-        };
-        self.failed |= bytes.get(2) != Some(&0);
-        self.room = self.room.saturating_sub(bytes.len() - REPLY_HEAD);
-        self.replies.push(bytes);
+        if reply.len() > self.budget() {
+            return self.append(&Reply::error(reply.service, CipStatus::PARTIAL_TRANSFER));
+        }
+        self.append(reply);
+    }
+
+    fn append(&mut self, reply: &Reply) {
+        let offset = u16::try_from(self.out.len()).unwrap_or(u16::MAX);
+        let place = 2 + 2 * self.pushed;
+        if let Some(entry) = self.out.get_mut(place..place + 2) {
+            entry.copy_from_slice(&offset.to_le_bytes());
+        }
+        reply.encode(&mut self.out);
+        self.pushed += 1;
+        self.failed |= !reply.status.is_success();
+        self.room = self.room.saturating_sub(reply.len() - REPLY_HEAD);
     }
 
     /// The reply to the packet: 0x00, or 0x1E when an embedded one failed. Requests nobody answered get 0x02.
     pub fn finish(mut self) -> Reply {
-        while self.replies.len() < self.expected {
+        while self.pushed < self.expected {
             self.push(&Reply::error(0, CipStatus::RESOURCE_UNAVAILABLE));
         }
         let status = if self.failed {
@@ -154,9 +169,12 @@ impl MultipleReplies {
         } else {
             CipStatus::SUCCESS
         };
-        Reply::with_status(service::MULTIPLE_SERVICE_PACKET, status, join(&self.replies))
+        Reply::with_status(service::MULTIPLE_SERVICE_PACKET, status, self.out)
     }
 }
+
+/// Bytes of a reply with a number.
+const TYPICAL: usize = REPLY_HEAD + 2 + 4;
 
 /// Reads the replies inside a Multiple Service Packet's reply data; `None` if one is cut.
 pub fn split_multiple_replies(data: &Bytes) -> Option<Vec<Reply>> {

@@ -3,6 +3,9 @@
 //!
 //! Not whether there is room for one more. Sizes are in bytes.
 
+use std::time::Duration;
+
+use super::production::Trigger;
 use crate::cip::{CipStatus, class};
 use crate::connection::{ConnectionType, ForwardOpen};
 use crate::epath::Segment;
@@ -51,6 +54,10 @@ pub(super) struct Wanted {
     pub(super) class_1: bool,
     /// Whether O→T data has a run/idle header.
     pub(super) header: bool,
+    /// What makes T→O data leave.
+    pub(super) trigger: Trigger,
+    /// Whether T→O data goes to a group.
+    pub(super) multicast: bool,
 }
 
 /// Bytes of the sequence count of class 1.
@@ -70,22 +77,25 @@ impl Wanted {
             1 => true,
             _ => return Err(CipStatus::connection(extended::CLASS_UNSUPPORTED)),
         };
-        // Cyclic; a change of state would come with every tick.
-        if open.transport & 0x70 != 0 {
-            return Err(CipStatus::connection(extended::TRIGGER_UNSUPPORTED));
-        }
+        let trigger = match open.transport & 0x70 {
+            0x00 => Trigger::Cyclic,
+            0x10 => Trigger::ChangeOfState {
+                inhibit: inhibit_time(open),
+            },
+            // Nothing in the device decides when to produce.
+            _ => return Err(CipStatus::connection(extended::TRIGGER_UNSUPPORTED)),
+        };
         if open.multiplier > 7 {
             return Err(CipStatus::connection(extended::TIMEOUT_MULTIPLIER));
         }
-        let types = [
-            (open.o_to_t, extended::TYPE_O_TO_T),
-            (open.t_to_o, extended::TYPE_T_TO_O),
-        ];
-        for (parameters, code) in types {
-            if parameters.connection_type != ConnectionType::PointToPoint {
-                return Err(CipStatus::connection(code));
-            }
+        if open.o_to_t.connection_type != ConnectionType::PointToPoint {
+            return Err(CipStatus::connection(extended::TYPE_O_TO_T));
         }
+        let multicast = match open.t_to_o.connection_type {
+            ConnectionType::PointToPoint => false,
+            ConnectionType::Multicast => true,
+            _ => return Err(CipStatus::connection(extended::TYPE_T_TO_O)),
+        };
         if open.o_to_t.redundant_owner {
             return Err(CipStatus::connection(extended::REDUNDANT_OWNER));
         }
@@ -116,8 +126,22 @@ impl Wanted {
             application: this,
             class_1,
             header,
+            trigger,
+            multicast,
         })
     }
+}
+
+/// The production inhibit time, ms in a network segment `43 nn`; a quarter of the interval where none is given (CIP Vol. 1,
+/// C-1.4.3). Never longer than the interval.
+fn inhibit_time(open: &ForwardOpen) -> Duration {
+    let given = open.path.0.iter().find_map(|segment| match segment {
+        Segment::Network { kind: 0x43, data } => data.first().copied().filter(|millis| *millis > 0),
+        _ => None,
+    });
+    let interval = Duration::from_micros(open.t_to_o_rpi.into());
+    let time = given.map_or(interval / 4, |millis| Duration::from_millis(millis.into()));
+    time.min(interval)
 }
 
 /// `20 04 [24 configuration] 2C output 2C input [80 0]`; instances and connection points mean the same, and the class may

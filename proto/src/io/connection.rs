@@ -1,9 +1,9 @@
-//! One I/O connection: its watchdog, its sequence numbers both ways, and when it produces next.
+//! One I/O connection: its watchdog, and what its originator sends.
 //!
-//! Not which connections there may be.
+//! Not which connections there may be, nor what the originator is sent, which is its [`super::production`].
 
-use bytes::{BufMut, Bytes, BytesMut};
-use std::net::{IpAddr, SocketAddr};
+use bytes::Bytes;
+use std::net::IpAddr;
 use std::time::Duration;
 
 use super::application::{Application, RUN_IDLE, SEQUENCE_COUNT, Wanted};
@@ -45,35 +45,32 @@ pub(super) struct IoConnection {
     pub(super) wanted: Wanted,
     /// The originator's address; only datagrams from there count.
     pub(super) from: IpAddr,
-    /// Where inputs go.
-    to: SocketAddr,
     /// The originator's port is taken from its first datagram.
     learns_port: bool,
+    /// What it is sent.
+    pub(super) production: u64,
     t_to_o_id: ConnectionId,
     o_to_t_api: u32,
     t_to_o_api: u32,
     timeout: Duration,
     /// When the watchdog expires.
     pub(super) deadline: Duration,
-    /// When the next datagram leaves; `None` before the Forward Open's reply has left.
-    pub(super) next: Option<Duration>,
     /// 32-bit sequence of the last datagram that counted.
     received: Option<u32>,
     /// 16-bit count of the last data that was new.
     new_data: Option<u16>,
-    sent: u32,
-    count: u16,
     pub(super) mode: Mode,
 }
 
 impl IoConnection {
-    /// As the originator asks for; its multiplier code is at most 7 and its intervals are not 0.
+    /// As the originator asks for; its multiplier code is at most 7 and its intervals are not 0. It consumes `production`,
+    /// whose datagrams have `t_to_o_id`.
     pub(super) fn new(
         open: &ForwardOpen,
         wanted: Wanted,
         from: IpAddr,
-        port: u16,
         learns_port: bool,
+        (production, t_to_o_id): (u64, ConnectionId),
         now: Duration,
     ) -> Self {
         let timeout = Duration::from_micros(u64::from(open.o_to_t_rpi) << (open.multiplier + 2));
@@ -81,18 +78,15 @@ impl IoConnection {
             key: open.key,
             wanted,
             from,
-            to: SocketAddr::new(from, port),
             learns_port,
-            t_to_o_id: open.t_to_o_id,
+            production,
+            t_to_o_id,
             o_to_t_api: open.o_to_t_rpi,
             t_to_o_api: open.t_to_o_rpi,
             timeout,
             deadline: now + timeout.max(FIRST_DATAGRAM),
-            next: None,
             received: None,
             new_data: None,
-            sent: 0,
-            count: 0,
             mode: Mode::Silent,
         }
     }
@@ -109,14 +103,8 @@ impl IoConnection {
         }
     }
 
-    /// Takes a datagram that came from `from`; the address, not the port, has been looked at.
-    pub(super) fn receive<'a>(
-        &mut self,
-        datagram: &Datagram<'a>,
-        outputs: usize,
-        from: SocketAddr,
-        now: Duration,
-    ) -> Arrival<'a> {
+    /// Takes a datagram that came from the originator's address.
+    pub(super) fn receive<'a>(&mut self, datagram: &Datagram<'a>, outputs: usize, now: Duration) -> Arrival<'a> {
         if let Some(last) = self.received
             && datagram.sequence.wrapping_sub(last).cast_signed() <= 0
         {
@@ -133,10 +121,6 @@ impl IoConnection {
         };
         self.received = Some(datagram.sequence);
         self.deadline = now + self.timeout;
-        if self.learns_port {
-            self.learns_port = false;
-            self.to.set_port(from.port());
-        }
         let Some(outputs) = outputs else {
             return Arrival::Heartbeat;
         };
@@ -151,24 +135,9 @@ impl IoConnection {
         }
     }
 
-    /// Appends the next datagram with `input` and says where it goes, if it is due. The schedule is absolute: a late
-    /// datagram does not move the next one, and those that were missed altogether are left out.
-    pub(super) fn produce(&mut self, now: Duration, input: &[u8], out: &mut BytesMut) -> Option<SocketAddr> {
-        let due = self.next.filter(|due| *due <= now)?;
-        let interval = Duration::from_micros(self.t_to_o_api.into());
-        let missed = (now - due).as_nanos() / interval.as_nanos().max(1);
-        let missed = u32::try_from(missed).unwrap_or(u32::MAX);
-        self.next = Some(due + interval * missed.saturating_add(1));
-        self.sent = self.sent.wrapping_add(1);
-        let count = if self.wanted.class_1 { SEQUENCE_COUNT } else { 0 };
-        let length = u16::try_from(input.len()).unwrap_or(u16::MAX).saturating_add(count);
-        Datagram::encode_head(self.t_to_o_id, self.sent, length, out);
-        if self.wanted.class_1 {
-            self.count = self.count.wrapping_add(1);
-            out.put_u16_le(self.count);
-        }
-        out.put_slice(input);
-        Some(self.to)
+    /// Whether its originator's port has to be taken from a datagram that came; once.
+    pub(super) fn learns_port(&mut self) -> bool {
+        self.received.is_some() && std::mem::take(&mut self.learns_port)
     }
 }
 

@@ -7,13 +7,14 @@
 
 use bytes::{Bytes, BytesMut};
 use std::collections::{BTreeMap, VecDeque};
-use std::net::{IpAddr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::time::Duration;
 
 use super::IO_PORT;
 use super::application::{Application, Assemblies, Wanted};
 use super::connection::{Arrival, IoConnection, Mode};
 use super::datagram::Datagram;
+use super::production::Production;
 use crate::cip::CipStatus;
 use crate::connection::{ConnectionKey, ForwardOpen, ForwardOpenReply};
 use crate::cpf::ConnectionId;
@@ -29,6 +30,8 @@ pub struct IoSettings {
     pub max_connections: usize,
     /// The shortest interval that is kept, µs; a shorter one is refused.
     pub min_interval: u32,
+    /// Bytes at the beginning of the input that are never the same twice: no change of state.
+    pub volatile: usize,
     /// The socket that datagrams leave from.
     pub local: SocketAddr,
 }
@@ -40,6 +43,8 @@ pub struct Originator {
     pub address: IpAddr,
     /// The UDP port it says that it listens on (item 0x8001), if it says one.
     pub port: Option<u16>,
+    /// The group in which it can be sent inputs by multicast; `None`: it cannot.
+    pub group: Option<Ipv4Addr>,
 }
 
 /// Why a connection is no more.
@@ -90,6 +95,9 @@ pub struct IoConnections {
     settings: IoSettings,
     /// By their O→T id.
     connections: BTreeMap<ConnectionId, IoConnection>,
+    /// What they are sent, by a number that is never used again.
+    productions: BTreeMap<u64, Production>,
+    next_production: u64,
     events: VecDeque<IoEvent>,
 }
 
@@ -99,6 +107,8 @@ impl IoConnections {
         Self {
             settings,
             connections: BTreeMap::new(),
+            productions: BTreeMap::new(),
+            next_production: 0,
             events: VecDeque::new(),
         }
     }
@@ -156,6 +166,9 @@ impl IoConnections {
             return fail(extended::NULL_OPEN_UNSUPPORTED);
         }
         let wanted = Wanted::new(open, application, &self.settings.assemblies)?;
+        if wanted.multicast && originator.group.is_none() {
+            return fail(extended::TYPE_T_TO_O);
+        }
         if open.o_to_t_rpi.min(open.t_to_o_rpi) < self.settings.min_interval.max(1) {
             return fail(extended::RPI_UNSUPPORTED);
         }
@@ -169,21 +182,67 @@ impl IoConnections {
         if self.connections.len() >= self.settings.max_connections {
             return fail(extended::OUT_OF_CONNECTIONS);
         }
-        let id = self.draw(&mut random).ok_or(CipStatus::RESOURCE_UNAVAILABLE)?;
+        let id = draw(&mut random, |id| self.connections.contains_key(&id)).ok_or(CipStatus::RESOURCE_UNAVAILABLE)?;
         let port = originator.port.filter(|port| *port != 0).unwrap_or(IO_PORT);
         // On one host with us, an originator cannot listen where we do: it answers from another port.
-        let is_ourselves = SocketAddr::new(originator.address, port) == self.settings.local;
-        let connection = IoConnection::new(open, wanted, originator.address, port, is_ourselves, now);
+        let is_ourselves = !wanted.multicast && SocketAddr::new(originator.address, port) == self.settings.local;
+        let produced = match originator.group.filter(|_| wanted.multicast) {
+            Some(group) => {
+                let to = SocketAddr::new(group.into(), IO_PORT);
+                self.join(to, open, wanted, &mut random)
+                    .ok_or(CipStatus::RESOURCE_UNAVAILABLE)?
+            }
+            None => {
+                let to = SocketAddr::new(originator.address, port);
+                self.produce(to, open.t_to_o_id, open, wanted)
+            }
+        };
+        let connection = IoConnection::new(open, wanted, originator.address, is_ourselves, produced, now);
         let reply = connection.reply(id);
         self.connections.insert(id, connection);
         Ok(reply)
     }
 
+    /// The production of a group: one that there is, or a new one under an id of ours.
+    fn join(
+        &mut self,
+        to: SocketAddr,
+        open: &ForwardOpen,
+        wanted: Wanted,
+        random: &mut impl FnMut() -> Option<u32>,
+    ) -> Option<(u64, ConnectionId)> {
+        let interval = Duration::from_micros(open.t_to_o_rpi.into());
+        let mut known = self.productions.iter_mut();
+        if let Some((number, production)) = known.find(|(_, known)| known.serves(to.ip(), interval, wanted)) {
+            production.consumers += 1;
+            return Some((*number, production.id));
+        }
+        let used = |id: ConnectionId| self.productions.values().any(|known| known.id == id);
+        let id = draw(random, used)?;
+        Some(self.produce(to, id, open, wanted))
+    }
+
+    fn produce(&mut self, to: SocketAddr, id: ConnectionId, open: &ForwardOpen, wanted: Wanted) -> (u64, ConnectionId) {
+        let number = self.next_production;
+        self.next_production += 1;
+        let interval = Duration::from_micros(open.t_to_o_rpi.into());
+        self.productions
+            .insert(number, Production::new(to, id, interval, wanted));
+        (number, id)
+    }
+
+    /// The group that a connection is sent its inputs in; `None`: it is sent them alone, or there is none.
+    pub fn group(&self, id: ConnectionId) -> Option<SocketAddr> {
+        let production = self.productions.get(&self.connections.get(&id)?.production)?;
+        Some(production.to).filter(|to| to.ip().is_multicast())
+    }
+
     /// The reply of the Forward Open has left: from now on the connection produces. `false`: there is none.
     pub fn start(&mut self, id: ConnectionId, now: Duration) -> bool {
-        match self.connections.get_mut(&id) {
-            Some(connection) => {
-                connection.next.get_or_insert(now);
+        let number = self.connections.get(&id).map(|connection| connection.production);
+        match number.and_then(|number| self.productions.get_mut(&number)) {
+            Some(production) => {
+                production.start(now);
                 true
             }
             None => false,
@@ -219,11 +278,16 @@ impl IoConnections {
         else {
             return false;
         };
-        match connection.receive(&datagram, outputs, from, now) {
+        match connection.receive(&datagram, outputs, now) {
             Arrival::Dropped => return false,
             Arrival::Heartbeat => {}
             Arrival::Outputs(outputs) => self.events.push_back(IoEvent::Outputs(Bytes::copy_from_slice(outputs))),
             Arrival::Idle => self.events.push_back(IoEvent::Idle),
+        }
+        if connection.learns_port()
+            && let Some(production) = self.productions.get_mut(&connection.production)
+        {
+            production.to.set_port(from.port());
         }
         true
     }
@@ -243,16 +307,26 @@ impl IoConnections {
 
     /// Appends the next datagram that is due, with `input` as its data, and gives its destination; ask again until `None`.
     pub fn poll_transmit(&mut self, now: Duration, input: &[u8], out: &mut BytesMut) -> Option<SocketAddr> {
-        self.connections
-            .values_mut()
-            .find_map(|connection| connection.produce(now, input, out))
+        let volatile = self.settings.volatile;
+        self.productions.values_mut().find_map(|production| {
+            let sent = production.produce(now, input, volatile, LOOK, out);
+            sent.then_some(production.to)
+        })
+    }
+
+    /// From now on the shortest interval that is confirmed, µs. Connections that are open stay as they are.
+    pub fn set_min_interval(&mut self, micros: u32) {
+        self.settings.min_interval = micros;
+    }
+
+    /// When a datagram is due next; `None`: none ever is.
+    pub fn next_datagram(&self) -> Option<Duration> {
+        self.productions.values().filter_map(Production::due).min()
     }
 
     /// Whether a datagram is due.
     pub fn is_due(&self, now: Duration) -> bool {
-        self.connections
-            .values()
-            .any(|connection| connection.next.is_some_and(|next| next <= now))
+        self.next_datagram().is_some_and(|due| due <= now)
     }
 
     /// The next thing that happened.
@@ -262,26 +336,13 @@ impl IoConnections {
 
     /// When something is due next, a datagram or a watchdog.
     pub fn poll_timeout(&self) -> Option<Duration> {
-        self.connections
-            .values()
-            .flat_map(|connection| connection.next.into_iter().chain([connection.deadline]))
-            .min()
+        let deadlines = self.connections.values().map(|connection| connection.deadline);
+        self.next_datagram().into_iter().chain(deadlines).min()
     }
 
     fn find(&self, key: ConnectionKey) -> Option<(ConnectionId, &IoConnection)> {
         let (id, connection) = self.connections.iter().find(|(_, known)| known.key == key)?;
         Some((*id, connection))
-    }
-
-    /// An id that is not 0 and not in use.
-    fn draw(&self, random: &mut impl FnMut() -> Option<u32>) -> Option<ConnectionId> {
-        for _ in 0..DRAWS {
-            let id = ConnectionId(random()?);
-            if id.0 != 0 && !self.connections.contains_key(&id) {
-                return Some(id);
-            }
-        }
-        None
     }
 
     fn something_to_hear(&self) -> bool {
@@ -292,6 +353,13 @@ impl IoConnections {
 
     fn end(&mut self, id: ConnectionId, cause: Ended) {
         if let Some(connection) = self.connections.remove(&id) {
+            let number = connection.production;
+            if let Some(production) = self.productions.get_mut(&number) {
+                production.consumers -= 1;
+                if production.consumers == 0 {
+                    self.productions.remove(&number);
+                }
+            }
             self.events.push_back(IoEvent::Ended {
                 id,
                 application: connection.wanted.application,
@@ -310,6 +378,20 @@ impl IoConnections {
             self.end(id, Ended::NothingToHear);
         }
     }
+}
+
+/// From one look for a change of state to the next.
+const LOOK: Duration = Duration::from_millis(1);
+
+/// An id that is not 0 and not in use.
+fn draw(random: &mut impl FnMut() -> Option<u32>, used: impl Fn(ConnectionId) -> bool) -> Option<ConnectionId> {
+    for _ in 0..DRAWS {
+        let id = ConnectionId(random()?);
+        if id.0 != 0 && !used(id) {
+            return Some(id);
+        }
+    }
+    None
 }
 
 /// More than a source of randomness needs that does not repeat itself.

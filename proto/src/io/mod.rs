@@ -9,6 +9,7 @@ mod application;
 mod connection;
 mod connections;
 mod datagram;
+mod production;
 
 pub use application::{Application, Assemblies, Assembly};
 pub use connections::{Ended, IoConnections, IoEvent, IoSettings, Originator, Ownership};

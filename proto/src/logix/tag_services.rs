@@ -67,7 +67,7 @@ impl ReadTag {
             );
         };
         let room = budget.saturating_sub(REPLY_HEAD + data_type.size());
-        let mut out = BytesMut::new();
+        let mut out = BytesMut::with_capacity(data_type.size() + rest.len().min(room));
         data_type.encode(&mut out);
         if rest.len() <= room {
             out.put_slice(rest);

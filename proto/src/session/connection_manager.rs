@@ -9,7 +9,7 @@ use std::time::Duration;
 use super::connections::{Connection, Connections};
 use super::host::nonzero;
 use super::route::is_connection_manager;
-use super::{Host, IoOpen, IoOpened, Settings};
+use super::{ConnectionEnd, Host, IoOpen, IoOpened, Settings};
 use crate::cip::{CipStatus, Reply, Request, class, service};
 use crate::connection::{
     ConnectionKey, ConnectionType, Count, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, refusal,
@@ -150,8 +150,9 @@ impl Connections {
             }
         };
         let id = self.find(close.key).map(|(id, _)| id);
-        if id.is_some_and(|id| self.remove(id)) {
+        if let Some(id) = id.filter(|id| self.remove(*id)) {
             host.release_connections(1);
+            host.connection_ended(id, ConnectionEnd::Closed);
             ForwardClose::reply(close.key)
         } else if host.close_io(close.key) {
             ForwardClose::reply(close.key)

@@ -7,7 +7,7 @@ use bytes::Bytes;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use super::Host;
+use super::{ConnectionEnd, Host};
 use crate::connection::{ConnectionKey, Count, ForwardOpen, ForwardOpenReply};
 use crate::cpf::ConnectionId;
 
@@ -158,14 +158,15 @@ impl Connections {
 
     /// Drops connections whose watchdog has expired.
     pub(super) fn expire(&mut self, now: Duration, host: &mut dyn Host) {
-        let before = self.0.len();
-        self.0
-            .retain(|_, connection| connection.in_flight > 0 || now < connection.deadline);
-        let expired = before - self.0.len();
-        if expired > 0 {
-            (0..expired).for_each(|_| host.count(Count::ConnectionTimeouts));
-            host.release_connections(expired);
-        }
+        self.0.retain(|id, connection| {
+            let lives = connection.in_flight > 0 || now < connection.deadline;
+            if !lives {
+                host.count(Count::ConnectionTimeouts);
+                host.release_connections(1);
+                host.connection_ended(*id, ConnectionEnd::TimedOut);
+            }
+            lives
+        });
     }
 
     /// Drops them all.

@@ -21,6 +21,8 @@ pub trait Host {
     fn acquire_connection(&mut self) -> bool;
     /// `count` connections have gone.
     fn release_connections(&mut self, count: usize);
+    /// A class 3 connection is no more. When the session ends, its connections end with it, and nobody is told of each.
+    fn connection_ended(&mut self, _id: ConnectionId, _how: ConnectionEnd) {}
     /// Counts for the Connection Manager's attributes.
     fn count(&mut self, count: Count);
     /// Who the device is at present.
@@ -42,6 +44,15 @@ pub trait Host {
     }
 }
 
+/// How a class 3 connection ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ConnectionEnd {
+    /// By a Forward Close.
+    Closed,
+    /// Nothing was heard for too long.
+    TimedOut,
+}
+
 /// A Forward Open of transport class 0 or 1, or a null one that is for no class 3 connection of the session. Its route
 /// and electronic key are in order.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +72,8 @@ pub struct IoOpened {
     pub reply: ForwardOpenReply,
     /// Where the target listens (item 0x8000); the address 0.0.0.0 is that of the TCP connection.
     pub listens: SocketAddrV4,
+    /// The group in which the originator is sent its inputs (item 0x8001), if it is one.
+    pub group: Option<SocketAddrV4>,
 }
 
 impl IoOpened {

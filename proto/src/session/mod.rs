@@ -30,7 +30,7 @@ use crate::discovery::list_reply;
 use crate::encap::{Command, EncapStatus, Frame, FrameDecoder, FrameError, Header, RegisterSession, SessionHandle};
 
 pub use self::connection_manager::MIN_CONNECTION_SIZE;
-pub use self::host::{Host, IoOpen, IoOpened};
+pub use self::host::{ConnectionEnd, Host, IoOpen, IoOpened};
 pub use self::replies::RequestId;
 pub use self::route::Slots;
 pub use self::settings::{Settings, UnknownConnection};
@@ -63,8 +63,8 @@ pub enum Event {
 pub enum Transport {
     /// SendRRData; a stray route may follow the data ([`crate::cip::is_stray_route`]).
     Unconnected,
-    /// A class 3 connection.
-    Connected,
+    /// The class 3 connection of this O→T id.
+    Connected(ConnectionId),
 }
 
 /// Why a session ends.
@@ -320,8 +320,7 @@ impl ServerSession {
         if let Err(status) = self.check_session(&header) {
             return self.push_ready(Frame::error(&header, status));
         }
-        let Ok((id, sequence, message)) = Packet::decode(&frame.data).and_then(|packet| packet.connected_message())
-        else {
+        let Ok((id, sequence, message)) = Packet::decode_connected(&frame.data) else {
             return self.push_ready(Frame::error(&header, EncapStatus::INCORRECT_DATA));
         };
         match self.connections.receive(id, sequence, now) {
@@ -393,7 +392,7 @@ impl ServerSession {
     /// Lets the replies at the front go.
     fn flush(&mut self) {
         while let Some((frame, io)) = self.replies.pop(&self.connections) {
-            self.events.push_back(Event::Outgoing(frame.to_bytes()));
+            self.events.push_back(Event::Outgoing(frame));
             self.events.extend(io.map(Event::IoReady));
         }
     }

@@ -2,14 +2,14 @@
 //!
 //! Not what a reply says. Budgets are in bytes of the router reply, head included.
 
-use bytes::Bytes;
+use bytes::{BufMut, Bytes, BytesMut};
 use std::collections::VecDeque;
 
 use super::connections::Connections;
 use super::{IoOpened, Transport};
 use crate::cip::{CipStatus, Reply};
-use crate::cpf::{ConnectionId, Item, Packet};
-use crate::encap::{Frame, Header};
+use crate::cpf::{ConnectionId, Item, item_type};
+use crate::encap::{Frame, Header, MAX_DATA};
 
 /// Names a request that waits for its answer; never repeats in a session.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -32,8 +32,8 @@ enum Place {
         header: Header,
         way: Way,
     },
-    /// Ready to leave; an I/O connection may wait for that.
-    Ready(Frame, Option<ConnectionId>),
+    /// Ready to leave, a whole frame; an I/O connection may wait for that.
+    Ready(Bytes, Option<ConnectionId>),
     /// Repeats the reply in front of it, which is not there yet.
     Repeat {
         header: Header,
@@ -57,28 +57,57 @@ pub(super) enum Way {
 }
 
 impl Way {
-    pub(super) const fn budget(&self) -> usize {
+    /// Bytes of the longest reply; never more than a frame holds.
+    pub(super) fn budget(&self) -> usize {
         match self {
-            Self::Unconnected { budget } | Self::Connected { budget, .. } => *budget,
+            Self::Unconnected { budget } | Self::Connected { budget, .. } => (*budget).min(MOST),
         }
     }
 
     pub(super) const fn transport(&self) -> Transport {
         match self {
             Self::Unconnected { .. } => Transport::Unconnected,
-            Self::Connected { .. } => Transport::Connected,
+            Self::Connected { id, .. } => Transport::Connected(*id),
         }
     }
 
-    fn packet(&self, reply: Bytes, address: Option<Item>) -> Bytes {
-        let mut packet = match self {
-            Self::Unconnected { .. } => Packet::unconnected(reply),
+    /// The reply to a frame with `header`, written once: header, packet and reply.
+    fn frame(&self, header: &Header, reply: &Reply, io: Option<&IoOpened>) -> Bytes {
+        let (address, sequence) = match self {
+            Self::Unconnected { .. } => (Item::NullAddress, None),
             Self::Connected {
                 t_to_o_id, sequence, ..
-            } => Packet::connected(*t_to_o_id, *sequence, &reply),
+            } => (Item::ConnectedAddress(*t_to_o_id), Some(*sequence)),
         };
-        packet.items.extend(address);
-        packet.to_bytes()
+        let (address_length, kind, data) = match sequence {
+            None => (4, item_type::UNCONNECTED_DATA, reply.len()),
+            Some(_) => (8, item_type::CONNECTED_DATA, 2 + reply.len()),
+        };
+        let group = io.and_then(|io| io.group);
+        let listens = io.map(|io| Item::SockaddrOToT(io.listens));
+        let more = usize::from(listens.is_some()) + usize::from(group.is_some());
+        let length = PACKET_HEAD + address_length + 4 + data + more * SOCKADDR;
+        // Within the budget, which is that of a connection or of an unconnected reply: 16 bits hold it.
+        let short = |length: usize| u16::try_from(length).unwrap_or(u16::MAX);
+        let mut out = BytesMut::with_capacity(Header::LEN + length);
+        let header = Header {
+            length: short(length),
+            ..Frame::reply(header, Bytes::new()).header
+        };
+        header.encode(&mut out);
+        out.put_bytes(0, PACKET_HEAD - 2);
+        out.put_u16_le(short(2 + more));
+        address.encode(&mut out);
+        out.put_u16_le(kind);
+        out.put_u16_le(short(data));
+        if let Some(sequence) = sequence {
+            out.put_u16_le(sequence);
+        }
+        reply.encode(&mut out);
+        for item in listens.into_iter().chain(group.map(Item::SockaddrTToO)) {
+            item.encode(&mut out);
+        }
+        out.freeze()
     }
 }
 
@@ -113,7 +142,7 @@ impl Replies {
 
     /// A reply that is there.
     pub(super) fn push(&mut self, frame: Frame) {
-        self.places.push_back(Place::Ready(frame, None));
+        self.places.push_back(Place::Ready(frame.to_bytes(), None));
     }
 
     /// A place for the reply of a request that still waits in front.
@@ -132,13 +161,13 @@ impl Replies {
                 header,
                 way,
             } if waiting == id => {
-                let bytes = if reply.len() <= way.budget() {
-                    reply.to_bytes()
+                let frame = if reply.len() <= way.budget() {
+                    way.frame(&header, reply, io)
                 } else {
-                    Reply::error(service, CipStatus::REPLY_TOO_LARGE).to_bytes()
+                    way.frame(&header, &Reply::error(service, CipStatus::REPLY_TOO_LARGE), io)
                 };
-                let packet = way.packet(bytes, io.map(|io| Item::SockaddrOToT(io.listens)));
-                *place = Place::Ready(Frame::reply(&header, packet.clone()), io.map(IoOpened::id));
+                let packet = frame.slice(Header::LEN..);
+                *place = Place::Ready(frame, io.map(IoOpened::id));
                 Some((way, packet))
             }
             _ => None,
@@ -147,19 +176,27 @@ impl Replies {
 
     /// The next reply that may leave, and the I/O connection that waits for that. A repetition leaves with what
     /// `connections` have kept.
-    pub(super) fn pop(&mut self, connections: &Connections) -> Option<(Frame, Option<ConnectionId>)> {
+    pub(super) fn pop(&mut self, connections: &Connections) -> Option<(Bytes, Option<ConnectionId>)> {
         loop {
-            let frame = match self.places.front()? {
-                Place::Waiting { .. } => return None,
-                Place::Ready(frame, io) => Some((frame.clone(), *io)),
-                Place::Repeat { header, id, sequence } => connections
-                    .stored(*id, *sequence)
-                    .map(|packet| (Frame::reply(header, packet), None)),
-            };
-            self.places.pop_front();
-            if frame.is_some() {
-                return frame;
+            if let Place::Waiting { .. } = self.places.front()? {
+                return None;
+            }
+            match self.places.pop_front()? {
+                Place::Waiting { .. } => {}
+                Place::Ready(frame, io) => return Some((frame, io)),
+                Place::Repeat { header, id, sequence } => {
+                    if let Some(packet) = connections.stored(id, sequence) {
+                        return Some((Frame::reply(&header, packet).to_bytes(), None));
+                    }
+                }
             }
         }
     }
 }
+
+/// Bytes of a packet in front of its items: interface handle, time-out and their number.
+const PACKET_HEAD: usize = 4 + 2 + 2;
+/// Bytes of an item that is a socket address.
+const SOCKADDR: usize = 4 + 16;
+/// The longest reply that a frame holds with everything around it.
+const MOST: usize = MAX_DATA - PACKET_HEAD - 8 - 4 - 2 - 2 * SOCKADDR;

@@ -75,7 +75,7 @@ export class Camera {
   }
 
   /** Shows a box `[[min…], [max…]]` whole. */
-  fit([low, high], margin = 48) {
+  fit([low, high], margin = 56) {
     const { right, up } = this.axes();
     let [wide, tall] = [0, 0];
     for (let k = 0; k < 3; k++) {

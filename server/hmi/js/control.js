@@ -34,18 +34,18 @@ export class ControlBar {
     this.#key = key;
     const focused = this.element.contains(document.activeElement);
     state(this.element, "kind", this.mine ? "mine" : driver ? "other" : "free");
-    if (this.mine) fill(this.element, icon("unlock"), h("span", {}, h("b", {}, "You drive "), this.object), this.#button("Release", "release"));
+    if (this.mine) fill(this.element, icon("unlock"), h("span", {}, h("b", {}, "You drive "), this.object), this.#button("Release", () => this.#release()));
     else if (driver) fill(this.element, icon("lock"), h("span", {}, h("b", {}, driver), ` drives ${this.object}`), this.#takeOver(driver, asked));
-    else fill(this.element, icon("lock"), h("span", {}, `Nobody drives ${this.object}`), this.#button("Take control", "take", {}, "primary"));
+    else fill(this.element, icon("lock"), h("span", {}, `Nobody drives ${this.object}`), this.#button("Take control", () => this.#take(), "primary"));
     if (focused) this.element.querySelector("button")?.focus();
   }
 
-  #button(title, what, fields = {}, kind = "") {
-    return h(kind ? `button.${kind}` : "button", { type: "button", onclick: () => this.#ask(what, fields) }, title);
+  #button(title, onclick, kind = "") {
+    return h(kind ? `button.${kind}` : "button", { type: "button", onclick }, title);
   }
 
   #takeOver(driver, asked) {
-    if (asked) return this.#button(`Take over from ${driver} now`, "take", { force: true }, "danger");
+    if (asked) return this.#button(`Take over from ${driver} now`, () => this.#take(true), "danger");
     return h("button", { type: "button", onclick: () => {
       this.sure = performance.now() + SURE_MS;
       this.update();
@@ -53,12 +53,23 @@ export class ControlBar {
     } }, "Take over…");
   }
 
-  async #ask(what, fields) {
+  async #take(force = false) {
     this.sure = 0;
     try {
-      await this.app.connection.request(what, { object: this.object, ...fields });
+      await this.app.connection.request("take", { object: this.object, ...(force && { force }) });
     } catch (error) {
-      this.app.toasts.bad(what === "take" ? `${this.object} cannot be driven` : "The right cannot be given back", error);
+      this.app.toasts.bad(`${this.object} cannot be driven`, error);
+    }
+  }
+
+  /** Gives back whatever moves the object: the right may have come with that of a larger one. */
+  async #release() {
+    for (const object of this.app.store.taken(this.object)) {
+      try {
+        await this.app.connection.request("release", { object });
+      } catch (error) {
+        this.app.toasts.bad(`${object} cannot be given back`, error);
+      }
     }
   }
 }

@@ -3,7 +3,6 @@
 
 import { ControlBar } from "./control.js";
 import { fill, h, icon, options, segmented, state, text } from "./dom.js";
-import { groupName } from "./fields.js";
 import { InstructionForm } from "./form.js";
 import { fixed, rate, short } from "./format.js";
 import { PathCanvas } from "./path_canvas.js";
@@ -32,7 +31,8 @@ export class Drive {
     this.object = h("select", { "aria-label": "What to drive", onchange: () => this.#select(this.object.value) });
     fill(this.object,
       h("optgroup", { label: "Coordinate systems" }, machine.coordinate_systems.map(({ name }) => h("option", { value: name }, name))),
-      h("optgroup", { label: "Axes" }, machine.axes.map(({ name }) => h("option", { value: name }, name))));
+      h("optgroup", { label: "Axes" }, machine.axes.map(({ name }) => h("option", { value: name }, name))),
+      h("optgroup", { label: "Everything" }, h("option", { value: machine.group }, machine.group)));
     this.rows = h("div.jog-rows");
     this.speed = h("input", { type: "range", min: "0.1", max: "100", step: "0.1", value: "5", "aria-label": "Jog speed in percent of the maximum", oninput: () => this.#showSpeed() });
     this.speedText = h("output");
@@ -85,10 +85,11 @@ export class Drive {
       oninput: () => text(this.overrideText, `${this.override.value} %`), onchange: () => this.#ask("override", { percent: Number(this.override.value) }) });
     this.overrideText = h("output", {}, "100 %");
     this.hold = h("button", { type: "button", onclick: () => this.#ask(this.held ? "resume" : "hold") });
+    this.hundred = h("button", { type: "button", onclick: () => this.#ask("override", { percent: 100 }) }, "100 %");
     this.stop = h("button.danger", { type: "button", onclick: () => this.#stop() }, icon("stop"), "Stop");
     this.motion = h("div.panel", {}, h("h2", {}, "Motion"),
       h("label.slider", {}, h("span", {}, "Override"), this.override, this.overrideText),
-      h("div.buttons", {}, this.hold, h("button", { type: "button", onclick: () => this.#ask("override", { percent: 100 }) }, "100 %"), this.stop));
+      h("div.buttons", {}, this.hold, this.hundred, this.stop));
     return this.motion;
   }
 
@@ -98,7 +99,7 @@ export class Drive {
     this.name = name;
     this.system = this.app.store.system(name);
     this.control.show(name);
-    this.axes = this.system?.axes ?? [name];
+    this.axes = this.app.store.axesOf(name);
     fill(this.rows, this.axes.map((axis) => this.#row(axis)));
     const help = this.axes.slice(0, 3).map((axis, k) => `${axis} ${["← →", "↓ ↑", "Page ↓ ↑"][k]}`);
     text(this.keyHelp, `${help.join(", ")}, held. Esc stops.`);
@@ -151,7 +152,7 @@ export class Drive {
     const instruction = store.instruction(kind === "any" ? this.mnemonic.value : kind);
     if (!instruction) return;
     const own = instruction.object === "CoordinateSystem" ? this.system?.name ?? store.machine.coordinate_systems[0]?.name
-      : instruction.object === "Axis" ? this.axes[0] : groupName(store.machine);
+      : instruction.object === "Axis" ? this.axes[0] : store.machine.group;
     this.form = new InstructionForm(this.app, instruction, {
       object: own, first: kind === "any" ? null : QUICK[kind],
       onobject: (name) => store.system(name) && this.canvas.show(name),
@@ -228,7 +229,9 @@ export class Drive {
       this.held = system.held;
       text(this.hold, system.held ? "Resume" : "Hold");
       state(this.hold, "on", String(system.held));
-      this.override.disabled = this.hold.disabled = !mine;
+      // A hold is everyone's, as a stop is; going on is not.
+      this.override.disabled = this.hundred.disabled = !mine;
+      this.hold.disabled = !connection.isOpen || (system.held && !mine);
       if (document.activeElement !== this.override) {
         this.override.value = String(system.override);
         text(this.overrideText, `${Math.round(system.override)} %`);

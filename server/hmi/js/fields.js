@@ -71,15 +71,10 @@ function words(operand, app, values, common) {
 function names(operand, app, values, common) {
   const { machine } = app.store;
   const lists = { CoordinateSystem: machine.coordinate_systems, Axis: machine.axes };
-  const list = lists[operand.object]?.map(({ name }) => name) ?? [groupName(machine)];
+  const list = lists[operand.object]?.map(({ name }) => name) ?? [machine.group];
   const input = h("select", common);
   options(input, list);
   return { input, read: () => input.value, write: (value) => (input.value = value) };
-}
-
-/** The name of the motion group. */
-export function groupName(machine) {
-  return machine.group?.name ?? machine.group;
 }
 
 function scalar(operand, app, values, common) {
@@ -96,12 +91,14 @@ function scalar(operand, app, values, common) {
 /** Tags by name, and arrays as lists of numbers or the name of a tag. */
 function plainText(operand, app, values, common) {
   const array = operand.kind === "array" || operand.kind === "array_or_none";
-  const hint = array ? "0, 0, 0 or a tag" : operand.kind === "written_array" ? "a tag, or empty" : operand.type ?? "a tag";
+  const optional = ["array_or_none", "written_array", "structure_or_none"].includes(operand.kind);
+  const tag = optional ? `${operand.type ?? "a tag"}, or empty` : operand.type ?? "a tag";
+  const hint = array ? "0, 0, 0 or a tag" : tag;
   const input = h("input", { ...common, type: "text", autocomplete: "off", autocapitalize: "off", spellcheck: "false", placeholder: hint });
   const read = () => {
     const typed = input.value.trim();
     if (typed === "") {
-      if (operand.kind === "array_or_none" || operand.kind === "written_array") return 0;
+      if (optional) return 0;
       if (operand.kind === "array") return [];
       throw "a tag is expected";
     }

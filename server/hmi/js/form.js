@@ -2,7 +2,7 @@
 // a preview before anything moves; and the button that runs it.
 
 import { calm, fill, h, icon, state, text } from "./dom.js";
-import { field, groupName, isShown, rangeText } from "./fields.js";
+import { field, isShown, rangeText } from "./fields.js";
 import { rate } from "./format.js";
 import { TargetTable } from "./target.js";
 import { explanation } from "./toasts.js";
@@ -20,10 +20,10 @@ export class InstructionForm {
     this.line = null;
     this.asked = 0;
     const { target_position: rule } = instruction;
-    this.table = rule && new TargetTable(app, instruction, () => this.words(), () => this.#changed());
+    this.table = rule && new TargetTable(app, instruction, () => this.words(), () => this.#edit());
     for (const operand of instruction.operands) {
       if (rule && (operand.member === rule.targets || operand.member === rule.vias)) continue;
-      this.fields.set(operand.member, field(operand, app, () => this.words(), () => this.#changed()));
+      this.fields.set(operand.member, field(operand, app, () => this.words(), () => this.#edit()));
     }
     [this.target] = instruction.operands;
     this.control = instruction.operands.find(({ kind }) => kind === "control");
@@ -35,7 +35,7 @@ export class InstructionForm {
     this.problem = h("div.problem", { role: "alert", hidden: true });
     this.run = h("button.primary.run", { type: "button", onclick: () => this.#run() }, icon("run"), "Run");
     this.why = h("small.why");
-    this.auto = h("input", { type: "checkbox", checked: true, onchange: () => this.#changed() });
+    this.auto = h("input", { type: "checkbox", checked: true, onchange: () => this.#edit() });
     this.element = h("div.form", { "aria-label": `${instruction.mnemonic}, ${instruction.title}` },
       h("p.form-title", {}, h("b", {}, instruction.mnemonic), ` ${instruction.title}`),
       this.#layout(first),
@@ -45,7 +45,7 @@ export class InstructionForm {
         h("button", { type: "button", onclick: () => this.#preview() }, icon("eye"), "Preview"),
         h("label.check", {}, this.auto, "Preview as I type"), this.why));
     this.later = calm(LINE_MS, () => this.#askLine());
-    this.laterPreview = calm(PREVIEW_MS, () => this.auto.checked && this.#preview(true));
+    this.laterPreview = calm(PREVIEW_MS, () => this.auto.checked && this.edited && this.#preview(true));
     this.#object();
     this.#changed();
   }
@@ -104,11 +104,16 @@ export class InstructionForm {
   #object() {
     const { store } = this.app;
     const { object } = this;
-    const system = store.system(object);
-    const axes = system?.axes ?? (store.axis(object) ? [object] : []);
+    const axes = store.axesOf(object);
     this.table?.show(axes);
     this.units = store.axis(axes[0])?.units ?? "";
     this.onobject?.(object);
+  }
+
+  /** A form that nobody has touched, or that has just run, shows no preview by itself. */
+  #edit() {
+    this.edited = true;
+    this.#changed();
   }
 
   #changed() {
@@ -225,6 +230,7 @@ export class InstructionForm {
     if (!this.line || this.run.disabled) return;
     const { line } = this;
     try {
+      this.edited = false;
       await this.app.connection.request("execute", { text: line });
       this.app.setPreview(null);
       this.#say(null);
@@ -250,7 +256,7 @@ export class InstructionForm {
   update() {
     this.table?.update();
     const { store, connection } = this.app;
-    const object = this.object === groupName(store.machine) ? store.machine.coordinate_systems[0]?.name : this.object;
+    const { object } = this;
     const reason = !connection.isOpen ? "No connection." : !store.drives(object) ? `Take control of ${object} first.` : !this.line ? "The form is not complete." : "";
     this.run.disabled = reason !== "";
     text(this.why, reason);

@@ -50,7 +50,18 @@ export class Jogger {
   }
 
   #keep() {
-    for (const axis of this.#held.keys()) this.app.connection.tell("keep", { axis });
+    for (const axis of this.#held.keys()) this.#keepOne(axis);
+  }
+
+  /** A server that has stopped the axis by itself, since it heard nothing for too long, is believed. */
+  async #keepOne(axis) {
+    try {
+      await this.app.connection.request("keep", { axis });
+    } catch (error) {
+      if (!this.#held.has(axis)) return;
+      this.end(axis);
+      this.app.toasts.bad(`The jog of ${axis} has ended`, error);
+    }
   }
 
   /** The server has stopped the axes by itself. */

@@ -32,7 +32,7 @@ export class Lives extends EventTarget {
     return erred;
   }
 
-  /** Forgets everything: the server has begun again. */
+  /** Forgets everything. */
   clear() {
     this.list = [];
     this.#byKey.clear();

@@ -20,7 +20,7 @@ export class Machine {
           h("thead", {}, h("tr", {}, head.map((name) => h("th", { scope: "col" }, name)))),
           h("tbody", {}, this.axes.map(({ row }) => row))))),
       h("div.systems", {}, this.systems.map(({ element }) => element)),
-      h("div.panel.group", {}, h("h2", {}, `Group ${machine.group?.name ?? machine.group ?? ""}`),
+      h("div.panel.group", {}, h("h2", {}, `Group ${machine.group}`),
         h("dl.health", {}, h("dt", {}, "State"), this.health.state, h("dt", {}, "Tick"), this.health.tick,
           h("dt", {}, "Late, middle"), this.health.p50, h("dt", {}, "Late, 99 %"), this.health.p99,
           h("dt", {}, "Late, most"), this.health.max, h("dt", {}, "Missed"), this.health.missed),

@@ -30,6 +30,14 @@ export class Moment extends EventTarget {
     if (this.#tick === null) this.scrub(this.samples.end - 1);
   }
 
+  /** Stays among what is kept: the oldest is forgotten, and a server that began again has another past. */
+  keep() {
+    const { first, end } = this.samples;
+    if (this.#tick === null) return;
+    if (this.#tick >= end) this.live();
+    else if (this.#tick < first) this.scrub(first);
+  }
+
   /** Shows the newest again. */
   live() {
     this.#set(null);

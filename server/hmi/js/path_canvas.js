@@ -111,8 +111,16 @@ export class PathCanvas {
     const span = Math.round(this.trailSeconds / samples.period);
     const step = Math.max(1, Math.ceil(span / TRAIL_POINTS));
     const from = Math.max(samples.first, end - span);
+    // Points that would fall on the same pixel are one: a rest does not use up the shades.
+    const least = 0.4 / this.camera.scale;
     const points = [];
-    for (let tick = Math.ceil(from / step) * step; tick < end; tick += step) points.push(point(axes, tick));
+    let last = null;
+    for (let tick = Math.ceil(from / step) * step; tick < end; tick += step) {
+      const next = point(axes, tick);
+      if (last && Math.hypot(next[0] - last[0], next[1] - last[1], next[2] - last[2]) < least) continue;
+      points.push(next);
+      last = next;
+    }
     if (end >= samples.first && end >= 0) points.push(point(axes, end));
     return points;
   }
@@ -177,13 +185,14 @@ export class PathCanvas {
     context.lineJoin = "round";
     context.lineCap = "round";
     const { active, pending, tolerance } = this.#paths();
-    if (this.layers.trail) this.#drawTrail(context, project, colours);
     if (this.layers.path) {
       context.setLineDash([7, 5]);
       for (const line of pending) stroke(context, project, line, colours.pending, 1.75);
       context.setLineDash([]);
-      stroke(context, project, active, colours.path, 2.25);
+      stroke(context, project, active, colours.path, 3);
     }
+    // Over the path, so that it shows how far the move has come.
+    if (this.layers.trail) this.#drawTrail(context, project, colours);
     if (this.layers.tolerance) circles(context, project, this.camera.scale, tolerance, colours.warn);
     for (const path of this.#previewPaths()) {
       stroke(context, project, path.points, colours.preview, 2.25);
@@ -208,7 +217,7 @@ export class PathCanvas {
     const part = Math.ceil(points.length / TRAIL_SHADES);
     for (let shade = 0; shade < TRAIL_SHADES && part > 0; shade++) {
       context.globalAlpha = (shade + 1) / TRAIL_SHADES;
-      stroke(context, project, points.slice(Math.max(0, shade * part - 1), (shade + 1) * part), colours.trail, 1.5);
+      stroke(context, project, points.slice(Math.max(0, shade * part - 1), (shade + 1) * part), colours.trail, 2);
     }
     context.globalAlpha = 1;
   }

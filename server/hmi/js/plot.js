@@ -36,30 +36,31 @@ export function drawLanes(context, width, height, lanes, from, to, samples, colo
   timeGrid(context, width, height, from, to, samples, colours);
   lanes.forEach((lane, k) => {
     const { top, height: tall } = room[k];
-    const columns = lane.lines.map(({ series }) => extremaColumns(series, from, to, width));
+    const columns = lane.lines.map((line) => (line.columns = extremaColumns(line.columns, line.series, from, to, width)));
     lane.range = settle(lane.range, reach(columns), lane.least);
     drawLane(context, width, lane, columns, { top, tall, from, to }, colours);
   });
 }
 
-/** Least and greatest of each column: `[tick, least, greatest, …]`. */
-function extremaColumns(series, from, to, width) {
+/** Least and greatest of each column: `[tick, least, greatest, …]`, in the memory of the last picture if it is enough. */
+function extremaColumns(memory, series, from, to, width) {
   const pixels = Math.max(1, width - MARGIN.left - MARGIN.right);
   const ticks = (to - from) / pixels;
   // Columns begin at multiples of their length, so that a moving window does not make them shimmer.
-  const bucket = ticks >= 512 ? 256 : ticks >= 32 ? 16 : 1;
+  const bucket = ticks >= 256 ? 256 : ticks >= 8 ? 16 : 1;
   const step = Math.max(1, Math.ceil(ticks / bucket) * bucket);
-  const out = [];
+  const start = Math.floor(from / step) * step;
+  const length = 3 * (Math.floor((to + step - start) / step) + 1);
+  const out = memory && memory.length >= length ? memory : new Float64Array(length + 96);
   const pair = [0, 0];
-  for (let tick = Math.floor(from / step) * step; tick <= to + step; tick += step) {
-    if (step === 1) {
-      const value = series.at(tick);
-      out.push(tick, value, value);
-    } else {
-      series.extrema(tick, tick + step, pair);
-      out.push(tick + step / 2, pair[0], pair[1]);
-    }
+  let at = 0;
+  for (let tick = start; at < length; tick += step, at += 3) {
+    series.extrema(tick, tick + step, bucket, pair);
+    out[at] = step === 1 ? tick : tick + step / 2;
+    out[at + 1] = pair[0];
+    out[at + 2] = pair[1];
   }
+  out.fill(NaN, length);
   return out;
 }
 

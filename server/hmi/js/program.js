@@ -116,7 +116,7 @@ export class Program {
 
   /** Steps a program; the first step begins one. */
   async #step() {
-    if (!this.active) await this.#ask("run", { text: this.editor.text, paused: true });
+    if (!this.active) await this.#ask("run", { text: this.editor.text, step: true });
     else await this.#ask("step");
   }
 

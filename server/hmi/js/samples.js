@@ -49,11 +49,11 @@ class Series {
     }
   }
 
-  /** Least and greatest of the ticks `from` to before `to` into `out`; from whole buckets when there are many. */
-  extrema(from, to, out) {
+  /** Least and greatest of the ticks `from` to before `to` into `out`, from whole buckets of 1, 16 or 256 ticks. */
+  extrema(from, to, bucket, out) {
     let least = NaN;
     let greatest = NaN;
-    const level = this.levels.findLast(({ size }) => to - from >= 2 * size);
+    const level = bucket === BUCKETS[1] ? this.levels[1] : bucket === BUCKETS[0] ? this.levels[0] : null;
     const first = Math.max(from, this.owner.first);
     const end = Math.min(to, this.owner.end);
     if (!level) {
@@ -120,7 +120,7 @@ export class Samples {
     if (columns !== this.columns || buffer.byteLength < HEAD + columns * (8 + 4 * count)) return false;
     const bases = new Float64Array(buffer, HEAD, columns);
     const rows = new Float32Array(buffer, HEAD + 8 * columns, columns * count);
-    this.#skipTo(start);
+    this.#skipTo(start, count);
     for (let row = 0; row < count; row++) {
       if (start + row >= this.end) this.#put(start + row, (column) => bases[column] + rows[row * columns + column]);
     }
@@ -128,8 +128,8 @@ export class Samples {
   }
 
   /** Fills what is missing before a tick; a server that began again, or a long gap, empties everything. */
-  #skipTo(start) {
-    const restarted = start < this.end - this.capacity || (start < this.end && this.end - start > 10_000);
+  #skipTo(start, count) {
+    const restarted = start + count < this.end;
     if (this.end === 0 || restarted || start - this.end >= this.capacity) {
       this.first = start;
       this.end = start;

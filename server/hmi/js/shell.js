@@ -1,10 +1,13 @@
 // What surrounds every view: the bar with state and STOP, the list of views, the warning that the server is gone.
 
 import { h, icon, fill, state, text, toggle } from "./dom.js";
-import { duration } from "./format.js";
+import { clock } from "./format.js";
 import * as theme from "./theme.js";
 
 const THEMES = { auto: ["auto", "As the system"], light: ["sun", "Light"], dark: ["moon", "Dark"] };
+
+/** How long a tick that was missed is told in the bar; the machine view tells all of them. */
+const MISSED_MS = 10_000;
 
 /** The frame of the page. `views` are `[key, icon, view]` in the order of the list. */
 export class Shell {
@@ -79,14 +82,18 @@ export class Shell {
     const faulted = status.axes.filter((axis) => axis.faults?.length).length;
     text(this.motion, faulted ? `${faulted} ${faulted === 1 ? "axis" : "axes"} faulted` : moving ? `${moving} ${moving === 1 ? "axis" : "axes"} moving` : "Standing still");
     state(this.motion, "kind", faulted ? "bad" : moving ? "busy" : "calm");
-    const mine = Object.entries(status.drivers ?? {}).filter(([object, viewer]) => viewer === store.viewer && store.system(object)).map(([object]) => object);
-    const alone = Object.entries(status.drivers ?? {}).filter(([object, viewer]) => viewer === store.viewer && store.axis(object)).map(([object]) => object);
-    const driven = mine.length ? mine : alone;
+    const taken = store.taken();
+    const wide = taken.filter((name) => !store.axis(name));
+    const driven = wide.length ? wide : taken;
     text(this.control, driven.length ? `You drive ${driven.join(", ")}` : "Watching");
     state(this.control, "kind", driven.length ? "mine" : "calm");
     const { realtime } = status;
     text(this.tick, realtime ? `tick ${Math.round(realtime.p99_us)} µs` : "");
-    state(this.tick, "kind", realtime?.missed ? "warn" : "calm");
+    if (realtime && realtime.missed !== this.missed) {
+      this.missedAt = this.missed === undefined ? -Infinity : performance.now();
+      this.missed = realtime.missed;
+    }
+    state(this.tick, "kind", performance.now() - this.missedAt < MISSED_MS ? "warn" : "calm");
     this.view?.update?.();
   }
 
@@ -105,7 +112,7 @@ export class Shell {
     const { connection } = this.app;
     if (connection.isOpen) return;
     const since = (performance.now() - connection.lostAt) / 1000;
-    const words = `No connection to the server for ${duration(Math.max(1, Math.floor(since)))}. What you see is old and STOP cannot reach the machine from here. Connecting again…`;
+    const words = `No connection to the server for ${since < 100 ? `${Math.max(1, Math.floor(since))} s` : clock(since, 0)}. What you see is old and STOP cannot reach the machine from here. Connecting again…`;
     text(this.banner, words);
   }
 }

@@ -89,7 +89,10 @@ async function begin() {
   });
   connection.addEventListener("lost", () => shell.connected(false));
   connection.addEventListener("push", ({ detail }) => store.take(detail));
-  connection.addEventListener("samples", ({ detail }) => app.samples.add(detail));
+  connection.addEventListener("samples", ({ detail }) => {
+    app.samples.add(detail);
+    app.moment.keep();
+  });
   store.addEventListener("status", () => shell.update());
   store.addEventListener("events", ({ detail }) => {
     for (const life of lives.take(detail.events ?? [detail])) {
@@ -116,8 +119,8 @@ async function greet(app) {
     }
     await connection.request("trace", { on: true });
     const { events } = await connection.request("events");
-    const newest = Math.max(0, ...events.map(({ seq }) => seq));
-    if (newest < lives.newest) lives.clear();
+    // Whatever was pushed meanwhile is among them.
+    lives.clear();
     lives.take(events);
   } catch (error) {
     app.toasts.bad("The history could not be read", error);

@@ -67,14 +67,30 @@ export class Store extends EventTarget {
     return this.catalogue.instructions.find((instruction) => instruction.mnemonic === mnemonic);
   }
 
-  /** Who drives an object: a viewer's name or `null`. */
-  driver(object) {
-    return this.status?.drivers?.[object] ?? null;
+  /** The names of the axes of an axis, a coordinate system or the group. */
+  axesOf(object) {
+    if (object === this.machine.group) return this.machine.axes.map(({ name }) => name);
+    return this.system(object)?.axes ?? (this.axis(object) ? [object] : []);
   }
 
-  /** Whether this page drives an object. */
+  /** Who drives an object: another viewer who has one of its axes, this one if it has them all, or `null`. */
+  driver(object) {
+    const owners = this.axesOf(object).map((axis) => this.status?.drivers?.[axis] ?? null);
+    const other = owners.find((owner) => owner !== null && owner !== this.viewer);
+    if (other) return other;
+    return owners.length && owners.every((owner) => owner === this.viewer) ? this.viewer : null;
+  }
+
+  /** Whether this page drives an object: all of its axes. */
   drives(object) {
     return this.viewer !== null && this.driver(object) === this.viewer;
+  }
+
+  /** What this page has taken that has axes in common with an object, or at all. */
+  taken(object = this.machine.group) {
+    const axes = new Set(this.axesOf(object));
+    const own = Object.entries(this.status?.drivers ?? {}).filter(([, viewer]) => viewer === this.viewer).map(([name]) => name);
+    return own.filter((name) => this.axesOf(name).some((axis) => axes.has(axis)));
   }
 }
 

@@ -78,13 +78,14 @@ export class Timebar {
     context.fillRect(0, 0, width, HEIGHT);
     const span = Math.max(end - first, 1);
     const x = (tick) => ((tick - first) / span) * width;
-    const step = Math.max(1, Math.ceil(span / width / 16) * 16);
+    const bucket = span > 128 * width ? 256 : 16;
+    const step = Math.max(bucket, Math.ceil(span / width / bucket) * bucket);
     const pair = [0, 0];
     for (const { speed } of samples.systems) {
       let most = 1e-9;
       const tops = [];
       for (let tick = Math.floor(first / step) * step; tick < end; tick += step) {
-        speed.extrema(tick, tick + step, pair);
+        speed.extrema(tick, tick + step, bucket, pair);
         tops.push([tick, pair[1]]);
         if (pair[1] > most) most = pair[1];
       }

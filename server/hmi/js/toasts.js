@@ -8,10 +8,8 @@ const MOST = 4;
 
 /** What there is to say about a refusal or an error: text, cause and remedy as elements. */
 export function explanation(error) {
-  const number = error.err ? `ERR ${error.err}${error.exerr ? `, EXERR ${error.exerr}` : ""}` : null;
   return h("div.explanation", {},
     h("p.explanation-text", {}, error.text ?? error.message ?? String(error)),
-    number && h("p.explanation-code", {}, number),
     error.cause && h("p", {}, h("b", {}, "Cause "), error.cause),
     error.remedy && h("p", {}, h("b", {}, "What to do "), error.remedy));
 }

@@ -80,6 +80,14 @@ impl Adapter {
         this
     }
 
+    /// The first of its multicast addresses: 239.192.1.0 + 32 × ((host part of the address & 0x3FF) − 1)
+    /// (spec/ethernet-ip.md §14.2).
+    pub(crate) fn first_multicast(&self) -> Ipv4Addr {
+        let host = self.address.to_bits() & !self.mask.to_bits();
+        let base = Ipv4Addr::new(239, 192, 1, 0).to_bits();
+        Ipv4Addr::from_bits(base + 32 * (host & 0x3FF).saturating_sub(1))
+    }
+
     /// The default gateway of this interface; 0.0.0.0: none.
     pub(crate) fn gateway(&self) -> Ipv4Addr {
         let default = |route: &Route| route.mask.is_unspecified() && route.interface == self.name;

@@ -3,25 +3,31 @@
 //! Requests of one connection are executed one after the other, in the order in which they came. While a peer does not
 //! read its replies, nothing more is read from it; after [`Settings::write_timeout`](super::Settings) it is closed.
 
+use std::future::Future;
 use std::net::{IpAddr, SocketAddrV4};
+use std::pin::{Pin, pin};
 use std::sync::Arc;
 use std::time::Duration;
 
-use arcline_proto::encap::{EncapStatus, Frame, FrameError};
+use arcline_proto::encap::{EncapStatus, Frame, FrameDecoder, FrameError};
 use arcline_proto::session::{CloseReason, Event, ServerSession};
-use futures_util::{FutureExt, SinkExt, StreamExt};
-use tokio::io::{AsyncRead, AsyncWrite};
-use tokio::time::{Instant, sleep_until, timeout};
-use tokio_util::codec::Framed;
+use bytes::{Bytes, BytesMut};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
+use tokio::time::{Instant, Sleep, sleep_until, timeout};
 use tracing::debug;
 
-use super::codec::{FrameCodec, StreamError};
 use super::crowd::Place;
 use super::device::{Device, Seat};
 use super::router::Router;
 
 /// Frames that are taken from one connection before the others get their turn.
 const BATCH: usize = 32;
+
+/// Room for what a peer sends before it waits for an answer, bytes; more than that makes the buffer grow.
+const READ: usize = 4096;
+
+/// Replies that wait to be sent together, bytes; more are sent at once.
+const WRITE: usize = 16 * 1024;
 
 /// How long a changed inactivity time-out may go unnoticed.
 const LOOK: Duration = Duration::from_secs(1);
@@ -35,9 +41,12 @@ pub(crate) enum Ended {
     /// The session ended by its own rules.
     #[error(transparent)]
     Session(#[from] CloseReason),
-    /// The socket or the stream failed.
+    /// The socket failed.
     #[error(transparent)]
-    Stream(#[from] StreamError),
+    Io(#[from] std::io::Error),
+    /// The peer sent what is no frame.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
     /// The peer does not read.
     #[error("the peer did not read its replies in time")]
     SlowReader,
@@ -67,12 +76,16 @@ where
     S: AsyncRead + AsyncWrite + Unpin,
 {
     let leave = place.as_ref().map(Place::leave).unwrap_or_default();
-    let codec = FrameCodec::new(device.settings.session.frame_limit);
     let epoch = Instant::now();
+    let number = device.number_session();
     let mut connection = Connection {
-        framed: Framed::new(stream, codec),
+        number,
+        stream,
+        decoder: FrameDecoder::new(device.settings.session.frame_limit),
+        input: BytesMut::with_capacity(READ),
+        output: Output::default(),
         session: ServerSession::new(device.session_settings.clone(), local, Duration::ZERO),
-        router: Router::new(device.clone(), local),
+        router: Router::new(device.clone(), local, number),
         local,
         peer,
         place,
@@ -83,17 +96,26 @@ where
         ended = connection.run() => ended,
         () = leave.notified() => Ended::Crowded,
     };
-    let mut seat = Seat {
+    connection.session.handle_disconnect(&mut Seat {
         device: &connection.device,
         local,
         peer,
-    };
-    connection.session.handle_disconnect(&mut seat);
+        session: number,
+    });
+    let in_order = matches!(ended, Ended::Session(CloseReason::Unregistered));
+    connection.device.end_session(number, in_order);
     ended
 }
 
 struct Connection<S> {
-    framed: Framed<S, FrameCodec>,
+    /// The session's number.
+    number: u64,
+    stream: S,
+    decoder: FrameDecoder,
+    /// What has come and was not taken yet.
+    input: BytesMut,
+    /// What waits to be sent.
+    output: Output,
     session: ServerSession,
     router: Router,
     local: SocketAddrV4,
@@ -101,6 +123,42 @@ struct Connection<S> {
     place: Option<Place>,
     device: Arc<Device>,
     epoch: Instant,
+}
+
+/// Frames that wait to be sent: the only one as it is, several in one piece.
+#[derive(Debug, Default)]
+struct Output {
+    first: Bytes,
+    others: BytesMut,
+}
+
+impl Output {
+    fn push(&mut self, frame: Bytes) {
+        if self.is_empty() {
+            self.first = frame;
+            return;
+        }
+        if self.others.is_empty() {
+            self.others.extend_from_slice(&std::mem::take(&mut self.first));
+        }
+        self.others.extend_from_slice(&frame);
+    }
+
+    fn len(&self) -> usize {
+        self.first.len() + self.others.len()
+    }
+
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn take(&mut self) -> Bytes {
+        if self.first.is_empty() {
+            self.others.split().freeze()
+        } else {
+            std::mem::take(&mut self.first)
+        }
+    }
 }
 
 impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
@@ -116,53 +174,81 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
     }
 
     async fn serve_frames(&mut self) -> Result<std::convert::Infallible, Ended> {
+        let mut timer = pin!(sleep_until(self.epoch + LOOK));
         loop {
-            self.session.set_inactivity(self.device.inactivity());
-            // A client may set another inactivity time-out: that is looked at now and then.
-            let look = self.now() + LOOK;
-            let due = self.session.poll_timeout().map(|time| self.epoch + time.min(look));
-            let next = tokio::select! {
-                next = self.framed.next() => next,
-                () = sleep_until(due.unwrap_or(self.epoch)), if due.is_some() => {
-                    let now = self.now();
-                    let (device, local, peer) = (&*self.device, self.local, self.peer);
-                    let mut seat = Seat { device, local, peer };
-                    self.session.handle_timeout(now, &mut seat);
-                    self.carry_out().await?;
-                    continue;
-                }
-            };
-            self.take(next).await?;
-            // Whatever has come in the meantime is answered in the same segment.
-            for _ in 1..BATCH {
-                let Some(next) = self.framed.next().now_or_never() else {
-                    break;
-                };
-                self.take(next).await?;
-            }
+            let more = self.take_frames().await?;
+            // Whatever came together is answered together.
             self.flush().await?;
-            tokio::task::yield_now().await;
+            if more {
+                tokio::task::yield_now().await;
+            } else {
+                self.wait(timer.as_mut()).await?;
+            }
         }
     }
 
-    /// Handles one frame, or the end of the stream.
-    async fn take(&mut self, next: Option<Result<Frame, StreamError>>) -> Result<(), Ended> {
-        let now = self.now();
-        match next {
-            Some(Ok(frame)) => {
-                let (device, local, peer) = (&*self.device, self.local, self.peer);
-                let mut seat = Seat { device, local, peer };
-                self.session.handle_frame(&frame, now, &mut seat);
-            }
-            Some(Err(StreamError::Frame(error))) => {
-                let FrameError::TooLong { header, .. } = error;
-                self.send(Frame::error(&header, EncapStatus::INVALID_LENGTH).to_bytes())
-                    .await?;
-                return Err(StreamError::Frame(error).into());
-            }
-            Some(Err(error)) => return Err(error.into()),
-            None => return Err(Ended::ByPeer),
+    /// Waits until more has come, and does what is due meanwhile.
+    async fn wait(&mut self, mut timer: Pin<&mut Sleep>) -> Result<(), Ended> {
+        self.session.set_inactivity(self.device.inactivity());
+        // A client may set another inactivity time-out: that is looked at now and then.
+        let look = self.now() + LOOK;
+        let due = self.epoch + self.session.poll_timeout().map_or(look, |time| time.min(look));
+        // To wind the timer costs more than to wake up in vain: only when it would be too late, or has run down.
+        if due < timer.deadline() || timer.is_elapsed() {
+            timer.as_mut().reset(due);
         }
+        self.input.reserve(READ);
+        let mut read = pin!(self.stream.read_buf(&mut self.input));
+        let came = std::future::poll_fn(|cx| {
+            if let std::task::Poll::Ready(came) = read.as_mut().poll(cx) {
+                return std::task::Poll::Ready(Some(came));
+            }
+            timer.as_mut().poll(cx).map(|()| None)
+        });
+        match came.await {
+            Some(Ok(0)) => Err(Ended::ByPeer),
+            Some(came) => came.map(|_| ()).map_err(Ended::from),
+            None => {
+                let now = self.now();
+                let mut seat = Seat {
+                    device: &self.device,
+                    local: self.local,
+                    peer: self.peer,
+                    session: self.number,
+                };
+                self.session.handle_timeout(now, &mut seat);
+                self.carry_out().await
+            }
+        }
+    }
+
+    /// Handles what has come, a batch at most. Whether there may be more.
+    async fn take_frames(&mut self) -> Result<bool, Ended> {
+        for _ in 0..BATCH {
+            match self.decoder.decode(&mut self.input) {
+                Ok(Some(frame)) => self.take(&frame).await?,
+                Ok(None) => return Ok(false),
+                Err(error) => {
+                    let FrameError::TooLong { header, .. } = error;
+                    self.output
+                        .push(Frame::error(&header, EncapStatus::INVALID_LENGTH).to_bytes());
+                    return Err(error.into());
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// Handles one frame.
+    async fn take(&mut self, frame: &Frame) -> Result<(), Ended> {
+        let now = self.now();
+        let mut seat = Seat {
+            device: &self.device,
+            local: self.local,
+            peer: self.peer,
+            session: self.number,
+        };
+        self.session.handle_frame(frame, now, &mut seat);
         if let Some(place) = &mut self.place
             && self.session.is_registered()
         {
@@ -198,21 +284,21 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
         Ok(())
     }
 
-    /// Queues a frame; waits for the peer when the queue is full.
-    async fn send(&mut self, bytes: bytes::Bytes) -> Result<(), Ended> {
-        let limit = self.device.settings.write_timeout;
-        timeout(limit, self.framed.feed(bytes))
-            .await
-            .map_err(|_| Ended::SlowReader)?
-            .map_err(Ended::from)
+    /// Queues a frame; waits for the peer when there are many.
+    async fn send(&mut self, frame: Bytes) -> Result<(), Ended> {
+        self.output.push(frame);
+        if self.output.len() < WRITE {
+            return Ok(());
+        }
+        self.flush().await
     }
 
     async fn flush(&mut self) -> Result<(), Ended> {
-        if self.framed.write_buffer().is_empty() {
+        if self.output.is_empty() {
             return Ok(());
         }
-        let limit = self.device.settings.write_timeout;
-        timeout(limit, self.framed.flush())
+        let bytes = self.output.take();
+        timeout(self.device.settings.write_timeout, self.stream.write_all(&bytes))
             .await
             .map_err(|_| Ended::SlowReader)?
             .map_err(Ended::from)

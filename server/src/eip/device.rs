@@ -1,22 +1,25 @@
 //! What all connections of the server share: the plant, the identity, limits and counters.
 
+use std::collections::BTreeMap;
 use std::net::{IpAddr, SocketAddr, SocketAddrV4};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use arcline_config::IoLoss;
+use arcline_config::{ConnectionLoss, IoLoss};
 use arcline_proto::cip::CipStatus;
 use arcline_proto::connection::{ConnectionKey, Count, Counters};
+use arcline_proto::cpf::ConnectionId;
 use arcline_proto::encap::Service;
 use arcline_proto::identity::Identity;
-use arcline_proto::session::{self, Host, IoOpen, IoOpened};
-use tracing::error;
+use arcline_proto::session::{self, ConnectionEnd, Host, IoOpen, IoOpened};
+use tracing::{error, warn};
 
+use super::adapter::Adapter;
 use super::crowd::{Crowd, Limits};
 use super::io::{Exchange, Io};
-use crate::plant::Plant;
+use crate::plant::{Owner, Plant};
 
 /// Settings of the EtherNet/IP face (spec/ethernet-ip.md §18).
 #[derive(Clone, Debug)]
@@ -43,6 +46,8 @@ pub struct Settings {
     pub io: Option<SocketAddr>,
     /// What motion does when the owner of the outputs is lost.
     pub io_loss: IoLoss,
+    /// What becomes of motion when the class 3 connection or the session that began it is lost.
+    pub connection_loss: ConnectionLoss,
 }
 
 impl Settings {
@@ -60,6 +65,7 @@ impl Settings {
             session: session::Settings::default(),
             io: None,
             io_loss: IoLoss::default(),
+            connection_loss: ConnectionLoss::default(),
         }
     }
 }
@@ -85,6 +91,10 @@ pub(crate) struct Device {
     counters: Mutex<Counters>,
     /// Silence after which a socket is closed, s; 0: never. Clients set it.
     inactivity: AtomicU64,
+    /// Sessions that there ever were.
+    sessions: AtomicU64,
+    /// What connections have said is to become of their motion.
+    losses: Mutex<BTreeMap<Owner, ConnectionLoss>>,
     /// µs that a client has moved the wall clock by; the host's own clock is never set.
     clock_offset: AtomicI64,
     /// Whether a client has set daylight saving.
@@ -119,6 +129,8 @@ impl Device {
             settings,
             open_connections: AtomicUsize::new(0),
             counters: Mutex::new(Counters::default()),
+            sessions: AtomicU64::new(0),
+            losses: Mutex::default(),
             clock_offset: AtomicI64::new(0),
             daylight_saving: AtomicBool::new(false),
         })
@@ -155,6 +167,52 @@ impl Device {
         self.inactivity.store(time.as_secs(), Ordering::Relaxed);
     }
 
+    /// A number that no other session has or had.
+    pub(crate) fn number_session(&self) -> u64 {
+        self.sessions.fetch_add(1, Ordering::Relaxed)
+    }
+
+    /// What becomes of the motion of an owner when it is lost.
+    pub(crate) fn loss(&self, owner: Owner) -> ConnectionLoss {
+        let own = self.lock_losses().get(&owner).copied();
+        own.unwrap_or(self.settings.connection_loss)
+    }
+
+    /// An owner says what is to become of its motion; `None`: as it is configured.
+    pub(crate) fn set_loss(&self, owner: Owner, loss: Option<ConnectionLoss>) {
+        match loss {
+            Some(loss) => self.lock_losses().insert(owner, loss),
+            None => self.lock_losses().remove(&owner),
+        };
+    }
+
+    /// A connection, or a session with all of its, is lost: its motion is stopped, held or goes on.
+    pub(crate) fn lose(&self, owner: Owner) {
+        let loss = self.loss(owner);
+        self.set_loss(owner, None);
+        if self.plant.lose(owner, loss) {
+            warn!(reaction = loss.word(), "a connection is lost, and motion that it began");
+        }
+    }
+
+    /// A connection was closed in order.
+    pub(crate) fn release(&self, owner: Owner) {
+        self.set_loss(owner, None);
+        self.plant.release(owner);
+    }
+
+    /// A session has ended, in order or not.
+    pub(crate) fn end_session(&self, session: u64, in_order: bool) {
+        for owner in self.plant.owners(session) {
+            if in_order {
+                self.release(owner);
+            } else {
+                self.lose(owner);
+            }
+        }
+        self.lock_losses().retain(|owner, _| owner.session != session);
+    }
+
     /// µs since 1970-01-01 UTC, as clients have set it.
     pub(crate) fn clock(&self) -> u64 {
         let offset = self.clock_offset.load(Ordering::Relaxed);
@@ -175,6 +233,10 @@ impl Device {
     /// Remembers daylight saving.
     pub(crate) fn set_daylight_saving(&self, on: bool) {
         self.daylight_saving.store(on, Ordering::Relaxed);
+    }
+
+    fn lock_losses(&self) -> MutexGuard<'_, BTreeMap<Owner, ConnectionLoss>> {
+        self.losses.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn lock_counters(&self) -> MutexGuard<'_, Counters> {
@@ -226,6 +288,8 @@ pub(crate) struct Seat<'d> {
     pub(crate) local: SocketAddrV4,
     /// The far end.
     pub(crate) peer: IpAddr,
+    /// The session's number.
+    pub(crate) session: u64,
 }
 
 impl Host for Seat<'_> {
@@ -249,6 +313,17 @@ impl Host for Seat<'_> {
         device.release_connections(count);
     }
 
+    fn connection_ended(&mut self, id: ConnectionId, how: ConnectionEnd) {
+        let owner = Owner {
+            session: self.session,
+            connection: id.0,
+        };
+        match how {
+            ConnectionEnd::Closed => self.device.release(owner),
+            ConnectionEnd::TimedOut => self.device.lose(owner),
+        }
+    }
+
     fn count(&mut self, count: Count) {
         self.device.count(count);
     }
@@ -260,7 +335,11 @@ impl Host for Seat<'_> {
     fn open_io(&mut self, open: &IoOpen<'_>) -> Result<IoOpened, CipStatus> {
         let mut device = self.device;
         match &self.device.io {
-            Some(io) => io.open(open, self.peer, *self.local.ip(), || device.random()),
+            Some(io) => {
+                let local = *self.local.ip();
+                let group = Adapter::of(&self.device.settings.system, local).first_multicast();
+                io.open(open, self.peer, local, group, || device.random())
+            }
             None => device.open_io(open),
         }
     }

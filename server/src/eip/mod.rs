@@ -10,7 +10,6 @@
 //! first, then the rising edges of `EnableIn` are executed, then it is answered.
 
 mod adapter;
-mod codec;
 mod connection;
 mod crowd;
 mod datagram;

@@ -16,12 +16,15 @@ use super::adapter::Adapter;
 use super::device::Device;
 use super::objects::motion::{self, MotionRequest};
 use super::{objects, tags};
+use crate::plant::Owner;
 use crate::retained::NotKept;
 
 /// Routes the messages of one connection.
 pub(crate) struct Router {
     device: Arc<Device>,
     local: SocketAddrV4,
+    /// The session's number.
+    session: u64,
 }
 
 /// What a request needs to be answered.
@@ -34,6 +37,8 @@ pub(crate) struct Context<'a> {
     pub(crate) budget: usize,
     /// What the message came on.
     pub(crate) transport: Transport,
+    /// Who has begun what comes of it.
+    pub(crate) owner: Owner,
 }
 
 impl Context<'_> {
@@ -86,8 +91,8 @@ impl<'r> Step<'r> {
 }
 
 impl Router {
-    pub(crate) fn new(device: Arc<Device>, local: SocketAddrV4) -> Self {
-        Self { device, local }
+    pub(crate) fn new(device: Arc<Device>, local: SocketAddrV4, session: u64) -> Self {
+        Self { device, local, session }
     }
 
     /// Answers a message within `budget` bytes.
@@ -107,7 +112,7 @@ impl Router {
         let context = self.context(budget, transport);
         let mut step = None;
         let kept = self
-            .with_memory(std::slice::from_ref(request), |memory| {
+            .with_memory(context.owner, may_write(request), |memory| {
                 step = Some(answer(&context, memory, request))
             })
             .await;
@@ -120,7 +125,7 @@ impl Router {
     async fn finish(&self, step: Step<'_>, context: &Context<'_>) -> Reply {
         match step {
             Step::Done(reply) => reply,
-            Step::Motion(motion) => motion.execute(&self.device.plant).await,
+            Step::Motion(motion) => motion.execute(&self.device.plant, context.owner).await,
             Step::Late(request, target) => objects::serve_late(context, request, &target),
         }
     }
@@ -140,10 +145,10 @@ impl Router {
         // Kept for the motion services and their executions, which are answered last.
         let late = requests.iter().flatten().filter(|request| is_late(request)).count();
         let mut room = replies.budget().saturating_sub(late * motion::REPLY_DATA);
-        let readable: Vec<Request> = requests.iter().flatten().cloned().collect();
+        let writes = requests.iter().flatten().any(may_write);
         let mut steps = Vec::with_capacity(requests.len());
         let kept = self
-            .with_memory(&readable, |memory| {
+            .with_memory(self.context(room, transport).owner, writes, |memory| {
                 for request in &requests {
                     let context = self.context(room, transport);
                     let step = match request {
@@ -170,21 +175,17 @@ impl Router {
         replies.finish()
     }
 
-    /// Runs `work` on the tag memory, for writing only if one of the requests writes, then executes the edges it made.
+    /// Runs `work` on the tag memory, for writing only if it may write, then executes the edges it made.
     ///
     /// # Errors
     /// The tags have what was written, but may not have it after a restart.
-    async fn with_memory(&self, requests: &[Request], work: impl FnOnce(&mut Memory<'_>)) -> Result<(), NotKept> {
-        let writes = |request: &Request| {
-            let code = request.service;
-            tags::is_write(code) || objects::is_set(code) || objects::is_table_change(code)
-        };
-        if requests.iter().any(writes) {
+    async fn with_memory(&self, owner: Owner, writes: bool, work: impl FnOnce(&mut Memory<'_>)) -> Result<(), NotKept> {
+        if writes {
             let ((), written) = self
                 .device
                 .plant
                 .write(|image, edges| work(&mut Memory::Write(image, edges)));
-            self.device.plant.fire(written).await
+            self.device.plant.fire_for(Some(owner), written).await
         } else {
             self.device.plant.with_image(|image| work(&mut Memory::Read(image)));
             Ok(())
@@ -197,12 +198,25 @@ impl Router {
             local: self.local,
             budget,
             transport,
+            owner: Owner {
+                session: self.session,
+                connection: match transport {
+                    Transport::Unconnected => 0,
+                    Transport::Connected(id) => id.0,
+                },
+            },
         }
     }
 }
 
 fn is_multiple(request: &Request) -> bool {
     request.service == service::MULTIPLE_SERVICE_PACKET && request.path.is_object(class::MESSAGE_ROUTER, 1)
+}
+
+/// Whether a request may write to the tag memory.
+fn may_write(request: &Request) -> bool {
+    let code = request.service;
+    tags::is_write(code) || objects::is_set(code) || objects::is_table_change(code)
 }
 
 /// Whether a request is answered after the memory has been let go.

@@ -3,6 +3,8 @@
 //! The bytes are the image's; here are types, elements and statuses. A refused write changes nothing. Surplus bytes
 //! behind a request are ignored, since stock clients send them.
 
+use std::borrow::Cow;
+
 use arcline_controller::image::{Edge, Image, ReadError, TagId, WriteError};
 use arcline_proto::cip::{CipStatus, Reply, Request, service};
 use arcline_proto::epath::Target;
@@ -140,7 +142,7 @@ impl Place {
     }
 
     /// The elements as they travel.
-    fn bytes(&self, image: &Image, elements: u16) -> Result<Vec<u8>, CipStatus> {
+    fn bytes<'i>(&self, image: &'i Image, elements: u16) -> Result<Cow<'i, [u8]>, CipStatus> {
         let size = self.check_elements(elements)?;
         let Location {
             offset, data_type, bit, ..
@@ -148,15 +150,17 @@ impl Place {
         let bytes = image.bytes(self.tag);
         if let Some(bit) = bit {
             let byte = bytes.get(offset + usize::from(bit / 8)).ok_or_else(unknown)?;
-            return Ok(vec![(byte >> (bit % 8)) & 1]);
+            return Ok(vec![(byte >> (bit % 8)) & 1].into());
         }
-        let mut bytes = bytes.get(*offset..offset + size).ok_or_else(unknown)?.to_vec();
-        if let DataType::Structure(template) = data_type {
-            bytes
-                .chunks_mut(template.size.max(1) as usize)
-                .for_each(|element| clamp_strings(template, element));
-        }
-        Ok(bytes)
+        let bytes = bytes.get(*offset..offset + size).ok_or_else(unknown)?;
+        let DataType::Structure(template) = data_type else {
+            return Ok(bytes.into());
+        };
+        let mut bytes = bytes.to_vec();
+        bytes
+            .chunks_mut(template.size.max(1) as usize)
+            .for_each(|element| clamp_strings(template, element));
+        Ok(bytes.into())
     }
 
     fn write(
@@ -201,7 +205,7 @@ impl Place {
             } if kind.has_bits() => {}
             _ => return Err(CipStatus::GENERAL_ERROR.with(general_error::TYPE_MISMATCH)),
         }
-        let mut integer = self.bytes(image, 1)?;
+        let mut integer = self.bytes(image, 1)?.into_owned();
         masks.apply(&mut integer)?;
         let edge = image
             .write(self.tag, self.location.offset, &integer)

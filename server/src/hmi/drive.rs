@@ -95,13 +95,18 @@ impl Shared {
         })
     }
 
-    /// Executes one instruction given as Structured Text.
-    pub(super) async fn execute(&self, viewer: ViewerId, text: &str) -> Result<Json, Refusal> {
+    /// What runs one instruction given as Structured Text, its names checked against the tags.
+    pub(super) fn interpreter_of(&self, text: &str) -> Result<Interpreter, Refusal> {
         let mut program = Program::parse_call(text).map_err(|error| Refusal::syntax(&error))?;
         self.plant
             .with_image(|image| program.check(&ImageNames(image)))
             .map_err(|error| Refusal::syntax(&error))?;
-        let mut interpreter = Interpreter::new(program);
+        Ok(Interpreter::new(program))
+    }
+
+    /// Executes one instruction given as Structured Text.
+    pub(super) async fn execute(&self, viewer: ViewerId, text: &str) -> Result<Json, Refusal> {
+        let mut interpreter = self.interpreter_of(text)?;
         let mut answer = Answer::Start;
         loop {
             let request = interpreter

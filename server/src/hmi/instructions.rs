@@ -91,7 +91,8 @@ fn kind(kind: &Kind) -> &'static str {
         Kind::Array(_) => "array",
         Kind::ArrayOrNone => "array_or_none",
         Kind::WrittenArray(_) => "written_array",
-        Kind::Structure(_) | Kind::StructureOrNone(_) => "structure",
+        Kind::Structure(_) => "structure",
+        Kind::StructureOrNone(_) => "structure_or_none",
     }
 }
 

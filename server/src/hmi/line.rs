@@ -1,12 +1,11 @@
 //! From a filled form to the line of Structured Text that it stands for.
 
 use arcline_instruction_set::{BindError, Instruction, Kind, Mnemonic, MotionError, Object, Operand, bind};
-use arcline_structured_text::{Answer, BoundCall, Interpreter, Program, Request};
+use arcline_structured_text::{Answer, BoundCall, Request};
 use serde_json::{Map, Value, json};
 
 use super::Shared;
 use super::message::Refusal;
-use crate::names::ImageNames;
 
 impl Shared {
     /// The line of a form: what was left out has its first value, and a tail of values that may be left out is. It is
@@ -44,11 +43,7 @@ impl Shared {
 
     /// Whether a line can be executed, as far as names, types and ranges go.
     fn verify(&self, text: &str) -> Result<(), Refusal> {
-        let mut program = Program::parse_call(text).map_err(|error| Refusal::syntax(&error))?;
-        self.plant
-            .with_image(|image| program.check(&ImageNames(image)))
-            .map_err(|error| Refusal::syntax(&error))?;
-        let mut interpreter = Interpreter::new(program);
+        let mut interpreter = self.interpreter_of(text)?;
         let mut answer = Answer::Start;
         loop {
             let request = interpreter

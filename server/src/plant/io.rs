@@ -1,12 +1,9 @@
 //! What implicit I/O does with the plant: the state of a tick for its inputs, and what its outputs command. Nothing here
 //! waits for the controller.
 
-use std::sync::TryLockError;
-
 use arcline_controller::image::Image;
 use arcline_controller::{Command, Snapshot};
 
-use super::state::State;
 use super::{LiveMoves, Logged, Plant};
 
 impl Plant {
@@ -22,28 +19,25 @@ impl Plant {
         let mut state = self.0.lock();
         state.refresh();
         let events = state.log.since(number).copied().collect();
-        read(&state.image, events)
+        read(state.image(), events)
     }
 
     /// Reads the state of the newest tick, the tags of the same one, and the moves under way.
     pub fn with_state<R>(&self, read: impl FnOnce(&Image, &Snapshot, &LiveMoves) -> R) -> R {
         let mut state = self.0.lock();
         state.refresh();
-        let State { image, link, moves, .. } = &mut *state;
-        read(image, link.snapshots.output_buffer(), moves)
+        let (image, snapshot, moves) = state.view();
+        read(image, snapshot, moves)
     }
 
     /// As [`Plant::with_snapshot`], but does not wait for whoever has the plant: `None` when it is not to be had soon.
     pub fn try_with_snapshot<R>(&self, read: impl FnOnce(&Snapshot) -> R) -> Option<R> {
         for _ in 0..LOOKS {
-            match self.0.state.try_lock() {
-                Ok(mut state) => {
-                    state.refresh();
-                    return Some(read(state.link.snapshots.output_buffer()));
-                }
-                Err(TryLockError::WouldBlock) => std::hint::spin_loop(),
-                Err(TryLockError::Poisoned(_)) => return Some(self.with_snapshot(read)),
+            if let Some(mut state) = self.0.try_lock() {
+                state.refresh();
+                return Some(read(state.link.snapshots.output_buffer()));
             }
+            std::hint::spin_loop();
         }
         None
     }
@@ -63,11 +57,12 @@ impl Plant {
     pub fn resume_all(&self) -> bool {
         let held: Vec<Option<f32>> = {
             let state = self.0.lock();
-            let overrides = state.image.feed_overrides();
+            let image = state.image();
+            let overrides = image.feed_overrides();
             (0..)
                 .zip(overrides)
                 .map(|(system, percent)| match percent {
-                    0.0 => state.image.feed_override_before_hold(system),
+                    0.0 => image.feed_override_before_hold(system),
                     _ => None,
                 })
                 .collect()
@@ -90,7 +85,7 @@ impl Plant {
                 let (Some(percent), Ok(place)) = (percent(system), u16::try_from(system)) else {
                     continue;
                 };
-                all &= state.image.set_feed_override(place, percent).is_ok();
+                all &= state.image_mut().set_feed_override(place, percent).is_ok();
             }
             state.send_overrides();
         }

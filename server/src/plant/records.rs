@@ -32,6 +32,10 @@ impl Records {
         self.newest = ticket.0;
     }
 
+    pub(super) fn get(&self, ticket: Ticket) -> Option<&MotionControl> {
+        self.ring.get(self.place(ticket)?).map(|record| &record.control)
+    }
+
     pub(super) fn get_mut(&mut self, ticket: Ticket) -> Option<&mut MotionControl> {
         let place = self.place(ticket)?;
         self.ring.get_mut(place).map(|record| &mut record.control)

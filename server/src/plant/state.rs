@@ -1,10 +1,13 @@
-//! What the plant's lock guards: tags, rings, and which tickets somebody waits for. It never blocks and knows no
-//! tasks.
+//! What the plant's lock guards: tags, rings, and which tickets somebody waits for; and what of it is published for readers.
+//! It never blocks and knows no tasks.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
+use arc_swap::ArcSwap;
 use arcline_controller::image::{Edge, Image, Staged, TagKind};
-use arcline_controller::{Command, Ticket};
+use arcline_controller::{Command, Snapshot, Ticket};
 use arcline_instruction_set::{Call, FaultSet, Flag, MotionControl, MotionError};
 use arcline_realtime::Link;
 use tokio::sync::oneshot;
@@ -12,14 +15,30 @@ use tokio::sync::oneshot;
 use super::OUTSTANDING;
 use super::log::Log;
 use super::moves::LiveMoves;
+use super::owned::{Owned, Owner};
 use super::records::Records;
-use crate::retained::Watch;
+use crate::retained::{Watch, WhenKept};
 use crate::trace::Trace;
+
+/// What readers have without the lock.
+#[derive(Debug)]
+pub(super) struct Published {
+    /// The tag memory after the last change.
+    pub(super) image: ArcSwap<Image>,
+    /// How many snapshots there were when its newest one was taken.
+    pub(super) snapshots: AtomicU64,
+}
 
 /// Everything behind the plant's lock.
 #[derive(Debug)]
 pub(super) struct State {
-    pub(super) image: Image,
+    image: Image,
+    /// Whether the image is another one than what was published of it.
+    changed: bool,
+    /// Who is to be told as soon as the image is published.
+    done: Vec<oneshot::Sender<()>>,
+    /// How many snapshots there were when the newest one was taken.
+    snapshots: u64,
     pub(super) link: Link,
     /// Whether a snapshot was ever published.
     began: bool,
@@ -30,6 +49,8 @@ pub(super) struct State {
     pub(super) records: Records,
     pub(super) log: Log,
     pub(super) moves: LiveMoves,
+    /// What connections have begun.
+    pub(super) owned: Owned,
     lost: u64,
     /// What instructions under way write to tags when they are done.
     staged: BTreeMap<Ticket, Staged>,
@@ -51,6 +72,9 @@ impl State {
             overrides: image.feed_overrides().collect(),
             injected: image.injected_faults().collect(),
             image,
+            changed: false,
+            done: Vec::new(),
+            snapshots: 0,
             link,
             began: false,
             next_ticket: 1,
@@ -60,14 +84,50 @@ impl State {
             records: Records::default(),
             log: Log::default(),
             moves,
+            owned: Owned::default(),
             lost: 0,
             watch,
             trace,
         }
     }
 
+    /// The tag memory.
+    pub(super) fn image(&self) -> &Image {
+        &self.image
+    }
+
+    /// The tag memory, the snapshot that it shows, and the moves under way.
+    pub(super) fn view(&mut self) -> (&Image, &Snapshot, &LiveMoves) {
+        (&self.image, self.link.snapshots.output_buffer(), &self.moves)
+    }
+
+    /// The tag memory, which is then published anew.
+    pub(super) fn image_mut(&mut self) -> &mut Image {
+        self.changed = true;
+        &mut self.image
+    }
+
+    /// Publishes the tag memory if it has changed, then tells those who waited for what it shows now.
+    pub(super) fn publish(&mut self, published: &Published) {
+        if std::mem::take(&mut self.changed) {
+            published.image.store(Arc::new(self.image.clone()));
+        }
+        published.snapshots.store(self.snapshots, Ordering::Release);
+        for waiting in self.done.drain(..) {
+            // Whoever waited may have given up.
+            let _ = waiting.send(());
+        }
+    }
+
+    /// What has to be kept of what was written.
+    pub(super) fn keep(&mut self) -> Option<WhenKept> {
+        let watch = self.watch.as_mut()?;
+        watch.tags(&mut self.image)
+    }
+
     /// Takes the newest snapshot and everything that happened up to its tick.
     pub(super) fn refresh(&mut self) {
+        self.snapshots = self.link.meter.snapshots();
         let updated = self.link.snapshots.update();
         self.began |= updated;
         if !self.began {
@@ -88,7 +148,7 @@ impl State {
             }
             let event = *event;
             let _ = self.link.events.pop();
-            self.image.apply_event(&event);
+            self.image_mut().apply_event(&event);
             self.moves.event(&event);
             self.log.push(event, self.records.target(event.ticket));
             let tag = self.image.control_name(event.control);
@@ -101,6 +161,13 @@ impl State {
                     self.complete(event.ticket, &control);
                 }
             }
+        }
+        while let Ok(write) = self.link.array_writes.peek() {
+            if write.tick > tick {
+                break;
+            }
+            self.image.apply_array_write(write);
+            let _ = self.link.array_writes.pop();
         }
         while let Ok(answer) = self.link.answers.peek() {
             if answer.tick > tick {
@@ -121,6 +188,7 @@ impl State {
             }
         }
         if updated {
+            self.changed = true;
             let snapshot = self.link.snapshots.output_buffer();
             self.image.apply_snapshot(snapshot);
             self.moves.settle(snapshot);
@@ -142,12 +210,18 @@ impl State {
 
     fn complete(&mut self, ticket: Ticket, control: &MotionControl) {
         if let Some(staged) = self.staged.remove(&ticket) {
-            self.image.settle(staged, control);
+            self.image_mut().settle(staged, control);
         }
-        if let Some(waiting) = self.waiting.remove(&ticket) {
-            // Whoever waited may have given up.
-            let _ = waiting.send(());
+        self.done.extend(self.waiting.remove(&ticket));
+    }
+
+    /// Sends a call for an owner, as [`Self::send`].
+    pub(super) fn send_for(&mut self, owner: Option<Owner>, call: Call) -> (Ticket, oneshot::Receiver<()>) {
+        let sent = self.send(call);
+        if let Some(owner) = owner {
+            self.owned.begin(owner, sent.0, &call, &self.records);
         }
+        sent
     }
 
     /// Sends a call; the receiver is told when DN, ER or IP is set.
@@ -155,7 +229,7 @@ impl State {
         let ticket = self.ticket(call.target);
         let (sender, receiver) = oneshot::channel();
         self.waiting.insert(ticket, sender);
-        let (material, staged) = self.image.prepare(&call);
+        let (material, staged) = self.image_mut().prepare(&call);
         if let Some(staged) = staged {
             self.staged.insert(ticket, staged);
         }
@@ -216,7 +290,7 @@ impl State {
         }
     }
 
-    pub(super) fn edge(&mut self, edge: Edge) -> Option<oneshot::Receiver<()>> {
+    pub(super) fn edge(&mut self, owner: Option<Owner>, edge: Edge) -> Option<oneshot::Receiver<()>> {
         let id = match edge {
             Edge::Rising(id) | Edge::Falling(id) => id,
             Edge::FeedOverride => {
@@ -225,6 +299,12 @@ impl State {
             }
             Edge::FaultInject => {
                 self.send_injected();
+                return None;
+            }
+            Edge::Input => {
+                for input in self.image.take_inputs() {
+                    self.push(Command::Input(input));
+                }
                 return None;
             }
         };
@@ -236,20 +316,20 @@ impl State {
             let mut control = self.image.control(kind.control);
             if is_answered(&control) {
                 control.clear(Flag::En);
-                self.image.set_control(kind.control, control);
+                self.image_mut().set_control(kind.control, control);
             }
             self.push(Command::RungFalse(kind.control));
             return None;
         }
         let error = match self.image.call_of(id)? {
-            Ok(call) if self.waiting.len() < OUTSTANDING => return Some(self.send(call).1),
+            Ok(call) if self.waiting.len() < OUTSTANDING => return Some(self.send_for(owner, call).1),
             Ok(_) => MotionError::from_codes(EXECUTION_COLLISION, 0)?,
             // A name among the operands that means nothing is a value out of range.
             Err(error) => MotionError::from_codes(OUT_OF_RANGE, error.operand().map_or(0, |operand| operand.0 as i8))?,
         };
         let ticket = self.ticket(None);
         let refused = MotionControl::refused(error);
-        self.image.set_control(kind.control, refused);
+        self.image_mut().set_control(kind.control, refused);
         if let Some(control) = self.records.get_mut(ticket) {
             *control = refused;
         }

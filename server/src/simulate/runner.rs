@@ -179,6 +179,9 @@ impl<'m> Runner<'m> {
             }
             self.controller.plan_contours(&mut self.contour);
             self.controller.end_tick(|event| self.events.push(*event));
+            let image = &mut self.image;
+            self.controller
+                .take_array_writes(|write| image.apply_array_write(write));
             if !self.events.is_empty() {
                 self.take_events(observer, time(tick));
             }
@@ -362,6 +365,12 @@ impl<'m> Runner<'m> {
                 for (axis, causes) in (0..).zip(self.image.injected_faults()) {
                     self.controller.inject(axis, causes);
                 }
+            }
+            Some(Edge::Input) => {
+                for input in self.image.take_inputs() {
+                    self.controller.input(input);
+                }
+                self.shown = None;
             }
             Some(Edge::Rising(id)) => {
                 let call = self

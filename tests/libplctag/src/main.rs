@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use plctag_core::{RawTag, Status};
 
 /// Milliseconds that one request may take.
-const TIMEOUT: u32 = 30_000;
+const TIMEOUT: u32 = 10_000;
 /// How long a move may take.
 const MOVE: Duration = Duration::from_secs(30);
 
@@ -299,8 +299,9 @@ fn main() {
     browse(&connected);
     run_a_move(&connected, [40.0, 20.0, 10.0]);
     service(&connected, "Generic8");
-    // Without a connection this version only reads: it takes the replies to its writes for others.
-    let unconnected = Plc(format!("{address}&use_connected_msg=0"));
+    // Without a connection this version only reads: it takes the replies to its writes for others. And it shares a session
+    // among tags with and without a connection, with connection 0 for those that need one: so they have a group of their own.
+    let unconnected = Plc(format!("{address}&use_connected_msg=0&connection_group_id=1"));
     equal(
         "12,000 bytes, unconnected",
         unconnected.read("Recipe", 3000),

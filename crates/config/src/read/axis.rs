@@ -6,14 +6,15 @@ use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 use super::NOT_NEGATIVE_LENGTH;
 use super::dynamics::{Dynamics, POSITIVE_RATE, POSITIVE_SPEED};
 use super::home::home;
+use super::inputs::inputs;
 use super::names::{Taken, required_name};
 use crate::error::{ConfigError, Problem};
 use crate::section::{NumberRule, Section};
 
 pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, ConfigError> {
     let name = required_name(section, "name", names)?;
-    let servo = match section.word("type", &["servo", "virtual"], AXIS_TYPE)? {
-        Some(place) => place == 0,
+    let (servo, feedback) = match section.word("type", &["servo", "virtual", "feedback"], AXIS_TYPE)? {
+        Some(place) => (place == 0, place == 2),
         None => return Err(section.missing("type", AXIS_TYPE)),
     };
     let units = match section.string("units", UNITS)? {
@@ -35,6 +36,7 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
     let drive = drive(section)?;
     let kind = match (servo, drive) {
         (true, drive) => AxisKind::Servo(drive.unwrap_or_default()),
+        (false, None) if feedback => AxisKind::Feedback,
         (false, None) => AxisKind::Virtual,
         (false, Some(_)) => {
             let problem = Problem::Conflict {
@@ -58,10 +60,11 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         start: start(section, unwind)?,
         home,
         programmed_stop_mode: stop_mode(section)?,
-        exception_actions: exception_actions(section, servo)?,
+        exception_actions: exception_actions(section, servo || feedback)?,
         average_velocity_timebase: section
             .number("average_velocity_timebase", &TIMEBASE)?
             .unwrap_or(AVERAGE_VELOCITY_TIMEBASE),
+        inputs: inputs(section, feedback)?,
     })
 }
 
@@ -172,6 +175,8 @@ pub(super) const AXIS: &[&str] = &[
     "programmed_stop_mode",
     "exception_actions",
     "average_velocity_timebase",
+    "feed",
+    "registration",
 ];
 pub(super) const START: &[&str] = &["position", "servo_on", "homed"];
 pub(super) const TRAVEL: &[&str] = &["min", "max"];
@@ -197,7 +202,7 @@ const UNITS: &str = "a label of up to 40 bytes such as \"mm\"";
 const STOP_MODE: &str = "\"fast_stop\", \"fast_disable\", \"hard_disable\", \"fast_shutdown\" or \"hard_shutdown\"";
 const EXCEPTIONS: &str = "a table such as { position_error = \"stop_drive\" }";
 const ACTION: &str = "\"ignore\", \"alarm\", \"fault_status_only\", \"stop_planner\", \"stop_drive\" or \"shutdown\"";
-const AXIS_TYPE: &str = "\"servo\" or \"virtual\"";
+const AXIS_TYPE: &str = "\"servo\", \"virtual\" or \"feedback\"";
 
 pub(super) const POSITIVE_LENGTH: NumberRule = NumberRule {
     expected: "a number above 0 (position units)",

@@ -4,7 +4,7 @@ use std::net::{Ipv4Addr, SocketAddr};
 
 use crate::error::ConfigError;
 use crate::section::Section;
-use crate::{IoListen, IoLoss, ServerConfig};
+use crate::{ConnectionLoss, IoListen, IoLoss, ServerConfig};
 
 pub(super) fn server(root: &Section<'_>) -> Result<ServerConfig, ConfigError> {
     let (section, _) = root.table("server", SERVER, "a table, [server]")?;
@@ -58,6 +58,13 @@ pub(super) fn server(root: &Section<'_>) -> Result<ServerConfig, ConfigError> {
     {
         config.io_loss = *loss;
     }
+    let words = ConnectionLoss::WORDS.map(|(word, _)| word);
+    if let Some((_, loss)) = section
+        .word("connection_loss", &words, CONNECTION_LOSS)?
+        .and_then(|place| ConnectionLoss::WORDS.get(place))
+    {
+        config.connection_loss = *loss;
+    }
     Ok(config)
 }
 
@@ -75,6 +82,7 @@ pub(super) const SERVER: &[&str] = &[
     "hmi",
     "io",
     "io_loss",
+    "connection_loss",
     "max_clients",
     "max_clients_per_address",
     "max_connections",
@@ -91,4 +99,5 @@ const PRODUCT_NAME: &str = "1 to 32 printable ASCII characters";
 const LISTEN: &str = "an address and port such as \"127.0.0.1:44818\", or a list of up to 16";
 const IO: &str = "an address and port such as \"127.0.0.1:2222\", or \"off\"";
 const IO_LOSS: &str = "\"stop\", \"hold\" or \"finish\"";
+const CONNECTION_LOSS: &str = "\"jogs\", \"stop\", \"hold\" or \"finish\"";
 const HMI: &str = "an address and port such as \"127.0.0.1:8080\", or \"off\"";

@@ -24,6 +24,10 @@ pub(super) fn coordinate_system(
             let known = machine.axes.iter().map(|axis| axis.name.as_str());
             return Err(unknown_name(section, &axis, "axis", known));
         };
+        let kind = machine.axes.get(usize::from(place)).map(|axis| axis.kind);
+        if kind == Some(arcline_controller::machine::AxisKind::Feedback) {
+            return Err(section.refuse(&axis, "an axis that can be moved", None));
+        }
         if axes.contains(&place) {
             return Err(section.refuse(&axis, "each axis once", None));
         }

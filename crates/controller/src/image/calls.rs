@@ -1,11 +1,12 @@
 //! Names for instructions: objects and arrays among the tags, and the call that an instruction tag is.
 
 use arcline_instruction_set::{
-    BindError, Call, Directory, Object, bind, instruction_tag_given, instruction_tag_target,
+    BindError, Call, Directory, Object, WrittenArray, bind, instruction_tag_given, instruction_tag_target,
 };
 use arcline_tag::{DataType, Elementary};
 
 use super::{Image, TagId, TagKind};
+use crate::ArrayWrite;
 
 impl Image {
     /// The instruction of an instruction tag with the target and operands that it holds now. A target that does
@@ -23,6 +24,21 @@ impl Image {
         let target = self.object(kind.mnemonic.instruction().object, &target);
         let given = instruction_tag_given(kind.mnemonic, &tag.name, bytes);
         Some(bind(kind.mnemonic, target, kind.control, &given, self))
+    }
+
+    /// Takes over what an instruction wrote to an array. One that is gone meanwhile takes nothing; nothing of it is kept over a
+    /// restart.
+    pub fn apply_array_write(&mut self, write: &ArrayWrite) {
+        let Some((id, offset, elements)) = self.written_array(write.tag) else {
+            return;
+        };
+        let Some(bytes) = self.bytes_mut(id).and_then(|bytes| bytes.get_mut(offset..)) else {
+            return;
+        };
+        let values = write.values.as_slice().iter().take(elements);
+        for (value, place) in values.zip(bytes.chunks_exact_mut(4)) {
+            place.copy_from_slice(&(*value as f32).to_le_bytes());
+        }
     }
 
     /// Where a REAL array that an instruction writes stands: `tag` is what [`Directory::real_array`] gave.
@@ -55,7 +71,7 @@ impl Directory for Image {
         }
     }
 
-    fn real_array(&self, name: &str) -> Option<u32> {
+    fn real_array(&self, name: &str) -> Option<WrittenArray> {
         let (id, place) = self.locate(&name.parse().ok()?).ok()?;
         let offset = u32::try_from(place.offset / 4)
             .ok()
@@ -63,7 +79,12 @@ impl Directory for Image {
         let real = place.data_type == DataType::Elementary(Elementary::Real) && place.bit.is_none();
         let for_instructions = self.tag(id)?.kind != TagKind::FeedOverride;
         let writable = for_instructions && self.writable(id, place.offset, 4 * place.elements as usize);
-        (real && writable && id.0 <= 0xFFFF).then_some(id.0 << 16 | offset)
+        let tag = (real && writable && id.0 <= 0xFFFF).then_some(id.0 << 16 | offset)?;
+        let (_, _, elements) = self.written_array(tag)?;
+        Some(WrittenArray {
+            tag,
+            elements: elements.min(usize::from(u16::MAX)) as u16,
+        })
     }
 
     fn structure(&self, type_name: &str, name: &str) -> Option<u32> {

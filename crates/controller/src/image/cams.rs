@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use arcline_instruction_set::predefined::cam_profile_status::{BEING_CALCULATED, CALCULATED, NOT_CALCULATED};
 use arcline_instruction_set::{Call, Detail, Flag, Mnemonic, MotionControl, MotionError, OperandIndex};
-use arcline_motion::Material;
 use arcline_motion::cam::{CalculateError, Point, Profile, Segment, SegmentType};
+use arcline_motion::{Answer, Material};
 
 use arcline_tag::{DataType, Member};
 
@@ -24,6 +24,8 @@ pub struct Staged(Result_);
 enum Result_ {
     Profile(Place, Profile),
     Numbers(Vec<(u32, f64)>),
+    /// What the tick calculates, for an array.
+    Answer(u32, Arc<Answer>),
 }
 
 /// Elements of an array of structures, from one of them to the end of the array.
@@ -52,6 +54,7 @@ impl Image {
             Mnemonic::Mccp => self.calculate_profile(call),
             Mnemonic::Mcsv => self.calculate_values(call),
             Mnemonic::Mapc | Mnemonic::Matc => self.use_profile(call),
+            Mnemonic::Mctp => return Self::expect_numbers(call, "Transform Position"),
             _ => return (None, None),
         };
         match prepared {
@@ -74,6 +77,12 @@ impl Image {
                     self.set_status(place, status);
                 }
             }
+            Result_::Answer(tag, answer) => {
+                // The elements of an array follow each other in what a tag is called.
+                for (place, number) in (tag..).zip(answer.numbers().filter(|_| done)) {
+                    self.write_number(place, number);
+                }
+            }
             Result_::Numbers(numbers) => {
                 for (tag, number) in numbers.into_iter().filter(|_| done) {
                     self.write_number(tag, number);
@@ -94,6 +103,18 @@ impl Image {
             }
         }
         self.profiles.used.retain(|(_, profile)| Arc::strong_count(profile) > 1);
+    }
+
+    /// A place for what the tick calculates, where the operand names an array.
+    fn expect_numbers(call: &Call, name: &str) -> (Option<Material>, Option<Staged>) {
+        let Some(array) = call.written(operand(call.mnemonic, name)) else {
+            return (None, None);
+        };
+        let answer = Arc::new(Answer::new(usize::from(array.elements)));
+        (
+            Some(Material::Answer(answer.clone())),
+            Some(Staged(Result_::Answer(array.tag, answer))),
+        )
     }
 
     /// Instructions that use a profile of these elements.
@@ -151,7 +172,7 @@ impl Image {
             ("Slope Derivative", value.curvature),
         ];
         let numbers = results.into_iter().filter_map(|(name, number)| {
-            let tag = call.tag(operand(Mnemonic::Mcsv, name))?;
+            let tag = call.written(operand(Mnemonic::Mcsv, name))?.tag;
             Some((tag, number))
         });
         Ok((Material::Done, Some(Staged(Result_::Numbers(numbers.collect())))))

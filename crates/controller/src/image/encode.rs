@@ -5,6 +5,7 @@ use arcline_motion::{AxisSnapshot, SystemSnapshot};
 use arcline_tag::Template;
 
 use super::Health;
+use super::shared::Memory;
 use crate::Snapshot;
 use crate::machine::{AxisKind, Machine};
 
@@ -22,6 +23,7 @@ enum AxisField {
     CipState,
     CipStatus,
     Real(fn(&AxisSnapshot) -> f64),
+    Dint(fn(&AxisSnapshot) -> i32),
 }
 
 /// Where the numbers of one axis type stand.
@@ -96,23 +98,23 @@ impl Encoder {
     }
 
     /// `overlapping`: the motion task was still running when its next period began.
-    pub(super) fn snapshot(&self, snapshot: &Snapshot, overlapping: bool, bytes: &mut [Vec<u8>]) {
+    pub(super) fn snapshot(&self, snapshot: &Snapshot, overlapping: bool, memory: &mut Memory) {
         let group_fault = if overlapping { axis_fault::GROUP_FAULT } else { 0 };
-        let (group, bytes) = bytes.split_at_mut(1);
         let mut faults = 0;
-        for ((axis, is_virtual), bytes) in snapshot.axes.iter().zip(&self.is_virtual).zip(bytes.iter_mut()) {
+        let axes = snapshot.axes.iter().zip(&self.is_virtual);
+        for (place, (axis, is_virtual)) in (FIRST_AXIS..).zip(axes) {
             faults |= axis.fault;
             let layout = if *is_virtual { &self.virtual_ } else { &self.cip };
-            layout.encode(axis, group_fault, bytes);
+            if let Some(bytes) = memory.get_mut(place) {
+                layout.encode(axis, group_fault, bytes);
+            }
         }
-        for (system, bytes) in snapshot
-            .systems
-            .iter()
-            .zip(bytes.iter_mut().skip(self.is_virtual.len()))
-        {
-            self.system.encode(system, group_fault, bytes);
+        for (place, system) in (FIRST_AXIS + self.is_virtual.len()..).zip(&snapshot.systems) {
+            if let Some(bytes) = memory.get_mut(place) {
+                self.system.encode(system, group_fault, bytes);
+            }
         }
-        if let [group] = group {
+        if let Some(group) = memory.get_mut(GROUP_TAG) {
             put(group, self.group.status, GROUP_RUNNING.to_le_bytes());
             // The group has no bit for motion faults of axes: they show as physical ones.
             if faults & axis_fault::MOTION_FAULT != 0 {
@@ -122,8 +124,8 @@ impl Encoder {
         }
     }
 
-    pub(super) fn health(&self, health: &Health, bytes: &mut [Vec<u8>]) {
-        let Some(group) = bytes.first_mut() else { return };
+    pub(super) fn health(&self, health: &Health, memory: &mut Memory) {
+        let Some(group) = memory.get_mut(GROUP_TAG) else { return };
         let (scan, io) = (&health.compute, &health.lateness);
         let times = [scan.max, scan.last, scan.average, io.last, io.max, io.average];
         for (offset, time) in self.group.task.into_iter().zip(times) {
@@ -133,7 +135,7 @@ impl Encoder {
     }
 
     /// Attributes of the drives, which do not change.
-    pub(super) fn constants(&self, machine: &Machine, bytes: &mut [Vec<u8>]) {
+    pub(super) fn constants(&self, machine: &Machine, memory: &mut Memory) {
         let template = predefined::axis_cip_drive();
         let bandwidth = template
             .member("PositionLoopBandwidth")
@@ -141,7 +143,8 @@ impl Encoder {
         let feedforward = template
             .member("VelocityFeedforwardGain")
             .map(|member| member.offset as usize);
-        for (axis, bytes) in machine.axes.iter().zip(bytes.iter_mut().skip(1)) {
+        for (place, axis) in (FIRST_AXIS..).zip(&machine.axes) {
+            let Some(bytes) = memory.get_mut(place) else { continue };
             let layout = if axis.is_virtual() { &self.virtual_ } else { &self.cip };
             if let Some(offset) = layout.interpolation_time {
                 put(bytes, offset, 0i32.to_le_bytes());
@@ -161,10 +164,10 @@ impl Encoder {
 impl AxisLayout {
     fn new(template: &Template) -> Self {
         use AxisField::{
-            CipAlarms, CipFaults, CipState, CipStatus, Event, Fault, MotionAlarms, MotionFaults, MotionStatus, Real,
-            Status,
+            CipAlarms, CipFaults, CipState, CipStatus, Dint, Event, Fault, MotionAlarms, MotionFaults, MotionStatus,
+            Real, Status,
         };
-        let fields: [(&str, AxisField); 26] = [
+        let fields: [(&str, AxisField); 39] = [
             ("AxisFault", Fault),
             ("AxisStatus", Status),
             ("AxisEvent", Event),
@@ -189,6 +192,19 @@ impl AxisLayout {
             ("StartActualPosition", Real(|axis| axis.started_at[1])),
             ("StrobeCommandPosition", Real(|axis| axis.strobed[0])),
             ("StrobeActualPosition", Real(|axis| axis.strobed[1])),
+            ("WatchPosition", Real(|axis| axis.watched)),
+            ("Registration1Position", Real(|axis| axis.registered[0][0])),
+            ("Registration1PositiveEdgePosition", Real(|axis| axis.registered[0][1])),
+            ("Registration1NegativeEdgePosition", Real(|axis| axis.registered[0][2])),
+            ("Registration2Position", Real(|axis| axis.registered[1][0])),
+            ("Registration2PositiveEdgePosition", Real(|axis| axis.registered[1][1])),
+            ("Registration2NegativeEdgePosition", Real(|axis| axis.registered[1][2])),
+            ("Registration1Time", Dint(|axis| axis.registered_at[0][0])),
+            ("Registration1PositiveEdgeTime", Dint(|axis| axis.registered_at[0][1])),
+            ("Registration1NegativeEdgeTime", Dint(|axis| axis.registered_at[0][2])),
+            ("Registration2Time", Dint(|axis| axis.registered_at[1][0])),
+            ("Registration2PositiveEdgeTime", Dint(|axis| axis.registered_at[1][1])),
+            ("Registration2NegativeEdgeTime", Dint(|axis| axis.registered_at[1][2])),
             ("InterpolatedActualPosition", Real(|axis| axis.actual[0])),
             ("InterpolatedCommandPosition", Real(|axis| axis.command[0])),
         ];
@@ -216,6 +232,7 @@ impl AxisLayout {
                 AxisField::CipAlarms => put(bytes, *offset, axis.cip_faults[1].to_le_bytes()),
                 AxisField::CipState => put(bytes, *offset, axis.cip_state.to_le_bytes()),
                 AxisField::CipStatus => put(bytes, *offset, axis.cip_status.to_le_bytes()),
+                AxisField::Dint(of) => put(bytes, *offset, of(axis).to_le_bytes()),
                 AxisField::Real(of) => put(bytes, *offset, (of(axis) as f32).to_le_bytes()),
             }
         }
@@ -247,6 +264,10 @@ fn put<const N: usize>(bytes: &mut [u8], offset: usize, value: [u8; N]) {
     }
 }
 
+/// The place of the group's tag; axes are behind it, coordinate systems behind them.
+const GROUP_TAG: usize = 0;
+/// The place of the first axis's tag.
+const FIRST_AXIS: usize = 1;
 /// GroupStatus of a running group: GroupSynced and the timer event (axis-and-data-types.md §8.8).
 const GROUP_RUNNING: u32 = 6;
 /// The bits of an axis's AxisFault that the group collects.

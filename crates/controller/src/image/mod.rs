@@ -15,7 +15,9 @@ mod error;
 mod fault_inject;
 mod feed_override;
 mod health;
+mod inputs;
 mod read;
+mod shared;
 mod table;
 mod tag;
 #[cfg(test)]
@@ -32,6 +34,8 @@ use arcline_tag::{DataType, Elementary, TagType, Template, write_string};
 use crate::machine::Machine;
 use crate::{Event, Snapshot, UNNAMED};
 
+use shared::{Memory, Shared};
+
 pub use cams::Staged;
 pub use error::{ControlError, ReadError, WriteError};
 pub use fault_inject::FAULT_INJECT_TAG;
@@ -41,20 +45,20 @@ pub use table::{Configured, MAX_PLAIN_BYTES, MAX_PLAIN_TAGS, TableError, is_tag_
 pub use tag::{Access, AliasOf, Edge, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind};
 pub use written::Written;
 
-/// Every tag of a machine.
+/// Every tag of a machine. A clone shares with the original what neither has changed, so that it is cheap.
 #[derive(Clone, Debug)]
 pub struct Image {
-    tags: Vec<Tag>,
-    bytes: Vec<Vec<u8>>,
+    tags: Shared<Vec<Tag>>,
+    bytes: Memory,
     /// Names in lower case, those of a program's scope behind `program:name.`.
-    names: BTreeMap<String, TagId>,
-    programs: Vec<String>,
-    templates: BTreeMap<u16, Arc<Template>>,
+    names: Shared<BTreeMap<String, TagId>>,
+    programs: Shared<Vec<String>>,
+    templates: Shared<BTreeMap<u16, Arc<Template>>>,
     /// Where the MOTION_INSTRUCTION of a slot stands: tag and offset.
-    controls: Vec<(TagId, usize)>,
-    encoder: encode::Encoder,
+    controls: Shared<Vec<(TagId, usize)>>,
+    encoder: Shared<encode::Encoder>,
     /// How the table of tags has changed.
-    table: table::Table,
+    table: Shared<table::Table>,
     snapshot_tick: u64,
     /// The last override of each coordinate system that was not 0, percent.
     before_hold: Vec<f32>,
@@ -66,6 +70,8 @@ pub struct Image {
     overlapping: bool,
     /// Cam profiles that are calculated or used.
     profiles: cams::Profiles,
+    /// Tags that the machine reads.
+    inputs: inputs::Inputs,
 }
 
 impl Image {
@@ -73,14 +79,14 @@ impl Image {
     /// equal ones the first is found.
     pub fn new(machine: &Machine, instruction_tags: &[InstructionTag], plain_tags: &[PlainTag]) -> Self {
         let mut image = Image {
-            tags: Vec::new(),
-            bytes: Vec::new(),
-            names: BTreeMap::new(),
-            programs: Vec::new(),
-            templates: BTreeMap::new(),
-            controls: Vec::new(),
-            encoder: encode::Encoder::new(machine),
-            table: table::Table::default(),
+            tags: Shared::default(),
+            bytes: Memory::default(),
+            names: Shared::default(),
+            programs: Shared::default(),
+            templates: Shared::default(),
+            controls: Shared::default(),
+            encoder: Shared::new(encode::Encoder::new(machine)),
+            table: Shared::default(),
             snapshot_tick: 0,
             before_hold: vec![feed_override::AS_PROGRAMMED; machine.systems.len()],
             written: None,
@@ -91,6 +97,7 @@ impl Image {
                 .collect(),
             overlapping: false,
             profiles: cams::Profiles::default(),
+            inputs: inputs::Inputs::new(machine),
         };
         image.add(
             &machine.group,
@@ -170,7 +177,7 @@ impl Image {
     pub fn bytes(&self, id: TagId) -> &[u8] {
         self.place(id)
             .and_then(|place| self.bytes.get(place))
-            .map_or(&[], Vec::as_slice)
+            .unwrap_or_default()
     }
 
     /// The structure types in use, by ascending template instance id.

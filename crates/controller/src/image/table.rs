@@ -296,9 +296,8 @@ impl Image {
         let anew = after.access == Access::ReadOnly || was.is_some_and(|before| before.first != after.first);
         if let Some(place) = self.place(id) {
             self.tags[place].access = after.access;
-            let bytes = &mut self.bytes[place];
-            let length = bytes.len();
-            if anew {
+            if let Some(bytes) = self.bytes.get_mut(place).filter(|_| anew) {
+                let length = bytes.len();
                 bytes.fill(0);
                 if after.first.len() == length {
                     bytes.copy_from_slice(&after.first);

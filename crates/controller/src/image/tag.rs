@@ -159,4 +159,6 @@ pub enum Edge {
     FeedOverride,
     /// The tag `FaultInject` was written: [`Image::injected_faults`](super::Image::injected_faults).
     FaultInject,
+    /// A plain tag that the machine reads was written: [`Image::take_inputs`](super::Image::take_inputs).
+    Input,
 }

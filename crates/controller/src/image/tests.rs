@@ -25,6 +25,7 @@ fn axis(name: &str, kind: AxisKind) -> Axis {
         programmed_stop_mode: ProgrammedStopMode::default(),
         exception_actions: ExceptionActions::default(),
         average_velocity_timebase: 0.25,
+        inputs: Default::default(),
         home: crate::machine::Home::immediate(1.0, 1.0),
     }
 }
@@ -322,13 +323,13 @@ fn arrays_that_are_written_are_found_again() {
         ("CS1.ActualPosition", None), ("Nothing", None), ("1", None),
     ];
     for (text, expected) in cases {
-        let found = image.real_array(text).and_then(|tag| image.written_array(tag));
+        let found = image.real_array(text).and_then(|array| image.written_array(array.tag));
         let expected = expected.map(|(name, offset, elements)| (image.find(name).expect(name).id, offset, elements));
         assert_eq!(found, expected, "{text}");
     }
     let tag = image
         .real_array("Move1.CalculatedData")
-        .and_then(|tag| image.written_array(tag));
+        .and_then(|array| image.written_array(array.tag));
     assert_eq!(tag.map(|(_, _, elements)| elements), Some(4));
 }
 

@@ -58,7 +58,7 @@ impl Image {
             bytes[offset..offset + data.len()].copy_from_slice(data);
         }
         self.note_written(id, offset, data.len());
-        Ok(None)
+        Ok(self.note_inputs(id, offset, data.len()))
     }
 
     /// Writes a bit of a tag: a BOOL member, or bit 0 to 63 of an integer at `offset`.
@@ -88,7 +88,7 @@ impl Image {
         put_bit(&mut bytes[offset], mask, on);
         if enable.is_none() {
             self.note_written(id, offset, 1);
-            return Ok(None);
+            return Ok(self.note_inputs(id, offset, 1));
         }
         if let Some((offset, mask)) = out {
             put_bit(&mut bytes[offset], mask, on);

@@ -15,8 +15,9 @@ impl Directory for Machine {
         }
     }
 
-    fn real_array(&self, name: &str) -> Option<u32> {
-        name.eq_ignore_ascii_case("results").then_some(17)
+    fn real_array(&self, name: &str) -> Option<WrittenArray> {
+        let results = WrittenArray { tag: 17, elements: 4 };
+        name.eq_ignore_ascii_case("results").then_some(results)
     }
 }
 
@@ -327,7 +328,10 @@ fn names_become_objects_and_tags() {
     assert_eq!((call.object(1), call.word(3), call.number(4)), (Some(3), 1, 50.0));
     let operands = given(&with("MCLM", MCLM, &[(20, "[5,1]"), (21, "Results")]));
     let call = bind(Mnemonic::Mclm, Some(0), ControlSlot(0), &operands, &Machine).expect("binds");
-    assert_eq!((call.tag(21), call.array(20)), (Some(17), &[5.0, 1.0][..]));
+    assert_eq!(
+        (call.written(21), call.array(20)),
+        (Some(WrittenArray { tag: 17, elements: 4 }), &[5.0, 1.0][..])
+    );
 }
 
 fn any_given() -> impl Strategy<Value = Given> {

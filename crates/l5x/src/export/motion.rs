@@ -61,7 +61,7 @@ fn attributes(axis: &Axis, group: &str) -> Vec<Attribute> {
     let mut list = vec![("MotionGroup", group.to_owned())];
     let servo = match axis.kind {
         AxisKind::Servo(drive) => Some(drive),
-        AxisKind::Virtual => None,
+        AxisKind::Virtual | AxisKind::Feedback => None,
     };
     if servo.is_some() {
         list.push(("AxisConfiguration", "Position Loop".to_owned()));

@@ -18,6 +18,8 @@ pub(crate) struct Observed {
     pub(crate) velocity: f64,
     /// Following error; `None`: the loop is open.
     pub(crate) error: Option<f64>,
+    /// Nothing is written to the tag that feeds the axis.
+    pub(crate) lost: bool,
 }
 
 /// The faults of an axis.
@@ -51,7 +53,7 @@ impl Faults {
     pub(crate) fn new(description: &Description) -> Self {
         let tolerance = match description.kind {
             AxisKind::Servo(drive) => [drive.position_error_tolerance, drive.position_error_tolerance_time],
-            AxisKind::Virtual => [0.0; 2],
+            AxisKind::Virtual | AxisKind::Feedback => [0.0; 2],
         };
         let mut faults = Faults {
             actions: description.exception_actions,
@@ -106,6 +108,10 @@ impl Faults {
                 self.exceeded += period;
             }
             _ => self.exceeded = 0.0,
+        }
+        if observed.lost {
+            causes = causes.with(FaultKind::FeedbackLoss);
+            found = found.with(FaultKind::FeedbackLoss);
         }
         self.causes = causes;
         self.found = found;
@@ -242,6 +248,7 @@ mod tests {
             programmed_stop_mode: ProgrammedStopMode::default(),
             exception_actions: ExceptionActions::default(),
             average_velocity_timebase: 0.25,
+            inputs: Default::default(),
         }
     }
 
@@ -251,6 +258,7 @@ mod tests {
             homed: true,
             velocity,
             error: Some(0.0),
+            lost: false,
         }
     }
 

@@ -7,6 +7,7 @@
 use arcline_drive::Motion as Point;
 use arcline_planner::{Clock, Instant};
 
+use super::Axis;
 use crate::machine::Feed;
 use crate::rotary;
 
@@ -20,6 +21,8 @@ pub(crate) struct Feeding {
     /// Where it was when the last position was written, and where it goes.
     from: f64,
     to: f64,
+    /// What the axis's position was redefined by, besides what it was placed by.
+    offset: f64,
     /// When the last position was written; `None`: the next one is where the axis is.
     since: Option<Instant>,
     /// Too long ago.
@@ -42,6 +45,7 @@ impl Feeding {
             timeout: feed.timeout,
             from: position,
             to: position,
+            offset: 0.0,
             since: None,
             stale: false,
         }
@@ -51,24 +55,25 @@ impl Feeding {
     pub(crate) fn take(&mut self, position: f64, unwind: Option<f64>, clock: &Clock) -> Fed {
         let now = self.at(clock).position;
         let way = match unwind {
-            None => position - now,
+            None => position + self.offset - now,
             Some(unwind) => {
-                let way = rotary::shown(position - now, unwind);
+                let way = rotary::shown(position + self.offset - now, unwind);
                 if way > 0.5 * unwind { way - unwind } else { way }
             }
         };
         let first = self.since.replace(clock.now()).is_none() || self.stale;
         self.stale = false;
         if first {
-            (self.from, self.to) = (now, now);
+            (self.from, self.to) = (now + way, now + way);
             return Fed::Placed(way);
         }
         (self.from, self.to) = (now, now + way);
         Fed::Followed
     }
 
-    /// Everything is shifted by an offset.
-    pub(crate) fn shift(&mut self, offset: f64) {
+    /// The position of the axis is redefined by an offset.
+    pub(crate) fn redefine(&mut self, offset: f64) {
+        self.offset += offset;
         self.from += offset;
         self.to += offset;
     }
@@ -78,10 +83,18 @@ impl Feeding {
         let elapsed = self.since.map_or(self.interval, |since| since.elapsed(clock));
         let way = self.to - self.from;
         let moves = self.since.is_some() && elapsed <= self.interval;
-        let share = if self.interval > 0.0 { elapsed / self.interval } else { 1.0 };
+        let share = if self.interval > 0.0 {
+            elapsed / self.interval
+        } else {
+            1.0
+        };
         Point {
             position: if share < 1.0 { self.from + way * share } else { self.to },
-            velocity: if moves && self.interval > 0.0 { way / self.interval } else { 0.0 },
+            velocity: if moves && self.interval > 0.0 {
+                way / self.interval
+            } else {
+                0.0
+            },
             acceleration: 0.0,
         }
     }
@@ -90,5 +103,26 @@ impl Feeding {
     pub(crate) fn is_stale(&mut self, clock: &Clock) -> bool {
         self.stale |= self.since.is_some_and(|since| since.elapsed(clock) > self.timeout);
         self.stale
+    }
+}
+
+impl Axis {
+    /// Where an axis that is fed is now.
+    pub(crate) fn fed(&self, clock: &Clock) -> Option<Point> {
+        Some(self.feeding?.at(clock))
+    }
+
+    /// Shows a position that somebody outside has written.
+    pub(crate) fn show(&mut self, now: Point, period: f64) {
+        self.drive.cycle(now, period);
+        self.sum.place(now.position);
+        self.command = now;
+        self.average.take(now.position - self.redefined);
+    }
+
+    /// The axis is somewhere else without having moved there.
+    pub(crate) fn place_fed(&mut self, offset: f64) {
+        self.sum.redefine(offset);
+        self.shift(offset);
     }
 }

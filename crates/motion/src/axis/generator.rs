@@ -1,6 +1,7 @@
 //! One thing that moves an axis: whose it is, what it was programmed to do, and where it is.
 //!
-//! Real-time: nothing allocates. Units: position units in the generator's own frame ([`super::sum`]), seconds.
+//! Real-time: nothing allocates. Units: position units in the generator's own frame ([`super::sum`]), seconds; a profile over a
+//! master's way has master units in place of seconds.
 
 use arcline_drive::Motion as Point;
 use arcline_planner::profile::{Phase, Profile, State};
@@ -9,8 +10,10 @@ use arcline_planner::{Clock, Instant, ROUNDING};
 use super::sum::Displacements;
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
+use crate::events::MoveEvents;
 use crate::follow::cam::Cam;
 use crate::follow::gear::Gear;
+use crate::follow::guide::Guide;
 
 /// How a generator comes to its position.
 #[derive(Clone, Debug)]
@@ -57,6 +60,12 @@ pub(crate) struct Generator {
     pub(crate) s_curve: bool,
     /// ACCEL and DECEL of its instruction, as last written.
     pub(crate) shown_phase: Phase,
+    /// What a planned one is a function of, where that is not time.
+    pub(crate) guide: Option<Guide>,
+    /// TrackingMaster of its instruction, as last written.
+    pub(crate) shown_tracking: bool,
+    /// Event Distance and Calculated Data of its instruction.
+    pub(crate) events: Option<MoveEvents>,
     /// SEGMENT of its instruction, as last written.
     pub(crate) shown_segment: usize,
     /// A planned one has come to its end.
@@ -82,6 +91,9 @@ impl Generator {
             stopping: false,
             s_curve,
             shown_phase: Phase::Steady,
+            guide: None,
+            shown_tracking: false,
+            events: None,
             shown_segment: 0,
             over: false,
             parting: false,
@@ -114,23 +126,46 @@ impl Generator {
         self.over = false;
     }
 
-    /// Whether it runs along a profile.
+    /// Whether it runs along a profile over time.
     pub(crate) fn is_planned(&self) -> bool {
-        matches!(self.law, Law::Planned { .. })
+        matches!(self.law, Law::Planned { .. }) && self.guide.is_none()
     }
 
-    /// What the profile does at the present tick.
-    pub(crate) fn phase(&self, clock: &Clock) -> Phase {
-        match &self.law {
-            Law::Planned { profile, start } => profile.phase(start.elapsed(clock)),
-            Law::Followed | Law::Geared(_) | Law::Cammed(_) => Phase::Steady,
+    /// What it is a function of at the present tick: time, or a master's way.
+    pub(crate) fn clock(&self, time: &Clock) -> Clock {
+        self.guide.map_or(*time, |guide| guide.clock())
+    }
+
+    /// Its state by what it is a function of.
+    pub(crate) fn planned_state(&self, time: &Clock) -> State {
+        match (&self.law, &self.guide) {
+            (Law::Planned { profile, start }, Some(_)) => profile.at(start.elapsed(&self.clock(time))),
+            _ => self.state(),
         }
+    }
+
+    /// What the profile does at the present tick; nothing yet while a lock is waited for.
+    pub(crate) fn phase(&self, time: &Clock) -> Phase {
+        match &self.law {
+            Law::Planned { profile, start } if self.guide.is_none_or(|guide| guide.has_begun()) => {
+                profile.phase(start.elapsed(&self.clock(time)))
+            }
+            _ => Phase::Steady,
+        }
+    }
+
+    /// Whether it has its full speed by its master's.
+    pub(crate) fn is_tracking(&self, time: &Clock) -> bool {
+        self.guide.is_some_and(|guide| guide.has_begun())
+            && !self.over
+            && self.phase(time) == Phase::Steady
+            && self.planned_state(time).velocity != 0.0
     }
 
     /// A jog at constant speed goes back by the whole turns of a rotary axis that it has gone, once they are many, so that its
     /// position keeps its digits for ever. Returns the shift of its position: 0 for everything else.
     pub(super) fn fold(&mut self, unwind: f64, clock: &Clock) -> f64 {
-        let (Law::Planned { profile, start }, Some(program)) = (&self.law, &self.program) else {
+        let (Law::Planned { profile, start }, Some(program), None) = (&self.law, &self.program, &self.guide) else {
             return 0.0;
         };
         let Goal::Velocity(velocity) = program.goal else {
@@ -151,9 +186,12 @@ impl Generator {
         self.now.position - self.origin
     }
 
-    pub(super) fn advance(&mut self, clock: &Clock) {
+    pub(super) fn advance(&mut self, time: &Clock) {
+        let clock = self.clock(time);
         if let Law::Planned { profile, start } = &self.law {
-            let elapsed = start.elapsed(clock);
+            let elapsed = start.elapsed(&clock);
+            let state = profile.at(elapsed);
+            self.now = point(self.guide.map_or(state, |guide| guide.pace().in_time(state)));
             let endless = matches!(
                 self.program,
                 Some(Program {

@@ -3,9 +3,11 @@
 mod average;
 pub(crate) mod camming;
 pub(crate) mod faults;
+pub(crate) mod feed;
 mod following;
 pub(crate) mod generator;
 pub(crate) mod homing;
+pub(crate) mod probes;
 mod sensor;
 pub(crate) mod sum;
 
@@ -17,14 +19,17 @@ use arcline_planner::{Clock, Instant};
 use crate::control::Execution;
 use crate::dynamics::Maxima;
 use crate::follow::cam::Cam;
+use crate::follow::links::AxisLinks;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
 use crate::rotary;
 use average::Average;
 use camming::Cams;
 use faults::{Faults, Observed};
+use feed::Feeding;
 use following::Linked;
 use generator::Generator;
 use homing::Homing;
+use probes::{Registration, Watch};
 use sum::{Slot, Sum};
 
 /// The axis state machine (spec/axis-and-data-types.md §12), as far as instructions see it.
@@ -81,6 +86,8 @@ pub(crate) struct Axis {
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
     pub(crate) linked: Linked,
+    /// Links to masters (MDAC).
+    pub(crate) links: AxisLinks,
     /// Of position cams, and of time cams.
     pub(super) cams: [Cams; 2],
     pub(crate) stop_mode: ProgrammedStopMode,
@@ -90,6 +97,10 @@ pub(crate) struct Axis {
     pub(crate) strobed: [f64; 2],
     pub(crate) faults: Faults,
     pub(crate) average: Average,
+    /// Where the position of an encoder comes from: it has no drive.
+    pub(crate) feeding: Option<Feeding>,
+    pub(crate) watch: Watch,
+    pub(crate) registrations: [Registration; 2],
 }
 
 impl Axis {
@@ -99,6 +110,7 @@ impl Axis {
         let position = start.position;
         let (drive, state) = match &description.kind {
             AxisKind::Virtual => (Drive::ideal(position), AxisState::Running),
+            AxisKind::Feedback => (Drive::ideal(position), AxisState::Stopped),
             AxisKind::Servo(drive) => (
                 Drive::servo(position, &drive.settings(start.redefined)),
                 if start.servo_on {
@@ -130,10 +142,22 @@ impl Axis {
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
             linked: Linked::default(),
+            links: AxisLinks::default(),
             cams: Default::default(),
             stop_mode: description.programmed_stop_mode,
             after_stop: AfterStop::Hold,
             strobed: [0.0; 2],
+            feeding: description
+                .inputs
+                .feed
+                .as_ref()
+                .map(|feed| Feeding::new(feed, position)),
+            watch: Watch::default(),
+            registrations: description
+                .inputs
+                .registration
+                .each_ref()
+                .map(|input| Registration::new(input.is_some())),
             faults,
             average: Average::new(
                 position - start.redefined,
@@ -161,15 +185,17 @@ impl Axis {
         )
     }
 
-    /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others.
+    /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others, nor what waits
+    /// for a master.
     pub(crate) fn will_end(&self) -> bool {
         let endless = |slot| match slot {
             Slot::Jog | Slot::Gear | Slot::Transform => true,
             Slot::PositionCam | Slot::TimeCam => !self.cam(slot).is_some_and(Cam::will_end),
             _ => false,
         };
+        let waits = |generator: &Generator| generator.guide.is_some_and(|guide| !guide.will_go_on());
         let mut active = self.sum.active();
-        active.any(|(slot, generator)| generator.stopping || !endless(slot))
+        active.any(|(slot, generator)| generator.stopping || !(endless(slot) || waits(generator)))
     }
 
     /// Whether the axis as a whole brakes: everything on it, or its part of a coordinated move that was ended.
@@ -233,6 +259,8 @@ impl Axis {
         if limits.jerk.is_none() {
             from.acceleration = 0.0;
         }
+        // A stop is a function of time, whatever it stops.
+        generator.guide = None;
         generator.follow(Profile::stop(from, limits), now);
         generator.execution = execution;
         generator.program = None;
@@ -304,12 +332,13 @@ impl Axis {
 
     /// What faults look at.
     pub(crate) fn observed(&self) -> Observed {
-        let loop_closed = self.has_torque() && !self.is_virtual;
+        let loop_closed = self.has_torque() && !self.is_virtual && self.feeding.is_none();
         Observed {
             position: self.drive.actual().position,
             homed: self.homed,
             velocity: self.command.velocity,
             error: loop_closed.then(|| self.drive.error()),
+            lost: false,
         }
     }
 
@@ -354,13 +383,17 @@ impl Axis {
 
     /// Shifts every position by an offset: command, actual, and the ends of what runs. Nothing moves.
     pub(crate) fn redefine(&mut self, offset: f64) {
+        if let Some(feeding) = &mut self.feeding {
+            feeding.redefine(offset);
+        }
         self.sum.redefine(offset);
         self.shift(offset);
     }
 
     /// Folds whole turns of a rotary axis away where what is shown stays the same: at rest, and in an endless jog.
     pub(crate) fn fold(&mut self, clock: &Clock) {
-        let Some(unwind) = self.unwind else {
+        // What is fed is of the nearest turn by itself.
+        let Some(unwind) = self.unwind.filter(|_| self.feeding.is_none()) else {
             return;
         };
         let offset = if self.sum.is_idle() {

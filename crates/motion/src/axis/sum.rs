@@ -249,13 +249,10 @@ mod tests {
 
     use super::*;
 
-    const CLOCK: Clock = Clock {
-        tick: 0,
-        period_ns: 1_000_000,
-    };
+    const CLOCK: Clock = Clock::at(0, 1_000_000);
 
     fn at(tick: u64) -> Clock {
-        Clock { tick, ..CLOCK }
+        Clock::at(tick, CLOCK.period_ns)
     }
 
     /// A move from where the axis is commanded to be, superimposed on what runs.

@@ -276,7 +276,7 @@ pub(crate) enum Ended {
 
 impl Lock {
     /// Where a master that went from one position to another has crossed it; one that stood on it has not.
-    fn crossed(&self, from: f64, to: f64) -> Option<f64> {
+    pub(crate) fn crossed(&self, from: f64, to: f64) -> Option<f64> {
         let sign = if to > from { 1.0 } else { -1.0 };
         if from == to || self.way.is_some_and(|way| way != sign) {
             return None;
@@ -302,6 +302,7 @@ pub(crate) fn time(since: Instant, clock: &Clock) -> MasterAt {
             acceleration: 0.0,
         },
         read: Reference::Command,
+        redefined: 0.0,
     }
 }
 

@@ -106,4 +106,6 @@ pub(crate) struct MasterAt {
     pub(crate) point: Point,
     /// Which of its positions this is.
     pub(crate) read: Reference,
+    /// What its position was redefined by: it shows so much more.
+    pub(crate) redefined: f64,
 }

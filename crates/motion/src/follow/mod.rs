@@ -1,13 +1,15 @@
-//! Axes that follow others: slaves of gears and cams, and both sides of transforms.
+//! Axes that follow others: slaves of gears and cams, what is a function of a master's way, and both sides of transforms.
 //!
 //! What follows is computed after what it follows, in the same tick, in an order that is worked out when a link is made.
 //! While nothing follows there is no order, and axes are computed one after the other. Real-time: nothing allocates; a
-//! tick is bounded by the axes and the transforms that are under way.
+//! tick is bounded by the axes, the coordinate systems and the transforms that are under way.
 
 pub(crate) mod cam;
 mod cancel;
 mod failing;
 pub(crate) mod gear;
+pub(crate) mod guide;
+pub(crate) mod links;
 pub(crate) mod order;
 pub(crate) mod reach;
 pub(crate) mod robot;
@@ -19,11 +21,23 @@ use crate::axis::generator::Law;
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
 use crate::motion::Motion;
+use crate::system::System;
 use cam::{Cam, Source};
 pub(crate) use cancel::Release;
 use gear::{MasterAt, Reference};
 use order::{Circle, Followers, Masters, Step};
 use transform::Link;
+
+/// Something that is to follow from the next tick on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Follower<'a> {
+    /// An axis and its master.
+    Axis(u16, u16),
+    /// A coordinate system and its master.
+    System(usize, u16),
+    /// The target system of a transform.
+    Target(usize, &'a Link),
+}
 
 impl Motion {
     /// Commands and drives of all axes at the present tick, in order, and what came to its end.
@@ -33,11 +47,23 @@ impl Motion {
             let Some(step) = self.order.step(place) else {
                 break;
             };
-            self.compute(step);
+            match step {
+                Step::System(index) => {
+                    let index = usize::from(index);
+                    if self.systems[index].follows() {
+                        followers += 1;
+                        self.read_masters(index);
+                        if self.systems[index].is_busy() {
+                            self.advance_system(index);
+                        }
+                    }
+                }
+                _ => self.compute(step),
+            }
             if let Step::Whole(axis) = step {
                 self.follow_command(axis);
                 let state = &self.axes[usize::from(axis)];
-                followers += usize::from(state.is_linked() || masters(state).iter().any(Option::is_some));
+                followers += usize::from(state.is_linked() || !masters_of_axis(state).is_empty());
             }
         }
         if followers == 0 {
@@ -56,14 +82,60 @@ impl Motion {
 
     fn compute(&mut self, step: Step) {
         match step {
+            Step::System(index) => {
+                let index = usize::from(index);
+                if self.systems[index].follows() {
+                    self.read_masters(index);
+                    if self.systems[index].is_busy() {
+                        self.sample_system(index);
+                    }
+                }
+            }
             Step::Own(axis) => {
                 self.follow_master(axis);
+                self.follow_guides(axis);
                 self.axes[usize::from(axis)].advance(&self.clock);
             }
             Step::Down(index) => self.compute_down(usize::from(index)),
             Step::Back(index) => self.compute_back(usize::from(index)),
             Step::Lead(index) => self.compute_lead(usize::from(index)),
             Step::Whole(axis) => self.compose(axis),
+        }
+    }
+
+    /// Where the masters of a coordinate system are now, and how far they lead its move.
+    fn read_masters(&mut self, index: usize) {
+        let mut links = self.systems[index].links;
+        for link in links.iter_mut() {
+            let at = self.master_at(link.master.axis, link.master.reference);
+            link.master.read(&at, &self.clock);
+        }
+        self.systems[index].links = links;
+        if let Some(mut guide) = self.systems[index].guide {
+            guide.advance(&self.master_at(guide.master.axis, guide.master.reference), &self.clock);
+            self.systems[index].guide = Some(guide);
+        }
+    }
+
+    /// The same for what moves an axis by itself.
+    fn follow_guides(&mut self, axis: u16) {
+        let at = usize::from(axis);
+        if !self.axes[at].links.is_empty() {
+            let mut links = self.axes[at].links;
+            for link in links.iter_mut() {
+                let at = self.master_at(link.master.axis, link.master.reference);
+                link.master.read(&at, &self.clock);
+            }
+            self.axes[at].links = links;
+        }
+        for slot in [Slot::Move, Slot::Jog] {
+            let Some(mut guide) = self.axes[at].sum.get(slot).and_then(|generator| generator.guide) else {
+                continue;
+            };
+            guide.advance(&self.master_at(guide.master.axis, guide.master.reference), &self.clock);
+            if let Some(generator) = self.axes[at].sum.get_mut(slot) {
+                generator.guide = Some(guide);
+            }
         }
     }
 
@@ -86,7 +158,7 @@ impl Motion {
         }
     }
 
-    /// What a gear reads of its master now. A master without torque moves where its drive does.
+    /// What a slave reads of its master now. A master without torque moves where its drive does.
     pub(crate) fn master_at(&self, master: u16, reference: Reference) -> MasterAt {
         let axis = &self.axes[usize::from(master)];
         let commanded = matches!(axis.state, AxisState::Running | AxisState::Starting);
@@ -100,6 +172,7 @@ impl Motion {
                 ..point
             },
             read,
+            redefined: axis.redefined,
         }
     }
 
@@ -108,43 +181,68 @@ impl Motion {
     /// # Errors
     /// When the axes would follow each other in a circle.
     pub(crate) fn plan_master(&mut self, slave: u16, master: u16) -> Result<(), Circle> {
-        let Motion { axes, links, order, .. } = self;
-        order.plan(&Followers {
-            axes: axes.len(),
-            masters: |axis: u16| {
-                let mut masters = masters(&axes[usize::from(axis)]);
-                if axis == slave {
-                    masters[0] = Some(master);
-                }
-                masters
-            },
-            links,
-        })
+        self.plan_order(Follower::Axis(slave, master))
     }
 
-    /// Works out the order with one transform more.
+    /// Works out the order with one follower more, to be taken when it begins to follow.
     ///
     /// # Errors
     /// When the axes would follow each other in a circle.
-    pub(crate) fn plan_transform(&mut self, target: usize, link: &Link) -> Result<(), Circle> {
-        let Motion { axes, links, order, .. } = self;
-        let before = links[target].replace(*link);
+    pub(crate) fn plan_order(&mut self, more: Follower<'_>) -> Result<(), Circle> {
+        let Motion {
+            axes,
+            systems,
+            links,
+            order,
+            ..
+        } = self;
+        let before = match more {
+            Follower::Target(target, link) => links.get_mut(target).map(|place| (target, place.replace(*link))),
+            _ => None,
+        };
         let planned = order.plan(&Followers {
             axes: axes.len(),
-            masters: |axis: u16| masters(&axes[usize::from(axis)]),
+            masters: |axis: u16| {
+                let mut masters = masters_of_axis(&axes[usize::from(axis)]);
+                if let Follower::Axis(slave, master) = more
+                    && slave == axis
+                {
+                    masters.add(master);
+                }
+                masters
+            },
+            systems: |index: usize| {
+                let mut masters = masters_of_system(&systems[index]);
+                if let Follower::System(slave, master) = more
+                    && slave == index
+                {
+                    masters.add(master);
+                }
+                (systems[index].description.axes.as_slice(), masters)
+            },
             links,
         });
-        links[target] = before;
+        if let Some((target, before)) = before {
+            links[target] = before;
+        }
         planned
     }
 }
 
-/// The axes that an axis follows; the first place is free.
-fn masters(axis: &Axis) -> Masters {
-    [
-        None,
-        axis.gear().map(|gear| gear.master),
-        axis.cam_master(Slot::PositionCam),
-        axis.cam_master(Slot::TimeCam),
-    ]
+fn masters_of_axis(axis: &Axis) -> Masters {
+    let gear = axis.gear().map(|gear| gear.master);
+    let cams = Axis::CAMS.into_iter().filter_map(|slot| axis.cam_master(slot));
+    let guided = axis.sum.active().filter_map(|(_, generator)| generator.guide);
+    let links = axis.links.iter().map(|link| link.master.axis);
+    gear.into_iter()
+        .chain(cams)
+        .chain(links)
+        .chain(guided.map(|guide| guide.master.axis))
+        .collect()
+}
+
+fn masters_of_system(system: &System) -> Masters {
+    let guide = system.guide.map(|guide| guide.master.axis);
+    let links = system.links.iter().map(|link| link.master.axis);
+    links.chain(guide).collect()
 }

@@ -8,7 +8,9 @@ use super::transform::Link;
 /// A part of the computation of one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// What an axis's own generators say, its gear included.
+    /// The coordinated move of a system that is linked to a master.
+    System(u16),
+    /// What an axis's own generators say, what follows masters included.
     Own(u16),
     /// Where a transform leads its target before the targets of its source lead anything back.
     Down(u16),
@@ -24,17 +26,55 @@ pub(crate) enum Step {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Circle;
 
-/// Axes that one axis follows.
-pub(crate) type Masters = [Option<u16>; 4];
-
 /// Who follows whom.
-pub(crate) struct Followers<'a, M> {
+pub(crate) struct Followers<'a, M, S> {
     /// Axes of the machine.
     pub(crate) axes: usize,
     /// The masters of an axis.
     pub(crate) masters: M,
+    /// The axes of a coordinate system, and its masters.
+    pub(crate) systems: S,
     /// Transforms under way, at the place of their target system.
     pub(crate) links: &'a [Option<Link>],
+}
+
+/// Axes that one axis or coordinate system follows.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Masters {
+    axes: [u16; MOST_MASTERS],
+    count: usize,
+}
+
+/// Masters of one slave: by gear, by every link of an axis, and by what was begun by links that were replaced since.
+const MOST_MASTERS: usize = 16;
+
+impl Masters {
+    pub(crate) fn add(&mut self, axis: u16) {
+        if !self.iter().any(|known| known == axis)
+            && let Some(place) = self.axes.get_mut(self.count)
+        {
+            *place = axis;
+            self.count += 1;
+        }
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = u16> {
+        self.axes[..self.count].iter().copied()
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+}
+
+impl FromIterator<u16> for Masters {
+    fn from_iter<I: IntoIterator<Item = u16>>(axes: I) -> Self {
+        let mut masters = Masters::default();
+        for axis in axes {
+            masters.add(axis);
+        }
+        masters
+    }
 }
 
 /// The order of a tick's steps; empty when nothing follows.
@@ -43,6 +83,7 @@ pub(crate) struct Order {
     steps: Vec<Step>,
     next: Vec<Step>,
     visits: Vec<Visit>,
+    axes: usize,
     systems: usize,
 }
 
@@ -56,11 +97,12 @@ enum Visit {
 impl Order {
     /// For a machine of so many axes and coordinate systems. The only allocation.
     pub(crate) fn new(axes: usize, systems: usize) -> Self {
-        let most = 2 * axes + 3 * systems;
+        let most = 2 * axes + 4 * systems;
         Order {
             steps: Vec::with_capacity(most),
             next: Vec::with_capacity(most),
             visits: vec![Visit::Ahead; most],
+            axes,
             systems,
         }
     }
@@ -86,7 +128,11 @@ impl Order {
     ///
     /// # Errors
     /// When there is none. The present order stays.
-    pub(crate) fn plan<M: Fn(u16) -> Masters>(&mut self, followers: &Followers<'_, M>) -> Result<(), Circle> {
+    pub(crate) fn plan<'a, M, S>(&mut self, followers: &Followers<'a, M, S>) -> Result<(), Circle>
+    where
+        M: Fn(u16) -> Masters,
+        S: Fn(usize) -> (&'a [u16], Masters),
+    {
         self.next.clear();
         self.visits.fill(Visit::Ahead);
         for axis in 0..followers.axes {
@@ -101,7 +147,11 @@ impl Order {
     }
 
     /// A step behind all that it needs. As deep as there are steps at most.
-    fn visit<M: Fn(u16) -> Masters>(&mut self, step: Step, followers: &Followers<'_, M>) -> Result<(), Circle> {
+    fn visit<'a, M, S>(&mut self, step: Step, followers: &Followers<'a, M, S>) -> Result<(), Circle>
+    where
+        M: Fn(u16) -> Masters,
+        S: Fn(usize) -> (&'a [u16], Masters),
+    {
         let place = self.place(step);
         match self.visits.get(place) {
             Some(Visit::Ahead) => {}
@@ -114,8 +164,19 @@ impl Order {
             links.filter_map(|(index, link)| link.as_ref().map(|link| (index as u16, link)))
         };
         match step {
+            Step::System(index) => {
+                for master in (followers.systems)(usize::from(index)).1.iter() {
+                    self.visit(Step::Whole(master), followers)?;
+                }
+            }
             Step::Own(axis) => {
-                for master in (followers.masters)(axis).into_iter().flatten() {
+                for index in 0..self.systems {
+                    let (axes, masters) = (followers.systems)(index);
+                    if !masters.is_empty() && axes.contains(&axis) {
+                        self.visit(Step::System(index as u16), followers)?;
+                    }
+                }
+                for master in (followers.masters)(axis).iter() {
                     self.visit(Step::Whole(master), followers)?;
                 }
             }
@@ -186,13 +247,14 @@ impl Order {
     }
 
     fn place(&self, step: Step) -> usize {
-        let axes = (self.visits.len() - 3 * self.systems) / 2;
+        let (axes, systems) = (self.axes, self.systems);
         match step {
             Step::Own(axis) => usize::from(axis),
             Step::Whole(axis) => axes + usize::from(axis),
             Step::Back(index) => 2 * axes + usize::from(index),
-            Step::Lead(index) => 2 * axes + self.systems + usize::from(index),
-            Step::Down(index) => 2 * axes + 2 * self.systems + usize::from(index),
+            Step::Lead(index) => 2 * axes + systems + usize::from(index),
+            Step::Down(index) => 2 * axes + 2 * systems + usize::from(index),
+            Step::System(index) => 2 * axes + 3 * systems + usize::from(index),
         }
     }
 }
@@ -211,20 +273,29 @@ mod tests {
 
     /// Orders gears (slave, master) and transforms (source axes, target axes) of a machine of nine axes.
     fn plan(gears: &[Gear], transforms: &[Transform]) -> Result<Vec<Step>, Circle> {
+        plan_driven(gears, transforms, None)
+    }
+
+    /// The same; one coordinate system has masters.
+    fn plan_driven(
+        gears: &[Gear],
+        transforms: &[Transform],
+        driven: Option<(&[u16], u16)>,
+    ) -> Result<Vec<Step>, Circle> {
         let links: Vec<Option<Link>> = transforms
             .iter()
             .map(|(source, target)| Some(Link::between(source, target)))
             .collect();
-        let mut order = Order::new(9, links.len());
+        let mut order = Order::new(9, links.len().max(usize::from(driven.is_some())));
         order.plan(&Followers {
             axes: 9,
             masters: |axis| {
-                let mut masters = Masters::default();
-                let of_axis = gears.iter().filter(|(slave, _)| *slave == axis);
-                for (place, (_, master)) in masters.iter_mut().zip(of_axis) {
-                    *place = Some(*master);
-                }
-                masters
+                let own = gears.iter().filter(|(slave, _)| *slave == axis);
+                own.map(|(_, master)| *master).collect()
+            },
+            systems: |index| match driven {
+                Some((axes, master)) if index == 0 => (axes, [master].into_iter().collect()),
+                _ => (&[][..], Masters::default()),
             },
             links: &links,
         })?;
@@ -282,6 +353,25 @@ mod tests {
             }
             assert_eq!(steps.len(), 18 + 2 * transforms.len(), "{why}");
         }
+    }
+
+    #[test]
+    fn a_master_comes_before_the_system_and_that_before_its_axes() {
+        let steps = plan_driven(&[(5, 7), (8, 0)], &[], Some((&[0, 1], 5))).expect("there is no circle");
+        let place = |step: Step| steps.iter().position(|other| *other == step);
+        let chain = [
+            Step::Whole(7),
+            Step::Own(5),
+            Step::Whole(5),
+            Step::System(0),
+            Step::Own(0),
+            Step::Whole(0),
+            Step::Own(8),
+        ];
+        for pair in chain.windows(2) {
+            assert!(place(pair[0]) < place(pair[1]), "{pair:?} in {steps:?}");
+        }
+        assert!(plan_driven(&[(5, 1)], &[], Some((&[0, 1], 5))).is_err(), "a circle");
     }
 
     #[test]

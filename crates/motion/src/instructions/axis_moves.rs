@@ -1,16 +1,19 @@
 //! What MAM, MAJ and MCD share: verification, what a merge takes over, and how a generator begins.
 
 use arcline_instruction_set::{AxisIndex, Call, Culprit, Flag, Mnemonic, MotionError};
+use arcline_planner::Pace;
 use arcline_planner::profile::{Limits, Profile, State};
 
 use super::place;
-use super::programmed::DynamicsLayout;
+use super::programmed::{self, DynamicsLayout};
 use crate::axis::generator::{Generator, Goal, Program};
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
+use crate::events::{Events, MoveEvents};
 use crate::motion::Motion;
+use crate::system::Lead;
 
 /// Places of the operands that every single-axis move has.
 #[derive(Clone, Copy, Debug)]
@@ -66,21 +69,78 @@ impl AxisMoveLayout {
             execution,
             dynamics,
             goal,
+            led,
+            events,
         } = beginning;
         let at = usize::from(axis);
-        let from = steady(self.taken_over(&motion.axes[at], slot, call), &dynamics.limits());
+        let taken = self.taken_over(&motion.axes[at], slot, call);
+        let taken = led.map_or(taken, |(_, pace)| pace.on_the_way(taken));
+        let from = steady(taken, &dynamics.limits());
         if self.merges(call) {
             motion.end_single_axis(axis, Some(slot));
         }
         motion.end_generator(axis, slot);
-        let mut generator = Generator::planned(plan(from), motion.clock.now());
+        let guide = led.and_then(|(lead, _)| motion.lead_axis(axis, lead));
+        let profile = plan(from);
+        let start = guide.map_or(motion.clock, |guide| guide.clock()).now();
+        let mut generator = Generator::planned(profile, start);
+        generator.guide = guide;
         generator.execution = Some(execution);
         generator.s_curve = dynamics.is_s_curve();
         generator.program = Some(Program { dynamics, goal });
+        if let (Some(events), Goal::Position(to)) = (events, goal) {
+            generator.events = Some(MoveEvents {
+                events,
+                begun: start,
+                from: from.position,
+                to,
+                due: Some(motion.clock.tick),
+            });
+        }
         motion.axes[at].begin(slot, generator);
         motion.axes[at].stale = true;
-        let accepted = Flag::Dn.mask() | Flag::Ip.mask();
+        let mut accepted = Flag::Dn.mask() | Flag::Ip.mask();
+        if guide.is_some() {
+            accepted |= Flag::Ac.mask();
+        }
         motion.controls.write(execution, accepted, 0, motion.clock.tick);
+        motion.calculate_move(axis, slot);
+    }
+
+    /// How a move or a jog is master driven, and with what it takes over what it supersedes; `None`: by time.
+    ///
+    /// # Errors
+    /// Where its link, its lock or its master forbids it: 93 to 98, 102.
+    pub(super) fn led(
+        &self,
+        motion: &Motion,
+        axis: u16,
+        slot: Slot,
+        call: &Call,
+        lead: Option<Lead>,
+    ) -> Result<Option<(Lead, Pace)>, MotionError> {
+        let state = &motion.axes[usize::from(axis)];
+        let link = lead.and_then(|lead| state.links.iter().find(|link| link.id == lead.link));
+        let (Some(lead), Some(link)) = (lead, link) else {
+            return Ok(None);
+        };
+        let moves = self.taken_over(state, slot, call).velocity != 0.0;
+        let pace = programmed::pace(link, lead.lock, moves)?;
+        if let Some(running) = state.sum.get(slot).and_then(|generator| generator.guide) {
+            if running.sense != lead.lock.sense {
+                return Err(MotionError::MdscDirectionMismatch);
+            }
+            if running.has_position_lock() && lead.lock.position.is_some() {
+                return Err(MotionError::MdscLockWhileMoving);
+            }
+        }
+        Ok(Some((lead, pace)))
+    }
+
+    /// The present speed of what is taken over, by time or by the way of the master: what Merge Speed Current goes on with.
+    pub(super) fn present_speed(&self, axis: &Axis, slot: Slot, call: &Call, led: Option<(Lead, Pace)>) -> f64 {
+        let taken = self.taken_over(axis, slot, call);
+        led.map_or(taken, |(_, pace)| pace.on_the_way(taken)).velocity.abs()
     }
 }
 
@@ -89,6 +149,9 @@ pub(super) struct Beginning {
     pub(super) execution: Execution,
     pub(super) dynamics: Dynamics,
     pub(super) goal: Goal,
+    /// How it is master driven, and how its master moves.
+    pub(super) led: Option<(Lead, Pace)>,
+    pub(super) events: Option<Events>,
 }
 
 /// A trapezoid begins with an acceleration of its own.
@@ -99,8 +162,11 @@ pub(super) fn steady(from: State, limits: &Limits) -> State {
     }
 }
 
-/// The axis may be moved: not shut down, servo on, not homed, and its stops can be made.
+/// The axis may be moved: it is no encoder, not shut down, servo on, not homed, and its stops can be made.
 pub(super) fn verify_axis(axis: &Axis, s_curve: bool) -> Result<(), MotionError> {
+    if axis.feeding.is_some() {
+        return Err(MotionError::WrongAxisType(AxisIndex(0)));
+    }
     ready(axis)?;
     not_homing(axis)?;
     stoppable(axis)?;

@@ -8,6 +8,7 @@ use super::place;
 use crate::axis::generator::Goal;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
+use crate::follow::links::Serves;
 use crate::motion::Motion;
 
 /// Places of MAJ's operands.
@@ -34,14 +35,16 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let axis = motion.target_axis(call)?;
     motion.verify_operands(call)?;
     layout.common.dynamics.verify_units(call)?;
-    layout.common.dynamics.verify_link(call)?;
     let state = &motion.axes[usize::from(axis)];
+    let link = state.links.newest(Serves::Jog);
+    layout.common.dynamics.verify_link(call, link)?;
+    let lead = layout.common.dynamics.lead(motion, call, link)?;
     axis_moves::verify_axis(state, layout.common.dynamics.is_s_curve(call))?;
     axis_moves::not_stopping(state)?;
     let mut dynamics = layout.common.dynamics.read(call, &state.dynamics)?;
+    let led = layout.common.led(motion, axis, Slot::Jog, call, lead)?;
     if layout.common.keeps_speed(call) {
-        let taken = layout.common.taken_over(state, Slot::Jog, call);
-        dynamics.set_speed(taken.velocity.abs());
+        dynamics.set_speed(layout.common.present_speed(state, Slot::Jog, call, led));
     }
     let velocity = if call.word(layout.direction) == REVERSE {
         -dynamics.speed
@@ -53,6 +56,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         execution,
         dynamics,
         goal: Goal::Velocity(velocity),
+        led,
+        events: None,
     };
     layout.common.begin(motion, axis, Slot::Jog, call, beginning, |from| {
         Profile::to_velocity(from, velocity, &dynamics.jog_limits(from.velocity, velocity))

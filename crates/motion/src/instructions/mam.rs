@@ -5,11 +5,14 @@ use arcline_planner::profile::Profile;
 
 use super::axis_moves::{self, AxisMoveLayout, Beginning};
 use super::place;
-use super::seconds::{self, SECONDS};
+use super::programmed::verify_reduction;
+use super::seconds::{self, MASTER_UNITS, SECONDS};
 use crate::axis::Axis;
 use crate::axis::generator::Goal;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
+use crate::events::{Events, Fit};
+use crate::follow::links::Serves;
 use crate::motion::Motion;
 use crate::rotary::Turn;
 
@@ -20,6 +23,7 @@ pub(crate) struct Layout {
     move_type: usize,
     position: usize,
     event_distance: usize,
+    calculated_data: usize,
 }
 
 /// Move Type: by a distance.
@@ -30,8 +34,6 @@ const SHORTEST: i32 = 2;
 const POSITIVE: i32 = 3;
 /// Move Type: to a position within one turn, backwards.
 const NEGATIVE: i32 = 4;
-/// Speed Units: duration in master units.
-const MASTER_UNITS: i32 = 7;
 
 impl Layout {
     pub(super) fn new() -> Self {
@@ -41,6 +43,7 @@ impl Layout {
             move_type: place("Move Type"),
             position: place("Position"),
             event_distance: place("Event Distance"),
+            calculated_data: place("Calculated Data"),
         }
     }
 
@@ -68,11 +71,8 @@ impl Layout {
         for duration in [SECONDS, MASTER_UNITS] {
             seconds::verify_units(&dynamics.rates, call, duration)?;
         }
-        let units = call.word(dynamics.rates.speed_units);
-        if units == SECONDS {
+        if seconds::is_duration(call.word(dynamics.rates.speed_units)) {
             seconds::verify_durations(dynamics, call)?;
-        }
-        if matches!(units, SECONDS | MASTER_UNITS) {
             if axis.command.velocity != 0.0 || axis.command.acceleration != 0.0 {
                 return Err(MotionError::AxisNotAtRest(AxisIndex(0)));
             }
@@ -80,7 +80,7 @@ impl Layout {
                 return Err(MotionError::MergeToCurrentUsingSeconds);
             }
         }
-        dynamics.verify_link(call)
+        dynamics.verify_link(call, axis.links.newest(Serves::Move))
     }
 
     /// Where the move ends, as a position that is not unwound. Offsets of a master need a position cam.
@@ -106,9 +106,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let state = &motion.axes[usize::from(axis)];
     layout.verify_ranges(motion, state, call)?;
     layout.verify_units(state, call)?;
-    if !call.array(layout.event_distance).is_empty() {
-        return Err(MotionError::FeatureNotSupported);
-    }
+    let dynamics = &layout.common.dynamics;
+    let lead = dynamics.lead(motion, call, state.links.newest(Serves::Move))?;
+    let events = Events::of(call, layout.event_distance, layout.calculated_data, Fit::Exactly)?;
     axis_moves::verify_axis(state, layout.common.dynamics.is_s_curve(call))?;
     if layout.is_rotary(call) && state.unwind.is_none() {
         return Err(MotionError::AxisModeNotRotary);
@@ -116,22 +116,30 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     axis_moves::not_stopping(state)?;
     let target = layout.target(state, call)?;
     axis_moves::no_overtravel(state, target - state.command.position)?;
-    let mut dynamics = if call.word(layout.common.dynamics.rates.speed_units) == SECONDS {
+    let led = layout.common.led(motion, axis, Slot::Move, call, lead)?;
+    let mut dynamics = if seconds::is_duration(call.word(dynamics.rates.speed_units)) {
         let distance = (target - state.command.position).abs();
         seconds::dynamics(&layout.common.dynamics, call, distance, &state.dynamics)
     } else {
         layout.common.dynamics.read(call, &state.dynamics)?
     };
     if layout.common.keeps_speed(call) {
-        let taken = layout.common.taken_over(state, Slot::Move, call);
-        if taken.velocity != 0.0 {
-            dynamics.set_speed(taken.velocity.abs());
+        let present = layout.common.present_speed(state, Slot::Move, call, led);
+        if present != 0.0 {
+            dynamics.set_speed(present);
         }
+    }
+    if led.is_some() {
+        let present = layout.common.present_speed(state, Slot::Move, call, led);
+        let way = (target - state.command.position).abs();
+        verify_reduction(present, &dynamics.limits(), way)?;
     }
     let beginning = Beginning {
         execution,
         dynamics,
         goal: Goal::Position(target),
+        led,
+        events,
     };
     layout.common.begin(motion, axis, Slot::Move, call, beginning, |from| {
         Profile::to_position(from, target, 0.0, &dynamics.limits())

@@ -116,6 +116,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             }
             motion.controls.write(execution, initiated, 0, tick);
             motion.stop_axis_at(axis, &limits, Some(execution));
+            motion.unlink_slave(axis);
         }
         Some(Some(slot)) if state.sum.is_active(slot) => {
             let generator = state.sum.get(slot);
@@ -130,6 +131,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         other => {
             if other == Some(None) {
                 motion.cancel_transforms_of(axis);
+                motion.unlink_slave(axis);
             }
             let nothing_to_stop = Flag::Dn.mask() | Flag::Pc.mask();
             motion.controls.write(execution, nothing_to_stop, 0, tick);

@@ -17,5 +17,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 /// Ends every motion of an axis at once and opens its loop. Motion of other axes that depended on it brakes.
 pub(crate) fn shut_down(motion: &mut Motion, axis: u16) {
     motion.leave(axis);
+    motion.disarm(axis);
+    motion.unlink_slave(axis);
+    motion.unlink_master(axis);
     motion.axes[usize::from(axis)].disable(AxisState::Shutdown);
 }

@@ -1,6 +1,6 @@
 //! MCCD, Motion Coordinated Change Dynamics (spec/coordinated-instructions.md §14, the MCCD seed).
 
-use arcline_instruction_set::{Call, Mnemonic, MotionError};
+use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
 use arcline_planner::ContourQueue;
 
 use super::place;
@@ -34,7 +34,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let layout = motion.layouts.mccd;
     let index = motion.target_system(call)?;
     motion.verify_operands(call)?;
-    layout.dynamics.verify_mode(call)?;
+    let system = &mut motion.systems[index];
+    let active = system.active().filter(|_| system.activity == Activity::Moving);
+    let driven = active.is_some_and(|active| active.lead.is_some());
+    layout.dynamics.verify_mode(call, driven)?;
     verify::axes_ready(&motion.systems[index], &motion.axes)?;
     let system = &mut motion.systems[index];
     let active = match (system.activity, system.active()) {
@@ -56,6 +59,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             change_queued(contour, usize::MAX, change)?;
         }
         for waiting in system.planner.pending() {
+            layout.dynamics.verify_mode(call, waiting.data.lead.is_some())?;
             change(&waiting.data)?;
         }
         for waiting in system.planner.pending_mut() {
@@ -66,8 +70,15 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if let Some(active) = system.planner.active_data() {
         active.dynamics = dynamics;
     }
-    system.planner.change_limits(dynamics.limits(), &motion.clock);
+    let clock = system.clock(&motion.clock);
+    system.planner.change_limits(dynamics.limits(), &clock);
     system.stale = true;
+    // What had been calculated is given anew at the next update.
+    let tick = motion.clock.tick;
+    system.calculated.1 = tick + 1;
+    motion
+        .controls
+        .flag(active.execution, Flag::CalculatedDataAvailable, false, tick);
     motion.done(execution);
     Ok(())
 }

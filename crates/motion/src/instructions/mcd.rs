@@ -1,6 +1,6 @@
 //! MCD, Motion Change Dynamics (spec/axis-and-data-types.md §3.6).
 
-use arcline_instruction_set::{AxisIndex, Call, Mnemonic, MotionError};
+use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError};
 use arcline_planner::profile::Profile;
 
 use super::axis_moves;
@@ -34,13 +34,15 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let layout = motion.layouts.mcd;
     let axis = motion.target_axis(call)?;
     motion.verify_operands(call)?;
-    layout.dynamics.verify_mode(call)?;
     let slot = if call.word(layout.motion_type) == MOVE {
         Slot::Move
     } else {
         Slot::Jog
     };
+    let clock = motion.clock;
     let state = &mut motion.axes[usize::from(axis)];
+    let guide = state.sum.get(slot).and_then(|generator| generator.guide);
+    layout.dynamics.verify_mode(call, guide.is_some())?;
     let running = state.sum.get(slot).and_then(|generator| generator.program);
     axis_moves::verify_axis(state, running.is_some_and(|program| program.dynamics.is_s_curve()))?;
     axis_moves::not_stopping(state)?;
@@ -53,7 +55,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
     };
     let dynamics = layout.dynamics.change(call, &maxima, dynamics)?;
-    let now = axis_moves::steady(generator.state(), &dynamics.limits());
+    let now = axis_moves::steady(generator.planned_state(&clock), &dynamics.limits());
     let (profile, goal) = match goal {
         Goal::Position(target) => {
             let profile = Profile::to_position_two_stage(now, target, &dynamics.limits());
@@ -66,9 +68,18 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             (Profile::to_velocity(now, velocity, &limits), Goal::Velocity(velocity))
         }
     };
-    generator.follow(profile, motion.clock.now());
+    generator.follow(profile, generator.clock(&clock).now());
     generator.program = Some(Program { dynamics, goal });
+    // What had been calculated is given anew at the next update.
+    let calculated = generator.events.as_mut().and_then(|events| {
+        events.due = Some(clock.tick + 1);
+        generator.execution
+    });
     state.stale = true;
+    if let Some(changed) = calculated {
+        let available = Flag::CalculatedDataAvailable;
+        motion.controls.flag(changed, available, false, clock.tick);
+    }
     motion.done(execution);
     Ok(())
 }

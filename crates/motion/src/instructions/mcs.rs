@@ -11,7 +11,6 @@ use crate::follow::Release;
 use crate::follow::transform::Link;
 use crate::motion::Motion;
 use crate::stop::{ALL, AxisSet, COORDINATED_MOVE, COORDINATED_TRANSFORM, Stop};
-use crate::system::Activity;
 use crate::verify;
 
 /// Places of MCS's operands.
@@ -65,6 +64,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
                 braking.extend(cancel(motion, &rates.release, |link, _| link.has(axis)));
             }
             braking.extend(stop_all(motion, index));
+            for place in 0..motion.systems[index].description.axes.len() {
+                motion.unlink_slave(motion.systems[index].description.axes[place]);
+            }
         }
         COORDINATED_MOVE => {
             let limits = rates.along_path(motion, index);
@@ -98,9 +100,11 @@ impl Rates {
     /// For a stop along the path of the active move.
     fn along_path(&self, motion: &Motion, index: usize) -> Limits {
         let system = &motion.systems[index];
+        // The limits of a master driven move are by its master's way.
         let active = system
             .planner
             .active()
+            .filter(|_| system.guide.is_none())
             .map(|running| running.motion.data.dynamics.limits());
         Limits {
             speed: active.map_or(system.description.max_speed, |limits| limits.speed),
@@ -137,11 +141,8 @@ fn rates(motion: &Motion, index: usize, call: &Call) -> Result<Rates, MotionErro
             call.word(layout.jerk_units),
             description.max_deceleration_jerk,
         );
-        let sample = match system.contour_in_force() {
-            Some(contour) => contour.sample(&motion.clock),
-            None => system.planner.sample(&motion.clock),
-        };
-        let speed = sample.map_or(0.0, |sample| sample.along.velocity.abs());
+        let sample = system.sample(&motion.clock);
+        let speed = sample.map_or(0.0, |(sample, _)| sample.along.velocity.abs());
         let reference = if speed > 0.0 { speed } else { description.max_speed };
         release.jerk = Some(resolve(programmed, reference, deceleration));
     }
@@ -179,15 +180,7 @@ fn is_s_curve(motion: &Motion, index: usize) -> bool {
 pub(crate) fn stop_move(motion: &mut Motion, index: usize, limits: &Limits) {
     motion.cancel_pending(index);
     motion.end_active(index);
-    let system = &mut motion.systems[index];
-    if system.is_busy() {
-        system.activity = Activity::Stopping;
-        match &mut system.contour {
-            Some(contour) if system.planner.active().is_none() => contour.stop(limits, &motion.clock),
-            _ => system.planner.stop(limits, &motion.clock),
-        }
-        system.stale = true;
-    }
+    motion.stop_on_path(index, limits);
 }
 
 /// Stops every axis of the system by itself, out of all that moves it, and the whole coordinated moves of systems that

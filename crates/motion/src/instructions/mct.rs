@@ -7,6 +7,7 @@ use arcline_planner::geometry::{Frame, Point};
 use super::place;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
+use crate::follow::Follower;
 use crate::follow::order::share;
 use crate::follow::robot::{Joints, RobotMap};
 use crate::follow::transform::{Link, Map};
@@ -194,7 +195,7 @@ fn verify_chain(motion: &mut Motion, target: usize, link: &Link) -> Result<(), M
         return Err(MotionError::TransformIsCanceling);
     }
     if motion.links().any(|(_, other)| share(other.target(), link.target()))
-        || motion.plan_transform(target, link).is_err()
+        || motion.plan_order(Follower::Target(target, link)).is_err()
     {
         return Err(MotionError::CoordinateSystemChaining);
     }

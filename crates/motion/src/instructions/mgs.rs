@@ -52,6 +52,7 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
         motion.end_stop(index);
         motion.abort_system(index, |_| false);
     }
+    motion.unlink_all();
     let mut braking = AxisSet::default();
     for index in 0..motion.links.len() {
         motion.cancel_transform(index, &Release::default());

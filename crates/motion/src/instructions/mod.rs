@@ -8,10 +8,12 @@ mod mah;
 mod maj;
 mod mam;
 mod mapc;
+mod mar;
 mod mas;
 mod masd;
 mod masr;
 mod matc;
+mod maw;
 mod mccd;
 mod mccm;
 mod mccp;
@@ -22,6 +24,11 @@ mod mcsd;
 mod mcsr;
 mod mcsv;
 mod mct;
+mod mctp;
+mod mdac;
+mod mdcc;
+mod mdr;
+mod mdw;
 mod mgs;
 mod mgsd;
 mod mgsp;
@@ -57,7 +64,13 @@ pub(crate) struct Layouts {
     mag: mag::Layout,
     mapc: mapc::Layout,
     matc: matc::Layout,
+    maw: maw::Layout,
+    mar: mar::Layout,
+    mdr: mdr::Layout,
     mct: mct::Layout,
+    mdcc: mdcc::Layout,
+    mdac: mdac::Layout,
+    mctp: mctp::Layout,
     mgs: mgs::Layout,
     mrp: mrp::Layout,
 }
@@ -77,7 +90,13 @@ impl Layouts {
             mag: mag::Layout::new(),
             mapc: mapc::Layout::new(),
             matc: matc::Layout::new(),
+            maw: maw::Layout::new(),
+            mar: mar::Layout::new(),
+            mdr: mdr::Layout::new(),
             mct: mct::Layout::of(Mnemonic::Mct),
+            mdcc: mdcc::Layout::new(),
+            mdac: mdac::Layout::new(),
+            mctp: mctp::Layout::new(),
             mgs: mgs::Layout::new(),
             mrp: mrp::Layout::new(),
         }
@@ -112,10 +131,17 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Mnemonic::Mapc => mapc::execute(motion, execution, call, sent),
         Mnemonic::Matc => matc::execute(motion, execution, call, sent),
         Mnemonic::Mct => mct::execute(motion, execution, call),
+        Mnemonic::Mdcc => mdcc::execute(motion, execution, call),
+        Mnemonic::Mdac => mdac::execute(motion, execution, call),
+        Mnemonic::Mctp => mctp::execute(motion, execution, call, sent),
         Mnemonic::Mah => mah::execute(motion, execution, call),
         Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mccp => mccp::execute(motion, execution, call, sent),
         Mnemonic::Mcsv => mcsv::execute(motion, execution, call, sent),
+        Mnemonic::Maw => maw::execute(motion, execution, call),
+        Mnemonic::Mdw => mdw::execute(motion, execution, call),
+        Mnemonic::Mar => mar::execute(motion, execution, call),
+        Mnemonic::Mdr => mdr::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
         _ => {
             motion.verify_operands(call)?;

@@ -2,21 +2,23 @@
 
 use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError, OperandIndex};
 use arcline_planner::geometry::{Path, Point};
-use arcline_planner::profile::Phase;
-use arcline_planner::{Ending, Momentum, Move};
+use arcline_planner::profile::{Phase, State};
+use arcline_planner::{self as planner, Ending, Momentum, Move, Parameter};
 
 use super::place;
-use super::programmed::DynamicsLayout;
+use super::programmed::{self, DynamicsLayout};
 use crate::accepted::AcceptedMove;
 use crate::axis::Axis;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::Maxima;
+use crate::events::{Events, Fit};
+use crate::follow::links::MasterLink;
 use crate::follow::reach::Pace;
 use crate::machine::{AxisLimits, CoordinateSystem, Corner};
 use crate::motion::Motion;
 use crate::rotary::Turn;
-use crate::system::{Activity, Planned, System, Termination, component};
+use crate::system::{Activity, Lead, Planned, System, Termination, component};
 use crate::verify;
 
 /// Places of the operands that every coordinated move has.
@@ -30,6 +32,7 @@ pub(crate) struct MoveLayout {
     merge_speed: usize,
     command_tolerance: usize,
     event_distance: usize,
+    calculated_data: usize,
 }
 
 /// Move Type: the position counts from the start of the move.
@@ -53,6 +56,7 @@ impl MoveLayout {
             merge_speed: place("Merge Speed"),
             command_tolerance: place("Command Tolerance"),
             event_distance: place("Event Distance"),
+            calculated_data: place("Calculated Data"),
         }
     }
 
@@ -105,11 +109,14 @@ pub(super) fn execute(
     }
     motion.verify_operands(call)?;
     layout.dynamics.verify_units(call)?;
-    layout.dynamics.verify_link(call)?;
-    if !call.array(layout.event_distance).is_empty() {
+    let link = motion.systems[index].links.newest().copied();
+    layout.dynamics.verify_link(call, link.as_ref())?;
+    let lead = layout.dynamics.lead(motion, call, link.as_ref())?;
+    let events = Events::of(call, layout.event_distance, layout.calculated_data, Fit::AtLeast)?;
+    let system = &motion.systems[index];
+    if system.contour.is_some() && (lead.is_some() || events.is_some()) {
         return Err(MotionError::FeatureNotSupported);
     }
-    let system = &motion.systems[index];
     verify::axes_ready(system, &motion.axes)?;
     verify::not_homing(system, &motion.axes)?;
     let mut dynamics = layout.dynamics.read(call, &Maxima::from(&system.description))?;
@@ -135,20 +142,44 @@ pub(super) fn execute(
         pace = Pace::UNLIMITED;
     }
 
-    let momentum = terminated(motion, index, merge);
-    let current = command(motion, index, |axis| axis.command.velocity).norm();
+    let mut momentum = terminated(motion, index, merge);
+    let mut current = command(motion, index, |axis| axis.command.velocity).norm();
+    let mut driven = false;
+    if let (Some(lead), Some(link)) = (lead, &link) {
+        let by_master = programmed::pace(link, lead.lock, momentum.velocity != Point::zeros())?;
+        verify_lead(motion, index, merge, lead)?;
+        momentum = on_the_way(&by_master, &momentum);
+        current = if by_master.speed > 0.0 {
+            current / by_master.speed
+        } else {
+            0.0
+        };
+        driven = true;
+        // Joints are kept by time; a master decides how fast this is.
+        pace = Pace::UNLIMITED;
+    }
     if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && current > 0.0 {
         dynamics.set_speed(current);
     }
     dynamics.keep_to(&pace);
+    if driven {
+        programmed::verify_reduction(momentum.velocity.norm(), &dynamics.limits(), path.length())?;
+    }
+    let parameter = match (lead, &link) {
+        (Some(lead), Some(link)) => parameter(motion, index, merge, lead, link),
+        _ => Parameter::TIME,
+    };
     let planned = Move {
         path,
         limits: dynamics.limits(),
         ending,
+        parameter,
         data: Planned {
             execution,
             dynamics,
             termination,
+            lead,
+            events,
             pace,
         },
     };
@@ -179,9 +210,10 @@ pub(super) fn execute(
         }
     } else if merge == MERGE_DISABLED && motion.systems[index].is_busy() {
         let system = &mut motion.systems[index];
+        let clock = system.clock(&motion.clock);
         system
             .planner
-            .enqueue(planned, &motion.clock)
+            .enqueue(planned, &clock)
             .map_err(|_| MotionError::CoordinateSystemQueueFull)?;
         motion.accept(accepted_move);
         motion.controls.write(execution, accepted, 0, tick);
@@ -189,18 +221,21 @@ pub(super) fn execute(
     } else if merge != MERGE_DISABLED {
         terminate(motion, index, merge);
     }
+    motion.lead_system(index, lead, motion.clock.now())?;
     let system = &mut motion.systems[index];
+    let clock = system.clock(&motion.clock);
     if system.description.axis_limits == AxisLimits::Enforce {
         let planner = &mut system.planner;
-        planner.set_rate(system.feed_override, &motion.clock);
-        planner.merge_within(planned, momentum, &system.axis_limits, &motion.clock);
+        planner.set_rate(system.feed_override, &clock);
+        planner.merge_within(planned, momentum, &system.axis_limits, &clock);
         // Its speed may not be overridden beyond the limits of the axes.
-        planner.set_rate(system.feed_override, &motion.clock);
+        planner.set_rate(system.feed_override, &clock);
     } else {
-        system.planner.merge(planned, momentum, &motion.clock);
+        system.planner.merge(planned, momentum, &clock);
     }
     system.activity = Activity::Moving;
     system.shown_phase = Phase::Steady;
+    system.shown_tracking = false;
     system.in_actual_tolerance = false;
     system.in_command_tolerance = false;
     system.stale = true;
@@ -208,7 +243,66 @@ pub(super) fn execute(
     motion.seat_axes(index);
     motion.accept(accepted_move);
     motion.controls.write(execution, accepted | Flag::Ac.mask(), 0, tick);
+    motion.calculate(index);
     Ok(())
+}
+
+/// What is under way by time, by the way of a master.
+fn on_the_way(pace: &planner::Pace, momentum: &Momentum) -> Momentum {
+    let mut taken = Momentum {
+        velocity: Point::zeros(),
+        acceleration: Point::zeros(),
+    };
+    for place in 0..taken.velocity.len() {
+        let state = pace.on_the_way(State {
+            position: 0.0,
+            velocity: momentum.velocity[place],
+            acceleration: momentum.acceleration[place],
+        });
+        taken.velocity[place] = state.velocity;
+        taken.acceleration[place] = state.acceleration;
+    }
+    taken
+}
+
+/// Master driven moves that the new one would go on from, or wait with (98, 102).
+fn verify_lead(motion: &Motion, index: usize, merge: i32, lead: Lead) -> Result<(), MotionError> {
+    let system = &motion.systems[index];
+    if system.activity != Activity::Moving {
+        return Ok(());
+    }
+    let active = system.planner.active().map(|running| &running.motion);
+    let before = if merge == MERGE_DISABLED {
+        let last = system.planner.pending().last().or(active);
+        last.filter(|last| last.ending != Ending::Stop)
+    } else {
+        active
+    };
+    let led = before.and_then(|before| before.data.lead);
+    if led.is_some_and(|led| led.lock.sense != lead.lock.sense) {
+        return Err(MotionError::MdscDirectionMismatch);
+    }
+    let waits = |other: &Move<Planned>| other.data.lead.is_some_and(|lead| lead.lock.position.is_some());
+    if lead.lock.position.is_some() && (active.is_some_and(waits) || system.planner.pending().any(waits)) {
+        return Err(MotionError::MdscLockWhileMoving);
+    }
+    Ok(())
+}
+
+/// What a master driven move is a function of: the way of the move before it, or one that begins with it.
+fn parameter(motion: &mut Motion, index: usize, merge: i32, lead: Lead, link: &MasterLink) -> Parameter {
+    let system = &motion.systems[index];
+    if merge == MERGE_DISABLED && system.activity == Activity::Moving && lead.lock.position.is_none() {
+        let active = system.planner.active().map(|running| &running.motion);
+        let led = |last: &&Move<Planned>| {
+            let before = last.data.lead;
+            before.is_some_and(|before| before.link == lead.link && before.lock.sense == lead.lock.sense)
+        };
+        if let Some(last) = system.planner.pending().last().or(active).filter(led) {
+            return last.parameter;
+        }
+    }
+    motion.new_parameter(link)
 }
 
 /// What the axes do of which a merge makes the start of its move: of coordinated motion, or of all motion.

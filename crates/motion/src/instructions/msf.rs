@@ -11,7 +11,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let axis = motion.target_axis(call)?;
     motion.verify_operands(call)?;
     let state = &motion.axes[usize::from(axis)];
-    if state.is_virtual {
+    if state.is_virtual || state.feeding.is_some() {
         return Err(MotionError::WrongAxisType(AxisIndex(0)));
     }
     if matches!(state.state, AxisState::Running | AxisState::Starting) {

@@ -10,7 +10,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let axis = motion.target_axis(call)?;
     motion.verify_operands(call)?;
     let state = &mut motion.axes[usize::from(axis)];
-    if state.is_virtual {
+    if state.is_virtual || state.feeding.is_some() {
         return Err(MotionError::WrongAxisType(AxisIndex(0)));
     }
     match state.state {

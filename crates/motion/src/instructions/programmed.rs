@@ -3,9 +3,16 @@
 //! Not here: what becomes of them, and MAM's durations in seconds.
 
 use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
+use arcline_planner::Pace;
+use arcline_planner::profile::{Limits, stop_distance};
 
 use super::place;
 use crate::dynamics::{Dynamics, Jerks, Maxima, Shape, in_units, jerk_in_units, reference_speed};
+use crate::follow::guide::{Guide, LockTo, Sense};
+use crate::follow::links::MasterLink;
+use crate::motion::Motion;
+use crate::rotary::Turn;
+use crate::system::Lead;
 use crate::verify::is_master_driven;
 
 /// Profile: S-curve.
@@ -80,14 +87,21 @@ impl Rates {
 pub(super) struct DynamicsLayout {
     pub(super) rates: Rates,
     profile: usize,
+    lock_position: usize,
     lock_direction: usize,
 }
+
+/// Lock Direction, from 1 on: at once forward and reverse, and at a position forward and reverse.
+const IMMEDIATE_REVERSE: i32 = 2;
+const POSITION_FORWARD: i32 = 3;
+const POSITION_REVERSE: i32 = 4;
 
 impl DynamicsLayout {
     pub(super) fn of(mnemonic: Mnemonic) -> Self {
         DynamicsLayout {
             rates: Rates::of(mnemonic),
             profile: place(mnemonic, "Profile"),
+            lock_position: place(mnemonic, "Lock Position"),
             lock_direction: place(mnemonic, "Lock Direction"),
         }
     }
@@ -137,17 +151,86 @@ impl DynamicsLayout {
         Ok(())
     }
 
+    /// Whether the speed is by a master.
+    pub(super) fn is_master_driven(&self, call: &Call) -> bool {
+        is_master_driven(call.number(self.rates.speed_units))
+    }
+
     /// A lock direction of the mode of the units (95), and a link for what is master driven (93).
-    pub(super) fn verify_link(&self, call: &Call) -> Result<(), MotionError> {
-        let master = is_master_driven(call.number(self.rates.speed_units));
+    pub(super) fn verify_link(&self, call: &Call, link: Option<&MasterLink>) -> Result<(), MotionError> {
+        let master = self.is_master_driven(call);
         if (call.word(self.lock_direction) != 0) != master {
             return Err(MotionError::MdscLockDirectionConflict);
         }
-        if master {
+        if master && link.is_none() {
             return Err(MotionError::MdscNotActivated);
         }
         Ok(())
     }
+
+    /// How a call is driven by its link; `None`: by time.
+    ///
+    /// # Errors
+    /// `ParameterOutOfRange` (13) where a rotary master never shows the Lock Position.
+    pub(super) fn lead(
+        &self,
+        motion: &Motion,
+        call: &Call,
+        link: Option<&MasterLink>,
+    ) -> Result<Option<Lead>, MotionError> {
+        let Some(link) = link.filter(|_| self.is_master_driven(call)) else {
+            return Ok(None);
+        };
+        let direction = call.word(self.lock_direction);
+        let position = (direction >= POSITION_FORWARD).then(|| call.number(self.lock_position));
+        let unwind = motion.axes[usize::from(link.master.axis)].unwind;
+        if let (Some(position), Some(unwind)) = (position, unwind)
+            && !Turn::contains(unwind, position)
+        {
+            return Err(MotionError::ParameterOutOfRange(OperandIndex(self.lock_position as u8)));
+        }
+        let sense = if matches!(direction, IMMEDIATE_REVERSE | POSITION_REVERSE) {
+            Sense::Reverse
+        } else {
+            Sense::Forward
+        };
+        Ok(Some(Lead {
+            link: link.id,
+            lock: LockTo { sense, position },
+        }))
+    }
+}
+
+/// With what a master driven motion takes over one at a speed: how its master moves (97, 98). One that waits for a lock takes
+/// over nothing (102).
+pub(super) fn pace(link: &MasterLink, lock: LockTo, moves: bool) -> Result<Pace, MotionError> {
+    let pace = Guide::pace_of(&link.master, lock.sense);
+    if !moves {
+        Ok(pace)
+    } else if link.master.velocity() == 0.0 {
+        Err(MotionError::MdscIdleMasterAndSlaveMoving)
+    } else if pace.speed <= 0.0 {
+        Err(MotionError::MdscDirectionMismatch)
+    } else if lock.position.is_some() {
+        Err(MotionError::MdscLockWhileMoving)
+    } else {
+        Ok(pace)
+    }
+}
+
+/// Whether a way is long enough to slow down on it, from the speed of what is taken over to the programmed one (103).
+pub(super) fn verify_reduction(speed: f64, limits: &Limits, way: f64) -> Result<(), MotionError> {
+    let excess = speed - limits.speed;
+    // A ramp is symmetric: its mean speed times the time that a stop from the difference would take.
+    let needed = if excess > 0.0 {
+        stop_distance(excess, limits) * (speed + limits.speed) / excess
+    } else {
+        0.0
+    };
+    if needed > way {
+        return Err(MotionError::MdscInvalidSlaveSpeedReduction);
+    }
+    Ok(())
 }
 
 /// Places of the operands that change how something moves: MCCD, MCD.
@@ -178,8 +261,8 @@ impl ChangeLayout {
         call.is_one(self.change_speed)
     }
 
-    /// What is under way is time driven, so every unit of a change must be: 94, and 105 for the speed's.
-    pub(super) fn verify_mode(&self, call: &Call) -> Result<(), MotionError> {
+    /// Every unit of a change must be of the mode of what is under way: 94, and 105 for the speed's.
+    pub(super) fn verify_mode(&self, call: &Call, driven: bool) -> Result<(), MotionError> {
         let rates = &self.rates;
         let master = |units: usize| is_master_driven(call.number(units));
         let changed = [
@@ -195,10 +278,14 @@ impl ChangeLayout {
                 .iter()
                 .any(|(changed, units)| *changed && master(*units) != mode)
         };
-        let mode = self.changes_speed(call) && master(rates.speed_units);
+        let mode = if self.changes_speed(call) {
+            master(rates.speed_units)
+        } else {
+            driven
+        };
         if mixed(mode) {
             Err(MotionError::MdscUnitsConflict)
-        } else if mode {
+        } else if mode != driven {
             Err(MotionError::MdscInvalidModeOrMasterChange)
         } else {
             Ok(())

@@ -1,4 +1,4 @@
-//! MAM in seconds: the durations of the whole move and of its phases are programmed, speed and rates follow from the
+//! MAM in seconds, or in master units: the durations of the whole move and of its phases are programmed, speed and rates follow from the
 //! distance (spec/axis-and-data-types.md §1.4).
 //!
 //! With the distance `D`, the duration `T`, those of the phases `Ta` and `Td`, and the ramp times `Tj` inside them
@@ -15,6 +15,14 @@ use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape};
 
 /// The word of every Units operand for a duration in seconds.
 pub(super) const SECONDS: i32 = 3;
+
+/// The same for a duration in master units, over which the master goes.
+pub(super) const MASTER_UNITS: i32 = 7;
+
+/// Whether the word of Speed Units makes a duration of the speed.
+pub(super) fn is_duration(units: i32) -> bool {
+    matches!(units, SECONDS | MASTER_UNITS)
+}
 
 /// Where the speed is a duration, everything is, and only there.
 pub(super) fn verify_units(rates: &Rates, call: &Call, duration: i32) -> Result<(), MotionError> {

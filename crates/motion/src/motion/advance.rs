@@ -4,94 +4,175 @@
 //! position units, times seconds.
 
 use arcline_drive::Settling;
-use arcline_instruction_set::Flag;
+use arcline_instruction_set::{Flag, MotionError};
 use arcline_planner::geometry::Point;
-use arcline_planner::profile::Phase;
-use arcline_planner::{Instant, Passage, Sample};
+use arcline_planner::profile::{Phase, State};
+use arcline_planner::{Clock, Ending, Instant, Move, Passage, Sample};
 
 use super::Motion;
 use crate::axis::Axis;
 use crate::axis::sum::Slot;
-use crate::system::{Activity, component};
+use crate::system::{Activity, Planned, component};
 
 impl Motion {
-    pub(super) fn advance_system(&mut self, index: usize) {
+    pub(crate) fn advance_system(&mut self, index: usize) {
         if self.systems[index].contour_in_force().is_some() {
             self.advance_contour(index);
             return;
         }
         for _ in 0..MAX_ENDS_PER_TICK {
-            let at = match self.systems[index].planner.passage(&self.clock) {
+            let system = &self.systems[index];
+            if system.guide.is_some_and(|guide| guide.has_position_lock()) {
+                break;
+            }
+            let clock = system.clock(&self.clock);
+            let moment = match self.systems[index].planner.passage(&clock) {
                 None => break,
-                Some(Passage::HandOver(at)) => at,
+                Some(Passage::HandOver(at)) => self.moment(index, at),
                 Some(Passage::Reached(at)) => match self.reached(index, at) {
-                    Some(at) => at,
+                    Some(moment) => moment,
                     None => break,
                 },
             };
-            self.complete(index, at);
+            self.complete(index, moment);
             if !self.systems[index].is_busy() {
                 break;
             }
         }
-        self.systems[index].planner.look_on(&self.clock);
+        let clock = self.systems[index].clock(&self.clock);
+        self.systems[index].planner.look_on(&clock);
         if self.systems[index].is_busy() {
             self.sample_system(index);
         }
     }
 
+    /// An instant of this update by what the active move is a function of, and in time.
+    fn moment(&self, index: usize, own: Instant) -> Moment {
+        let guide = &self.systems[index].guide;
+        let time = guide.as_ref().map_or(own, |guide| guide.instant_of(own, &self.clock));
+        Moment { own, time }
+    }
+
     /// The command is at the programmed end, or where a stop has led it. The instant at which the active
     /// move is complete, if it is.
-    fn reached(&mut self, index: usize, at: Instant) -> Option<Instant> {
+    fn reached(&mut self, index: usize, at: Instant) -> Option<Moment> {
         if self.systems[index].activity == Activity::Stopping {
             self.sample_system(index);
             self.systems[index].planner.clear_active();
             self.release_axes(index);
             return None;
         }
+        let moment = self.moment(index, at);
         let active = self.systems[index].planner.active()?.motion.data;
         if self.systems[index].planner.passes_on() {
-            return Some(at);
+            return Some(moment);
         }
         self.set_end_position(index);
-        if active.termination.settles() {
-            let end = self.systems[index].planner.active()?.motion.path.end();
-            self.settled(index, &end, at)
-        } else {
-            Some(at)
+        if !active.termination.settles() {
+            return Some(moment);
         }
+        let system = &mut self.systems[index];
+        // Where the end was come to inside an earlier update, the way of the master tells no more when that was.
+        let time = match system.guide {
+            Some(_) => *system.ended.get_or_insert(moment.time),
+            None => moment.time,
+        };
+        let end = system.planner.active()?.motion.path.end();
+        let time = self.settled(index, &end, time)?;
+        let guide = &self.systems[index].guide;
+        let own = guide.as_ref().map_or(time, |guide| guide.place_at(time, &self.clock));
+        Some(Moment { own, time })
     }
 
-    /// The active move is complete; the next one becomes active at the same instant.
-    fn complete(&mut self, index: usize, at: Instant) {
-        if let Some(active) = self.systems[index].planner.active_data().copied() {
-            self.end_move(active.execution, Flag::Pc.mask());
-            self.systems[index].in_actual_tolerance = active.termination.settles();
+    /// The active move is complete; the next one becomes active at the same instant. One that cannot fails, and the move
+    /// before it ends as if there had been none.
+    fn complete(&mut self, index: usize, moment: Moment) {
+        let last = self.systems[index].planner.active().map(|running| running.motion);
+        if let Some(last) = &last {
+            self.end_move(last.data.execution, Flag::Pc.mask());
+            self.systems[index].in_actual_tolerance = last.data.termination.settles();
         }
-        let next = self.systems[index].planner.hand_over(at, &self.clock).copied();
-        match next {
-            Some(next) => {
-                let system = &mut self.systems[index];
-                system.shown_phase = Phase::Steady;
-                system.in_actual_tolerance = false;
-                system.in_command_tolerance = false;
-                self.controls.write(next.execution, Flag::Ac.mask(), 0, self.clock.tick);
-                self.join_axes(index);
-            }
-            None => {
-                self.systems[index].planner.clear_active();
-                self.release_axes(index);
-                // Moves behind a merged one are planned as a contour now.
-                let system = &mut self.systems[index];
-                if system
-                    .contour
-                    .as_ref()
-                    .is_some_and(|contour| contour.moves().next().is_some())
-                {
-                    system.activity = Activity::Moving;
+        while let Some(next) = self.systems[index].planner.next() {
+            match self.promote(index, last.as_ref(), &next, moment) {
+                Ok(at) => {
+                    let clock = self.systems[index].clock(&self.clock);
+                    self.systems[index].planner.hand_over(at, &clock);
+                    let system = &mut self.systems[index];
+                    system.shown_phase = Phase::Steady;
+                    system.shown_tracking = false;
+                    system.in_actual_tolerance = false;
+                    system.in_command_tolerance = false;
+                    system.ended = None;
+                    self.controls
+                        .write(next.data.execution, Flag::Ac.mask(), 0, self.clock.tick);
+                    self.join_axes(index);
+                    self.calculate(index);
+                    return;
+                }
+                Err(error) => {
+                    self.controls.fail(next.data.execution, error, self.clock.tick);
+                    self.systems[index].planner.cancel_pending();
                 }
             }
         }
+        self.systems[index].planner.clear_active();
+        self.release_axes(index);
+        // Moves behind a merged one are planned as a contour now.
+        let system = &mut self.systems[index];
+        let contour = system.contour.as_ref();
+        if contour.is_some_and(|contour| contour.moves().next().is_some()) {
+            system.activity = Activity::Moving;
+        }
+    }
+
+    /// Whether the oldest pending move can follow the active one, and by what it is a function of (§7.11, §8.7). The instant at
+    /// which it begins.
+    fn promote(
+        &mut self,
+        index: usize,
+        last: Option<&Move<Planned>>,
+        next: &Move<Planned>,
+        moment: Moment,
+    ) -> Result<Instant, MotionError> {
+        let link = |motion: &Move<Planned>| motion.data.lead.map(|lead| lead.link);
+        if let Some(last) = last {
+            if last.parameter == next.parameter {
+                return Ok(moment.own);
+            }
+            if last.ending != Ending::Stop && link(last) != link(next) {
+                return Err(MotionError::MdscInvalidModeOrMasterChange);
+            }
+        }
+        self.lead_system(index, next.data.lead, moment.time)?;
+        let guide = &self.systems[index].guide;
+        Ok(guide.as_ref().map_or(moment.time, |_| Clock::of_way(0.0).now()))
+    }
+
+    /// Calculated Data of the active move, if its plan is another one than it was computed of (§9).
+    pub(crate) fn calculate(&mut self, index: usize) {
+        let system = &mut self.systems[index];
+        let (plan, due) = system.calculated;
+        let plans = system.planner.plans();
+        if system.activity != Activity::Moving || plans == plan || self.clock.tick < due {
+            return;
+        }
+        system.calculated.0 = plans;
+        let clock = system.clock(&self.clock);
+        let Some(active) = system.planner.active().map(|running| running.motion.data) else {
+            return;
+        };
+        let Some(mut events) = active.events else { return };
+        let planner = &system.planner;
+        let answered = !planner.is_paused() && events.answer(|distance| planner.reaches(distance, &clock));
+        if !answered {
+            let available = Flag::CalculatedDataAvailable.mask();
+            self.controls.write(active.execution, 0, available, self.clock.tick);
+            return;
+        }
+        if let Some(active) = system.planner.active_data() {
+            active.events = Some(events);
+        }
+        self.give(active.execution, &events);
     }
 
     /// The commands stand exactly on the programmed end of the active move.
@@ -117,23 +198,26 @@ impl Motion {
     /// Commands of a system's axes at the present tick, and ACCEL and DECEL of its active instruction.
     pub(crate) fn sample_system(&mut self, index: usize) {
         let system = &mut self.systems[index];
-        let sample = match system.contour_in_force() {
-            Some(contour) => contour.sample(&self.clock),
-            None => system.planner.sample(&self.clock),
-        };
-        let Some(sample) = sample else {
+        let Some((sample, planned)) = system.sample(&self.clock) else {
             return;
         };
         let length = system
             .planner
             .active()
             .map_or(0.0, |running| running.motion.path.length());
-        system.in_transition = system.planner.in_transition(&self.clock);
+        system.in_transition = system.planner.in_transition(&system.clock(&self.clock));
         system.along = [sample.along.velocity.abs(), sample.along.position, length];
         seat(&system.description.axes, &mut self.axes, &sample);
-        if system.activity == Activity::Moving && sample.phase != system.shown_phase {
-            system.shown_phase = sample.phase;
-            let (set, clear) = match sample.phase {
+        // Nothing has begun while a lock is waited for.
+        let waits = system.guide.is_some_and(|guide| !guide.has_begun());
+        let phase = if waits { Phase::Steady } else { sample.phase };
+        system.course = match &system.guide {
+            Some(_) => course(&sample.along),
+            None => phase,
+        };
+        if system.activity == Activity::Moving && phase != system.shown_phase {
+            system.shown_phase = phase;
+            let (set, clear) = match phase {
                 Phase::Accelerating => (Flag::Accel.mask(), Flag::Decel.mask()),
                 Phase::Decelerating => (Flag::Decel.mask(), Flag::Accel.mask()),
                 Phase::Steady => (0, Flag::Accel.mask() | Flag::Decel.mask()),
@@ -142,12 +226,20 @@ impl Motion {
                 self.controls.write(active.execution, set, clear, self.clock.tick);
             }
         }
+        let system = &mut self.systems[index];
+        let tracking = system.is_tracking(planned);
+        if std::mem::replace(&mut system.shown_tracking, tracking) != tracking
+            && let Some(active) = system.active()
+        {
+            self.controls
+                .flag(active.execution, Flag::TrackingMaster, tracking, self.clock.tick);
+        }
     }
 
     /// The axes' part of a coordinated move that has just begun, so that others of the same tick see it.
     pub(crate) fn seat_axes(&mut self, index: usize) {
         let system = &self.systems[index];
-        if let Some(sample) = system.planner.sample(&self.clock) {
+        if let Some((sample, _)) = system.sample(&self.clock) {
             seat(&system.description.axes, &mut self.axes, &sample);
         }
     }
@@ -205,6 +297,26 @@ impl Motion {
                 system.in_command_tolerance = squares.sum::<f64>().sqrt() < system.description.command_tolerance;
             }
         }
+    }
+}
+
+/// An instant of an update.
+#[derive(Clone, Copy, Debug)]
+struct Moment {
+    /// By what the active move is a function of.
+    own: Instant,
+    time: Instant,
+}
+
+/// What a speed along the path does, whatever causes it.
+fn course(along: &State) -> Phase {
+    let rising = along.velocity * along.acceleration;
+    if rising > 0.0 || (along.velocity == 0.0 && along.acceleration != 0.0) {
+        Phase::Accelerating
+    } else if rising < 0.0 {
+        Phase::Decelerating
+    } else {
+        Phase::Steady
     }
 }
 

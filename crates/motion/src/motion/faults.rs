@@ -33,7 +33,11 @@ impl Motion {
         let period = self.clock.period();
         for index in 0..self.axes.len() {
             let axis = &mut self.axes[index];
-            let observed = axis.observed();
+            let mut observed = axis.observed();
+            observed.lost = axis
+                .feeding
+                .as_mut()
+                .is_some_and(|feeding| feeding.is_stale(&self.clock));
             if let Some(action) = axis.faults.check(&observed, period) {
                 self.act(index as u16, action);
             }
@@ -75,6 +79,7 @@ impl Motion {
                 self.abort_system(index, |_| false);
             }
         }
+        self.unlink_slave(axis);
         if self.axes[usize::from(axis)].dynamics.deceleration > 0.0 {
             self.stop_axis(axis, None);
         } else {

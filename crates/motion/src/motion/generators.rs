@@ -6,9 +6,11 @@ use arcline_instruction_set::Flag;
 use arcline_planner::profile::{Limits, Phase};
 
 use super::Motion;
+use crate::axis::generator::Law;
 use crate::axis::sum::Slot;
 use crate::axis::{AfterStop, Axis, AxisState};
 use crate::control::Execution;
+use crate::events::MoveEvents;
 use crate::follow::cam::Cam;
 
 impl Motion {
@@ -146,6 +148,27 @@ impl Motion {
         }
     }
 
+    /// Calculated Data of a move, when it is due.
+    pub(crate) fn calculate_move(&mut self, axis: u16, slot: Slot) {
+        let clock = self.clock;
+        let Some(generator) = self.axes[usize::from(axis)].sum.get_mut(slot) else {
+            return;
+        };
+        let own = generator.clock(&clock);
+        let due = |events: &MoveEvents| events.due.is_some_and(|due| due <= clock.tick);
+        let (Some(execution), Law::Planned { profile, start }) = (generator.execution, &generator.law) else {
+            return;
+        };
+        let Some(events) = generator.events.as_mut().filter(|events| due(events)) else {
+            return;
+        };
+        events.due = None;
+        if events.answer(profile, *start, &own) {
+            let events = events.events;
+            self.give(execution, &events);
+        }
+    }
+
     /// ACCEL and DECEL of what is under way, and PC of what has come to its end. Homing tells its end by itself.
     pub(crate) fn report_generators(&mut self, axis: u16) {
         let at = usize::from(axis);
@@ -162,6 +185,8 @@ impl Motion {
                 continue;
             };
             let phase = generator.phase(&self.clock);
+            let tracking = generator.is_tracking(&self.clock) && !generator.stopping;
+            let tracks = std::mem::replace(&mut generator.shown_tracking, tracking) != tracking;
             let changed = std::mem::replace(&mut generator.shown_phase, phase) != phase;
             let (execution, stopping, over) = (generator.execution, generator.stopping, generator.over);
             if over {
@@ -174,9 +199,15 @@ impl Motion {
                     self.stand(axis, after);
                 }
             } else if let Some(execution) = execution
-                && changed
                 && !stopping
             {
+                if tracks {
+                    self.controls.flag(execution, Flag::TrackingMaster, tracking, tick);
+                }
+                self.calculate_move(axis, slot);
+                if !changed {
+                    continue;
+                }
                 let (set, clear) = match phase {
                     Phase::Accelerating => (Flag::Accel.mask(), Flag::Decel.mask()),
                     Phase::Decelerating => (Flag::Decel.mask(), Flag::Accel.mask()),

@@ -56,7 +56,10 @@ impl Motion {
                 // It was stopped.
                 state.homing = None;
             }
-            state.follow(period);
+            match state.fed(&self.clock) {
+                Some(now) => state.show(now, period),
+                None => state.follow(period),
+            }
             state.watch_home()
         };
         if state.in_motion() {
@@ -67,6 +70,7 @@ impl Motion {
             state.homed = true;
             self.end_move(ended.execution, Flag::Pc.mask());
         }
+        self.look_out(axis);
         self.axes[at].fold(&self.clock);
     }
 }

@@ -3,7 +3,7 @@
 //! Real-time: no allocation; bounded by the axes, the coordinate systems and the depth of their queues.
 
 use arcline_instruction_set::Flag;
-use arcline_planner::profile::Phase;
+use arcline_planner::profile::{Limits, Phase};
 
 use super::Motion;
 use crate::axis::sum::Slot;
@@ -28,6 +28,25 @@ impl Motion {
         {
             self.end_move(active.execution, 0);
         }
+    }
+
+    /// Brakes the coordinated move of a system on its path, in time: a master leads it no more. Its instructions have ended.
+    pub(crate) fn stop_on_path(&mut self, index: usize, limits: &Limits) {
+        let clock = self.clock;
+        let system = &mut self.systems[index];
+        if !system.is_busy() {
+            return;
+        }
+        system.activity = Activity::Stopping;
+        let merged = system.planner.active().is_some();
+        match (&mut system.contour, system.guide.take()) {
+            (Some(contour), _) if !merged => contour.stop(limits, &clock),
+            (_, None) => system.planner.stop(limits, &clock),
+            (_, Some(guide)) => system
+                .planner
+                .stop_in_time(limits, &guide.pace(), &guide.clock(), &clock),
+        }
+        system.stale = true;
     }
 
     /// Ends a running stop's instruction without PC.
@@ -136,6 +155,10 @@ impl Motion {
         let system = &mut self.systems[index];
         system.activity = Activity::Idle;
         system.shown_phase = Phase::Steady;
+        system.guide = None;
+        system.ended = None;
+        system.course = Phase::Steady;
+        system.shown_tracking = false;
         system.in_transition = false;
         system.along = [0.0; 3];
         system.stale = false;

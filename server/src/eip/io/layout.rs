@@ -145,6 +145,8 @@ pub(crate) const AXIS: [Field<AxisSnapshot>; 5] = [
 
 /// Bytes of a field.
 pub(crate) const FIELD: usize = 4;
+/// Bytes of the first field of the inputs, which is never the same twice.
+pub(crate) const TICK: usize = FIELD;
 
 /// The assemblies of a machine.
 pub(crate) fn assemblies(machine: &Machine) -> Assemblies {

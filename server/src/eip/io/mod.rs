@@ -7,8 +7,10 @@
 pub(crate) mod layout;
 mod outputs;
 mod page;
+mod punctuality;
 mod thread;
 
+use std::collections::BTreeMap;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4, UdpSocket};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -24,7 +26,8 @@ use arcline_proto::session::{IoOpen, IoOpened};
 use bytes::{Bytes, BytesMut};
 use rustix::event::{EventfdFlags, eventfd};
 use rustix::fd::OwnedFd;
-use tracing::warn;
+use rustix::net::sockopt::set_ip_multicast_if;
+use tracing::{debug, warn};
 
 use self::layout::{Head, status};
 use self::outputs::Outputs;
@@ -35,8 +38,6 @@ pub(crate) use thread::IoThread;
 
 /// Connections of all originators.
 const MAX_CONNECTIONS: usize = 64;
-/// The shortest interval, µs: one that the thread keeps (docs/IO.md has the measurement).
-const MIN_INTERVAL: u32 = 1000;
 
 /// The assemblies, and what was last commanded through them, with or without a connection.
 #[derive(Debug)]
@@ -129,6 +130,8 @@ pub(crate) struct Io {
     socket: UdpSocket,
     local: SocketAddr,
     epoch: Instant,
+    /// Through which of our addresses a group is reached.
+    groups: Mutex<BTreeMap<Ipv4Addr, Ipv4Addr>>,
     /// Wakes the thread.
     wake: OwnedFd,
 }
@@ -141,11 +144,16 @@ impl Io {
     pub(crate) fn bind(address: SocketAddr, assemblies: Assemblies) -> io::Result<Self> {
         let socket = UdpSocket::bind(address)?;
         socket.set_nonblocking(true)?;
+        if address.is_ipv4() {
+            // Attribute 8 of the TCP/IP Interface.
+            socket.set_multicast_ttl_v4(1)?;
+        }
         let local = socket.local_addr()?;
         let settings = IoSettings {
             assemblies,
             max_connections: MAX_CONNECTIONS,
-            min_interval: MIN_INTERVAL,
+            min_interval: punctuality::SHORTEST,
+            volatile: layout::TICK,
             local,
         };
         Ok(Self {
@@ -153,6 +161,7 @@ impl Io {
             socket,
             local,
             epoch: Instant::now(),
+            groups: Mutex::default(),
             wake: eventfd(0, EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC)?,
         })
     }
@@ -167,19 +176,34 @@ impl Io {
         lock(&self.connections).outputs()
     }
 
-    /// Opens a connection for the far end of a TCP connection whose near end is `local`.
+    /// Opens a connection for the far end of a TCP connection whose near end is `local`; `group` is where it can be sent
+    /// inputs by multicast.
     pub(crate) fn open(
         &self,
         open: &IoOpen<'_>,
         peer: IpAddr,
         local: Ipv4Addr,
+        group: Ipv4Addr,
         random: impl FnMut() -> Option<u32>,
     ) -> Result<IoOpened, CipStatus> {
         let originator = Originator {
             address: peer,
             port: open.port,
+            group: self.local.is_ipv4().then_some(group),
         };
-        let opened = lock(&self.connections).open(open.open, open.application, originator, self.now(), random);
+        let (opened, group) = {
+            let mut connections = lock(&self.connections);
+            let opened = connections.open(open.open, open.application, originator, self.now(), random);
+            let id = opened.as_ref().ok().map(|reply| reply.o_to_t_id);
+            (opened, id.and_then(|id| connections.group(id)))
+        };
+        let group = match group {
+            Some(SocketAddr::V4(group)) => {
+                lock(&self.groups).insert(*group.ip(), local);
+                Some(group)
+            }
+            _ => None,
+        };
         // A watchdog may have expired meanwhile, and a new one began.
         self.wake();
         let own = match self.local.ip() {
@@ -189,7 +213,18 @@ impl Io {
         Ok(IoOpened {
             reply: opened?,
             listens: SocketAddrV4::new(own, self.local.port()),
+            group,
         })
+    }
+
+    /// Has what is sent to a group leave through the address at which its connections were opened.
+    fn route(&self, group: Ipv4Addr) {
+        let via = lock(&self.groups).get(&group).copied();
+        if let Some(via) = via
+            && let Err(error) = set_ip_multicast_if(&self.socket, &via)
+        {
+            debug!(%error, %group, %via, "no way to a multicast group");
+        }
     }
 
     /// Lets a connection produce.

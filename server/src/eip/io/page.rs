@@ -88,9 +88,15 @@ second word. An electronic key, a port segment `01 00` and a configuration of no
 - Datagrams go to UDP port 2222 (`[server] io`), and leave from there; item 0x8000 of the reply tells the port. Inputs go to the
   originator's address and port 2222, or to the port in item 0x8001 of its request. On one host with the server, where the
   server has port 2222 of the address, they go to the port that its first datagram came from.
-- Both directions are point-to-point; multicast is refused with 0x0123 or 0x0124. The trigger is cyclic; others are refused with
-  0x011D.
-- The RPI is 1 ms or more, and kept as it is confirmed, on an absolute schedule; a shorter one is refused with 0x0111. The first
+- T→O may be multicast, O→T is point-to-point (otherwise 0x0123). The reply then has the group in item 0x8001 and a T→O id that
+  Arcline chose: the first address of attribute 9 of class 0xF5, UDP port 2222. Connections with the same interval, class and
+  trigger are sent one datagram together.
+- The trigger is cyclic or change of state. A change of state leaves within a millisecond, but not sooner after the one before
+  than the production inhibit time (`43 nn`, ms, in front of the path; a quarter of the RPI where it is left out); without one
+  the RPI sends, with the sequence count of before. `Tick` is no change. The application trigger is refused with 0x011D.
+- The RPI is 1 ms or more, and kept as it is confirmed, on an absolute schedule; a shorter one is refused with 0x0111. Where more than
+  one datagram of a hundred leaves late, because the machine grants no priority or is too busy, the shortest RPI that is
+  confirmed doubles each second until they are in time. The first
   datagram leaves right after the reply of the Forward Open. Data is of the newest tick, so that an RPI below the coarse
   update period repeats some.
 - A connection from which nothing is heard for its RPI times its multiplier (the first time at least 10 s) is ended without a

@@ -4,6 +4,7 @@
 //! It comes after the tick and before everything else, where the system allows that, so it bounds its own work: a flood of
 //! datagrams makes it pause. It waits for nobody but the short locks of the connections and of the plant.
 
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -17,6 +18,7 @@ use bytes::BytesMut;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use tracing::{debug, error};
 
+use super::punctuality::Punctuality;
 use super::{Io, lock};
 use crate::eip::device::Device;
 
@@ -82,9 +84,10 @@ impl Worker {
         }
         let mut received = vec![0_u8; MAX_DATAGRAM];
         let (mut input, mut out) = (BytesMut::new(), BytesMut::new());
+        let mut punctuality = Punctuality::new();
         while !self.ended.load(Ordering::Acquire) {
             let is_flood = self.take(&mut received);
-            self.do_what_is_due(&mut input, &mut out);
+            self.do_what_is_due(&mut input, &mut out, &mut punctuality);
             if is_flood {
                 std::thread::sleep(self.until_due().min(REST));
             } else {
@@ -112,14 +115,19 @@ impl Worker {
     }
 
     /// Ends what is overdue, sends what is due.
-    fn do_what_is_due(&self, input: &mut BytesMut, out: &mut BytesMut) {
+    fn do_what_is_due(&self, input: &mut BytesMut, out: &mut BytesMut, punctuality: &mut Punctuality) {
         let mut connections = lock(&self.io.connections);
         connections.handle_timeout(self.io.now());
         self.carry_out(&mut connections);
         let now = self.io.now();
-        if !connections.is_due(now) {
-            return;
+        if let Some(floor) = punctuality.look(now) {
+            debug!(floor, "the shortest interval that is confirmed, µs");
+            connections.set_min_interval(floor);
         }
+        let Some(due) = connections.next_datagram().filter(|due| *due <= now) else {
+            return;
+        };
+        punctuality.sent(now - due);
         let ownership = connections.outputs();
         self.device
             .exchange()
@@ -129,6 +137,11 @@ impl Worker {
             let Some(to) = connections.poll_transmit(now, input, out) else {
                 return;
             };
+            if let SocketAddr::V4(to) = to
+                && to.ip().is_multicast()
+            {
+                self.io.route(*to.ip());
+            }
             if let Err(error) = self.io.socket.send_to(out, to) {
                 debug!(%error, %to, "I/O send");
             }

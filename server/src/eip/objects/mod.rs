@@ -168,7 +168,10 @@ pub(crate) fn serve(
     match code {
         class::IDENTITY => with(&identity::Identity(&device.settings.identity)),
         class::MESSAGE_ROUTER => with(&message_router::MessageRouter(device)),
-        class::CONNECTION_MANAGER => with(&connection_manager::ConnectionManager(device.counters())),
+        class::CONNECTION_MANAGER => with(&connection_manager::ConnectionManager {
+            device,
+            owner: context.owner,
+        }),
         class::PROGRAM_NAME => with(&program_name::ProgramName(device.settings.identity.name())),
         class::SYMBOL => {
             let scope = match symbol::scope(image, target) {

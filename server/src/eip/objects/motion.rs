@@ -15,7 +15,7 @@ use bytes::{BufMut, BytesMut};
 use super::motion_attributes::count;
 use crate::eip::router::Context;
 use crate::eip::tags::{self, unknown};
-use crate::plant::{CallRefused, Plant};
+use crate::plant::{CallRefused, Owner, Plant};
 
 /// Bytes behind the head of a reply to an instruction that was accepted: instance and MOTION_INSTRUCTION.
 pub(crate) const REPLY_DATA: usize = 4 + 16;
@@ -77,9 +77,10 @@ pub(crate) fn parse(
 
 impl MotionRequest {
     /// Executes the instruction and waits until it is verified.
-    pub(crate) async fn execute(&self, plant: &Plant) -> Reply {
+    pub(crate) async fn execute(&self, plant: &Plant, owner: Owner) -> Reply {
         let control = (!self.control.is_empty()).then_some(self.control.as_str());
-        match plant.call(self.mnemonic, Some(self.target), control, &self.given).await {
+        let called = plant.call_for(owner, self.mnemonic, Some(self.target), control, &self.given);
+        match called.await {
             Ok(executed) if executed.control.has(Flag::Er) => {
                 let status = CipStatus::vendor(executed.control.err, executed.control.exerr.into());
                 Reply::error(self.service, status)
@@ -129,7 +130,7 @@ fn find(context: &Context<'_>, image: &Image, target: &Target) -> Result<(Object
 /// Operands; a route that a stock client leaves behind an unconnected message is not one of them.
 fn operands(data: &[u8], transport: Transport) -> Result<Vec<Typed>, TypedError> {
     let whole = decode_operands(data);
-    if whole.is_ok() || transport == Transport::Connected {
+    if whole.is_ok() || transport != Transport::Unconnected {
         return whole;
     }
     let stripped = [2, 4].into_iter().find_map(|length| {

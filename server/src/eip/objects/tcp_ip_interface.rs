@@ -1,7 +1,6 @@
 //! TCP/IP Interface, class 0xF5 (CIP Vol. 2, 5-4): where the device is reached, as the host's system has it. Only the
 //! inactivity time-out can be set: the host's network is not ours.
 
-use std::net::Ipv4Addr;
 use std::time::Duration;
 
 use arcline_proto::cip::CipStatus;
@@ -101,16 +100,9 @@ impl TcpIpInterface<'_> {
         let mut out = BytesMut::with_capacity(8);
         out.put_slice(&[0, 0]);
         out.put_u16_le(MULTICAST_COUNT);
-        out.put_u32_le(first_multicast(&self.adapter).to_bits());
+        out.put_u32_le(self.adapter.first_multicast().to_bits());
         out.freeze()
     }
-}
-
-/// 239.192.1.0 + 32 × ((host part of the address & 0x3FF) − 1) (spec/ethernet-ip.md §14.2).
-fn first_multicast(adapter: &Adapter) -> Ipv4Addr {
-    let host = adapter.address.to_bits() & !adapter.mask.to_bits();
-    let base = Ipv4Addr::new(239, 192, 1, 0).to_bits();
-    Ipv4Addr::from_bits(base + 32 * (host & 0x3FF).saturating_sub(1))
 }
 
 /// `length u16, bytes`, a zero behind an odd number of them.

@@ -91,6 +91,16 @@ impl Input {
 impl Client {
     /// Sends a Forward Open with the port of a scanner; the reply and where the target listens.
     async fn open_io(&mut self, open: &ForwardOpen, port: u16) -> (Reply, Option<SocketAddrV4>) {
+        let (reply, items) = self.open_items(open, port).await;
+        let listens = items.iter().find_map(|item| match item {
+            Item::SockaddrOToT(address) => Some(*address),
+            _ => None,
+        });
+        (reply, listens)
+    }
+
+    /// The same with all items of the reply.
+    async fn open_items(&mut self, open: &ForwardOpen, port: u16) -> (Reply, Vec<Item>) {
         let request = Request::new(
             service::FORWARD_OPEN,
             Epath::object(6, 1),
@@ -103,11 +113,7 @@ impl Client {
         let frame = self.exchange(Command::SEND_RR_DATA, packet.to_bytes()).await;
         let packet = Packet::decode(&frame.data).expect("a packet");
         let reply = Reply::decode(packet.unconnected_message().expect("a message")).expect("a reply");
-        let listens = packet.items.iter().find_map(|item| match item {
-            Item::SockaddrOToT(address) => Some(*address),
-            _ => None,
-        });
-        (reply, listens)
+        (reply, packet.items)
     }
 
     async fn scan(&mut self, open: &ForwardOpen) -> Scanner {
@@ -407,7 +413,7 @@ async fn openings_that_are_refused_and_counted() {
     let mut fast = open(2, INPUT_ONLY);
     fast.t_to_o_rpi = 999;
     let mut multicast = open(2, INPUT_ONLY);
-    multicast.t_to_o.connection_type = ConnectionType::Multicast;
+    multicast.o_to_t.connection_type = ConnectionType::Multicast;
     let failed = CipStatus::connection;
     #[rustfmt::skip]
     let cases = [
@@ -416,7 +422,7 @@ async fn openings_that_are_refused_and_counted() {
         ("output size",      wrong_output,    failed(0x0127).with(OUTPUT_SIZE + 6)),
         ("input size",       wrong_input,     failed(0x0128).with(INPUT_SIZE + 2)),
         ("RPI",              fast,            failed(0x0111)),
-        ("multicast",        multicast,       failed(0x0124)),
+        ("multicast out",    multicast,       failed(0x0123)),
         ("no such assembly", open(2, 7),      failed(0x012A)),
     ];
     let count = cases.len();
@@ -504,4 +510,79 @@ fn the_page_is_new() {
     }
     let written = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(written == page, "docs/IO.md is old: run the test with UPDATE_EXPECT=1");
+}
+
+/// Inputs by multicast: the reply names the group and an id of ours, and the group is sent each datagram once.
+#[tokio::test(flavor = "multi_thread")]
+async fn inputs_are_sent_to_a_group() {
+    let bench = bench(IoLoss::Stop);
+    let mut client = bench.client().await;
+    let mut wanted = open(1, INPUT_ONLY);
+    wanted.t_to_o.connection_type = ConnectionType::Multicast;
+    // Host 1 of 127.0.0.0/8: the first group, what attribute 9 of the TCP/IP Interface tells too.
+    let group = SocketAddrV4::new(Ipv4Addr::new(239, 192, 1, 0), 2222);
+    let heard = UdpSocket::bind(group).await.expect("nobody else has the group");
+    heard
+        .join_multicast_v4(*group.ip(), Ipv4Addr::LOCALHOST)
+        .expect("a group of the loopback interface");
+    let mut ids = Vec::new();
+    for serial in [1, 2] {
+        wanted.key = key(serial);
+        let (reply, items) = client.open_items(&wanted, 0).await;
+        assert!(reply.status.is_success(), "{}", reply.status);
+        assert!(
+            matches!(items.as_slice(), [_, _, Item::SockaddrOToT(_), Item::SockaddrTToO(told)] if *told == group),
+            "{items:?}"
+        );
+        ids.push(ForwardOpenReply::decode(&reply.data).expect("opened").t_to_o_id);
+    }
+    assert_eq!(ids[0], ids[1]);
+    assert_ne!(ids[0], wanted.t_to_o_id);
+    let mut last = None;
+    for _ in 0..20 {
+        let mut buf = [0; 2048];
+        let received = tokio::time::timeout(PATIENCE, heard.recv(&mut buf)).await;
+        let length = received.expect("in time").expect("a datagram");
+        let datagram = Datagram::decode(&buf[..length]).expect("a datagram");
+        assert_eq!(datagram.data.len(), usize::from(INPUT_SIZE) + 2);
+        if datagram.id == ids[0] {
+            let expected = last.map_or(datagram.sequence, |last: u32| last.wrapping_add(1));
+            assert_eq!(datagram.sequence, expected, "each once");
+            last = Some(datagram.sequence);
+        }
+    }
+    assert!(last.is_some());
+}
+
+/// A change of state leaves at once; while nothing changes, only the interval sends.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_change_of_state_leaves_before_the_interval_is_over() {
+    let bench = bench(IoLoss::Stop);
+    let mut client = bench.client().await;
+    let mut wanted = open(1, INPUT_ONLY);
+    wanted.transport = 0x11;
+    // 30 s: what comes within the test came by a change.
+    wanted.t_to_o_rpi = 30_000_000;
+    wanted.o_to_t_rpi = 30_000_000;
+    wanted.path.0.insert(
+        0,
+        Segment::Network {
+            kind: 0x43,
+            data: Bytes::from_static(&[1]),
+        },
+    );
+    let scanner = client.scan(&wanted).await;
+    let first = scanner.input().await;
+    assert_eq!((first.sequence, first.count), (1, 1));
+    let real = WireType::Atomic(0xCA);
+    let percent = 50_f32.to_le_bytes();
+    assert!(client.write("FeedOverride[0]", real, &percent).await.is_success());
+    let changed = loop {
+        // Something else may change first: the drives settle when the machine starts.
+        let input = scanner.input().await;
+        if input.real(12 + 8) == 50.0 {
+            break input;
+        }
+    };
+    assert_eq!(u32::from(changed.count), changed.sequence, "new data each time");
 }

@@ -3,6 +3,7 @@
 mod browse;
 mod hostile;
 mod io;
+mod loss;
 mod motion;
 mod objects;
 mod pitfalls;

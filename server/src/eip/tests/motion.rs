@@ -12,11 +12,11 @@ use super::*;
 const REAL: WireType = WireType::Atomic(0xCA);
 const BOOL: WireType = WireType::Atomic(0xC1);
 
-fn name(text: &str) -> Typed {
+pub(super) fn name(text: &str) -> Typed {
     Typed::ShortString(text.to_owned())
 }
 
-fn numbers(numbers: &[f64]) -> Typed {
+pub(super) fn numbers(numbers: &[f64]) -> Typed {
     let values = numbers
         .iter()
         .map(|number| Value::from_f64(Elementary::Lreal, *number))
@@ -31,13 +31,13 @@ fn data(operands: &[Typed]) -> Bytes {
 }
 
 /// An absolute MCLM at 400 units/s and 5,000 units/s², trapezoidal.
-fn line(control: &str, position: &[f64]) -> Vec<Typed> {
+pub(super) fn line(control: &str, position: &[f64]) -> Vec<Typed> {
     let mut operands = vec![name(control), numbers(&[0.0]), numbers(position)];
     operands.extend([400.0, 0.0, 5000.0, 0.0, 5000.0, 0.0, 0.0].map(|number| numbers(&[number])));
     operands
 }
 
-fn on(mnemonic: Mnemonic, instance: u32, operands: &[Typed]) -> Request {
+pub(super) fn on(mnemonic: Mnemonic, instance: u32, operands: &[Typed]) -> Request {
     let (class, service) = mnemonic.instruction().service();
     Request::new(service, Epath::object(class, instance), data(operands))
 }

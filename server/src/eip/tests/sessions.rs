@@ -81,6 +81,34 @@ async fn silence_without_a_session_ends_the_connection() {
     assert_eq!(started.elapsed().as_secs(), 30);
 }
 
+/// Nothing but a registration puts the end off; with one it does not come.
+#[tokio::test(start_paused = true)]
+async fn only_a_registration_within_30_seconds_keeps_a_connection() {
+    let bench = Bench::new();
+    let unregistered = || Client {
+        stream: bench.stream(),
+        buf: Default::default(),
+        session: SessionHandle(0),
+    };
+    let (mut talker, mut late) = (unregistered(), unregistered());
+    let started = tokio::time::Instant::now();
+    for _ in 0..29 {
+        tokio::time::sleep(Duration::from_secs(1)).await;
+        let nop = Frame::request(Command::NOP, SessionHandle(0), [0; 8], Bytes::new());
+        talker.send(&nop.to_bytes()).await;
+        let identity = talker.exchange(Command::LIST_IDENTITY, Bytes::new()).await;
+        assert_eq!(identity.header.status, EncapStatus::SUCCESS);
+    }
+    let registered = late
+        .exchange(Command::REGISTER_SESSION, RegisterSession::CURRENT.to_bytes())
+        .await;
+    late.session = registered.header.session;
+    assert_eq!(talker.frame().await, None, "it only talked");
+    assert_eq!(started.elapsed().as_secs(), 30);
+    tokio::time::sleep(Duration::from_secs(60)).await;
+    assert_eq!(late.read("aDint").await.data.len(), 4);
+}
+
 #[tokio::test]
 async fn many_requests_in_one_segment_are_answered_in_order() {
     let bench = Bench::new();

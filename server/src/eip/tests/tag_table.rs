@@ -97,6 +97,62 @@ async fn a_created_tag_is_there_for_everybody_and_a_deleted_one_for_nobody() {
     assert_ne!(instance(&create(&mut one, None, "Fresh", "DINT", 0).await), fresh);
 }
 
+/// Clients upload the templates that are there: one that nothing uses any more is not.
+#[tokio::test]
+async fn a_template_goes_with_the_last_tag_that_needs_it() {
+    let bench = Bench::of(
+        crate::plant::Plant::start(&load(TYPES)).expect("a thread"),
+        crate::eip::Settings::new("Bench"),
+    );
+    let mut client = bench.client().await;
+    let known = || {
+        bench.device.plant.with_image(|image| {
+            let own = |name: &str| ["Inner", "Outer"].contains(&name);
+            let all = image.templates().filter(|template| own(&template.name));
+            all.map(|template| (template.name.clone(), template.instance))
+                .collect::<Vec<_>>()
+        })
+    };
+    assert_eq!(known(), []);
+    let one = instance(&create(&mut client, None, "One", "Outer", 0).await);
+    let other = instance(&create(&mut client, None, "Other", "Outer[2]", 0).await);
+    let names: Vec<String> = known().into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names, ["Inner", "Outer"]);
+    let attributes = |template: u16| {
+        let data = Bytes::from_static(&[4, 0, 4, 0, 5, 0, 2, 0, 1, 0]);
+        Request::new(
+            service::GET_ATTRIBUTE_LIST,
+            Epath::object(class::TEMPLATE, template.into()),
+            data,
+        )
+    };
+    let instances: Vec<u16> = known().into_iter().map(|(_, instance)| instance).collect();
+    assert!(delete(&mut client, None, one).await.status.is_success());
+    for template in &instances {
+        assert!(client.ask(&attributes(*template)).await.status.is_success());
+    }
+    assert!(delete(&mut client, None, other).await.status.is_success());
+    assert_eq!(known(), []);
+    for template in &instances {
+        assert_eq!(codes(client.ask(&attributes(*template)).await.status), (0x05, 0));
+    }
+    // The same type has the same instance when it comes back: what clients have cached of it is right.
+    instance(&create(&mut client, None, "One", "Outer", 0).await);
+    assert_eq!(
+        known().into_iter().map(|(_, instance)| instance).collect::<Vec<_>>(),
+        instances
+    );
+}
+
+const TYPES: &str = r#"
+[[data_type]]
+name = "Inner"
+members = [{ name = "A", type = "DINT" }]
+[[data_type]]
+name = "Outer"
+members = [{ name = "In", type = "Inner[2]" }, { name = "B", type = "REAL" }]
+"#;
+
 #[tokio::test]
 async fn what_cannot_be_created_or_deleted_has_its_status_and_changes_nothing() {
     let bench = Bench::new();

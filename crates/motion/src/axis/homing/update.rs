@@ -22,10 +22,7 @@ const BISECTIONS: usize = 60;
 impl Axis {
     /// One update of an axis that homing moves: command and drive at the present tick. Whether it came to its end.
     pub(crate) fn advance_homing(&mut self, clock: &Clock) -> bool {
-        let began = Clock {
-            tick: clock.tick.saturating_sub(1),
-            ..*clock
-        };
+        let began = Clock::at(clock.tick.saturating_sub(1), clock.period_ns);
         let period = clock.period();
         // Seconds of this update that the command and the drive have behind them.
         let (mut at, mut driven_to) = (0.0, 0.0);

@@ -1,0 +1,141 @@
+//! Plain tags that the machine reads: positions that feed axes, and registration inputs. A write of one gives
+//! [`Edge::Input`], and the caller sends the controller what came of it ([`Image::take_inputs`]).
+
+use arcline_motion::Input;
+use arcline_tag::{Elementary, TagPath, Value};
+
+use super::{Edge, Image, TagId, TagKind};
+use crate::machine::Machine;
+
+/// What is read from tags, and where it stands.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Inputs {
+    paths: Vec<(TagPath, Means)>,
+    /// As far as there are tags.
+    places: Vec<Place>,
+    /// The table of tags for which `places` were found.
+    found_for: Option<u32>,
+    /// What was written and not taken yet.
+    written: Vec<Input>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Means {
+    Position(u16),
+    Registration(u16, u8),
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    means: Means,
+    id: TagId,
+    offset: usize,
+    kind: Elementary,
+    bit: Option<u8>,
+    /// What a registration input was.
+    on: bool,
+}
+
+impl Inputs {
+    pub(super) fn new(machine: &Machine) -> Self {
+        let mut inputs = Inputs::default();
+        for (axis, described) in (0..).zip(&machine.axes) {
+            let feed = described
+                .inputs
+                .feed
+                .as_ref()
+                .map(|feed| (&feed.tag, Means::Position(axis)));
+            let registration = (0..).zip(&described.inputs.registration);
+            let registration =
+                registration.filter_map(|(input, path)| Some((path.as_ref()?, Means::Registration(axis, input))));
+            for (path, means) in feed.into_iter().chain(registration) {
+                // The configuration saw to it that it is a path.
+                inputs.paths.extend(path.parse().ok().map(|path| (path, means)));
+            }
+        }
+        inputs
+    }
+}
+
+impl Image {
+    /// What was written to tags that the machine reads since the last call, in order.
+    pub fn take_inputs(&mut self) -> Vec<Input> {
+        std::mem::take(&mut self.inputs.written)
+    }
+
+    /// Looks at what has been written.
+    pub(super) fn note_inputs(&mut self, id: TagId, offset: usize, length: usize) -> Option<Edge> {
+        if self.inputs.paths.is_empty() {
+            return None;
+        }
+        self.find_inputs();
+        let mut written = Vec::new();
+        for at in 0..self.inputs.places.len() {
+            let place = self.inputs.places[at];
+            let end = place.offset + place.kind.size();
+            if place.id != id || offset >= end || place.offset >= offset + length {
+                continue;
+            }
+            match place.means {
+                Means::Position(axis) => {
+                    let position = self.input_number(&place);
+                    written.push(Input::Position { axis, position });
+                }
+                Means::Registration(axis, input) => {
+                    let on = self.input_bit(&place);
+                    if std::mem::replace(&mut self.inputs.places[at].on, on) != on {
+                        written.push(Input::Registration { axis, input, on });
+                    }
+                }
+            }
+        }
+        let edge = (!written.is_empty()).then_some(Edge::Input);
+        self.inputs.written.extend(written);
+        edge
+    }
+
+    /// Finds the tags again after the table of tags has changed.
+    fn find_inputs(&mut self) {
+        if self.inputs.found_for == Some(self.table.changes) {
+            return;
+        }
+        let mut places = Vec::new();
+        for (path, means) in &self.inputs.paths {
+            let Ok((id, location)) = self.locate(path) else {
+                continue;
+            };
+            let plain = self.tag(id).is_some_and(|tag| tag.kind == TagKind::Plain);
+            let arcline_tag::DataType::Elementary(kind) = location.data_type else {
+                continue;
+            };
+            if plain {
+                let known = self.inputs.places.iter().find(|place| place.means == *means);
+                places.push(Place {
+                    means: *means,
+                    id,
+                    offset: location.offset,
+                    kind,
+                    bit: location.bit,
+                    on: known.is_some_and(|place| place.on),
+                });
+            }
+        }
+        self.inputs.places = places;
+        self.inputs.found_for = Some(self.table.changes);
+    }
+
+    fn input_number(&self, place: &Place) -> f64 {
+        let bytes = self.bytes(place.id).get(place.offset..).unwrap_or_default();
+        Value::read(place.kind, bytes).map_or(f64::NAN, Value::as_f64)
+    }
+
+    fn input_bit(&self, place: &Place) -> bool {
+        match place.bit {
+            Some(bit) => {
+                let byte = self.bytes(place.id).get(place.offset + usize::from(bit / 8));
+                byte.is_some_and(|byte| byte & 1 << (bit % 8) != 0)
+            }
+            None => self.input_number(place) != 0.0,
+        }
+    }
+}

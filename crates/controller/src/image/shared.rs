@@ -1,0 +1,135 @@
+//! What copies of an image share until one of them changes it: to copy an image is cheap whatever its tags hold.
+//!
+//! Sizes are bytes.
+
+use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
+
+/// A value that clones share. Whoever changes it while others have it changes a copy of its own.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub(super) struct Shared<T>(Arc<T>);
+
+impl<T> Shared<T> {
+    pub(super) fn new(value: T) -> Self {
+        Self(Arc::new(value))
+    }
+}
+
+impl<T> Deref for Shared<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.0
+    }
+}
+
+impl<T: Clone> DerefMut for Shared<T> {
+    fn deref_mut(&mut self) -> &mut T {
+        Arc::make_mut(&mut self.0)
+    }
+}
+
+/// The bytes of one tag.
+pub(super) type TagBytes = Shared<Vec<u8>>;
+
+/// The bytes of tags by their place, in groups: a change copies the bytes of one tag and the list of one group.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub(super) struct Memory(Vec<Shared<Vec<TagBytes>>>);
+
+impl Memory {
+    pub(super) fn get(&self, place: usize) -> Option<&[u8]> {
+        let bytes = self.0.get(place / GROUP)?.get(place % GROUP)?;
+        Some(bytes.as_slice())
+    }
+
+    pub(super) fn get_mut(&mut self, place: usize) -> Option<&mut Vec<u8>> {
+        let bytes = self.0.get_mut(place / GROUP)?.get_mut(place % GROUP)?;
+        Some(bytes)
+    }
+
+    /// Puts bytes at a place; what stood there and behind it moves up.
+    ///
+    /// # Panics
+    /// If the place is not among the others or right behind them.
+    pub(super) fn insert(&mut self, place: usize, bytes: Vec<u8>) {
+        let bytes = TagBytes::new(bytes);
+        let in_the_last = place / GROUP + 1 == self.0.len();
+        let at_the_end = place == self.len();
+        match self.0.last_mut() {
+            Some(last) if in_the_last && last.len() < GROUP => last.insert(place % GROUP, bytes),
+            _ if at_the_end => self.0.push(Shared::new(vec![bytes])),
+            _ => {
+                let mut all = self.all();
+                all.insert(place, bytes);
+                *self = Self::of(all);
+            }
+        }
+    }
+
+    pub(super) fn remove(&mut self, place: usize) {
+        let mut all = self.all();
+        all.remove(place);
+        *self = Self::of(all);
+    }
+
+    fn len(&self) -> usize {
+        match self.0.split_last() {
+            Some((last, others)) => others.len() * GROUP + last.len(),
+            None => 0,
+        }
+    }
+
+    fn all(&self) -> Vec<TagBytes> {
+        self.0.iter().flat_map(|group| group.iter().cloned()).collect()
+    }
+
+    fn of(all: Vec<TagBytes>) -> Self {
+        Self(all.chunks(GROUP).map(|group| Shared::new(group.to_vec())).collect())
+    }
+}
+
+/// Tags of a group. Axes and coordinate systems, which change with every tick, are in the first ones.
+const GROUP: usize = 64;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_is_a_list_whatever_is_put_in_and_taken_out() {
+        let mut memory = Memory::default();
+        let mut list: Vec<Vec<u8>> = Vec::new();
+        // Places that are spread over all groups, by a step that has no common factor with any length here.
+        for step in 0..400_usize {
+            let number = step.to_le_bytes().to_vec();
+            let place = if step % 3 == 0 {
+                list.len()
+            } else {
+                step * 7919 % (list.len() + 1)
+            };
+            list.insert(place, number.clone());
+            memory.insert(place, number);
+            if step % 5 == 4 {
+                let gone = step * 104_729 % list.len();
+                list.remove(gone);
+                memory.remove(gone);
+            }
+            assert_eq!(memory.len(), list.len());
+        }
+        let held: Vec<Vec<u8>> = (0..=list.len())
+            .map_while(|place| memory.get(place).map(<[u8]>::to_vec))
+            .collect();
+        assert_eq!(held, list);
+    }
+
+    #[test]
+    fn a_copy_keeps_what_it_had() {
+        let mut memory = Memory::default();
+        (0..100).for_each(|byte| memory.insert(usize::from(byte), vec![byte]));
+        let copy = memory.clone();
+        memory.get_mut(70).expect("there are a hundred")[0] = 1;
+        memory.remove(3);
+        assert_eq!((memory.get(69), memory.get(3)), (Some(&[1][..]), Some(&[4][..])));
+        assert_eq!((copy.get(70), copy.get(3)), (Some(&[70][..]), Some(&[3][..])));
+    }
+}

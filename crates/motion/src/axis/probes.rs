@@ -1,0 +1,126 @@
+//! What an axis looks out for: a position that it passes (MAW), and edges of its registration inputs (MAR)
+//! (spec/axis-and-data-types.md §5).
+//!
+//! A watch sees actual positions once an update; it finds a position that is passed within one. Positions are position
+//! units, times microseconds since the first tick. Nothing allocates.
+
+use crate::control::Execution;
+use crate::follow::cam::Lock;
+
+/// The watch of one axis.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Watch {
+    armed: Option<ArmedWatch>,
+    /// The event of the last MAW came.
+    pub(crate) seen: bool,
+    /// The position that was passed: WatchPosition.
+    pub(crate) position: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct ArmedWatch {
+    execution: Execution,
+    /// What the position is passed at, without what the axis was redefined by.
+    lock: Lock,
+    /// The position as it was programmed.
+    position: f64,
+    /// Where the axis was at the last update.
+    last: f64,
+}
+
+impl Watch {
+    pub(crate) fn is_armed(&self) -> bool {
+        self.armed.is_some()
+    }
+
+    /// `now`: the actual position, without what it was redefined by.
+    pub(crate) fn arm(&mut self, execution: Execution, lock: Lock, position: f64, now: f64) {
+        self.seen = false;
+        self.armed = Some(ArmedWatch {
+            execution,
+            lock,
+            position,
+            last: now,
+        });
+    }
+
+    /// Nothing is watched any more. Returns whose watch it was.
+    pub(crate) fn disarm(&mut self) -> Option<Execution> {
+        self.armed.take().map(|armed| armed.execution)
+    }
+
+    /// Looks at the actual position. Returns whose event has come.
+    pub(crate) fn look(&mut self, now: f64) -> Option<Execution> {
+        let armed = self.armed.as_mut()?;
+        let before = std::mem::replace(&mut armed.last, now);
+        armed.lock.crossed(before, now)?;
+        self.position = armed.position;
+        self.seen = true;
+        self.disarm()
+    }
+}
+
+/// One registration input of an axis.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Registration {
+    /// There is such an input.
+    pub(crate) exists: bool,
+    armed: Option<ArmedRegistration>,
+    /// The event of the last MAR came.
+    pub(crate) seen: bool,
+    /// Positions at the last event, the last one of a positive edge, and of a negative one.
+    pub(crate) positions: [f64; 3],
+    /// The same of times.
+    pub(crate) times: [i32; 3],
+}
+
+#[derive(Clone, Copy, Debug)]
+struct ArmedRegistration {
+    execution: Execution,
+    /// Waits for the input to become active, else inactive.
+    positive: bool,
+    /// Where the axis must be.
+    window: Option<[f64; 2]>,
+}
+
+impl Registration {
+    pub(crate) fn new(exists: bool) -> Self {
+        Registration {
+            exists,
+            ..Registration::default()
+        }
+    }
+
+    pub(crate) fn is_armed(&self) -> bool {
+        self.armed.is_some()
+    }
+
+    pub(crate) fn arm(&mut self, execution: Execution, positive: bool, window: Option<[f64; 2]>) {
+        self.seen = false;
+        self.armed = Some(ArmedRegistration {
+            execution,
+            positive,
+            window,
+        });
+    }
+
+    /// Edges are not waited for any more. Returns who did.
+    pub(crate) fn disarm(&mut self) -> Option<Execution> {
+        self.armed.take().map(|armed| armed.execution)
+    }
+
+    /// An edge, where the axis shows a position. Returns whose event has come.
+    pub(crate) fn edge(&mut self, positive: bool, position: f64, time: i32) -> Option<Execution> {
+        let armed = self.armed?;
+        let inside = |[from, to]: [f64; 2]| (from..=to).contains(&position);
+        if armed.positive != positive || !armed.window.is_none_or(inside) {
+            return None;
+        }
+        for place in [0, if positive { 1 } else { 2 }] {
+            self.positions[place] = position;
+            self.times[place] = time;
+        }
+        self.seen = true;
+        self.disarm()
+    }
+}

@@ -1,0 +1,164 @@
+//! Event Distance and Calculated Data: when a move comes to given distances before its end (spec/coordinated-instructions.md
+//! §9, the MCCD seed).
+//!
+//! Times and master distances count from the point where the move began, whatever has changed since. What was passed before
+//! a change keeps its answer. Not here: when answers are due, and the memory of the arrays. Nothing allocates.
+
+use arcline_instruction_set::{Call, MAX_ELEMENTS, MotionError, RealArray, WrittenArray};
+use arcline_planner::profile::Profile;
+use arcline_planner::{Clock, Instant, Reach};
+
+/// Numbers that an instruction writes to a REAL array tag.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArrayWrite {
+    /// When.
+    pub tick: u64,
+    /// The array, by what the directory calls it.
+    pub tag: u32,
+    /// Its first elements.
+    pub values: RealArray,
+}
+
+/// How long Calculated Data must be, beside Event Distance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Fit {
+    /// At least as long: MCLM, MCCM.
+    AtLeast,
+    /// As long: MAM.
+    Exactly,
+}
+
+/// The distances of one instruction and what is answered to them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Events {
+    distances: RealArray,
+    into: u32,
+    answers: [f64; MAX_ELEMENTS],
+}
+
+impl Events {
+    /// What an instruction asks for; `None`: nothing.
+    ///
+    /// # Errors
+    /// `MdscCalculatedDataSize` (101) where the answers have no room.
+    pub(crate) fn of(call: &Call, distance: usize, data: usize, fit: Fit) -> Result<Option<Events>, MotionError> {
+        let distances = call.array(distance);
+        if distances.is_empty() {
+            return Ok(None);
+        }
+        let into = call.written(data).filter(|into| {
+            let room = usize::from(into.elements);
+            match fit {
+                Fit::AtLeast => room >= distances.len(),
+                Fit::Exactly => room == distances.len(),
+            }
+        });
+        let Some(WrittenArray { tag, .. }) = into else {
+            return Err(MotionError::MdscCalculatedDataSize);
+        };
+        Ok(Some(Events {
+            distances: RealArray::from_slice(distances),
+            into: tag,
+            answers: [0.0; MAX_ELEMENTS],
+        }))
+    }
+
+    /// Computes every answer; false, and none is given, where the move does not come to one of the points.
+    pub(crate) fn answer(&mut self, reaches: impl Fn(f64) -> Reach) -> bool {
+        let mut answers = self.answers;
+        for (answer, distance) in answers.iter_mut().zip(self.distances.as_slice()) {
+            // A negative one is skipped.
+            match if *distance < 0.0 {
+                Reach::At(-1.0)
+            } else {
+                reaches(*distance)
+            } {
+                Reach::At(when) => *answer = when,
+                Reach::Passed => {}
+                Reach::Never => return false,
+            }
+        }
+        self.answers = answers;
+        true
+    }
+
+    /// The answers as they are.
+    pub(crate) fn write(&self, tick: u64) -> ArrayWrite {
+        ArrayWrite {
+            tick,
+            tag: self.into,
+            values: RealArray::from_slice(&self.answers[..self.distances.as_slice().len()]),
+        }
+    }
+}
+
+/// Those of a move of one axis.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MoveEvents {
+    pub(crate) events: Events,
+    /// When it began, by what it is a function of.
+    pub(crate) begun: Instant,
+    /// Where it began and where it ends, in its generator's frame.
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    /// The tick at which the answers are to be given next.
+    pub(crate) due: Option<u64>,
+}
+
+impl MoveEvents {
+    /// Computes every answer by a profile from `start` on, as [`Events::answer`]. `clock` shows what both are functions of.
+    pub(crate) fn answer(&mut self, profile: &Profile, start: Instant, clock: &Clock) -> bool {
+        if !profile.arrives() {
+            return false;
+        }
+        let since = self.begun.elapsed(clock) - start.elapsed(clock);
+        let way = self.to - self.from;
+        let sign = if way < 0.0 { -1.0 } else { 1.0 };
+        self.events.answer(|distance| {
+            if distance > way.abs() {
+                return Reach::At(0.0);
+            }
+            if distance == 0.0 {
+                return Reach::At(since + profile.duration());
+            }
+            let place = self.to - sign * distance;
+            if sign * (place - profile.start().position) < 0.0 {
+                return Reach::Passed;
+            }
+            match profile.time_at_position(place) {
+                Some(planned) => Reach::At(since + planned),
+                None => Reach::Passed,
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn negative_distances_are_skipped_and_passed_ones_keep_their_answers() {
+        let mut events = Events {
+            distances: RealArray::from_slice(&[0.0, -3.0, 40.0]),
+            into: 7,
+            answers: [0.0; MAX_ELEMENTS],
+        };
+        let first = |distance: f64| Reach::At(100.0 - distance);
+        assert!(events.answer(first));
+        assert_eq!(events.write(5).values.as_slice(), [100.0, -1.0, 60.0]);
+        let later = |distance: f64| {
+            if distance > 0.0 {
+                Reach::Passed
+            } else {
+                Reach::At(120.0)
+            }
+        };
+        assert!(events.answer(later));
+        let written = events.write(6);
+        assert_eq!((written.tick, written.tag), (6, 7));
+        assert_eq!(written.values.as_slice(), [120.0, -1.0, 60.0]);
+        assert!(!events.answer(|_| Reach::Never), "a paused move answers nothing");
+        assert_eq!(events.write(7).values.as_slice(), [120.0, -1.0, 60.0]);
+    }
+}

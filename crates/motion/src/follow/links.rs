@@ -1,0 +1,160 @@
+//! Links to master axes: MDCC's of coordinate systems, MDAC's of axes (spec/coordinated-instructions.md §8.3, §18;
+//! spec/axis-and-data-types.md §3.8).
+//!
+//! A link moves nothing. What is begun by it follows a guide of its own, which goes on when the link is replaced. A link to
+//! another master waits behind the active one until a motion begins by it. Not here: what breaks links (`motion::links`).
+
+use super::guide::Master;
+use crate::control::Execution;
+
+/// A link to a master.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MasterLink {
+    /// Tells it from all others of the machine.
+    pub(crate) id: u32,
+    pub(crate) execution: Execution,
+    pub(crate) master: Master,
+    /// How fast the master moves in general, master units/s, more than 0.
+    pub(crate) nominal: f64,
+    /// AC, as last written.
+    pub(crate) shown_active: bool,
+}
+
+/// The links of one slave.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Links {
+    pub(crate) active: Option<MasterLink>,
+    /// Takes its place when a motion begins by it.
+    pub(crate) pending: Option<MasterLink>,
+}
+
+impl Links {
+    /// The link by which a new motion begins.
+    pub(crate) fn newest(&self) -> Option<&MasterLink> {
+        self.pending.as_ref().or(self.active.as_ref())
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.active.is_none() && self.pending.is_none()
+    }
+
+    /// Both, as far as there are.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &MasterLink> {
+        self.active.iter().chain(&self.pending)
+    }
+
+    /// Both, to change.
+    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut MasterLink> {
+        self.active.iter_mut().chain(&mut self.pending)
+    }
+
+    /// A motion begins by a link: the pending one takes the place of the active one. What became of the link, if there
+    /// still is one, and whose link ended.
+    pub(crate) fn take_up(&mut self, id: u32) -> Option<(MasterLink, Option<Execution>)> {
+        if let Some(link) = self.pending.filter(|link| link.id == id) {
+            self.pending = None;
+            let ended = self.active.replace(link).map(|ended| ended.execution);
+            return Some((link, ended));
+        }
+        self.active.filter(|link| link.id == id).map(|link| (link, None))
+    }
+
+    /// Makes a link. One to the same master is renewed, one to another waits behind it, in place of what waited so far.
+    /// Returns whose links ended.
+    pub(crate) fn make(&mut self, mut link: MasterLink) -> [Option<Execution>; 2] {
+        let same = |other: &MasterLink| {
+            other.master.axis == link.master.axis && other.master.reference == link.master.reference
+        };
+        let waited = self.pending.take();
+        let waiting = waited.filter(same);
+        match self.active {
+            Some(active) if active.master.axis == link.master.axis => {
+                if same(&active) {
+                    link.id = active.id;
+                    link.master = active.master;
+                }
+                self.active = Some(link);
+                [Some(active.execution), waited.map(|ended| ended.execution)]
+            }
+            Some(_) => {
+                link.id = waiting.map_or(link.id, |waiting| waiting.id);
+                self.pending = Some(link);
+                [None, waited.map(|ended| ended.execution)]
+            }
+            None => {
+                self.active = Some(link);
+                [None, None]
+            }
+        }
+    }
+}
+
+/// What of an axis a link serves: Motion Type of MDAC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Serves {
+    All,
+    Move,
+    Jog,
+    TimeCam,
+    MasterOffsetMove,
+}
+
+impl Serves {
+    /// In the order of the enumeration, from 0.
+    pub(crate) const ALL: [Serves; 5] = [
+        Serves::All,
+        Serves::Move,
+        Serves::Jog,
+        Serves::TimeCam,
+        Serves::MasterOffsetMove,
+    ];
+}
+
+/// The links of one axis.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct AxisLinks([Links; Serves::ALL.len()]);
+
+impl AxisLinks {
+    /// Those of one Motion Type.
+    pub(crate) fn of(&self, serves: Serves) -> &Links {
+        &self.0[serves as usize]
+    }
+
+    /// Those of one Motion Type, to change.
+    pub(crate) fn of_mut(&mut self, serves: Serves) -> &mut Links {
+        &mut self.0[serves as usize]
+    }
+
+    /// The link by which a new motion begins: of its own kind, or of all kinds.
+    pub(crate) fn newest(&self, serves: Serves) -> Option<&MasterLink> {
+        self.of(serves).newest().or_else(|| self.of(Serves::All).newest())
+    }
+
+    /// Whether a link of all kinds would stand beside one of a kind.
+    pub(crate) fn conflict(&self, serves: Serves) -> bool {
+        let taken = |other: Serves| !self.of(other).is_empty();
+        match serves {
+            Serves::All => Serves::ALL[1..].iter().any(|other| taken(*other)),
+            _ => taken(Serves::All),
+        }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.iter().all(Links::is_empty)
+    }
+
+    /// Every link.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &MasterLink> {
+        self.0.iter().flat_map(Links::iter)
+    }
+
+    /// Every link, to change.
+    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut MasterLink> {
+        self.0.iter_mut().flat_map(Links::iter_mut)
+    }
+
+    /// As [`Links::take_up`].
+    pub(crate) fn take_up(&mut self, id: u32) -> Option<(MasterLink, Option<Execution>)> {
+        self.0.iter_mut().find_map(|links| links.take_up(id))
+    }
+}

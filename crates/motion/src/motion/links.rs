@@ -1,0 +1,198 @@
+//! What begins by a link to a master, what breaks links, and what they show (spec/coordinated-instructions.md §8.3, §8.9).
+//!
+//! Real-time: no allocation; bounded by the axes and the coordinate systems.
+
+use arcline_instruction_set::{Flag, MotionError};
+use arcline_planner::{Instant, Parameter};
+
+use super::Motion;
+use crate::axis::sum::Slot;
+use crate::control::Execution;
+use crate::dynamics::Maxima;
+use crate::follow::gear::Reference;
+use crate::follow::guide::{Guide, LockTo, Master};
+use crate::follow::links::MasterLink;
+use crate::system::{Activity, Lead};
+
+impl Motion {
+    /// A link to a master as it is now. `nominal`: how fast the master moves in general; its Maximum Speed where that is 0.
+    pub(crate) fn new_link(
+        &mut self,
+        execution: Execution,
+        master: u16,
+        reference: Reference,
+        nominal: f64,
+    ) -> MasterLink {
+        self.link_count += 1;
+        let at = self.master_at(master, reference);
+        let nominal = if nominal > 0.0 {
+            nominal
+        } else {
+            self.axes[usize::from(master)].dynamics.speed
+        };
+        MasterLink {
+            id: self.link_count,
+            execution,
+            master: Master::new(master, reference, &at, &self.clock),
+            nominal,
+            shown_active: false,
+        }
+    }
+
+    /// What a new move is a function of: a way of its own. Moves on the same way can go over into each other.
+    pub(crate) fn new_parameter(&mut self, link: &MasterLink) -> Parameter {
+        self.way_count += 1;
+        Parameter {
+            number: self.way_count,
+            speed: link.nominal,
+        }
+    }
+
+    /// A move of a coordinate system becomes active at an instant of this update: the link by which it is driven is the
+    /// active one from now on.
+    ///
+    /// # Errors
+    /// `MdscNotActivated` (93) where there is no such link any more.
+    pub(crate) fn lead_system(&mut self, index: usize, lead: Option<Lead>, since: Instant) -> Result<(), MotionError> {
+        let guide = match lead {
+            None => None,
+            Some(Lead { link, lock }) => {
+                let taken = self.systems[index].links.take_up(link);
+                let (link, ended) = taken.ok_or(MotionError::MdscNotActivated)?;
+                self.end_link(ended);
+                Some(self.guide(&link, lock, since))
+            }
+        };
+        let system = &mut self.systems[index];
+        system.guide = guide;
+        system.ended = None;
+        Ok(())
+    }
+
+    /// The guide of what begins on an axis at the present tick; its link is the active one from now on.
+    pub(crate) fn lead_axis(&mut self, axis: u16, lead: Lead) -> Option<Guide> {
+        let (link, ended) = self.axes[usize::from(axis)].links.take_up(lead.link)?;
+        self.end_link(ended);
+        Some(self.guide(&link, lead.lock, self.clock.now()))
+    }
+
+    fn guide(&self, link: &MasterLink, lock: LockTo, since: Instant) -> Guide {
+        let Master { axis, reference, .. } = link.master;
+        let at = self.master_at(axis, reference);
+        let unwind = self.axes[usize::from(axis)].unwind;
+        Guide::begin(link.id, &link.master, lock, unwind, &at, since, &self.clock)
+    }
+
+    pub(crate) fn end_link(&mut self, execution: Option<Execution>) {
+        if let Some(execution) = execution {
+            self.end_move(execution, 0);
+        }
+    }
+
+    /// Breaks every link that has an axis as its slave, or as one of its slave's axes. What they drive brakes.
+    pub(crate) fn unlink_slave(&mut self, axis: u16) {
+        self.unlink_axis(axis);
+        for index in 0..self.systems.len() {
+            if self.systems[index].has(axis) {
+                self.unlink_system(index);
+            }
+        }
+    }
+
+    /// Breaks every link of the slaves of a master.
+    pub(crate) fn unlink_master(&mut self, master: u16) {
+        for index in 0..self.systems.len() {
+            let system = &self.systems[index];
+            let guided = system.guide.is_some_and(|guide| guide.master.axis == master);
+            if guided || system.links.iter().any(|link| link.master.axis == master) {
+                self.unlink_system(index);
+            }
+        }
+        for axis in 0..self.axes.len() {
+            let state = &self.axes[axis];
+            let mut guides = state.sum.active().filter_map(|(_, generator)| generator.guide);
+            let guided = guides.any(|guide| guide.master.axis == master);
+            drop(guides);
+            if guided || state.links.iter().any(|link| link.master.axis == master) {
+                self.unlink_axis(axis as u16);
+            }
+        }
+    }
+
+    /// Breaks every link there is.
+    pub(crate) fn unlink_all(&mut self) {
+        for axis in 0..self.axes.len() {
+            self.unlink_axis(axis as u16);
+        }
+        for index in 0..self.systems.len() {
+            self.unlink_system(index);
+        }
+    }
+
+    fn unlink_axis(&mut self, axis: u16) {
+        let at = usize::from(axis);
+        let links = std::mem::take(&mut self.axes[at].links);
+        for link in links.iter() {
+            self.end_move(link.execution, 0);
+        }
+        for slot in [Slot::Move, Slot::Jog] {
+            let generator = self.axes[at].sum.get(slot);
+            if let Some(generator) = generator.filter(|generator| generator.guide.is_some()) {
+                let limits = self.axes[at].dynamics.stop(generator.s_curve);
+                self.stop_generator(axis, slot, &limits, None);
+            }
+        }
+    }
+
+    /// What the system's master was driving brakes on its path, in time, at the maxima of the coordinate system.
+    fn unlink_system(&mut self, index: usize) {
+        let links = std::mem::take(&mut self.systems[index].links);
+        for link in links.iter() {
+            self.end_move(link.execution, 0);
+        }
+        let system = &self.systems[index];
+        if system.guide.is_none() {
+            return;
+        }
+        let active = system.planner.active();
+        let s_curve = active.is_some_and(|running| running.motion.data.dynamics.is_s_curve());
+        let limits = Maxima::from(&system.description).stop(s_curve);
+        self.cancel_pending(index);
+        self.end_active(index);
+        self.stop_on_path(index, &limits);
+    }
+
+    /// AC of links, TrackingMaster aside: what begins by a link, or ends, shows in it at once.
+    pub(crate) fn show_links(&mut self) {
+        for index in 0..self.systems.len() {
+            let system = &mut self.systems[index];
+            if system.links.is_empty() {
+                continue;
+            }
+            let moving = system.activity == Activity::Moving;
+            let used = system.guide.filter(|_| moving).map(|guide| guide.link);
+            let mut links = system.links;
+            self.show(links.iter_mut(), |link| used == Some(link.id));
+            self.systems[index].links = links;
+        }
+        for axis in 0..self.axes.len() {
+            if self.axes[axis].links.is_empty() {
+                continue;
+            }
+            let mut links = self.axes[axis].links;
+            let guide = |slot| self.axes[axis].sum.get(slot)?.guide.map(|guide| guide.link);
+            let used = [guide(Slot::Move), guide(Slot::Jog)];
+            self.show(links.iter_mut(), |link| used.contains(&Some(link.id)));
+            self.axes[axis].links = links;
+        }
+    }
+
+    fn show<'a>(&mut self, links: impl Iterator<Item = &'a mut MasterLink>, is_used: impl Fn(&MasterLink) -> bool) {
+        for link in links {
+            let used = is_used(link);
+            if std::mem::replace(&mut link.shown_active, used) != used {
+                self.controls.flag(link.execution, Flag::Ac, used, self.clock.tick);
+            }
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! What comes into the machine from tags while it runs, and what axes look out for.
+//!
+//! Real-time: no allocation; bounded by the axes.
+
+use arcline_instruction_set::Flag;
+
+use super::Motion;
+use crate::axis::feed::Fed;
+
+/// Something that was written to a tag that the machine reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Input {
+    /// The position of an axis that somebody outside writes.
+    Position {
+        /// Index of the axis.
+        axis: u16,
+        /// Position units.
+        position: f64,
+    },
+    /// A registration input of an axis has changed.
+    Registration {
+        /// Index of the axis.
+        axis: u16,
+        /// Which one, from 0.
+        input: u8,
+        /// It is active now.
+        on: bool,
+    },
+}
+
+impl Motion {
+    /// Takes an input at the present tick. What means nothing changes nothing. Real-time.
+    pub fn input(&mut self, input: Input) {
+        match input {
+            Input::Position { axis, position } => self.feed(axis, position),
+            Input::Registration { axis, input, on } => {
+                let time = (self.clock.tick.wrapping_mul(self.clock.period_ns) / 1000) as i32;
+                let Some(state) = self.axes.get_mut(usize::from(axis)) else {
+                    return;
+                };
+                let position = state.shown(state.drive.actual().position);
+                let Some(registration) = state.registrations.get_mut(usize::from(input)) else {
+                    return;
+                };
+                if let Some(execution) = registration.edge(on, position, time) {
+                    self.end_move(execution, Flag::Pc.mask());
+                }
+            }
+        }
+    }
+
+    fn feed(&mut self, axis: u16, position: f64) {
+        let clock = self.clock;
+        let Some(state) = self.axes.get_mut(usize::from(axis)) else {
+            return;
+        };
+        let unwind = state.unwind;
+        let Some(feeding) = state.feeding.as_mut().filter(|_| position.is_finite()) else {
+            return;
+        };
+        if let Fed::Placed(offset) = feeding.take(position, unwind, &clock) {
+            state.place_fed(offset);
+        }
+    }
+
+    /// What axes look out for is looked at.
+    pub(super) fn look_out(&mut self, axis: u16) {
+        let state = &mut self.axes[usize::from(axis)];
+        let now = state.drive.actual().position - state.redefined;
+        if let Some(execution) = state.watch.look(now) {
+            self.end_move(execution, Flag::Pc.mask());
+        }
+    }
+
+    /// An axis does not look out for anything any more.
+    pub(crate) fn disarm(&mut self, axis: u16) {
+        let state = &mut self.axes[usize::from(axis)];
+        let [first, second] = &mut state.registrations;
+        for execution in [state.watch.disarm(), first.disarm(), second.disarm()]
+            .into_iter()
+            .flatten()
+        {
+            self.end_move(execution, 0);
+        }
+    }
+}

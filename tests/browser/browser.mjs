@@ -1,0 +1,137 @@
+// What every case needs: a browser with an empty profile, pages, pixels, a probe of the samples. The browser is
+// Debian's Chromium; playwright-core comes from the working directory, where npm has put it.
+
+import assert from "node:assert/strict";
+import path from "node:path";
+import { createRequire } from "node:module";
+
+const { chromium } = createRequire(path.join(process.cwd(), "x.js"))("playwright-core");
+
+const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+const DESKTOP = { width: 1360, height: 850 };
+const PHONE = { width: 390, height: 844 };
+
+/** How long a condition may take; far more than it needs, for machines that are busy. */
+export const PATIENCE = 20_000;
+
+/** Starts the browser with a profile of its own, which is removed with it. */
+export function launch() {
+  return chromium.launch({ executablePath: CHROMIUM, headless: true, args: FLAGS, timeout: 60_000 });
+}
+
+/** A new viewer on a view, connected. What the page writes as an error fails the case. */
+export async function open(browser, url, view, { scheme = "light", phone = false } = {}) {
+  const context = await browser.newContext({ colorScheme: scheme, viewport: phone ? PHONE : DESKTOP, hasTouch: phone, isMobile: phone, reducedMotion: "reduce", acceptDownloads: true });
+  const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE);
+  page.faults = [];
+  page.on("pageerror", (error) => page.faults.push(error.stack ?? error.message));
+  page.on("console", (message) => message.type() === "error" && page.faults.push(`${message.text()} ${message.location().url}`));
+  await page.goto(`${url}/#/${view}`);
+  await page.locator("html[data-connection=open]").waitFor({ state: "attached" });
+  await page.getByText("Nobody drives").or(page.locator("main section")).first().waitFor();
+  return page;
+}
+
+/** Goes to another view. */
+export async function go(page, view) {
+  await page.locator(`nav a[href="#/${view}"]`).click();
+  await page.locator(`main .view.${view}`).waitFor();
+}
+
+/** Holds that the page reported no fault, and closes it with its context. */
+export async function close(page) {
+  assert.deepEqual(page.faults, [], "the page reports no error");
+  await page.context().close();
+}
+
+/** Takes the right to drive an object in the view "Drive". */
+export async function take(page, object) {
+  await page.getByLabel("What to drive").selectOption(object);
+  await page.getByRole("button", { name: "Take control" }).click();
+  await page.getByText("You drive").first().waitFor();
+}
+
+/** Waits until a function of the page gives something true. */
+export function until(page, what, check, argument) {
+  return page.waitForFunction(check, argument, { timeout: PATIENCE, polling: 50 }).catch((error) => {
+    throw new Error(`${what}: ${error.message}`);
+  });
+}
+
+/** Fills an operand of the form that is shown. */
+export async function operand(page, member, value) {
+  const input = page.locator(`.form [data-member="${member}"]`).first();
+  if (!(await input.isVisible())) await page.locator(".form summary").click();
+  if (await input.evaluate((element) => element.tagName === "SELECT")) await input.selectOption(String(value));
+  else await input.fill(String(value));
+}
+
+/** Fills the column of the targets, and that of the vias. */
+export async function positions(page, member, values) {
+  for (const [k, value] of values.entries()) await page.locator(`.target-table [data-member="${member}"]`).nth(k).fill(String(value));
+}
+
+/** Waits for the line of Structured Text that matches, and for the button that runs it. */
+export async function ready(page, line) {
+  await until(page, `the line ${line}`, (text) => document.querySelector(".form .line code")?.textContent.replaceAll(" ", "").includes(text), line.replaceAll(" ", ""));
+  await page.locator(".form[data-ready=true]").waitFor();
+}
+
+/**
+ * Waits until a canvas has at least `least` pixels of a colour of the style sheet; gives how many, and the box around
+ * them in pixels of the style sheet. What is drawn is drawn finely, so a pixel may differ a little.
+ */
+export async function pixels(page, canvas, property, least) {
+  const found = await until(page, `${least} pixels of ${property} in ${canvas}`, ([selector, name, enough]) => {
+    const element = document.querySelector(selector);
+    const probe = document.createElement("canvas").getContext("2d");
+    probe.fillStyle = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+    probe.fillRect(0, 0, 1, 1);
+    const wanted = probe.getImageData(0, 0, 1, 1).data;
+    const { width, height } = element;
+    const { data } = element.getContext("2d").getImageData(0, 0, width, height);
+    const box = { count: 0, left: width, right: -1, top: height, bottom: -1 };
+    for (let at = 0; at < data.length; at += 4) {
+      if (Math.abs(data[at] - wanted[0]) + Math.abs(data[at + 1] - wanted[1]) + Math.abs(data[at + 2] - wanted[2]) > 60) continue;
+      const [x, y] = [(at / 4) % width, Math.floor(at / 4 / width)];
+      box.count += 1;
+      box.left = Math.min(box.left, x);
+      box.right = Math.max(box.right, x);
+      box.top = Math.min(box.top, y);
+      box.bottom = Math.max(box.bottom, y);
+    }
+    return box.count >= enough && box;
+  }, [canvas, property, least]);
+  return found.jsonValue();
+}
+
+/**
+ * Collects every sample of an axis's command velocity in a page, over a WebSocket of its own: `samples` of
+ * `{tick, speed}`, and `offset`, the clock (ms) at tick 0 as the quickest frame says.
+ */
+export async function probe(page, axis) {
+  await page.evaluate(async (name) => {
+    const machine = await (await fetch("/api/machine")).json();
+    const column = 4 * machine.axes.findIndex((one) => one.name === name) + 1;
+    const socket = new WebSocket(`ws://${location.host}/ws`);
+    socket.binaryType = "arraybuffer";
+    const { period_s: period } = machine;
+    window.samples = [];
+    window.offset = Infinity;
+    window.clockOf = (tick) => window.offset + tick * period * 1000;
+    socket.onopen = () => socket.send(JSON.stringify({ id: 1, do: "trace", on: true }));
+    socket.onmessage = ({ data }) => {
+      if (typeof data === "string") return;
+      const now = Date.now();
+      const view = new DataView(data);
+      const [count, columns, first] = [view.getUint32(4, true), view.getUint32(8, true), Number(view.getBigUint64(16, true))];
+      const bases = new Float64Array(data, 24, columns);
+      const rows = new Float32Array(data, 24 + 8 * columns, columns * count);
+      for (let row = 0; row < count; row++) window.samples.push({ tick: first + row, speed: bases[column] + rows[row * columns + column] });
+      window.offset = Math.min(window.offset, now - (first + count - 1) * period * 1000);
+    };
+  }, axis);
+  await until(page, "samples", () => window.samples.length > 0);
+}

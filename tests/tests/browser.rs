@@ -1,0 +1,27 @@
+//! The HMI in a real browser, against a real server. The scripts in `tests/browser` say what is expected.
+
+use arcline_tests::browser::case;
+
+macro_rules! cases {
+    ($($name:ident),* $(,)?) => {
+        $(#[test]
+        fn $name() {
+            case(stringify!($name));
+        })*
+    };
+}
+
+cases! {
+    a_path_is_drawn,
+    a_move_started_by_the_form_arrives,
+    an_error_is_explained,
+    a_jog_ends_with_its_page,
+    esc_stops,
+    the_scrub_shows_an_earlier_moment,
+    the_history_is_exact,
+    the_target_dialog_is_the_users,
+    a_program_runs,
+    a_lost_server_is_told,
+    tags_are_watched_and_written,
+    screenshots,
+}
