@@ -19,6 +19,7 @@ mod nodes;
 mod nominal;
 mod optimise;
 mod plan;
+mod problem;
 mod resample;
 mod rounding;
 mod section;

@@ -2,7 +2,6 @@
 //! exceeded, the curve is not left, and everything comes to its end.
 //!
 //! `ARCLINE_CASES` sets how many contours are travelled (6 unless told).
-#![allow(missing_docs)]
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -12,6 +11,8 @@ use arcline_planner::precise::{self, AxisLimits, ContourMove, Trajectory};
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, ContourPassage, ContourQueue, Ending, Move, Parameter};
 
+use super::{Random, cases};
+
 /// 4 kHz.
 const PERIOD_NS: u64 = 250_000;
 const PERIOD: f64 = 0.000_25;
@@ -20,32 +21,6 @@ const TOLERANCE: f64 = 0.05;
 const FASTEST: f64 = 1.3 * 1.25;
 /// Share of a limit that is rounding.
 const ROUNDING: f64 = 1e-6;
-
-fn cases() -> u64 {
-    let set = std::env::var("ARCLINE_CASES").ok();
-    set.and_then(|count| count.parse().ok()).unwrap_or(6)
-}
-
-/// A generator of its own, so that a seed means the same contour for ever (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn share(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, least: f64, most: f64) -> f64 {
-        least + (most - least) * self.share()
-    }
-
-    fn of<V: Copy>(&mut self, values: &[V]) -> V {
-        values[((values.len() as f64) * self.share()) as usize % values.len()]
-    }
-}
 
 /// Legs of some kind: zig-zags, curves of short lines, corners far apart, or all of it.
 fn moves(random: &mut Random, s_curve: bool) -> Vec<Move<usize>> {
@@ -384,7 +359,7 @@ impl Ride {
 
 #[test]
 fn no_change_of_the_pace_exceeds_a_limit() {
-    for seed in 0..cases() {
+    for seed in 0..cases(6) {
         let mut plans = Plans::new();
         for plot in [Plot::Storm, Plot::Hold, Plot::Stop] {
             let rest;
