@@ -19,6 +19,8 @@ const PERIOD: f64 = 0.000_25;
 const TOLERANCE: f64 = 0.05;
 /// The highest override and the highest change of a speed, together.
 const FASTEST: f64 = 1.3 * 1.25;
+/// Seconds in which every change is over.
+const SETTLED: f64 = 0.6;
 /// Share of a limit that is rounding.
 const ROUNDING: f64 = 1e-6;
 
@@ -97,10 +99,25 @@ struct Ride {
     /// What a stop may use.
     stop: Option<Limits>,
     last: Option<(Point, Point, Point)>,
+    /// The override, and when something was changed last.
+    rate: f64,
+    changed: u64,
+    /// The programmed speed of the move before the active one.
+    before: f64,
     done: usize,
     /// Plans by the move that they begin with: they are the same in every ride over the same moves.
     plans: Plans,
-    /// Plans made anew that were asked for, and of these those that came into force.
+    /// A plan made anew, the tick at which it comes, and what it is for.
+    coming: Option<(u64, u32, Option<Arc<Trajectory>>)>,
+    /// Plans made anew that came, and of these those that came into force.
+    anew: [usize; 2],
+}
+
+/// What became of a ride.
+struct Ridden {
+    plans: Plans,
+    /// Seconds from a stop or a hold to rest, and the speed where it began.
+    rest: Option<(f64, f64)>,
     anew: [usize; 2],
 }
 
@@ -131,23 +148,32 @@ impl Ride {
             s_curve,
             stop: None,
             last: None,
+            rate: 1.0,
+            changed: 0,
+            before: 0.0,
             done: 0,
             plans,
+            coming: None,
             anew: [0; 2],
         }
     }
 
     fn plan(&mut self) {
+        if let Some((_, generation, planned)) = self.coming.take_if(|(due, ..)| *due <= self.clock.tick) {
+            self.anew[0] += 1;
+            if self.queue.install(generation, planned, &self.clock).is_ok() {
+                self.anew[1] += 1;
+            }
+        }
         let mut asked: Vec<ContourMove> = Vec::new();
         let Some(batch) = self.queue.batch(&self.clock, |motion| asked.push(motion)) else {
             return;
         };
         if let Some(extension) = batch.extends {
             let planned = extension.plan(&asked, &self.limits).map(Arc::new);
-            self.anew[0] += 1;
-            if self.queue.install(batch.generation, planned, &self.clock).is_ok() {
-                self.anew[1] += 1;
-            }
+            // Most are in time, some are not.
+            let due = self.clock.tick + (self.random.of(&[0.0, 0.005, 0.02, 0.06]) / PERIOD) as u64;
+            self.coming = Some((due, batch.generation, planned));
             return;
         }
         // Only what is as programmed is the same in every ride.
@@ -182,7 +208,7 @@ impl Ride {
             match self.queue.passage(&self.clock) {
                 None => break,
                 Some(ContourPassage::Next) => {
-                    self.queue.pass();
+                    self.before = self.queue.pass().expect("it was active").limits.speed;
                     self.done += 1;
                 }
                 Some(ContourPassage::End) if self.stop.is_some() => {
@@ -237,6 +263,20 @@ impl Ride {
                 sample.acceleration.norm()
             ));
         }
+        // What was asked for has been come to.
+        let programmed = self
+            .queue
+            .moves()
+            .map(|motion| motion.limits.speed)
+            .fold(self.before, f64::max);
+        let calm = (self.clock.tick - self.changed) as f64 * PERIOD > SETTLED;
+        if calm && self.stop.is_none() && sample.velocity.norm() > self.rate * programmed * most + 1e-9 {
+            self.fail(&format!(
+                "{} with {} of {programmed}",
+                sample.velocity.norm(),
+                self.rate
+            ));
+        }
         for axis in 0..3 {
             let (v, a) = (sample.velocity[axis].abs(), sample.acceleration[axis].abs());
             if v > self.limits.speed[axis] * most || a > self.limits.acceleration[axis] * most {
@@ -289,7 +329,13 @@ impl Ride {
                 }),
             };
         }
+        self.changed = self.clock.tick;
         self.queue.change(&self.clock);
+    }
+
+    fn set_rate(&mut self, rate: f64) {
+        (self.rate, self.changed) = (rate, self.clock.tick);
+        self.queue.set_rate(rate, &self.clock);
     }
 
     fn speed(&self) -> f64 {
@@ -298,8 +344,7 @@ impl Ride {
             .map_or(0.0, |sample| sample.velocity.norm())
     }
 
-    /// Returns the seconds from a stop or a hold to rest, with the speed where it began.
-    fn run(mut self, plot: Plot) -> (Plans, Option<(f64, f64)>) {
+    fn run(mut self, plot: Plot) -> Ridden {
         let at = (self.random.between(0.01, 1.2) / PERIOD) as u64;
         let mut asked = None;
         let mut answer = None;
@@ -308,17 +353,17 @@ impl Ride {
                 Plot::Storm if self.clock.tick < 6_000 => {
                     if self.random.share() < 0.002 {
                         let rate = self.random.of(&[0.0, 0.1, 0.5, 0.9, 1.0, 1.3]);
-                        self.queue.set_rate(rate, &self.clock);
+                        self.set_rate(rate);
                     }
                     if self.random.share() < 0.0006 {
                         self.change();
                     }
                 }
                 Plot::Storm if self.clock.tick == 6_000 => {
-                    self.queue.set_rate(1.0, &self.clock);
+                    self.set_rate(1.0);
                 }
                 Plot::Hold if self.clock.tick == at && self.queue.is_running() => {
-                    self.queue.set_rate(0.0, &self.clock);
+                    self.set_rate(0.0);
                     asked = Some((self.clock.tick, self.speed()));
                 }
                 Plot::Stop if self.clock.tick == at && self.queue.is_running() => {
@@ -344,11 +389,15 @@ impl Ride {
             {
                 answer = Some(((self.clock.tick - from) as f64 * PERIOD, speed));
                 if plot == Plot::Hold {
-                    self.queue.set_rate(1.0, &self.clock);
+                    self.set_rate(1.0);
                 }
             }
             if !more {
-                return (self.plans, answer);
+                return Ridden {
+                    plans: self.plans,
+                    rest: answer,
+                    anew: self.anew,
+                };
             }
             if self.clock.tick > 200_000 {
                 self.fail("it does not end");
@@ -359,15 +408,25 @@ impl Ride {
 
 #[test]
 fn no_change_of_the_pace_exceeds_a_limit() {
+    let mut anew = [0; 2];
     for seed in 0..cases(6) {
         let mut plans = Plans::new();
         for plot in [Plot::Storm, Plot::Hold, Plot::Stop] {
-            let rest;
-            (plans, rest) = Ride::new(seed, plans).run(plot);
+            let ridden = Ride::new(seed, plans).run(plot);
+            plans = ridden.plans;
+            for (sum, count) in anew.iter_mut().zip(ridden.anew) {
+                *sum += count;
+            }
             // 0.1 s are what the jerk limits alone take.
-            if let Some((time, speed)) = rest {
-                assert!(time < 0.6, "seed {seed}, {plot:?}: {time} s from {speed} to rest");
+            if let Some((time, speed)) = ridden.rest {
+                assert!(time < SETTLED, "seed {seed}, {plot:?}: {time} s from {speed} to rest");
             }
         }
     }
+    let [came, in_force] = anew;
+    println!("{came} plans made anew, {in_force} of them in force");
+    assert!(
+        2 * in_force > came,
+        "{came} plans made anew, {in_force} of them in force"
+    );
 }

@@ -6,6 +6,7 @@
 mod contour_pace;
 mod merge_limits;
 mod storms;
+mod streams;
 
 /// The number of cases that is asked for, or this one.
 fn cases(usual: u64) -> u64 {
