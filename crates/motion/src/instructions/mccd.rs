@@ -4,7 +4,7 @@ use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
 use arcline_planner::ContourQueue;
 
 use super::place;
-use super::programmed::ChangeLayout;
+use super::programmed::{Change, ChangeLayout};
 use crate::control::Execution;
 use crate::dynamics::{Dynamics, Maxima};
 use crate::motion::Motion;
@@ -47,10 +47,11 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     verify::stoppable(system, &motion.axes, active.dynamics.is_s_curve())?;
     let maxima = Maxima::from(&system.description);
-    let change = |planned: &Planned| changed(&layout, call, &maxima, planned);
+    let read = layout.dynamics.read(call, &maxima);
+    let change = |planned: &Planned| changed(&read, planned);
     let dynamics = change(&active)?;
     if system.contour_in_force().is_some() {
-        change_contour(motion, index, call)?;
+        change_contour(motion, index, call.word(layout.scope), change)?;
         motion.done(execution);
         return Ok(());
     }
@@ -58,8 +59,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         if let Some(contour) = &mut system.contour {
             change_queued(contour, usize::MAX, change)?;
         }
+        let modes = [false, true].map(|driven| layout.dynamics.verify_mode(call, driven));
         for waiting in system.planner.pending() {
-            layout.dynamics.verify_mode(call, waiting.data.lead.is_some())?;
+            modes[usize::from(waiting.data.lead.is_some())]?;
             change(&waiting.data)?;
         }
         for waiting in system.planner.pending_mut() {
@@ -84,23 +86,25 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 }
 
 /// Of a planned contour the active move is changed, or all of them.
-fn change_contour(motion: &mut Motion, index: usize, call: &Call) -> Result<(), MotionError> {
-    let layout = motion.layouts.mccd;
+fn change_contour(
+    motion: &mut Motion,
+    index: usize,
+    scope: i32,
+    change: impl Fn(&Planned) -> Result<Dynamics, MotionError>,
+) -> Result<(), MotionError> {
     let system = &mut motion.systems[index];
-    let maxima = Maxima::from(&system.description);
-    let change = |planned: &Planned| changed(&layout, call, &maxima, planned);
-    let all = call.word(layout.scope) == ACTIVE_AND_PENDING;
+    let count = if scope == ACTIVE_AND_PENDING { usize::MAX } else { 1 };
     if let Some(contour) = &mut system.contour {
-        change_queued(contour, if all { usize::MAX } else { 1 }, change)?;
+        change_queued(contour, count, change)?;
         contour.change(&motion.clock);
         system.stale = true;
     }
     Ok(())
 }
 
-/// The dynamics of a move with what the call changes, no faster than the joints of robots let it be.
-fn changed(layout: &Layout, call: &Call, maxima: &Maxima, planned: &Planned) -> Result<Dynamics, MotionError> {
-    let mut dynamics = layout.dynamics.change(call, maxima, planned.dynamics)?;
+/// The dynamics of a move with what a call changes, no faster than the joints of robots let it be.
+fn changed(change: &Change, planned: &Planned) -> Result<Dynamics, MotionError> {
+    let mut dynamics = change.of(planned.dynamics)?;
     dynamics.keep_to(&planned.pace);
     Ok(dynamics)
 }
