@@ -91,7 +91,10 @@ impl<'p> Target<'p> {
             return Ok(1);
         }
         let names = split(name).map_err(|_| PathError::Symbol)?;
-        let depth = names.iter().filter(|name| matches!(name, PathSegment::Symbol(_))).count();
+        let depth = names
+            .iter()
+            .filter(|name| matches!(name, PathSegment::Symbol(_)))
+            .count();
         self.names().extend(names);
         Ok(depth)
     }

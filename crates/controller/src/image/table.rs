@@ -31,6 +31,14 @@ pub fn is_tag_name(text: &str) -> bool {
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
+/// What tells the tags of a configuration apart.
+fn key(program: Option<&str>, name: &str) -> String {
+    match program {
+        Some(program) => format!("program:{program}.{name}").to_ascii_lowercase(),
+        None => name.to_ascii_lowercase(),
+    }
+}
+
 /// The tags of a configuration.
 #[derive(Clone, Copy, Debug)]
 pub struct Configured<'a> {
@@ -349,7 +357,9 @@ impl Image {
         let Some(place) = self.place(id) else { return };
         let tag = self.tags.remove(place);
         self.bytes.remove(place);
-        let program = tag.program.and_then(|place| self.programs.get(usize::from(place)).cloned());
+        let program = tag
+            .program
+            .and_then(|place| self.programs.get(usize::from(place)).cloned());
         self.names.remove(program.as_deref(), &tag.name, id);
         if let TagKind::Instruction(kind) = tag.kind
             && let Some(control) = self.controls.get_mut(kind.control.0 as usize)

@@ -265,7 +265,12 @@ pub(crate) fn serve_late(context: &Context<'_>, request: &Request, target: &Targ
 
 /// Answers a request for a name that is neither a tag service nor a motion service: attributes of the motion object of
 /// that name, or of the symbol.
-pub(crate) fn serve_named(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request, target: &Target<'_>) -> Reply {
+pub(crate) fn serve_named(
+    context: &Context<'_>,
+    memory: &mut Memory<'_>,
+    request: &Request,
+    target: &Target<'_>,
+) -> Reply {
     let refuse = |status| Reply::error(request.service, status);
     let Some(name) = target.first_symbol() else {
         return refuse(CipStatus::PATH_SEGMENT_ERROR.with(0));

@@ -7,6 +7,7 @@ use arcline_proto::cip::{self, CipStatus, Reply, Request, is_stray_route, servic
 use arcline_proto::epath::Target;
 use arcline_proto::logix::{CreateSymbol, Symbol, instance_list_reply};
 use arcline_proto::session::Transport;
+use arcline_tag::program_name;
 use bytes::{BufMut, Bytes, BytesMut};
 
 use super::{Class, Extent};
@@ -96,7 +97,12 @@ pub(super) fn change(context: &Context<'_>, memory: &mut Memory<'_>, request: &R
     }
 }
 
-fn create(context: &Context<'_>, image: &mut Image, request: &Request, target: &Target<'_>) -> Result<Bytes, CipStatus> {
+fn create(
+    context: &Context<'_>,
+    image: &mut Image,
+    request: &Request,
+    target: &Target<'_>,
+) -> Result<Bytes, CipStatus> {
     let (wanted, surplus) = CreateSymbol::decode(&request.data)?;
     let stray = context.transport == Transport::Unconnected && is_stray_route(surplus);
     if !surplus.is_empty() && !stray {
