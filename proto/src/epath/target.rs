@@ -12,7 +12,7 @@ pub const MAX_SYMBOLS: usize = 32;
 /// What a request is for: a name, an object, or an object within the scope of a name.
 ///
 /// `91 "A" 28 03 91 "B"` is `symbols` A, 3, B. `20 6B 25 iiii 28 03` is class 0x6B, that instance, `members` 3.
-/// `91 "Program:P" 20 6B 24 00` is `symbols` Program:P and class 0x6B.
+/// `91 "Program:P" 20 6B 24 00` is `symbols` Program:P and class 0x6B. `91 "A" 30 02` is attribute 2 of what has that name.
 ///
 /// Names stay where the path has them.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -44,7 +44,9 @@ impl<'p> Target<'p> {
             match segment {
                 Segment::Class(id) if this.class.is_none() => this.class = Some(narrow(*id)?),
                 Segment::Instance(id) if this.class.is_some() && this.instance.is_none() => this.instance = Some(*id),
-                Segment::Attribute(id) if this.class.is_some() && this.attribute.is_none() => {
+                Segment::Attribute(id)
+                    if (this.class.is_some() || !this.symbols.is_empty()) && this.attribute.is_none() =>
+                {
                     this.attribute = Some(narrow(*id)?);
                 }
                 Segment::Class(_) | Segment::Instance(_) | Segment::Attribute(_) => {

@@ -35,6 +35,9 @@ pub(crate) const fn is_write(code: u8) -> bool {
 
 /// Answers a tag service whose path names a tag, or its instance of class 0x6B.
 pub(crate) fn serve(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request, target: &Target<'_>) -> Reply {
+    if target.class.is_none() && target.attribute.is_some() {
+        return Reply::error(request.service, CipStatus::PATH_SEGMENT_ERROR.with(0));
+    }
     let place = match Place::find(memory.image(), target) {
         Ok(place) => place,
         Err(status) => return Reply::error(request.service, status),

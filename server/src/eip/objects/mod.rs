@@ -290,6 +290,7 @@ pub(crate) fn serve_named(
     let target = Target {
         class: Some(class),
         instance: Some(instance),
+        attribute: target.attribute,
         ..Target::default()
     };
     serve(context, memory, request, class, &target)
