@@ -118,10 +118,30 @@ async fn an_instruction_tag_moves_with_the_right() {
     assert_eq!(none, Ok(json!({"events": []})));
 }
 
+/// An error is told as `arcline explain` tells it, in the answer and among the events.
+#[tokio::test]
+async fn an_error_is_explained_from_one_source() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    viewer.take("CS1").await;
+    let wrong = "MCLM(CS1, P, Absolute, [1, 0, 0], -1, Unitspersec);";
+    let error = viewer.execute(wrong).await.expect_err("a speed below 0");
+    let told =
+        arcline_instruction_set::explain(13, 4, Some(arcline_instruction_set::Mnemonic::Mclm)).expect("13 exists");
+    let expected = json!({
+        "text": told.headline, "cause": told.cause, "concerns": told.concerns, "remedy": told.remedy,
+        "err": 13, "exerr": 4, "member": "Speed",
+    });
+    assert_eq!(error, expected);
+    let events = viewer.ask(json!({"do": "events"})).await.expect("events");
+    let events = events["events"].as_array().expect("a list");
+    assert_eq!(events.last().expect("an event")["error"], expected);
+}
+
 /// A frame of samples: its first tick, signals, and values by row.
 pub(super) fn decode(frame: &[u8]) -> (u64, usize, Vec<f64>) {
     let word = |at: usize| u32::from_le_bytes(*frame[at..].first_chunk().expect("4 bytes")) as usize;
-    assert_eq!(&frame[..4], b"ARC1");
+    assert!([b"ARC1", b"ARC2"].contains(&frame.first_chunk().expect("4 bytes")));
     let (rows, signals) = (word(4), word(8));
     let first = u64::from_le_bytes(*frame[16..].first_chunk().expect("8 bytes"));
     let (bases, samples) = frame[24..].split_at(8 * signals);
@@ -177,6 +197,54 @@ async fn frames_have_every_tick() {
     viewer.status(|_| true).await;
 }
 
+/// Who comes later is told what was before, piece by piece, as exactly as it is kept.
+#[tokio::test]
+async fn a_new_viewer_is_told_the_past() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    viewer.take("CS1").await;
+    let line = "MCLM(CS1, P, Absolute, [30, 0, 0], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);";
+    viewer.execute(line).await.expect("it has the right");
+    viewer.status(|status| status["axes"][0]["command"] == 30.0).await;
+    let now = bench.plant.trace().kept().next;
+    let (mut before, mut rows) = (now, 0);
+    let mut positions = Vec::new();
+    loop {
+        let id = 1000 + rows;
+        viewer
+            .send(json!({"id": id, "do": "past", "before": before}).to_string())
+            .await;
+        let message = loop {
+            if let Message::Binary(frame) = timeout(SOON, viewer.socket.next())
+                .await
+                .expect("in time")
+                .expect("open")
+                .expect("well")
+            {
+                break frame;
+            }
+        };
+        let told = viewer.answer(id).await;
+        let count = told["ok"]["rows"].as_u64().expect("rows");
+        if count == 0 {
+            break;
+        }
+        assert_eq!(
+            (&message[..4], &told["ok"]["every"]),
+            (&b"ARC2"[..], &json!(1)),
+            "the newest minute is exact"
+        );
+        let (first, signals, values) = decode(&message);
+        assert_eq!((first, signals), (told["ok"]["first"].as_u64().expect("a tick"), 32));
+        assert_eq!(first + count, before, "nothing is missing");
+        positions.splice(0..0, values.iter().step_by(signals).copied());
+        (before, rows) = (first, rows + count);
+    }
+    assert_eq!(before, bench.plant.trace().kept().first);
+    assert_eq!((positions.first(), positions.last()), (Some(&0.0), Some(&30.0)));
+    assert!(positions.is_sorted(), "it went one way");
+}
+
 /// A trace of 32 signals while ten viewers look: `ARCLINE_TRACE_SECONDS` makes it longer.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_trace_has_no_gap_while_ten_viewers_look() {
@@ -197,10 +265,7 @@ async fn a_trace_has_no_gap_while_ten_viewers_look() {
             async move { while viewer.socket.next().await.is_some() {} },
         ));
     }
-    let signals: Vec<_> = super::super::frames::signals(&machine)
-        .iter()
-        .filter_map(|name| arcline_controller::samples::find(&machine, name))
-        .collect();
+    let signals = crate::trace::history::columns(&machine);
     assert_eq!(signals.len(), 32);
     let trace = bench.plant.trace();
     let config = crate::trace::Config {
