@@ -24,7 +24,10 @@ pub fn case(name: &str) {
 /// As [`case`].
 pub fn case_on(name: &str, configuration: &str) {
     let file = crate::fixture(&format!("config/{configuration}"));
-    on(name, &["--config", file.to_str().expect("the project's paths are UTF-8")]);
+    on(
+        name,
+        &["--config", file.to_str().expect("the project's paths are UTF-8")],
+    );
 }
 
 fn on(name: &str, arguments: &[&str]) {

@@ -26,7 +26,15 @@ pub(crate) async fn arc(client: &Client, command: Arc, output: &Output) -> Resul
     let length = arc_length(client, &command).await;
     let operands = operands::arc(&command)?;
     let motion = &command.dynamics.motion;
-    execute(client, &command.system.name, &operands, motion, Course { length }, output).await
+    execute(
+        client,
+        &command.system.name,
+        &operands,
+        motion,
+        Course { length },
+        output,
+    )
+    .await
 }
 
 /// `move-axis`.

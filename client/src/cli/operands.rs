@@ -2,9 +2,7 @@
 
 use arcline_client::{ClientError, Given, Mnemonic, Operands};
 
-use super::args::{
-    Arc, AxisMotion, Change, Circle, Direction, Dynamics, Jog, Motion, MoveAxis, Point, Ramps, Rate,
-};
+use super::args::{Arc, AxisMotion, Change, Circle, Direction, Dynamics, Jog, Motion, MoveAxis, Point, Ramps, Rate};
 
 /// Operands of `move`.
 pub(super) fn line(position: &Point, dynamics: &Dynamics) -> Result<Operands, ClientError> {
@@ -117,10 +115,7 @@ fn with_profile(operands: Operands, motion: &Motion) -> Result<Operands, ClientE
 /// Operands of `change`.
 pub(super) fn change(command: &Change) -> Result<Operands, ClientError> {
     let Change {
-        speed,
-        ramps,
-        pending,
-        ..
+        speed, ramps, pending, ..
     } = command;
     let mut operands = Operands::full_speed(Mnemonic::Mccd).with("Scope", Given::Integer(i64::from(*pending)))?;
     for (flag, name, units, rate) in [

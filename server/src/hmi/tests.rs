@@ -241,7 +241,11 @@ async fn forms_are_made_from_the_catalogue() {
     let errors = catalogue["errors"].as_array().expect("a list");
     assert!(errors.iter().any(|error| error["err"] == 13 && error["remedy"] != ""));
     let faults = catalogue["faults"].as_array().expect("a list");
-    assert!(faults.iter().any(|fault| fault["word"] == "overcurrent" && fault["meaning"] != ""));
+    assert!(
+        faults
+            .iter()
+            .any(|fault| fault["word"] == "overcurrent" && fault["meaning"] != "")
+    );
 }
 
 #[tokio::test]

@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use arcline_instruction_set::enumerations;
 
 use super::common::{Motion, Ramps, Speed, System, Waiting};
-use super::values::{Percent, Point, Rate, word_parser};
+use super::values::{Percent, Point, word_parser};
 
 /// What lines and arcs have in common.
 #[derive(Args, Debug, Default)]
