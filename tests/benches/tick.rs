@@ -34,6 +34,25 @@ fn deep() -> Bench {
     bench
 }
 
+/// The same with one MCCD over all of it, so many ticks ago.
+fn changed(ticks: u64) -> Bench {
+    let mut bench = deep();
+    change(&mut bench, 150);
+    bench.run(ticks);
+    bench
+}
+
+/// MCCD of the active and all pending moves: their speed, and their deceleration, which every place between two of them
+/// depends on.
+fn change(bench: &mut Bench, speed: u32) {
+    let call = format!(
+        "MCCD(CS1, C, CoordinatedMove, Yes, {speed}, Unitspersec, No, 0, Unitspersec2, Yes, {}, Unitspersec2, No, 0, No, 0, \
+         Unitspersec3, ActiveandPendingMotion)",
+        10 * speed
+    );
+    assert_eq!(bench.call(&call), (0, 0));
+}
+
 /// 256 axes, four to each of 64 machines of which three move together.
 fn large() -> Bench {
     let mut bench = large_at_rest();
@@ -103,6 +122,18 @@ fn tick(criterion: &mut Criterion) {
             });
         },
     );
+    let mut bench = changed(10_000);
+    let mut speed = 150;
+    criterion.bench_function("MCCD of 1000 moves in the queue, and the tick", |bencher| {
+        bencher.iter(|| {
+            speed = if speed == 150 { 100 } else { 150 };
+            change(black_box(&mut bench), speed);
+            bench.tick();
+        });
+    });
+    criterion.bench_function("one of the ticks behind MCCD of 1000 moves", |bencher| {
+        bencher.iter_batched_ref(|| changed(5), |bench| black_box(bench).tick(), BatchSize::LargeInput);
+    });
     let mut bench = large();
     criterion.bench_function("tick, 256 axes in 64 moving systems", |bencher| {
         bencher.iter(|| black_box(&mut bench).tick());

@@ -19,6 +19,7 @@ mod nodes;
 mod nominal;
 mod optimise;
 mod plan;
+mod problem;
 mod resample;
 mod rounding;
 mod section;
@@ -32,7 +33,7 @@ mod tube;
 
 pub use arcline_geometry::{Path, Point};
 pub use plan::{Effort, plan, plan_with};
-pub use splice::extend;
+pub use splice::{extend, replan};
 pub use trajectory::{Peaks, Piece, Rates, State, Trajectory};
 
 /// One programmed move.

@@ -62,34 +62,137 @@ fn extended(
         .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
         .unwrap_or(moves.len());
     let first = earliest.max(latest).max(stop.map_or(0.0, |stop| stop + AFTER_STOP));
-    let splice = instant(running, passed, &moves[begin..old], begin, limits, first)?;
-    // Some pieces before the one at the splice belong to the course: the curve there may be near them too.
-    let here = running.move_at(splice).checked_sub(passed)?;
-    let back = moves[begin..here]
-        .iter()
-        .rposition(|m| m.path.length() > SHORTEST)
-        .map_or(here, |k| begin + k);
-    let section = Section::new(&moves[back..end], limits);
-    let piece = moves[back..here].iter().filter(|m| m.path.length() > SHORTEST).count();
-    let leave = (running.duration() - reach(&moves[old - 1], limits, 1.0)).max(splice + LEAST_FOLLOWED);
-    let running_on = Running {
-        trajectory: running,
-        splice,
-        leave,
-        piece: piece.min(section.course.pieces.len().checked_sub(1)?),
+    let at_rest = running.duration() - reach(&moves[old - 1], limits, 1.0);
+    let anew = Anew {
+        running,
+        passed,
+        moves,
+        limits,
+        now,
+        begin,
+        end,
     };
-    let tail = section.improve(guess(&section, running_on), Effort::Full)?;
-    let mut whole = cut(running, now, splice, passed, here);
-    whole.move_ends.extend(
-        tail.move_ends[here - back..]
-            .iter()
-            .map(|&end| (end + splice).max(splice)),
-    );
-    whole.join(tail, splice);
-    if end < moves.len() {
-        whole.append(plan_with(&moves[end..], limits, Effort::Full));
+    // What is not found from one instant may be from the next.
+    (0..ATTEMPTS).find_map(|attempt| {
+        let splice = instant(
+            running,
+            passed,
+            &moves[begin..old],
+            begin,
+            limits,
+            first + LATER * f64::from(attempt),
+        )?;
+        anew.from(splice, at_rest)
+    })
+}
+
+/// Plans a running trajectory anew: `moves` (the first of them the one that it is on, its `passed`-th) with other speeds or rates
+/// than it was planned with, at the `pace` that it is travelled at, with which it is within all of them.
+///
+/// As [`extend`], but from the first instant on, for a second or so, and the result has the time that passes: own seconds
+/// divided by the pace, as have `now` and `earliest`.
+#[must_use]
+pub fn replan(
+    running: &Trajectory,
+    pace: f64,
+    passed: usize,
+    moves: &[ContourMove],
+    limits: &AxisLimits,
+    now: f64,
+    earliest: f64,
+) -> Option<Trajectory> {
+    let running = running.at_pace(pace);
+    let old = running
+        .moves()
+        .checked_sub(passed)
+        .filter(|&old| old > 0 && old <= moves.len())?;
+    if earliest > running.duration() - LEAST_LEFT {
+        return None;
     }
-    Some(whole)
+    // Not all that is known: the rest extends it later.
+    let on = |time: f64| running.move_at(time).saturating_sub(passed);
+    let far = on(earliest + WINDOW).max(on(earliest) + LEAST_MOVES);
+    let moves = if far + 1 < old { &moves[..=far] } else { moves };
+    let last = running.move_end(passed + (moves.len() - 1).min(old - 1))?;
+    if last > earliest + MOST_AHEAD {
+        return None;
+    }
+    (0..ATTEMPTS).find_map(|attempt| {
+        let first = earliest + LATER * f64::from(attempt);
+        let here = on(first).min(moves.len() - 1);
+        let begin = (1..=here)
+            .rev()
+            .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
+            .unwrap_or(0);
+        let end = (here + 1..moves.len())
+            .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
+            .unwrap_or(moves.len());
+        let splice = instant(&running, passed, &moves[begin..end], begin, limits, first)?;
+        let anew = Anew {
+            running: &running,
+            passed,
+            moves,
+            limits,
+            now,
+            begin,
+            end,
+        };
+        let whole = anew.from(splice, splice + FOLLOWED)?;
+        Some(whole.planned_for(moves, limits))
+    })
+}
+
+/// A section that is planned anew from an instant of a running trajectory on.
+struct Anew<'a> {
+    running: &'a Trajectory,
+    passed: usize,
+    moves: &'a [ContourMove],
+    limits: &'a AxisLimits,
+    now: f64,
+    /// Moves of the section.
+    begin: usize,
+    end: usize,
+}
+
+impl Anew<'_> {
+    /// From `splice` on; the first guess follows what runs until `leave`.
+    fn from(&self, splice: f64, leave: f64) -> Option<Trajectory> {
+        let &Anew {
+            running,
+            passed,
+            moves,
+            limits,
+            now,
+            begin,
+            end,
+        } = self;
+        // Some pieces before the one at the splice belong to the course: the curve there may be near them too.
+        let here = running.move_at(splice).checked_sub(passed).filter(|&here| here < end)?;
+        let back = moves[begin.min(here)..here]
+            .iter()
+            .rposition(|m| m.path.length() > SHORTEST)
+            .map_or(here, |k| begin + k);
+        let section = Section::new(&moves[back..end], limits);
+        let piece = moves[back..here].iter().filter(|m| m.path.length() > SHORTEST).count();
+        let running_on = Running {
+            trajectory: running,
+            splice,
+            leave: leave.max(splice + LEAST_FOLLOWED).min(running.duration()),
+            piece: piece.min(section.course.pieces.len().checked_sub(1)?),
+        };
+        let tail = section.improve(guess(&section, running_on), Effort::Full)?;
+        let mut whole = cut(running, now, splice, passed, here);
+        whole.move_ends.extend(
+            tail.move_ends[here - back..]
+                .iter()
+                .map(|&end| (end + splice).max(splice)),
+        );
+        whole.join(tail, splice);
+        if end < moves.len() {
+            whole.append(plan_with(&moves[end..], limits, Effort::Full));
+        }
+        Some(whole)
+    }
 }
 
 /// The running trajectory between two instants, with the ends of its first `kept` moves from `passed` on.
@@ -125,6 +228,9 @@ fn instant(
         }
         let state = running.at(t);
         let place = running.move_at(t).checked_sub(passed + begin)?;
+        if place >= moves.len() {
+            break;
+        }
         let near = &moves[place.saturating_sub(1)..(place + 2).min(moves.len())];
         let off = near
             .iter()
@@ -197,6 +303,16 @@ const AFTER_STOP: f64 = 0.01;
 /// Seconds that the running motion is followed at least, and that are left of it at least.
 const LEAST_FOLLOWED: f64 = 0.004;
 const LEAST_LEFT: f64 = 0.008;
+/// Seconds that a trajectory which is planned anew is followed.
+const FOLLOWED: f64 = 0.01;
+/// Seconds, and at least so many moves, for which a trajectory is planned anew.
+const WINDOW: f64 = 1.0;
+const LEAST_MOVES: usize = 4;
+/// Seconds beyond which planning anew would take too long: the motion goes on at its pace.
+const MOST_AHEAD: f64 = 4.0;
+/// Splices that are tried, and seconds between them.
+const ATTEMPTS: u32 = 3;
+const LATER: f64 = 0.02;
 /// Instants that are looked at for a splice, and seconds between them.
 const CHOICE: u32 = 30;
 const CHOICE_STEP: f64 = 0.001;

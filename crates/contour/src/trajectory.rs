@@ -33,9 +33,11 @@ pub struct Trajectory {
     pub(crate) most: Peaks,
 }
 
-/// The programmed rates of one move.
+/// The programmed speed and rates of one move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
+    /// Vector speed, position units / s.
+    pub speed: f64,
     /// Vector acceleration, position units / s².
     pub acceleration: f64,
     /// Vector deceleration, position units / s².
@@ -46,6 +48,7 @@ pub struct Rates {
 
 impl Rates {
     const UNLIMITED: Rates = Rates {
+        speed: f64::INFINITY,
         acceleration: f64::INFINITY,
         deceleration: f64::INFINITY,
         jerk: None,
@@ -53,6 +56,7 @@ impl Rates {
 
     fn least(self, other: &Rates) -> Rates {
         Rates {
+            speed: self.speed.min(other.speed),
             acceleration: self.acceleration.min(other.acceleration),
             deceleration: self.deceleration.min(other.deceleration),
             jerk: match (self.jerk, other.jerk) {
@@ -139,6 +143,7 @@ impl Trajectory {
     pub(crate) fn planned_for(mut self, moves: &[ContourMove], axes: &AxisLimits) -> Trajectory {
         self.rates.clear();
         self.rates.extend(moves.iter().map(|one| Rates {
+            speed: one.speed,
             acceleration: one.acceleration,
             deceleration: one.deceleration,
             jerk: one.jerk,
@@ -147,6 +152,24 @@ impl Trajectory {
         self.axes = *axes;
         self.most = self.measured();
         self
+    }
+
+    /// The same motion at another pace, with all times divided by it.
+    pub(crate) fn at_pace(&self, pace: f64) -> Trajectory {
+        let knot = |knot: &Knot| Knot {
+            time: knot.time / pace,
+            state: State {
+                position: knot.state.position,
+                velocity: knot.state.velocity * pace,
+                acceleration: knot.state.acceleration * (pace * pace),
+            },
+            jerk: knot.jerk * (pace * pace * pace),
+        };
+        Trajectory {
+            move_ends: self.move_ends.iter().map(|end| end / pace).collect(),
+            end: self.end,
+            ..Trajectory::of(self.knots.iter().map(knot).collect())
+        }
     }
 
     /// The programmed rates of a move.

@@ -48,12 +48,7 @@ impl ContourRequest {
     pub fn plan(&mut self) -> Option<Arc<Trajectory>> {
         let planned = match self.extends.take() {
             None => precise::plan(&self.moves, &self.limits),
-            Some(Extension {
-                trajectory,
-                passed,
-                now,
-                earliest,
-            }) => precise::extend(&trajectory, passed, &self.moves, &self.limits, now, earliest)?,
+            Some(extension) => extension.plan(&self.moves, &self.limits)?,
         };
         Some(Arc::new(planned))
     }

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use arcline_contour::Trajectory;
 use arcline_geometry::Point;
-use arcline_profile::{Limits, Phase, State};
+use arcline_profile::{Jerk, Limits, Phase, State};
 
 use crate::{Clock, Instant, Move, QueueFull, ROUNDING, Sample};
 use pace::{Pace, Wanted};
@@ -34,12 +34,10 @@ pub struct ContourQueue<T> {
     grown: Option<Instant>,
     /// The override: share of the programmed speeds.
     rate: f64,
-    /// Share of the programmed speeds that the contour was planned with: at least 1.
-    scale: f64,
 }
 
 /// A plan under way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Asked {
     /// From rest.
     Contour,
@@ -47,6 +45,13 @@ enum Asked {
     Extension {
         /// Moves of it that had been completed.
         passed: usize,
+    },
+    /// Of what is left of a trajectory in execution, with what its moves are to have now.
+    Anew {
+        /// Moves of it that had been completed.
+        passed: usize,
+        /// The pace that it was travelled at.
+        pace: f64,
     },
 }
 
@@ -58,10 +63,10 @@ struct Run {
     passed: usize,
     /// How fast its own time runs.
     pace: Pace,
-    /// Share of the programmed speeds in the plan.
-    scale: f64,
-    /// Share of the speed, at most 1, that an instruction has asked for besides the override.
-    share: f64,
+    /// It was not planned for what its moves are to have now.
+    stale: bool,
+    /// Since when they are to have that.
+    changed: Instant,
     course: Course,
     /// How long a plan that extends it may take, seconds on the trajectory's own time.
     lead: f64,
@@ -98,7 +103,6 @@ impl<T: Copy> ContourQueue<T> {
             generation: 0,
             grown: None,
             rate: 1.0,
-            scale: 1.0,
         }
     }
 
@@ -178,12 +182,10 @@ impl<T: Copy> ContourQueue<T> {
         self.moves.pop_front()
     }
 
-    /// The moves that are not on the trajectory yet, to change.
-    /// A plan of them that is under way is not wanted any more.
-    pub fn unplanned_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
-        let planned = self.planned();
+    /// The moves, the active one first, to change; [`ContourQueue::change`] makes it take effect.
+    pub fn moves_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
         self.asked = None;
-        self.moves.iter_mut().skip(planned)
+        self.moves.iter_mut()
     }
 
     /// How many moves are on the trajectory in execution, or still to come on it.
@@ -191,20 +193,18 @@ impl<T: Copy> ContourQueue<T> {
         self.run.as_ref().map_or(0, |run| run.trajectory.moves() - run.passed)
     }
 
-    /// Takes an override: a share of the programmed speeds, 0 holds. A trajectory in execution is slowed down, but
-    /// never made faster than it was planned; later ones are planned for it.
+    /// Takes an override: a share of the programmed speeds, 0 holds.
     pub fn set_rate(&mut self, rate: f64, clock: &Clock) {
         self.rate = rate;
-        self.change_pace(clock);
-    }
-
-    /// Takes a share of the planned speed for the trajectory in execution, at most 1; 0 pauses. It is for its moves alone,
-    /// so it is not extended before the share is 1 again.
-    pub fn set_share(&mut self, share: f64, clock: &Clock) {
-        if let Some(run) = &mut self.run {
-            run.share = share.clamp(0.0, 1.0);
+        if matches!(self.asked, Some(Asked::Anew { .. })) {
             self.asked = None;
         }
+        self.change(clock);
+    }
+
+    /// Speeds or rates of moves have changed, or the override has. A trajectory in execution is slowed down to a pace that is
+    /// within all of them, or comes back to its own; then what is left of it is planned anew.
+    pub fn change(&mut self, clock: &Clock) {
         self.change_pace(clock);
     }
 
@@ -215,15 +215,39 @@ impl<T: Copy> ContourQueue<T> {
         }
     }
 
-    /// Brings the pace to what override and share ask for, with the rates of the moves on the trajectory at most.
+    /// Brings the pace to one, at most 1, with which every move is within its speed and rates.
     fn change_pace(&mut self, clock: &Clock) {
         let Some(run) = self.run.as_mut().filter(|run| run.course == Course::Travelling) else {
             return;
         };
+        let left = run.trajectory.moves() - run.passed;
+        let (mut target, mut stale) = (1.0_f64, false);
+        for (place, motion) in self.moves.iter().take(left).enumerate() {
+            let Some(planned) = run.trajectory.rates(run.passed + place) else {
+                break;
+            };
+            let wanted = motion.limits;
+            let own = wanted.jerk.map(least);
+            let own_speed = requests::planned_speed(wanted.speed, self.rate);
+            stale |= (own_speed / planned.speed - 1.0).abs() > SAME;
+            target = share_of(target, self.rate * wanted.speed / planned.speed);
+            let shares = [
+                (wanted.acceleration / planned.acceleration).sqrt(),
+                (wanted.deceleration / planned.deceleration).sqrt(),
+                own.zip(planned.jerk)
+                    .map_or(1.0, |(own, planned)| (own / planned).cbrt()),
+            ];
+            for share in shares {
+                stale |= (share - 1.0).abs() > SAME;
+                target = share_of(target, share);
+            }
+        }
+        run.stale = stale;
+        run.changed = clock.now();
         let speed = run.trajectory.peaks().speed.max(f64::MIN_POSITIVE);
         let rates = run.trajectory.least_rates();
         let wanted = Wanted {
-            target: (self.rate / run.scale).min(1.0) * run.share,
+            target,
             rate: rates.acceleration.min(rates.deceleration) / speed,
             jerk: rates.jerk.map(|jerk| jerk / speed),
             extra: [0.0; 2],
@@ -282,3 +306,16 @@ impl<T: Copy> ContourQueue<T> {
         })
     }
 }
+
+/// The lesser of two shares; what is 1 but for rounding is 1.
+fn share_of(target: f64, share: f64) -> f64 {
+    if share < 1.0 - SAME { target.min(share) } else { target }
+}
+
+/// The jerk that a contour is planned with.
+fn least(jerk: Jerk) -> f64 {
+    jerk.acceleration.min(jerk.deceleration)
+}
+
+/// Shares that differ by no more are the same.
+const SAME: f64 = 1e-9;

@@ -50,13 +50,13 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let change = |planned: &Planned| changed(&layout, call, &maxima, planned);
     let dynamics = change(&active)?;
     if system.contour_in_force().is_some() {
-        change_contour(motion, index, call, active.dynamics.speed, dynamics.speed)?;
+        change_contour(motion, index, call)?;
         motion.done(execution);
         return Ok(());
     }
     if call.word(layout.scope) == ACTIVE_AND_PENDING {
         if let Some(contour) = &mut system.contour {
-            change_unplanned(contour, change)?;
+            change_queued(contour, usize::MAX, change)?;
         }
         for waiting in system.planner.pending() {
             layout.dynamics.verify_mode(call, waiting.data.lead.is_some())?;
@@ -83,27 +83,16 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     Ok(())
 }
 
-/// On a planned contour a new speed is a pace, at most the planned one; everything else is for the moves that have not
-/// been planned yet.
-fn change_contour(
-    motion: &mut Motion,
-    index: usize,
-    call: &Call,
-    programmed: f64,
-    speed: f64,
-) -> Result<(), MotionError> {
+/// Of a planned contour the active move is changed, or all of them.
+fn change_contour(motion: &mut Motion, index: usize, call: &Call) -> Result<(), MotionError> {
     let layout = motion.layouts.mccd;
     let system = &mut motion.systems[index];
     let maxima = Maxima::from(&system.description);
     let change = |planned: &Planned| changed(&layout, call, &maxima, planned);
-    let Some(contour) = &mut system.contour else {
-        return Ok(());
-    };
-    if call.word(layout.scope) == ACTIVE_AND_PENDING {
-        change_unplanned(contour, change)?;
-    }
-    if layout.dynamics.changes_speed(call) && programmed > 0.0 {
-        contour.set_share(speed / programmed, &motion.clock);
+    let all = call.word(layout.scope) == ACTIVE_AND_PENDING;
+    if let Some(contour) = &mut system.contour {
+        change_queued(contour, if all { usize::MAX } else { 1 }, change)?;
+        contour.change(&motion.clock);
         system.stale = true;
     }
     Ok(())
@@ -116,15 +105,16 @@ fn changed(layout: &Layout, call: &Call, maxima: &Maxima, planned: &Planned) -> 
     Ok(dynamics)
 }
 
-/// All of the moves that have not been planned yet, or none.
-fn change_unplanned(
+/// So many of the moves, or none where one of them cannot be.
+fn change_queued(
     contour: &mut ContourQueue<Planned>,
+    count: usize,
     change: impl Fn(&Planned) -> Result<Dynamics, MotionError>,
 ) -> Result<(), MotionError> {
-    for waiting in contour.unplanned_mut() {
+    for waiting in contour.moves().take(count) {
         change(&waiting.data)?;
     }
-    for waiting in contour.unplanned_mut() {
+    for waiting in contour.moves_mut().take(count) {
         waiting.data.dynamics = change(&waiting.data)?;
         waiting.limits = waiting.data.dynamics.limits();
     }

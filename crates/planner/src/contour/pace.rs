@@ -37,10 +37,10 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// A constant pace from the present tick on.
-    pub(super) fn constant(pace: f64, clock: &Clock) -> Self {
+    /// A constant pace from the present tick on, at `own` of the trajectory's time.
+    pub(super) fn constant(own: f64, pace: f64, clock: &Clock) -> Self {
         let state = State {
-            position: 0.0,
+            position: own,
             velocity: pace,
             acceleration: 0.0,
         };
@@ -61,6 +61,11 @@ impl Pace {
     /// The trajectory's own time, the pace and its derivative at the present tick.
     pub(super) fn at(&self, clock: &Clock) -> State {
         self.ramp.at(self.start.elapsed(clock))
+    }
+
+    /// What is asked for.
+    pub(super) fn target(&self) -> f64 {
+        self.wanted.target
     }
 
     /// Whether the pace is, and stays, the one that is asked for.

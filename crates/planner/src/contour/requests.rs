@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use arcline_contour::{ContourMove, Trajectory};
+use arcline_contour::{AxisLimits, ContourMove, Rates, Trajectory, extend, replan};
 use arcline_profile::stop_distance;
 
 use super::{Asked, ContourQueue, Course, Pace, Run};
@@ -30,6 +30,26 @@ pub struct Extension {
     pub now: f64,
     /// Until when it has to stay as it is, seconds on its own time.
     pub earliest: f64,
+    /// The pace that it is travelled at, where what is left of it is to be planned anew ([`arcline_contour::replan`]).
+    pub anew: Option<f64>,
+}
+
+impl Extension {
+    /// Plans what is asked for. Not bounded: outside the tick.
+    #[must_use]
+    pub fn plan(&self, moves: &[ContourMove], limits: &AxisLimits) -> Option<Trajectory> {
+        let Extension {
+            trajectory,
+            passed,
+            now,
+            earliest,
+            anew,
+        } = self;
+        match *anew {
+            Some(pace) => replan(trajectory, pace, *passed, moves, limits, now / pace, earliest / pace),
+            None => extend(trajectory, *passed, moves, limits, *now, *earliest),
+        }
+    }
 }
 
 impl<T: Copy> ContourQueue<T> {
@@ -39,24 +59,26 @@ impl<T: Copy> ContourQueue<T> {
         if self.asked.is_some() || self.moves.is_empty() {
             return None;
         }
-        let (extends, scale) = match &self.run {
+        let extends = match &self.run {
             None => {
                 let open = !self.is_full() && self.moves.iter().all(|motion| motion.ending != Ending::Stop);
                 if open && self.is_growing(clock) {
                     return None;
                 }
-                (None, self.rate.max(1.0))
+                None
             }
-            // What is planned faster than programmed stays so until it is at rest: the speed at the splice is.
-            Some(run) => (Some(self.extension(run, clock)?), self.rate.max(run.scale)),
+            Some(run) => Some(self.extension(run, clock)?),
         };
-        self.scale = scale;
-        self.take_moves(take);
-        self.asked = Some(match &extends {
+        let kept = extends.as_ref().is_some_and(|extension| extension.anew.is_none());
+        self.take_moves(kept, take);
+        self.asked = Some(match extends {
             None => Asked::Contour,
-            Some(extension) => Asked::Extension {
-                passed: extension.passed,
-            },
+            Some(Extension { passed, anew: None, .. }) => Asked::Extension { passed },
+            Some(Extension {
+                passed,
+                anew: Some(pace),
+                ..
+            }) => Asked::Anew { passed, pace },
         });
         self.generation = self.generation.wrapping_add(1);
         Some(ContourBatch {
@@ -70,25 +92,45 @@ impl<T: Copy> ContourQueue<T> {
         self.grown.is_some_and(|grown| grown.elapsed(clock) < GATHER)
     }
 
-    /// What is to be extended, if it is time to: many moves wait, or nothing has come for a moment and its end is near.
+    /// What is to be planned anew, since its moves are to have other speeds or rates and its pace is within them, or what is to
+    /// be extended, if it is time to: many moves wait, or nothing has come for a moment and its end is near.
     fn extension(&self, run: &Run, clock: &Clock) -> Option<Extension> {
         let planned = self.planned();
-        let waiting = self.moves.len().checked_sub(planned).filter(|&waiting| waiting > 0)?;
-        let last = self.moves.get(planned.checked_sub(1)?)?;
-        let now = run.pace.at(clock).position;
+        let state = run.pace.at(clock);
+        let now = state.position;
         let left = run.trajectory.duration() - now;
-        let many = waiting * FEW >= planned;
-        let near = left <= NEAR && !self.is_growing(clock);
-        let able = run.course == Course::Travelling && run.share == 1.0 && last.ending != Ending::Stop;
-        (able && (many || near) && now >= run.retry && left > 0.0).then(|| Extension {
+        if run.course != Course::Travelling || now < run.retry || left <= 0.0 {
+            return None;
+        }
+        let ask = |anew: Option<f64>| Extension {
             trajectory: Arc::clone(&run.trajectory),
             passed: run.passed,
             now,
-            earliest: now + run.lead,
-        })
+            earliest: now + run.lead * anew.unwrap_or(1.0),
+            anew,
+        };
+        let pace = state.velocity;
+        let calm = run.changed.elapsed(clock) >= CALM && run.pace.is_settled(clock);
+        if run.stale && calm && pace >= LEAST_PACE && left >= LEAST_LEFT * pace {
+            return Some(ask(Some(pace)));
+        }
+        let waiting = self.moves.len().checked_sub(planned).filter(|&waiting| waiting > 0)?;
+        let last = self.moves.get(planned.checked_sub(1)?)?;
+        let many = waiting * FEW >= planned;
+        let near = left <= NEAR && !self.is_growing(clock);
+        (last.ending != Ending::Stop && (many || near)).then(|| ask(None))
     }
 
-    fn take_moves(&self, mut take: impl FnMut(ContourMove)) {
+    /// `kept`: what is on the trajectory stays as it was planned.
+    fn take_moves(&self, kept: bool, mut take: impl FnMut(ContourMove)) {
+        let running = self.run.as_ref().filter(|_| kept);
+        // What comes behind moves that are to be planned anew is planned like them.
+        let like = running.filter(|run| run.stale).and_then(|run| {
+            let last = self.moves.get(self.planned().checked_sub(1)?)?;
+            let planned = run.trajectory.rates(run.trajectory.moves().checked_sub(1)?)?;
+            (last.limits.speed > 0.0).then_some(planned.speed / last.limits.speed)
+        });
+        let rate = like.unwrap_or(self.rate);
         for (place, motion) in self.moves.iter().enumerate() {
             let (tolerance, last) = match motion.ending {
                 Ending::Stop => (0.0, true),
@@ -99,12 +141,19 @@ impl<T: Copy> ContourQueue<T> {
                 ),
                 Ending::Contour { .. } => (0.0, false),
             };
-            take(ContourMove {
-                path: motion.path,
-                speed: motion.limits.speed * self.scale,
+            let planned = running.and_then(|run| run.trajectory.rates(run.passed + place));
+            let own = planned.copied().unwrap_or(Rates {
+                speed: planned_speed(motion.limits.speed, rate),
                 acceleration: motion.limits.acceleration,
                 deceleration: motion.limits.deceleration,
-                jerk: motion.limits.jerk.map(|jerk| jerk.acceleration.min(jerk.deceleration)),
+                jerk: motion.limits.jerk.map(super::least),
+            });
+            take(ContourMove {
+                path: motion.path,
+                speed: own.speed,
+                acceleration: own.acceleration,
+                deceleration: own.deceleration,
+                jerk: own.jerk,
                 tolerance,
             });
             if last {
@@ -137,27 +186,33 @@ impl<T: Copy> ContourQueue<T> {
                 }
                 unwanted => Err(unwanted),
             },
-            Asked::Extension { passed } => self.extend(passed, planned, clock),
+            Asked::Extension { passed } => self.extend(passed, None, planned, clock),
+            Asked::Anew { passed, pace } => self.extend(passed, Some(pace), planned, clock),
         }
     }
 
     fn start(&mut self, trajectory: Arc<Trajectory>, clock: &Clock) {
-        // It begins at rest, so its pace may be anything.
         self.run = Some(Run {
-            pace: Pace::constant((self.rate / self.scale).min(1.0), clock),
+            pace: Pace::constant(0.0, 0.0, clock),
             trajectory,
             passed: 0,
-            scale: self.scale,
-            share: 1.0,
+            stale: false,
+            changed: clock.now(),
             course: Course::Travelling,
             lead: LEAD,
             retry: 0.0,
         });
+        self.change_pace(clock);
+        // It begins at rest, so its pace may be anything.
+        if let Some(run) = &mut self.run {
+            run.pace = Pace::constant(0.0, run.pace.target(), clock);
+        }
     }
 
     fn extend(
         &mut self,
         passed: usize,
+        pace: Option<f64>,
         planned: Option<Arc<Trajectory>>,
         clock: &Clock,
     ) -> Result<Installed, Option<Arc<Trajectory>>> {
@@ -165,31 +220,41 @@ impl<T: Copy> ContourQueue<T> {
         let Some(run) = &mut self.run else {
             return Err(planned);
         };
-        let now = run.pace.at(clock).position;
+        // A plan made anew has the time that passes.
+        let own = run.pace.at(clock).position;
+        let now = own / pace.unwrap_or(1.0);
         let since = run.passed.saturating_sub(passed);
         let fits = |plan: &Arc<Trajectory>| {
             let in_time = now <= plan.splice() && since < plan.moves() && plan.moves() - since <= left;
-            in_time && run.pace.suits(plan, clock)
+            in_time && (pace.is_some() || run.pace.suits(plan, clock))
         };
         match planned {
             Some(plan) if fits(&plan) => {
                 let old = std::mem::replace(&mut run.trajectory, plan);
                 run.passed = since;
                 run.lead = LEAD;
-                if run.scale != self.scale {
-                    run.scale = self.scale;
-                    self.change_pace(clock);
+                if pace.is_some() {
+                    run.pace = Pace::constant(now, 1.0, clock);
+                    run.retry = 0.0;
                 }
+                self.change_pace(clock);
                 Ok(Installed::Extended(old))
             }
             late => {
                 // Too late, or no plan: the next one has more time, or a later start.
                 run.lead = (2.0 * run.lead).min(MOST_LEAD);
-                run.retry = now + RETRY * (run.trajectory.duration() - now);
+                let share = if pace.is_some() { RETRY_ANEW } else { RETRY };
+                run.retry = own + share * (run.trajectory.duration() - own);
                 Err(late)
             }
         }
     }
+}
+
+/// The speed that a move is planned with: one that is held is planned all the same, and its pace is 0.
+pub(super) fn planned_speed(speed: f64, rate: f64) -> f64 {
+    let rate = if rate > 0.0 { rate.max(LEAST_PACE) } else { 1.0 };
+    if speed > 0.0 { speed * rate } else { 1.0 }
 }
 
 /// What has become of a plan.
@@ -212,6 +277,12 @@ const LEAD: f64 = 0.03;
 const MOST_LEAD: f64 = 0.8;
 /// Share of what is left of a trajectory before which an extension that failed is not tried again.
 const RETRY: f64 = 0.3;
+const RETRY_ANEW: f64 = 0.1;
+/// Seconds without a change after which what has changed is planned anew.
+const CALM: f64 = 0.1;
+/// What is slower, or shorter (seconds), is not planned anew.
+const LEAST_PACE: f64 = 0.2;
+const LEAST_LEFT: f64 = 0.1;
 
 /// How far from a corner superposition without a tolerance would pass it: what No Decel may round by
 /// (spec/motion-core.md §6.1; the lower bound, which holds for S-curves too).
