@@ -31,6 +31,8 @@ pub struct Trajectory {
     pub(crate) least: Rates,
     pub(crate) axes: AxisLimits,
     pub(crate) most: Peaks,
+    /// Lengths of the curve from its first knot to each of them; set when it is finished.
+    pub(crate) ways: Vec<f64>,
 }
 
 /// The programmed speed and rates of one move.
@@ -136,6 +138,7 @@ impl Trajectory {
                 jerk: None,
             },
             most: Peaks::NONE,
+            ways: Vec::new(),
         }
     }
 
@@ -151,6 +154,7 @@ impl Trajectory {
         self.least = self.rates.iter().fold(Rates::UNLIMITED, Rates::least);
         self.axes = *axes;
         self.most = self.measured();
+        self.ways = self.measure_ways();
         self
     }
 

@@ -51,6 +51,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let dynamics = change(&active)?;
     if system.contour_in_force().is_some() {
         change_contour(motion, index, call)?;
+        calculate_again(motion, index, active.execution);
         motion.done(execution);
         return Ok(());
     }
@@ -73,14 +74,17 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let clock = system.clock(&motion.clock);
     system.planner.change_limits(dynamics.limits(), &clock);
     system.stale = true;
-    // What had been calculated is given anew at the next update.
-    let tick = motion.clock.tick;
-    system.calculated.1 = tick + 1;
-    motion
-        .controls
-        .flag(active.execution, Flag::CalculatedDataAvailable, false, tick);
+    calculate_again(motion, index, active.execution);
     motion.done(execution);
     Ok(())
+}
+
+/// What had been calculated for the active move is given anew at the next update.
+fn calculate_again(motion: &mut Motion, index: usize, active: Execution) {
+    let tick = motion.clock.tick;
+    motion.systems[index].calculated.1 = tick + 1;
+    let available = Flag::CalculatedDataAvailable;
+    motion.controls.flag(active, available, false, tick);
 }
 
 /// Of a planned contour the active move is changed, or all of them.
@@ -90,9 +94,13 @@ fn change_contour(motion: &mut Motion, index: usize, call: &Call) -> Result<(), 
     let maxima = Maxima::from(&system.description);
     let change = |planned: &Planned| changed(&layout, call, &maxima, planned);
     let all = call.word(layout.scope) == ACTIVE_AND_PENDING;
+    let own = system.contour_clock(&motion.clock);
     if let Some(contour) = &mut system.contour {
+        for waiting in contour.moves().take(if all { usize::MAX } else { 1 }) {
+            layout.dynamics.verify_mode(call, waiting.data.lead.is_some())?;
+        }
         change_queued(contour, if all { usize::MAX } else { 1 }, change)?;
-        contour.change(&motion.clock);
+        contour.change(&own);
         system.stale = true;
     }
     Ok(())
@@ -116,7 +124,7 @@ fn change_queued(
     }
     for waiting in contour.moves_mut().take(count) {
         waiting.data.dynamics = change(&waiting.data)?;
-        waiting.limits = waiting.data.dynamics.limits();
+        waiting.limits = waiting.parameter.in_time(&waiting.data.dynamics.limits());
     }
     Ok(())
 }
