@@ -8,6 +8,7 @@ mod axes;
 mod contours;
 mod events;
 mod followers;
+mod status;
 mod ways;
 
 use arcline_tests::bench::{Bench, OK};
