@@ -81,7 +81,7 @@ fn tracking_is_of_the_instructions_own_ramps() {
         ("with its master again",                    by(4.0),                                    "IP AC TrackingMaster",  "IP",                    true),
         // Straight on at the same speed.
         ("the next one at once",                     by(45.0),                                   "PC",                    "IP AC TrackingMaster",  true),
-        ("its ramp to the end",                      by(46.5),                                   "PC",                    "IP AC DECEL",           true),
+        ("its ramp to the end",                      by(43.5),                                   "PC",                    "IP AC DECEL",           true),
         ("the end",                                  by(3.0),                                    "PC",                    "PC",                    false),
         ("nothing follows",                          by(3.0),                                    "PC",                    "PC",                    false),
     ];
