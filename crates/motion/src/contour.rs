@@ -127,33 +127,25 @@ impl Motion {
         self.retired.push(trajectory);
     }
 
-    /// The contour that was to begin cannot; its first move errs, the others are planned anew.
+    /// The contour that was to begin cannot: its first move errs, and those behind it are cancelled.
     fn refuse_contour(&mut self, index: usize, error: MotionError) {
-        let Some(contour) = &mut self.systems[index].contour else {
-            return;
-        };
-        self.retired.extend(contour.finish());
-        let refused = contour.pop();
-        let more = contour.moves().next().is_some();
+        let refused = self.systems[index].contour.as_mut().and_then(|contour| {
+            self.retired.extend(contour.finish());
+            contour.pop()
+        });
         if let Some(refused) = refused {
             self.controls.fail(refused.data.execution, error, self.clock.tick);
         }
-        if !more {
-            self.rest_system(index);
-        }
+        self.cancel_pending_contour(index);
     }
 
-    /// Moves of another mode or master than the one that has just ended cannot follow it without rest (§7.11).
-    pub(crate) fn refuse_next_contours(&mut self, index: usize, last: &Move<Planned>) {
+    /// A move of another mode or master than the one that has just ended cannot follow it without rest (§7.11).
+    pub(crate) fn refuse_next_contour(&mut self, index: usize, last: &Move<Planned>) {
         let link = |motion: &Move<Planned>| motion.data.lead.map(|lead| lead.link);
-        while let Some(contour) = &mut self.systems[index].contour
-            && let Some(next) = contour.moves().next()
-            && last.ending != Ending::Stop
-            && link(last) != link(next)
-        {
-            let error = MotionError::MdscInvalidModeOrMasterChange;
-            self.controls.fail(next.data.execution, error, self.clock.tick);
-            contour.pop();
+        let contour = self.systems[index].contour.as_ref();
+        let next = contour.and_then(|contour| contour.moves().next());
+        if last.ending != Ending::Stop && next.is_some_and(|next| link(last) != link(next)) {
+            self.refuse_contour(index, MotionError::MdscInvalidModeOrMasterChange);
         }
     }
 
@@ -249,7 +241,7 @@ impl Motion {
             self.retired.extend(contour.finish());
         }
         if let Some(last) = &last {
-            self.refuse_next_contours(index, last);
+            self.refuse_next_contour(index, last);
         }
         let contour = self.systems[index].contour.as_ref();
         let more = contour.is_some_and(|contour| contour.moves().next().is_some());

@@ -109,6 +109,32 @@ fn a_lock_is_shown_from_its_position_on() {
 }
 
 #[test]
+fn what_is_behind_a_move_that_cannot_begin_is_cancelled() {
+    for (ending, err) in [(1, 93), (3, 105)] {
+        let mut bench = linked();
+        let timed = |tag: &str, x: f64, ending: u8| {
+            format!("MCLM(CS1, {tag}, 0, [{x}, 0, 0], 100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2, {ending}, 0, 0, 0, 0, 0, 0, 0);")
+        };
+        execute(&mut bench, &timed("M1", 20.0, ending));
+        execute(&mut bench, &line("M2", 50.0, 1, 0, "0, 1"));
+        execute(&mut bench, &timed("M3", 90.0, 1));
+        if err == 93 {
+            execute(&mut bench, "MASD(A, T);");
+        }
+        let mut before = 0.0;
+        for _ in 0..800 {
+            bench.tick();
+            let now = bench.position("X");
+            assert!((now - before).abs() < 0.11, "{err}: no jump from {before} to {now}");
+            before = now;
+        }
+        assert_eq!(before, 20.0, "{err}");
+        assert_eq!((bench.bits("M2").as_str(), bench.control("M2").err), ("EN DN ER", err));
+        assert_eq!((bench.bits("M1").as_str(), bench.bits("M3").as_str()), ("EN DN PC", "EN DN"), "{err}");
+    }
+}
+
+#[test]
 fn what_waits_for_its_link_is_replaced_or_taken_up() {
     let mut bench = linked();
     let ip = |bench: &Bench| ["D1", "D2", "D3", "D4"].map(|tag| bench.control(tag).has(Flag::Ip));
