@@ -389,7 +389,7 @@ fn position_at_knot(points: [Point; 3], spans: [f64; 4]) -> Point {
 }
 
 impl Knot {
-    fn at(&self, u: f64) -> State {
+    pub(crate) fn at(&self, u: f64) -> State {
         let State {
             position,
             velocity,
