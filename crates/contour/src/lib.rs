@@ -20,6 +20,7 @@ mod nominal;
 mod optimise;
 mod plan;
 mod problem;
+mod rates;
 mod resample;
 mod rounding;
 mod section;
@@ -34,8 +35,9 @@ mod way;
 
 pub use arcline_geometry::{Path, Point};
 pub use plan::{Effort, plan, plan_with};
+pub use rates::Rates;
 pub use splice::{extend, replan};
-pub use trajectory::{Peaks, Piece, Rates, State, Trajectory};
+pub use trajectory::{Peaks, Piece, State, Trajectory};
 
 /// One programmed move.
 #[derive(Clone, Copy, Debug, PartialEq)]

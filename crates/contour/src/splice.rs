@@ -12,7 +12,7 @@ use crate::trajectory::{Knot, State};
 use crate::{AxisLimits, ContourMove, Point, Trajectory};
 
 /// Plans `moves` on from a running trajectory. The first of them are those that it has left from its `passed`-th on, the
-/// others follow; `now` is where on it the motion is, and up to `earliest` it must stay as it is. Seconds on its own time.
+/// others follow, of which so many are planned as about a second takes; `now` is where on it the motion is, and up to `earliest` it must stay as it is. Seconds on its own time.
 ///
 /// The result has its time from the running one and numbers its moves from `moves[0]` on; it equals the running one from
 /// `now` until [`Trajectory::splice`], so it can take its place at any instant between. `None`: there is nothing to
@@ -26,6 +26,15 @@ pub fn extend(
     now: f64,
     earliest: f64,
 ) -> Option<Trajectory> {
+    let old = running.moves().checked_sub(passed).filter(|&old| old > 0)?;
+    // As long as what runs takes for each; more would take longer to plan, and can be extended by in its turn.
+    let begins = passed
+        .checked_sub(1)
+        .and_then(|last| running.move_end(last))
+        .unwrap_or(0.0);
+    let each = (running.duration() - begins) / old as f64;
+    let most = ((MOST_EXTENDED / each) as usize).max(LEAST_EXTENDED);
+    let moves = &moves[..moves.len().min(old.saturating_add(most))];
     extended(running, passed, moves, limits, now, earliest).map(|whole| whole.planned_for(moves, limits))
 }
 
@@ -113,10 +122,6 @@ pub fn replan(
     let on = |time: f64| running.move_at(time).saturating_sub(passed);
     let far = on(earliest + WINDOW).max(on(earliest) + LEAST_MOVES);
     let moves = if far + 1 < old { &moves[..=far] } else { moves };
-    let last = running.move_end(passed + (moves.len() - 1).min(old - 1))?;
-    if last > earliest + MOST_AHEAD {
-        return None;
-    }
     (0..ATTEMPTS).find_map(|attempt| {
         let first = earliest + LATER * f64::from(attempt);
         let here = on(first).min(moves.len() - 1);
@@ -300,6 +305,9 @@ impl Trajectory {
 const SETTLE: f64 = 0.06;
 /// Seconds behind a stop before which it is simpler to start at the stop.
 const AFTER_STOP: f64 = 0.01;
+/// Seconds by which a trajectory is extended at once, about, but at least so many moves.
+const MOST_EXTENDED: f64 = 0.8;
+const LEAST_EXTENDED: usize = 12;
 /// Seconds that the running motion is followed at least, and that are left of it at least.
 const LEAST_FOLLOWED: f64 = 0.004;
 const LEAST_LEFT: f64 = 0.008;
@@ -308,8 +316,6 @@ const FOLLOWED: f64 = 0.01;
 /// Seconds, and at least so many moves, for which a trajectory is planned anew.
 const WINDOW: f64 = 1.0;
 const LEAST_MOVES: usize = 4;
-/// Seconds beyond which planning anew would take too long: the motion goes on at its pace.
-const MOST_AHEAD: f64 = 4.0;
 /// Splices that are tried, and seconds between them.
 const ATTEMPTS: u32 = 3;
 const LATER: f64 = 0.02;

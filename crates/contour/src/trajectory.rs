@@ -4,7 +4,7 @@
 //! and acceleration are continuous and the limits can be checked exactly at the knots. Units:
 //! position units and seconds.
 
-use crate::{AxisLimits, ContourMove, Point};
+use crate::{AxisLimits, ContourMove, Point, Rates};
 
 /// Position, velocity and acceleration of the axes at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,40 +33,6 @@ pub struct Trajectory {
     pub(crate) most: Peaks,
     /// Lengths of the curve from its first knot to each of them; set when it is finished.
     pub(crate) ways: Vec<f64>,
-}
-
-/// The programmed speed and rates of one move.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rates {
-    /// Vector speed, position units / s.
-    pub speed: f64,
-    /// Vector acceleration, position units / s².
-    pub acceleration: f64,
-    /// Vector deceleration, position units / s².
-    pub deceleration: f64,
-    /// Vector jerk, position units / s³; `None`: a trapezoid.
-    pub jerk: Option<f64>,
-}
-
-impl Rates {
-    const UNLIMITED: Rates = Rates {
-        speed: f64::INFINITY,
-        acceleration: f64::INFINITY,
-        deceleration: f64::INFINITY,
-        jerk: None,
-    };
-
-    fn least(self, other: &Rates) -> Rates {
-        Rates {
-            speed: self.speed.min(other.speed),
-            acceleration: self.acceleration.min(other.acceleration),
-            deceleration: self.deceleration.min(other.deceleration),
-            jerk: match (self.jerk, other.jerk) {
-                (Some(one), Some(two)) => Some(one.min(two)),
-                (one, two) => one.or(two),
-            },
-        }
-    }
 }
 
 /// A stretch of constant jerk.

@@ -79,6 +79,8 @@ struct Run {
     course: Course,
     /// How long a plan that extends it may take, seconds on the trajectory's own time.
     lead: f64,
+    /// Where on it the last one was asked for.
+    asked: f64,
     /// Where on it an extension may be asked for again.
     retry: f64,
 }

@@ -4,7 +4,7 @@ use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
 use arcline_planner::ContourQueue;
 
 use super::place;
-use super::programmed::ChangeLayout;
+use super::programmed::{Change, ChangeLayout};
 use crate::control::Execution;
 use crate::dynamics::{Dynamics, Maxima};
 use crate::motion::Motion;
@@ -47,10 +47,16 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     verify::stoppable(system, &motion.axes, active.dynamics.is_s_curve())?;
     let maxima = Maxima::from(&system.description);
-    let change = |planned: &Planned| changed(&layout, call, &maxima, planned);
+    let read = layout.dynamics.read(call, &maxima);
+    // Every move that is changed must be of the mode of the change.
+    let modes = [false, true].map(|driven| layout.dynamics.verify_mode(call, driven));
+    let change = |planned: &Planned| {
+        modes[usize::from(planned.lead.is_some())]?;
+        changed(&read, planned)
+    };
     let dynamics = change(&active)?;
     if system.contour_in_force().is_some() {
-        change_contour(motion, index, call)?;
+        change_contour(motion, index, call.word(layout.scope), change)?;
         calculate_again(motion, index, active.execution);
         motion.done(execution);
         return Ok(());
@@ -60,7 +66,6 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             change_queued(contour, usize::MAX, change)?;
         }
         for waiting in system.planner.pending() {
-            layout.dynamics.verify_mode(call, waiting.data.lead.is_some())?;
             change(&waiting.data)?;
         }
         for waiting in system.planner.pending_mut() {
@@ -88,27 +93,26 @@ fn calculate_again(motion: &mut Motion, index: usize, active: Execution) {
 }
 
 /// Of a planned contour the active move is changed, or all of them.
-fn change_contour(motion: &mut Motion, index: usize, call: &Call) -> Result<(), MotionError> {
-    let layout = motion.layouts.mccd;
+fn change_contour(
+    motion: &mut Motion,
+    index: usize,
+    scope: i32,
+    change: impl Fn(&Planned) -> Result<Dynamics, MotionError>,
+) -> Result<(), MotionError> {
     let system = &mut motion.systems[index];
-    let maxima = Maxima::from(&system.description);
-    let change = |planned: &Planned| changed(&layout, call, &maxima, planned);
-    let all = call.word(layout.scope) == ACTIVE_AND_PENDING;
+    let count = if scope == ACTIVE_AND_PENDING { usize::MAX } else { 1 };
     let own = system.contour_clock(&motion.clock);
     if let Some(contour) = &mut system.contour {
-        for waiting in contour.moves().take(if all { usize::MAX } else { 1 }) {
-            layout.dynamics.verify_mode(call, waiting.data.lead.is_some())?;
-        }
-        change_queued(contour, if all { usize::MAX } else { 1 }, change)?;
+        change_queued(contour, count, change)?;
         contour.change(&own);
         system.stale = true;
     }
     Ok(())
 }
 
-/// The dynamics of a move with what the call changes, no faster than the joints of robots let it be.
-fn changed(layout: &Layout, call: &Call, maxima: &Maxima, planned: &Planned) -> Result<Dynamics, MotionError> {
-    let mut dynamics = layout.dynamics.change(call, maxima, planned.dynamics)?;
+/// The dynamics of a move with what a call changes, no faster than the joints of robots let it be.
+fn changed(change: &Change, planned: &Planned) -> Result<Dynamics, MotionError> {
+    let mut dynamics = change.of(planned.dynamics)?;
     dynamics.keep_to(&planned.pace);
     Ok(dynamics)
 }

@@ -7,7 +7,7 @@ use arcline_planner::Pace;
 use arcline_planner::profile::{Limits, stop_distance};
 
 use super::place;
-use crate::dynamics::{Dynamics, Jerks, Maxima, Shape, in_units, jerk_in_units, reference_speed};
+use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, in_units, jerk_in_units, reference_speed};
 use crate::follow::guide::{Guide, LockTo, Sense};
 use crate::follow::links::MasterLink;
 use crate::motion::Motion;
@@ -292,29 +292,48 @@ impl ChangeLayout {
         }
     }
 
-    /// `dynamics` with what the call changes. A jerk in percent of time follows whatever is changed.
+    /// What the call changes, read once for all moves.
+    pub(super) fn read(&self, call: &Call, maxima: &Maxima) -> Change {
+        let rates = &self.rates;
+        let jerks = rates.jerks(call, maxima);
+        let wanted = |place: usize| call.is_one(place);
+        Change {
+            speed: wanted(self.change_speed).then(|| rates.speed(call, maxima)),
+            acceleration: wanted(self.change_accel).then(|| rates.acceleration(call, maxima)),
+            deceleration: wanted(self.change_decel).then(|| rates.deceleration(call, maxima)),
+            acceleration_jerk: wanted(self.change_accel_jerk).then_some(jerks.acceleration),
+            deceleration_jerk: wanted(self.change_decel_jerk).then_some(jerks.deceleration),
+            places: *rates,
+        }
+    }
+}
+
+/// What MCCD or MCD changes, in units.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Change {
+    speed: Option<f64>,
+    acceleration: Option<f64>,
+    deceleration: Option<f64>,
+    acceleration_jerk: Option<JerkRate>,
+    deceleration_jerk: Option<JerkRate>,
+    places: Rates,
+}
+
+impl Change {
+    /// Dynamics with the change. A jerk in percent of time follows whatever is changed.
     ///
     /// # Errors
     /// `ParameterOutOfRange` (13) where a percentage of a maximum is 0.
-    pub(super) fn change(&self, call: &Call, maxima: &Maxima, mut dynamics: Dynamics) -> Result<Dynamics, MotionError> {
-        let rates = &self.rates;
-        if self.changes_speed(call) {
-            dynamics.set_speed(rates.speed(call, maxima));
+    pub(super) fn of(&self, mut dynamics: Dynamics) -> Result<Dynamics, MotionError> {
+        if let Some(speed) = self.speed {
+            dynamics.set_speed(speed);
         }
-        if call.is_one(self.change_accel) {
-            dynamics.acceleration = rates.acceleration(call, maxima);
-        }
-        if call.is_one(self.change_decel) {
-            dynamics.deceleration = rates.deceleration(call, maxima);
-        }
-        let jerks = rates.jerks(call, maxima);
-        if call.is_one(self.change_accel_jerk) {
-            dynamics.jerks_mut().acceleration = jerks.acceleration;
-        }
-        if call.is_one(self.change_decel_jerk) {
-            dynamics.jerks_mut().deceleration = jerks.deceleration;
-        }
-        rates.verify(&dynamics)?;
+        dynamics.acceleration = self.acceleration.unwrap_or(dynamics.acceleration);
+        dynamics.deceleration = self.deceleration.unwrap_or(dynamics.deceleration);
+        let jerks = dynamics.jerks_mut();
+        jerks.acceleration = self.acceleration_jerk.unwrap_or(jerks.acceleration);
+        jerks.deceleration = self.deceleration_jerk.unwrap_or(jerks.deceleration);
+        self.places.verify(&dynamics)?;
         Ok(dynamics)
     }
 }

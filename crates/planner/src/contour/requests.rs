@@ -83,6 +83,9 @@ impl<T: Copy> ContourQueue<T> {
                 ..
             }) => Asked::Anew { passed, pace },
         });
+        if let (Some(run), Some(extension)) = (&mut self.run, &extends) {
+            run.asked = extension.now;
+        }
         self.generation = self.generation.wrapping_add(1);
         Some(ContourBatch {
             generation: self.generation,
@@ -207,6 +210,7 @@ impl<T: Copy> ContourQueue<T> {
             changed: clock.now(),
             course: Course::Travelling,
             lead: LEAD,
+            asked: 0.0,
             retry: 0.0,
         });
         self.change_pace(clock);
@@ -231,6 +235,8 @@ impl<T: Copy> ContourQueue<T> {
         let own = run.pace.at(clock).position;
         let now = own / pace.unwrap_or(1.0);
         let since = run.passed.saturating_sub(passed);
+        // The next one has time for as much again.
+        let took = MARGIN * (own - run.asked) / pace.unwrap_or(1.0);
         let fits = |plan: &Arc<Trajectory>| {
             let in_time = now <= plan.splice() && since < plan.moves() && plan.moves() - since <= left;
             in_time && (pace.is_some() || run.pace.suits(plan, clock))
@@ -239,7 +245,7 @@ impl<T: Copy> ContourQueue<T> {
             Some(plan) if fits(&plan) => {
                 let old = std::mem::replace(&mut run.trajectory, plan);
                 run.passed = since;
-                run.lead = LEAD;
+                run.lead = took.clamp(LEAD, MOST_LEAD);
                 if pace.is_some() {
                     run.pace = Pace::constant(now, 1.0, clock);
                     run.begun.1 /= pace.unwrap_or(1.0);
@@ -250,7 +256,7 @@ impl<T: Copy> ContourQueue<T> {
             }
             late => {
                 // Too late, or no plan: the next one has more time, or a later start.
-                run.lead = (2.0 * run.lead).min(MOST_LEAD);
+                run.lead = (2.0 * run.lead).max(took).min(MOST_LEAD);
                 let share = if pace.is_some() { RETRY_ANEW } else { RETRY };
                 run.retry = own + share * (run.trajectory.duration() - own);
                 Err(late)
@@ -280,9 +286,10 @@ const GATHER: f64 = 0.01;
 const FEW: usize = 4;
 /// when this is left of it, seconds.
 const NEAR: f64 = 0.5;
-/// Seconds that an extension may take to be planned, at first and at most.
+/// Seconds that an extension may take to be planned, at first and at most; then what the last one took, times a margin.
 const LEAD: f64 = 0.03;
-const MOST_LEAD: f64 = 0.8;
+const MOST_LEAD: f64 = 3.0;
+const MARGIN: f64 = 1.5;
 /// Share of what is left of a trajectory before which an extension that failed is not tried again.
 const RETRY: f64 = 0.3;
 const RETRY_ANEW: f64 = 0.1;
