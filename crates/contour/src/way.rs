@@ -10,7 +10,10 @@ impl Trajectory {
     /// Lengths of the curve from its first knot to each of them.
     pub(crate) fn measure_ways(&self) -> Vec<f64> {
         let mut way = 0.0;
-        let pieces = self.knots.windows(2).map(|pair| length(&pair[0], pair[1].time - pair[0].time));
+        let pieces = self
+            .knots
+            .windows(2)
+            .map(|pair| length(&pair[0], pair[1].time - pair[0].time));
         let behind = pieces.map(|piece| {
             way += piece;
             way
@@ -56,7 +59,11 @@ impl Trajectory {
             }
             let speed = knot.at(at).velocity.norm();
             let newton = at - off / speed;
-            at = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            at = if newton > low && newton < high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
             if high - low <= EXACT * high {
                 break;
             }
@@ -68,7 +75,9 @@ impl Trajectory {
 /// Length of the curve over the first seconds of a piece.
 fn length(knot: &Knot, seconds: f64) -> f64 {
     let speed = |share: f64| knot.at(seconds * 0.5 * (1.0 + share)).velocity.norm();
-    let sum = PLACES.iter().map(|(place, weight)| weight * (speed(*place) + speed(-place)));
+    let sum = PLACES
+        .iter()
+        .map(|(place, weight)| weight * (speed(*place) + speed(-place)));
     0.5 * seconds * (MIDDLE * speed(0.0) + sum.sum::<f64>())
 }
 

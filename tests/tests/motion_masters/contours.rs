@@ -73,7 +73,10 @@ fn timed(bench: &mut Bench) -> (Vec<[f64; 2]>, Vec<usize>) {
     while !bench.control("M3").has(Flag::Pc) {
         bench.tick();
         places.push(place(bench));
-        let ended = ["M1", "M2", "M3"].iter().filter(|tag| bench.control(tag).has(Flag::Pc)).count();
+        let ended = ["M1", "M2", "M3"]
+            .iter()
+            .filter(|tag| bench.control(tag).has(Flag::Pc))
+            .count();
         complete.resize(ended, places.len() - 1);
     }
     (places, complete)
@@ -88,11 +91,17 @@ fn events_lie_on_the_curve_that_is_travelled() {
         let data = bench.array(&format!("Of{}data3", place + 1));
         let [whole, ten, beyond] = [data[0], data[1], data[2]].map(|seconds| seconds * 1e3);
         let end = begun + whole;
-        assert!(end <= *ended as f64 + 1e-6 && end > *ended as f64 - 1.0, "move {place}: {end} ms, complete at {ended}");
+        assert!(
+            end <= *ended as f64 + 1e-6 && end > *ended as f64 - 1.0,
+            "move {place}: {end} ms, complete at {ended}"
+        );
         assert_eq!(beyond, 0.0, "before the move");
         // What is left from there on, by the positions at ticks.
         let from = (begun + ten).round() as usize;
-        let left: f64 = places[from..=*ended].windows(2).map(|pair| apart(pair[0], pair[1])).sum();
+        let left: f64 = places[from..=*ended]
+            .windows(2)
+            .map(|pair| apart(pair[0], pair[1]))
+            .sum();
         assert!((left - 10.0).abs() < 0.2, "move {place}: {left}");
         begun = end;
     }
@@ -127,8 +136,14 @@ fn a_contour_is_a_function_of_its_masters_way() {
             bench.write("Encoder", at as f64 * NOMINAL * 1e-3);
             bench.tick();
             let (is, expected) = (place(&bench), places[furthest as usize]);
-            assert!(apart(is, expected) < 1e-9, "case {case} at {furthest}: {is:?} is not {expected:?}");
-            let ended = ["M1", "M2", "M3"].iter().filter(|tag| bench.control(tag).has(Flag::Pc)).count();
+            assert!(
+                apart(is, expected) < 1e-9,
+                "case {case} at {furthest}: {is:?} is not {expected:?}"
+            );
+            let ended = ["M1", "M2", "M3"]
+                .iter()
+                .filter(|tag| bench.control(tag).has(Flag::Pc))
+                .count();
             let expected = complete.iter().filter(|&&end| end as i64 <= furthest).count();
             assert_eq!(ended, expected, "case {case} at {furthest}");
             let locked = bench.system("CS1").motion_status & COORDINATE_SYSTEM_LOCK_STATUS != 0;
@@ -138,7 +153,10 @@ fn a_contour_is_a_function_of_its_masters_way() {
         }
         for array in ["Of1data3", "Of2data3", "Of3data3"] {
             for (way, seconds) in bench.array(array).iter().zip(reference.array(array)) {
-                assert!((ticks(*way) - 1e3 * seconds).abs() < 1e-6, "{array}: {way} and {seconds} s");
+                assert!(
+                    (ticks(*way) - 1e3 * seconds).abs() < 1e-6,
+                    "{array}: {way} and {seconds} s"
+                );
             }
         }
         assert_eq!(bench.bits("D"), "EN DN IP");
@@ -170,7 +188,11 @@ fn a_driven_contour_is_stopped_on_its_path_by_time_however_fast_its_master_is() 
                 let [is, from, to] = [place(&bench), pair[0], pair[1]];
                 apart(is, from) + apart(is, to) - apart(from, to)
             });
-            assert!(near.fold(f64::INFINITY, f64::min) < 1e-3, "on its path: {:?}", place(&bench));
+            assert!(
+                near.fold(f64::INFINITY, f64::min) < 1e-3,
+                "on its path: {:?}",
+                place(&bench)
+            );
             let now = bench.axis("X").command[1].hypot(bench.axis("Y").command[1]);
             assert!(now <= before * 1.001 + 1e-6, "it slows down: {before} to {now}");
             before = now;
@@ -187,20 +209,35 @@ fn modes_do_not_go_over_into_each_other_on_contours() {
     for (ending, second, err) in [(1, "EN DN PC CalculatedDataAvailable", 0), (6, "EN DN ER", 105)] {
         let mut bench = bench("");
         execute(&mut bench, &format!("MDCC(CS1, A, D, Command, {NOMINAL});"));
-        execute(&mut bench, "MAJ(A, J, 0, 50, 0, 9000, 0, 9000, 0, 0, 100, 100, 2, Disabled, Programmed);");
+        execute(
+            &mut bench,
+            "MAJ(A, J, 0, 50, 0, 9000, 0, 9000, 0, 0, 100, 100, 2, Disabled, Programmed);",
+        );
         execute(&mut bench, &line(false, "M1", [60.0, 0.0], ending, "Of1data3"));
         execute(&mut bench, &line(true, "M2", [60.0, 40.0], 1, "Of2data3"));
         bench.run(2500);
         assert_eq!(bench.bits("M1"), "EN DN PC CalculatedDataAvailable", "{ending}");
-        assert_eq!((bench.bits("M2").as_str(), bench.control("M2").err), (second, err), "{ending}");
-        assert_eq!(place(&bench), if err == 0 { [60.0, 40.0] } else { [60.0, 0.0] }, "{ending}");
+        assert_eq!(
+            (bench.bits("M2").as_str(), bench.control("M2").err),
+            (second, err),
+            "{ending}"
+        );
+        assert_eq!(
+            place(&bench),
+            if err == 0 { [60.0, 40.0] } else { [60.0, 0.0] },
+            "{ending}"
+        );
         // A link that is gone when its contour is to begin.
         execute(&mut bench, &line(false, "M1", [0.0, 0.0], 1, "Of1data3"));
         execute(&mut bench, &line(true, "M2", [60.0, 40.0], 1, "Of2data3"));
         execute(&mut bench, &line(false, "M3", [5.0, 0.0], 1, "Of3data3"));
         execute(&mut bench, "MASD(A, T);");
         bench.run(2500);
-        assert_eq!((bench.bits("M2").as_str(), bench.control("M2").err), ("EN DN ER", 93), "{ending}");
+        assert_eq!(
+            (bench.bits("M2").as_str(), bench.control("M2").err),
+            ("EN DN ER", 93),
+            "{ending}"
+        );
         assert_eq!(bench.bits("M3"), "EN DN", "{ending}: it would begin elsewhere");
         assert_eq!(place(&bench), [0.0, 0.0], "{ending}");
     }
@@ -213,5 +250,8 @@ fn limits_of_axes_are_not_a_masters_to_keep() {
     assert_eq!(bench.call(&line(true, "M1", [60.0, 0.0], 1, "Of1data3")), (99, 0));
     let (_, complete) = timed(&mut bench);
     let whole: f64 = (1..=3).map(|place| bench.array(&format!("Of{place}data3"))[0]).sum();
-    assert!((whole * 1e3 - complete[2] as f64).abs() <= 1.0, "events in time: {whole}");
+    assert!(
+        (whole * 1e3 - complete[2] as f64).abs() <= 1.0,
+        "events in time: {whole}"
+    );
 }

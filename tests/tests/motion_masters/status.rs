@@ -23,7 +23,10 @@ fn linked() -> Bench {
 
 /// A goes on by a distance, and stands.
 fn lead(bench: &mut Bench, by: f64) {
-    execute(bench, &format!("MAM(A, Go, 1, {by}, 500, 0, 20000, 0, 20000, 0, 0, 100, 100, 2);"));
+    execute(
+        bench,
+        &format!("MAM(A, Go, 1, {by}, 500, 0, 20000, 0, 20000, 0, 0, 100, 100, 2);"),
+    );
     bench.until("Go", Flag::Pc);
     bench.tick();
 }
@@ -44,7 +47,11 @@ fn go_through(bench: &mut Bench, steps: &[Step]) {
     for (why, act, first, second, lock) in steps {
         act(bench);
         let bits = |tag: &str| bench.bits(tag).replace("EN DN", "").trim_start().to_owned();
-        assert_eq!((bits("M1").as_str(), bits("M2").as_str(), locked(bench)), (*first, *second, *lock), "{why}");
+        assert_eq!(
+            (bits("M1").as_str(), bits("M2").as_str(), locked(bench)),
+            (*first, *second, *lock),
+            "{why}"
+        );
     }
 }
 
@@ -61,7 +68,8 @@ fn call(text: String) -> Box<dyn Fn(&mut Bench)> {
 
 #[test]
 fn tracking_is_of_the_instructions_own_ramps() {
-    let change = |speed: f64| format!("MCCD(CS1, C, 1, Yes, {speed}, 4, No, 1, 4, No, 1, 4, No, 1, No, 1, 4, ActiveMotion);");
+    let change =
+        |speed: f64| format!("MCCD(CS1, C, 1, Yes, {speed}, 4, No, 1, 4, No, 1, 4, No, 1, No, 1, 4, ActiveMotion);");
     #[rustfmt::skip]
     let steps: [Step; 18] = [
         // why,                                      what is done,                               M1,                      M2,                      lock
@@ -109,11 +117,34 @@ fn a_lock_is_shown_from_its_position_on() {
 }
 
 #[test]
+fn nothing_ends_a_move_that_waits_for_a_master_that_stands() {
+    for lock in ["0, 1", "10, 3"] {
+        let mut bench = linked();
+        execute(&mut bench, &line("M1", 100.0, 1, 0, lock));
+        bench.run(3);
+        // What a simulation ends with.
+        bench.until_rest();
+        assert_eq!(bench.bits("M1"), "EN DN IP AC");
+        execute(
+            &mut bench,
+            "MAM(A, Go, 0, 20, 500, 0, 20000, 0, 20000, 0, 0, 100, 100, 2);",
+        );
+        bench.until_rest();
+        assert!(
+            (bench.position("A") - 20.0).abs() < 1e-9 && bench.position("X") > 10.0,
+            "it is waited for its master"
+        );
+    }
+}
+
+#[test]
 fn what_is_behind_a_move_that_cannot_begin_is_cancelled() {
     for (ending, err) in [(1, 93), (3, 105)] {
         let mut bench = linked();
         let timed = |tag: &str, x: f64, ending: u8| {
-            format!("MCLM(CS1, {tag}, 0, [{x}, 0, 0], 100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2, {ending}, 0, 0, 0, 0, 0, 0, 0);")
+            format!(
+                "MCLM(CS1, {tag}, 0, [{x}, 0, 0], 100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2, {ending}, 0, 0, 0, 0, 0, 0, 0);"
+            )
         };
         execute(&mut bench, &timed("M1", 20.0, ending));
         execute(&mut bench, &line("M2", 50.0, 1, 0, "0, 1"));
@@ -130,7 +161,11 @@ fn what_is_behind_a_move_that_cannot_begin_is_cancelled() {
         }
         assert_eq!(before, 20.0, "{err}");
         assert_eq!((bench.bits("M2").as_str(), bench.control("M2").err), ("EN DN ER", err));
-        assert_eq!((bench.bits("M1").as_str(), bench.bits("M3").as_str()), ("EN DN PC", "EN DN"), "{err}");
+        assert_eq!(
+            (bench.bits("M1").as_str(), bench.bits("M3").as_str()),
+            ("EN DN PC", "EN DN"),
+            "{err}"
+        );
     }
 }
 
@@ -156,7 +191,10 @@ fn what_waits_for_its_link_is_replaced_or_taken_up() {
     execute(&mut bench, &line("M1", 10.0, 1, 0, "0, 1"));
     assert_eq!(bench.bits("M1"), "EN DN IP AC");
     // While the master goes the other way they do not.
-    execute(&mut bench, "MAJ(A, J, 0, 100, 0, 20000, 0, 20000, 0, 0, 100, 100, 2, Disabled, Programmed);");
+    execute(
+        &mut bench,
+        "MAJ(A, J, 0, 100, 0, 20000, 0, 20000, 0, 0, 100, 100, 2, Disabled, Programmed);",
+    );
     bench.run(20);
     assert_eq!(bench.call(&line("M2", 0.0, 1, 1, "0, 2")), (98, 0));
 }
