@@ -31,6 +31,7 @@ mod steps;
 mod straight;
 mod trajectory;
 mod tube;
+mod way;
 
 pub use arcline_geometry::{Path, Point};
 pub use plan::{Effort, plan, plan_with};

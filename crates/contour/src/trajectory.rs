@@ -31,6 +31,8 @@ pub struct Trajectory {
     pub(crate) least: Rates,
     pub(crate) axes: AxisLimits,
     pub(crate) most: Peaks,
+    /// Lengths of the curve from its first knot to each of them; set when it is finished.
+    pub(crate) ways: Vec<f64>,
 }
 
 /// A stretch of constant jerk.
@@ -102,6 +104,7 @@ impl Trajectory {
                 jerk: None,
             },
             most: Peaks::NONE,
+            ways: Vec::new(),
         }
     }
 
@@ -117,6 +120,7 @@ impl Trajectory {
         self.least = self.rates.iter().fold(Rates::UNLIMITED, Rates::least);
         self.axes = *axes;
         self.most = self.measured();
+        self.ways = self.measure_ways();
         self
     }
 
@@ -351,7 +355,7 @@ fn position_at_knot(points: [Point; 3], spans: [f64; 4]) -> Point {
 }
 
 impl Knot {
-    fn at(&self, u: f64) -> State {
+    pub(crate) fn at(&self, u: f64) -> State {
         let State {
             position,
             velocity,

@@ -5,7 +5,12 @@
 //! slows down the pace at which the trajectory's own time runs, so it never leaves the path
 //! (spec/motion-core.md §10.3), and so does an override below 100 % (`pace`), within all limits (`guard`).
 //! Nothing here allocates or frees: trajectories are handed back.
+//!
+//! Moves over a master's way are planned by time too, for a master at the speed of their [`crate::Parameter`], and travelled by the
+//! time that a master at that speed would have taken for its way: all clocks that a queue is given show that, but where
+//! they are said to show time. Limits are by time ([`crate::Parameter::in_time`]).
 
+mod events;
 mod guard;
 mod pace;
 mod requests;
@@ -34,6 +39,8 @@ pub struct ContourQueue<T> {
     grown: Option<Instant>,
     /// The override: share of the programmed speeds.
     rate: f64,
+    /// Counts what changes when moves come to their ends.
+    plans: u32,
 }
 
 /// A plan under way.
@@ -61,6 +68,8 @@ struct Run {
     trajectory: Arc<Trajectory>,
     /// Moves of it that have been completed.
     passed: usize,
+    /// When its active move became active, and where that was, seconds on the trajectory's own time.
+    begun: (Instant, f64),
     /// How fast its own time runs.
     pace: Pace,
     /// It was not planned for what its moves are to have now.
@@ -105,6 +114,7 @@ impl<T: Copy> ContourQueue<T> {
             generation: 0,
             grown: None,
             rate: 1.0,
+            plans: 0,
         }
     }
 
@@ -136,15 +146,15 @@ impl<T: Copy> ContourQueue<T> {
         self.run.is_some()
     }
 
-    /// Puts a move behind the last one.
+    /// Puts a move behind the last one. `time` shows time, whatever the move is a function of.
     ///
     /// # Errors
     /// [`QueueFull`] when all places are taken.
-    pub fn push(&mut self, motion: Move<T>, clock: &Clock) -> Result<(), QueueFull> {
+    pub fn push(&mut self, motion: Move<T>, time: &Clock) -> Result<(), QueueFull> {
         if self.is_full() {
             return Err(QueueFull);
         }
-        self.grown = Some(clock.now());
+        self.grown = Some(time.now());
         self.moves.push_back(motion);
         Ok(())
     }
@@ -177,11 +187,20 @@ impl<T: Copy> ContourQueue<T> {
     }
 
     /// The active move of the trajectory is complete: takes it out.
-    pub fn pass(&mut self) -> Option<Move<T>> {
+    pub fn pass(&mut self, clock: &Clock) -> Option<Move<T>> {
         if let Some(run) = &mut self.run {
+            let own = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
+            run.begun = (run.pace.instant_of(own, clock), own);
             run.passed += 1;
         }
+        self.plans = self.plans.wrapping_add(1);
         self.moves.pop_front()
+    }
+
+    /// The active move's data, to change.
+    pub fn active_data(&mut self) -> Option<&mut T> {
+        self.run.as_ref()?;
+        self.moves.front_mut().map(|motion| &mut motion.data)
     }
 
     /// The moves, the active one first, to change; [`ContourQueue::change`] makes it take effect.
@@ -212,8 +231,10 @@ impl<T: Copy> ContourQueue<T> {
 
     /// Goes on with what the pace is to come to, where that was not possible at once. At every tick, before all else.
     pub fn steer(&mut self, clock: &Clock) {
-        if let Some(run) = &mut self.run {
-            run.pace.steer(&run.trajectory, clock);
+        if let Some(run) = &mut self.run
+            && run.pace.steer(&run.trajectory, clock)
+        {
+            self.plans = self.plans.wrapping_add(1);
         }
     }
 
@@ -256,6 +277,22 @@ impl<T: Copy> ContourQueue<T> {
             extra: [0.0; 2],
         };
         run.pace.ask(wanted, &run.trajectory, clock);
+        self.plans = self.plans.wrapping_add(1);
+    }
+
+    /// As [`ContourQueue::stop`], where a master leads: `clock` shows its way as time, and `way` how that goes on. From now on the
+    /// queue's clock is `time`. The master may have been faster than what was planned for, so no limits but those of the stop
+    /// are looked at.
+    pub fn stop_in_time(&mut self, limits: &Limits, way: &crate::Pace, clock: &Clock, time: &Clock) {
+        self.asked = None;
+        let Some(run) = &mut self.run else {
+            return;
+        };
+        let now = way.in_time(run.pace.at(clock));
+        let speed = run.trajectory.at(now.position).velocity.norm().max(1e-3 * limits.speed);
+        let jerk = limits.jerk.map(|jerk| jerk.deceleration / speed);
+        run.course = Course::Stopping;
+        run.pace = Pace::stopping(now, limits.deceleration / speed, jerk, time);
     }
 
     /// Brakes on the path from the present tick on, as the limits of the axes allow. The moves are the caller's to end.

@@ -5,8 +5,10 @@ use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status;
 mod actions;
 mod axes;
+mod contours;
 mod events;
 mod followers;
+mod status;
 mod ways;
 
 use arcline_tests::bench::{Bench, OK};

@@ -204,6 +204,11 @@ impl Guide {
         }
     }
 
+    /// How far the master has gone.
+    pub(crate) fn way(&self) -> f64 {
+        self.way
+    }
+
     /// What the motion is a function of now.
     pub(crate) fn clock(&self) -> Clock {
         Clock::of_way(self.way)

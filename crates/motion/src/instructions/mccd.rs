@@ -48,10 +48,16 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     verify::stoppable(system, &motion.axes, active.dynamics.is_s_curve())?;
     let maxima = Maxima::from(&system.description);
     let read = layout.dynamics.read(call, &maxima);
-    let change = |planned: &Planned| changed(&read, planned);
+    // Every move that is changed must be of the mode of the change.
+    let modes = [false, true].map(|driven| layout.dynamics.verify_mode(call, driven));
+    let change = |planned: &Planned| {
+        modes[usize::from(planned.lead.is_some())]?;
+        changed(&read, planned)
+    };
     let dynamics = change(&active)?;
     if system.contour_in_force().is_some() {
         change_contour(motion, index, call.word(layout.scope), change)?;
+        calculate_again(motion, index, active.execution);
         motion.done(execution);
         return Ok(());
     }
@@ -59,9 +65,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         if let Some(contour) = &mut system.contour {
             change_queued(contour, usize::MAX, change)?;
         }
-        let modes = [false, true].map(|driven| layout.dynamics.verify_mode(call, driven));
         for waiting in system.planner.pending() {
-            modes[usize::from(waiting.data.lead.is_some())]?;
             change(&waiting.data)?;
         }
         for waiting in system.planner.pending_mut() {
@@ -75,14 +79,17 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let clock = system.clock(&motion.clock);
     system.planner.change_limits(dynamics.limits(), &clock);
     system.stale = true;
-    // What had been calculated is given anew at the next update.
-    let tick = motion.clock.tick;
-    system.calculated.1 = tick + 1;
-    motion
-        .controls
-        .flag(active.execution, Flag::CalculatedDataAvailable, false, tick);
+    calculate_again(motion, index, active.execution);
     motion.done(execution);
     Ok(())
+}
+
+/// What had been calculated for the active move is given anew at the next update.
+fn calculate_again(motion: &mut Motion, index: usize, active: Execution) {
+    let tick = motion.clock.tick;
+    motion.systems[index].calculated.1 = tick + 1;
+    let available = Flag::CalculatedDataAvailable;
+    motion.controls.flag(active, available, false, tick);
 }
 
 /// Of a planned contour the active move is changed, or all of them.
@@ -94,9 +101,10 @@ fn change_contour(
 ) -> Result<(), MotionError> {
     let system = &mut motion.systems[index];
     let count = if scope == ACTIVE_AND_PENDING { usize::MAX } else { 1 };
+    let own = system.contour_clock(&motion.clock);
     if let Some(contour) = &mut system.contour {
         change_queued(contour, count, change)?;
-        contour.change(&motion.clock);
+        contour.change(&own);
         system.stale = true;
     }
     Ok(())
@@ -120,7 +128,7 @@ fn change_queued(
     }
     for waiting in contour.moves_mut().take(count) {
         waiting.data.dynamics = change(&waiting.data)?;
-        waiting.limits = waiting.data.dynamics.limits();
+        waiting.limits = waiting.parameter.in_time(&waiting.data.dynamics.limits());
     }
     Ok(())
 }

@@ -54,20 +54,23 @@ impl Extension {
 
 impl<T: Copy> ContourQueue<T> {
     /// The moves that are to be planned now, up to the first that ends in a stop: from rest, or together with what is
-    /// left of the trajectory in execution. A queue with room for more is given a moment to grow. Asks once.
-    pub fn batch(&mut self, clock: &Clock, take: impl FnMut(ContourMove)) -> Option<ContourBatch> {
+    /// left of the trajectory in execution. A queue with room for more is given a moment to grow; `time` shows time for that.
+    /// Asks once.
+    pub fn batch(&mut self, clock: &Clock, time: &Clock, take: impl FnMut(ContourMove)) -> Option<ContourBatch> {
         if self.asked.is_some() || self.moves.is_empty() {
             return None;
         }
         let extends = match &self.run {
             None => {
-                let open = !self.is_full() && self.moves.iter().all(|motion| motion.ending != Ending::Stop);
-                if open && self.is_growing(clock) {
+                let first = self.moves.front().map(|motion| motion.parameter);
+                let goes_on = |motion: &Move<T>| motion.ending != Ending::Stop && Some(motion.parameter) == first;
+                let open = !self.is_full() && self.moves.iter().all(goes_on);
+                if open && self.is_growing(time) {
                     return None;
                 }
                 None
             }
-            Some(run) => Some(self.extension(run, clock)?),
+            Some(run) => Some(self.extension(run, clock, time)?),
         };
         let kept = extends.as_ref().is_some_and(|extension| extension.anew.is_none());
         self.take_moves(kept, take);
@@ -91,13 +94,13 @@ impl<T: Copy> ContourQueue<T> {
     }
 
     /// Whether the next move may be about to come.
-    fn is_growing(&self, clock: &Clock) -> bool {
-        self.grown.is_some_and(|grown| grown.elapsed(clock) < GATHER)
+    fn is_growing(&self, time: &Clock) -> bool {
+        self.grown.is_some_and(|grown| grown.elapsed(time) < GATHER)
     }
 
     /// What is to be planned anew, since its moves are to have other speeds or rates and its pace is within them, or what is to
     /// be extended, if it is time to: many moves wait, or nothing has come for a moment and its end is near.
-    fn extension(&self, run: &Run, clock: &Clock) -> Option<Extension> {
+    fn extension(&self, run: &Run, clock: &Clock, time: &Clock) -> Option<Extension> {
         let planned = self.planned();
         let state = run.pace.at(clock);
         let now = state.position;
@@ -119,9 +122,11 @@ impl<T: Copy> ContourQueue<T> {
         }
         let waiting = self.moves.len().checked_sub(planned).filter(|&waiting| waiting > 0)?;
         let last = self.moves.get(planned.checked_sub(1)?)?;
+        let next = self.moves.get(planned)?;
         let many = waiting * FEW >= planned;
-        let near = left <= NEAR && !self.is_growing(clock);
-        (last.ending != Ending::Stop && (many || near)).then(|| ask(None))
+        let near = left <= NEAR && !self.is_growing(time);
+        let goes_on = last.ending != Ending::Stop && last.parameter == next.parameter;
+        (goes_on && (many || near)).then(|| ask(None))
     }
 
     /// The share of the programmed speeds that is planned with: all of them where a move is too long to be planned anew when the
@@ -171,7 +176,8 @@ impl<T: Copy> ContourQueue<T> {
                 jerk: own.jerk,
                 tolerance,
             });
-            if last {
+            let next = self.moves.get(place + 1);
+            if last || next.is_some_and(|next| next.parameter != motion.parameter) {
                 break;
             }
         }
@@ -211,6 +217,7 @@ impl<T: Copy> ContourQueue<T> {
             pace: Pace::constant(0.0, 0.0, clock),
             trajectory,
             passed: 0,
+            begun: (clock.now(), 0.0),
             stale: false,
             changed: clock.now(),
             course: Course::Travelling,
@@ -253,6 +260,7 @@ impl<T: Copy> ContourQueue<T> {
                 run.lead = took.clamp(LEAD, MOST_LEAD);
                 if pace.is_some() {
                     run.pace = Pace::constant(now, 1.0, clock);
+                    run.begun.1 /= pace.unwrap_or(1.0);
                     run.retry = 0.0;
                 }
                 self.change_pace(clock);

@@ -166,7 +166,7 @@ impl Ride {
             }
         }
         let mut asked: Vec<ContourMove> = Vec::new();
-        let Some(batch) = self.queue.batch(&self.clock, |motion| asked.push(motion)) else {
+        let Some(batch) = self.queue.batch(&self.clock, &self.clock, |motion| asked.push(motion)) else {
             return;
         };
         if let Some(extension) = batch.extends {
@@ -208,7 +208,7 @@ impl Ride {
             match self.queue.passage(&self.clock) {
                 None => break,
                 Some(ContourPassage::Next) => {
-                    self.before = self.queue.pass().expect("it was active").limits.speed;
+                    self.before = self.queue.pass(&self.clock).expect("it was active").limits.speed;
                     self.done += 1;
                 }
                 Some(ContourPassage::End) if self.stop.is_some() => {
@@ -224,7 +224,7 @@ impl Ride {
                     if sample.position != end {
                         self.fail("the end is not exact");
                     }
-                    self.queue.pass();
+                    self.queue.pass(&self.clock);
                     self.queue.finish();
                     self.done += 1;
                     self.last = None;

@@ -113,7 +113,7 @@ fn travel(moves: &[Move<usize>], s_curve: bool, period_ns: u64, told: &mut Told)
         clock.tick += 1;
         queue.steer(&clock);
         while let Some(passage) = queue.passage(&clock) {
-            queue.pass();
+            queue.pass(&clock);
             done += 1;
             if passage == ContourPassage::End {
                 queue.finish();
@@ -127,7 +127,7 @@ fn travel(moves: &[Move<usize>], s_curve: bool, period_ns: u64, told: &mut Told)
             sent += 1;
         }
         let mut asked: Vec<ContourMove> = Vec::new();
-        if let Some(batch) = queue.batch(&clock, |motion| asked.push(motion)) {
+        if let Some(batch) = queue.batch(&clock, &clock, |motion| asked.push(motion)) {
             let from = if measured { busy() } else { 0.0 };
             let planned = match &batch.extends {
                 Some(extension) => extension.plan(&asked, &limits),
