@@ -28,6 +28,9 @@ pub const MAX_TRANSFORMS: usize = 64;
 /// Largest number of primary axes of one coordinate system.
 pub const MAX_PRIMARY_AXES: usize = 3;
 
+/// Largest number of execution targets of output cams of one axis: a bit of OutputCamStatus each.
+pub const MAX_OUTPUT_TARGETS: usize = 32;
+
 /// Deepest queue of pending moves behind the active one.
 pub const MAX_QUEUE_DEPTH: usize = 1000;
 
@@ -111,6 +114,8 @@ pub struct Axis {
     pub exception_actions: ExceptionActions,
     /// Time over which AverageVelocity is taken, above 0, at most 1 s.
     pub average_velocity_timebase: f64,
+    /// Execution targets of output cams (MAOC), 0 to [`MAX_OUTPUT_TARGETS`].
+    pub output_cam_targets: usize,
     /// What it has from tags that clients write.
     pub inputs: Inputs,
 }

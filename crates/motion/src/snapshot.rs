@@ -37,6 +37,10 @@ pub struct AxisSnapshot {
     pub started_at: [f64; 2],
     /// StrobeCommandPosition, StrobeActualPosition.
     pub strobed: [f64; 2],
+    /// OutputCamStatus, OutputCamPendingStatus, OutputCamLockStatus and OutputCamTransitionStatus.
+    pub output_cams: [u32; 4],
+    /// Bits that the output cams have set, of all targets together.
+    pub outputs: u32,
     /// WatchPosition.
     pub watched: f64,
     /// Of each registration input: the position of the last event, of the last positive edge, of the last negative one.

@@ -88,6 +88,8 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         position_error: axis.drive.error(),
         started_at: axis.started_at.map(|position| axis.shown(position)),
         strobed: axis.strobed,
+        output_cams: axis.outputs.status(),
+        outputs: axis.outputs.bits(),
         watched: axis.watch.position,
         registered: [first.positions, second.positions],
         registered_at: [first.times, second.times],

@@ -16,6 +16,7 @@ mod fault_inject;
 mod feed_override;
 mod health;
 mod inputs;
+mod outputs;
 mod read;
 mod shared;
 mod table;
@@ -72,6 +73,8 @@ pub struct Image {
     profiles: cams::Profiles,
     /// Tags that the machine reads.
     inputs: inputs::Inputs,
+    /// Output cams that are used.
+    outputs: outputs::Outputs,
 }
 
 impl Image {
@@ -98,6 +101,7 @@ impl Image {
             overlapping: false,
             profiles: cams::Profiles::default(),
             inputs: inputs::Inputs::new(machine),
+            outputs: outputs::Outputs::default(),
         };
         image.add(
             &machine.group,

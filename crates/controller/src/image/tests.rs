@@ -26,6 +26,7 @@ fn axis(name: &str, kind: AxisKind) -> Axis {
         exception_actions: ExceptionActions::default(),
         average_velocity_timebase: 0.25,
         inputs: Default::default(),
+        output_cam_targets: 0,
         home: crate::machine::Home::immediate(1.0, 1.0),
     }
 }
