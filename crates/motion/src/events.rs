@@ -101,9 +101,7 @@ impl Events {
         ArrayWrite {
             tick,
             tag: self.into,
-            values: Written::Numbers(RealArray::from_slice(
-                &self.answers[..self.distances.as_slice().len()],
-            )),
+            values: Written::Numbers(RealArray::from_slice(&self.answers[..self.distances.as_slice().len()])),
         }
     }
 }

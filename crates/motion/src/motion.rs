@@ -124,6 +124,7 @@ impl Motion {
         }
         self.finish_group_stop();
         self.update_tolerances();
+        self.show_transforms();
         self.show_links();
     }
 

@@ -37,6 +37,8 @@ pub struct AxisSnapshot {
     pub started_at: [f64; 2],
     /// StrobeCommandPosition, StrobeActualPosition.
     pub strobed: [f64; 2],
+    /// MasterOffset, StartMasterOffset, StrobeMasterOffset.
+    pub master_offset: [f64; 3],
     /// OutputCamStatus, OutputCamPendingStatus, OutputCamLockStatus and OutputCamTransitionStatus.
     pub output_cams: [u32; 4],
     /// Bits that the output cams have set, of all targets together.

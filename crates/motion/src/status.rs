@@ -26,6 +26,7 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
     let [first, second] = &axis.registrations;
     let saturation = axis.drive.saturation();
     let command = axis.command;
+    let offset = &axis.cams(Slot::PositionCam).offset;
     AxisSnapshot {
         fault: axis.faults.axis_fault(axis.is_virtual),
         motion_faults: [
@@ -88,6 +89,7 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         position_error: axis.drive.error(),
         started_at: axis.started_at.map(|position| axis.shown(position)),
         strobed: axis.strobed,
+        master_offset: [axis.master_offset().position, offset.start, offset.strobed],
         output_cams: axis.outputs.status(),
         outputs: axis.outputs.bits(),
         watched: axis.watch.position,
@@ -136,6 +138,11 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
         ),
         (locked(Slot::Move), motion_status::MOVE_LOCK_STATUS),
         (locked(Slot::Jog), motion_status::JOG_LOCK_STATUS),
+        (runs(Slot::MasterOffset), motion_status::MASTER_OFFSET_MOVE_STATUS),
+        (
+            locked(Slot::MasterOffset),
+            motion_status::MASTER_OFFSET_MOVE_LOCK_STATUS,
+        ),
         (runs(Slot::PositionCam), motion_status::POSITION_CAM_STATUS),
         (runs(Slot::TimeCam), motion_status::TIME_CAM_STATUS),
         (pends(Slot::PositionCam), motion_status::POSITION_CAM_PENDING_STATUS),

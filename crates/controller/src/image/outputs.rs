@@ -65,7 +65,9 @@ impl Image {
             return false;
         };
         let outputs = self.outputs.used.iter().filter_map(|([output, _], _)| *output);
-        outputs.map(place).any(|(of, from)| of == id && (from..from + WORD).contains(&at.offset))
+        outputs
+            .map(place)
+            .any(|(of, from)| of == id && (from..from + WORD).contains(&at.offset))
     }
 
     /// Whether there are words to look out for.

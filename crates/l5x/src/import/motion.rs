@@ -167,7 +167,11 @@ impl<'a, 't> Importer<'a, 't> {
         if let Some(targets) = self.source.number(node, "OutputCamExecutionTargets")? {
             if (0.0..=MAX_OUTPUT_TARGETS as f64).contains(&targets) && targets.fract() == 0.0 {
                 if targets > 0.0 {
-                    put(&mut axis, "output_cam_execution_targets", Value::Integer(targets as i64));
+                    put(
+                        &mut axis,
+                        "output_cam_execution_targets",
+                        Value::Integer(targets as i64),
+                    );
                 }
             } else {
                 self.source

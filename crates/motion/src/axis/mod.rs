@@ -20,8 +20,8 @@ use crate::control::Execution;
 use crate::dynamics::Maxima;
 use crate::follow::cam::Cam;
 use crate::follow::links::AxisLinks;
-use crate::output::OutputCams;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
+use crate::output::OutputCams;
 use crate::rotary;
 use average::Average;
 use camming::Cams;
@@ -225,7 +225,11 @@ impl Axis {
 
     /// A generator begins at the present command.
     pub(crate) fn begin(&mut self, slot: Slot, generator: Generator) {
-        self.mark_start();
+        if slot == Slot::MasterOffset {
+            self.note_offset(true);
+        } else {
+            self.mark_start();
+        }
         self.sum.begin(slot, generator);
         self.command = self.sum.command();
     }
@@ -248,6 +252,9 @@ impl Axis {
 
     /// Ends a generator where it is; its speed is gone at once.
     pub(crate) fn end(&mut self, slot: Slot) -> Option<Generator> {
+        if slot == Slot::MasterOffset {
+            self.note_offset(false);
+        }
         let ended = self.sum.end(slot);
         self.command = self.sum.command();
         ended

@@ -51,13 +51,15 @@ pub(crate) struct Program {
     pub(crate) source: Source,
     /// Slave units per unit of the profile, negative when the profile is subtracted.
     pub(crate) slave_scale: f64,
-    /// Master units per unit of the profile, above 0.
+    /// Master units per unit of the profile; below 0 where the master goes in reverse while the profile goes on.
     pub(crate) master_scale: f64,
     pub(crate) mode: Mode,
     /// The only way of the master that is followed: 1 or -1.
     pub(crate) way: Option<f64>,
     /// Where the profile is entered when the cam is locked.
     pub(crate) entry: f64,
+    /// The link to its master, where it is driven by one (MDAC).
+    pub(crate) link: Option<u32>,
 }
 
 /// A cam that takes over when the one under way ends.
@@ -130,6 +132,16 @@ impl Cam {
         self.program.source
     }
 
+    /// The link to its master, where it is driven by one.
+    pub(crate) fn link(&self) -> Option<u32> {
+        self.program.link
+    }
+
+    /// The only way of the master that is followed.
+    pub(crate) fn way(&self) -> Option<f64> {
+        self.program.way
+    }
+
     /// Whether the slave follows the master now: …CamLockStatus.
     pub(crate) fn follows(&self) -> bool {
         self.follows
@@ -179,7 +191,7 @@ impl Cam {
     fn hand_over(&mut self, mut program: Program, exit: &Exit) {
         let (start, end) = (program.profile.start().0, program.profile.end().0);
         program.entry = if exit.at_end { start } else { end };
-        program.source = self.program.source;
+        (program.source, program.link) = (self.program.source, self.program.link);
         self.place = program.entry;
         self.program = program;
         self.master_from = exit.master;

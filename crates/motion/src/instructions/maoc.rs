@@ -62,13 +62,17 @@ impl Layout {
             (self.axis_arm, axis_arm),
             (self.cam_arm, if cam_arm { Err(beyond(self.cam_arm)) } else { Ok(()) }),
         ];
-        let own = own.into_iter().find_map(|(place, checked)| checked.err().map(|error| (place, error)));
+        let own = own
+            .into_iter()
+            .find_map(|(place, checked)| checked.err().map(|error| (place, error)));
         match (motion.verify_operands(call), own) {
-            (Err(MotionError::ParameterOutOfRange(first)), Some((place, error))) => Err(if usize::from(first.0) <= place {
-                MotionError::ParameterOutOfRange(first)
-            } else {
-                error
-            }),
+            (Err(MotionError::ParameterOutOfRange(first)), Some((place, error))) => {
+                Err(if usize::from(first.0) <= place {
+                    MotionError::ParameterOutOfRange(first)
+                } else {
+                    error
+                })
+            }
             (Ok(()), Some((_, error))) => Err(error),
             (verified, _) => verified,
         }

@@ -101,6 +101,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         mode: layout.cam.mode(call),
         way: way(call.word(layout.master_direction)),
         entry,
+        link: None,
     };
     if pending {
         wait(motion, axis, Slot::PositionCam, program, execution);

@@ -177,9 +177,7 @@ impl OutputCam {
             mask: 0,
         };
         for (place, element) in elements.iter().enumerate() {
-            let element = element
-                .checked(start, end)
-                .ok_or(OutputCamError::Element { place })?;
+            let element = element.checked(start, end).ok_or(OutputCamError::Element { place })?;
             if (element.latch, element.unlatch) != (Latch::Inactive, Unlatch::Inactive) {
                 cam.mask |= 1 << element.bit;
                 cam.elements.push(element);

@@ -249,7 +249,7 @@ impl Target {
                 // What it has written itself it knows better than whoever writes the word as it was.
                 let mask = if place == 0 { word.mask & !own } else { word.mask };
                 let bits = (mine.bits & !mask) | (word.bits & mask);
-                changed |= std::mem::replace(&mut mine.bits, bits) != bits;
+                changed |= std::mem::replace(&mut mine.bits, bits) != bits || place == 0;
             }
         }
         if changed && !self.is_idle() {
@@ -262,6 +262,11 @@ impl Target {
     /// The axis has come to where it is now.
     pub(super) fn look(&mut self, to: Point, clock: &Clock, edges: &mut Vec<Edge>) -> [Option<Execution>; 2] {
         let mut ended = [None; 2];
+        if self.phase == Phase::Ending && self.carried.iter().all(Option::is_none) {
+            self.lanes[ACTIVE].take();
+            self.phase = Phase::Free;
+            return ended;
+        }
         let period = clock.period();
         let pieces = [(self.last, self.began, true), (self.began, to, false)];
         for (from, to, jumps) in pieces {
@@ -636,10 +641,6 @@ impl Target {
     fn settle(&mut self, clock: &Clock) {
         let now = clock.now();
         self.expire(now, clock);
-        if self.phase == Phase::Ending && self.carried.iter().all(Option::is_none) {
-            self.lanes[ACTIVE].take();
-            self.phase = Phase::Free;
-        }
         (self.locked, self.in_transition) = (false, false);
         let Some(program) = self.lanes[ACTIVE].program.as_ref() else {
             return;
@@ -658,12 +659,16 @@ impl Target {
         let beyond = |compensation: &Compensation| {
             [true, false].into_iter().any(|latch| {
                 let place = place + compensation.delay(latch) * self.last.velocity - compensation.offset;
-                if self.forward { place > cam.end } else { place < cam.start }
+                if self.forward {
+                    place > cam.end
+                } else {
+                    place < cam.start
+                }
             })
         };
-        self.in_transition = self.lanes[PENDING]
-            .cam()
-            .is_some_and(|cam| (0..OUTPUT_BITS).any(|bit| cam.mask & (1 << bit) != 0 && beyond(&cam.compensation[bit])));
+        self.in_transition = self.lanes[PENDING].cam().is_some_and(|cam| {
+            (0..OUTPUT_BITS).any(|bit| cam.mask & (1 << bit) != 0 && beyond(&cam.compensation[bit]))
+        });
     }
 
     fn state(&self, lane: usize, place: usize) -> State {
