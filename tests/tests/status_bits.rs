@@ -214,6 +214,9 @@ const ROWS: &[Row] = &[
     ("home",             "H.HomeEventArmedStatus",          false, &[10, 135]),
     ("home",             "H.HomeEventStatus",               false, &[135]),
     // AxisStatus, CIPAxisStatus.
+    ("home",             "H.HomeInputStatus",               false, &[135]),
+    ("registration",     "X.Registration1InputStatus",      false, &[30]),
+    ("registration",     "X.Registration2InputStatus",      false, &[40, 50]),
     ("servo",            "X.ServoActionStatus",             true,  &[10, 31]),
     ("servo",            "X.DriveEnableStatus",             true,  &[10, 31]),
     ("servo",            "X.PowerStructureEnabledStatus",   true,  &[10, 31]),
@@ -348,6 +351,10 @@ const NEVER: &[(&str, &str)] = &[
     ("AccelerationLimitStatus", "the torque is the limit"), ("DecelerationLimitStatus", "the torque is the limit"),
     ("TorqueThresholdStatus", "no threshold"), ("CurrentLimitStatus", "the torque is the limit"),
     ("ThermalLimitStatus", "no heat is simulated"), ("FeedbackIntegrityStatus", "no feedback device"), ("InProcessStatus", "no procedures"),
+    ("EnableInputStatus", "nothing inhibits a start"), ("PositiveOvertravelInputStatus", "no such switch"),
+    ("NegativeOvertravelInputStatus", "no such switch"), ("Feedback1ThermostatStatus", "no heat is simulated"),
+    ("ResistiveBrakeOutputStatus", "no brake"), ("MechanicalBrakeOutputStatus", "no brake"),
+    ("MotorThermostatInputStatus", "no heat is simulated"),
     ("DCBusUnload", "no bus is simulated"), ("ACPowerLossStatus", "no power is simulated"),
     ("PositionControlModeStatus", "Axis Configuration tells it"), ("VelocityControlModeStatus", "always position control"),
     ("TorqueControlModeStatus", "always position control"),
@@ -357,7 +364,7 @@ const NEVER: &[(&str, &str)] = &[
 #[rustfmt::skip]
 const NEVER_WORDS: &[(&str, &str)] = &[
     ("ModuleFaults", "no modules"), ("ModuleAlarmStatus", "no modules"), ("GuardStatus", "no guard"), ("GuardFaults", "no guard"),
-    ("CIPAxisStatus2", "no power is simulated"), ("CIPAxisStatusRA", "no tuning"), ("CIPAxisIOStatus", "no digital inputs"),
+    ("CIPAxisStatus2", "no power is simulated"), ("CIPAxisStatusRA", "no tuning"),
     ("CIPAxisIOStatusRA", "no digital inputs"), ("CIPAxisFaults2", "no power is simulated"),
     ("CIPAxisFaultsRA", "none of one manufacturer"), ("CIPAxisAlarms2", "no power is simulated"),
     ("CIPAxisAlarmsRA", "none of one manufacturer"), ("AxisSafetyAlarms", "no safety"), ("AxisSafetyAlarmsRA", "no safety"),

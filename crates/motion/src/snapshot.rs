@@ -25,6 +25,8 @@ pub struct AxisSnapshot {
     pub cip_state: i16,
     /// CIPAxisStatus.
     pub cip_status: u32,
+    /// CIPAxisIOStatus.
+    pub cip_io: u32,
     /// CommandPosition, CommandVelocity, CommandAcceleration.
     pub command: [f64; 3],
     /// ActualPosition, ActualVelocity, ActualAcceleration.

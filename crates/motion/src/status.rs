@@ -3,7 +3,7 @@
 use arcline_drive::{Motion as Point, Saturation};
 use arcline_instruction_set::FaultWord;
 use arcline_instruction_set::predefined::{
-    axis_event, axis_fault, axis_status, cip_axis_status, coordinate_motion_status as motion,
+    axis_event, axis_fault, axis_status, cip_axis_io_status, cip_axis_status, coordinate_motion_status as motion,
     coordinate_system_status as status, motion_status,
 };
 use arcline_planner::Clock;
@@ -80,6 +80,13 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
             (saturation == Saturation::Speed, cip_axis_status::VELOCITY_LIMIT_STATUS),
             (saturation == Saturation::Torque, cip_axis_status::TORQUE_LIMIT_STATUS),
             (axis.state == AxisState::Shutdown, cip_axis_status::CIP_SHUTDOWN_STATUS),
+        ]
+        .into_iter()
+        .fold(0, with),
+        cip_io: [
+            (axis.stands_on_switch(), cip_axis_io_status::HOME_INPUT_STATUS),
+            (first.on, cip_axis_io_status::REGISTRATION1_INPUT_STATUS),
+            (second.on, cip_axis_io_status::REGISTRATION2_INPUT_STATUS),
         ]
         .into_iter()
         .fold(0, with),

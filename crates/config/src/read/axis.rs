@@ -34,7 +34,8 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         };
         return Err(section.refuse_key("travel", problem));
     }
-    let home = home(section, &dynamics, unwind, servo)?;
+    let mut home = home(section, &dynamics, unwind, servo)?;
+    home.stops = travel.filter(|_| servo).map(|Travel { min, max }| [min, max]);
     let drive = drive(section)?;
     let kind = match (servo, drive) {
         (true, drive) => AxisKind::Servo(drive.unwrap_or_default()),

@@ -167,7 +167,7 @@ impl AxisLayout {
             CipAlarms, CipFaults, CipState, CipStatus, Dint, Event, Fault, MotionAlarms, MotionFaults, MotionStatus,
             Real, Status,
         };
-        let fields: [(&str, AxisField); 46] = [
+        let fields: [(&str, AxisField); 47] = [
             ("AxisFault", Fault),
             ("AxisStatus", Status),
             ("AxisEvent", Event),
@@ -205,6 +205,7 @@ impl AxisLayout {
             ("Registration2Time", Dint(|axis| axis.registered_at[1][0])),
             ("Registration2PositiveEdgeTime", Dint(|axis| axis.registered_at[1][1])),
             ("Registration2NegativeEdgeTime", Dint(|axis| axis.registered_at[1][2])),
+            ("CIPAxisIOStatus", Dint(|axis| axis.cip_io as i32)),
             ("MasterOffset", Real(|axis| axis.master_offset[0])),
             ("StartMasterOffset", Real(|axis| axis.master_offset[1])),
             ("StrobeMasterOffset", Real(|axis| axis.master_offset[2])),

@@ -55,6 +55,7 @@ impl Motion {
                 let Some(registration) = state.registrations.get_mut(usize::from(input)) else {
                     return;
                 };
+                registration.on = on;
                 if let Some(execution) = registration.edge(on, position, time) {
                     self.end_move(execution, Flag::Pc.mask());
                 }
