@@ -11,6 +11,7 @@ use std::path::Path;
 
 use arcline_instruction_set::{FaultKind, Flag, Mnemonic, MotionError};
 use arcline_tests::bench::{Bench, OK};
+use arcline_tests::follow::CAM_TAGS;
 
 /// A trapezoid at 50 units/s, from Speed on.
 const RATES: &str = "50, 0, 500, 0, 500, 0, 0, 100, 100, 2";
@@ -97,15 +98,6 @@ max_deceleration = 10000.0
 travel = { min = -5.0, max = 10.0 }
 start = { position = 11.0 }
 
-[[tag]]
-name = "Cam"
-type = "CAM[4]"
-value = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }, { Master = 6.0 }, { Master = 7.0 }]
-
-[[tag]]
-name = "Profile"
-type = "CAM_PROFILE[2]"
-
 [[axis]]
 name = "E"
 type = "feedback"
@@ -176,7 +168,7 @@ const SYSTEMS: &[(&str, &str, &str)] = &[
 const ARM: &str = "type = \"articulated_independent\"\nlink_lengths = [100.0, 100.0]\nzero_angles = [0.0, -90.0, 90.0]";
 
 fn machine() -> String {
-    let mut text = format!("{}\n{MORE}", arcline_config::DEFAULT);
+    let mut text = format!("{}\n{MORE}{CAM_TAGS}", arcline_config::DEFAULT);
     for letter in ["P", "Q"] {
         for place in 1..=6 {
             text.push_str(&format!(

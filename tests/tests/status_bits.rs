@@ -10,6 +10,7 @@ use std::collections::BTreeSet;
 use arcline_controller::image::{Health, Image};
 use arcline_instruction_set::{FAULTS, FaultKind, FaultWord, Flag, predefined};
 use arcline_tests::bench::{Bench, OK};
+use arcline_tests::follow::CAM_TAGS;
 
 const MORE: &str = r#"
 [[axis]]
@@ -45,15 +46,6 @@ max_acceleration = 10000.0
 max_deceleration = 10000.0
 travel = { min = -1.0, max = 1.0 }
 exception_actions = { soft_travel_positive = "alarm", soft_travel_negative = "alarm", drive = "alarm" }
-
-[[tag]]
-name = "Cam"
-type = "CAM[4]"
-value = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }, { Master = 6.0 }, { Master = 7.0 }]
-
-[[tag]]
-name = "Profile"
-type = "CAM_PROFILE[2]"
 
 [[tag]]
 name = "Out"
@@ -384,7 +376,7 @@ const TAGS: [&str; 11] = [
 fn machine(keys: &str) -> String {
     let deep = "[[coordinate_system]]\nname = \"Deep\"\ntype = \"cartesian\"\naxes = [\"X\", \"Y\"]\nmax_speed = 500.0\n\
                 max_acceleration = 5000.0\nmax_deceleration = 5000.0\nqueue_depth = 2\n";
-    let text = format!("{}\n{MORE}\n{deep}", arcline_config::DEFAULT);
+    let text = format!("{}\n{MORE}{CAM_TAGS}\n{deep}", arcline_config::DEFAULT);
     let axis = "name = \"X\"\ntype = ";
     assert!(text.contains(axis));
     let inputs = "output_cam_execution_targets = 2\nregistration = { input_1 = \"Mark1\", input_2 = \"Mark2\" }\n";

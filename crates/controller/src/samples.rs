@@ -158,3 +158,31 @@ fn system(system: &SystemSnapshot) -> [f64; SYSTEM.len()] {
         system.motion_status.into(),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_have_bits_by_name_and_by_number() {
+        let template = predefined::axis_cip_drive();
+        let find = |signal: &str| within(&AXIS, &template, signal, 1);
+        let column = |name: &str| AXIS.iter().position(|column| *column == name).map(|place| 1 + place);
+        let bit = |name: &str, bit: u32| column(name).map(|column| Column::Bit { column, mask: 1 << bit });
+        #[rustfmt::skip]
+        let cases = [
+            ("MoveStatus",           bit("MotionStatus", 2)),
+            ("motionstatus.2",       bit("MotionStatus", 2)),
+            ("OutputCamBits",        column(OUTPUTS).map(Column::Number)),
+            ("OutputCamBits.31",     bit(OUTPUTS, 31)),
+            ("OutputCamStatus.0",    bit("OutputCamStatus", 0)),
+            ("OutputCamBits.32",     None),
+            ("OutputCamBits.x",      None),
+            ("CommandPosition.1",    None),
+            ("Nothing.1",            None),
+        ];
+        for (signal, expected) in cases {
+            assert_eq!(find(signal), expected, "{signal}");
+        }
+    }
+}

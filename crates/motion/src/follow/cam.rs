@@ -83,6 +83,8 @@ pub(crate) struct Cam {
     master_from: f64,
     /// Where the slave was then, in its generator's frame.
     slave_from: f64,
+    /// It was locked at once by a link, and begins where the master turns to the way that is followed.
+    starting: bool,
     /// Furthest way of the master since then, where only one way is followed.
     furthest: f64,
     /// Place in the profile at the last look; that of Continuous goes on beyond its ends.
@@ -115,6 +117,7 @@ impl Cam {
         let entry = program.entry;
         Cam {
             follows: lock.is_none(),
+            starting: lock.is_none() && program.link.is_some(),
             lock,
             read: at.read,
             last: at.point.position,
@@ -196,6 +199,7 @@ impl Cam {
         self.program = program;
         self.master_from = exit.master;
         self.slave_from = exit.slave;
+        self.starting = false;
         self.furthest = 0.0;
         self.turn = 0.0;
     }
@@ -215,6 +219,12 @@ impl Cam {
         let mut gone = master.position - self.master_from;
         let mut moves = true;
         if let Some(way) = *way {
+            if self.starting && way * gone < 0.0 {
+                self.master_from = master.position;
+                self.follows = false;
+                return (standing(self.slave_from), None);
+            }
+            self.starting &= gone == 0.0;
             // The other way nothing is followed, until the master is back where it turned.
             moves = way * gone >= self.furthest;
             self.furthest = self.furthest.max(way * gone);

@@ -23,7 +23,11 @@ pub(crate) struct Layout {
 
 impl Layout {
     pub(super) fn new() -> Self {
-        CamLayout::of(Mnemonic::Matc, "Distance Scaling", "Time Scaling").into()
+        Layout {
+            cam: CamLayout::of(Mnemonic::Matc, "Distance Scaling", "Time Scaling"),
+            lock: LockLayout::of(Mnemonic::Matc),
+            instruction_mode: place(Mnemonic::Matc, "Instruction Mode"),
+        }
     }
 
     /// What drives the cam; `None`: time.
@@ -43,16 +47,6 @@ impl Layout {
             return Err(MotionError::MdscLockDirectionConflict);
         }
         Ok(Some((*link, lead)))
-    }
-}
-
-impl From<CamLayout> for Layout {
-    fn from(cam: CamLayout) -> Self {
-        Layout {
-            cam,
-            lock: LockLayout::of(Mnemonic::Matc),
-            instruction_mode: place(Mnemonic::Matc, "Instruction Mode"),
-        }
     }
 }
 

@@ -215,16 +215,15 @@ impl CamElement {
         };
         let (mut left, mut right) = (self.left, self.right);
         if matches!(latch, Latch::Position | Latch::PositionAndEnable) || unlatch.by_position() {
-            // Also where one of them is no number.
-            if !(left < right) {
-                return None;
-            }
+            let legal = left < right;
             (left, right) = (left.max(start), right.min(end));
-            if left >= right {
+            // A number that is none is not less.
+            if !legal || left >= right {
                 return None;
             }
         }
-        if unlatch.by_duration() && !(self.duration > 0.0 && self.duration.is_finite()) {
+        let lasts = self.duration > 0.0 && self.duration.is_finite();
+        if unlatch.by_duration() && !lasts {
             return None;
         }
         let mut enable = Enable {
