@@ -13,6 +13,7 @@ use arcline_motion::{Answer, Material};
 
 use arcline_tag::{DataType, Member};
 
+use super::shared::Kept;
 use super::structures::real;
 use super::{Image, TagId};
 
@@ -44,7 +45,7 @@ pub(super) struct Place {
 pub(super) struct Profiles {
     calculated: Vec<Place>,
     /// Kept until nobody else has the profile any more: it is freed here.
-    used: Vec<(Place, Arc<Profile>)>,
+    used: Kept<(Place, Arc<Profile>)>,
 }
 
 impl Image {

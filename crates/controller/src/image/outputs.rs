@@ -11,13 +11,14 @@ use arcline_motion::{BitCompensation, CamElement, Input, Material, OUTPUT_BITS, 
 use arcline_tag::TagPath;
 
 use super::cams::{Place, Prepared, Refusal, operand, word};
+use super::shared::Kept;
 use super::{Image, TagId};
 
 /// Output cams that the machine may still have.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outputs {
     /// With the tags of their output and their input. Kept until nobody else has the cam any more: it is freed here.
-    used: Vec<([Option<u32>; 2], Arc<OutputCam>)>,
+    used: Kept<([Option<u32>; 2], Arc<OutputCam>)>,
 }
 
 impl Image {

@@ -580,9 +580,11 @@ fn a_profile_is_being_calculated_until_it_is_settled() {
     ];
     let call = bind(Mnemonic::Mapc, Some(0), UNNAMED, &given, &image).expect("it binds");
     let cams = [image.prepare(&call).0, image.prepare(&call).0];
+    // A copy that readers have is no user.
+    let published = image.clone();
     image.show_uses();
     assert_eq!(status(&image), 4.0);
     drop(cams);
     image.show_uses();
-    assert_eq!(status(&image), 2.0);
+    assert_eq!((status(&image), status(&published)), (2.0, 2.0));
 }
