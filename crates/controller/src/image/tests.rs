@@ -586,5 +586,6 @@ fn a_profile_is_being_calculated_until_it_is_settled() {
     assert_eq!(status(&image), 4.0);
     drop(cams);
     image.show_uses();
-    assert_eq!((status(&image), status(&published)), (2.0, 2.0));
+    assert_eq!(status(&image), 2.0);
+    drop(published);
 }
