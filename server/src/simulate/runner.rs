@@ -303,7 +303,11 @@ impl<'m> Runner<'m> {
         match tag.map(|tag| tag.kind) {
             Some(TagKind::MotionControl(slot)) => self.watch(slot),
             Some(TagKind::Instruction(kind)) => self.watch(kind.control),
-            Some(TagKind::Plain) => self.image.show_uses(),
+            Some(TagKind::Plain) => {
+                self.image.show_uses();
+                // Output cams write it.
+                self.reads_motion |= self.image.is_output(path);
+            }
             Some(TagKind::FeedOverride | TagKind::FaultInject) => {}
             Some(_) => {
                 self.reads_motion = true;

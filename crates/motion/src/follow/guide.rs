@@ -28,7 +28,7 @@ pub(crate) enum Sense {
 }
 
 impl Sense {
-    fn sign(self) -> f64 {
+    pub(crate) fn sign(self) -> f64 {
         match self {
             Sense::Forward => 1.0,
             Sense::Reverse => -1.0,
