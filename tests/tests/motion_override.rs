@@ -351,6 +351,27 @@ fn planned_contours_are_held_slowed_and_planned_faster() {
 }
 
 #[test]
+fn an_override_rises_again_on_a_long_move_of_a_contour() {
+    let mut bench = precise();
+    bench.set_override("XY", 0.5);
+    assert_eq!(
+        bench.call("MCLM(XY, L, 0, [400, 0], 100, 0, 2000, 0, 2000, 0, 1, 20000, 20000, 0, 1)"),
+        OK
+    );
+    for (share, ticks) in [(0.5, 700), (0.25, 700), (1.0, 700), (0.7, 700)] {
+        bench.set_override("XY", share);
+        bench.run(ticks);
+        assert!(
+            (speed(&bench) - 100.0 * share).abs() < 0.1,
+            "{share}: {}",
+            speed(&bench)
+        );
+    }
+    bench.until_rest();
+    assert_eq!((bench.position("X"), bench.position("Y")), (400.0, 0.0));
+}
+
+#[test]
 fn a_change_of_the_speed_on_a_contour_pauses_it_and_makes_it_faster() {
     let mut bench = precise();
     contour(&mut bench);

@@ -122,6 +122,10 @@ pub fn replan(
     let on = |time: f64| running.move_at(time).saturating_sub(passed);
     let far = on(earliest + WINDOW).max(on(earliest) + LEAST_MOVES);
     let moves = if far + 1 < old { &moves[..=far] } else { moves };
+    let last = running.move_end(passed + (moves.len() - 1).min(old - 1))?;
+    if last > earliest + MOST_AHEAD {
+        return None;
+    }
     (0..ATTEMPTS).find_map(|attempt| {
         let first = earliest + LATER * f64::from(attempt);
         let here = on(first).min(moves.len() - 1);
@@ -316,6 +320,8 @@ const FOLLOWED: f64 = 0.01;
 /// Seconds, and at least so many moves, for which a trajectory is planned anew.
 const WINDOW: f64 = 1.0;
 const LEAST_MOVES: usize = 4;
+/// Seconds beyond which planning anew would take too long: the motion goes on at its pace.
+const MOST_AHEAD: f64 = 4.0;
 /// Splices that are tried, and seconds between them.
 const ATTEMPTS: u32 = 3;
 const LATER: f64 = 0.02;

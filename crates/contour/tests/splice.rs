@@ -1,7 +1,6 @@
 //! Trajectories that are extended while they run: the same tolerance, limits and time as one whole plan, without a stop.
 
-use arcline_contour::{AxisLimits, ContourMove, Path, Point, Trajectory, extend, plan, replan};
-use arcline_geometry::{Arc, CirclePoint, Dimension, Direction};
+use arcline_contour::{AxisLimits, ContourMove, Path, Point, Trajectory, extend, plan};
 use proptest::prelude::*;
 
 const SPEED: f64 = 200.0;
@@ -197,64 +196,4 @@ fn nothing_new_and_too_late_are_refused() {
     let end = running.duration();
     assert_eq!(extend(&running, 0, &moves, &limits, end - 0.01, end - 0.001), None);
     assert_eq!(extend(&running, 1, &moves[1..], &limits, end, end), None);
-}
-
-/// Three quarters of a turn about a centre 100 to the left.
-fn round() -> Path {
-    let from = Point::new(1.0, -2.0, 0.5);
-    let centre = from + Point::new(0.0, 100.0, 0.0);
-    let end = centre - Point::new(100.0, 0.0, 0.0);
-    let arc = Arc::new(
-        Dimension::Three,
-        from,
-        end,
-        CirclePoint::Center(centre),
-        Direction::CounterClockwise,
-    );
-    Path::Arc(arc.expect("the points are on a circle"))
-}
-
-#[test]
-fn a_long_move_becomes_faster_while_it_runs() {
-    for jerk in [true, false] {
-        let line = polyline(&[(1000.0, 0.0)], jerk);
-        let corners = polyline(&[(300.0, 1.0); 4], jerk);
-        let arc = vec![ContourMove {
-            path: round(),
-            ..line[0]
-        }];
-        for (name, moves) in [("a line", line), ("corners", corners), ("an arc", arc)] {
-            let at =
-                |speed: f64| -> Vec<ContourMove> { moves.iter().map(|one| ContourMove { speed, ..*one }).collect() };
-            let (slow, fast) = (at(50.0), at(100.0));
-            let running = plan(&slow, &limits(jerk));
-            for pace in [1.0, 0.5] {
-                let (now, earliest) = (2.0, 2.03);
-                let anew = replan(&running, pace, 0, &fast, &limits(jerk), now, earliest);
-                let anew = anew.unwrap_or_else(|| panic!("{name}, S-curve {jerk}, pace {pace}: not found"));
-                // What is left at 100 in place of 50, in what passes.
-                let left = running.duration() / pace - 2.0;
-                let least = 0.5 * (running.duration() - 2.0 * pace) + 0.05;
-                let took = anew.duration() - 2.0;
-                println!("{name}, S-curve {jerk}, pace {pace}: {took} s in place of {left}");
-                assert!(
-                    took < 1.05 * least + 0.3,
-                    "{name}, S-curve {jerk}, pace {pace}: {took} s"
-                );
-                assert!(anew.splice() >= earliest);
-                let peaks = anew.peaks();
-                let most = limits(jerk);
-                for axis in 0..3 {
-                    assert!(peaks.velocity[axis] <= 100.0 * (1.0 + 1e-6), "{name}: {peaks:?}");
-                    assert!(
-                        peaks.acceleration[axis] <= most.acceleration[axis] * (1.0 + 1e-6),
-                        "{name}: {peaks:?}"
-                    );
-                    if let Some(most) = most.jerk {
-                        assert!(peaks.jerk[axis] <= most[axis] * (1.0 + 1e-6), "{name}: {peaks:?}");
-                    }
-                }
-            }
-        }
-    }
 }

@@ -240,6 +240,7 @@ impl<T: Copy> ContourQueue<T> {
 
     /// Brings the pace to one, at most 1, with which every move is within its speed and rates.
     fn change_pace(&mut self, clock: &Clock) {
+        let rate = self.planned_rate();
         let Some(run) = self.run.as_mut().filter(|run| run.course == Course::Travelling) else {
             return;
         };
@@ -251,7 +252,7 @@ impl<T: Copy> ContourQueue<T> {
             };
             let wanted = motion.limits;
             let own = wanted.jerk.map(least);
-            let own_speed = requests::planned_speed(wanted.speed, self.rate);
+            let own_speed = requests::planned_speed(wanted.speed, rate);
             stale |= (own_speed / planned.speed - 1.0).abs() > SAME;
             target = share_of(target, self.rate * wanted.speed / planned.speed);
             let shares = [

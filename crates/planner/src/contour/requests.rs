@@ -129,6 +129,18 @@ impl<T: Copy> ContourQueue<T> {
         (goes_on && (many || near)).then(|| ask(None))
     }
 
+    /// The share of the programmed speeds that is planned with: all of them where a move is too long to be planned anew when the
+    /// override rises again.
+    pub(super) fn planned_rate(&self) -> f64 {
+        let slowest = self.rate.max(LEAST_PACE);
+        let long = |motion: &Move<T>| motion.path.length() > LONG * motion.limits.speed * slowest;
+        if self.rate < 1.0 && self.moves.iter().any(long) {
+            1.0
+        } else {
+            self.rate
+        }
+    }
+
     /// `kept`: what is on the trajectory stays as it was planned.
     fn take_moves(&self, kept: bool, mut take: impl FnMut(ContourMove)) {
         let running = self.run.as_ref().filter(|_| kept);
@@ -138,7 +150,7 @@ impl<T: Copy> ContourQueue<T> {
             let planned = run.trajectory.rates(run.trajectory.moves().checked_sub(1)?)?;
             (last.limits.speed > 0.0).then_some(planned.speed / last.limits.speed)
         });
-        let rate = like.unwrap_or(self.rate);
+        let rate = like.unwrap_or_else(|| self.planned_rate());
         for (place, motion) in self.moves.iter().enumerate() {
             let (tolerance, last) = match motion.ending {
                 Ending::Stop => (0.0, true),
@@ -295,6 +307,8 @@ const RETRY: f64 = 0.3;
 const RETRY_ANEW: f64 = 0.1;
 /// Seconds without a change after which what has changed is planned anew.
 const CALM: f64 = 0.1;
+/// Seconds from which on a move is long.
+const LONG: f64 = 0.7;
 /// What is slower, or shorter (seconds), is not planned anew.
 const LEAST_PACE: f64 = 0.2;
 const LEAST_LEFT: f64 = 0.1;
