@@ -259,7 +259,7 @@ impl<T: Copy> ContourQueue<T> {
                 (wanted.acceleration / planned.acceleration).sqrt(),
                 (wanted.deceleration / planned.deceleration).sqrt(),
                 own.zip(planned.jerk)
-                    .map_or(1.0, |(own, planned)| (own / planned).cbrt()),
+                    .map_or(1.0, |(own, planned)| libm::cbrt(own / planned)),
             ];
             for share in shares {
                 stale |= (share - 1.0).abs() > SAME;
