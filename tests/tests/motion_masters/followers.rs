@@ -108,7 +108,7 @@ fn bind(random: &mut Random, bench: &mut Bench, place: usize, slave: &'static st
     let sign = if direction == 0 { 1.0 } else { -1.0 };
     let law = match random.below(3) {
         0 => {
-            let (clutch, rate) = (random.below(2), random.between(200.0, 2000.0));
+            let (clutch, rate) = (random.below(2), random.between(20_000.0, 80_000.0));
             let [own, other] = [0; 2].map(|_| 1 + random.below(40));
             let (ratio, format) = match random.below(2) {
                 0 => (random.between(0.05, 3.0), 0),
