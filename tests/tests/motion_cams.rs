@@ -611,8 +611,9 @@ fn a_servo_and_the_actual_position_of_one() {
 fn a_time_cam_is_a_function_of_the_way_of_a_master_that_is_linked() {
     // Lock direction and position, where the master goes, how far the cam has gone then, and whether it is locked.
     type Step = (f64, f64, bool);
+    type Case<'a> = (&'a str, f64, &'a str, &'a [Step]);
     #[rustfmt::skip]
-    let cases: &[(&str, f64, &str, &[Step])] = &[
+    let cases: &[Case<'_>] = &[
         ("forward at once",      0.0,  "0, 1", &[(5.0, 5.0, true), (2.0, 5.0, false), (4.0, 5.0, false), (8.0, 8.0, true)]),
         ("in reverse at once",   0.0,  "0, 2", &[(5.0, 0.0, false), (2.0, 3.0, true), (-1.0, 6.0, true), (0.0, 6.0, false)]),
         ("forward, a position",  0.0,  "4, 3", &[(3.0, 0.0, false), (10.0, 6.0, true), (9.0, 6.0, false), (14.0, 10.0, true)]),

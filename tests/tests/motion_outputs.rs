@@ -118,6 +118,9 @@ fn bits_are_set_where_the_axis_is() {
     }
 }
 
+/// Why, what is written to the tags, and when the bits change.
+type Edges = (&'static str, Box<dyn Fn(&mut Bench)>, Vec<(f64, i64)>);
+
 #[test]
 fn edges_lie_between_ticks_and_show_at_the_next() {
     // Duration counts from the edge at 10.05 units, 100.5 ms, whatever the period.
@@ -125,7 +128,7 @@ fn edges_lie_between_ticks_and_show_at_the_next() {
         element(bench, "Cam[0]", [1.0, 1.0, 2.0, 10.05, 90.0, 0.0257, 0.0, 0.0]);
     };
     #[rustfmt::skip]
-    let cases: Vec<(&str, Box<dyn Fn(&mut Bench)>, Vec<(f64, i64)>)> = vec![
+    let cases: Vec<Edges> = vec![
         ("a duration", Box::new(duration), vec![(100.5, 2), (126.2, 0)]),
         ("an offset", Box::new(|bench| {
             element(bench, "Cam[0]", window(0, 10.0, 20.0));
@@ -205,13 +208,16 @@ fn changes(period: f64, prepare: impl Fn(&mut Bench)) -> Vec<(f64, i64)> {
     list
 }
 
+/// Why, latch type, unlatch type and enable type, and positions with the input and the bit there.
+type Enabling<'a> = (&'a str, [f64; 3], &'a [(f64, u32, bool)]);
+
 #[test]
 fn an_enable_bit_counts_with_or_without_the_position() {
     const ENABLE: f64 = 2.0;
     const BOTH: f64 = 3.0;
     // Latch type, unlatch type, enable type; then positions and inputs in turn, and the bit behind each.
     #[rustfmt::skip]
-    let cases: &[(&str, [f64; 3], &[(f64, u32, bool)])] = &[
+    let cases: &[Enabling<'_>] = &[
         ("enabled alone", [ENABLE, 3.0, 0.0],
             &[(0.0, 0, false), (0.0, 4, true), (50.0, 4, true), (50.0, 3, false), (50.0, 7, true)]),
         ("by an inverted input", [ENABLE, 3.0, 1.0],
@@ -265,11 +271,16 @@ fn an_enable_bit_counts_with_or_without_the_position() {
     assert_eq!(after(&mut bench, 15.0), 1 << 20 | 1 << 9 | 0b1_0001);
 }
 
+/// A position, and what is there: the word, the status words, and what the instruction shows.
+type Place<'a> = (f64, u32, [u32; 4], &'a str);
+/// Why, the operands from Execution Mode to Cam Arm Position, and the places on the way.
+type Way<'a> = (&'a str, &'a str, &'a [Place<'a>]);
+
 #[test]
 fn modes_and_schedules() {
     // The word after each position, with a window of 10 to 20 of a cam from 0 to 100.
     #[rustfmt::skip]
-    let cases: &[(&str, &str, &[(f64, u32, [u32; 4], &str)])] = &[
+    let cases: &[Way<'_>] = &[
         ("once", "Once, Immediate, 0, 0", &[
             (15.0, 1, [1, 0, 1, 0], "EN DN IP"), (100.0, 0, [1, 0, 1, 0], "EN DN IP"),
             (101.0, 0, [0; 4], "EN DN PC"), (15.0, 0, [0; 4], "EN DN PC")]),
