@@ -19,6 +19,7 @@ mod inputs;
 mod names;
 mod read;
 mod shared;
+mod structures;
 mod table;
 mod tag;
 #[cfg(test)]

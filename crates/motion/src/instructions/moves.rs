@@ -104,7 +104,7 @@ pub(super) fn execute(
     path: impl FnOnce(&Motion, &System, Point) -> Result<Path, MotionError>,
 ) -> Result<(), MotionError> {
     let index = motion.target_system(call)?;
-    if motion.systems[index].description.axes.len() < least_axes {
+    if motion.systems[index].description.linear().len() < least_axes {
         return Err(super::no_target());
     }
     motion.verify_operands(call)?;
@@ -146,8 +146,10 @@ pub(super) fn execute(
     let mut current = command(motion, index, |axis| axis.command.velocity).norm();
     let mut driven = false;
     if let (Some(lead), Some(link)) = (lead, &link) {
-        let by_master = programmed::pace(link, lead.lock, momentum.velocity != Point::zeros())?;
-        verify_lead(motion, index, merge, lead)?;
+        let moves = momentum.velocity != Point::zeros();
+        let by_master = programmed::pace(link, lead.lock, moves)?;
+        let idle = merge != MERGE_DISABLED && !moves && link.master.velocity() == 0.0;
+        verify_lead(motion, index, merge, lead, idle)?;
         momentum = on_the_way(&by_master, &momentum);
         current = if by_master.speed > 0.0 {
             current / by_master.speed
@@ -155,8 +157,7 @@ pub(super) fn execute(
             0.0
         };
         driven = true;
-        // Joints are kept by time; a master decides how fast this is.
-        pace = Pace::UNLIMITED;
+        pace = pace.on_the_way(link.nominal);
     }
     if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && current > 0.0 {
         dynamics.set_speed(current);
@@ -265,25 +266,24 @@ fn on_the_way(pace: &planner::Pace, momentum: &Momentum) -> Momentum {
     taken
 }
 
-/// Master driven moves that the new one would go on from, or wait with (98, 102).
-fn verify_lead(motion: &Motion, index: usize, merge: i32, lead: Lead) -> Result<(), MotionError> {
+/// Master driven moves that the new one would go on from, or wait with (98, 102). `idle`: it takes over what stands, and so does the
+/// master; then it may have another direction.
+fn verify_lead(motion: &Motion, index: usize, merge: i32, lead: Lead, idle: bool) -> Result<(), MotionError> {
     let system = &motion.systems[index];
     if system.activity != Activity::Moving {
         return Ok(());
     }
-    let active = system.planner.active().map(|running| &running.motion);
     let before = if merge == MERGE_DISABLED {
-        let last = system.planner.pending().last().or(active);
-        last.filter(|last| last.ending != Ending::Stop)
+        system.moves().last().filter(|last| last.ending != Ending::Stop)
     } else {
-        active
+        system.moves().next()
     };
     let led = before.and_then(|before| before.data.lead);
-    if led.is_some_and(|led| led.lock.sense != lead.lock.sense) {
+    if !idle && led.is_some_and(|led| led.lock.sense != lead.lock.sense) {
         return Err(MotionError::MdscDirectionMismatch);
     }
     let waits = |other: &Move<Planned>| other.data.lead.is_some_and(|lead| lead.lock.position.is_some());
-    if lead.lock.position.is_some() && (active.is_some_and(waits) || system.planner.pending().any(waits)) {
+    if lead.lock.position.is_some() && system.moves().any(waits) {
         return Err(MotionError::MdscLockWhileMoving);
     }
     Ok(())
@@ -293,12 +293,11 @@ fn verify_lead(motion: &Motion, index: usize, merge: i32, lead: Lead) -> Result<
 fn parameter(motion: &mut Motion, index: usize, merge: i32, lead: Lead, link: &MasterLink) -> Parameter {
     let system = &motion.systems[index];
     if merge == MERGE_DISABLED && system.activity == Activity::Moving && lead.lock.position.is_none() {
-        let active = system.planner.active().map(|running| &running.motion);
         let led = |last: &&Move<Planned>| {
             let before = last.data.lead;
             before.is_some_and(|before| before.link == lead.link && before.lock.sense == lead.lock.sense)
         };
-        if let Some(last) = system.planner.pending().last().or(active).filter(led) {
+        if let Some(last) = system.moves().last().filter(led) {
             return last.parameter;
         }
     }
@@ -337,8 +336,8 @@ fn terminate(motion: &mut Motion, index: usize, merge: i32) {
     if merge != MERGE_ALL {
         return;
     }
-    for place in 0..motion.systems[index].description.axes.len() {
-        let axis = motion.systems[index].description.axes[place];
+    for place in 0..motion.systems[index].description.linear().len() {
+        let axis = motion.systems[index].description.linear()[place];
         motion.end_single_axis(axis, None);
     }
     for other in 0..motion.systems.len() {
@@ -351,7 +350,7 @@ fn terminate(motion: &mut Motion, index: usize, merge: i32) {
 /// A quantity of each axis of a coordinate system as a point.
 fn command(motion: &Motion, index: usize, quantity: impl Fn(&Axis) -> f64) -> Point {
     let mut point = Point::zeros();
-    for (axis, coordinate) in motion.systems[index].description.axes.iter().zip(point.iter_mut()) {
+    for (axis, coordinate) in motion.systems[index].description.linear().iter().zip(point.iter_mut()) {
         *coordinate = motion.axes.get(usize::from(*axis)).map_or(0.0, &quantity);
     }
     point
@@ -413,12 +412,12 @@ pub(super) fn target_point(values: &[f64], start: &Point, incremental: bool) -> 
 /// The elements of an array operand that belong to the axes of a coordinate system.
 pub(super) fn primary<'a>(system: &System, call: &'a Call, operand: usize) -> &'a [f64] {
     let values = call.array(operand);
-    &values[..system.description.axes.len().min(values.len())]
+    &values[..system.description.linear().len().min(values.len())]
 }
 
 /// The unwinds of the axes of a coordinate system, with their places; linear axes have none.
 pub(super) fn unwinds(motion: &Motion, system: &System) -> impl Iterator<Item = (usize, f64)> {
-    let axes = system.description.axes.iter().enumerate();
+    let axes = system.description.linear().iter().enumerate();
     axes.filter_map(|(place, axis)| Some((place, motion.axes.get(usize::from(*axis))?.unwind?)))
 }
 
