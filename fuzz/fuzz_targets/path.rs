@@ -26,7 +26,7 @@ type = "R[2]"
 name = "G"
 type = "INT[2,3]"
 [[tag]]
-name = "B"
+name = "Bools"
 type = "BOOL[64]"
 [[tag]]
 name = "C"
