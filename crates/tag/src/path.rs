@@ -19,7 +19,7 @@ pub enum PathSegment<S = String> {
 
 impl<S: AsRef<str>> PathSegment<S> {
     /// With a name that is borrowed.
-    pub fn as_ref(&self) -> PathSegment<&str> {
+    pub fn borrowed(&self) -> PathSegment<&str> {
         match self {
             Self::Symbol(name) => PathSegment::Symbol(name.as_ref()),
             Self::Element(index) => PathSegment::Element(*index),

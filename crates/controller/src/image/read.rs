@@ -42,7 +42,7 @@ impl Image {
         let mut place = match (found, tag.kind) {
             (Err(error @ PathError::NoSuchMember { .. }), TagKind::Instruction(_)) => {
                 let mut inner = vec![PathSegment::Symbol(MOTION_CONTROL)];
-                inner.extend(rest.iter().map(PathSegment::as_ref));
+                inner.extend(rest.iter().map(PathSegment::borrowed));
                 tag.tag_type.locate(&inner).map_err(|_| error)?
             }
             (_, TagKind::Program(_)) => return Err(PathError::Empty),
