@@ -92,7 +92,7 @@ pub(super) enum Ask {
 #[derive(Serialize, Clone, PartialEq, Debug, Default)]
 pub(super) struct Refusal {
     /// For people.
-    pub(super) text: String,
+    pub(super) text: Box<str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) err: Option<i16>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -118,7 +118,7 @@ pub(super) struct Refusal {
 }
 
 impl Refusal {
-    pub(super) fn new(text: impl Into<String>) -> Self {
+    pub(super) fn new(text: impl Into<Box<str>>) -> Self {
         Self {
             text: text.into(),
             ..Self::default()
@@ -139,7 +139,7 @@ impl Refusal {
             remedy,
         }) = explain(err, exerr, Some(mnemonic))
         else {
-            let text = describe(err, exerr, Some(mnemonic));
+            let text = describe(err, exerr, Some(mnemonic)).into();
             return Self { text, ..codes };
         };
         let operand = match MotionError::from_codes(err, exerr) {
@@ -147,7 +147,7 @@ impl Refusal {
             _ => None,
         };
         Self {
-            text: headline,
+            text: headline.into(),
             cause: Some(cause),
             concerns: concerns.map(Into::into),
             remedy: Some(remedy),

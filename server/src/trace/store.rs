@@ -172,7 +172,7 @@ mod tests {
             let run: Vec<u64> = store.run_before(from, 100).map(|(tick, _)| tick).collect();
             prop_assert!(run.windows(2).all(|pair| pair[1] == pair[0] + 1) && run.len() <= 100, "{:?}", run);
             let window = ticks.iter().copied().filter(|tick| (from.saturating_sub(100)..from).contains(tick));
-            prop_assert_eq!(run.last().copied(), window.clone().last());
+            prop_assert_eq!(run.last().copied(), window.clone().next_back());
             if let Some(first) = run.first() {
                 prop_assert!(!window.clone().any(|tick| tick + 1 == *first), "{:?}", run);
             }
