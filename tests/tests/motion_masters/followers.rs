@@ -86,7 +86,7 @@ fn cases() -> u64 {
 fn bench(period: f64) -> Bench {
     let lagging = machine(period).replace(
         "start = { position = 0.0, servo_on = true, homed = true }\n",
-        "start = { position = 0.0, servo_on = true, homed = true }\ndrive = { velocity_feedforward = 0.0 }\n",
+        "start = { position = 0.0, servo_on = true, homed = true }\ndrive = { velocity_feedforward = 0.0, position_error_tolerance = 0.0 }\n",
     );
     Bench::with(&format!(
         "{lagging}[[tag]]\nname = \"Cam\"\ntype = \"CAM[8]\"\n[[tag]]\nname = \"P1\"\ntype = \"CAM_PROFILE[8]\"\n\
