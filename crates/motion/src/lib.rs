@@ -37,7 +37,7 @@ pub use contour::ContourRequest;
 pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};
 pub use events::{ArrayWrite, Written};
 pub use feed_override::MAX_OVERRIDE;
-pub use material::{Answer, Frame, Frames, Material};
+pub use material::{Answer, Calculation, Frame, Frames, Material};
 pub use motion::{Input, Motion};
 pub use output::{BitCompensation, CamElement, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS, OutputCam, OutputCamError};
 pub use snapshot::{AxisSnapshot, SystemSnapshot};
