@@ -5,11 +5,11 @@
 //! `ARCLINE_CASES` sets how many of each kind are run (150 and 50 unless told), `ARCLINE_SEED` the first (0).
 #![allow(missing_docs)]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use arcline_instruction_set::predefined::{coordinate_motion_status, motion_status};
-use arcline_instruction_set::{FaultKind, FaultSet, Flag, Mnemonic};
+use arcline_instruction_set::{FaultKind, FaultSet, Flag};
 use arcline_tests::bench::Bench;
 use arcline_tests::random::Random;
 
@@ -443,12 +443,17 @@ impl Sequence {
     /// was cleared.
     fn check_ends(&self) {
         let mut ends: BTreeMap<u64, Vec<String>> = BTreeMap::new();
+        // What is armed may be done an update later.
+        let mut under_way = BTreeSet::new();
         for (name, event) in &self.bench.events {
             let ended = event.set & (Flag::Er.mask() | Flag::Pc.mask()) != 0
                 || event.clear & Flag::Ip.mask() != 0
                 || (event.set & Flag::Dn.mask() != 0
                     && event.set & Flag::Ip.mask() == 0
-                    && event.mnemonic != Mnemonic::Maoc);
+                    && !under_way.contains(&event.ticket.0));
+            if event.set & Flag::Ip.mask() != 0 {
+                under_way.insert(event.ticket.0);
+            }
             let list = ends.entry(event.ticket.0).or_default();
             if ended {
                 list.push(format!(

@@ -8,13 +8,11 @@
 //! Not here: when something is computed ([`super::order`]), what MCT refuses (`instructions::mct`), what happens when a
 //! robot cannot follow ([`super::failing`]). Nothing allocates. Units: position units, seconds.
 
+use super::order::Step;
 pub(crate) use super::robot::Map;
 use super::robot::{RobotMap, at_rest, positions, side, vectors};
 use arcline_drive::Motion as Point;
 use arcline_instruction_set::MotionError;
-use arcline_planner::geometry::Point as Vector;
-
-use super::order::Step;
 
 use crate::axis::generator::Generator;
 use crate::axis::sum::Slot;
