@@ -1,6 +1,7 @@
 //! Robots behind transforms: the tool stays on its line while the joints move, and what happens where the arm cannot go
 //! (spec/coordinated-instructions.md §19, §20, §22).
 
+mod mcto;
 mod orientation;
 
 use arcline_config::load;
