@@ -6,6 +6,8 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use arcline_cam::Profile;
 use arcline_instruction_set::MotionError;
 
+use crate::output::OutputCam;
+
 /// What goes into the tick with a call.
 ///
 /// The memory behind it is only read there. Whoever sends it keeps an [`Arc`] of its own until that is the last one, so
@@ -23,6 +25,8 @@ pub enum Material {
     },
     /// A calculated cam profile.
     Cam(Arc<Profile>),
+    /// An output cam, and what is in the tags of its output and its input.
+    OutputCam(Arc<OutputCam>, [u32; 2]),
     /// A place for numbers that the instruction calculates in the tick.
     Answer(Arc<Answer>),
     /// Frames of MCTO.
@@ -154,6 +158,17 @@ impl Sent {
             Some(Material::Done) => Ok(()),
             Some(Material::Refused { error, .. }) => Err(*error),
             _ => Err(MotionError::FeatureNotSupported),
+        }
+    }
+
+    /// An output cam, and what is in the tags of its output and its input.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub(crate) fn output_cam(&self) -> Result<(Arc<OutputCam>, [u32; 2]), MotionError> {
+        match &self.0 {
+            Some(Material::OutputCam(cam, words)) => Ok((cam.clone(), *words)),
+            _ => self.verdict().and(Err(MotionError::FeatureNotSupported)),
         }
     }
 

@@ -7,7 +7,7 @@ use arcline_planner::Pace;
 use arcline_planner::profile::{Limits, stop_distance};
 
 use super::place;
-use crate::dynamics::{Dynamics, Jerks, Maxima, Shape, in_units, jerk_in_units, reference_speed};
+use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, in_units, jerk_in_units, reference_speed};
 use crate::follow::guide::{Guide, LockTo, Sense};
 use crate::follow::links::MasterLink;
 use crate::motion::Motion;
@@ -87,8 +87,14 @@ impl Rates {
 pub(super) struct DynamicsLayout {
     pub(super) rates: Rates,
     profile: usize,
-    lock_position: usize,
-    lock_direction: usize,
+    lock: LockLayout,
+}
+
+/// Places of the operands that say how something is locked to a master: those of [`DynamicsLayout`], and MATC's.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LockLayout {
+    position: usize,
+    direction: usize,
 }
 
 /// Lock Direction, from 1 on: at once forward and reverse, and at a position forward and reverse.
@@ -101,8 +107,7 @@ impl DynamicsLayout {
         DynamicsLayout {
             rates: Rates::of(mnemonic),
             profile: place(mnemonic, "Profile"),
-            lock_position: place(mnemonic, "Lock Position"),
-            lock_direction: place(mnemonic, "Lock Direction"),
+            lock: LockLayout::of(mnemonic),
         }
     }
 
@@ -158,14 +163,7 @@ impl DynamicsLayout {
 
     /// A lock direction of the mode of the units (95), and a link for what is master driven (93).
     pub(super) fn verify_link(&self, call: &Call, link: Option<&MasterLink>) -> Result<(), MotionError> {
-        let master = self.is_master_driven(call);
-        if (call.word(self.lock_direction) != 0) != master {
-            return Err(MotionError::MdscLockDirectionConflict);
-        }
-        if master && link.is_none() {
-            return Err(MotionError::MdscNotActivated);
-        }
-        Ok(())
+        self.lock.verify(call, self.is_master_driven(call), link)
     }
 
     /// How a call is driven by its link; `None`: by time.
@@ -181,23 +179,56 @@ impl DynamicsLayout {
         let Some(link) = link.filter(|_| self.is_master_driven(call)) else {
             return Ok(None);
         };
-        let direction = call.word(self.lock_direction);
-        let position = (direction >= POSITION_FORWARD).then(|| call.number(self.lock_position));
+        self.lock.lead(motion, call, link).map(Some)
+    }
+}
+
+impl LockLayout {
+    pub(super) fn of(mnemonic: Mnemonic) -> Self {
+        LockLayout {
+            position: place(mnemonic, "Lock Position"),
+            direction: place(mnemonic, "Lock Direction"),
+        }
+    }
+
+    /// A lock direction of the mode (95), and a link for what is master driven (93).
+    pub(super) fn verify(
+        &self,
+        call: &Call,
+        master_driven: bool,
+        link: Option<&MasterLink>,
+    ) -> Result<(), MotionError> {
+        if (call.word(self.direction) != 0) != master_driven {
+            return Err(MotionError::MdscLockDirectionConflict);
+        }
+        if master_driven && link.is_none() {
+            return Err(MotionError::MdscNotActivated);
+        }
+        Ok(())
+    }
+
+    /// How a call is driven by a link.
+    ///
+    /// # Errors
+    /// `ParameterOutOfRange` (13) where a rotary master never shows the Lock Position.
+    pub(super) fn lead(&self, motion: &Motion, call: &Call, link: &MasterLink) -> Result<Lead, MotionError> {
+        let direction = call.word(self.direction);
+        let position = (direction >= POSITION_FORWARD).then(|| call.number(self.position));
         let unwind = motion.axes[usize::from(link.master.axis)].unwind;
         if let (Some(position), Some(unwind)) = (position, unwind)
             && !Turn::contains(unwind, position)
         {
-            return Err(MotionError::ParameterOutOfRange(OperandIndex(self.lock_position as u8)));
+            return Err(MotionError::ParameterOutOfRange(OperandIndex(self.position as u8)));
         }
         let sense = if matches!(direction, IMMEDIATE_REVERSE | POSITION_REVERSE) {
             Sense::Reverse
         } else {
             Sense::Forward
         };
-        Ok(Some(Lead {
+        Ok(Lead {
             link: link.id,
             lock: LockTo { sense, position },
-        }))
+        })
     }
 }
 
@@ -292,29 +323,48 @@ impl ChangeLayout {
         }
     }
 
-    /// `dynamics` with what the call changes. A jerk in percent of time follows whatever is changed.
+    /// What the call changes, read once for all moves.
+    pub(super) fn read(&self, call: &Call, maxima: &Maxima) -> Change {
+        let rates = &self.rates;
+        let jerks = rates.jerks(call, maxima);
+        let wanted = |place: usize| call.is_one(place);
+        Change {
+            speed: wanted(self.change_speed).then(|| rates.speed(call, maxima)),
+            acceleration: wanted(self.change_accel).then(|| rates.acceleration(call, maxima)),
+            deceleration: wanted(self.change_decel).then(|| rates.deceleration(call, maxima)),
+            acceleration_jerk: wanted(self.change_accel_jerk).then_some(jerks.acceleration),
+            deceleration_jerk: wanted(self.change_decel_jerk).then_some(jerks.deceleration),
+            places: *rates,
+        }
+    }
+}
+
+/// What MCCD or MCD changes, in units.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Change {
+    speed: Option<f64>,
+    acceleration: Option<f64>,
+    deceleration: Option<f64>,
+    acceleration_jerk: Option<JerkRate>,
+    deceleration_jerk: Option<JerkRate>,
+    places: Rates,
+}
+
+impl Change {
+    /// Dynamics with the change. A jerk in percent of time follows whatever is changed.
     ///
     /// # Errors
     /// `ParameterOutOfRange` (13) where a percentage of a maximum is 0.
-    pub(super) fn change(&self, call: &Call, maxima: &Maxima, mut dynamics: Dynamics) -> Result<Dynamics, MotionError> {
-        let rates = &self.rates;
-        if self.changes_speed(call) {
-            dynamics.set_speed(rates.speed(call, maxima));
+    pub(super) fn of(&self, mut dynamics: Dynamics) -> Result<Dynamics, MotionError> {
+        if let Some(speed) = self.speed {
+            dynamics.set_speed(speed);
         }
-        if call.is_one(self.change_accel) {
-            dynamics.acceleration = rates.acceleration(call, maxima);
-        }
-        if call.is_one(self.change_decel) {
-            dynamics.deceleration = rates.deceleration(call, maxima);
-        }
-        let jerks = rates.jerks(call, maxima);
-        if call.is_one(self.change_accel_jerk) {
-            dynamics.jerks_mut().acceleration = jerks.acceleration;
-        }
-        if call.is_one(self.change_decel_jerk) {
-            dynamics.jerks_mut().deceleration = jerks.deceleration;
-        }
-        rates.verify(&dynamics)?;
+        dynamics.acceleration = self.acceleration.unwrap_or(dynamics.acceleration);
+        dynamics.deceleration = self.deceleration.unwrap_or(dynamics.deceleration);
+        let jerks = dynamics.jerks_mut();
+        jerks.acceleration = self.acceleration_jerk.unwrap_or(jerks.acceleration);
+        jerks.deceleration = self.deceleration_jerk.unwrap_or(jerks.deceleration);
+        self.places.verify(&dynamics)?;
         Ok(dynamics)
     }
 }
