@@ -200,17 +200,17 @@ async fn attributes_and_services_are_those_of_the_page() {
         Request::new(service::GET_ATTRIBUTE_SINGLE, path, Bytes::new())
     };
     assert_eq!(client.ask(&class(8)).await.data, 1_000_000u32.to_le_bytes().as_slice());
-    assert_eq!(client.ask(&class(9)).await.data, 86u16.to_le_bytes().as_slice());
+    assert_eq!(client.ask(&class(9)).await.data, 107u16.to_le_bytes().as_slice());
     assert_eq!(client.ask(&class(13)).await.data.len(), 4);
 
     let mut names = Vec::new();
-    while names.len() < 86 {
+    while names.len() < 107 {
         let reply = client
             .ask(&of(LIST, 0, (names.len() as u16).to_le_bytes().to_vec()))
             .await;
         assert!(reply.status.is_success(), "{}", reply.status);
         let (head, mut rest) = reply.data.split_at(4);
-        assert_eq!(head[..2], 86u16.to_le_bytes());
+        assert_eq!(head[..2], 107u16.to_le_bytes());
         let count = u16::from_le_bytes([head[2], head[3]]);
         assert!(count > 0);
         for _ in 0..count {
