@@ -366,8 +366,8 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
     Value::Table(table)
 }
 
-/// The word of `type`.
-fn build_of(robot: Option<&Robot>) -> &'static str {
+/// The word of `type` of a coordinate system's robot; `None`: it is Cartesian.
+pub fn build_of(robot: Option<&Robot>) -> &'static str {
     match robot.map(|robot| robot.geometry) {
         None => "cartesian",
         Some(Geometry::ArticulatedIndependent2 | Geometry::ArticulatedIndependent3) => "articulated_independent",

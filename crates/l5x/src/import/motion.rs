@@ -1,5 +1,7 @@
 //! The motion group, axes and coordinate systems (spec/axis-and-data-types.md §9).
 
+use std::ops::RangeInclusive;
+
 use arcline_config::is_name;
 use arcline_controller::machine::{MAX_AXES, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, MAX_SYSTEMS, ProgrammedStopMode};
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet, FaultWord};
@@ -397,9 +399,12 @@ impl<'a, 't> Importer<'a, 't> {
             .iter()
             .enumerate()
             .all(|(place, name)| names.iter().take(place).all(|other| !other.eq_ignore_ascii_case(name)));
-        let unlike = if !matches!(node.attribute("SystemType"), None | Some("Cartesian")) {
+        let word = node.attribute("SystemType").unwrap_or(CARTESIAN);
+        let build = SYSTEM_TYPES.iter().find(|build| build.word == word);
+        let fits = |build: &SystemType| build.axes.contains(&names.len());
+        let unlike = if build.is_none() {
             Some("SystemType")
-        } else if !(1..=MAX_PRIMARY_AXES).contains(&names.len()) || !names.iter().all(known) || !each_once {
+        } else if !build.is_some_and(fits) || !names.iter().all(known) || !each_once {
             Some("Axes")
         } else {
             None
@@ -413,6 +418,17 @@ impl<'a, 't> Importer<'a, 't> {
         }
         let mut system = Table::new();
         put(&mut system, "name", Value::String(name.to_owned()));
+        let robot = build.filter(|build| build.word != CARTESIAN);
+        system.extend(robot.map(|build| ("type".to_owned(), Value::String(build.key.to_owned()))));
+        self.robot(node, robot.is_some(), &mut system)?;
+        let words = "transforms take all axes";
+        if let Some(dimension) = self.source.number(node, "TransformDimension")?
+            && dimension != 0.0
+            && dimension != names.len() as f64
+        {
+            self.source
+                .report_attribute(node, "TransformDimension", Reason::Changed(words));
+        }
         let names = names.into_iter().map(|name| Value::String(name.to_owned()));
         put(&mut system, "axes", Value::Array(names.collect()));
         self.dynamics(node, "coordinate_system", name, &mut system)?;
@@ -436,6 +452,24 @@ impl<'a, 't> Importer<'a, 't> {
             }
         }
         self.push("coordinate_system", tag, system);
+        Ok(())
+    }
+
+    /// What a robot is built with. A Cartesian system has nothing of it: what stands there all the same is reported.
+    fn robot(&mut self, node: Node<'a, 't>, is_robot: bool, system: &mut Table) -> Result<(), L5xError> {
+        for (key, attributes) in ROBOT {
+            let mut numbers = Vec::new();
+            for attribute in *attributes {
+                let number = self.source.number(node, attribute)?.unwrap_or(0.0);
+                if !is_robot && number != 0.0 {
+                    self.source.report_attribute(node, attribute, Reason::NoCounterpart);
+                }
+                numbers.push(Value::Float(number));
+            }
+            if is_robot {
+                put(system, key, Value::Array(numbers));
+            }
+        }
         Ok(())
     }
 }
@@ -535,6 +569,39 @@ const DRIVE: [OfDrive; 4] = [
         (0.0, f64::MAX),
         "a position error tolerance time below 0 becomes 0",
     ),
+];
+
+/// A kind of coordinate system, and how many axes it can have.
+pub(crate) struct SystemType {
+    /// SystemType.
+    pub(crate) word: &'static str,
+    /// `type` of a configuration.
+    pub(crate) key: &'static str,
+    axes: RangeInclusive<usize>,
+}
+
+const CARTESIAN: &str = "Cartesian";
+
+/// The kinds of coordinate systems.
+#[rustfmt::skip]
+pub(crate) const SYSTEM_TYPES: &[SystemType] = &[
+    SystemType { word: CARTESIAN, key: "cartesian", axes: 1..=MAX_PRIMARY_AXES },
+    SystemType { word: "Articulated Independent", key: "articulated_independent", axes: 2..=3 },
+    SystemType { word: "Articulated Dependent", key: "articulated_dependent", axes: 2..=3 },
+    SystemType { word: "SCARA Independent", key: "scara_independent", axes: 3..=3 },
+    SystemType { word: "SCARA Delta", key: "scara_delta", axes: 3..=3 },
+    SystemType { word: "Delta", key: "delta", axes: 2..=3 },
+];
+
+/// What a robot is built with: the key of a configuration and the attributes that are its entries.
+pub(crate) const ROBOT: &[(&str, &[&str])] = &[
+    ("link_lengths", &["LinkLength1", "LinkLength2"]),
+    ("base_offsets", &["BaseOffset1", "BaseOffset2", "BaseOffset3"]),
+    (
+        "end_effector_offsets",
+        &["EndEffectorOffset1", "EndEffectorOffset2", "EndEffectorOffset3"],
+    ),
+    ("zero_angles", &["ZeroAngleOffset1", "ZeroAngleOffset2", "ZeroAngleOffset3"]),
 ];
 
 /// The words of actions; `Disable` is the older one of `StopDrive`. The first of an action is what is written.
