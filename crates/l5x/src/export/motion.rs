@@ -171,7 +171,10 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Vec<Attribute> {
         .filter_map(|place| machine.axes.get(usize::from(*place)));
     let names: Vec<&str> = axes.map(|axis| axis.name.as_str()).collect();
     let key = arcline_config::build_of(system.robot.as_ref());
-    let word = SYSTEM_TYPES.iter().find(|build| build.key == key).map(|build| build.word);
+    let word = SYSTEM_TYPES
+        .iter()
+        .find(|build| build.key == key)
+        .map(|build| build.word);
     let mut list = vec![
         ("MotionGroup", machine.group.clone()),
         ("SystemType", word.unwrap_or("Cartesian").to_owned()),

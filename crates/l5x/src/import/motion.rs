@@ -601,7 +601,10 @@ pub(crate) const ROBOT: &[(&str, &[&str])] = &[
         "end_effector_offsets",
         &["EndEffectorOffset1", "EndEffectorOffset2", "EndEffectorOffset3"],
     ),
-    ("zero_angles", &["ZeroAngleOffset1", "ZeroAngleOffset2", "ZeroAngleOffset3"]),
+    (
+        "zero_angles",
+        &["ZeroAngleOffset1", "ZeroAngleOffset2", "ZeroAngleOffset3"],
+    ),
 ];
 
 /// The words of actions; `Disable` is the older one of `StopDrive`. The first of an action is what is written.

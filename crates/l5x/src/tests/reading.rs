@@ -101,14 +101,17 @@ queue_depth = 1
         reported(&import),
         [
             "1 × Controller/Tags/Tag[AXIS_CIP_DRIVE]/Data/AxisParameters/@NewInVersion99: not understood".to_owned(),
-            "1 × Controller/Tags/Tag[AXIS_CIP_DRIVE]/Data/AxisParameters/@MotionModule: no counterpart in Arcline".to_owned(),
+            "1 × Controller/Tags/Tag[AXIS_CIP_DRIVE]/Data/AxisParameters/@MotionModule: no counterpart in Arcline"
+                .to_owned(),
             "1 × Controller/Tags/Tag[COORDINATE_SYSTEM]: no counterpart in Arcline".to_owned(),
             "1 × Controller/Tags/Tag[COORDINATE_SYSTEM]/Data/CoordinateSystemParameters/@Axes: no counterpart in \
              Arcline"
                 .to_owned(),
             format!("1 × {parameters}/@MaximumSpeed: changed: 0 or not given: becomes 100 units/s"),
             format!("1 × {parameters}/@MaximumAcceleration: changed: 0 or not given: becomes 1000 units/s²"),
-            format!("1 × {parameters}/@MaximumAccelerationJerk: changed: 0 or not given: becomes acceleration² / speed"),
+            format!(
+                "1 × {parameters}/@MaximumAccelerationJerk: changed: 0 or not given: becomes acceleration² / speed"
+            ),
         ]
     );
 }
