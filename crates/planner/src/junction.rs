@@ -47,7 +47,8 @@ pub(crate) fn junction<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> J
     if other || first.path.length() == 0.0 || second.path.length() == 0.0 {
         return Junction::Rest;
     }
-    let in_line = collinear(&first.path, &second.path);
+    let turns = first.turn.is_some() || second.turn.is_some();
+    let in_line = !turns && collinear(&first.path, &second.path);
     let slower = second.limits.speed < first.limits.speed;
     match first.ending {
         Ending::Blend { tolerance } if tolerance > 0.0 => {
@@ -61,6 +62,8 @@ pub(crate) fn junction<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> J
                 (false, _) => Junction::Blend { tolerance },
             }
         }
+        // A turn begins and ends at rest.
+        Ending::Contour { .. } if turns => Junction::Rest,
         Ending::Contour { constrained } => Junction::Pass {
             constrained,
             early: in_line && slower,
@@ -70,7 +73,7 @@ pub(crate) fn junction<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> J
 }
 
 /// The tolerance within the halves of the moves that may be blended at their other end too (§7.3). No Decel
-/// is not limited.
+/// is not limited. A way that stands, of what only turns, has a unit of its own: it bounds only another such one.
 fn effective_tolerance<T>(tolerance: f64, first: &Move<T>, second: &Move<T>, blended: bool) -> f64 {
     if tolerance.is_infinite() {
         return tolerance;
@@ -81,9 +84,12 @@ fn effective_tolerance<T>(tolerance: f64, first: &Move<T>, second: &Move<T>, ble
     } else {
         1.0
     };
-    tolerance
-        .min(before * first.path.length())
-        .min(after * second.path.length())
+    let own = tolerance.min(before * first.path.length());
+    if first.path.stands() == second.path.stands() {
+        own.min(after * second.path.length())
+    } else {
+        own
+    }
 }
 
 /// What the place between two moves asks of a profile that comes to it.

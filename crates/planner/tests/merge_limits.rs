@@ -109,6 +109,7 @@ fn no_merge_exceeds_a_limit_of_an_axis() {
         };
         let motion = Move {
             path: path(&mut random, &momentum),
+            turn: None,
             limits,
             ending: Ending::Stop,
             parameter: Parameter::TIME,

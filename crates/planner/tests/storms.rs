@@ -159,6 +159,7 @@ impl<'k> Storm<'k> {
                 };
                 Move {
                     path,
+                    turn: None,
                     limits,
                     ending: random.of(kind.endings),
                     parameter: Parameter::TIME,

@@ -171,6 +171,7 @@ pub(super) fn execute(
     };
     let planned = Move {
         path,
+        turn: None,
         limits: dynamics.limits(),
         ending,
         parameter,
