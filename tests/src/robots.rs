@@ -57,7 +57,53 @@ pub const SCARA_DELTA: RobotMachine = RobotMachine {
     ..DELTA
 };
 
+/// Two arms and a joint that turns the tool.
+pub const DELTA_J1J2J6: RobotMachine = RobotMachine {
+    keys: "type = \"delta\"\ndefinition = \"J1J2J6\"\nlink_lengths = [120.0, 260.0]\nbase_offsets = [60.0, 0.0, 0.0]\n\
+           end_effector_offsets = [20.0, 0.0, -30.0]\nzero_angles = [3.0, -4.0, 2.0]\n",
+    joints: &[23.0, 16.0, 40.0],
+    ..DELTA
+};
+
+/// Three arms and a joint that turns the tool.
+pub const DELTA_J1J2J3J6: RobotMachine = RobotMachine {
+    keys: "type = \"delta\"\ndefinition = \"J1J2J3J6\"\nlink_lengths = [120.0, 260.0]\nbase_offsets = [60.0, 0.0, 0.0]\n\
+           end_effector_offsets = [20.0, 0.0, -30.0]\nzero_angles = [3.0, -4.0, 2.0, 5.0]\n",
+    joints: &[23.0, 16.0, 22.0, 40.0],
+    ..DELTA
+};
+
+/// Three arms, and joints that turn and tilt the tool.
+pub const DELTA_J1J2J3J4J5: RobotMachine = RobotMachine {
+    keys: "type = \"delta\"\ndefinition = \"J1J2J3J4J5\"\nlink_lengths = [120.0, 260.0]\nbase_offsets = [60.0, 0.0, 0.0]\n\
+           end_effector_offsets = [20.0, 0.0, -30.0]\nzero_angles = [3.0, -4.0, 2.0, 5.0, -6.0]\n",
+    joints: &[23.0, 16.0, 22.0, 40.0, 20.0],
+    ..DELTA
+};
+
+/// Two horizontal links, a vertical axis and a joint that turns the tool.
+pub const SCARA_J1J2J3J6: RobotMachine = RobotMachine {
+    keys: "type = \"scara_independent\"\ndefinition = \"J1J2J3J6\"\nlink_lengths = [250.0, 200.0]\n\
+           zero_angles = [0.0, -5.0, 10.0, 15.0]\n",
+    joints: &[10.0, 75.0, 10.0, 40.0],
+    ..DELTA
+};
+
+/// An arm of six joints.
+pub const SIX_AXES: RobotMachine = RobotMachine {
+    keys: "type = \"articulated_independent\"\ndefinition = \"J1J2J3J4J5J6\"\nlink_lengths = [300.0, 250.0]\n\
+           base_offsets = [20.0, 0.0, 40.0]\nend_effector_offsets = [60.0, 0.0, -15.0]\n",
+    joints: &[5.0, 70.0, -80.0, 10.0, -60.0, 20.0],
+    ..DELTA
+};
+
 impl RobotMachine {
+    /// Whether its system turns the tool too: `CART` has `RX RY RZ` behind `X Y Z` then.
+    #[must_use]
+    pub fn is_oriented(&self) -> bool {
+        self.keys.contains("definition")
+    }
+
     /// The configuration. Axes `X Y Z` are `CART`'s, `J1 J2 J3` the robot's, `U V W` a second Cartesian system `WORLD`'s.
     pub fn config(&self) -> String {
         let mut text = format!(
@@ -75,6 +121,9 @@ impl RobotMachine {
         for name in ["X", "Y", "Z", "U", "V", "W"] {
             axis(name, "mm", 2000.0, 0.0);
         }
+        for name in ["RX", "RY", "RZ"].iter().filter(|_| self.is_oriented()) {
+            axis(name, "deg", 3600.0, 0.0);
+        }
         for (place, joint) in self.joints.iter().enumerate() {
             axis(&format!("J{}", place + 1), "deg", self.joint_speed, *joint);
         }
@@ -84,9 +133,14 @@ impl RobotMachine {
                  command_tolerance = 5.0\nqueue_depth = 8\n{keys}"
             );
         };
-        system("CART", &["X", "Y", "Z"][..axes], self.cart);
-        system("WORLD", &["U", "V", "W"][..axes], "");
-        system("ROBOT", &["J1", "J2", "J3"][..axes], self.keys);
+        if self.is_oriented() {
+            let keys = format!("definition = \"XYZRxRyRz\"\n{}", self.cart);
+            system("CART", &["X", "Y", "Z", "RX", "RY", "RZ"], &keys);
+        } else {
+            system("CART", &["X", "Y", "Z"][..axes], self.cart);
+        }
+        system("WORLD", &["U", "V", "W"][..axes.min(3)], "");
+        system("ROBOT", &["J1", "J2", "J3", "J4", "J5", "J6"][..axes], self.keys);
         text
     }
 

@@ -1,8 +1,8 @@
 //! Texts in, projects and errors out.
 
 use arcline_controller::machine::{
-    AxisKind, AxisLimits, Corner, Drive, Geometry, Home, HomeDirection, HomeMarker, HomeMode, HomeSequence, HomeSwitch,
-    Start, Travel,
+    AxisKind, AxisLimits, Build, Corner, Drive, Geometry, Home, HomeDirection, HomeMarker, HomeMode, HomeSequence,
+    HomeSwitch, Orientation, Start, Travel, Wrist,
 };
 use arcline_instruction_set::Mnemonic;
 
@@ -327,6 +327,10 @@ fn errors_name_place_key_and_expectation() {
         ("a robot without its joints", format!("{AXIS}{SYSTEM}type = \"delta\""), "m.toml:8:8: coordinate_system[1].axes: found [\"x\"], expected as many axes as the geometry has joints".into()),
         ("links of no robot", format!("{AXIS}{SYSTEM}link_lengths = [1, 2]"), "m.toml:11:16: coordinate_system[1].link_lengths: found [1, 2], expected no such key".into()),
         ("one link", format!("{AXIS}{SYSTEM}link_lengths = [1]"), "m.toml:11:16: coordinate_system[1].link_lengths: found [1], expected two numbers".into()),
+        ("a definition that the type has not", format!("{AXIS}{SYSTEM}definition = \"J1J2J6\""), "m.toml:11:14: coordinate_system[1].definition: found \"J1J2J6\", expected a definition that the type has".into()),
+        ("no such definition", format!("{AXIS}{SYSTEM}definition = \"XYZRxRyRx\""), "m.toml:11:14: coordinate_system[1].definition: found \"XYZRxRyRx\" (did you mean `XYZRxRyRz`?), expected \"XYZRxRyRz\", \"J1J2J6\"".into()),
+        ("an orientation without its axes", format!("{AXIS}{SYSTEM}definition = \"xyzrxryrz\""), "m.toml:8:8: coordinate_system[1].axes: found [\"x\"], expected a list of 6 names of axes".into()),
+        ("a turn of what does not turn", format!("{AXIS}{SYSTEM}max_orientation_speed = 1"), "m.toml:11:25: coordinate_system[1].max_orientation_speed: found 1, expected no such key: the coordinate system has no Rx, Ry, Rz".into()),
         ("too deep a queue", format!("{AXIS}{SYSTEM}queue_depth = 1001"), "m.toml:11:15: coordinate_system[1].queue_depth: found 1001, expected a whole number from 1 to 1000".into()),
         ("no such corner", format!("{AXIS}{SYSTEM}corner = \"round\""), "m.toml:11:10: coordinate_system[1].corner: found \"round\", expected \"logix\" or \"precise\"".into()),
         ("no such system", format!("{base}[[transform]]\nname = \"T\"\nsource = \"CS\"\ntarget = \"CSS\""), format!("m.toml:{}:10: transform[1].target: there is no coordinate system `CSS` (did you mean `CS`?)", lines + 4)),
@@ -523,7 +527,7 @@ fn robots_are_read_and_written() {
         );
         let project = load(&text, "m.toml").expect(word);
         let robot = project.machine.systems[0].robot.expect(word);
-        assert_eq!(robot.geometry, geometry);
+        assert_eq!(robot.build, Build::Arm(geometry));
         assert_eq!(robot.parameters.link_lengths, [10.0, 20.5]);
         assert_eq!(robot.parameters.base_offsets, [1.0, 2.0, 3.0]);
         assert_eq!(robot.parameters.end_effector_offsets, [4.0, 5.0, -6.0]);
@@ -531,5 +535,56 @@ fn robots_are_read_and_written() {
         let written = crate::format(&crate::table(&project));
         let again = load(&written, "m.toml").expect("what is written can be read");
         assert_eq!(again.machine.systems, project.machine.systems, "{word}");
+    }
+}
+
+#[test]
+fn systems_with_orientation_are_read_and_written() {
+    let names = ["A", "B", "C", "D", "E", "F"];
+    let axes: String = names
+        .iter()
+        .zip(1..)
+        .map(|(name, k)| {
+            format!("[[axis]]\nname = \"{name}\"\ntype = \"virtual\"\nmax_speed = {k}0.0\nmax_acceleration = {k}00.0\nmax_deceleration = {k}50.0\n")
+        })
+        .collect();
+    #[rustfmt::skip]
+    let cases = [
+        ("cartesian",               "XYZRxRyRz",    6, None,                                ""),
+        ("cartesian",               "xyzrxryrz",    6, None,                                "max_orientation_speed = 7\n"),
+        ("delta",                   "J1J2J6",       3, Some(Wrist::DeltaJ1J2J6),            "zero_angles = [1, 2, 3]\n"),
+        ("delta",                   "J1J2J3J6",     4, Some(Wrist::DeltaJ1J2J3J6),          "zero_angles = [1, 2, 3, 4]\n"),
+        ("delta",                   "J1J2J3J4J5",   5, Some(Wrist::DeltaJ1J2J3J4J5),        "zero_angles = [1, 2, 3, 4, 5]\n"),
+        ("scara_independent",       "J1J2J3J6",     4, Some(Wrist::ScaraJ1J2J3J6),          ""),
+        ("articulated_independent", "J1J2J3J4J5J6", 6, Some(Wrist::ArticulatedJ1J2J3J4J5J6), "zero_angles = [1, 2, 3, 4, 5, 6]\n"),
+    ];
+    for (build, definition, count, wrist, keys) in cases {
+        let names = &names[..count];
+        let text = format!(
+            "{axes}[[coordinate_system]]\nname = \"R\"\ntype = \"{build}\"\ndefinition = \"{definition}\"\naxes = {names:?}\n\
+             max_speed = 1.0\nmax_acceleration = 1.0\n{keys}"
+        );
+        let project = load(&text, "m.toml").unwrap_or_else(|error| panic!("{error}"));
+        let system = &project.machine.systems[0];
+        assert_eq!(system.axes.len(), count, "{definition}");
+        assert_eq!(system.linear().len() + system.oriented().len(), count, "{definition}");
+        assert_eq!(
+            system.robot.map(|robot| robot.build),
+            wrist.map(Build::Wrist),
+            "{definition}"
+        );
+        let orientation = wrist.is_none().then_some(Orientation {
+            max_speed: if keys.is_empty() { 40.0 } else { 7.0 },
+            max_acceleration: 400.0,
+            max_deceleration: 450.0,
+        });
+        assert_eq!(system.orientation, orientation, "{definition}");
+        if keys.starts_with("zero") {
+            let angles = system.robot.expect(definition).parameters.zero_angles;
+            assert_eq!(angles[count - 1], count as f64, "{definition}");
+        }
+        let written = crate::format(&crate::table(&project));
+        let again = load(&written, "m.toml").unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(again.machine.systems, project.machine.systems, "{definition}");
     }
 }

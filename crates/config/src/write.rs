@@ -3,14 +3,14 @@
 
 use arcline_controller::image::Access;
 use arcline_controller::machine::{
-    Axis, AxisKind, AxisLimits, CoordinateSystem, Corner, Geometry, Home, HomeDirection, HomeMode, HomeSequence,
-    Machine, ProgrammedStopMode, Robot,
+    Axis, AxisKind, AxisLimits, Build, CoordinateSystem, Corner, Geometry, Home, HomeDirection, HomeMode, HomeSequence,
+    Machine, Orientation, ProgrammedStopMode, Robot,
 };
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet};
 use arcline_tag::{DataType, Elementary, Member, STRING_INSTANCE, Template, string_text};
 use toml::{Table, Value};
 
-use crate::read::KEYS;
+use crate::read::{KEYS, WRISTS};
 use crate::{IoListen, PlainTag, Project};
 
 /// The tables of a project with every key, those at their default too.
@@ -339,16 +339,28 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
         AxisLimits::Ignore => text("ignore"),
         AxisLimits::Enforce => text("enforce"),
     };
-    if let Some(Robot { parameters, .. }) = &system.robot {
+    if let Some(Robot { parameters, build }) = &system.robot {
         let numbers = |numbers: &[f64]| Value::Array(numbers.iter().copied().map(Value::Float).collect());
         for (key, value) in [
             ("link_lengths", numbers(&parameters.link_lengths)),
             ("base_offsets", numbers(&parameters.base_offsets)),
             ("end_effector_offsets", numbers(&parameters.end_effector_offsets)),
-            ("zero_angles", numbers(&parameters.zero_angles[..3])),
+            ("zero_angles", numbers(&parameters.zero_angles[..build.joints().max(3)])),
         ] {
             table.insert(key.to_owned(), value);
         }
+    }
+    if let Some(orientation) = &system.orientation {
+        for (key, number) in [
+            ("max_orientation_speed", orientation.max_speed),
+            ("max_orientation_acceleration", orientation.max_acceleration),
+            ("max_orientation_deceleration", orientation.max_deceleration),
+        ] {
+            table.insert(key.to_owned(), Value::Float(number));
+        }
+    }
+    if let Some(definition) = definition_of(system) {
+        table.insert("definition".to_owned(), text(definition));
     }
     for (key, value) in [
         ("name", text(&system.name)),
@@ -366,15 +378,30 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
     Value::Table(table)
 }
 
-/// The word of `type` of a coordinate system's robot; `None`: it is Cartesian.
+/// The word of `definition`, where there is one.
+pub fn definition_of(system: &CoordinateSystem) -> Option<&'static str> {
+    match system.robot.map(|robot| robot.build) {
+        Some(Build::Wrist(wrist)) => Some(wrist.definition()),
+        Some(Build::Arm(_)) => None,
+        None => system.orientation.map(|_| Orientation::DEFINITION),
+    }
+}
+
+/// The word of `type` of a coordinate system with this robot; `None`: it is Cartesian.
 pub fn build_of(robot: Option<&Robot>) -> &'static str {
-    match robot.map(|robot| robot.geometry) {
+    match robot.map(|robot| robot.build) {
         None => "cartesian",
-        Some(Geometry::ArticulatedIndependent2 | Geometry::ArticulatedIndependent3) => "articulated_independent",
-        Some(Geometry::ArticulatedDependent2 | Geometry::ArticulatedDependent3) => "articulated_dependent",
-        Some(Geometry::ScaraIndependent) => "scara_independent",
-        Some(Geometry::ScaraDelta) => "scara_delta",
-        Some(Geometry::Delta2 | Geometry::Delta3) => "delta",
+        Some(Build::Arm(geometry)) => match geometry {
+            Geometry::ArticulatedIndependent2 | Geometry::ArticulatedIndependent3 => "articulated_independent",
+            Geometry::ArticulatedDependent2 | Geometry::ArticulatedDependent3 => "articulated_dependent",
+            Geometry::ScaraIndependent => "scara_independent",
+            Geometry::ScaraDelta => "scara_delta",
+            Geometry::Delta2 | Geometry::Delta3 => "delta",
+        },
+        Some(Build::Wrist(wrist)) => {
+            let build = WRISTS.iter().find(|(_, other)| *other == wrist);
+            build.map_or("cartesian", |(word, _)| word)
+        }
     }
 }
 

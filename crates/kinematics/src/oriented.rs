@@ -39,6 +39,17 @@ impl Wrist {
         }
     }
 
+    /// Its Coordinate Definition (spec/axis-and-data-types.md §9.6).
+    #[must_use]
+    pub const fn definition(self) -> &'static str {
+        match self {
+            Wrist::DeltaJ1J2J6 => "J1J2J6",
+            Wrist::DeltaJ1J2J3J6 | Wrist::ScaraJ1J2J3J6 => "J1J2J3J6",
+            Wrist::DeltaJ1J2J3J4J5 => "J1J2J3J4J5",
+            Wrist::ArticulatedJ1J2J3J4J5J6 => "J1J2J3J4J5J6",
+        }
+    }
+
     fn arm(self) -> Geometry {
         match self {
             Wrist::DeltaJ1J2J6 => Geometry::Delta2,

@@ -36,6 +36,6 @@ pub use contour::ContourRequest;
 pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};
 pub use events::ArrayWrite;
 pub use feed_override::MAX_OVERRIDE;
-pub use material::{Answer, Material};
+pub use material::{Answer, Frame, Frames, Material};
 pub use motion::{Input, Motion};
 pub use snapshot::{AxisSnapshot, SystemSnapshot};

@@ -12,7 +12,7 @@ mod inputs;
 pub use home::{Home, HomeDirection, HomeMarker, HomeMode, HomeSequence, HomeSwitch};
 pub use inputs::{Feed, Inputs};
 
-pub use arcline_kinematics::{Geometry, Parameters};
+pub use arcline_kinematics::{Geometry, Parameters, Wrist};
 
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 
@@ -25,8 +25,11 @@ pub const MAX_SYSTEMS: usize = 64;
 /// Largest number of transforms of one machine.
 pub const MAX_TRANSFORMS: usize = 64;
 
-/// Largest number of primary axes of one coordinate system.
+/// Largest number of axes of one coordinate system that moves interpolate as a vector: X, Y, Z.
 pub const MAX_PRIMARY_AXES: usize = 3;
+
+/// Largest number of axes of one coordinate system: X, Y, Z, Rx, Ry, Rz, or the joints J1 to J6.
+pub const MAX_SYSTEM_AXES: usize = 6;
 
 /// Deepest queue of pending moves behind the active one.
 pub const MAX_QUEUE_DEPTH: usize = 1000;
@@ -278,7 +281,8 @@ impl Default for Start {
 pub struct CoordinateSystem {
     /// Name, the coordinate system's tag.
     pub name: String,
-    /// Places of its primary axes in [`Machine::axes`], in order: 1 to 3, each once.
+    /// Places of its axes in [`Machine::axes`], in order, each once: 1 to [`MAX_PRIMARY_AXES`], or as many as `orientation`
+    /// or a wrist in `robot` says. See [`CoordinateSystem::linear`].
     pub axes: Vec<u16>,
     /// 100 % of speed, above 0, u/s.
     pub max_speed: f64,
@@ -304,15 +308,64 @@ pub struct CoordinateSystem {
     pub joint_limits: AxisLimits,
     /// The robot whose joints its axes are; `None`: it is Cartesian.
     pub robot: Option<Robot>,
+    /// Its axes are X, Y, Z, Rx, Ry, Rz, the last three in degrees: Coordinate Definition XYZRxRyRz. Never of a robot.
+    pub orientation: Option<Orientation>,
+}
+
+impl CoordinateSystem {
+    /// The axes that coordinated moves interpolate as a vector: at most [`MAX_PRIMARY_AXES`], the first ones. Real-time.
+    pub fn linear(&self) -> &[u16] {
+        &self.axes[..self.axes.len().min(MAX_PRIMARY_AXES)]
+    }
+
+    /// The axes behind them: Rx, Ry, Rz, or the joints J4 to J6; mostly none. Real-time.
+    pub fn oriented(&self) -> &[u16] {
+        &self.axes[self.axes.len().min(MAX_PRIMARY_AXES)..]
+    }
+}
+
+/// Maxima of the turn of a Cartesian coordinate system with orientation (axis-and-data-types.md §9.6), each above 0.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Orientation {
+    /// 100 % of Orientation Speed, degrees/s.
+    pub max_speed: f64,
+    /// 100 % of Orientation Acceleration, degrees/s².
+    pub max_acceleration: f64,
+    /// 100 % of Orientation Deceleration, degrees/s².
+    pub max_deceleration: f64,
+}
+
+impl Orientation {
+    /// Its Coordinate Definition.
+    pub const DEFINITION: &'static str = "XYZRxRyRz";
 }
 
 /// A robot as it was described: MCT refuses one that cannot be (ERR 61).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Robot {
     /// How it is built; it has as many joints as the coordinate system has axes.
-    pub geometry: Geometry,
+    pub build: Build,
     /// What it is built with.
     pub parameters: Parameters,
+}
+
+/// How a robot is built.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Build {
+    /// An arm, which MCT links.
+    Arm(Geometry),
+    /// An arm with a wrist, which MCTO links.
+    Wrist(Wrist),
+}
+
+impl Build {
+    /// Joints.
+    pub fn joints(self) -> usize {
+        match self {
+            Build::Arm(geometry) => geometry.joints(),
+            Build::Wrist(wrist) => wrist.joints(),
+        }
+    }
 }
 
 /// How termination types 2, 3 and 6 shape a corner.

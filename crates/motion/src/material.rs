@@ -25,6 +25,26 @@ pub enum Material {
     Cam(Arc<Profile>),
     /// A place for numbers that the instruction calculates in the tick.
     Answer(Arc<Answer>),
+    /// Frames of MCTO.
+    Frames(Frames),
+}
+
+/// Where a work and a tool are, for MCTO and MCTPO.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Frames {
+    /// The work, in the frame of the robot's base.
+    pub work: Frame,
+    /// The tool centre, in the frame of the end of the arm.
+    pub tool: Frame,
+}
+
+/// A POSITION_DATA (spec/coordinated-instructions.md §22.8).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// What ActiveWorkFrameID or ActiveToolFrameID shows; without effect on motion.
+    pub id: i32,
+    /// X, Y, Z in position units, Rx, Ry, Rz in degrees, each finite.
+    pub coordinates: [f64; 6],
 }
 
 /// Numbers on their way out of the tick: written once there, read when the instruction is done.

@@ -286,7 +286,7 @@ impl Motion {
         let axes = match instruction.object {
             Object::CoordinateSystem => {
                 let index = self.target_system(call)?;
-                self.systems[index].description.axes.len()
+                self.systems[index].description.linear().len()
             }
             Object::Axis | Object::MotionGroup => 1,
         };
@@ -378,7 +378,7 @@ fn systems(machine: &Machine) -> Vec<System> {
     };
     let system = |description: &crate::machine::CoordinateSystem| {
         let mut corner_step = Point::zeros();
-        for (axis, own) in description.axes.iter().zip(corner_step.iter_mut()) {
+        for (axis, own) in description.linear().iter().zip(corner_step.iter_mut()) {
             *own = step(axis);
         }
         System::new(description, corner_step, enforced(machine, description))
@@ -398,7 +398,7 @@ fn enforced(machine: &Machine, system: &crate::machine::CoordinateSystem) -> Axi
         return limits;
     }
     let mut jerk = unlimited;
-    for (place, axis) in system.axes.iter().enumerate() {
+    for (place, axis) in system.linear().iter().enumerate() {
         if let Some(axis) = machine.axes.get(usize::from(*axis)) {
             limits.speed[place] = axis.max_speed;
             limits.acceleration[place] = axis.max_acceleration.min(axis.max_deceleration);

@@ -2,6 +2,8 @@
 
 use arcline_instruction_set::FaultSet;
 
+use crate::machine::MAX_SYSTEM_AXES;
+
 /// One axis: the words of its tag (spec/axis-and-data-types.md §8.4) and its motion variables.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisSnapshot {
@@ -61,7 +63,7 @@ pub struct SystemSnapshot {
     /// AxesServoOnStatus.
     pub axes_servo_on: u32,
     /// ActualPosition of each axis.
-    pub actual: [f64; 3],
+    pub actual: [f64; MAX_SYSTEM_AXES],
     /// Speed along the path, units/s.
     pub path_speed: f64,
     /// Distance gone along the active path, units.
@@ -82,7 +84,7 @@ impl Default for SystemSnapshot {
             axes_faulted: 0,
             axes_shutdown: 0,
             axes_servo_on: 0,
-            actual: [0.0; 3],
+            actual: [0.0; MAX_SYSTEM_AXES],
             path_speed: 0.0,
             path_position: 0.0,
             path_length: 0.0,

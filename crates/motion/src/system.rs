@@ -1,6 +1,6 @@
 //! One coordinate system: its planner, its stop, and what its status bits remember.
 
-use arcline_kinematics::{GeometryError, Robot};
+use arcline_kinematics::{GeometryError, OrientedRobot, Robot};
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::Phase;
@@ -12,7 +12,7 @@ use crate::events::Events;
 use crate::follow::guide::{Guide, LockTo};
 use crate::follow::links::Links;
 use crate::follow::reach::Pace;
-use crate::machine::{AxisLimits as Limits, CoordinateSystem, Corner};
+use crate::machine::{AxisLimits as Limits, Build, CoordinateSystem, Corner};
 use crate::stop::Stop;
 
 /// When a move is complete (spec/coordinated-instructions.md §7.1).
@@ -61,6 +61,8 @@ pub(crate) struct System {
     pub(crate) description: CoordinateSystem,
     /// Whose joints its axes are.
     pub(crate) robot: Option<Result<Robot, GeometryError>>,
+    /// The same of a robot with a wrist.
+    pub(crate) wrist: Option<Result<OrientedRobot, GeometryError>>,
     pub(crate) planner: Planner<Planned>,
     /// In place of the planner where moves are travelled as planned contours, but for one that was merged: the planner
     /// travels that, and the moves here wait behind it.
@@ -103,9 +105,14 @@ impl System {
         System {
             contour: contours.then(|| ContourQueue::new(description.queue_depth)),
             axis_limits,
-            robot: description
-                .robot
-                .map(|robot| Robot::new(robot.geometry, &robot.parameters)),
+            robot: description.robot.and_then(|robot| match robot.build {
+                Build::Arm(geometry) => Some(Robot::new(geometry, &robot.parameters)),
+                Build::Wrist(_) => None,
+            }),
+            wrist: description.robot.and_then(|robot| match robot.build {
+                Build::Arm(_) => None,
+                Build::Wrist(wrist) => Some(OrientedRobot::new(wrist, &robot.parameters)),
+            }),
             planner: Planner::new(description.queue_depth, corner_step),
             description: description.clone(),
             activity: Activity::Idle,
@@ -231,6 +238,11 @@ impl System {
     /// Whether a coordinated move of this system is active, pending, or being stopped on its path.
     pub(crate) fn is_busy(&self) -> bool {
         self.activity != Activity::Idle
+    }
+
+    /// Whether its axes turn a tool besides moving it: MCTO links it, not MCT.
+    pub(crate) fn is_oriented(&self) -> bool {
+        self.description.orientation.is_some() || self.wrist.is_some()
     }
 
     pub(crate) fn has(&self, axis: u16) -> bool {

@@ -83,7 +83,7 @@ pub(crate) fn no_overtravel(system: &System, axes: &[Axis], end: &Point) -> Resu
         let axis = axes.get(usize::from(*axis));
         axis.is_some_and(|axis| axis.faults.forbids(component(end, place) - axis.command.position))
     };
-    if system.description.axes.iter().enumerate().any(out) {
+    if system.description.linear().iter().enumerate().any(out) {
         return Err(MotionError::OvertravelCondition);
     }
     Ok(())

@@ -52,6 +52,7 @@ fn machine(period_ns: u64) -> Machine {
             axis_limits: Default::default(),
             joint_limits: Default::default(),
             robot: None,
+            orientation: None,
         }],
         transforms: Vec::new(),
     }

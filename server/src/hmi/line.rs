@@ -70,9 +70,9 @@ impl Shared {
             .map_err(|error| not_bound(&error, mnemonic))?;
         let systems = &self.plant.machine().systems;
         let axes = match (instruction.object, target) {
-            (Object::CoordinateSystem, Some(place)) => {
-                systems.get(usize::from(place)).map_or(0, |system| system.axes.len())
-            }
+            (Object::CoordinateSystem, Some(place)) => systems
+                .get(usize::from(place))
+                .map_or(0, |system| system.linear().len()),
             _ => 1,
         };
         instruction.verify(&bound, axes).map_err(|operand| {

@@ -105,7 +105,7 @@ fn present(machine: &Machine, snapshot: &Snapshot, moves: &LiveMoves) -> Machine
     for (place, system) in machine.systems.iter().enumerate() {
         let Some(last) = moves.of(place).last() else { continue };
         let end = last.accepted.path.end();
-        for (axis, position) in system.axes.iter().zip(end.iter()) {
+        for (axis, position) in system.linear().iter().zip(end.iter()) {
             let axis = machine.axes.get_mut(usize::from(*axis));
             if let Some(axis) = axis.filter(|axis| !axis.is_rotary()) {
                 axis.start.position = *position;
@@ -165,7 +165,7 @@ impl Seen {
             let system = &machine.systems[*place];
             let moves = self.moves.iter().filter(|one| usize::from(one.system) == *place);
             let blends = moves.filter(|one| one.tolerance > 0.0 && one.tolerance.is_finite());
-            let blends = blends.map(|one| paths::circle(&one.path.end(), one.tolerance, system.axes.len()));
+            let blends = blends.map(|one| paths::circle(&one.path.end(), one.tolerance, system.linear().len()));
             json!({
                 "coordinate_system": system.name,
                 "points": trail.points,
@@ -254,11 +254,11 @@ impl Observer for Seen {
             was[place].is_some_and(|before| before != rows[place][0])
         };
         for (place, system) in machine.systems.iter().enumerate() {
-            if !system.axes.iter().any(moved) {
+            if !system.linear().iter().any(moved) {
                 continue;
             }
             let position =
-                |row: &dyn Fn(usize) -> f64| system.axes.iter().map(|axis| row(usize::from(*axis))).collect();
+                |row: &dyn Fn(usize) -> f64| system.linear().iter().map(|axis| row(usize::from(*axis))).collect();
             let trail = self.trails.entry(place).or_insert_with(|| Trail {
                 points: vec![position(&|axis| was[axis].unwrap_or(rows[axis][0]))],
                 every: 1,

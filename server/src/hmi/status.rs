@@ -157,7 +157,7 @@ impl Words {
                 "bits": set(image, &system.name, bits),
             });
             if drawn == Paths::Drawn {
-                told["path"] = paths::of(moves, place, system.axes.len());
+                told["path"] = paths::of(moves, place, system.linear().len());
             }
             told
         });

@@ -1,14 +1,12 @@
 //! `[[coordinate_system]]` and `[[transform]]` tables: what stands on axes and systems that are there already.
 
-use arcline_controller::machine::{
-    AxisLimits, CoordinateSystem, Corner, Geometry, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, Machine, Parameters, Robot,
-    Transform,
-};
+use arcline_controller::machine::{AxisLimits, CoordinateSystem, Corner, MAX_QUEUE_DEPTH, Machine, Transform};
 
 use super::NOT_NEGATIVE_LENGTH;
 use super::dynamics::Dynamics;
 use super::names::{Taken, required_name, unknown_name};
-use crate::error::{ConfigError, Problem};
+use super::robot::Kind;
+use crate::error::ConfigError;
 use crate::section::Section;
 
 pub(super) fn coordinate_system(
@@ -17,15 +15,16 @@ pub(super) fn coordinate_system(
     names: &mut Taken,
 ) -> Result<CoordinateSystem, ConfigError> {
     let name = required_name(section, "name", names)?;
-    let build = section.word("type", BUILDS, BUILD)?.unwrap_or(0);
+    let kind = Kind::read(section)?;
+    let (count, expected) = kind.axes();
     let mut axes = Vec::new();
-    for axis in section.strings("axes", PRIMARY_AXES, 1..=MAX_PRIMARY_AXES)? {
+    for axis in section.strings("axes", expected, count)? {
         let Some(place) = machine.axis(&axis.value) else {
             let known = machine.axes.iter().map(|axis| axis.name.as_str());
             return Err(unknown_name(section, &axis, "axis", known));
         };
-        let kind = machine.axes.get(usize::from(place)).map(|axis| axis.kind);
-        if kind == Some(arcline_controller::machine::AxisKind::Feedback) {
+        let behind = machine.axes.get(usize::from(place)).map(|axis| axis.kind);
+        if behind == Some(arcline_controller::machine::AxisKind::Feedback) {
             return Err(section.refuse(&axis, "an axis that can be moved", None));
         }
         if axes.contains(&place) {
@@ -33,7 +32,9 @@ pub(super) fn coordinate_system(
         }
         axes.push(place);
     }
-    let robot = robot(section, build, axes.len())?;
+    let robot = kind.robot(section, axes.len())?;
+    let own = axes.iter().filter_map(|place| machine.axes.get(usize::from(*place)));
+    let orientation = kind.orientation(section, own)?;
     let dynamics = Dynamics::read(section)?;
     let corner = match section.word("corner", &["logix", "precise"], "\"logix\" or \"precise\"")? {
         Some(1) => Corner::Precise,
@@ -66,58 +67,8 @@ pub(super) fn coordinate_system(
         axis_limits,
         joint_limits,
         robot,
+        orientation,
     })
-}
-
-/// The robot of a type, with the parameters that it has.
-fn robot(section: &Section<'_>, build: usize, axes: usize) -> Result<Option<Robot>, ConfigError> {
-    let mut parameters = Parameters::default();
-    let [mut lengths, mut angles] = [[0.0; 3]; 2];
-    section.numbers("link_lengths", "two numbers", &mut lengths[..2])?;
-    section.numbers("base_offsets", THREE_NUMBERS, &mut parameters.base_offsets)?;
-    section.numbers(
-        "end_effector_offsets",
-        THREE_NUMBERS,
-        &mut parameters.end_effector_offsets,
-    )?;
-    section.numbers("zero_angles", THREE_NUMBERS, &mut angles)?;
-    parameters.link_lengths = [lengths[0], lengths[1]];
-    parameters.zero_angles[..3].copy_from_slice(&angles);
-    let plane = axes == 2;
-    let geometry = match BUILDS.get(build).copied() {
-        Some("articulated_independent") if plane => Geometry::ArticulatedIndependent2,
-        Some("articulated_independent") => Geometry::ArticulatedIndependent3,
-        Some("articulated_dependent") if plane => Geometry::ArticulatedDependent2,
-        Some("articulated_dependent") => Geometry::ArticulatedDependent3,
-        Some("scara_independent") => Geometry::ScaraIndependent,
-        Some("scara_delta") => Geometry::ScaraDelta,
-        Some("delta") if plane => Geometry::Delta2,
-        Some("delta") => Geometry::Delta3,
-        _ => {
-            if let Some(key) = PARAMETERS.iter().find(|key| section.value(key).is_some()) {
-                return Err(section.refuse_key(
-                    key,
-                    Problem::Value {
-                        found: section.found(key),
-                        expected: "no such key: the coordinate system is Cartesian",
-                        suggestion: None,
-                    },
-                ));
-            }
-            return Ok(None);
-        }
-    };
-    if geometry.joints() != axes {
-        return Err(section.refuse_key(
-            "axes",
-            Problem::Value {
-                found: section.found("axes"),
-                expected: "as many axes as the geometry has joints",
-                suggestion: None,
-            },
-        ));
-    }
-    Ok(Some(Robot { geometry, parameters }))
 }
 
 pub(super) fn transform(section: &Section<'_>, machine: &Machine, names: &mut Taken) -> Result<Transform, ConfigError> {
@@ -145,12 +96,16 @@ pub(super) fn transform(section: &Section<'_>, machine: &Machine, names: &mut Ta
 pub(super) const COORDINATE_SYSTEM: &[&str] = &[
     "name",
     "type",
+    "definition",
     "axes",
     "max_speed",
     "max_acceleration",
     "max_deceleration",
     "max_acceleration_jerk",
     "max_deceleration_jerk",
+    "max_orientation_speed",
+    "max_orientation_acceleration",
+    "max_orientation_deceleration",
     "actual_tolerance",
     "command_tolerance",
     "queue_depth",
@@ -162,21 +117,7 @@ pub(super) const COORDINATE_SYSTEM: &[&str] = &[
     "end_effector_offsets",
     "zero_angles",
 ];
-/// Keys that only robots have.
-const PARAMETERS: &[&str] = &["link_lengths", "base_offsets", "end_effector_offsets", "zero_angles"];
-/// Words of `type`; how many axes there are tells the rest.
-pub(crate) const BUILDS: &[&str] = &[
-    "cartesian",
-    "articulated_independent",
-    "articulated_dependent",
-    "scara_independent",
-    "scara_delta",
-    "delta",
-];
 pub(super) const TRANSFORM: &[&str] = &["name", "source", "target"];
 
-const BUILD: &str = "\"cartesian\", \"articulated_independent\", \"articulated_dependent\", \"scara_independent\", \"scara_delta\" or \"delta\"";
-const THREE_NUMBERS: &str = "a list of three numbers";
-const PRIMARY_AXES: &str = "a list of 1 to 3 names of axes";
 const QUEUE_DEPTH: &str = "a whole number from 1 to 1000";
 const SYSTEM_NAME: &str = "the name of a coordinate system";

@@ -190,6 +190,6 @@ pub const ELEMENTARY: &[&str] = &[
 const MEMBERS: &str = "a list of tables such as { name = \"Speed\", type = \"REAL\" }";
 const TOO_LARGE: &str = "a type of at most 2 MiB";
 const MEMBER_TYPE: &str = "BOOL, SINT, INT, DINT, LINT, USINT, UINT, UDINT, REAL, LREAL, STRING, CAM, CAM_PROFILE, OUTPUT_CAM, \
-     OUTPUT_COMPENSATION or a [[data_type]] above, or an array of 1 to 65535 of them such as REAL[16]";
+     OUTPUT_COMPENSATION, POSITION_DATA, PATH_DATA, DYNAMICS_DATA or a [[data_type]] above, or an array of 1 to 65535 of them such as REAL[16]";
 pub(super) const TAG_TYPE: &str = "BOOL, SINT, INT, DINT, LINT, USINT, UINT, UDINT, REAL, LREAL, STRING, CAM, CAM_PROFILE, OUTPUT_CAM, \
-     OUTPUT_COMPENSATION or a [[data_type]], or an array of 1 to 65535 of them in each of up to three dimensions such as REAL[16] or DINT[2,3]";
+     OUTPUT_COMPENSATION, POSITION_DATA, PATH_DATA, DYNAMICS_DATA or a [[data_type]], or an array of 1 to 65535 of them in each of up to three dimensions such as REAL[16] or DINT[2,3]";

@@ -13,6 +13,7 @@ use arcline_motion::{Answer, Material};
 
 use arcline_tag::{DataType, Member};
 
+use super::structures::real;
 use super::{Image, TagId};
 
 /// What an instruction writes to tags when it is done.
@@ -54,6 +55,10 @@ impl Image {
             Mnemonic::Mccp => self.calculate_profile(call),
             Mnemonic::Mcsv => self.calculate_values(call),
             Mnemonic::Mapc | Mnemonic::Matc => self.use_profile(call),
+            Mnemonic::Mcto => self
+                .frames(call)
+                .map(|frames| (Material::Frames(frames), None))
+                .map_err(Refusal::from),
             Mnemonic::Mctp => return Self::expect_numbers(call, "Transform Position"),
             _ => return (None, None),
         };
@@ -216,7 +221,7 @@ impl Image {
         let bytes = self.bytes(cam.id).get(cam.offset..).unwrap_or_default();
         let mut points: Vec<Point> = Vec::with_capacity(length);
         for (place, element) in bytes.chunks_exact(CAM).take(length).enumerate() {
-            let [x, y] = [0, 4].map(|at| f64::from(f32::from_le_bytes(word(element, at))));
+            let [x, y] = [0, 4].map(|at| real(element, at));
             let kind = match i32::from_le_bytes(word(element, 8)) {
                 0 => SegmentType::Linear,
                 1 => SegmentType::Cubic,
@@ -349,12 +354,14 @@ fn elements_from(data_type: &DataType, elements: usize, offset: usize, size: usi
     )
 }
 
-fn operand(mnemonic: Mnemonic, name: &str) -> usize {
+/// Place of an operand on the faceplate.
+pub(super) fn operand(mnemonic: Mnemonic, name: &str) -> usize {
     let operands = mnemonic.instruction().operands;
     operands.iter().position(|operand| operand.name == name).unwrap_or(0)
 }
 
-fn word<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+/// Bytes at a place; zeros behind the end.
+pub(super) fn word<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     bytes.get(at..).and_then(<[u8]>::first_chunk).copied().unwrap_or([0; N])
 }
 

@@ -18,6 +18,7 @@ mod health;
 mod inputs;
 mod read;
 mod shared;
+mod structures;
 mod table;
 mod tag;
 #[cfg(test)]

@@ -53,6 +53,7 @@ fn machine() -> Machine {
             axis_limits: Default::default(),
             joint_limits: Default::default(),
             robot: None,
+            orientation: None,
         }],
         transforms: Vec::new(),
     }

@@ -48,6 +48,12 @@ predefined! {
     output_cam "OUTPUT_CAM" 0xF09 32;
     /// OUTPUT_COMPENSATION, 24 bytes: of an output bit, for MAOC.
     output_compensation "OUTPUT_COMPENSATION" 0xF0A 24;
+    /// POSITION_DATA, 28 bytes: a frame of a work or a tool, for MCTO and MCTPO (spec/coordinated-instructions.md §22.8).
+    position_data "POSITION_DATA" 0xF0B 28;
+    /// PATH_DATA, 68 bytes: where a path leads, for MCPM (§23.1).
+    path_data "PATH_DATA" 0xF0C 68;
+    /// DYNAMICS_DATA, 44 bytes: how fast it leads there, for MCPM (§23.2).
+    dynamics_data "DYNAMICS_DATA" 0xF0D 44;
     /// REAL_TIME, 248 bytes, a type of our own: the health of the real-time thread.
     ///
     /// Lateness is how long after its time a tick began, Compute how long it took; both in µs. Bucket 0 of a
@@ -58,7 +64,15 @@ predefined! {
 
 /// The predefined type of that name that plain tags can have, case ignored.
 pub fn of_tags(name: &str) -> Option<Arc<Template>> {
-    let types = [cam(), cam_profile(), output_cam(), output_compensation()];
+    let types = [
+        cam(),
+        cam_profile(),
+        output_cam(),
+        output_compensation(),
+        position_data(),
+        path_data(),
+        dynamics_data(),
+    ];
     types
         .into_iter()
         .find(|template| template.name.eq_ignore_ascii_case(name))
@@ -138,6 +152,9 @@ mod tests {
             (axis_cip_drive(),      833, 1040, "ExcessivePositionErrorFLFault", 886, Some(6)),
             (axis_cip_drive(),      833, 1040, "CIPShutdownStatus",      846, Some(2)),
             (axis_virtual(),        75,  132,  "CommandAcceleration",    128, None),
+            (position_data(),       7,   28,   "Rz",                     24,  None),
+            (path_data(),           8,   68,   "TurnsCounters",          48,  None),
+            (dynamics_data(),       11,  44,   "OrientationDeceleration", 40, None),
             (real_time(),           17,  248,  "Pinned",                 236, Some(2)),
         ];
         for (template, members, size, name, offset, bit) in cases {

@@ -150,7 +150,7 @@ impl Motion {
         let (here, there) = (path.at(along), path.at((along + way * share).min(length)));
         let speed = speed * (1.0 - share).max(0.0).sqrt();
         self.when(link, &|axis| {
-            let place = system.description.axes.iter().position(|own| *own == axis);
+            let place = system.description.linear().iter().position(|own| *own == axis);
             place.map_or_else(Point::default, |place| Point {
                 position: component(&there.position, place) - component(&here.position, place),
                 velocity: component(&there.tangent, place) * speed,

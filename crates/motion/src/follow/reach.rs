@@ -110,7 +110,7 @@ impl Motion {
             self.when(link, &|axis| {
                 let place = self.systems[system]
                     .description
-                    .axes
+                    .linear()
                     .iter()
                     .position(|own| *own == axis);
                 place.map_or_else(Point::default, |place| Point {

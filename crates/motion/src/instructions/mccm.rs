@@ -37,10 +37,14 @@ impl CircleLayout {
 }
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
+    let index = motion.target_system(call)?;
+    if motion.systems[index].description.orientation.is_some() {
+        return Err(MotionError::InstructionNotSupported);
+    }
     let layout = motion.layouts.mccm;
     let circle = motion.layouts.circle;
     moves::execute(motion, execution, call, &layout, 2, |motion, system, start| {
-        let axes = system.description.axes.len();
+        let axes = system.description.linear().len();
         let incremental = call.word(layout.move_type) == INCREMENTAL;
         let position = primary(system, call, layout.position);
         let mut end = target_point(position, &start, incremental);

@@ -1,6 +1,6 @@
 //! MCS, Motion Coordinated Stop (spec/coordinated-instructions.md §15, the MCS seed).
 
-use arcline_instruction_set::{AxisIndex, Call, Culprit, Flag, Mnemonic, MotionError};
+use arcline_instruction_set::{AxisIndex, Call, Culprit, Flag, Mnemonic, MotionError, OperandIndex};
 use arcline_planner::profile::{Jerk, Limits};
 
 use super::place;
@@ -25,6 +25,11 @@ pub(crate) struct Layout {
     jerk_units: usize,
 }
 
+/// Decel Units that a stop with orientation knows.
+const PERCENT_OF_MAXIMUM: i32 = 1;
+/// Jerk Units that a stop with orientation knows.
+const PERCENT_OF_TIME: i32 = 2;
+
 impl Layout {
     pub(super) fn new() -> Self {
         let place = |name| place(Mnemonic::Mcs, name);
@@ -44,6 +49,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let layout = motion.layouts.mcs;
     let index = motion.target_system(call)?;
     motion.verify_operands(call)?;
+    verify_units(motion, index, call)?;
     verify::axes_on(&motion.systems[index], &motion.axes)?;
     verify::stoppable(&motion.systems[index], &motion.axes, is_s_curve(motion, index))?;
     let stop_type = call.word(layout.stop_type);
@@ -86,6 +92,23 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
     motion.controls.write(execution, initiated, 0, motion.clock.tick);
     Ok(())
+}
+
+/// With orientation one rate cannot be of X, Y, Z and of Rx, Ry, Rz: only shares of the maxima are possible (§4.4, §15).
+fn verify_units(motion: &Motion, index: usize, call: &Call) -> Result<(), MotionError> {
+    let layout = &motion.layouts.mcs;
+    if motion.systems[index].description.orientation.is_none() {
+        return Ok(());
+    }
+    let units = [
+        (layout.change_decel, layout.decel_units, PERCENT_OF_MAXIMUM),
+        (layout.change_decel_jerk, layout.jerk_units, PERCENT_OF_TIME),
+    ];
+    let wrong = |(change, units, only): &(usize, usize, i32)| call.is_one(*change) && call.word(*units) != *only;
+    match units.iter().find(|one| wrong(one)) {
+        Some((_, units, _)) => Err(MotionError::ParameterOutOfRange(OperandIndex(*units as u8))),
+        None => Ok(()),
+    }
 }
 
 /// Deceleration and jerk that a stop is executed with.

@@ -29,8 +29,10 @@ const CONSISTENT: f64 = 1e-3;
 
 /// EXERR of error 61 (§19.6): both systems are the same.
 const SAME_SYSTEM: Detail = Detail(2);
-/// EXERR of error 61: neither is Cartesian.
+/// EXERR of error 61: neither is Cartesian, or the source is of the other kind.
 const NEITHER_CARTESIAN: Detail = Detail(5);
+/// EXERR of error 61: the target is of the other kind.
+const WRONG_TARGET: Detail = Detail(6);
 /// EXERR of error 61: an axis belongs to both systems.
 const AXIS_IN_BOTH: Detail = Detail(7);
 /// EXERR of error 61: another coordinated motion uses axes of the target.
@@ -129,6 +131,12 @@ pub(super) fn verify_pair(
     let refused = |detail| Err(MotionError::ConnectionConflict(detail));
     if source == target {
         return refused(SAME_SYSTEM);
+    }
+    if motion.systems[source].is_oriented() {
+        return refused(NEITHER_CARTESIAN);
+    }
+    if motion.systems[target].is_oriented() {
+        return refused(WRONG_TARGET);
     }
     let robot = match [source, target].map(|index| motion.systems[index].robot) {
         [Some(_), Some(_)] => return refused(NEITHER_CARTESIAN),

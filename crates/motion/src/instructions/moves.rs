@@ -104,7 +104,7 @@ pub(super) fn execute(
     path: impl FnOnce(&Motion, &System, Point) -> Result<Path, MotionError>,
 ) -> Result<(), MotionError> {
     let index = motion.target_system(call)?;
-    if motion.systems[index].description.axes.len() < least_axes {
+    if motion.systems[index].description.linear().len() < least_axes {
         return Err(super::no_target());
     }
     motion.verify_operands(call)?;
@@ -338,8 +338,8 @@ fn terminate(motion: &mut Motion, index: usize, merge: i32) {
     if merge != MERGE_ALL {
         return;
     }
-    for place in 0..motion.systems[index].description.axes.len() {
-        let axis = motion.systems[index].description.axes[place];
+    for place in 0..motion.systems[index].description.linear().len() {
+        let axis = motion.systems[index].description.linear()[place];
         motion.end_single_axis(axis, None);
     }
     for other in 0..motion.systems.len() {
@@ -352,7 +352,7 @@ fn terminate(motion: &mut Motion, index: usize, merge: i32) {
 /// A quantity of each axis of a coordinate system as a point.
 fn command(motion: &Motion, index: usize, quantity: impl Fn(&Axis) -> f64) -> Point {
     let mut point = Point::zeros();
-    for (axis, coordinate) in motion.systems[index].description.axes.iter().zip(point.iter_mut()) {
+    for (axis, coordinate) in motion.systems[index].description.linear().iter().zip(point.iter_mut()) {
         *coordinate = motion.axes.get(usize::from(*axis)).map_or(0.0, &quantity);
     }
     point
@@ -414,12 +414,12 @@ pub(super) fn target_point(values: &[f64], start: &Point, incremental: bool) -> 
 /// The elements of an array operand that belong to the axes of a coordinate system.
 pub(super) fn primary<'a>(system: &System, call: &'a Call, operand: usize) -> &'a [f64] {
     let values = call.array(operand);
-    &values[..system.description.axes.len().min(values.len())]
+    &values[..system.description.linear().len().min(values.len())]
 }
 
 /// The unwinds of the axes of a coordinate system, with their places; linear axes have none.
 pub(super) fn unwinds(motion: &Motion, system: &System) -> impl Iterator<Item = (usize, f64)> {
-    let axes = system.description.axes.iter().enumerate();
+    let axes = system.description.linear().iter().enumerate();
     axes.filter_map(|(place, axis)| Some((place, motion.axes.get(usize::from(*axis))?.unwind?)))
 }
 

@@ -184,8 +184,8 @@ impl Motion {
 
     /// The commands stand exactly on a point.
     pub(crate) fn hold_at(&mut self, index: usize, end: &Point) {
-        for place in 0..self.systems[index].description.axes.len() {
-            let axis = self.systems[index].description.axes[place];
+        for place in 0..self.systems[index].description.linear().len() {
+            let axis = self.systems[index].description.linear()[place];
             if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
                 axis.set_coordinated(arcline_drive::Motion {
                     position: component(end, place),
@@ -207,7 +207,7 @@ impl Motion {
             .map_or(0.0, |running| running.motion.path.length());
         system.in_transition = system.planner.in_transition(&system.clock(&self.clock));
         system.along = [sample.along.velocity.abs(), sample.along.position, length];
-        seat(&system.description.axes, &mut self.axes, &sample);
+        seat(system.description.linear(), &mut self.axes, &sample);
         // Nothing has begun while a lock is waited for.
         let waits = system.guide.is_some_and(|guide| !guide.has_begun());
         let phase = if waits { Phase::Steady } else { sample.phase };
@@ -240,7 +240,7 @@ impl Motion {
     pub(crate) fn seat_axes(&mut self, index: usize) {
         let system = &self.systems[index];
         if let Some((sample, _)) = system.sample(&self.clock) {
-            seat(&system.description.axes, &mut self.axes, &sample);
+            seat(system.description.linear(), &mut self.axes, &sample);
         }
     }
 
@@ -256,7 +256,7 @@ impl Motion {
             period: self.clock.period(),
             rest: elapsed,
         };
-        for (place, axis) in system.description.axes.iter().enumerate() {
+        for (place, axis) in system.description.linear().iter().enumerate() {
             let axis = self.axes.get_mut(usize::from(*axis))?;
             axis.drive.rest_for(elapsed);
             settling.drives[place] = axis.drive;
@@ -289,7 +289,7 @@ impl Motion {
             }
             if let Some(end) = system.active_end() {
                 let axes = &self.axes;
-                let squares = system.description.axes.iter().enumerate().map(|(place, axis)| {
+                let squares = system.description.linear().iter().enumerate().map(|(place, axis)| {
                     let generator = axes.get(usize::from(*axis)).and_then(|axis| axis.sum.get(Slot::System));
                     let left = generator.map_or(0.0, |generator| generator.now.position) - component(&end, place);
                     left * left

@@ -1,7 +1,10 @@
 //! Robots behind transforms: the tool stays on its line while the joints move, and what happens where the arm cannot go
 //! (spec/coordinated-instructions.md §19, §20, §22).
 
+mod orientation;
+
 use arcline_config::load;
+use arcline_controller::machine::Build;
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::motion_status;
 use arcline_kinematics::Robot;
@@ -17,7 +20,10 @@ const S_CURVE: &str = "300, 0, 3000, 0, 3000, 0, 1, 100, 100, 2";
 fn geometry(machine: &RobotMachine) -> Robot {
     let project = load(&machine.config(), "robot.toml").expect("the configuration is valid");
     let robot = project.machine.systems[2].robot.expect("the system is a robot");
-    Robot::new(robot.geometry, &robot.parameters).expect("the parameters make a robot")
+    let Build::Arm(geometry) = robot.build else {
+        panic!("the robot has a wrist");
+    };
+    Robot::new(geometry, &robot.parameters).expect("the parameters make a robot")
 }
 
 fn positions(bench: &Bench, axes: &[&str]) -> [f64; 3] {
