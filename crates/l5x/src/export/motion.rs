@@ -6,7 +6,7 @@ use arcline_controller::machine::{
 use arcline_instruction_set::{FAULTS, FaultSet, FaultWord};
 
 use super::xml::Xml;
-use crate::import::motion::{ACTIONS, ROBOT, SYSTEM_TYPES};
+use crate::import::motion::{ACTIONS, ORIENTATION, ROBOT, SYSTEM_TYPES, UNDEFINED};
 use crate::text::write_real;
 
 pub(super) fn motion(xml: &mut Xml, machine: &Machine) {
@@ -175,9 +175,11 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Vec<Attribute> {
         .iter()
         .find(|build| build.key == key)
         .map(|build| build.word);
+    let definition = arcline_config::definition_of(system);
     let mut list = vec![
         ("MotionGroup", machine.group.clone()),
         ("SystemType", word.unwrap_or("Cartesian").to_owned()),
+        ("CoordinateDefinition", definition.unwrap_or(UNDEFINED).to_owned()),
         ("Dimension", names.len().to_string()),
         ("Axes", names.join(" ")),
         ("MaximumPendingMoves", system.queue_depth.to_string()),
@@ -191,6 +193,11 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Vec<Attribute> {
         ("MaximumAccelerationJerk", write_real(system.max_acceleration_jerk)),
         ("MaximumDecelerationJerk", write_real(system.max_deceleration_jerk)),
     ];
+    if let Some(maxima) = &system.orientation {
+        let numbers = [maxima.max_speed, maxima.max_acceleration, maxima.max_deceleration];
+        let named = ORIENTATION.iter().map(|(attribute, _)| *attribute);
+        list.extend(named.zip(numbers.map(write_real)));
+    }
     if let Some(Robot { parameters, .. }) = &system.robot {
         for (key, attributes) in ROBOT {
             let numbers: &[f64] = match *key {

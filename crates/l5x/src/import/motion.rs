@@ -401,9 +401,19 @@ impl<'a, 't> Importer<'a, 't> {
             .all(|(place, name)| names.iter().take(place).all(|other| !other.eq_ignore_ascii_case(name)));
         let word = node.attribute("SystemType").unwrap_or(CARTESIAN);
         let build = SYSTEM_TYPES.iter().find(|build| build.word == word);
-        let fits = |build: &SystemType| build.axes.contains(&names.len());
+        let definition = node.attribute("CoordinateDefinition").filter(|word| *word != UNDEFINED);
+        let defined = definition.map(|word| {
+            let known = build.map(|build| arcline_config::definitions(build.key));
+            known.into_iter().flatten().find(|(other, _)| *other == word)
+        });
+        let fits = |build: &SystemType| match defined {
+            Some(defined) => defined.is_some_and(|(_, axes)| axes == names.len()),
+            None => build.axes.contains(&names.len()),
+        };
         let unlike = if build.is_none() {
             Some("SystemType")
+        } else if defined == Some(None) {
+            Some("CoordinateDefinition")
         } else if !build.is_some_and(fits) || !names.iter().all(known) || !each_once {
             Some("Axes")
         } else {
@@ -420,7 +430,18 @@ impl<'a, 't> Importer<'a, 't> {
         put(&mut system, "name", Value::String(name.to_owned()));
         let robot = build.filter(|build| build.word != CARTESIAN);
         system.extend(robot.map(|build| ("type".to_owned(), Value::String(build.key.to_owned()))));
-        self.robot(node, robot.is_some(), &mut system)?;
+        system.extend(definition.map(|word| ("definition".to_owned(), Value::String(word.to_owned()))));
+        self.robot(node, robot.map(|_| names.len()), &mut system)?;
+        for (attribute, key) in ORIENTATION {
+            let number = self.source.number(node, attribute)?.filter(|number| *number != 0.0);
+            match number {
+                Some(number) if number < 0.0 => return Err(self.source.wrong(node, attribute, "a number, 0 or more")),
+                Some(_) if robot.is_some() || definition.is_none() => {
+                    self.source.report_attribute(node, attribute, Reason::NoCounterpart);
+                }
+                number => system.extend(number.map(|number| (key.to_owned(), Value::Float(number)))),
+            }
+        }
         let words = "transforms take all axes";
         if let Some(dimension) = self.source.number(node, "TransformDimension")?
             && dimension != 0.0
@@ -456,17 +477,23 @@ impl<'a, 't> Importer<'a, 't> {
     }
 
     /// What a robot is built with. A Cartesian system has nothing of it: what stands there all the same is reported.
-    fn robot(&mut self, node: Node<'a, 't>, is_robot: bool, system: &mut Table) -> Result<(), L5xError> {
+    fn robot(&mut self, node: Node<'a, 't>, joints: Option<usize>, system: &mut Table) -> Result<(), L5xError> {
         for (key, attributes) in ROBOT {
             let mut numbers = Vec::new();
-            for attribute in *attributes {
+            let has = match joints {
+                Some(joints) if *key == ZERO_ANGLES => joints.max(3),
+                Some(_) => attributes.len(),
+                None => 0,
+            };
+            for (place, attribute) in attributes.iter().enumerate() {
                 let number = self.source.number(node, attribute)?.unwrap_or(0.0);
-                if !is_robot && number != 0.0 {
+                if place < has {
+                    numbers.push(Value::Float(number));
+                } else if number != 0.0 {
                     self.source.report_attribute(node, attribute, Reason::NoCounterpart);
                 }
-                numbers.push(Value::Float(number));
             }
-            if is_robot {
+            if joints.is_some() {
                 put(system, key, Value::Array(numbers));
             }
         }
@@ -602,10 +629,29 @@ pub(crate) const ROBOT: &[(&str, &[&str])] = &[
         &["EndEffectorOffset1", "EndEffectorOffset2", "EndEffectorOffset3"],
     ),
     (
-        "zero_angles",
-        &["ZeroAngleOffset1", "ZeroAngleOffset2", "ZeroAngleOffset3"],
+        ZERO_ANGLES,
+        &[
+            "ZeroAngleOffset1",
+            "ZeroAngleOffset2",
+            "ZeroAngleOffset3",
+            "ZeroAngleOffset4",
+            "ZeroAngleOffset5",
+            "ZeroAngleOffset6",
+        ],
     ),
 ];
+/// The key with an entry a joint.
+const ZERO_ANGLES: &str = "zero_angles";
+
+/// The maxima of a turn: attribute and key. 0 stands for the least of Rx, Ry and Rz.
+pub(crate) const ORIENTATION: [(&str, &str); 3] = [
+    ("MaximumOrientationSpeed", "max_orientation_speed"),
+    ("MaximumOrientationAcceleration", "max_orientation_acceleration"),
+    ("MaximumOrientationDeceleration", "max_orientation_deceleration"),
+];
+
+/// CoordinateDefinition of a coordinate system that has none.
+pub(crate) const UNDEFINED: &str = "<none>";
 
 /// The words of actions; `Disable` is the older one of `StopDrive`. The first of an action is what is written.
 pub(crate) const ACTIONS: [(&str, Option<ExceptionAction>); 8] = [
