@@ -15,7 +15,7 @@ fn a_linear_move_keeps_the_orientation() {
     bench.until("A", Flag::Pc);
     for position in ["[10, 20, 30]", "[30, 40, 50, 7, 8, 9]"] {
         assert_eq!(
-            bench.call(&format!("MCLM(CART, M, 0, {position}, {RATES})")),
+            bench.call(&format!("MCLM(CART, M, 0, {position}, {RATES}, 1)")),
             OK,
             "{position}"
         );
@@ -29,20 +29,20 @@ fn a_linear_move_keeps_the_orientation() {
     let shown = bench.system("CART");
     assert_eq!(shown.actual, [30.0, 40.0, 50.0, 0.0, 20.0, 0.0]);
     assert_eq!(shown.axes_servo_on, 0x3F);
-    assert_eq!(bench.call(&format!("MCLM(CART, M, 0, [1, 2], {RATES})")), (13, 3));
+    assert_eq!(bench.call(&format!("MCLM(CART, M, 0, [1, 2], {RATES}, 1)")), (13, 3));
 }
 
 #[test]
 fn a_move_of_a_robots_first_joints_keeps_the_others() {
     let mut bench = DELTA_J1J2J3J6.bench();
-    assert_eq!(bench.call(&format!("MCLM(ROBOT, M, 1, [1, 2, 3], {RATES})")), OK);
+    assert_eq!(bench.call(&format!("MCLM(ROBOT, M, 1, [1, 2, 3], {RATES}, 1)")), OK);
     bench.until("M", Flag::Pc);
     assert_eq!(
         ["J1", "J2", "J3", "J4"].map(|axis| bench.position(axis)),
         [24.0, 18.0, 25.0, 40.0]
     );
     let mut bench = DELTA_J1J2J6.bench();
-    assert_eq!(bench.call(&format!("MCLM(ROBOT, M, 1, [1, 2, 3], {RATES})")), OK);
+    assert_eq!(bench.call(&format!("MCLM(ROBOT, M, 1, [1, 2, 3], {RATES}, 1)")), OK);
     bench.until("M", Flag::Pc);
     assert_eq!(["J1", "J2", "J3"].map(|axis| bench.position(axis)), [24.0, 18.0, 43.0]);
 }
@@ -73,7 +73,7 @@ fn a_stop_of_all_and_a_shutdown_take_every_axis() {
     let begun = || {
         let mut bench = SIX_AXES.bench();
         assert_eq!(bench.call(&format!("MAM(RZ, A, 0, 200, {RATES})")), OK);
-        assert_eq!(bench.call(&format!("MCLM(CART, M, 0, [100, 0, 0], {RATES})")), OK);
+        assert_eq!(bench.call(&format!("MCLM(CART, M, 0, [100, 0, 0], {RATES}, 1)")), OK);
         bench.run(300);
         bench
     };
