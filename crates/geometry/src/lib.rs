@@ -19,7 +19,7 @@ pub use arc::{Arc, ArcError, CirclePoint, Dimension, Direction};
 pub use frame::Frame;
 pub use line::Line;
 pub use path::{Path, PathPoint};
-pub use turn::{Turn, Turned, angle_rates, angles, nearest, rotation};
+pub use turn::{Turn, Turned, angle_rates, angles, continued, nearest, rotation};
 
 /// A point or a difference of points; unused dimensions are 0.
 pub type Point = nalgebra::Vector3<f64>;

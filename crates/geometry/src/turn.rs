@@ -38,6 +38,24 @@ pub fn angles(rotation: &Matrix3<f64>, near: &Point) -> Point {
     Point::new(nearest(first, near.x), second, nearest(third, near.z))
 }
 
+/// The fixed X-Y-Z angles of a rotation, degrees, that are nearest to `near`, with a second angle beyond a quarter turn where
+/// that goes on without a step.
+#[must_use]
+pub fn continued(rotation: &Matrix3<f64>, near: &Point) -> Point {
+    let one = angles(rotation, near);
+    let other = Point::new(
+        nearest(one.x + 180.0, near.x),
+        nearest(180.0 - one.y, near.y),
+        nearest(one.z + 180.0, near.z),
+    );
+    let one = Point::new(one.x, nearest(one.y, near.y), one.z);
+    if (one - near).abs().sum() <= (other - near).abs().sum() {
+        one
+    } else {
+        other
+    }
+}
+
 /// An angle in the turn in which it is nearest to another, degrees.
 #[must_use]
 pub fn nearest(angle: f64, near: f64) -> f64 {
@@ -265,6 +283,20 @@ mod tests {
             // Near a quarter turn of the second the others are not sharp.
             let sharp = 1e-12 / wanted.y.to_radians().cos().max(1e-9);
             prop_assert!((found - near).abs().max() < sharp.max(1e-11), "{found} is not {near}");
+        }
+
+        #[test]
+        fn angles_that_go_on_have_no_step(axis in 0..3usize, from in orientation(), rate in -1.0..1.0f64) {
+            let mut near = from;
+            for step in 1..200 {
+                let mut wanted = from;
+                wanted[axis] += 5.0 * rate * f64::from(step);
+                let next = continued(&rotation(&wanted), &near);
+                prop_assert!(distance(&rotation(&next), &rotation(&wanted)) < 1e-11);
+                let upright = wanted.y.to_radians().cos().abs() < 0.1;
+                prop_assert!(upright || (next - wanted).abs().max() < 1e-8, "{next} is not {wanted}");
+                near = wanted;
+            }
         }
 
         #[test]

@@ -6,6 +6,8 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use arcline_cam::Profile;
 use arcline_instruction_set::{MAX_ELEMENTS, MotionError};
 
+use crate::path_data::PathMove;
+
 /// What goes into the tick with a call.
 ///
 /// The memory behind it is only read there. Whoever sends it keeps an [`Arc`] of its own until that is the last one, so
@@ -23,6 +25,8 @@ pub enum Material {
     },
     /// A calculated cam profile.
     Cam(Arc<Profile>),
+    /// The tags of a path move, as they were.
+    Path(PathMove),
     /// A place for numbers that the instruction calculates in the tick.
     Answer(Arc<Answer>),
     /// Frames of MCTO.
@@ -114,6 +118,17 @@ impl Sent {
             Some(Material::Done) => Ok(()),
             Some(Material::Refused { error, .. }) => Err(*error),
             _ => Err(MotionError::FeatureNotSupported),
+        }
+    }
+
+    /// The tags of a path move.
+    ///
+    /// # Errors
+    /// Why there are none.
+    pub(crate) fn path(&self) -> Result<PathMove, MotionError> {
+        match &self.0 {
+            Some(Material::Path(path)) => Ok(*path),
+            _ => self.verdict().and(Err(MotionError::FeatureNotSupported)),
         }
     }
 

@@ -279,6 +279,7 @@ impl<T: Copy> ContourQueue<T> {
                 Some(std::cmp::Ordering::Less) => Phase::Decelerating,
                 _ => Phase::Steady,
             },
+            turned: None,
         })
     }
 }

@@ -59,6 +59,10 @@ impl Image {
                 .frames(call)
                 .map(|frames| (Material::Frames(frames), None))
                 .map_err(Refusal::from),
+            Mnemonic::Mcpm => self
+                .path_move(call)
+                .map(|path| (Material::Path(path), None))
+                .map_err(Refusal::from),
             Mnemonic::Mctp => return Self::expect_numbers(call, "Transform Position"),
             _ => return (None, None),
         };

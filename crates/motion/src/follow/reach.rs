@@ -31,6 +31,15 @@ impl Pace {
         deceleration: f64::INFINITY,
     };
 
+    /// What both let it be.
+    pub(crate) fn and(&self, other: &Pace) -> Pace {
+        Pace {
+            speed: self.speed.min(other.speed),
+            acceleration: self.acceleration.min(other.acceleration),
+            deceleration: self.deceleration.min(other.deceleration),
+        }
+    }
+
     /// At a place where a joint does so much per unit of the path, and changes that by so much per unit. Half of its
     /// acceleration is left for each of the two.
     fn slow(&mut self, joint: &Point, speed: f64, [acceleration, deceleration]: [f64; 2]) {

@@ -7,6 +7,7 @@ use super::place;
 use super::programmed::ChangeLayout;
 use crate::control::Execution;
 use crate::dynamics::{Dynamics, Maxima};
+use crate::machine::CoordinateSystem;
 use crate::motion::Motion;
 use crate::system::{Activity, Planned};
 use crate::verify;
@@ -46,8 +47,11 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         _ => return Err(MotionError::IllegalDynamicChange),
     };
     verify::stoppable(system, &motion.axes, active.dynamics.is_s_curve())?;
-    let maxima = Maxima::from(&system.description);
-    let change = |planned: &Planned| changed(&layout, call, &maxima, planned);
+    let [moves, turns] = maxima(&system.description);
+    let change = |planned: &Planned| {
+        let maxima = if planned.only_turns { &turns } else { &moves };
+        changed(&layout, call, maxima, planned)
+    };
     let dynamics = change(&active)?;
     if system.contour_in_force().is_some() {
         change_contour(motion, index, call, active.dynamics.speed, dynamics.speed)?;
@@ -114,6 +118,19 @@ fn changed(layout: &Layout, call: &Call, maxima: &Maxima, planned: &Planned) -> 
     let mut dynamics = layout.dynamics.change(call, maxima, planned.dynamics)?;
     dynamics.keep_to(&planned.pace);
     Ok(dynamics)
+}
+
+/// The maxima of what moves, and of what only turns; a turn's jerks are in percent of time.
+fn maxima(system: &CoordinateSystem) -> [Maxima; 2] {
+    let moves = Maxima::from(system);
+    let turns = system.orientation.map_or(moves, |turn| Maxima {
+        speed: turn.max_speed,
+        acceleration: turn.max_acceleration,
+        deceleration: turn.max_deceleration,
+        acceleration_jerk: turn.max_acceleration * turn.max_acceleration / turn.max_speed,
+        deceleration_jerk: turn.max_deceleration * turn.max_deceleration / turn.max_speed,
+    });
+    [moves, turns]
 }
 
 /// All of the moves that have not been planned yet, or none.

@@ -19,6 +19,7 @@ mod mccm;
 mod mccp;
 mod mcd;
 mod mclm;
+mod mcpm;
 mod mcs;
 mod mcsd;
 mod mcsr;
@@ -69,6 +70,7 @@ pub(crate) struct Layouts {
     mdr: mdr::Layout,
     mct: mct::Layout,
     mdcc: mdcc::Layout,
+    mcpm: mcpm::Layout,
     mdac: mdac::Layout,
     mctp: mctp::Layout,
     mgs: mgs::Layout,
@@ -95,6 +97,7 @@ impl Layouts {
             mdr: mdr::Layout::new(),
             mct: mct::Layout::of(Mnemonic::Mct),
             mdcc: mdcc::Layout::new(),
+            mcpm: mcpm::Layout::new(),
             mdac: mdac::Layout::new(),
             mctp: mctp::Layout::new(),
             mgs: mgs::Layout::new(),
@@ -133,6 +136,7 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Mnemonic::Mct => mct::execute(motion, execution, call),
         Mnemonic::Mdcc => mdcc::execute(motion, execution, call),
         Mnemonic::Mdac => mdac::execute(motion, execution, call),
+        Mnemonic::Mcpm => mcpm::execute(motion, execution, call, sent),
         Mnemonic::Mctp => mctp::execute(motion, execution, call, sent),
         Mnemonic::Mah => mah::execute(motion, execution, call),
         Mnemonic::Mrp => mrp::execute(motion, execution, call),

@@ -38,7 +38,7 @@ pub(crate) struct MoveLayout {
 /// Move Type: the position counts from the start of the move.
 pub(super) const INCREMENTAL: i32 = 1;
 /// Merge: Disabled.
-const MERGE_DISABLED: i32 = 0;
+pub(super) const MERGE_DISABLED: i32 = 0;
 /// Merge: All Motion.
 const MERGE_ALL: i32 = 2;
 /// Merge Speed: Current.
@@ -182,8 +182,23 @@ pub(super) fn execute(
             lead,
             events,
             pace,
+            heading: None,
+            only_turns: false,
         },
     };
+    launch(motion, index, planned, programmed, momentum, merge)
+}
+
+/// Starts or queues a move that was verified. `programmed`: its path in positions as they are now.
+pub(super) fn launch(
+    motion: &mut Motion,
+    index: usize,
+    planned: Move<Planned>,
+    programmed: Path,
+    momentum: Momentum,
+    merge: i32,
+) -> Result<(), MotionError> {
+    let Planned { execution, lead, .. } = planned.data;
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
     let tick = motion.clock.tick;
     let accepted_move = AcceptedMove {
@@ -193,9 +208,9 @@ pub(super) fn execute(
         mnemonic: execution.mnemonic,
         system: index as u16,
         path: programmed,
-        tolerance: match ending {
-            Ending::Blend { tolerance } => tolerance,
-            Ending::Stop | Ending::Contour { .. } => 0.0,
+        tolerance: match planned.ending {
+            Ending::Blend { tolerance } if !planned.data.only_turns => tolerance,
+            Ending::Blend { .. } | Ending::Stop | Ending::Contour { .. } => 0.0,
         },
     };
     if motion.systems[index].contour.is_some() {
@@ -267,7 +282,7 @@ fn on_the_way(pace: &planner::Pace, momentum: &Momentum) -> Momentum {
 }
 
 /// Master driven moves that the new one would go on from, or wait with (98, 102).
-fn verify_lead(motion: &Motion, index: usize, merge: i32, lead: Lead) -> Result<(), MotionError> {
+pub(super) fn verify_lead(motion: &Motion, index: usize, merge: i32, lead: Lead) -> Result<(), MotionError> {
     let system = &motion.systems[index];
     if system.activity != Activity::Moving {
         return Ok(());
@@ -291,7 +306,7 @@ fn verify_lead(motion: &Motion, index: usize, merge: i32, lead: Lead) -> Result<
 }
 
 /// What a master driven move is a function of: the way of the move before it, or one that begins with it.
-fn parameter(motion: &mut Motion, index: usize, merge: i32, lead: Lead, link: &MasterLink) -> Parameter {
+pub(super) fn parameter(motion: &mut Motion, index: usize, merge: i32, lead: Lead, link: &MasterLink) -> Parameter {
     let system = &motion.systems[index];
     if merge == MERGE_DISABLED && system.activity == Activity::Moving && lead.lock.position.is_none() {
         let active = system.planner.active().map(|running| &running.motion);
@@ -338,8 +353,8 @@ fn terminate(motion: &mut Motion, index: usize, merge: i32) {
     if merge != MERGE_ALL {
         return;
     }
-    for place in 0..motion.systems[index].description.linear().len() {
-        let axis = motion.systems[index].description.linear()[place];
+    for place in 0..motion.systems[index].taken().len() {
+        let axis = motion.systems[index].taken()[place];
         motion.end_single_axis(axis, None);
     }
     for other in 0..motion.systems.len() {
@@ -359,7 +374,7 @@ fn command(motion: &Motion, index: usize, quantity: impl Fn(&Axis) -> f64) -> Po
 }
 
 /// What positions were redefined by since the queue of a coordinate system began.
-fn queue_shift(motion: &Motion, index: usize) -> Point {
+pub(super) fn queue_shift(motion: &Motion, index: usize) -> Point {
     match motion.systems[index].activity {
         Activity::Moving => command(motion, index, |axis| axis.sum.shift_of(Slot::System)),
         _ => Point::zeros(),
@@ -367,7 +382,7 @@ fn queue_shift(motion: &Motion, index: usize) -> Point {
 }
 
 /// The end of the last move in the queue, or where the axes are commanded to be.
-fn start_point(motion: &Motion, index: usize) -> Point {
+pub(super) fn start_point(motion: &Motion, index: usize) -> Point {
     let system = &motion.systems[index];
     let queued = if system.activity == Activity::Moving {
         system.last_end()
@@ -378,7 +393,7 @@ fn start_point(motion: &Motion, index: usize) -> Point {
 }
 
 /// Step 11: the queue, a stop under way, another coordinate system that holds one of the axes.
-fn verify_conflicts(motion: &Motion, index: usize, merge: i32) -> Result<(), MotionError> {
+pub(super) fn verify_conflicts(motion: &Motion, index: usize, merge: i32) -> Result<(), MotionError> {
     let system = &motion.systems[index];
     if merge == MERGE_DISABLED && system.activity == Activity::Moving && system.is_full() {
         return Err(MotionError::CoordinateSystemQueueFull);

@@ -87,8 +87,14 @@ impl Rates {
 pub(super) struct DynamicsLayout {
     pub(super) rates: Rates,
     profile: usize,
-    lock_position: usize,
-    lock_direction: usize,
+    lock: LockLayout,
+}
+
+/// Places of the operands that say when a master driven motion begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LockLayout {
+    position: usize,
+    direction: usize,
 }
 
 /// Lock Direction, from 1 on: at once forward and reverse, and at a position forward and reverse.
@@ -101,8 +107,7 @@ impl DynamicsLayout {
         DynamicsLayout {
             rates: Rates::of(mnemonic),
             profile: place(mnemonic, "Profile"),
-            lock_position: place(mnemonic, "Lock Position"),
-            lock_direction: place(mnemonic, "Lock Direction"),
+            lock: LockLayout::of(mnemonic),
         }
     }
 
@@ -156,10 +161,34 @@ impl DynamicsLayout {
         is_master_driven(call.number(self.rates.speed_units))
     }
 
-    /// A lock direction of the mode of the units (95), and a link for what is master driven (93).
+    /// As [`LockLayout::verify_link`], by the mode of the units.
     pub(super) fn verify_link(&self, call: &Call, link: Option<&MasterLink>) -> Result<(), MotionError> {
-        let master = self.is_master_driven(call);
-        if (call.word(self.lock_direction) != 0) != master {
+        self.lock.verify_link(call, self.is_master_driven(call), link)
+    }
+
+    /// As [`LockLayout::lead`], by the mode of the units.
+    pub(super) fn lead(
+        &self,
+        motion: &Motion,
+        call: &Call,
+        link: Option<&MasterLink>,
+    ) -> Result<Option<Lead>, MotionError> {
+        self.lock
+            .lead(motion, call, link.filter(|_| self.is_master_driven(call)))
+    }
+}
+
+impl LockLayout {
+    pub(super) fn of(mnemonic: Mnemonic) -> Self {
+        LockLayout {
+            position: place(mnemonic, "Lock Position"),
+            direction: place(mnemonic, "Lock Direction"),
+        }
+    }
+
+    /// A lock direction of the mode (95), and a link for what is driven by a `master` (93).
+    pub(super) fn verify_link(&self, call: &Call, master: bool, link: Option<&MasterLink>) -> Result<(), MotionError> {
+        if (call.word(self.direction) != 0) != master {
             return Err(MotionError::MdscLockDirectionConflict);
         }
         if master && link.is_none() {
@@ -178,16 +207,16 @@ impl DynamicsLayout {
         call: &Call,
         link: Option<&MasterLink>,
     ) -> Result<Option<Lead>, MotionError> {
-        let Some(link) = link.filter(|_| self.is_master_driven(call)) else {
+        let Some(link) = link else {
             return Ok(None);
         };
-        let direction = call.word(self.lock_direction);
-        let position = (direction >= POSITION_FORWARD).then(|| call.number(self.lock_position));
+        let direction = call.word(self.direction);
+        let position = (direction >= POSITION_FORWARD).then(|| call.number(self.position));
         let unwind = motion.axes[usize::from(link.master.axis)].unwind;
         if let (Some(position), Some(unwind)) = (position, unwind)
             && !Turn::contains(unwind, position)
         {
-            return Err(MotionError::ParameterOutOfRange(OperandIndex(self.lock_position as u8)));
+            return Err(MotionError::ParameterOutOfRange(OperandIndex(self.position as u8)));
         }
         let sense = if matches!(direction, IMMEDIATE_REVERSE | POSITION_REVERSE) {
             Sense::Reverse

@@ -70,8 +70,8 @@ impl Motion {
         self.retire_contour(index);
         self.systems[index].planner.clear_active();
         self.rest_system(index);
-        for place in 0..self.systems[index].description.linear().len() {
-            let axis = self.systems[index].description.linear()[place];
+        for place in 0..self.systems[index].taken().len() {
+            let axis = self.systems[index].taken()[place];
             let Some(state) = self.axes.get_mut(usize::from(axis)) else {
                 continue;
             };
@@ -90,7 +90,7 @@ impl Motion {
     /// rest of its axes brake.
     pub(crate) fn abort_system_but(&mut self, index: usize, taker: usize) {
         let mut taken = AxisSet::default();
-        for axis in self.systems[taker].description.linear() {
+        for axis in self.systems[taker].taken() {
             taken.insert(*axis);
         }
         self.abort_system(index, |axis| taken.contains(axis));
@@ -113,8 +113,8 @@ impl Motion {
         let s_curve = self.systems[index]
             .active()
             .is_some_and(|active| active.dynamics.is_s_curve());
-        for place in 0..self.systems[index].description.linear().len() {
-            let axis = self.systems[index].description.linear()[place];
+        for place in 0..self.systems[index].taken().len() {
+            let axis = self.systems[index].taken()[place];
             let Some(axis) = self.axes.get_mut(usize::from(axis)) else {
                 continue;
             };
@@ -130,8 +130,8 @@ impl Motion {
 
     /// Takes the axes of a system out of its coordinated move as they are.
     pub(crate) fn part_axes(&mut self, index: usize) {
-        for place in 0..self.systems[index].description.linear().len() {
-            let axis = self.systems[index].description.linear()[place];
+        for place in 0..self.systems[index].taken().len() {
+            let axis = self.systems[index].taken()[place];
             if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
                 axis.release();
             }
@@ -141,8 +141,8 @@ impl Motion {
     /// Everything the system moved stands; nothing is active any more.
     pub(crate) fn release_axes(&mut self, index: usize) {
         self.rest_system(index);
-        for place in 0..self.systems[index].description.linear().len() {
-            let axis = self.systems[index].description.linear()[place];
+        for place in 0..self.systems[index].taken().len() {
+            let axis = self.systems[index].taken()[place];
             if let Some(axis) = self.axes.get_mut(usize::from(axis))
                 && axis.is_coordinated()
             {
