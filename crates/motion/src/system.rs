@@ -138,7 +138,7 @@ impl System {
         }
     }
 
-    /// The axes that its coordinated moves take: those that they move, and Rx, Ry, Rz, which they turn or keep.
+    /// The axes that its coordinated moves may have taken: those that they move, and Rx, Ry, Rz, which some of them turn.
     pub(crate) fn taken(&self) -> &[u16] {
         match self.description.orientation {
             Some(_) => &self.description.axes,

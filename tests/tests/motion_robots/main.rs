@@ -1,7 +1,9 @@
 //! Robots behind transforms: the tool stays on its line while the joints move, and what happens where the arm cannot go
 //! (spec/coordinated-instructions.md §19, §20, §22).
 
+mod lines;
 mod orientation;
+mod paths;
 
 use arcline_config::load;
 use arcline_controller::machine::Build;

@@ -353,8 +353,8 @@ fn terminate(motion: &mut Motion, index: usize, merge: i32) {
     if merge != MERGE_ALL {
         return;
     }
-    for place in 0..motion.systems[index].taken().len() {
-        let axis = motion.systems[index].taken()[place];
+    for place in 0..motion.systems[index].description.linear().len() {
+        let axis = motion.systems[index].description.linear()[place];
         motion.end_single_axis(axis, None);
     }
     for other in 0..motion.systems.len() {

@@ -90,7 +90,7 @@ impl Motion {
     /// rest of its axes brake.
     pub(crate) fn abort_system_but(&mut self, index: usize, taker: usize) {
         let mut taken = AxisSet::default();
-        for axis in self.systems[taker].taken() {
+        for axis in self.systems[taker].description.linear() {
             taken.insert(*axis);
         }
         self.abort_system(index, |axis| taken.contains(axis));
@@ -110,11 +110,17 @@ impl Motion {
 
     /// Takes the axes of a system into its coordinated move, or on into the next one.
     pub(crate) fn join_axes(&mut self, index: usize) {
-        let s_curve = self.systems[index]
-            .active()
-            .is_some_and(|active| active.dynamics.is_s_curve());
-        for place in 0..self.systems[index].taken().len() {
-            let axis = self.systems[index].taken()[place];
+        let active = self.systems[index].active();
+        let s_curve = active.is_some_and(|active| active.dynamics.is_s_curve());
+        let turns = active.is_some_and(|active| active.heading.is_some());
+        let description = &self.systems[index].description;
+        let taken = if turns {
+            description.axes.len()
+        } else {
+            description.linear().len()
+        };
+        for place in 0..taken {
+            let axis = self.systems[index].description.axes[place];
             let Some(axis) = self.axes.get_mut(usize::from(axis)) else {
                 continue;
             };
