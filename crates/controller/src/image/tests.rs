@@ -269,7 +269,7 @@ fn snapshots_show_in_every_type() {
     snapshot.axes.fill(shown);
     snapshot.systems[0].status = 6;
     snapshot.systems[0].motion_status = 0x40;
-    snapshot.systems[0].actual = [1.25, 2.25, 0.0];
+    snapshot.systems[0].actual = [1.25, 2.25, 0.0, 0.0, 0.0, 0.0];
     image.apply_snapshot(&snapshot);
     image.apply_health(&Health {
         ticks: 42,
