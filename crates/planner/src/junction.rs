@@ -151,7 +151,10 @@ pub(crate) fn link<T>(first: &Move<T>, second: &Move<T>, blended: bool, corner_s
             constrained: true,
         },
         Junction::Pass { constrained, .. } => {
-            let corner = corner_speed(&first.path, &second.path, corner_step) / first.parameter.speed;
+            let mut corner = corner_speed(&first.path, &second.path, corner_step) / first.parameter.speed;
+            if corner.is_finite() {
+                corner = corner.min(second.corner);
+            }
             let speed = first.limits.speed.min(second.limits.speed);
             if corner == 0.0 {
                 Link::Rest

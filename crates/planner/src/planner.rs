@@ -18,6 +18,9 @@ pub struct Move<T> {
     pub path: Path,
     /// How the orientation turns along it, evenly by arc length; `None`: it stays.
     pub turn: Option<Turn>,
+    /// The highest speed at which it may be begun where the path before it does not go over into it without a corner, by what
+    /// it is a function of; infinite: what the axes let it.
+    pub corner: f64,
     /// Limits of the speed along the path and of its derivatives.
     pub limits: Limits,
     /// What happens at its end if it has a successor.

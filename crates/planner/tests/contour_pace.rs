@@ -77,6 +77,7 @@ fn moves(random: &mut Random, s_curve: bool) -> Vec<Move<usize>> {
             Move {
                 path,
                 turn: None,
+                corner: f64::INFINITY,
                 limits: rates,
                 ending: if last || random.share() < 0.05 {
                     Ending::Stop

@@ -27,6 +27,7 @@ fn queue(limits: impl Fn(usize) -> Limits) -> (Planner<usize>, Clock) {
         let motion = Move {
             path: Path::Line(Line::new(at(data), at(data + 1))),
             turn: None,
+            corner: f64::INFINITY,
             limits: limits(data),
             ending: Ending::Contour { constrained: true },
             parameter: Parameter::TIME,

@@ -160,6 +160,7 @@ impl<'k> Storm<'k> {
                 Move {
                     path,
                     turn: None,
+                    corner: f64::INFINITY,
                     limits,
                     ending: random.of(kind.endings),
                     parameter: Parameter::TIME,

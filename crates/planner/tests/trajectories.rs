@@ -28,6 +28,7 @@ fn stopping(path: Path, limits: Limits) -> Move<()> {
     Move {
         path,
         turn: None,
+        corner: f64::INFINITY,
         limits,
         ending,
         parameter: Parameter::TIME,

@@ -142,6 +142,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let planned = Move {
         path,
         turn: way.turn,
+        corner: f64::INFINITY,
         limits: dynamics.limits(),
         ending,
         parameter,

@@ -142,6 +142,10 @@ pub(super) fn execute(
         pace = Pace::UNLIMITED;
     }
 
+    let mut corner = f64::INFINITY;
+    if merge == MERGE_DISABLED && lead.is_none() && system.description.joint_limits == AxisLimits::Enforce {
+        corner = motion.corner_pace(index, &path, &shift);
+    }
     let mut momentum = terminated(motion, index, merge);
     let mut current = command(motion, index, |axis| axis.command.velocity).norm();
     let mut driven = false;
@@ -172,6 +176,7 @@ pub(super) fn execute(
     let planned = Move {
         path,
         turn: None,
+        corner,
         limits: dynamics.limits(),
         ending,
         parameter,
