@@ -27,6 +27,8 @@ const CALLS: &[&str] = &[
     "MCT(CS1, CS2, M21, [0, 0, 0], [0, 0, 0]);",
     "MCT(TOOL, ARM, M58, [0, 0, 0], [0, 0, 0]);",
     "MCLM(TOOL, M59, Incremental, [-9, 30, 4], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+    "MCPM(POSE, M62, Way, 1, Pace);",
+    "MCPM(POSE, M63, Way, 1, Pace, 5, PositionForwardOnly);",
     "MCTP(TOOL, ARM, M60, [0, 0, 0], [0, 0, 0], InverseLeftArm, [100, 50, 60], Place);",
     "MAG(S, A, M22, Same, 0.5, 1, 1, Command, Real, Enabled, 1000, Unitspersec2);",
     "MAG(A, S, M23, Same, 0.5, 1, 1, Actual, Real, Disabled);",
@@ -231,6 +233,13 @@ fn press(outer: &Mutex<Outer>, calls: &[Call]) {
     }
 }
 
+/// Where MCPM leads and how fast.
+const PATHS: &str = "[[tag]]\nname = \"Way\"\ntype = \"PATH_DATA\"\nvalue = { InterpolationType = 1, TerminationType = 6, \
+    CommandToleranceLinear = 2.0, Position = [9.0, 3.0, 4.0, 20.0, 30.0, 40.0, 0.0, 0.0, 0.0] }\n\
+    [[tag]]\nname = \"Pace\"\ntype = \"DYNAMICS_DATA\"\nvalue = { Speed = 50.0, Profile = 1, Acceleration = 50.0, \
+    Deceleration = 50.0, AccelerationJerk = 50.0, DecelerationJerk = 50.0, OrientationSpeed = 50.0, \
+    OrientationAcceleration = 50.0, OrientationDeceleration = 50.0 }\n";
+
 fn project() -> Project {
     let drive =
         "drive = { velocity_feedforward = 0.0, speed_limit = 150.0, torque_limit = 1500.0, encoder_resolution = 1e3 }";
@@ -239,7 +248,7 @@ fn project() -> Project {
     let axis = |name: &str| {
         format!("[[axis]]\nname = \"{name}\"\ntype = \"virtual\"\nmax_speed = 90.0\nmax_acceleration = 900.0\n")
     };
-    let robot: String = ["K1", "K2", "K3", "J1", "J2", "J3"]
+    let robot: String = ["K1", "K2", "K3", "J1", "J2", "J3", "O1", "O2", "O3"]
         .iter()
         .map(|name| axis(name))
         .collect();
@@ -251,12 +260,17 @@ fn project() -> Project {
     let robot = robot
         + &system("TOOL", "\"K1\", \"K2\", \"K3\"", "")
         + &system(
+            "POSE",
+            "\"K1\", \"K2\", \"K3\", \"O1\", \"O2\", \"O3\"",
+            "definition = \"XYZRxRyRz\"\n",
+        )
+        + &system(
             "ARM",
             "\"J1\", \"J2\", \"J3\"",
             "type = \"articulated_independent\"\nlink_lengths = [100.0, 100.0]\nzero_angles = [0.0, -90.0, 90.0]\n",
         );
     let config = format!(
-        "{}\n{robot}[[tag]]\nname = \"Place\"\ntype = \"REAL[3]\"\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[3]\"\n{cam}\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[3]\"\n",
+        "{}\n{robot}[[tag]]\nname = \"Place\"\ntype = \"REAL[3]\"\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[3]\"\n{cam}\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[3]\"\n{PATHS}",
         arcline_config::DEFAULT
             .replacen("type = \"servo\"", &limited, 1)
             .replacen(
@@ -336,6 +350,18 @@ const SCENES: &[&[(&str, u32)]] = &[
             900,
         ),
         ("MGSD(Motion, M33);", 5),
+    ],
+    &[
+        // Position and orientation, blended and stopped.
+        ("MCPM(POSE, M62, Way, 1, Pace);", 20),
+        (
+            "MCLM(POSE, M59, Incremental, [-9, 30, 4], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+            150,
+        ),
+        (
+            "MCS(POSE, M17, CoordinatedMove, No, 0, Unitspersec2, No, 0, %ofTime);",
+            300,
+        ),
     ],
     &[
         // A robot that follows its path, is taken along by a joint, and is stopped where it would be too fast.
