@@ -40,7 +40,6 @@ fn random_lines_keep_the_tool_on_them() {
             let to = robot.forward(to);
             let Ok(to) = to else { continue };
             let from = positions(&bench, cart);
-            bench.rung_false_if("M");
             let call = format!("MCLM(CART, M, 0, {to:?}, {}, 1)", FAST[line % 2]);
             let (err, _) = bench.call(&call);
             if err != 0 {
