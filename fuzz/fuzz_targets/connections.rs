@@ -2,78 +2,22 @@
 //! fields come from a small set, so that sequences meet; every message may have a byte altered or be cut.
 #![no_main]
 
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
+use arcline_fuzz::{Device, LOCAL, MOST, PEER, SIZE, timed};
 use arcline_proto::cip::{CipStatus, Request, service};
 use arcline_proto::connection::{
-    ConnectionKey, ConnectionType, Count, ForwardClose, ForwardOpen, NetworkParameters, TickTime,
+    ConnectionKey, ConnectionType, ForwardClose, ForwardOpen, NetworkParameters, TickTime,
 };
 use arcline_proto::cpf::{ConnectionId, Packet};
 use arcline_proto::encap::{Command, Frame, RegisterSession, SessionHandle};
 use arcline_proto::epath::{Epath, Segment};
-use arcline_proto::identity::Identity;
-use arcline_proto::io::{
-    Assemblies, Assembly, Datagram, IO_PORT, IoConnections, IoSettings, Originator, Ownership,
-};
-use arcline_proto::session::{Event, Host, IoOpen, IoOpened, ServerSession, Settings};
+use arcline_proto::io::{Datagram, Ownership};
+use arcline_proto::session::{Event, ServerSession, Settings};
 use bytes::{Bytes, BytesMut};
 use libfuzzer_sys::fuzz_target;
-
-const PEER: IpAddr = IpAddr::V4(Ipv4Addr::new(10, 0, 0, 9));
-const MOST: usize = 4;
-const SIZE: u16 = 8;
-
-/// Draws 1, 2, 3 … so that inputs can name the session (1) and what was opened after it.
-struct Device {
-    drawn: u32,
-    open: usize,
-    now: Duration,
-    io: IoConnections,
-    identity: Identity,
-}
-
-impl Host for Device {
-    fn random(&mut self) -> Option<u32> {
-        self.drawn = self.drawn.wrapping_add(1);
-        Some(self.drawn)
-    }
-    fn acquire_connection(&mut self) -> bool {
-        self.open += 1;
-        true
-    }
-    fn release_connections(&mut self, count: usize) {
-        self.open -= count;
-    }
-    fn count(&mut self, _count: Count) {}
-    fn identity(&self) -> &Identity {
-        &self.identity
-    }
-    fn open_io(&mut self, open: &IoOpen<'_>) -> Result<IoOpened, CipStatus> {
-        let originator = Originator {
-            address: PEER,
-            port: open.port,
-            group: Some(Ipv4Addr::new(239, 192, 1, 0)),
-        };
-        let drawn = &mut self.drawn;
-        let random = || {
-            *drawn = drawn.wrapping_add(1);
-            Some(*drawn)
-        };
-        let reply = self
-            .io
-            .open(open.open, open.application, originator, self.now, random)?;
-        Ok(IoOpened {
-            reply,
-            listens: SocketAddrV4::new(Ipv4Addr::UNSPECIFIED, IO_PORT),
-            group: None,
-        })
-    }
-    fn close_io(&mut self, key: ConnectionKey) -> bool {
-        self.io.close(key, PEER).is_ok()
-    }
-}
 
 /// Bytes of the input, zeros behind its end.
 struct Source<'a>(&'a [u8]);
@@ -150,29 +94,11 @@ impl Source<'_> {
     }
 }
 
-fuzz_target!(|data: &[u8]| {
-    let local: SocketAddrV4 = "10.0.0.1:44818".parse().expect("an address");
-    let assembly = |instance| Assembly { instance, size: SIZE };
-    let mut device = Device {
-        drawn: 0,
-        open: 0,
-        now: Duration::ZERO,
-        io: IoConnections::new(IoSettings {
-            assemblies: Assemblies {
-                input: assembly(100),
-                output: assembly(150),
-                configuration: 151,
-                input_only: 254,
-                listen_only: 255,
-            },
-            max_connections: MOST,
-            min_interval: 1000,
-            volatile: 2,
-            local: SocketAddr::new((*local.ip()).into(), IO_PORT),
-        }),
-        identity: Identity::new("Arcline", 1),
-    };
-    let mut session = ServerSession::new(Arc::new(Settings::default()), local, device.now);
+fuzz_target!(|data: &[u8]| timed(|| run(data)));
+
+fn run(data: &[u8]) {
+    let mut device = Device::default();
+    let mut session = ServerSession::new(Arc::new(Settings::default()), LOCAL, device.now);
     let register = Frame::request(
         Command::REGISTER_SESSION,
         SessionHandle(0),
@@ -218,7 +144,7 @@ fuzz_target!(|data: &[u8]| {
                 out.clear();
                 datagram.encode(&mut out);
                 let bytes = source.spoil(&Bytes::copy_from_slice(&out));
-                let from = source.of(&[PEER, PEER, PEER, (*local.ip()).into()]);
+                let from = source.of(&[PEER, PEER, PEER, (*LOCAL.ip()).into()]);
                 device
                     .io
                     .handle_datagram(&bytes, SocketAddr::new(from, 2222), device.now);
@@ -277,4 +203,4 @@ fuzz_target!(|data: &[u8]| {
     assert!(device.io.is_empty());
     session.handle_disconnect(&mut device);
     assert_eq!(device.open, 0);
-});
+}

@@ -2,10 +2,13 @@
 //! again as the same project.
 #![no_main]
 
+use arcline_fuzz::timed;
 use arcline_l5x::{export, import};
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(|data: &[u8]| timed(|| run(data)));
+
+fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
     let inside = format!("<RSLogix5000Content><Controller Name=\"C\">{text}</Controller></RSLogix5000Content>");
     for file in [text, &inside] {
@@ -14,4 +17,4 @@ fuzz_target!(|data: &[u8]| {
         // NaN is not equal to itself; the bytes of tags are compared as they are.
         assert_eq!(again.project, first.project);
     }
-});
+}

@@ -1,19 +1,21 @@
 //! Any bytes as a message: every decoder; what decodes to a request or path must survive a round trip.
 #![no_main]
 
+use arcline_fuzz::timed;
 use arcline_proto::cip::{self, Reply, Request};
 use arcline_proto::connection::{ForwardClose, ForwardOpen, ForwardOpenReply, UnconnectedSend};
 use arcline_proto::cpf::Packet;
 use arcline_proto::epath::{Epath, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{
-    ReadModifyWrite, ReadReply, ReadTag, ReadTemplate, Symbol, TemplateAttributes, WriteTag,
-    decode_operands,
+    ReadModifyWrite, ReadReply, ReadTag, ReadTemplate, Symbol, TemplateAttributes, WriteTag, decode_operands,
 };
 use bytes::Bytes;
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|data: &[u8]| {
+fuzz_target!(|data: &[u8]| timed(|| run(data)));
+
+fn run(data: &[u8]) {
     let data = Bytes::copy_from_slice(data);
     if let Ok(path) = Epath::decode(&data) {
         assert_eq!(Epath::decode(&path.to_bytes()), Ok(path));
@@ -59,4 +61,4 @@ fuzz_target!(|data: &[u8]| {
         ForwardClose::decode(data),
     );
     let _ = decode_operands(data);
-});
+}

@@ -14,11 +14,18 @@ fn readme() -> String {
 
 /// The text of the first block of that language.
 fn block(language: &str) -> String {
+    let found = blocks(language).into_iter().next();
+    found.unwrap_or_else(|| panic!("a block of {language}"))
+}
+
+/// The text of every block of that language.
+fn blocks(language: &str) -> Vec<String> {
     let text = readme();
-    let (_, rest) = text
-        .split_once(&format!("```{language}\n"))
-        .unwrap_or_else(|| panic!("a block of {language}"));
-    rest.split_once("```").expect("blocks end").0.to_owned()
+    let begin = format!("```{language}\n");
+    text.split(&begin)
+        .skip(1)
+        .map(|rest| rest.split_once("```").expect("blocks end").0.to_owned())
+        .collect()
 }
 
 #[test]
@@ -43,7 +50,7 @@ fn the_tour_with_pycomm3() {
 fn the_tour_with_the_command_line() {
     let server = Server::start();
     let mut code = None;
-    let text = block("console");
+    let text: String = blocks("console").concat();
     for part in text.split("$ ").skip(1) {
         let (line, shown) = part.split_once('\n').expect("a command ends its line");
         let arguments = words(line);
