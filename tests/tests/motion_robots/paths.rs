@@ -399,8 +399,10 @@ fn both_parts_stop_pause_and_change_together() {
         assert_eq!(of(&bench, MOVING, 1) + of(&bench, TURNING, 1), Point::zeros(), "{call}");
         assert!(!bench.control("M").has(Flag::Ip), "{call}");
     }
+}
 
-    // What only turns brakes as a turn does.
+#[test]
+fn what_only_turns_brakes_as_a_turn_does() {
     let mut bench = bench();
     position(&mut bench, "P", [0.0, 0.0, 0.0, 0.0, 0.0, 90.0]);
     assert_eq!(bench.call(MOVE), OK);
