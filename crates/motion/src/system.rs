@@ -4,7 +4,7 @@ use arcline_kinematics::{GeometryError, OrientedRobot, Robot};
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::Phase;
-use arcline_planner::{Clock, ContourQueue, Instant, Planner, Sample};
+use arcline_planner::{Clock, ContourQueue, Instant, Move, Planner, Sample};
 
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
@@ -78,6 +78,8 @@ pub(crate) struct System {
     pub(crate) shutdown: bool,
     /// Links to masters (MDCC).
     pub(crate) links: Links,
+    /// The MDCC whose motion is being stopped.
+    pub(crate) stopping_link: Option<Execution>,
     /// What the active move is a function of, where that is not time.
     pub(crate) guide: Option<Guide>,
     /// When a master driven move with Actual Tolerance came to its programmed end.
@@ -123,6 +125,7 @@ impl System {
             stop: None,
             shutdown: false,
             links: Links::default(),
+            stopping_link: None,
             guide: None,
             ended: None,
             calculated: (0, 0),
@@ -194,6 +197,13 @@ impl System {
     /// The contours, unless a merged move is travelled.
     pub(crate) fn contour_in_force(&self) -> Option<&ContourQueue<Planned>> {
         self.contour.as_ref().filter(|_| self.planner.active().is_none())
+    }
+
+    /// The moves that are active or wait, the active one first.
+    pub(crate) fn moves(&self) -> impl Iterator<Item = &Move<Planned>> {
+        let active = self.planner.active().map(|running| &running.motion);
+        let contour = self.contour.iter().flat_map(ContourQueue::moves);
+        active.into_iter().chain(self.planner.pending()).chain(contour)
     }
 
     /// Whether every pending place is taken.

@@ -191,7 +191,6 @@ impl Generator {
         if let Law::Planned { profile, start } = &self.law {
             let elapsed = start.elapsed(&clock);
             let state = profile.at(elapsed);
-            self.now = point(self.guide.map_or(state, |guide| guide.pace().in_time(state)));
             let endless = matches!(
                 self.program,
                 Some(Program {
@@ -208,7 +207,7 @@ impl Generator {
                     ..point(profile.end())
                 }
             } else {
-                point(profile.at(elapsed))
+                point(self.guide.map_or(state, |guide| guide.pace().in_time(state)))
             };
         }
     }

@@ -40,6 +40,15 @@ impl Pace {
         }
     }
 
+    /// The same by the way of a master that moves at `nominal` master units/s, more than 0: in units per master unit, and by the square.
+    pub(crate) fn on_the_way(&self, nominal: f64) -> Pace {
+        Pace {
+            speed: self.speed / nominal,
+            acceleration: self.acceleration / (nominal * nominal),
+            deceleration: self.deceleration / (nominal * nominal),
+        }
+    }
+
     /// At a place where a joint does so much per unit of the path, and changes that by so much per unit. Half of its
     /// acceleration is left for each of the two.
     fn slow(&mut self, joint: &Point, speed: f64, [acceleration, deceleration]: [f64; 2]) {

@@ -128,16 +128,17 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     moves::verify_conflicts(motion, index, MERGE_DISABLED)?;
     verify::no_overtravel(&motion.systems[index], &motion.axes, &path.end())?;
     let mut pace = motion.verify_reach(index, &way.path)?;
-    if motion.systems[index].description.joint_limits == AxisLimits::Ignore || driven {
+    if motion.systems[index].description.joint_limits == AxisLimits::Ignore {
         pace = Pace::UNLIMITED;
     }
-    let pace = own.and(&pace);
     let mut parameter = Parameter::TIME;
     if let (Some(lead), Some(link)) = (lead, &link) {
         programmed::pace(link, lead.lock, false)?;
-        moves::verify_lead(motion, index, MERGE_DISABLED, lead)?;
+        moves::verify_lead(motion, index, MERGE_DISABLED, lead, false)?;
+        pace = pace.on_the_way(link.nominal);
         parameter = moves::parameter(motion, index, MERGE_DISABLED, lead, link);
     }
+    let pace = own.and(&pace);
     dynamics.keep_to(&pace);
     let planned = Move {
         path,

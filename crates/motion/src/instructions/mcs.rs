@@ -63,6 +63,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     motion.end_stop(index);
     let mut braking = running.map(|stop| stop.braking).unwrap_or_default();
     let of_moves = stop_type != COORDINATED_TRANSFORM || running.is_some_and(|stop| stop.of_moves);
+    if stop_type != COORDINATED_TRANSFORM {
+        motion.keep_stopping_link(index);
+    }
     match stop_type {
         ALL => {
             for place in 0..motion.systems[index].description.axes.len() {

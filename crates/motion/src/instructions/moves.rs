@@ -143,15 +143,17 @@ pub(super) fn execute(
     }
 
     let mut corner = f64::INFINITY;
-    if merge == MERGE_DISABLED && lead.is_none() && system.description.joint_limits == AxisLimits::Enforce {
+    if merge == MERGE_DISABLED && system.description.joint_limits == AxisLimits::Enforce {
         corner = motion.corner_pace(index, &path, &shift);
     }
     let mut momentum = terminated(motion, index, merge);
     let mut current = command(motion, index, |axis| axis.command.velocity).norm();
     let mut driven = false;
     if let (Some(lead), Some(link)) = (lead, &link) {
-        let by_master = programmed::pace(link, lead.lock, momentum.velocity != Point::zeros())?;
-        verify_lead(motion, index, merge, lead)?;
+        let moves = momentum.velocity != Point::zeros();
+        let by_master = programmed::pace(link, lead.lock, moves)?;
+        let idle = merge != MERGE_DISABLED && !moves && link.master.velocity() == 0.0;
+        verify_lead(motion, index, merge, lead, idle)?;
         momentum = on_the_way(&by_master, &momentum);
         current = if by_master.speed > 0.0 {
             current / by_master.speed
@@ -159,8 +161,8 @@ pub(super) fn execute(
             0.0
         };
         driven = true;
-        // Joints are kept by time; a master decides how fast this is.
-        pace = Pace::UNLIMITED;
+        pace = pace.on_the_way(link.nominal);
+        corner /= link.nominal;
     }
     if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && current > 0.0 {
         dynamics.set_speed(current);
@@ -286,25 +288,30 @@ fn on_the_way(pace: &planner::Pace, momentum: &Momentum) -> Momentum {
     taken
 }
 
-/// Master driven moves that the new one would go on from, or wait with (98, 102).
-pub(super) fn verify_lead(motion: &Motion, index: usize, merge: i32, lead: Lead) -> Result<(), MotionError> {
+/// Master driven moves that the new one would go on from, or wait with (98, 102). `idle`: it takes over what stands, and so does the
+/// master; then it may have another direction.
+pub(super) fn verify_lead(
+    motion: &Motion,
+    index: usize,
+    merge: i32,
+    lead: Lead,
+    idle: bool,
+) -> Result<(), MotionError> {
     let system = &motion.systems[index];
     if system.activity != Activity::Moving {
         return Ok(());
     }
-    let active = system.planner.active().map(|running| &running.motion);
     let before = if merge == MERGE_DISABLED {
-        let last = system.planner.pending().last().or(active);
-        last.filter(|last| last.ending != Ending::Stop)
+        system.moves().last().filter(|last| last.ending != Ending::Stop)
     } else {
-        active
+        system.moves().next()
     };
     let led = before.and_then(|before| before.data.lead);
-    if led.is_some_and(|led| led.lock.sense != lead.lock.sense) {
+    if !idle && led.is_some_and(|led| led.lock.sense != lead.lock.sense) {
         return Err(MotionError::MdscDirectionMismatch);
     }
     let waits = |other: &Move<Planned>| other.data.lead.is_some_and(|lead| lead.lock.position.is_some());
-    if lead.lock.position.is_some() && (active.is_some_and(waits) || system.planner.pending().any(waits)) {
+    if lead.lock.position.is_some() && system.moves().any(waits) {
         return Err(MotionError::MdscLockWhileMoving);
     }
     Ok(())
@@ -314,12 +321,11 @@ pub(super) fn verify_lead(motion: &Motion, index: usize, merge: i32, lead: Lead)
 pub(super) fn parameter(motion: &mut Motion, index: usize, merge: i32, lead: Lead, link: &MasterLink) -> Parameter {
     let system = &motion.systems[index];
     if merge == MERGE_DISABLED && system.activity == Activity::Moving && lead.lock.position.is_none() {
-        let active = system.planner.active().map(|running| &running.motion);
         let led = |last: &&Move<Planned>| {
             let before = last.data.lead;
             before.is_some_and(|before| before.link == lead.link && before.lock.sense == lead.lock.sense)
         };
-        if let Some(last) = system.planner.pending().last().or(active).filter(led) {
+        if let Some(last) = system.moves().last().filter(led) {
             return last.parameter;
         }
     }

@@ -64,7 +64,10 @@ impl Motion {
                     self.stop_planner(axis);
                     self.axes[at].state = AxisState::Aborting;
                 }
-                AxisState::Stopped | AxisState::Stopping => self.axes[at].state = AxisState::Faulted,
+                AxisState::Stopped | AxisState::Stopping => {
+                    self.unlink_slave(axis);
+                    self.axes[at].state = AxisState::Faulted;
+                }
                 AxisState::Aborting | AxisState::Faulted | AxisState::Shutdown => {}
             },
             ExceptionAction::Shutdown => shut_down(self, axis),

@@ -99,13 +99,16 @@ impl Motion {
         }
     }
 
-    /// Breaks every link of the slaves of a master.
+    /// Breaks every link of the slaves of a master, those to other masters too.
     pub(crate) fn unlink_master(&mut self, master: u16) {
         for index in 0..self.systems.len() {
             let system = &self.systems[index];
             let guided = system.guide.is_some_and(|guide| guide.master.axis == master);
             if guided || system.links.iter().any(|link| link.master.axis == master) {
                 self.unlink_system(index);
+                for place in 0..self.systems[index].description.axes.len() {
+                    self.unlink_slave(self.systems[index].description.axes[place]);
+                }
             }
         }
         for axis in 0..self.axes.len() {
@@ -114,7 +117,7 @@ impl Motion {
             let guided = guides.any(|guide| guide.master.axis == master);
             drop(guides);
             if guided || state.links.iter().any(|link| link.master.axis == master) {
-                self.unlink_axis(axis as u16);
+                self.unlink_slave(axis as u16);
             }
         }
     }
@@ -148,7 +151,12 @@ impl Motion {
     fn unlink_system(&mut self, index: usize) {
         let links = std::mem::take(&mut self.systems[index].links);
         for link in links.iter() {
-            self.end_move(link.execution, 0);
+            if self.systems[index].stopping_link == Some(link.execution) {
+                // AC is shown until all stands.
+                self.controls.write(link.execution, 0, Flag::Ip.mask(), self.clock.tick);
+            } else {
+                self.end_move(link.execution, 0);
+            }
         }
         let system = &self.systems[index];
         if system.guide.is_none() {
@@ -165,14 +173,18 @@ impl Motion {
     /// AC of links, TrackingMaster aside: what begins by a link, or ends, shows in it at once.
     pub(crate) fn show_links(&mut self) {
         for index in 0..self.systems.len() {
-            let system = &mut self.systems[index];
+            self.end_stopping_link(index);
+            let system = &self.systems[index];
             if system.links.is_empty() {
                 continue;
             }
             let moving = system.activity == Activity::Moving;
             let used = system.guide.filter(|_| moving).map(|guide| guide.link);
+            let stopping = system.stopping_link;
             let mut links = system.links;
-            self.show(links.iter_mut(), |link| used == Some(link.id));
+            self.show(links.iter_mut(), |link| {
+                used == Some(link.id) || stopping == Some(link.execution)
+            });
             self.systems[index].links = links;
         }
         for axis in 0..self.axes.len() {
@@ -185,6 +197,27 @@ impl Motion {
             self.show(links.iter_mut(), |link| used.contains(&Some(link.id)));
             self.axes[axis].links = links;
         }
+    }
+
+    /// The link by which the active move of a system is driven goes on to show AC while an instruction stops that move.
+    pub(crate) fn keep_stopping_link(&mut self, index: usize) {
+        let system = &mut self.systems[index];
+        let guide = system.guide.filter(|_| system.activity == Activity::Moving);
+        if let Some(used) = guide.and_then(|guide| system.links.active.filter(|link| link.id == guide.link)) {
+            system.stopping_link = Some(used.execution);
+        }
+    }
+
+    fn end_stopping_link(&mut self, index: usize) {
+        let system = &mut self.systems[index];
+        let Some(execution) = system.stopping_link.filter(|_| system.stop.is_none()) else {
+            return;
+        };
+        system.stopping_link = None;
+        for link in system.links.iter_mut().filter(|link| link.execution == execution) {
+            link.shown_active = false;
+        }
+        self.controls.flag(execution, Flag::Ac, false, self.clock.tick);
     }
 
     fn show<'a>(&mut self, links: impl Iterator<Item = &'a mut MasterLink>, is_used: impl Fn(&MasterLink) -> bool) {

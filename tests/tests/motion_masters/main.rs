@@ -3,6 +3,12 @@
 
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status;
+mod actions;
+mod axes;
+mod events;
+mod followers;
+mod ways;
+
 use arcline_tests::bench::{Bench, OK};
 
 /// A machine that is linked: CS1 and Y to A, by command.
