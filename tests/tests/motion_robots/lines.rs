@@ -27,7 +27,7 @@ const PLACES: [(&str, RobotMachine, [[f64; 2]; 3]); 3] = [
 
 #[test]
 fn random_lines_keep_the_tool_on_them() {
-    let lines = std::env::var("ARCLINE_ROBOT_LINES").map_or(30, |text| text.parse().expect("a number of lines"));
+    let lines = std::env::var("ARCLINE_ROBOT_LINES").map_or(15, |text| text.parse().expect("a number of lines"));
     for (why, machine, ranges) in PLACES {
         let robot = geometry(&machine);
         let [cart, joints] = names(&machine);
