@@ -1,17 +1,20 @@
-//! Any text as a configuration, and any text behind the default one. What is valid has its tags, and written anew it is the
+//! Any text as a configuration, and any text behind that of a small machine. What is valid has its tags, and written anew it is the
 //! same project.
 #![no_main]
 
-use arcline_config::{DEFAULT, load, table};
+use arcline_config::{load, table};
 use arcline_controller::image::Image;
 use arcline_fuzz::timed;
 use libfuzzer_sys::fuzz_target;
+
+/// An axis and a coordinate system.
+const MACHINE: &str = include_str!("../seeds/configuration/machine");
 
 fuzz_target!(|data: &[u8]| timed(|| run(data)));
 
 fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
-    for text in [text, &format!("{DEFAULT}\n{text}")] {
+    for text in [text, &format!("{MACHINE}\n{text}")] {
         let project = match load(text, "fuzz.toml") {
             Ok(project) => project,
             Err(error) => {

@@ -86,7 +86,7 @@ fn cases() -> u64 {
 fn bench(period: f64) -> Bench {
     let lagging = machine(period).replace(
         "start = { position = 0.0, servo_on = true, homed = true }\n",
-        "start = { position = 0.0, servo_on = true, homed = true }\ndrive = { velocity_feedforward = 0.0 }\n",
+        "start = { position = 0.0, servo_on = true, homed = true }\ndrive = { velocity_feedforward = 0.0, position_error_tolerance = 0.0 }\n",
     );
     Bench::with(&format!(
         "{lagging}[[tag]]\nname = \"Cam\"\ntype = \"CAM[8]\"\n[[tag]]\nname = \"P1\"\ntype = \"CAM_PROFILE[8]\"\n\
@@ -108,7 +108,7 @@ fn bind(random: &mut Random, bench: &mut Bench, place: usize, slave: &'static st
     let sign = if direction == 0 { 1.0 } else { -1.0 };
     let law = match random.below(3) {
         0 => {
-            let (clutch, rate) = (random.below(2), random.between(200.0, 2000.0));
+            let (clutch, rate) = (random.below(2), random.between(20_000.0, 80_000.0));
             let [own, other] = [0; 2].map(|_| 1 + random.below(40));
             let (ratio, format) = match random.below(2) {
                 0 => (random.between(0.05, 3.0), 0),

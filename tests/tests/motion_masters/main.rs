@@ -7,6 +7,7 @@ mod actions;
 mod axes;
 mod events;
 mod followers;
+mod status;
 mod ways;
 
 use arcline_tests::bench::{Bench, OK};

@@ -186,10 +186,10 @@ impl Axis {
     }
 
     /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others, nor what waits
-    /// for a master.
+    /// for a master. Of coordinated motion its system tells.
     pub(crate) fn will_end(&self) -> bool {
         let endless = |slot| match slot {
-            Slot::Jog | Slot::Gear | Slot::Transform => true,
+            Slot::Jog | Slot::Gear | Slot::Transform | Slot::System => true,
             Slot::PositionCam | Slot::TimeCam => !self.cam(slot).is_some_and(Cam::will_end),
             _ => false,
         };

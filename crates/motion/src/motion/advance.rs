@@ -85,14 +85,14 @@ impl Motion {
     }
 
     /// The active move is complete; the next one becomes active at the same instant. One that cannot fails, and the move
-    /// before it ends as if there had been none.
+    /// before it ends as if there had been none: those behind it would begin elsewhere, and are cancelled.
     fn complete(&mut self, index: usize, moment: Moment) {
         let last = self.systems[index].planner.active().map(|running| running.motion);
         if let Some(last) = &last {
             self.end_move(last.data.execution, Flag::Pc.mask());
             self.systems[index].in_actual_tolerance = last.data.termination.settles();
         }
-        while let Some(next) = self.systems[index].planner.next() {
+        if let Some(next) = self.systems[index].planner.next() {
             match self.promote(index, last.as_ref(), &next, moment) {
                 Ok(at) => {
                     let clock = self.systems[index].clock(&self.clock);
@@ -112,6 +112,7 @@ impl Motion {
                 Err(error) => {
                     self.controls.fail(next.data.execution, error, self.clock.tick);
                     self.systems[index].planner.cancel_pending();
+                    self.cancel_pending(index);
                 }
             }
         }
