@@ -274,7 +274,7 @@ impl Client {
         loop {
             let mut path = Epath::object(class::SYMBOL, start);
             if let Some(scope) = scope {
-                path.0.insert(0, Segment::Symbol(scope.to_owned()));
+                path.0.insert(0, Segment::Symbol(scope.into()));
             }
             let data = encode_attribute_ids(&ATTRIBUTES);
             let reply = self
@@ -390,7 +390,7 @@ fn symbol_path(name: &str, instance: u32) -> (Epath, &str) {
         .filter(|(program, _)| program.to_ascii_lowercase().starts_with("program:"));
     match scoped {
         Some((program, name)) => {
-            path.0.insert(0, Segment::Symbol(program.to_owned()));
+            path.0.insert(0, Segment::Symbol(program.into()));
             (path, name)
         }
         None => (path, name),

@@ -246,7 +246,8 @@ fn connected_read() {
     }
     let (id, sequence, message) = Packet::decode(&frame.data).unwrap().connected_message().unwrap();
     assert_eq!((id, sequence), (ConnectionId(0x4e03_e235), 16));
-    let target = Target::new(&Request::decode(&message).unwrap().path).unwrap();
+    let request = Request::decode(&message).unwrap();
+    let target = Target::new(&request.path).unwrap();
     assert_eq!((target.class, target.instance), (Some(0x6B), Some(0x11)));
     assert_eq!(target.members, [PathSegment::Element(3)]);
     let read = reply("cc 00 00 00 | c400 67000000");
@@ -354,7 +355,8 @@ fn browse() {
             Some("Program:MainProgram"),
         ),
     ] {
-        let target = Target::new(&request(text).path).unwrap();
+        let request = request(text);
+        let target = Target::new(&request.path).unwrap();
         assert_eq!((target.class, target.instance), (Some(0x6B), Some(instance)), "{why}");
         assert_eq!(target.first_symbol(), scope, "{why}");
     }
@@ -407,7 +409,8 @@ fn wide_ids_and_attribute_lists() {
     assert_eq!(Epath::decode(&bytes), Ok(Epath::attribute(0x300, 300, 300)));
     assert_eq!(Epath::attribute(0x300, 300, 300).to_bytes(), bytes);
     // M2[1,2]
-    let target = Target::new(&Epath::decode(&hex("91024d32 2801 2802")).unwrap()).unwrap();
+    let path = Epath::decode(&hex("91024d32 2801 2802")).unwrap();
+    let target = Target::new(&path).unwrap();
     assert_eq!(target.tag_path().unwrap().to_string(), "M2[1,2]");
     // The wall clock's setters: two values of 8 and 1 bytes.
     let set = request("04 02 208b 2401 | 0200 | 0600 0102030405060708 0a00 00");
@@ -522,7 +525,8 @@ fn paths() {
         ("port zero",                    "0000",                                   Err(0x04)),
     ];
     for (why, text, expected) in cases {
-        let target = Epath::decode(&hex(text)).and_then(|path| Target::new(&path));
+        let path = Epath::decode(&hex(text));
+        let target = path.as_ref().map_err(|error| *error).and_then(Target::new);
         let name = target.map(|target| target.tag_path().unwrap().to_string());
         assert_eq!(
             name.map_err(|error| error.status().general()),

@@ -38,6 +38,14 @@ static MEMORY: Cap<System> = Cap::new(System, usize::MAX);
 /// What one packet may add at a time, bytes: it brings 8 KiB, which become at most 4,000 requests of a packet.
 const LIMIT: usize = 1 << 20;
 
+/// As many requests in one packet as its bytes can name, all of them empty.
+fn nothing(length: usize) -> Bytes {
+    let count = length / 2 - 1;
+    let numbers = std::iter::once(count).chain(std::iter::repeat_n(length, count));
+    let data: Vec<u8> = numbers.flat_map(|number| (number as u16).to_le_bytes()).collect();
+    data.into()
+}
+
 #[test]
 fn wireshark_cve_2012_4291_memory_of_one_packet() {
     // A peak of the test's own start counts as well, which does no harm.
@@ -86,6 +94,7 @@ fn wireshark_cve_2012_4291_memory_of_one_packet() {
                 decode_items(&data),
             );
             let _ = (
+                cip::split_multiple(&nothing(data.len())),
                 cip::decode_attribute_ids(&data),
                 MultipleReplies::new(count.into(), 4000),
             );

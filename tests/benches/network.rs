@@ -6,7 +6,7 @@
 use std::io::{BufRead, BufReader, Write as _};
 use std::net::SocketAddr;
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use arcline_tests::load::{Load, Outcome, Question, read, read_all, serve_echo};
 use arcline_tests::python::Python;
@@ -40,16 +40,10 @@ fn main() {
 
     for connections in [1, 32] {
         let question = Question::Connected(read("Bench"), SIZE);
-        faults += run.beside_echo("one tag", &question, connections, server.address(), &echo);
+        faults += run.beside_echo("one tag", &question, connections, &server, &echo);
     }
     let packet = read_all((0..TAGS).map(|number| format!("Bench{number}")));
-    faults += run.beside_echo(
-        "100 tags",
-        &Question::Connected(packet, LARGE),
-        1,
-        server.address(),
-        &echo,
-    );
+    faults += run.beside_echo("100 tags", &Question::Connected(packet, LARGE), 1, &server, &echo);
 
     for client in ["cm_ethernetip", "cpppo"] {
         let other = match Python::with(client) {
@@ -110,27 +104,25 @@ impl Run {
     }
 
     /// Against the server and the echo in turns; how many answers were wrong.
-    fn beside_echo(
-        self,
-        what: &str,
-        question: &Question,
-        connections: usize,
-        server: SocketAddr,
-        echo: &Other,
-    ) -> usize {
-        let (request, reply) = self.once(question, connections, server).sizes;
+    fn beside_echo(self, what: &str, question: &Question, connections: usize, server: &Server, echo: &Other) -> usize {
+        let idle = idle(server.process());
+        let (request, reply) = self.once(question, connections, server.address()).sizes;
         let same = Question::Echo { request, reply };
         let (mut ours, mut bare) = (Outcome::default(), Outcome::default());
         let mut ratios = Vec::with_capacity(self.rounds);
+        let mut busy = [Duration::ZERO; 2];
         for round in 0..self.rounds {
             let (first, second) = if round % 2 == 0 { (true, false) } else { (false, true) };
             let mut rates = [0.0; 2];
             for is_ours in [first, second] {
-                let outcome = if is_ours {
-                    self.once(question, connections, server)
+                let (asked, address, process) = if is_ours {
+                    (question, server.address(), server.process())
                 } else {
-                    self.once(&same, connections, echo.address)
+                    (&same, echo.address, echo.child.id())
                 };
+                let before = processor_time(process);
+                let outcome = self.once(asked, connections, address);
+                busy[usize::from(!is_ours)] += processor_time(process).saturating_sub(before);
                 rates[usize::from(!is_ours)] = outcome.rate();
                 if is_ours { &mut ours } else { &mut bare }.add(outcome);
             }
@@ -147,11 +139,38 @@ impl Run {
             ours.percentile(0.5) - bare.percentile(0.5),
             ours.percentile(0.99) / bare.percentile(0.99),
         );
+        // Of all threads, without what the server does when nobody asks.
+        let each = |busy: Duration, outcome: &Outcome| busy.as_secs_f64() * 1e6 / outcome.times.len().max(1) as f64;
+        let own = busy[0].saturating_sub(ours.elapsed.mul_f64(idle));
+        println!(
+            "{:>56} processor time of an answer: {:.1} µs, the echo's {:.1} µs",
+            "",
+            each(own, &ours),
+            each(busy[1], &bare)
+        );
         if let Some(why) = ours.first_error {
             println!("{what}: {why}");
         }
         ours.errors + bare.errors
     }
+}
+
+/// The processor time that a process takes while nobody asks, as a share of one processor.
+fn idle(process: u32) -> f64 {
+    let (began, before) = (Instant::now(), processor_time(process));
+    std::thread::sleep(Duration::from_millis(300));
+    let took = processor_time(process).saturating_sub(before);
+    took.as_secs_f64() / began.elapsed().as_secs_f64()
+}
+
+/// What all threads of a process have run so far.
+fn processor_time(process: u32) -> Duration {
+    let threads = std::fs::read_dir(format!("/proc/{process}/task")).expect("Linux shows it");
+    let time = |thread: std::io::Result<std::fs::DirEntry>| {
+        let text = std::fs::read_to_string(thread.ok()?.path().join("schedstat")).ok()?;
+        text.split_whitespace().next()?.parse::<u64>().ok()
+    };
+    Duration::from_nanos(threads.filter_map(time).sum())
 }
 
 fn print(what: &str, connections: usize, outcome: &Outcome) {

@@ -97,6 +97,16 @@ pub const SIX_AXES: RobotMachine = RobotMachine {
     ..DELTA
 };
 
+/// Tags for instructions of robots with wrists.
+const TAGS: [(&str, &str); 6] = [
+    ("Work", "POSITION_DATA"),
+    ("Tool", "POSITION_DATA"),
+    ("NoFrame", "POSITION_DATA"),
+    ("Place", "REAL[6]"),
+    ("Bits", "DINT"),
+    ("Turns", "INT[4]"),
+];
+
 impl RobotMachine {
     /// Whether its system turns the tool too: `CART` has `RX RY RZ` behind `X Y Z` then.
     #[must_use]
@@ -104,12 +114,14 @@ impl RobotMachine {
         self.keys.contains("definition")
     }
 
-    /// The configuration. Axes `X Y Z` are `CART`'s, `J1 J2 J3` the robot's, `U V W` a second Cartesian system `WORLD`'s.
+    /// The configuration. Axes `X Y Z` are `CART`'s, `J1 J2 J3` the robot's, `U V W` a second Cartesian system `WORLD`'s; with a
+    /// wrist there are tags for frames and results.
     pub fn config(&self) -> String {
         let mut text = format!(
             "[motion_group]\nname = \"Motion\"\ncoarse_update_period_ms = {:?}\n",
             self.period
         );
+        let mut tags = String::new();
         let mut axis = |name: &str, units: &str, speed: f64, position: f64| {
             text += &format!(
                 "[[axis]]\nname = \"{name}\"\ntype = \"virtual\"\nunits = \"{units}\"\nmax_speed = {speed:?}\n\
@@ -134,6 +146,9 @@ impl RobotMachine {
             );
         };
         if self.is_oriented() {
+            for (name, kind) in TAGS {
+                tags += &format!("[[tag]]\nname = \"{name}\"\ntype = \"{kind}\"\n");
+            }
             let keys = format!("definition = \"XYZRxRyRz\"\n{}", self.cart);
             system("CART", &["X", "Y", "Z", "RX", "RY", "RZ"], &keys);
         } else {
@@ -141,7 +156,7 @@ impl RobotMachine {
         }
         system("WORLD", &["U", "V", "W"][..axes.min(3)], "");
         system("ROBOT", &["J1", "J2", "J3", "J4", "J5", "J6"][..axes], self.keys);
-        text
+        text + &tags
     }
 
     /// The machine at tick 0.

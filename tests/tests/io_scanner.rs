@@ -262,6 +262,19 @@ fn one_millisecond_is_kept_on_an_absolute_schedule() {
 }
 
 #[test]
+fn longer_intervals_are_kept_too() {
+    let server = server();
+    let mut session = Session::connect(server.address());
+    for (serial, rpi) in (1..).zip([5000, 10_000, 100_000]) {
+        let time = Duration::from_micros(u64::from(rpi) * 15);
+        let Some(arrivals) = exchanged(&mut session, input_only(serial, rpi), time, &[]) else {
+            return;
+        };
+        assert_kept(&arrivals, time, rpi);
+    }
+}
+
+#[test]
 fn a_scanner_that_dies_is_timed_out_and_another_takes_over() {
     let server = server();
     let mut session = Session::connect(server.address());

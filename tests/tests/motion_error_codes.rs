@@ -153,6 +153,27 @@ value = { UnitsMode = 1, TimeUnits = 1, Speed = 2.0, Acceleration = 500.0, Decel
 [[tag]]
 name = "NoPace"
 type = "DYNAMICS_DATA"
+
+[[tag]]
+name = "Frame"
+type = "POSITION_DATA"
+
+[[tag]]
+name = "Tilted"
+type = "POSITION_DATA"
+value = { Ry = 91.0 }
+
+[[tag]]
+name = "Place"
+type = "REAL[6]"
+
+[[tag]]
+name = "Bits"
+type = "DINT"
+
+[[tag]]
+name = "Turns"
+type = "INT[4]"
 "#;
 
 /// Coordinate systems: name, axes, keys in place of the usual ones.
@@ -203,17 +224,58 @@ const SYSTEMS: &[(&str, &str, &str)] = &[
         "\"Q4\", \"Q5\", \"Q6\"",
         "type = \"scara_independent\"\nlink_lengths = [100.0, 100.0]\nzero_angles = [0.0, 180.0, 0.0]",
     ),
+    ("Turn", TURN, ORIENTED),
+    ("Turn2", "\"O2\", \"O1\", \"O3\", \"O4\", \"O5\", \"O6\"", ORIENTED),
+    ("TurnR", "\"O1\", \"O2\", \"O3\", \"O4\", \"O5\", \"R\"", ORIENTED),
+    ("TurnXYZ", "\"X\", \"Y\", \"Z\", \"O4\", \"O5\", \"O6\"", ORIENTED),
+    ("TurnHome", "\"O1\", \"O2\", \"O3\", \"O4\", \"O5\", \"H\"", ORIENTED),
+    ("TurnDecel", TURN, "definition = \"XYZRxRyRz\"\nmax_deceleration = 0.0"),
+    (
+        "TurnJerk",
+        TURN,
+        "definition = \"XYZRxRyRz\"\nmax_deceleration = 5000.0\nmax_deceleration_jerk = 0.0",
+    ),
+    ("Wrist", WRIST, SIX_AXES),
+    ("Elbow", "\"W1\", \"W2\"", ""),
+    (
+        "WristStraight",
+        WRIST,
+        "type = \"articulated_independent\"\ndefinition = \"J1J2J3J4J5J6\"\nlink_lengths = [100.0, 100.0]\n\
+         zero_angles = [0.0, -90.0, 90.0, 0.0, 0.0, 0.0]",
+    ),
+    (
+        "WristStretched",
+        WRIST,
+        "type = \"articulated_independent\"\ndefinition = \"J1J2J3J4J5J6\"\nlink_lengths = [100.0, 100.0]\n\
+         zero_angles = [0.0, 0.0, 0.0, 0.0, 60.0, 0.0]",
+    ),
+    (
+        "WristNoLinks",
+        WRIST,
+        "type = \"articulated_independent\"\ndefinition = \"J1J2J3J4J5J6\"",
+    ),
+    (
+        "WristNoRoom",
+        "\"W1\", \"W2\", \"W3\", \"W4\"",
+        "type = \"delta\"\ndefinition = \"J1J2J3J6\"\nlink_lengths = [100.0, 200.0]\nbase_offsets = [150.0, 0.0, 0.0]",
+    ),
 ];
 
 /// Position and orientation.
 const POSE: &str = "definition = \"XYZRxRyRz\"";
+const TURN: &str = "\"O1\", \"O2\", \"O3\", \"O4\", \"O5\", \"O6\"";
+const ORIENTED: &str = "definition = \"XYZRxRyRz\"";
+const WRIST: &str = "\"W1\", \"W2\", \"W3\", \"W4\", \"W5\", \"W6\"";
+/// At 0 the upper arm stands up, the forearm is level, and the hand is bent down.
+const SIX_AXES: &str = "type = \"articulated_independent\"\ndefinition = \"J1J2J3J4J5J6\"\nlink_lengths = [100.0, 100.0]\n\
+                        end_effector_offsets = [30.0, 0.0, 0.0]\nzero_angles = [0.0, -90.0, 90.0, 0.0, 60.0, 0.0]";
 
 /// Two links of 100 on a turning base; at 0 it stands up and is bent forward.
 const ARM: &str = "type = \"articulated_independent\"\nlink_lengths = [100.0, 100.0]\nzero_angles = [0.0, -90.0, 90.0]";
 
 fn machine() -> String {
     let mut text = format!("{}\n{MORE}", arcline_config::DEFAULT);
-    for letter in ["P", "Q"] {
+    for letter in ["P", "Q", "O", "W"] {
         for place in 1..=6 {
             text.push_str(&format!(
                 "\n[[axis]]\nname = \"{letter}{place}\"\ntype = \"virtual\"\nmax_speed = 100.0\nmax_acceleration = 10000.0\n"
@@ -268,6 +330,7 @@ const JOG_WAITING: &str = "MDAC(X, A, B9, 0, 1)\nMAJ(X, B1, 0, {driven}, 0, 0, 5
 const LINK: &str = "MCT(CS2, CS3, B1, [0, 0, 0], [0, 0, 0])\nrun 5";
 const HOMING: &str = "MAH(H, B1)\nrun 5";
 const REACH: &str = "MCT(Tool, Arm, B1, [0, 0, 0], [0, 0, 0])\nrun 5";
+const TURNING: &str = "MCTO(Turn, Wrist, B1, Frame, Frame)\nrun 5";
 const JOG: &str = "MAJ(X, B1, 0, {rates})\nrun 50";
 const STOP_ALL: &str = "MAJ(X, B1, 0, {rates})\nrun 200\nMAS(X, B2, All, Yes, 100, 0, No, 0, 2)\nrun 2";
 const FAULT: &str = "fault X\nrun 20";
@@ -314,6 +377,7 @@ const TABLE: &[Row] = &[
     ("MCT(Tool, Arm, B1, [0, 0, 0], [0, 0, 0])\nMCLM(Tool, B2, 0, [-50, 100, 100], {rates}, 1)\nrun 9000",
                             "MCLM(Tool, T, 0, [-50, -100, 100], {rates}, 1)",                     (72, 0)),
     // MCCM.
+    ("",                    "MCCM(Turn, T, 0, [9, 0, 0], 1, [9, 0, 0], 2, {rates}, 1)",            (75, 0)),
     ("MSF(Y, B1)\nrun 20",  "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1)",                   (5, 1)),
     ("MASD(Y, B1)\nrun 20", "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1)",                   (7, 1)),
     (FAULT,                 "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1)",                   (20, 0)),
@@ -416,6 +480,37 @@ const TABLE: &[Row] = &[
     ("MCPM(Pose, B1, Way, 1, Pace)\nMCPM(Pose, B2, Way, 1, Pace)", "MCPM(Pose, T, Way, 1, Pace)", (43, 0)),
     (LINE,                  "MCPM(Pose, T, Way, 1, Pace)",                                        (52, 0)),
     ("MCPM(Pose, B1, Way, 1, Pace)\nrun 60\nMCS(Pose, B2, 2, Yes, 1, 1)\nrun 1", "MCPM(Pose, T, Way, 1, Pace)", (78, 0)),
+    // MCTO.
+    ("",                    "MCTO(Nobody, Wrist, T, Frame, Frame)",                               (13, 0)),
+    ("MASD(Z, B1)\nrun 20", "MCTO(TurnXYZ, Wrist, T, Frame, Frame)",                              (7, 2)),
+    ("MSF(Y, B1)\nrun 20",  "MCTO(TurnXYZ, Wrist, T, Frame, Frame)",                              (5, 1)),
+    (FAULT,                 "MCTO(TurnXYZ, Wrist, T, Frame, Frame)",                              (20, 0)),
+    (HOMING,                "MCTO(TurnHome, Wrist, T, Frame, Frame)",                             (16, 5)),
+    ("",                    "MCTO(TurnDecel, Wrist, T, Frame, Frame)",                            (54, -1)),
+    ("",                    "MCTO(TurnJerk, Wrist, T, Frame, Frame)",                             (76, -1)),
+    ("MAM(W6, B1, 0, 90, {rates})\nrun 9", "MCTO(Turn, Wrist, T, Frame, Frame)",                  (22, 5)),
+    ("",                    "MCTO(Turn, Turn, T, Frame, Frame)",                                  (61, 2)),
+    ("",                    "MCTO(CS2, Wrist, T, Frame, Frame)",                                  (61, 5)),
+    ("",                    "MCTO(Turn, Arm, T, Frame, Frame)",                                   (61, 6)),
+    ("MCLM(Elbow, B1, 0, [9, 9], {rates}, 1)\nrun 9", "MCTO(Turn, Wrist, T, Frame, Frame)",       (61, 8)),
+    ("",                    "MCTO(Turn, WristNoLinks, T, Frame, Frame)",                          (61, 9)),
+    ("",                    "MCTO(Turn, WristNoRoom, T, Frame, Frame)",                           (61, 10)),
+    (TURNING,               "MCTO(Turn, Wrist, T, Frame, Frame)",                                 (62, 0)),
+    ("",                    "MCTO(Turn, WristStretched, T, Frame, Frame)",                        (67, 2)),
+    ("",                    "MCTO(Turn, WristStraight, T, Frame, Frame)",                         (68, 0)),
+    ("",                    "MCTO(TurnR, Wrist, T, Frame, Frame)",                                (70, 5)),
+    ("MCTO(Turn, Wrist, B1, Frame, Frame)\nMAM(W6, B2, 0, 90, {rates})\nrun 99\nMCS(Wrist, B3, 3, Yes, 50, 0)\nrun 2",
+                            "MCTO(Turn, Wrist, T, Frame, Frame)",                                 (71, 0)),
+    (TURNING,               "MCTO(Turn2, Wrist, T, Frame, Frame)",                                (73, 0)),
+    ("",                    "MCTO(Turn, Wrist, T, Frame, Tilted)",                                (74, 4)),
+    // MCTPO.
+    ("",                    "MCTPO(Turn, Wrist, T, Frame, Frame, 0, [0, 0, 0, 0, 0], Place, Bits, Turns)",          (13, 6)),
+    ("",                    "MCTPO(Turn, Turn, T, Frame, Frame, 0, [0, 0, 0, 0, 0, 0], Place, Bits, Turns)",        (61, 2)),
+    ("",                    "MCTPO(Turn, Wrist, T, Frame, Frame, 1, [300, 0, 0, 0, 90, 0], Place, Bits, Turns)",    (67, 2)),
+    ("",                    "MCTPO(Turn, Wrist, T, Frame, Frame, 1, [0, 0, 150, 0, 0, 0], Place, Bits, Turns)",     (68, 0)),
+    ("",                    "MCTPO(TurnR, Wrist, T, Frame, Frame, 0, [0, 0, 0, 0, 0, 0], Place, Bits, Turns)",      (70, 5)),
+    ("",                    "MCTPO(Turn, Wrist, T, Tilted, Frame, 0, [0, 0, 0, 0, 0, 0], Place, Bits, Turns)",      (74, 1)),
+    ("",                    "MCTPO(Turn, Wrist, T, Frame, Frame, 2, [0, 0, 0, 0, 0, 0], Place, Bits, Turns)",       (77, 0)),
     // MCTP.
     ("",                    "MCTP(CS2, CS3, T, [0, 0], [0, 0, 0], 1, [1, 2, 3], 0)",              (13, 3)),
     ("",                    "MCTP(CS2, CS2, T, [0, 0, 0], [0, 0, 0], 1, [1, 2, 3], 0)",           (61, 2)),
@@ -592,6 +687,7 @@ const GOOD: &[&str] = &[
     "MCLM(CS1, T, 0, [5, 5, 5], {rates}, 1)", "MCCM(XY, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1)", "MCS(CS1, T, 0, 0, 0, 0)",
     "MDCC(CS1, A, T, 1, 0)", "MDAC(X, A, T, 0, 1)", "MCSD(CS1, T)", "MCSR(CS1, T)", "MCT(CS2, CS3, T, [0, 0, 0], [0, 0, 0])",
     "MCTP(CS2, CS3, T, [0, 0, 0], [0, 0, 0], 1, [1, 2, 3], 0)",
+    "MCTO(Turn, Wrist, T, Frame, Frame)", "MCTPO(Turn, Wrist, T, Frame, Frame, 0, [0, 0, 0, 0, 0, 0], Place, Bits, Turns)",
     "MSO(X, T)", "MSF(X, T)", "MASD(X, T)", "MASR(X, T)", "MAFR(X, T)", "MAS(X, T, All, No, 0, 0)", "MAH(X, T)",
     "MAJ(X, T, 0, {rates})", "MAM(X, T, 0, 9, {rates})", "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)", "MRP(X, T, 0, 0, 5)",
     "MCPM(Pose, T, Way, 1, Pace)", "MGS(Motion, T, 1)", "MGSD(Motion, T)", "MGSR(Motion, T)", "MGSP(Motion, T)", "MCCP(T, Cam, 2, 0, 0, Profile)",
@@ -623,9 +719,11 @@ const LISTS: &[(&str, &[i16])] = &[
     ("MCT",  &[3, 24, 50, 19, 13, 11, 7, 5, 20, 16, 22, 54, 76, 61, 62, 64, 66, 67, 68, 70, 71, 73, 74, 77, 99, 69, 72]),
     // What is master driven takes over nothing: 97 and 103 cannot be.
     ("MCPM", &[3, 24, 50, 19, 13, 95, 93, 11, 8, 38, 53, 7, 5, 20, 16, 14, 15, 54, 76, 51, 43, 78, 52, 99]),
+    ("MCTO", &[3, 24, 50, 19, 13, 11, 7, 5, 20, 16, 22, 54, 76, 61, 62, 64, 66, 67, 68, 70, 71, 73, 74, 77, 99, 69, 72]),
     ("MDCC", &[3, 24, 50, 19, 13, 11, 10, 105]),
     ("MDAC", &[3, 24, 19, 13, 11, 10, 96, 105]),
     ("MCTP", &[3, 13, 61, 67, 68, 70, 74, 77]),
+    ("MCTPO", &[3, 13, 61, 67, 68, 70, 74, 77, 99]),
     ("MSO",  &[3, 24, 19, 7, 8, 11, 12, 20, 22, 53]),
     ("MSF",  &[3, 24, 19, 8, 11, 53]),
     ("MASD", &[3, 19, 11]),
@@ -701,6 +799,10 @@ const NEVER_HERE: &[(&str, i16, &str)] = &[
     ("MAH",  22,  "an immediate home of a moving axis brakes it"),
     ("MCT",  77,  "it has no direction"),
     ("MCT",  99,  "what can be configured can be linked"),
+    ("MCTO", 77,  "it has no direction"),
+    ("MCTO", 99,  "what can be configured can be linked"),
+    ("MCTO", 72,  "joints with a wrist turn on; what a joint's soft travel forbids is refused to the move"),
+    ("MCTPO", 99, "what can be configured can be calculated"),
 ];
 
 fn filled(text: &str) -> String {
@@ -731,6 +833,11 @@ const LATER: &[(&str, (i16, i8))] = &[
         "MCT(Tool, Arm, B1, [0, 0, 0], [0, 0, 0])\nMCLM(Tool, B2, 0, [60, 10, 100], {rates}, 1)\nrun 3000\n\
          MCLM(Tool, B2, 0, [-60, 10, 100], {rates}, 1)\nrun 3000",
         (69, 0),
+    ),
+    // The tool would have to turn too fast.
+    (
+        "MCTO(Turn, Wrist, B1, Frame, Frame)\nMAM(O4, B2, 1, 60, 400, 0, 5000, 0, 5000, 0, 0, 100, 100, 2)\nrun 3000",
+        (69, 3),
     ),
     // Round the base, beyond half a turn.
     (

@@ -30,6 +30,9 @@ const CALLS: &[&str] = &[
     "MCPM(POSE, M62, Way, 1, Pace);",
     "MCPM(POSE, M63, Way, 1, Pace, 5, PositionForwardOnly);",
     "MCTP(TOOL, ARM, M60, [0, 0, 0], [0, 0, 0], InverseLeftArm, [100, 50, 60], Place);",
+    "MCTO(TURN, WRIST, M62, Frame, Frame);",
+    "MCLM(TURN, M63, Incremental, [-9, 30, 4], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+    "MCTPO(TURN, WRIST, M64, Frame, Frame, Inverse, [100, 0, 150, 0, 180, 0], Place, Bits, Turns);",
     "MAG(S, A, M22, Same, 0.5, 1, 1, Command, Real, Enabled, 1000, Unitspersec2);",
     "MAG(A, S, M23, Same, 0.5, 1, 1, Actual, Real, Disabled);",
     "MAM(A, M24, 1, 20, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
@@ -269,8 +272,25 @@ fn project() -> Project {
             "\"J1\", \"J2\", \"J3\"",
             "type = \"articulated_independent\"\nlink_lengths = [100.0, 100.0]\nzero_angles = [0.0, -90.0, 90.0]\n",
         );
+    let six = |letter: char| -> String { (1..=6).map(|place| axis(&format!("{letter}{place}"))).collect() };
+    let robot = robot
+        + &six('O')
+        + &six('W')
+        + &system(
+            "TURN",
+            "\"O1\", \"O2\", \"O3\", \"O4\", \"O5\", \"O6\"",
+            "definition = \"XYZRxRyRz\"\n",
+        )
+        + &system(
+            "WRIST",
+            "\"W1\", \"W2\", \"W3\", \"W4\", \"W5\", \"W6\"",
+            "type = \"articulated_independent\"\ndefinition = \"J1J2J3J4J5J6\"\nlink_lengths = [100.0, 100.0]\n\
+             end_effector_offsets = [30.0, 0.0, 0.0]\nzero_angles = [0.0, -90.0, 90.0, 0.0, 60.0, 0.0]\n",
+        )
+        + "[[tag]]\nname = \"Frame\"\ntype = \"POSITION_DATA\"\n[[tag]]\nname = \"Bits\"\ntype = \"DINT\"\n\
+           [[tag]]\nname = \"Turns\"\ntype = \"INT[4]\"\n";
     let config = format!(
-        "{}\n{robot}[[tag]]\nname = \"Place\"\ntype = \"REAL[3]\"\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[3]\"\n{cam}\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[3]\"\n{PATHS}",
+        "{}\n{robot}[[tag]]\nname = \"Place\"\ntype = \"REAL[6]\"\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[3]\"\n{cam}\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[3]\"\n{PATHS}",
         arcline_config::DEFAULT
             .replacen("type = \"servo\"", &limited, 1)
             .replacen(
@@ -361,6 +381,26 @@ const SCENES: &[&[(&str, u32)]] = &[
         (
             "MCS(POSE, M17, CoordinatedMove, No, 0, Unitspersec2, No, 0, %ofTime);",
             300,
+        ),
+    ],
+    &[
+        // A robot with a wrist, the same.
+        ("MCTO(TURN, WRIST, M62, Frame, Frame);", 5),
+        (
+            "MCTPO(TURN, WRIST, M64, Frame, Frame, Forward, [0, 0, 0, 0, 0, 0], Place, Bits, Turns);",
+            2,
+        ),
+        (
+            "MCLM(TURN, M63, Incremental, [-9, 20, 4], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+            100,
+        ),
+        (
+            "MAM(W6, M24, 1, 5, 50, Unitspersec, 500, Unitspersec2, 500, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
+            900,
+        ),
+        (
+            "MAM(O4, M24, 1, 60, 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
+            900,
         ),
     ],
     &[

@@ -101,6 +101,7 @@ const SCENARIOS: &[Scenario] = &[
     ("driven jog", 500, "0 MAJ(Y, J, 0, 51, 0, 5100, 0, 5100, 0, 0, 100, 100, 2)\n20 MDAC(X, Y, L, Jog, Command)\n100 MAJ(X, M, 0, 2, 4, 0.4, 4, 0.4, 4, 0, 100, 100, 6, 0, 0, 0, 1)\n300 MAS(X, Stop, Jog, Yes, 1000, 0)"),
     ("stopped line", 330, "10 MCLM(CS1, M, 0, [9.98, 0, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)\n160 MCS(CS1, Stop, 2, Yes, 500, 0)"),
     ("transform", 300, "10 MCT(CS2, CS3, M, [0, 0, 0], [0, 0, 0])\n20 MAM(A, N, 0, 1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MCS(CS2, Stop, 3, No, 0, 0)"),
+    ("tool", 400, "10 MCTO(Turn, Wrist, M, Frame, Frame)\n20 MAM(O6, N, 1, 1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n300 MCS(Turn, Stop, 3, No, 0, 0)"),
     ("transform forwards", 300, "10 MCT(CS2, CS3, M, [0, 0, 0], [0, 0, 0])\n20 MAM(X, N, 0, 1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MCS(CS3, Stop, 3, No, 0, 0)"),
     ("fault", 60, "10 fault X 8\n20 fault X 0\n30 MAFR(X, M)\n40 MSO(X, N)"),
     ("virtual fault", 60, "10 fault A 1\n20 fault A 0\n30 MAFR(A, M)"),
@@ -231,6 +232,8 @@ const ROWS: &[Row] = &[
     ("stopped line",     "CS1.DecelStatus",                 false, &[160, 260]),
     ("stopped line",     "CS1.MoveStatus",                  false, &[10, 160]),
     ("transform",        "CS2.TransformSourceStatus",       false, &[10, 200]),
+    // √0.008 s.
+    ("tool",             "Turn.ToolChangeAllowedStatus",    false, &[10, 20, 110, 300]),
     ("transform",        "CS3.TransformTargetStatus",       false, &[10, 200]),
     // CoordinateSystemStatus, AxisFault, and the words of its axes.
     ("line",             "CS1.MotionStatus",                false, &[10, 310, 320]),
@@ -312,7 +315,6 @@ const NEVER: &[(&str, &str)] = &[
     ("DirectControlStatus", "no MDS"), ("DirectVelocityControlStatus", "no MDS"), ("DirectTorqueControlStatus", "no MDS"),
     ("MasterOffsetMoveStatus", "no master offset yet"), ("MasterOffsetMoveLockStatus", "no master offset yet"),
     ("AxisInhibitStatus", "no axis can be inhibited"), ("InhibStatus", "the group cannot be inhibited"),
-    ("ToolChangeAllowedStatus", "no orientation transforms"),
     ("CSTLossFault", "one clock"), ("GroupTaskLoadingFault", "an overlap shows as such"), ("ClockSyncFault", "one clock"),
     ("ClockSyncAlarm", "one clock"),
     ("LocalControlStatus", "no local control"), ("DCBusUpStatus", "no bus is simulated"), ("MotorFluxUpStatus", "no flux is simulated"),
@@ -349,7 +351,7 @@ const TAGS: [&str; 11] = [
 fn machine(keys: &str) -> String {
     let deep = "[[coordinate_system]]\nname = \"Deep\"\ntype = \"cartesian\"\naxes = [\"X\", \"Y\"]\nmax_speed = 500.0\n\
                 max_acceleration = 5000.0\nmax_deceleration = 5000.0\nqueue_depth = 2\n";
-    let text = format!("{}\n{MORE}\n{deep}", arcline_config::DEFAULT);
+    let text = format!("{}\n{MORE}\n{deep}{}", arcline_config::DEFAULT, wrist());
     let axis = "name = \"X\"\ntype = ";
     assert!(text.contains(axis));
     let inputs = "registration = { input_1 = \"Mark1\", input_2 = \"Mark2\" }\n";
@@ -362,11 +364,35 @@ fn machine(keys: &str) -> String {
     )
 }
 
+/// A robot with a wrist, and a system with orientation that can lead it.
+fn wrist() -> String {
+    let mut text = "[[tag]]\nname = \"Frame\"\ntype = \"POSITION_DATA\"\n".to_owned();
+    let mut system = |name: &str, letter: char, keys: &str| {
+        let names: Vec<String> = (1..=6).map(|place| format!("{letter}{place}")).collect();
+        for name in &names {
+            text += &format!(
+                "[[axis]]\nname = \"{name}\"\ntype = \"virtual\"\nmax_speed = 1000.0\nmax_acceleration = 10000.0\n"
+            );
+        }
+        text += &format!(
+            "[[coordinate_system]]\nname = \"{name}\"\n{keys}\naxes = {names:?}\nmax_speed = 500.0\nmax_acceleration = 5000.0\n"
+        );
+    };
+    system("Turn", 'O', "definition = \"XYZRxRyRz\"");
+    system(
+        "Wrist",
+        'W',
+        "type = \"articulated_independent\"\ndefinition = \"J1J2J3J4J5J6\"\nlink_lengths = [100.0, 100.0]\n\
+         end_effector_offsets = [30.0, 0.0, 0.0]\nzero_angles = [0.0, -90.0, 90.0, 0.0, 60.0, 0.0]",
+    );
+    text
+}
+
 fn template(tag: &str) -> std::sync::Arc<arcline_tag::Template> {
     match tag {
         "A" => predefined::axis_virtual(),
         "Motion" => predefined::motion_group(),
-        "CS1" | "CS2" | "CS3" | "Deep" => predefined::coordinate_system(),
+        "CS1" | "CS2" | "CS3" | "Deep" | "Turn" => predefined::coordinate_system(),
         "X" | "H" | "Weak" | "Far" | "Near" => predefined::axis_cip_drive(),
         _ => predefined::motion_instruction(),
     }

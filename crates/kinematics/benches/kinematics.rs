@@ -3,7 +3,7 @@
 
 use std::hint::black_box;
 
-use arcline_kinematics::{Arm, Geometry, Moving, Number, OrientedRobot, Parameters, Robot, Wrist};
+use arcline_kinematics::{Arm, Geometry, Moving, Number, OrientedRobot, Parameters, Pose, Robot, Wrist};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 const POINTS: usize = 1024;
@@ -85,6 +85,16 @@ fn six_axes(c: &mut Criterion) {
         b.iter(|| {
             let taken = black_box(&taken[next.next().unwrap_or(0)]);
             robot.inverse(&taken.pose, taken.configuration, taken.turns)
+        });
+    });
+    c.bench_function("six axes inverse with velocity and acceleration", |b| {
+        b.iter(|| {
+            let taken = black_box(&taken[next.next().unwrap_or(0)]);
+            let point = taken.pose.coordinates().map(|at| Moving {
+                velocity: 10.0,
+                ..Moving::constant(at)
+            });
+            robot.inverse(&Pose::new(point), taken.configuration, taken.turns)
         });
     });
     c.bench_function("six axes forward", |b| {

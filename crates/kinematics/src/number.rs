@@ -4,11 +4,15 @@
 //! velocity and acceleration together, by the rules of differentiation and not by differences. Units: those of the
 //! number, seconds.
 
+use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number, or one together with its change over time.
 pub trait Number:
     Copy
+    + fmt::Debug
+    + PartialEq
+    + 'static
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>

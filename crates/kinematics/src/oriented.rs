@@ -4,10 +4,11 @@
 //! The arm before the wrist is a [`Robot`] of its own. Not here: work and tool frames ([`crate::end_of_arm`]). Units: position
 //! units, degrees.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 
 use crate::error::{GeometryError, KinematicsError};
-use crate::pose::{Pose, turn_x, turn_y, turn_z};
+use crate::number::Number;
+use crate::pose::{DEGREES, Pose, product, turn_x, turn_y, turn_z};
 use crate::robot::{Arm, Elbow, Geometry, Parameters, Robot};
 
 /// How a robot with a wrist is built, by the names of its joints.
@@ -59,6 +60,30 @@ impl Wrist {
         }
     }
 
+    /// Whether a joint turns, and does not slide.
+    #[must_use]
+    pub fn turns(self, joint: usize) -> bool {
+        joint < self.joints() && !(self == Wrist::ScaraJ1J2J3J6 && joint == 2)
+    }
+
+    /// Whether one of its solutions can be told by that configuration.
+    #[must_use]
+    pub fn has(self, configuration: Configuration) -> bool {
+        let Configuration { lefty, below, flip } = configuration;
+        match self {
+            Wrist::DeltaJ1J2J6 | Wrist::DeltaJ1J2J3J6 | Wrist::DeltaJ1J2J3J4J5 => !lefty && !below && !flip,
+            Wrist::ScaraJ1J2J3J6 => !below && !flip,
+            Wrist::ArticulatedJ1J2J3J4J5J6 => true,
+        }
+    }
+
+    /// Whether every joint of which whole turns are counted is one of its own.
+    #[must_use]
+    pub fn counts(self, turns: Turns) -> bool {
+        let mut counted = turns.iter().zip(self.counted());
+        counted.all(|(turns, place)| *turns == 0 || place.is_some())
+    }
+
     /// The place among the joints of each turns counter: J1, J4, J6.
     fn counted(self) -> [Option<usize>; 3] {
         match self {
@@ -105,9 +130,9 @@ pub type Turns = [i16; 3];
 
 /// Where joints bring the end of the arm, and which of the ways there they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Taken {
+pub struct Taken<N: Number = f64> {
     /// The end of the arm in the frame of the base.
-    pub pose: Pose,
+    pub pose: Pose<N>,
     /// The solution.
     pub configuration: Configuration,
     /// The turns.
@@ -158,47 +183,41 @@ impl OrientedRobot {
     ///
     /// # Errors
     /// [`KinematicsError`] where a joint is where it cannot be, or the arms hold nothing.
-    pub fn forward(&self, joints: &[f64; 6]) -> Result<Taken, KinematicsError> {
+    pub fn forward<N: Number>(&self, joints: &[N; 6]) -> Result<Taken<N>, KinematicsError> {
         let mut internal = *joints;
         for (joint, zero) in internal.iter_mut().zip(self.zero) {
-            *joint -= zero;
+            *joint = *joint - zero;
         }
         let [j1, j2, j3, j4, j5, j6] = internal;
-        let arm = self.arm.arm([j1, j2, j3]);
-        let mut configuration = Configuration::default();
+        let nothing = N::constant(0.0);
         let (position, rotation) = match self.wrist {
             Wrist::DeltaJ1J2J6 => {
-                let [x, z, _] = self.arm.forward([j1, j2, 0.0])?;
-                (Vector3::new(x, 0.0, z), turn_z(j3) * down())
+                let [x, z, _] = self.arm.forward([j1, j2, nothing])?;
+                ([x, nothing, z], product(&turn_z(j3), &down()))
             }
-            Wrist::DeltaJ1J2J3J6 => (self.arm.forward([j1, j2, j3])?.into(), turn_z(j4) * down()),
+            Wrist::DeltaJ1J2J3J6 => (self.arm.forward([j1, j2, j3])?, product(&turn_z(j4), &down())),
             Wrist::DeltaJ1J2J3J4J5 => (
-                self.arm.forward([j1, j2, j3])?.into(),
-                turn_z(-j4) * turn_y(-j5) * down(),
+                self.arm.forward([j1, j2, j3])?,
+                product(&product(&turn_z(-j4), &turn_y(-j5)), &down()),
             ),
             Wrist::ScaraJ1J2J3J6 => {
-                configuration.lefty = arm.elbow == Elbow::Left;
-                (self.arm.forward([j1, j2, j3])?.into(), turn_z(j1 + j2 + j4) * down())
+                let turn = turn_z(j1 + j2 + j4);
+                (self.arm.forward([j1, j2, j3])?, product(&turn, &down()))
             }
             Wrist::ArticulatedJ1J2J3J4J5J6 => {
-                configuration = Configuration {
-                    lefty: arm.mirrored,
-                    below: arm.elbow == Elbow::Right,
-                    flip: wrapped(j5) < 0.0,
-                };
-                let rotation = forearm(j1, j2 + j3) * turn_x(j4) * turn_y(-j5) * turn_x(j6) * along_tool();
-                let wrist: Vector3<f64> = self.arm.forward([j1, j2, j3])?.into();
-                (wrist + rotation.column(2) * self.tool, rotation)
+                let hand = product(&product(&turn_x(j4), &turn_y(-j5)), &turn_x(j6));
+                let rotation = product(&product(&forearm(j1, j2 + j3), &hand), &along_tool());
+                let wrist = self.arm.forward([j1, j2, j3])?;
+                let end = [0, 1, 2].map(|row| wrist[row] + rotation[(row, 2)] * self.tool);
+                (end, rotation)
             }
         };
-        let mut turns = Turns::default();
-        for (counter, place) in turns.iter_mut().zip(self.wrist.counted()) {
-            if let Some(place) = place {
-                *counter = ((internal[place] - wrapped(internal[place])) / TURN).round() as i16;
-            }
-        }
+        let (configuration, turns) = self.solution(&joints.map(N::value));
         let taken = Taken {
-            pose: Pose { position, rotation },
+            pose: Pose {
+                position: position.into(),
+                rotation,
+            },
             configuration,
             turns,
         };
@@ -206,40 +225,70 @@ impl OrientedRobot {
         finite.then_some(taken).ok_or(KinematicsError::Reach { joint: 0 })
     }
 
+    /// Which of the ways to where they bring the end of the arm joints are, and in which turns.
+    #[must_use]
+    pub fn solution(&self, joints: &[f64; 6]) -> (Configuration, Turns) {
+        let mut internal = *joints;
+        for (joint, zero) in internal.iter_mut().zip(self.zero) {
+            *joint -= zero;
+        }
+        let [j1, j2, j3, _, j5, _] = internal;
+        let arm = self.arm.arm([j1, j2, j3]);
+        let configuration = match self.wrist {
+            Wrist::DeltaJ1J2J6 | Wrist::DeltaJ1J2J3J6 | Wrist::DeltaJ1J2J3J4J5 => Configuration::default(),
+            Wrist::ScaraJ1J2J3J6 => Configuration {
+                lefty: arm.elbow == Elbow::Left,
+                ..Configuration::default()
+            },
+            Wrist::ArticulatedJ1J2J3J4J5J6 => Configuration {
+                lefty: arm.mirrored,
+                below: arm.elbow == Elbow::Right,
+                flip: wrapped(j5) < 0.0,
+            },
+        };
+        let turns = self.wrist.counted().map(|place| {
+            let joint = place.map_or(0.0, |place| internal[place]);
+            ((joint - wrapped(joint)) / TURN).round() as i16
+        });
+        (configuration, turns)
+    }
+
     /// The joints that bring the end of the arm to a pose. Those behind the last one are 0.
     ///
     /// # Errors
-    /// [`KinematicsError`] where the pose cannot be reached, or the robot cannot make its orientation.
-    pub fn inverse(
+    /// [`KinematicsError`] where the pose cannot be reached, or the robot cannot make its orientation, or what moves would
+    /// come too near to a singularity.
+    pub fn inverse<N: Number>(
         &self,
-        pose: &Pose,
+        pose: &Pose<N>,
         configuration: Configuration,
         turns: Turns,
-    ) -> Result<[f64; 6], KinematicsError> {
+    ) -> Result<[N; 6], KinematicsError> {
         let m = &pose.rotation;
         let p = &pose.position;
+        let nothing = N::constant(0.0);
         let elbow = |right: bool| if right { Elbow::Right } else { Elbow::Left };
         let mut joints = match self.wrist {
             Wrist::DeltaJ1J2J6 => {
-                if p.y.abs() > OFF_PLANE {
+                if p.y.value().abs() > OFF_PLANE {
                     return Err(KinematicsError::Orientation { angle: 1 });
                 }
-                let [j1, j2, _] = self.arm.inverse([p.x, p.z, 0.0], Arm::default())?;
-                [j1, j2, downwards(m)?, 0.0, 0.0, 0.0]
+                let [j1, j2, _] = self.arm.inverse([p.x, p.z, nothing], Arm::default())?;
+                [j1, j2, downwards(m)?, nothing, nothing, nothing]
             }
             Wrist::DeltaJ1J2J3J6 => {
                 let [j1, j2, j3] = self.arm.inverse((*p).into(), Arm::default())?;
-                [j1, j2, j3, downwards(m)?, 0.0, 0.0]
+                [j1, j2, j3, downwards(m)?, nothing, nothing]
             }
             Wrist::DeltaJ1J2J3J4J5 => {
                 let [j1, j2, j3] = self.arm.inverse((*p).into(), Arm::default())?;
-                let turned = m * down();
-                if turned[(2, 1)].abs() > OFF_ANGLE {
+                let turned = product(m, &down());
+                if turned[(2, 1)].value().abs() > OFF_ANGLE {
                     return Err(KinematicsError::Orientation { angle: 3 });
                 }
                 let j4 = -degrees(-turned[(0, 1)], turned[(1, 1)]);
                 let j5 = -degrees(-turned[(2, 0)], turned[(2, 2)]);
-                [j1, j2, j3, j4, j5, 0.0]
+                [j1, j2, j3, j4, j5, nothing]
             }
             Wrist::ScaraJ1J2J3J6 => {
                 let arm = Arm {
@@ -247,17 +296,18 @@ impl OrientedRobot {
                     mirrored: false,
                 };
                 let [j1, j2, j3] = self.arm.inverse((*p).into(), arm)?;
-                [j1, j2, j3, wrapped(downwards(m)? - j1 - j2), 0.0, 0.0]
+                [j1, j2, j3, wrapped(downwards(m)? - j1 - j2), nothing, nothing]
             }
             Wrist::ArticulatedJ1J2J3J4J5J6 => {
                 let arm = Arm {
                     elbow: elbow(configuration.below),
                     mirrored: configuration.lefty,
                 };
-                let wrist = p - m.column(2) * self.tool;
-                let [j1, j2, j3] = self.arm.inverse(wrist.into(), arm)?;
-                let hand = forearm(j1, j2 + j3).transpose() * m * along_tool().transpose();
-                let [j4, j5, j6] = hand_joints(&hand, configuration.flip);
+                let wrist = [0, 1, 2].map(|row| p[row] - m[(row, 2)] * self.tool);
+                let [j1, j2, j3] = self.arm.inverse(wrist, arm)?;
+                let end = product(m, &along_tool::<N>().transpose());
+                let hand = product(&forearm(j1, j2 + j3).transpose(), &end);
+                let [j4, j5, j6] = hand_joints(&hand, configuration.flip)?;
                 [j1, j2, j3, j4, j5, j6]
             }
         };
@@ -267,59 +317,72 @@ impl OrientedRobot {
             }
         }
         for (joint, zero) in joints.iter_mut().zip(self.zero).take(self.wrist.joints()) {
-            *joint += zero;
+            *joint = *joint + zero;
         }
-        Ok(joints)
+        match joints.iter().position(|joint| !joint.is_finite()) {
+            None => Ok(joints),
+            Some(place) => Err(KinematicsError::Reach { joint: place as u8 }),
+        }
     }
 }
 
 /// The turn of the forearm against the base.
-fn forearm(base: f64, lift: f64) -> Matrix3<f64> {
-    turn_z(base) * turn_y(-lift)
+fn forearm<N: Number>(base: N, lift: N) -> Matrix3<N> {
+    product(&turn_z(base), &turn_y(-lift))
 }
 
-/// J4, J5, J6 of `Rx(J4) * Ry(-J5) * Rx(J6)`. Where J5 is 0, J4 is too.
-fn hand_joints(m: &Matrix3<f64>, flip: bool) -> [f64; 3] {
-    let bend = libm::hypot(m[(1, 0)], m[(2, 0)]);
-    if bend < STRAIGHT {
-        let straight = if m[(0, 0)] < 0.0 { 180.0 } else { 0.0 };
-        return [0.0, straight, degrees(m[(2, 1)], m[(1, 1)])];
+/// J4, J5, J6 of `Rx(J4) * Ry(-J5) * Rx(J6)`. Where J5 is 0 and nothing moves, J4 is too.
+fn hand_joints<N: Number>(m: &Matrix3<N>, flip: bool) -> Result<[N; 3], KinematicsError> {
+    let square = m[(1, 0)] * m[(1, 0)] + m[(2, 0)] * m[(2, 0)];
+    if square.value() < N::NEAREST * N::NEAREST {
+        if N::NEAREST > STRAIGHT {
+            return Err(KinematicsError::Origin);
+        }
+        let straight = if m[(0, 0)].value() < 0.0 { 180.0 } else { 0.0 };
+        let rest = degrees(m[(2, 1)], m[(1, 1)]);
+        return Ok([N::constant(0.0), N::constant(straight), rest]);
     }
+    let bend = square.sqrt();
     let sign = if flip { -1.0 } else { 1.0 };
-    [
-        degrees(-sign * m[(1, 0)], sign * m[(2, 0)]),
-        degrees(sign * bend, m[(0, 0)]),
-        degrees(-sign * m[(0, 1)], -sign * m[(0, 2)]),
-    ]
+    Ok([
+        degrees(m[(1, 0)] * -sign, m[(2, 0)] * sign),
+        degrees(bend * sign, m[(0, 0)]),
+        degrees(m[(0, 1)] * -sign, m[(0, 2)] * -sign),
+    ])
 }
 
 /// How a tool that points straight down is turned: Rz.
-fn downwards(m: &Matrix3<f64>) -> Result<f64, KinematicsError> {
-    if libm::hypot(m[(2, 0)], m[(2, 1)]) > OFF_ANGLE || m[(2, 2)] > 0.0 {
-        let angle = if m[(2, 0)].abs() > OFF_ANGLE { 4 } else { 3 };
+fn downwards<N: Number>(m: &Matrix3<N>) -> Result<N, KinematicsError> {
+    let [rolled, tilted, up] = [m[(2, 1)], m[(2, 0)], m[(2, 2)]].map(N::value);
+    if libm::hypot(tilted, rolled) > OFF_ANGLE || up > 0.0 {
+        let angle = if tilted.abs() > OFF_ANGLE { 4 } else { 3 };
         return Err(KinematicsError::Orientation { angle });
     }
     Ok(degrees(m[(1, 0)], m[(0, 0)]))
 }
 
 /// The tool of a delta or SCARA points down: Rx is 180.
-fn down() -> Matrix3<f64> {
-    turn_x(180.0)
+fn down<N: Number>() -> Matrix3<N> {
+    turn_x(N::constant(180.0))
 }
 
 /// The end of an articulated arm has its Z along the tool, which is X1 at internal 0.
-fn along_tool() -> Matrix3<f64> {
-    turn_y(90.0)
+fn along_tool<N: Number>() -> Matrix3<N> {
+    turn_y(N::constant(90.0))
 }
 
-fn degrees(sin: f64, cos: f64) -> f64 {
-    libm::atan2(sin, cos).to_degrees()
+fn degrees<N: Number>(sin: N, cos: N) -> N {
+    sin.atan2(cos) * DEGREES
 }
 
 /// Within half a turn: above -180 up to 180.
-fn wrapped(angle: f64) -> f64 {
-    let turned = angle - TURN * (angle / TURN).round();
-    if turned <= -0.5 * TURN { turned + TURN } else { turned }
+fn wrapped<N: Number>(angle: N) -> N {
+    let turned = angle - TURN * (angle.value() / TURN).round();
+    if turned.value() <= -0.5 * TURN {
+        turned + TURN
+    } else {
+        turned
+    }
 }
 
 /// Degrees.
@@ -328,5 +391,5 @@ const TURN: f64 = 360.0;
 const OFF_PLANE: f64 = 1e-3;
 /// Sine of an angle that is rounding.
 const OFF_ANGLE: f64 = 1e-5;
-/// Sine of J5 below which J4 and J6 turn about the same axis.
+/// Up to this [`Number::NEAREST`] it is no fault that J4 and J6 turn about the same axis: nothing moves.
 const STRAIGHT: f64 = 1e-9;

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use crate::{Configuration, KinematicsError, OrientedRobot, Parameters, Pose, Wrist, end_of_arm, tool_centre};
+use crate::{Configuration, KinematicsError, Moving, OrientedRobot, Parameters, Pose, Wrist, end_of_arm, tool_centre};
 
 const EVERY: [Wrist; 5] = [
     Wrist::DeltaJ1J2J6,
@@ -104,6 +104,90 @@ fn the_mirror_rule_of_a_swing_arm() {
             .expect("a pose of it");
         assert!((back[4] - j5).abs() < 1e-9 && (back[3] - j4).abs() < 1e-9, "{back:?}");
     }
+}
+
+#[test]
+fn angles_go_on_near_others() {
+    #[rustfmt::skip]
+    let cases = [
+        // why,                                     an orientation,        near,                    is
+        ("a turn on",                               [10.0, 20.0, -170.0],  [10.0, 20.0, 200.0],     [10.0, 20.0, 190.0]),
+        ("two turns back",                          [10.0, 20.0, 30.0],    [10.0, 20.0, -700.0],    [10.0, 20.0, -690.0]),
+        ("on through the mirror",                   [0.0, 80.0, 170.0],    [180.0, 95.0, -5.0],     [180.0, 100.0, -10.0]),
+        ("what can be anything is what it was",     [0.0, 90.0, 30.0],     [20.0, 90.0, 50.0],      [20.0, 90.0, 50.0]),
+        ("the other way round",                     [0.0, -90.0, 70.0],    [20.0, -90.0, 50.0],     [20.0, -90.0, 50.0]),
+    ];
+    for (why, [rx, ry, rz], near, expected) in cases {
+        let [.., rx, ry, rz] = Pose::new([1.0, 2.0, 3.0, rx, ry, rz]).coordinates_near(near);
+        for (shown, expected) in [rx, ry, rz].iter().zip(expected) {
+            assert!((shown - expected).abs() < 1e-9, "{why}: {rx} {ry} {rz}");
+        }
+    }
+}
+
+/// Both directions of every robot with what moves, against differences of what stands.
+#[test]
+fn what_moves_is_differentiated() {
+    const STEP: f64 = 1e-4;
+    let speeds = [3.0, -2.0, 4.0, 5.0, -6.0, 7.0];
+    let joints = [20.0, 25.0, 35.0, 40.0, -50.0, 60.0];
+    for wrist in EVERY {
+        let robot = robot(wrist);
+        let at = |seconds: f64| -> [f64; 6] { std::array::from_fn(|k| joints[k] + speeds[k] * seconds) };
+        let moving: [Moving; 6] = std::array::from_fn(|k| Moving {
+            position: joints[k],
+            velocity: speeds[k],
+            acceleration: 0.0,
+        });
+        let taken = robot.forward(&moving).expect("joints of the robot");
+        let coordinates = taken.pose.coordinates();
+        let now = |seconds: f64| robot.forward(&at(seconds)).expect("joints").pose.coordinates();
+        let (before, here, after) = (now(-STEP), now(0.0), now(STEP));
+        for place in 0..6 {
+            let velocity = (after[place] - before[place]) / (2.0 * STEP);
+            let acceleration = (after[place] - 2.0 * here[place] + before[place]) / (STEP * STEP);
+            let found = coordinates[place];
+            assert!((found.position - here[place]).abs() < 1e-9, "{wrist:?} {place}");
+            assert!(
+                (found.velocity - velocity).abs() < 1e-4,
+                "{wrist:?} {place}: {found:?}, {velocity}"
+            );
+            assert!(
+                (found.acceleration - acceleration).abs() < 1e-3,
+                "{wrist:?} {place}: {found:?}, {acceleration}"
+            );
+        }
+        // And back: what moves so moves the joints as they did.
+        let back = robot
+            .inverse(&Pose::new(coordinates), taken.configuration, taken.turns)
+            .expect("a pose of the robot");
+        for (place, back) in back.iter().enumerate().take(wrist.joints()) {
+            let expected = moving[place];
+            assert!(
+                (back.position - expected.position).abs() < 1e-6,
+                "{wrist:?} {place}: {back:?}"
+            );
+            assert!(
+                (back.velocity - expected.velocity).abs() < 1e-6,
+                "{wrist:?} {place}: {back:?}"
+            );
+            assert!(back.acceleration.abs() < 1e-6, "{wrist:?} {place}: {back:?}");
+        }
+    }
+}
+
+#[test]
+fn what_moves_stays_off_a_straight_wrist() {
+    let robot = robot(Wrist::ArticulatedJ1J2J3J4J5J6);
+    // J5 shows 5 at its internal 0.
+    let joints = [10.0, 50.0, -40.0, 20.0, 5.0, 30.0];
+    let taken = robot.forward(&joints).expect("joints");
+    let standing = robot
+        .inverse(&taken.pose, taken.configuration, taken.turns)
+        .expect("it stands");
+    assert!(apart(&robot.forward(&standing).expect("joints").pose, &taken.pose) < 1e-9);
+    let moving = robot.inverse(&taken.pose.standing::<Moving>(), taken.configuration, taken.turns);
+    assert_eq!(moving.expect_err("J4 and J6 are one"), KinematicsError::Origin);
 }
 
 #[test]

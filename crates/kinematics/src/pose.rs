@@ -4,13 +4,15 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Where something is, and how it is turned.
+use crate::number::Number;
+
+/// Where something is, and how it is turned; with [`crate::Moving`] also how that changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub struct Pose<N: Number = f64> {
     /// Its origin, position units.
-    pub position: Vector3<f64>,
+    pub position: Vector3<N>,
     /// Its axes, as columns.
-    pub rotation: Matrix3<f64>,
+    pub rotation: Matrix3<N>,
 }
 
 impl Pose {
@@ -23,47 +25,93 @@ impl Pose {
         }
     }
 
+    /// The same for what moves: it stands.
+    #[must_use]
+    pub fn standing<N: Number>(&self) -> Pose<N> {
+        Pose {
+            position: self.position.map(N::constant),
+            rotation: self.rotation.map(N::constant),
+        }
+    }
+}
+
+impl<N: Number> Pose<N> {
     /// X, Y, Z, Rx, Ry, Rz: `Rz(Rz) * Ry(Ry) * Rx(Rx)`, fixed X-Y-Z angles in degrees.
     #[must_use]
-    pub fn new([x, y, z, rx, ry, rz]: [f64; 6]) -> Pose {
+    pub fn new([x, y, z, rx, ry, rz]: [N; 6]) -> Pose<N> {
         Pose {
             position: Vector3::new(x, y, z),
-            rotation: turn_z(rz) * turn_y(ry) * turn_x(rx),
+            rotation: product(&product(&turn_z(rz), &turn_y(ry)), &turn_x(rx)),
         }
     }
 
     /// X, Y, Z, Rx, Ry, Rz, with Rx and Rz above -180 up to 180 and Ry from -90 to 90. Where Ry is 90 or -90 only the sum or
     /// difference of the others says something: Rx is 0 then.
     #[must_use]
-    pub fn coordinates(&self) -> [f64; 6] {
-        let m = &self.rotation;
-        let level = libm::hypot(m[(0, 0)], m[(1, 0)]);
-        let ry = libm::atan2(-m[(2, 0)], level);
-        let (rx, rz) = if level > UPRIGHT {
-            (libm::atan2(m[(2, 1)], m[(2, 2)]), libm::atan2(m[(1, 0)], m[(0, 0)]))
-        } else {
-            (0.0, libm::atan2(-m[(0, 1)], m[(1, 1)]))
-        };
-        let [rx, ry, rz] = [rx, ry, rz].map(f64::to_degrees).map(above_half_turn);
+    pub fn coordinates(&self) -> [N; 6] {
         let p = &self.position;
+        let [rx, ry, rz] = self.angles(0.0);
+        [p.x, p.y, p.z, above_half_turn(rx), ry, above_half_turn(rz)]
+    }
+
+    /// The same with those of the angles of this orientation that are nearest to others, degrees: each may be beyond its range,
+    /// so that what goes on through an end of it does not jump.
+    #[must_use]
+    pub fn coordinates_near(&self, others: [f64; 3]) -> [N; 6] {
+        let p = &self.position;
+        let [rx, ry, rz] = self.angles(others[0]);
+        // Every orientation has two triples.
+        let near = |angles: [N; 3]| {
+            let mut far = 0.0;
+            let near = [0, 1, 2].map(|place| {
+                let angle = angles[place];
+                let angle = angle + 360.0 * ((others[place] - angle.value()) / 360.0).round();
+                far += (others[place] - angle.value()).abs();
+                angle
+            });
+            (near, far)
+        };
+        let (first, far) = near([rx, ry, rz]);
+        let (second, further) = near([rx + 180.0, -ry + 180.0, rz + 180.0]);
+        let [rx, ry, rz] = if further < far { second } else { first };
         [p.x, p.y, p.z, rx, ry, rz]
+    }
+
+    /// Rx, Ry, Rz. `upright`: Rx where it can be anything.
+    fn angles(&self, upright: f64) -> [N; 3] {
+        let m = &self.rotation;
+        let square = m[(0, 0)] * m[(0, 0)] + m[(1, 0)] * m[(1, 0)];
+        let angles = if square.value() > UPRIGHT * UPRIGHT {
+            [
+                m[(2, 1)].atan2(m[(2, 2)]),
+                (-m[(2, 0)]).atan2(square.sqrt()),
+                m[(1, 0)].atan2(m[(0, 0)]),
+            ]
+        } else {
+            let quarter = if m[(2, 0)].value() < 0.0 { QUARTER } else { -QUARTER };
+            let rx = upright.to_radians();
+            let rz = (-m[(0, 1)]).atan2(m[(1, 1)]) + rx * quarter.signum();
+            [N::constant(rx), N::constant(quarter), rz]
+        };
+        angles.map(|angle| angle * DEGREES)
     }
 
     /// What lies in this frame, seen from outside of it.
     #[must_use]
-    pub fn of(&self, inner: &Pose) -> Pose {
+    pub fn of(&self, inner: &Pose<N>) -> Pose<N> {
+        let moved = turned(&self.rotation, &inner.position);
         Pose {
-            position: self.rotation * inner.position + self.position,
-            rotation: self.rotation * inner.rotation,
+            position: Vector3::from_fn(|row, _| moved[row] + self.position[row]),
+            rotation: product(&self.rotation, &inner.rotation),
         }
     }
 
     /// What is outside, seen from this frame.
     #[must_use]
-    pub fn inverse(&self) -> Pose {
+    pub fn inverse(&self) -> Pose<N> {
         let rotation = self.rotation.transpose();
         Pose {
-            position: -(rotation * self.position),
+            position: turned(&rotation, &self.position).map(|part| -part),
             rotation,
         }
     }
@@ -71,38 +119,57 @@ impl Pose {
 
 /// The end of the arm in the frame of the base for a tool centre in a work frame: `work * tool_centre * inverse(tool)`.
 #[must_use]
-pub fn end_of_arm(work: &Pose, tool_centre: &Pose, tool: &Pose) -> Pose {
-    work.of(tool_centre).of(&tool.inverse())
+pub fn end_of_arm<N: Number>(work: &Pose, tool_centre: &Pose<N>, tool: &Pose) -> Pose<N> {
+    work.standing().of(tool_centre).of(&tool.inverse().standing())
 }
 
 /// The reverse: the tool centre in the work frame.
 #[must_use]
-pub fn tool_centre(work: &Pose, end_of_arm: &Pose, tool: &Pose) -> Pose {
-    work.inverse().of(&end_of_arm.of(tool))
+pub fn tool_centre<N: Number>(work: &Pose, end_of_arm: &Pose<N>, tool: &Pose) -> Pose<N> {
+    work.inverse().standing().of(&end_of_arm.of(&tool.standing()))
+}
+
+/// One turn after another: `first * second`.
+pub(crate) fn product<N: Number>(first: &Matrix3<N>, second: &Matrix3<N>) -> Matrix3<N> {
+    Matrix3::from_fn(|row, column| {
+        first[(row, 0)] * second[(0, column)]
+            + first[(row, 1)] * second[(1, column)]
+            + first[(row, 2)] * second[(2, column)]
+    })
+}
+
+/// A turned vector.
+pub(crate) fn turned<N: Number>(rotation: &Matrix3<N>, vector: &Vector3<N>) -> Vector3<N> {
+    Vector3::from_fn(|row, _| {
+        rotation[(row, 0)] * vector[0] + rotation[(row, 1)] * vector[1] + rotation[(row, 2)] * vector[2]
+    })
 }
 
 /// A rotation about X, degrees.
-pub(crate) fn turn_x(degrees: f64) -> Matrix3<f64> {
+pub(crate) fn turn_x<N: Number>(degrees: N) -> Matrix3<N> {
     let (s, c) = sin_cos(degrees);
-    Matrix3::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c)
+    let [o, i] = [0.0, 1.0].map(N::constant);
+    Matrix3::new(i, o, o, o, c, -s, o, s, c)
 }
 
 /// A rotation about Y, degrees.
-pub(crate) fn turn_y(degrees: f64) -> Matrix3<f64> {
+pub(crate) fn turn_y<N: Number>(degrees: N) -> Matrix3<N> {
     let (s, c) = sin_cos(degrees);
-    Matrix3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c)
+    let [o, i] = [0.0, 1.0].map(N::constant);
+    Matrix3::new(c, o, s, o, i, o, -s, o, c)
 }
 
 /// A rotation about Z, degrees.
-pub(crate) fn turn_z(degrees: f64) -> Matrix3<f64> {
+pub(crate) fn turn_z<N: Number>(degrees: N) -> Matrix3<N> {
     let (s, c) = sin_cos(degrees);
-    Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
+    let [o, i] = [0.0, 1.0].map(N::constant);
+    Matrix3::new(c, -s, o, s, c, o, o, o, i)
 }
 
 /// Sine and cosine of degrees; those of quarter turns are whole numbers.
-fn sin_cos(degrees: f64) -> (f64, f64) {
-    let quarters = (degrees / 90.0).round();
-    let (s, c) = libm::sincos((degrees - 90.0 * quarters).to_radians());
+fn sin_cos<N: Number>(degrees: N) -> (N, N) {
+    let quarters = (degrees.value() / 90.0).round();
+    let (s, c) = ((degrees - 90.0 * quarters) * RADIANS).sin_cos();
     match quarters.rem_euclid(4.0) as u8 {
         0 => (s, c),
         1 => (c, -s),
@@ -112,14 +179,18 @@ fn sin_cos(degrees: f64) -> (f64, f64) {
 }
 
 /// -180 and what rounds to it is 180.
-fn above_half_turn(degrees: f64) -> f64 {
-    if degrees <= -180.0 + ROUNDING {
+fn above_half_turn<N: Number>(degrees: N) -> N {
+    if degrees.value() <= -180.0 + ROUNDING {
         degrees + 360.0
     } else {
         degrees
     }
 }
 
+pub(crate) const DEGREES: f64 = 180.0 / core::f64::consts::PI;
+pub(crate) const RADIANS: f64 = core::f64::consts::PI / 180.0;
+/// Radians.
+const QUARTER: f64 = core::f64::consts::FRAC_PI_2;
 /// Below this cosine of Ry the other two angles cannot be told apart.
 const UPRIGHT: f64 = 1e-9;
 /// Degrees.

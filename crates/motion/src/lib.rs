@@ -38,7 +38,7 @@ pub use contour::ContourRequest;
 pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};
 pub use events::ArrayWrite;
 pub use feed_override::MAX_OVERRIDE;
-pub use material::{Answer, Frame, Frames, Material};
+pub use material::{Answer, Calculation, Frame, Frames, Material};
 pub use motion::{Input, Motion};
 pub use path_data::{DynamicsData, PathData, PathMove};
 pub use snapshot::{AxisSnapshot, SystemSnapshot};

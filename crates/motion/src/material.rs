@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use arcline_cam::Profile;
-use arcline_instruction_set::{MAX_ELEMENTS, MotionError};
+use arcline_instruction_set::MotionError;
 
 use crate::path_data::PathMove;
 
@@ -31,6 +31,21 @@ pub enum Material {
     Answer(Arc<Answer>),
     /// Frames of MCTO.
     Frames(Frames),
+    /// What MCTPO reads, and a place for what it calculates.
+    Calculation(Calculation),
+}
+
+/// What MCTPO has from tags.
+#[derive(Clone, Debug)]
+pub struct Calculation {
+    /// Of the work and the tool.
+    pub frames: Frames,
+    /// Robot Configuration, for Inverse.
+    pub configuration: i32,
+    /// Turns Counter, for Inverse.
+    pub turns: [i16; 4],
+    /// For the position; Forward gives Robot Configuration and Turns Counter behind it.
+    pub answer: Arc<Answer>,
 }
 
 /// Where a work and a tool are, for MCTO and MCTPO.
@@ -47,7 +62,7 @@ pub struct Frames {
 pub struct Frame {
     /// What ActiveWorkFrameID or ActiveToolFrameID shows; without effect on motion.
     pub id: i32,
-    /// X, Y, Z in position units, Rx, Ry, Rz in degrees, each finite.
+    /// X, Y, Z in position units, Rx, Ry, Rz in degrees, as the tag has them.
     pub coordinates: [f64; 6],
 }
 
@@ -56,8 +71,11 @@ pub struct Frame {
 pub struct Answer {
     room: usize,
     count: AtomicUsize,
-    numbers: [AtomicU64; MAX_ELEMENTS],
+    numbers: [AtomicU64; MOST_NUMBERS],
 }
+
+/// Six coordinates, a configuration and four counters.
+const MOST_NUMBERS: usize = 11;
 
 impl Answer {
     /// For an array of so many elements.
@@ -85,7 +103,7 @@ impl Answer {
         for (place, number) in self.numbers.iter().zip(numbers) {
             place.store(number.to_bits(), Ordering::Relaxed);
         }
-        self.count.store(numbers.len().min(MAX_ELEMENTS), Ordering::Release);
+        self.count.store(numbers.len().min(MOST_NUMBERS), Ordering::Release);
     }
 }
 
@@ -106,6 +124,28 @@ impl Sent {
         match &self.0 {
             Some(Material::Answer(answer)) => Some(answer),
             _ => None,
+        }
+    }
+
+    /// Frames of a work and a tool.
+    ///
+    /// # Errors
+    /// Why there are none.
+    pub(crate) fn frames(&self) -> Result<&Frames, MotionError> {
+        match &self.0 {
+            Some(Material::Frames(frames)) => Ok(frames),
+            _ => self.verdict().and(Err(MotionError::FeatureNotSupported)),
+        }
+    }
+
+    /// What MCTPO calculates with.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub(crate) fn calculation(&self) -> Result<&Calculation, MotionError> {
+        match &self.0 {
+            Some(Material::Calculation(calculation)) => Ok(calculation),
+            _ => self.verdict().and(Err(MotionError::FeatureNotSupported)),
         }
     }
 

@@ -252,6 +252,7 @@ impl Motion {
         let role = move |index: usize| status::Role {
             source: sources & (1 << index) != 0,
             target: self.links.get(index).is_some_and(Option::is_some),
+            turn: self.turn_of(index),
         };
         let systems = self.systems.iter().enumerate();
         systems.map(move |(index, system)| status::system(system, &self.axes, role(index)))

@@ -64,6 +64,12 @@ pub struct SystemSnapshot {
     pub axes_servo_on: u32,
     /// ActualPosition of each axis.
     pub actual: [f64; MAX_SYSTEM_AXES],
+    /// ActiveToolFrameID and ActiveWorkFrameID.
+    pub frames: [i32; 2],
+    /// TurnsCounters.
+    pub turns: [i16; 4],
+    /// RobotConfiguration.
+    pub configuration: i32,
     /// Speed along the path, units/s.
     pub path_speed: f64,
     /// Distance gone along the active path, units.
@@ -85,6 +91,9 @@ impl Default for SystemSnapshot {
             axes_shutdown: 0,
             axes_servo_on: 0,
             actual: [0.0; MAX_SYSTEM_AXES],
+            frames: [0; 2],
+            turns: [0; 4],
+            configuration: 0,
             path_speed: 0.0,
             path_position: 0.0,
             path_length: 0.0,

@@ -6,6 +6,7 @@ use arcline_instruction_set::predefined::{
     axis_event, axis_fault, axis_status, cip_axis_status, coordinate_motion_status as motion,
     coordinate_system_status as status, motion_status,
 };
+use arcline_kinematics::{Configuration, Turns};
 use arcline_planner::Clock;
 use arcline_planner::profile::Phase;
 
@@ -178,6 +179,17 @@ fn phase(axis: &Axis) -> Phase {
 pub(crate) struct Role {
     pub(crate) source: bool,
     pub(crate) target: bool,
+    pub(crate) turn: Turn,
+}
+
+/// What a coordinate system shows of the robot with a wrist that it is, or that it leads.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Turn {
+    /// IDs of the tool frame and the work frame.
+    pub(crate) frames: [i32; 2],
+    pub(crate) solution: (Configuration, Turns),
+    /// A transform with frames is under way, and nothing that is part of it moves.
+    pub(crate) tool_change: bool,
 }
 
 /// One coordinate system as its tag shows it.
@@ -187,6 +199,12 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
         path_position: system.along[1],
         path_length: system.along[2],
         feed_override: system.feed_override,
+        frames: role.turn.frames,
+        turns: {
+            let [j1, j4, j6] = role.turn.solution.1;
+            [j1, j4, j6, 0]
+        },
+        configuration: role.turn.solution.0.bits(),
         ..SystemSnapshot::default()
     };
     for (place, axis) in system.description.axes.iter().enumerate() {
@@ -227,6 +245,7 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
         (moving && system.in_transition, motion::MOVE_TRANSITION_STATUS),
         (pending, motion::MOVE_PENDING_STATUS),
         (pending && system.is_full(), motion::MOVE_PENDING_QUEUE_FULL_STATUS),
+        (role.turn.tool_change, motion::TOOL_CHANGE_ALLOWED_STATUS),
         (role.source, motion::TRANSFORM_SOURCE_STATUS),
         (role.target, motion::TRANSFORM_TARGET_STATUS),
         (

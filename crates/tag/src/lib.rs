@@ -13,7 +13,7 @@ mod template;
 mod value;
 
 pub use elementary::Elementary;
-pub use path::{PathError, PathSegment, TagPath, scope};
+pub use path::{PathError, PathSegment, TagPath, program_name, scope, split};
 pub use tag_type::{Location, TagType};
 pub use template::{
     DataType, Member, STRING_CAPACITY, STRING_HANDLE, STRING_INSTANCE, STRING_SIZE, Template, TemplateBuilder,

@@ -6,15 +6,37 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// One step of a tag path.
-#[derive(Clone, PartialEq, Eq, Debug, Hash)]
-pub enum PathSegment {
+/// One step of a tag path. Names are `&str` where they are only followed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash)]
+pub enum PathSegment<S = String> {
     /// A tag or member name; `Program:Main` is one name.
-    Symbol(String),
+    Symbol(S),
     /// An array index; several in a row index several dimensions.
     Element(u32),
     /// A bit of an integer, 0 to 63.
     Bit(u8),
+}
+
+impl<S: AsRef<str>> PathSegment<S> {
+    /// With a name that is borrowed.
+    pub fn borrowed(&self) -> PathSegment<&str> {
+        match self {
+            Self::Symbol(name) => PathSegment::Symbol(name.as_ref()),
+            Self::Element(index) => PathSegment::Element(*index),
+            Self::Bit(bit) => PathSegment::Bit(*bit),
+        }
+    }
+}
+
+impl PathSegment<&str> {
+    /// With a name of its own.
+    pub fn into_owned(self) -> PathSegment {
+        match self {
+            Self::Symbol(name) => PathSegment::Symbol(name.to_owned()),
+            Self::Element(index) => PathSegment::Element(index),
+            Self::Bit(bit) => PathSegment::Bit(bit),
+        }
+    }
 }
 
 /// A path from a tag to a part of it.
@@ -56,20 +78,20 @@ impl TagPath {
 }
 
 /// See [`TagPath::scope`].
-pub fn scope(segments: &[PathSegment]) -> (Option<&str>, Option<&str>, &[PathSegment]) {
+pub fn scope<S: AsRef<str>>(segments: &[PathSegment<S>]) -> (Option<&str>, Option<&str>, &[PathSegment<S>]) {
     let (first, rest) = match segments {
-        [PathSegment::Symbol(first), rest @ ..] => (first, rest),
+        [PathSegment::Symbol(first), rest @ ..] => (first.as_ref(), rest),
         _ => return (None, None, segments),
     };
-    match (program(first), rest) {
-        (Some(program), [PathSegment::Symbol(name), rest @ ..]) => (Some(program), Some(name), rest),
+    match (program_name(first), rest) {
+        (Some(program), [PathSegment::Symbol(name), rest @ ..]) => (Some(program), Some(name.as_ref()), rest),
         (Some(program), rest) => (Some(program), None, rest),
         (None, rest) => (None, Some(first), rest),
     }
 }
 
 /// The program that a name such as `Program:Main` means.
-fn program(name: &str) -> Option<&str> {
+pub fn program_name(name: &str) -> Option<&str> {
     let (prefix, program) = name.split_once(':')?;
     prefix.eq_ignore_ascii_case("Program").then_some(program)
 }
@@ -158,48 +180,57 @@ impl FromStr for TagPath {
     type Err = PathError;
 
     fn from_str(text: &str) -> Result<Self, PathError> {
-        if text.is_empty() {
-            return Err(PathError::Empty);
-        }
-        if text.len() > Self::MAX_LENGTH {
-            return Err(PathError::TooLong { length: text.len() });
-        }
-        let mut scanner = Scanner { text, at: 0 };
-        let mut segments = vec![PathSegment::Symbol(scanner.name()?)];
-        while let Some(next) = scanner.peek() {
-            scanner.at += next.len_utf8();
-            match next {
-                '.' if scanner.peek().is_some_and(|c| c.is_ascii_digit()) => {
-                    let position = scanner.at;
-                    let bit = scanner.number()?;
-                    let bit = u8::try_from(bit).ok().filter(|bit| *bit < 64);
-                    segments.push(PathSegment::Bit(bit.ok_or(PathError::NumberTooLarge { position })?));
-                }
-                '.' => segments.push(PathSegment::Symbol(scanner.name()?)),
-                '[' => loop {
-                    segments.push(PathSegment::Element(scanner.number()?));
-                    match scanner.peek() {
-                        Some(',') => scanner.at += 1,
-                        Some(']') => {
-                            scanner.at += 1;
-                            break;
-                        }
-                        _ => return Err(scanner.unexpected()),
-                    }
-                },
-                found => {
-                    return Err(PathError::Unexpected {
-                        found,
-                        position: scanner.at - found.len_utf8(),
-                    });
-                }
-            }
-            if segments.len() > Self::MAX_SEGMENTS {
-                return Err(PathError::TooManySegments);
-            }
-        }
-        Ok(Self(segments))
+        let segments = split(text)?;
+        Ok(Self(segments.into_iter().map(PathSegment::into_owned).collect()))
     }
+}
+
+/// Reads a path; its names stay where they are.
+///
+/// # Errors
+/// [`PathError::Empty`], [`PathError::TooLong`], [`PathError::TooManySegments`], and what is wrong with a character or number.
+pub fn split(text: &str) -> Result<Vec<PathSegment<&str>>, PathError> {
+    if text.is_empty() {
+        return Err(PathError::Empty);
+    }
+    if text.len() > TagPath::MAX_LENGTH {
+        return Err(PathError::TooLong { length: text.len() });
+    }
+    let mut scanner = Scanner { text, at: 0 };
+    let mut segments = vec![PathSegment::Symbol(scanner.name()?)];
+    while let Some(next) = scanner.peek() {
+        scanner.at += next.len_utf8();
+        match next {
+            '.' if scanner.peek().is_some_and(|c| c.is_ascii_digit()) => {
+                let position = scanner.at;
+                let bit = scanner.number()?;
+                let bit = u8::try_from(bit).ok().filter(|bit| *bit < 64);
+                segments.push(PathSegment::Bit(bit.ok_or(PathError::NumberTooLarge { position })?));
+            }
+            '.' => segments.push(PathSegment::Symbol(scanner.name()?)),
+            '[' => loop {
+                segments.push(PathSegment::Element(scanner.number()?));
+                match scanner.peek() {
+                    Some(',') => scanner.at += 1,
+                    Some(']') => {
+                        scanner.at += 1;
+                        break;
+                    }
+                    _ => return Err(scanner.unexpected()),
+                }
+            },
+            found => {
+                return Err(PathError::Unexpected {
+                    found,
+                    position: scanner.at - found.len_utf8(),
+                });
+            }
+        }
+        if segments.len() > TagPath::MAX_SEGMENTS {
+            return Err(PathError::TooManySegments);
+        }
+    }
+    Ok(segments)
 }
 
 impl fmt::Display for TagPath {
@@ -235,7 +266,7 @@ struct Scanner<'a> {
     at: usize,
 }
 
-impl Scanner<'_> {
+impl<'a> Scanner<'a> {
     fn peek(&self) -> Option<char> {
         self.text.get(self.at..)?.chars().next()
     }
@@ -251,7 +282,7 @@ impl Scanner<'_> {
     }
 
     /// A letter or underscore, then letters, digits, underscores and colons.
-    fn name(&mut self) -> Result<String, PathError> {
+    fn name(&mut self) -> Result<&'a str, PathError> {
         let start = self.at;
         if !self.peek().is_some_and(|c| c.is_ascii_alphabetic() || c == '_') {
             return Err(self.unexpected());
@@ -262,7 +293,7 @@ impl Scanner<'_> {
         {
             self.at += 1;
         }
-        Ok(self.text[start..self.at].to_owned())
+        Ok(&self.text[start..self.at])
     }
 
     /// Digits, blanks around them allowed.

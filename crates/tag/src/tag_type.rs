@@ -98,73 +98,70 @@ impl TagType {
     ///
     /// # Errors
     /// Names the member, index or bit that does not exist.
-    pub fn locate(&self, rest: &[PathSegment]) -> Result<Location, PathError> {
-        let mut place = Location {
-            offset: 0,
-            data_type: self.data_type.clone(),
-            elements: self.elements(),
-            bit: None,
-        };
-        let mut dimensions = self.dimensions;
+    pub fn locate<S: AsRef<str>>(&self, rest: &[PathSegment<S>]) -> Result<Location, PathError> {
+        let (mut data_type, mut dimensions) = (&self.data_type, self.dimensions);
+        let (mut offset, mut elements, mut bit) = (0, self.elements(), None);
         let mut rest = rest;
         while let Some(segment) = rest.first() {
             match segment {
                 PathSegment::Element(_) => {
-                    let (index, behind) = flat_index(rest, dimensions, &place.data_type)?;
-                    place.offset += index as usize * place.data_type.size();
-                    place.elements -= index;
+                    let (index, behind) = flat_index(rest, dimensions, data_type)?;
+                    offset += index as usize * data_type.size();
+                    elements -= index;
                     dimensions = [0; 3];
                     rest = behind;
                     continue;
                 }
                 PathSegment::Symbol(name) => {
-                    let DataType::Structure(template) = &place.data_type else {
-                        return Err(not_a_structure(name, &place));
+                    let name = name.as_ref();
+                    let template = match data_type {
+                        DataType::Structure(template) if dimensions[0] == 0 => template,
+                        _ => return Err(not_a_structure(name, data_type)),
                     };
-                    if dimensions[0] > 0 {
-                        return Err(not_a_structure(name, &place));
-                    }
                     let Some(member) = template.member(name) else {
                         return Err(PathError::NoSuchMember {
-                            member: name.clone(),
+                            member: name.to_owned(),
                             structure: template.name.clone(),
                         });
                     };
-                    let member = member.clone();
-                    place.offset += member.offset as usize;
-                    place.elements = member.elements() as u32;
-                    place.bit = member.bit;
-                    place.data_type = member.data_type;
+                    offset += member.offset as usize;
+                    elements = member.elements() as u32;
+                    bit = member.bit;
+                    data_type = &member.data_type;
                     dimensions = [u32::from(member.dimension), 0, 0];
                 }
-                PathSegment::Bit(bit) => {
-                    let none = || PathError::NoSuchBit {
-                        bit: *bit,
-                        of: place.data_type.name().to_owned(),
+                PathSegment::Bit(of) => {
+                    let fits = match data_type {
+                        DataType::Elementary(kind) => kind.has_bits() && usize::from(*of) < 8 * kind.size(),
+                        DataType::Structure(_) => false,
                     };
-                    let DataType::Elementary(kind) = place.data_type else {
-                        return Err(none());
-                    };
-                    let fits = kind.has_bits() && usize::from(*bit) < 8 * kind.size();
-                    if !fits || place.bit.is_some() || dimensions[0] > 0 {
-                        return Err(none());
+                    if !fits || bit.is_some() || dimensions[0] > 0 {
+                        return Err(PathError::NoSuchBit {
+                            bit: *of,
+                            of: data_type.name().to_owned(),
+                        });
                     }
-                    place.bit = Some(*bit);
-                    place.elements = 1;
+                    bit = Some(*of);
+                    elements = 1;
                 }
             }
             rest = &rest[1..];
         }
-        Ok(place)
+        Ok(Location {
+            offset,
+            data_type: data_type.clone(),
+            elements,
+            bit,
+        })
     }
 }
 
 /// Takes the indices off the front of `rest` and turns them into one.
-fn flat_index<'a>(
-    rest: &'a [PathSegment],
+fn flat_index<'a, S>(
+    rest: &'a [PathSegment<S>],
     dimensions: [u32; 3],
     of: &DataType,
-) -> Result<(u32, &'a [PathSegment]), PathError> {
+) -> Result<(u32, &'a [PathSegment<S>]), PathError> {
     let expected = dimensions.iter().take_while(|size| **size > 0).count();
     if expected == 0 {
         return Err(PathError::NotAnArray {
@@ -192,10 +189,10 @@ fn flat_index<'a>(
     Ok((flat, behind))
 }
 
-fn not_a_structure(member: &str, place: &Location) -> PathError {
+fn not_a_structure(member: &str, of: &DataType) -> PathError {
     PathError::NotAStructure {
         member: member.to_owned(),
-        of: place.data_type.name().to_owned(),
+        of: of.name().to_owned(),
     }
 }
 
@@ -281,7 +278,7 @@ mod tests {
         };
         let place = grid
             .locate(&[
-                PathSegment::Element(1),
+                PathSegment::<&str>::Element(1),
                 PathSegment::Element(2),
                 PathSegment::Element(3),
             ])

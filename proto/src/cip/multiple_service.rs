@@ -9,8 +9,9 @@ use crate::epath::PathError;
 use crate::status::CipStatus;
 use crate::wire::Reader;
 
-/// Requests accepted in one Multiple Service Packet.
-pub const MAX_SERVICES: usize = 256;
+/// Requests accepted in one Multiple Service Packet: as many as the largest connection has room for their replies, each with its
+/// offset.
+pub const MAX_SERVICES: usize = u16::MAX as usize / (2 + REPLY_HEAD);
 
 /// Reads the data of a Multiple Service Packet: `count u16, offset u16 × count, requests` (spec/ethernet-ip.md §9.1).
 /// A request ends where the next one begins, the last one at the end of the data. An embedded Multiple Service Packet,

@@ -12,7 +12,7 @@ use bytes::{BufMut, Bytes, BytesMut};
 use crate::cip::CipStatus;
 use crate::wire::Reader;
 
-pub use segment::{ElectronicKey, PortSegment, Segment};
+pub use segment::{ElectronicKey, PortSegment, Segment, SymbolName};
 use segment::{decode_segment, encode_segment};
 pub use target::{MAX_SYMBOLS, Target};
 
@@ -92,7 +92,7 @@ impl Epath {
 
     /// A name, not looked into.
     pub fn symbol(name: &str) -> Self {
-        Self(vec![Segment::Symbol(name.to_owned())])
+        Self(vec![Segment::Symbol(name.into())])
     }
 
     /// A tag's path: names as symbols, indices as members. A final bit is not on the wire (spec/ethernet-ip.md §5):
@@ -102,7 +102,7 @@ impl Epath {
         let mut segments = Vec::with_capacity(path.0.len());
         for segment in &path.0 {
             match segment {
-                PathSegment::Symbol(name) => segments.push(Segment::Symbol(name.clone())),
+                PathSegment::Symbol(name) => segments.push(Segment::Symbol(name.as_str().into())),
                 PathSegment::Element(index) => segments.push(Segment::Member(*index)),
                 PathSegment::Bit(number) => bit = Some(*number),
             }

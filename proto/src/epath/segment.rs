@@ -2,6 +2,8 @@
 //!
 //! Not what a sequence of segments means. Segments are a whole number of 16-bit words.
 
+use std::ops::Deref;
+
 use bytes::{BufMut, Bytes, BytesMut};
 
 use super::PathError;
@@ -22,8 +24,8 @@ pub enum Segment {
     Attribute(u32),
     /// `34 04`: electronic key.
     Key(ElectronicKey),
-    /// `91`: a name; one to 255 bytes of UTF-8.
-    Symbol(String),
+    /// `91`: a name.
+    Symbol(SymbolName),
     /// `0p`, `1p`: the way out of a port.
     Port(PortSegment),
     /// `4x`, `5x`: network segment: type byte and its data (one byte, or counted words for `5x`).
@@ -35,6 +37,32 @@ pub enum Segment {
     },
     /// `80`: simple data, an even number of bytes, at most 510.
     Data(Bytes),
+}
+
+/// A name of one to 255 bytes, where it stands in the message.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct SymbolName(Bytes);
+
+impl SymbolName {
+    /// `None`: no text.
+    fn decode(name: Bytes) -> Option<Self> {
+        std::str::from_utf8(&name).is_ok().then(|| Self(name))
+    }
+}
+
+impl Deref for SymbolName {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        // Looked at when it was made.
+        std::str::from_utf8(&self.0).unwrap_or_default()
+    }
+}
+
+impl<T: Into<String>> From<T> for SymbolName {
+    fn from(name: T) -> Self {
+        Self(name.into().into())
+    }
 }
 
 /// Which device an originator expects; zeros match anything (CIP Vol. 1, C-1.4.2).
@@ -124,8 +152,8 @@ pub(super) fn decode_segment(kind: u8, reader: &mut Reader<'_>, bytes: &Bytes) -
         0x91 => match symbol(reader) {
             Some([]) => return Err(PathError::Symbol),
             Some(name) => {
-                let name = std::str::from_utf8(name).map_err(|_| PathError::Symbol)?;
-                Some(Segment::Symbol(name.to_owned()))
+                let name = SymbolName::decode(bytes.slice_ref(name)).ok_or(PathError::Symbol)?;
+                Some(Segment::Symbol(name))
             }
             None => None,
         },

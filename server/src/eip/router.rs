@@ -72,7 +72,7 @@ enum Step<'r> {
     /// Executes an instruction.
     Motion(MotionRequest),
     /// Asks an object for which the memory must not be held.
-    Late(&'r Request, Target),
+    Late(&'r Request, Target<'r>),
 }
 
 impl<'r> Step<'r> {
@@ -146,7 +146,9 @@ impl Router {
         let late = requests.iter().flatten().filter(|request| is_late(request)).count();
         let mut room = replies.budget().saturating_sub(late * motion::REPLY_DATA);
         let writes = requests.iter().flatten().any(may_write);
-        let mut steps = Vec::with_capacity(requests.len());
+        // Where nothing is waited for, a reply goes into the packet as soon as it is there.
+        let at_once = late == 0 && !writes;
+        let mut steps = Vec::with_capacity(if at_once { 0 } else { requests.len() });
         let kept = self
             .with_memory(self.context(room, transport).owner, writes, |memory| {
                 for request in &requests {
@@ -160,7 +162,10 @@ impl Router {
                     {
                         room -= reply.len() - REPLY_HEAD;
                     }
-                    steps.push(step);
+                    match step {
+                        Step::Done(reply) if at_once => replies.push(&reply),
+                        step => steps.push(step),
+                    }
                 }
             })
             .await;

@@ -34,7 +34,10 @@ pub(crate) const fn is_write(code: u8) -> bool {
 }
 
 /// Answers a tag service whose path names a tag, or its instance of class 0x6B.
-pub(crate) fn serve(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request, target: &Target) -> Reply {
+pub(crate) fn serve(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request, target: &Target<'_>) -> Reply {
+    if target.class.is_none() && target.attribute.is_some() {
+        return Reply::error(request.service, CipStatus::PATH_SEGMENT_ERROR.with(0));
+    }
     let place = match Place::find(memory.image(), target) {
         Ok(place) => place,
         Err(status) => return Reply::error(request.service, status),
@@ -86,7 +89,7 @@ struct Place {
 }
 
 impl Place {
-    fn find(image: &Image, target: &Target) -> Result<Self, CipStatus> {
+    fn find(image: &Image, target: &Target<'_>) -> Result<Self, CipStatus> {
         let (tag, location) = match target.instance {
             None => image.resolve(&target.symbols).map_err(|error| match error {
                 ReadError::Path(error) => path_status(&error),
@@ -150,7 +153,8 @@ impl Place {
         let bytes = image.bytes(self.tag);
         if let Some(bit) = bit {
             let byte = bytes.get(offset + usize::from(bit / 8)).ok_or_else(unknown)?;
-            return Ok(vec![(byte >> (bit % 8)) & 1].into());
+            let value: &[u8] = if byte >> (bit % 8) & 1 == 0 { &[0] } else { &[1] };
+            return Ok(value.into());
         }
         let bytes = bytes.get(*offset..offset + size).ok_or_else(unknown)?;
         let DataType::Structure(template) = data_type else {

@@ -2,6 +2,7 @@
 //! (spec/coordinated-instructions.md §19, §20, §22).
 
 mod lines;
+mod mcto;
 mod orientation;
 mod paths;
 

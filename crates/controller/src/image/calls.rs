@@ -89,7 +89,13 @@ impl Directory for Image {
 
     fn structure(&self, type_name: &str, name: &str) -> Option<u32> {
         let (id, place) = self.locate(&name.parse().ok()?).ok()?;
+        // INT[4] is an array of four or more.
+        let (type_name, least) = match type_name.strip_suffix(']').and_then(|array| array.split_once('[')) {
+            Some((element, count)) => (element, count.parse().ok()?),
+            None => (type_name, 1),
+        };
         let named = place.data_type.name().eq_ignore_ascii_case(type_name) && place.bit.is_none();
+        let named = named && place.elements >= least && place.offset.is_multiple_of(4);
         let plain = self.tag(id)?.kind == TagKind::Plain;
         let offset = u32::try_from(place.offset / 4).ok()?;
         (named && plain && offset <= 0xFFFF && id.0 <= 0xFFFF).then_some(id.0 << 16 | offset)

@@ -27,6 +27,8 @@ enum Result_ {
     Numbers(Vec<(u32, f64)>),
     /// What the tick calculates, for an array.
     Answer(u32, Arc<Answer>),
+    /// The same of MCTPO: six numbers for an array, and what is behind them for a DINT and an INT[4].
+    Pose([u32; 3], Arc<Answer>),
 }
 
 /// Elements of an array of structures, from one of them to the end of the array.
@@ -63,6 +65,7 @@ impl Image {
                 .path_move(call)
                 .map(|path| (Material::Path(path), None))
                 .map_err(Refusal::from),
+            Mnemonic::Mctpo => self.calculate_pose(call),
             Mnemonic::Mctp => return Self::expect_numbers(call, "Transform Position"),
             _ => return (None, None),
         };
@@ -90,6 +93,15 @@ impl Image {
                 // The elements of an array follow each other in what a tag is called.
                 for (place, number) in (tag..).zip(answer.numbers().filter(|_| done)) {
                     self.write_number(place, number);
+                }
+            }
+            Result_::Pose([position, configuration, turns], answer) => {
+                for (place, number) in answer.numbers().enumerate().filter(|_| done) {
+                    match place {
+                        0..=5 => self.write_number(position + place as u32, number),
+                        6 => self.write_bytes(configuration, 0, &(number as i32).to_le_bytes()),
+                        _ => self.write_bytes(turns, 2 * (place - 7), &(number as i16).to_le_bytes()),
+                    }
                 }
             }
             Result_::Numbers(numbers) => {
@@ -124,6 +136,21 @@ impl Image {
             Some(Material::Answer(answer.clone())),
             Some(Staged(Result_::Answer(array.tag, answer))),
         )
+    }
+
+    /// What MCTPO reads, and what it writes.
+    fn calculate_pose(&mut self, call: &Call) -> Prepared {
+        let calculation = self.calculation(call)?;
+        let tags = ["Robot Configuration", "Turns Counter"].map(|name| call.tag(operand(call.mnemonic, name)));
+        let position = call.written(operand(call.mnemonic, "Transform Position"));
+        let staged = match (position, tags) {
+            (Some(position), [Some(configuration), Some(turns)]) => {
+                let tags = [position.tag, configuration, turns];
+                Some(Staged(Result_::Pose(tags, calculation.answer.clone())))
+            }
+            _ => None,
+        };
+        Ok((Material::Calculation(calculation), staged))
     }
 
     /// Instructions that use a profile of these elements.
@@ -292,6 +319,13 @@ impl Image {
             self.put(id, offset, &bytes);
             self.note_written(id, offset, bytes.len());
         }
+    }
+
+    /// Bytes of a plain tag from where an operand begins.
+    fn write_bytes(&mut self, tag: u32, behind: usize, bytes: &[u8]) {
+        let (id, offset) = (TagId(tag >> 16), (tag & 0xFFFF) as usize * 4 + behind);
+        self.put(id, offset, bytes);
+        self.note_written(id, offset, bytes.len());
     }
 
     fn put(&mut self, id: TagId, offset: usize, data: &[u8]) {

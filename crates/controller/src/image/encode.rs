@@ -52,6 +52,9 @@ struct SystemLayout {
     shutdown: usize,
     servo_on: usize,
     actual: usize,
+    frames: [usize; 2],
+    turns: usize,
+    configuration: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -79,6 +82,9 @@ impl Encoder {
                 shutdown: at(&system, "AxesShutdownStatus"),
                 servo_on: at(&system, "AxesServoOnStatus"),
                 actual: at(&system, "ActualPosition"),
+                frames: ["ActiveToolFrameID", "ActiveWorkFrameID"].map(|name| at(&system, name)),
+                turns: at(&system, "TurnsCounters"),
+                configuration: at(&system, "RobotConfiguration"),
             },
             group: GroupLayout {
                 status: at(&group, "GroupStatus"),
@@ -250,6 +256,13 @@ impl SystemLayout {
         for (place, actual) in system.actual.iter().enumerate() {
             put(bytes, self.actual + 4 * place, (*actual as f32).to_le_bytes());
         }
+        for (offset, id) in self.frames.into_iter().zip(system.frames) {
+            put(bytes, offset, id.to_le_bytes());
+        }
+        for (place, turns) in system.turns.iter().enumerate() {
+            put(bytes, self.turns + 2 * place, turns.to_le_bytes());
+        }
+        put(bytes, self.configuration, system.configuration.to_le_bytes());
     }
 }
 

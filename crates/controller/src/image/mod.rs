@@ -16,6 +16,7 @@ mod fault_inject;
 mod feed_override;
 mod health;
 mod inputs;
+mod names;
 mod read;
 mod shared;
 mod structures;
@@ -51,8 +52,7 @@ pub use written::Written;
 pub struct Image {
     tags: Shared<Vec<Tag>>,
     bytes: Memory,
-    /// Names in lower case, those of a program's scope behind `program:name.`.
-    names: Shared<BTreeMap<String, TagId>>,
+    names: Shared<names::Names>,
     programs: Shared<Vec<String>>,
     templates: Shared<BTreeMap<u16, Arc<Template>>>,
     /// Where the MOTION_INSTRUCTION of a slot stands: tag and offset.
@@ -158,7 +158,7 @@ impl Image {
 
     /// The tag of that name, case ignored: `X` in the controller's scope, `Program:Main.X` in a program's.
     pub fn find(&self, name: &str) -> Option<&Tag> {
-        self.tag(*self.names.get(&name.to_ascii_lowercase())?)
+        self.tag(self.names.find(name)?)
     }
 
     /// The name of a tag with its program: what [`Image::find`] finds.
@@ -240,7 +240,7 @@ impl Image {
         let at = self.tags.partition_point(|tag| tag.id < id);
         self.bytes.insert(at, vec![0; size]);
         let scope = program.and_then(|place| self.programs.get(usize::from(place)));
-        self.names.entry(key(scope.map(String::as_str), name)).or_insert(id);
+        self.names.insert(scope.map(String::as_str), name, id);
         let tag = Tag {
             id,
             name: name.to_owned(),
@@ -344,14 +344,6 @@ impl Image {
     fn bytes_mut(&mut self, id: TagId) -> Option<&mut Vec<u8>> {
         let place = self.place(id)?;
         self.bytes.get_mut(place)
-    }
-}
-
-/// The key of a tag among the names.
-fn key(program: Option<&str>, name: &str) -> String {
-    match program {
-        Some(program) => format!("program:{program}.{name}").to_ascii_lowercase(),
-        None => name.to_ascii_lowercase(),
     }
 }
 

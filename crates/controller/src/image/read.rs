@@ -2,7 +2,7 @@
 
 use arcline_tag::{DataType, Location, PathError, PathSegment, TagPath, Value, scope};
 
-use super::{Image, MOTION_CONTROL, ReadError, Tag, TagId, TagKind, key};
+use super::{Image, MOTION_CONTROL, ReadError, Tag, TagId, TagKind};
 
 impl Image {
     /// Where a path leads. A status bit of an instruction tag is found without naming `MotionControl`:
@@ -18,13 +18,13 @@ impl Image {
     ///
     /// # Errors
     /// As [`Image::locate`].
-    pub fn resolve(&self, segments: &[PathSegment]) -> Result<(TagId, Location), ReadError> {
+    pub fn resolve<S: AsRef<str>>(&self, segments: &[PathSegment<S>]) -> Result<(TagId, Location), ReadError> {
         let (program, name, rest) = scope(segments);
         let name = name.ok_or(PathError::Empty)?;
         let tag = self
             .names
-            .get(&key(program, name))
-            .and_then(|id| self.tag(*id))
+            .get(program, name)
+            .and_then(|id| self.tag(id))
             .ok_or_else(|| ReadError::NoSuchTag { name: name.to_owned() })?;
         Ok(self.resolve_in(tag, rest)?)
     }
@@ -33,12 +33,16 @@ impl Image {
     ///
     /// # Errors
     /// Names the member, index or bit that does not exist.
-    pub fn resolve_in(&self, tag: &Tag, rest: &[PathSegment]) -> Result<(TagId, Location), PathError> {
+    pub fn resolve_in<S: AsRef<str>>(
+        &self,
+        tag: &Tag,
+        rest: &[PathSegment<S>],
+    ) -> Result<(TagId, Location), PathError> {
         let found = tag.tag_type.locate(rest);
         let mut place = match (found, tag.kind) {
             (Err(error @ PathError::NoSuchMember { .. }), TagKind::Instruction(_)) => {
-                let mut inner = vec![PathSegment::Symbol(MOTION_CONTROL.to_owned())];
-                inner.extend_from_slice(rest);
+                let mut inner = vec![PathSegment::Symbol(MOTION_CONTROL)];
+                inner.extend(rest.iter().map(PathSegment::borrowed));
                 tag.tag_type.locate(&inner).map_err(|_| error)?
             }
             (_, TagKind::Program(_)) => return Err(PathError::Empty),

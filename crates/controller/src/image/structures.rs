@@ -1,11 +1,14 @@
-//! Structure tags that an instruction reads as a whole: the frames of MCTO and MCTPO, and the path and the dynamics of MCPM, go
-//! with the call into the tick, as they are when it is made (spec/coordinated-instructions.md §22.8 to §24).
+//! Structure tags that an instruction reads as a whole: the frames of MCTO and MCTPO, what else MCTPO reads, and the path and
+//! the dynamics of MCPM, go with the call into the tick as they are when it is made (spec/coordinated-instructions.md §22.8 to
+//! §25).
 //!
 //! Not here: cams, and what an instruction writes to tags (`cams`).
 
+use std::sync::Arc;
+
 use arcline_instruction_set::predefined;
-use arcline_instruction_set::{Call, Detail, MotionError, OperandIndex};
-use arcline_motion::{DynamicsData, Frame, Frames, PathData, PathMove};
+use arcline_instruction_set::{Call, MotionError, OperandIndex};
+use arcline_motion::{Answer, Calculation, DynamicsData, Frame, Frames, PathData, PathMove};
 use arcline_tag::Template;
 
 use super::cams::{operand, word};
@@ -15,7 +18,7 @@ impl Image {
     /// The frames of a call of MCTO or MCTPO.
     ///
     /// # Errors
-    /// A tag that is gone since the call was bound (13), an angle that is none (74).
+    /// A tag that is gone since the call was bound: 13 with the operand.
     pub(super) fn frames(&self, call: &Call) -> Result<Frames, MotionError> {
         let [work, tool] = ["Work Frame", "Tool Frame"].map(|name| self.frame(call, name));
         Ok(Frames {
@@ -24,15 +27,27 @@ impl Image {
         })
     }
 
+    /// What MCTPO reads, and a place for what it calculates.
+    ///
+    /// # Errors
+    /// As of [`Image::frames`].
+    pub(super) fn calculation(&self, call: &Call) -> Result<Calculation, MotionError> {
+        let room = call.written(operand(call.mnemonic, "Transform Position"));
+        let configuration = self.structure_of(call, "Robot Configuration")?;
+        let turns = self.structure_of(call, "Turns Counter")?;
+        Ok(Calculation {
+            frames: self.frames(call)?,
+            configuration: i32::from_le_bytes(word(configuration, 0)),
+            turns: [0, 2, 4, 6].map(|at| i16::from_le_bytes(word(turns, at))),
+            answer: Arc::new(Answer::new(room.map_or(0, |array| usize::from(array.elements)))),
+        })
+    }
+
     fn frame(&self, call: &Call, name: &str) -> Result<Frame, MotionError> {
         let bytes = self.structure_of(call, name)?;
-        let coordinates = [4, 8, 12, 16, 20, 24].map(|at| real(bytes, at));
-        if let Some(place) = coordinates.iter().position(|number| !number.is_finite()) {
-            return Err(MotionError::InvalidOrientationAngle(Detail(place as i8)));
-        }
         Ok(Frame {
             id: i32::from_le_bytes(word(bytes, 0)),
-            coordinates,
+            coordinates: [4, 8, 12, 16, 20, 24].map(|at| real(bytes, at)),
         })
     }
 

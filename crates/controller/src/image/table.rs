@@ -9,7 +9,7 @@ use std::sync::Arc;
 use arcline_instruction_set::predefined;
 use arcline_tag::{DataType, TagType, Template, write_string};
 
-use super::{Access, AliasOf, Image, InstructionTag, PlainTag, Tag, TagId, TagKind, index, key};
+use super::{Access, AliasOf, Image, InstructionTag, PlainTag, Tag, TagId, TagKind, index};
 
 /// Plain tags that there can be.
 pub const MAX_PLAIN_TAGS: usize = 4096;
@@ -29,6 +29,14 @@ pub fn is_tag_name(text: &str) -> bool {
     text.len() <= MAX_NAME
         && text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+/// What tells the tags of a configuration apart.
+fn key(program: Option<&str>, name: &str) -> String {
+    match program {
+        Some(program) => format!("program:{program}.{name}").to_ascii_lowercase(),
+        None => name.to_ascii_lowercase(),
+    }
 }
 
 /// The tags of a configuration.
@@ -142,7 +150,7 @@ impl Image {
             let name = name.chars().take(MAX_NAME).collect();
             return Err(TableError::NotAName { name });
         }
-        if self.names.contains_key(&key(program, &tag.name)) {
+        if self.names.get(program, &tag.name).is_some() {
             return Err(TableError::Taken { name: tag.name.clone() });
         }
         let plain = || self.tags.iter().filter(|known| known.kind == TagKind::Plain);
@@ -262,8 +270,8 @@ impl Image {
             }
         }
         for tag in &adopted {
-            let found = self.names.get(&key(tag.program.as_deref(), &tag.name));
-            match found.and_then(|id| self.tag(*id)).map(|known| known.kind) {
+            let found = self.names.get(tag.program.as_deref(), &tag.name);
+            match found.and_then(|id| self.tag(id)).map(|known| known.kind) {
                 None => {
                     self.add_plain(tag).ok_or(TableError::NoRoom)?;
                 }
@@ -349,10 +357,10 @@ impl Image {
         let Some(place) = self.place(id) else { return };
         let tag = self.tags.remove(place);
         self.bytes.remove(place);
-        let name = self.full_name(&tag).to_ascii_lowercase();
-        if self.names.get(&name) == Some(&id) {
-            self.names.remove(&name);
-        }
+        let program = tag
+            .program
+            .and_then(|place| self.programs.get(usize::from(place)).cloned());
+        self.names.remove(program.as_deref(), &tag.name, id);
         if let TagKind::Instruction(kind) = tag.kind
             && let Some(control) = self.controls.get_mut(kind.control.0 as usize)
         {

@@ -12,6 +12,7 @@ use super::Release;
 use super::transform::{Link, Side};
 use crate::axis::sum::Slot;
 use crate::instructions::stop_move;
+use crate::machine::MAX_PRIMARY_AXES;
 use crate::motion::Motion;
 use crate::system::{Activity, System, component};
 
@@ -103,7 +104,7 @@ impl Motion {
         }
     }
 
-    fn moves_either_side(&self, link: &Link) -> bool {
+    pub(crate) fn moves_either_side(&self, link: &Link) -> bool {
         let mut axes = link.source().iter().chain(link.target());
         axes.any(|axis| self.axes[usize::from(*axis)].in_motion())
     }
@@ -151,36 +152,63 @@ impl Motion {
         let speed = speed * (1.0 - share).max(0.0).sqrt();
         self.when(link, &|axis| {
             let place = system.description.linear().iter().position(|own| *own == axis);
-            place.map_or_else(Point::default, |place| Point {
-                position: component(&there.position, place) - component(&here.position, place),
-                velocity: component(&there.tangent, place) * speed,
-                acceleration: 0.0,
-            })
+            place.map_or_else(
+                || self.alone(axis, share),
+                |place| Point {
+                    position: component(&there.position, place) - component(&here.position, place),
+                    velocity: component(&there.tangent, place) * speed,
+                    acceleration: 0.0,
+                },
+            )
         })
+    }
+
+    /// How far from where it is an axis is that moves by itself, at a share of the way of its own stop.
+    fn alone(&self, axis: u16, share: f64) -> Point {
+        let state = &self.axes[usize::from(axis)];
+        let velocity = state.sum.motion_of(|slot| slot != Slot::Transform).velocity;
+        if velocity == 0.0 {
+            return Point::default();
+        }
+        let way = stop_way(
+            velocity.abs(),
+            &state.dynamics.stop(state.is_s_curve()),
+            self.clock.period(),
+        );
+        Point {
+            position: way * share * velocity.signum(),
+            velocity: velocity * (1.0 - share).max(0.0).sqrt(),
+            acceleration: 0.0,
+        }
     }
 
     /// The source at a share of the way of a stop straight on.
     fn straight_on(&self, link: &Link, share: f64) -> Side {
         let mut source = Side::default();
-        let mut rate = f64::INFINITY;
         for (axis, point) in link.source().iter().zip(&mut source) {
-            let axis = &self.axes[usize::from(*axis)];
-            *point = axis.command;
-            rate = rate.min(axis.dynamics.deceleration);
+            *point = self.axes[usize::from(*axis)].command;
         }
-        let speed = source
-            .iter()
-            .map(|point| point.velocity * point.velocity)
-            .sum::<f64>()
-            .sqrt();
-        if speed > 0.0 {
-            let mut limits = self.axes[usize::from(link.source()[0])].dynamics.stop(false);
-            limits.deceleration = rate;
-            let seconds = stop_way(speed, &limits, self.clock.period()) / speed;
-            for point in &mut source {
-                point.position += point.velocity * seconds * share;
-                point.velocity *= (1.0 - share).max(0.0).sqrt();
+        let linear = link.source().len().min(MAX_PRIMARY_AXES);
+        let mut seconds = 0.0_f64;
+        for places in [0..linear, linear..link.source().len()] {
+            let axes = link.source()[places.clone()]
+                .iter()
+                .map(|axis| &self.axes[usize::from(*axis)]);
+            let squares = source[places].iter().map(|point| point.velocity * point.velocity);
+            let speed = squares.sum::<f64>().sqrt();
+            let rate = axes
+                .clone()
+                .map(|axis| axis.dynamics.deceleration)
+                .fold(f64::INFINITY, f64::min);
+            if let Some(first) = axes.clone().next().filter(|_| speed > 0.0) {
+                let mut limits = first.dynamics.stop(false);
+                limits.deceleration = rate;
+                seconds = seconds.max(stop_way(speed, &limits, self.clock.period()) / speed);
             }
+        }
+        for point in &mut source {
+            point.position += point.velocity * seconds * share;
+            point.velocity *= (1.0 - share).max(0.0).sqrt();
         }
         source
     }

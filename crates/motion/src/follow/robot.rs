@@ -1,15 +1,19 @@
 //! What a transform makes of positions: one Cartesian frame seen from another, and with a robot the joints behind it.
 //!
-//! A robot's joints are followed through whole turns: they stay near what they were before. Not here: who leads whom
-//! ([`super::transform`]). Real-time: nothing allocates. Units: position units, degrees of joints, seconds.
+//! A robot's joints are followed through whole turns: they stay near what they were before, and so do the angles of an
+//! orientation that joints lead back. Not here: who leads whom ([`super::transform`]). Real-time: nothing allocates.
+//! Units: position units, degrees of joints and of orientation, seconds.
 
 use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, Detail, MotionError};
-use arcline_kinematics::{Arm, KinematicsError, Moving, Robot};
+use arcline_kinematics::{
+    Arm, Configuration, KinematicsError, Moving, OrientedRobot, Pose, Robot, Taken, Turns, end_of_arm, tool_centre,
+};
 use arcline_planner::geometry::{Frame, Point as Vector};
 
-use super::transform::Side;
-use crate::machine::MAX_PRIMARY_AXES;
+use super::transform::{Positions, Side};
+use crate::machine::{MAX_PRIMARY_AXES, MAX_SYSTEM_AXES};
+use crate::material::Frames;
 
 /// How the two sides of a transform lie to each other.
 #[derive(Clone, Copy, Debug)]
@@ -32,48 +36,124 @@ pub(crate) enum Joints {
 /// A robot at one end of a transform.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RobotMap {
-    frame: Frame,
-    robot: Robot,
+    mechanism: Mechanism,
     side: Joints,
-    arm: Arm,
     /// Where its joints were last, to follow them through whole turns.
-    last: Vector,
+    last: Positions,
+}
+
+/// What stands between the two sides.
+#[derive(Clone, Copy, Debug)]
+enum Mechanism {
+    Arm { frame: Frame, robot: Robot, arm: Arm },
+    Wrist(WristMap),
+}
+
+/// A robot with a wrist behind X, Y, Z, Rx, Ry, Rz.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WristMap {
+    pub(crate) robot: OrientedRobot,
+    work: Pose,
+    tool: Pose,
+    /// IDs of the work frame and the tool frame.
+    pub(crate) ids: [i32; 2],
+    configuration: Configuration,
+    /// Rx, Ry, Rz of the other side, to follow them through the ends of their ranges.
+    turned: [f64; 3],
+}
+
+impl WristMap {
+    /// The tool centre in the work frame.
+    pub(crate) fn point(&self, joints: &[Moving; MAX_SYSTEM_AXES]) -> Result<Pose<Moving>, KinematicsError> {
+        let Taken { pose, .. } = self.robot.forward(joints)?;
+        Ok(tool_centre(&self.work, &pose, &self.tool))
+    }
 }
 
 impl RobotMap {
     /// `joints`: where they are; which solution of the arm that is, is kept.
-    pub(crate) fn new(frame: Frame, robot: Robot, side: Joints, joints: Vector) -> Self {
-        let mut map = RobotMap {
-            frame,
+    pub(crate) fn new(frame: Frame, robot: Robot, side: Joints, joints: Positions) -> Self {
+        let arm = Arm::default();
+        RobotMap::standing(Mechanism::Arm { frame, robot, arm }, side, joints)
+    }
+
+    /// The target is a robot with a wrist; `joints` and `source`: where both sides are.
+    ///
+    /// The angles of the orientation are those of the source's axes where these are at the robot's; within their ranges
+    /// otherwise.
+    pub(crate) fn with_wrist(frames: &Frames, robot: OrientedRobot, joints: Positions, source: &Positions) -> Self {
+        let [.., rx, ry, rz] = *source;
+        let mut wrist = WristMap {
             robot,
+            work: Pose::new(frames.work.coordinates),
+            tool: Pose::new(frames.tool.coordinates),
+            ids: [frames.work.id, frames.tool.id],
+            configuration: Configuration::default(),
+            turned: [rx, ry, rz],
+        };
+        if let Ok(point) = wrist.point(&joints.map(Moving::standing)) {
+            let angles = |coordinates: [Moving; 6]| {
+                let [.., rx, ry, rz] = coordinates.map(|at| at.position);
+                [rx, ry, rz]
+            };
+            let near = angles(point.coordinates_near(wrist.turned));
+            let apart = near.iter().zip(wrist.turned).map(|(near, now)| (near - now).abs());
+            if apart.fold(0.0, f64::max) > CONSISTENT {
+                wrist.turned = angles(point.coordinates());
+            }
+        }
+        RobotMap::standing(Mechanism::Wrist(wrist), Joints::Target, joints)
+    }
+
+    fn standing(mechanism: Mechanism, side: Joints, joints: Positions) -> Self {
+        let mut map = RobotMap {
+            mechanism,
             side,
-            arm: Arm::default(),
-            last: Vector::zeros(),
+            last: Positions::default(),
         };
         map.stand(joints);
         map
     }
 
+    /// The robot with a wrist, if it is one.
+    pub(crate) fn wrist(&self) -> Option<&WristMap> {
+        match &self.mechanism {
+            Mechanism::Arm { .. } => None,
+            Mechanism::Wrist(wrist) => Some(wrist),
+        }
+    }
+
     /// The update's joints, so that the next ones stay in the same turns.
-    pub(super) fn follow(&mut self, source: &Side, target: &Vector) {
+    pub(super) fn follow(&mut self, source: &Side, target: &Positions) {
         match self.side {
             Joints::Target => self.last = *target,
-            Joints::Source => self.stand(vectors(source)[0]),
+            Joints::Source => self.stand(positions(source)),
+        }
+    }
+
+    /// The update's orientation, so that the next one stays in the same turns.
+    pub(super) fn follow_turn(&mut self, source: &Side) {
+        if let Mechanism::Wrist(wrist) = &mut self.mechanism {
+            let [.., rx, ry, rz] = positions(source);
+            wrist.turned = [rx, ry, rz];
         }
     }
 
     /// Everything stands: the arm is in the solution in which its joints are.
     pub(super) fn settle(&mut self, source: &Side, target: &Side) {
         match self.side {
-            Joints::Target => self.stand(vectors(target)[0]),
-            Joints::Source => self.stand(vectors(source)[0]),
+            Joints::Target => self.stand(positions(target)),
+            Joints::Source => self.stand(positions(source)),
         }
     }
 
     /// The joints are somewhere, perhaps in another solution of the arm.
-    pub(super) fn stand(&mut self, joints: Vector) {
-        self.arm = self.robot.arm(joints.into());
+    pub(super) fn stand(&mut self, joints: Positions) {
         self.last = joints;
+        match &mut self.mechanism {
+            Mechanism::Arm { robot, arm, .. } => *arm = robot.arm(three(&joints)),
+            Mechanism::Wrist(wrist) => wrist.configuration = wrist.robot.solution(&joints).0,
+        }
     }
 
     /// Whether the joints are the target's.
@@ -83,35 +163,44 @@ impl RobotMap {
 
     /// The inverse or forward transform, whichever leads from the source to the target.
     pub(super) fn place(&self, source: &Side) -> Result<Side, MotionError> {
-        match self.side {
-            Joints::Target => self.joints(&framed(source, |p| self.frame.place(p), |d| self.frame.turn(d))),
-            Joints::Source => {
-                let tool = self.tool(source)?;
-                Ok(framed(&tool, |p| self.frame.place(p), |d| self.frame.turn(d)))
+        match (&self.mechanism, self.side) {
+            (Mechanism::Wrist(wrist), _) => self.wrist_joints(wrist, source),
+            (Mechanism::Arm { frame, robot, arm }, Joints::Target) => {
+                let tool = framed(source, |p| frame.place(p), |d| frame.turn(d));
+                self.joints(robot, *arm, &tool)
+            }
+            (Mechanism::Arm { frame, robot, .. }, Joints::Source) => {
+                let tool = tool(robot, source)?;
+                Ok(framed(&tool, |p| frame.place(p), |d| frame.turn(d)))
             }
         }
     }
 
     /// The other one.
     pub(super) fn place_back(&self, target: &Side) -> Result<Side, MotionError> {
-        match self.side {
-            Joints::Target => {
-                let tool = self.tool(target)?;
-                Ok(framed(&tool, |p| self.frame.place_back(p), |d| self.frame.turn_back(d)))
+        match (&self.mechanism, self.side) {
+            (Mechanism::Wrist(wrist), _) => {
+                let point = wrist.point(&target.map(moving)).map_err(refused)?;
+                Ok(point.coordinates_near(wrist.turned).map(self::point))
             }
-            Joints::Source => self.joints(&framed(
-                target,
-                |p| self.frame.place_back(p),
-                |d| self.frame.turn_back(d),
-            )),
+            (Mechanism::Arm { frame, robot, .. }, Joints::Target) => {
+                let tool = tool(robot, target)?;
+                Ok(framed(&tool, |p| frame.place_back(p), |d| frame.turn_back(d)))
+            }
+            (Mechanism::Arm { frame, robot, arm }, Joints::Source) => {
+                let tool = framed(target, |p| frame.place_back(p), |d| frame.turn_back(d));
+                self.joints(robot, *arm, &tool)
+            }
         }
     }
 
     /// Where a path begins, perhaps far from here: a first joint that cannot turn on is within its range there.
     pub(super) fn begin(&mut self, source: &Side) -> Result<Side, MotionError> {
-        if self.robot.geometry().has_mirror() {
-            let tool = framed(source, |p| self.frame.place(p), |d| self.frame.turn(d));
-            let joints = self.robot.inverse(tool.map(moving), self.arm).map_err(refused)?;
+        if let Mechanism::Arm { frame, robot, arm } = &self.mechanism
+            && robot.geometry().has_mirror()
+        {
+            let tool = framed(source, |p| frame.place(p), |d| frame.turn(d));
+            let joints = robot.inverse(three(&tool).map(moving), *arm).map_err(refused)?;
             self.last[0] = joints[0].position;
         }
         let joints = self.place(source)?;
@@ -121,39 +210,48 @@ impl RobotMap {
 
     /// The joints were led on.
     pub(super) fn follow_joints(&mut self, joints: &Side) {
-        self.last = vectors(joints)[0];
+        self.last = positions(joints);
     }
 
     /// Whether a joint turns, and does not slide.
     pub(super) fn turns(&self, joint: usize) -> bool {
-        self.robot.geometry().turns(joint)
-    }
-
-    fn tool(&self, joints: &Side) -> Result<Side, MotionError> {
-        let tool = self.robot.forward(joints.map(moving)).map_err(refused)?;
-        Ok(tool.map(point))
-    }
-
-    fn joints(&self, tool: &Side) -> Result<Side, MotionError> {
-        let joints = self.robot.inverse(tool.map(moving), self.arm).map_err(refused)?;
-        Ok(self.near(joints)?.map(point))
-    }
-
-    /// In the turns in which they were last.
-    fn near(&self, mut joints: [Moving; MAX_PRIMARY_AXES]) -> Result<[Moving; MAX_PRIMARY_AXES], MotionError> {
-        for (place, joint) in joints.iter_mut().enumerate() {
-            if self.robot.geometry().turns(place) && place < self.robot.geometry().joints() {
-                joint.position += TURN * ((self.last[place] - joint.position) / TURN).round();
-            }
+        match &self.mechanism {
+            Mechanism::Arm { robot, .. } => joint < robot.geometry().joints() && robot.geometry().turns(joint),
+            Mechanism::Wrist(wrist) => wrist.robot.wrist().turns(joint),
         }
-        if self.robot.geometry().has_mirror()
-            && let Some([least, most]) = self.robot.range(0)
+    }
+
+    fn joints(&self, robot: &Robot, arm: Arm, tool: &Side) -> Result<Side, MotionError> {
+        let joints = robot.inverse(three(tool).map(moving), arm).map_err(refused)?;
+        let joints = self.near(wide(joints.map(point)));
+        if robot.geometry().has_mirror()
+            && let Some([least, most]) = robot.range(0)
             && !(least..=most).contains(&joints[0].position)
         {
             return Err(MotionError::MaxJointAngleExceeded(AxisIndex(0)));
         }
         Ok(joints)
     }
+
+    fn wrist_joints(&self, wrist: &WristMap, source: &Side) -> Result<Side, MotionError> {
+        let centre = Pose::new(source.map(moving));
+        let end = end_of_arm(&wrist.work, &centre, &wrist.tool);
+        let joints = wrist.robot.inverse(&end, wrist.configuration, Turns::default());
+        Ok(self.near(joints.map_err(refused)?.map(point)))
+    }
+
+    /// In the turns in which they were last.
+    fn near(&self, mut joints: Side) -> Side {
+        for (place, joint) in joints.iter_mut().enumerate().filter(|(place, _)| self.turns(*place)) {
+            joint.position += TURN * ((self.last[place] - joint.position) / TURN).round();
+        }
+        joints
+    }
+}
+
+fn tool(robot: &Robot, joints: &Side) -> Result<Side, MotionError> {
+    let tool = robot.forward(three(joints).map(moving)).map_err(refused)?;
+    Ok(wide(tool.map(point)))
 }
 
 /// Where a side is in the frame at the other end.
@@ -188,9 +286,35 @@ fn point(at: Moving) -> Point {
     }
 }
 
+/// The first three.
+pub(crate) fn three<T: Copy>(of: &[T; MAX_SYSTEM_AXES]) -> [T; MAX_PRIMARY_AXES] {
+    [of[0], of[1], of[2]]
+}
+
+/// With nothing behind them.
+fn wide([first, second, third]: [Point; MAX_PRIMARY_AXES]) -> Side {
+    let mut side = Side::default();
+    (side[0], side[1], side[2]) = (first, second, third);
+    side
+}
+
+/// Positions of a side, and nothing else of it.
+pub(super) fn positions(side: &Side) -> Positions {
+    side.map(|point| point.position)
+}
+
+/// A side that stands.
+pub(super) fn at_rest(positions: &Positions) -> Side {
+    positions.map(|position| Point {
+        position,
+        ..Point::default()
+    })
+}
+
+/// The first three of a side as vectors: position, velocity, acceleration.
 pub(super) fn vectors(side: &Side) -> [Vector; 3] {
     let mut vectors = [Vector::zeros(); 3];
-    for (place, point) in side.iter().enumerate() {
+    for (place, point) in side.iter().enumerate().take(MAX_PRIMARY_AXES) {
         vectors[0][place] = point.position;
         vectors[1][place] = point.velocity;
         vectors[2][place] = point.acceleration;
@@ -199,16 +323,14 @@ pub(super) fn vectors(side: &Side) -> [Vector; 3] {
 }
 
 pub(super) fn side([position, velocity, acceleration]: [Vector; 3]) -> Side {
-    let mut side = Side::default();
-    for (place, point) in side.iter_mut().enumerate() {
-        *point = Point {
-            position: position[place],
-            velocity: velocity[place],
-            acceleration: acceleration[place],
-        };
-    }
-    side
+    wide([0, 1, 2].map(|place| Point {
+        position: position[place],
+        velocity: velocity[place],
+        acceleration: acceleration[place],
+    }))
 }
 
+/// A source axis this near, units, stands where the target says.
+pub(crate) const CONSISTENT: f64 = 1e-3;
 /// Degrees.
 const TURN: f64 = 360.0;

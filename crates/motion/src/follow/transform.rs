@@ -8,21 +8,23 @@
 //! Not here: when something is computed ([`super::order`]), what MCT refuses (`instructions::mct`), what happens when a
 //! robot cannot follow ([`super::failing`]). Nothing allocates. Units: position units, seconds.
 
+pub(crate) use super::robot::Map;
+use super::robot::{RobotMap, at_rest, positions, side, vectors};
 use arcline_drive::Motion as Point;
 use arcline_instruction_set::MotionError;
-use arcline_planner::geometry::Point as Vector;
-
-pub(crate) use super::robot::Map;
-use super::robot::{RobotMap, side, vectors};
 
 use crate::axis::generator::Generator;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
-use crate::machine::{MAX_PRIMARY_AXES, MAX_SYSTEMS};
+use crate::machine::{MAX_SYSTEM_AXES, MAX_SYSTEMS};
 use crate::motion::Motion;
+use crate::status::Turn;
 
 /// Position, velocity and acceleration of each axis of one side.
-pub(crate) type Side = [Point; MAX_PRIMARY_AXES];
+pub(crate) type Side = [Point; MAX_SYSTEM_AXES];
+
+/// A position of each axis of one side.
+pub(crate) type Positions = [f64; MAX_SYSTEM_AXES];
 
 /// A transform under way. It is kept at the place of its target system.
 #[derive(Clone, Copy, Debug)]
@@ -31,13 +33,14 @@ pub(crate) struct Link {
     /// Place of the source system.
     pub(crate) from: usize,
     pub(super) map: Map,
-    dimension: usize,
-    source: [u16; MAX_PRIMARY_AXES],
-    target: [u16; MAX_PRIMARY_AXES],
+    source: [u16; MAX_SYSTEM_AXES],
+    target: [u16; MAX_SYSTEM_AXES],
+    /// Axes of the source and of the target.
+    counts: [usize; 2],
     /// What the target was off the transformed source at the start, in the frames of its axes' generators.
-    offset: Vector,
+    offset: Positions,
     /// What had been added to the target at the start.
-    added_from: Vector,
+    added_from: Positions,
     /// Where the source is without what this target and later ones lead it back by.
     pub(super) above: Side,
     /// Where that leads the target, in the frames of its axes' generators.
@@ -62,11 +65,11 @@ impl Link {
             execution,
             from,
             map,
-            dimension: source.len().min(target.len()).min(MAX_PRIMARY_AXES),
-            source: [0; MAX_PRIMARY_AXES],
-            target: [0; MAX_PRIMARY_AXES],
-            offset: Vector::zeros(),
-            added_from: Vector::zeros(),
+            source: [0; MAX_SYSTEM_AXES],
+            target: [0; MAX_SYSTEM_AXES],
+            counts: [source, target].map(|axes| axes.len().min(MAX_SYSTEM_AXES)),
+            offset: Positions::default(),
+            added_from: Positions::default(),
             above: Side::default(),
             down: Side::default(),
             led: Side::default(),
@@ -76,9 +79,10 @@ impl Link {
             failed: None,
             braking: false,
         };
-        let places = link.source.iter_mut().zip(&mut link.target);
-        for ((from, to), (source, target)) in places.zip(source.iter().zip(target)) {
-            (*from, *to) = (*source, *target);
+        for (places, axes) in [(&mut link.source, source), (&mut link.target, target)] {
+            for (place, axis) in places.iter_mut().zip(axes) {
+                *place = *axis;
+            }
         }
         link
     }
@@ -86,18 +90,19 @@ impl Link {
     /// One that turns and shifts nothing.
     #[cfg(test)]
     pub(crate) fn between(source: &[u16], target: &[u16]) -> Self {
-        let map = Map::Frames(arcline_planner::geometry::Frame::new(Vector::zeros(), Vector::zeros()));
+        use arcline_planner::geometry::{Frame, Point as Vector};
+        let map = Map::Frames(Frame::new(Vector::zeros(), Vector::zeros()));
         Link::new(None, 0, map, source, target)
     }
 
     /// Axes of the source, in the order of its system.
     pub(crate) fn source(&self) -> &[u16] {
-        &self.source[..self.dimension]
+        &self.source[..self.counts[0]]
     }
 
     /// Axes of the target, in the order of its system.
     pub(crate) fn target(&self) -> &[u16] {
-        &self.target[..self.dimension]
+        &self.target[..self.counts[1]]
     }
 
     /// Whether an axis is on either side.
@@ -125,7 +130,7 @@ impl Link {
             }
             Map::Robot(robot) => robot.place(source)?,
         };
-        for (point, offset) in placed.iter_mut().zip(self.offset.iter()) {
+        for (point, offset) in placed.iter_mut().zip(self.offset) {
             point.position += offset;
         }
         Ok(placed)
@@ -154,7 +159,7 @@ impl Link {
     /// Where the source leads the target, with what is added to that.
     fn with(&self, added: &Side) -> Side {
         let mut whole = self.down;
-        for ((whole, added), offset) in whole.iter_mut().zip(added).zip(self.offset.iter()) {
+        for ((whole, added), offset) in whole.iter_mut().zip(added).zip(self.offset) {
             whole.position -= offset;
             add(whole, added);
         }
@@ -174,6 +179,19 @@ impl Link {
         }
     }
 
+    /// Where the source is now, so that the angles of its orientation go on from there.
+    fn follow_turn(&mut self) {
+        if let Map::Robot(robot) = &mut self.map
+            && robot.wrist().is_some()
+        {
+            let mut whole = self.above;
+            for (whole, back) in whole.iter_mut().zip(&self.back) {
+                add(whole, back);
+            }
+            robot.follow_turn(&whole);
+        }
+    }
+
     /// It cannot be led on: the target goes straight on for an update.
     fn fail(&mut self, error: MotionError, period: f64) {
         self.failed = Some(error);
@@ -187,19 +205,20 @@ impl Link {
     ///
     /// # Errors
     /// Where a robot cannot be.
-    pub(crate) fn source_of(&self, target: &Vector) -> Result<Vector, MotionError> {
+    pub(crate) fn source_of(&self, target: &Positions) -> Result<Positions, MotionError> {
+        let target = at_rest(target);
         match &self.map {
-            Map::Frames(frame) => Ok(frame.place_back(target)),
-            Map::Robot(robot) => {
-                let back = robot.place_back(&side([*target, Vector::zeros(), Vector::zeros()]))?;
-                Ok(vectors(&back)[0])
+            Map::Frames(frame) => {
+                let [position, velocity, acceleration] = vectors(&target);
+                Ok(positions(&side([frame.place_back(&position), velocity, acceleration])))
             }
+            Map::Robot(robot) => Ok(positions(&robot.place_back(&target)?)),
         }
     }
 
     /// Whether the target could be led while the source is there, and moves.
-    pub(crate) fn verify(&self, source: &Vector) -> Result<(), MotionError> {
-        self.place(&side([*source, Vector::zeros(), Vector::zeros()])).map(drop)
+    pub(crate) fn verify(&self, source: &Positions) -> Result<(), MotionError> {
+        self.place(&at_rest(source)).map(drop)
     }
 }
 
@@ -208,6 +227,41 @@ impl Motion {
     pub(crate) fn links(&self) -> impl Iterator<Item = (usize, &Link)> {
         let links = self.links.iter().enumerate();
         links.filter_map(|(index, link)| link.as_ref().map(|link| (index, link)))
+    }
+
+    /// What a coordinate system shows of the robot with a wrist that it is, or that it leads first.
+    pub(crate) fn turn_of(&self, index: usize) -> Turn {
+        let system = &self.systems[index];
+        if !system.is_oriented() {
+            return Turn::default();
+        }
+        let mut links = self.links();
+        let own = links.find(|(target, link)| *target == index || link.from == index);
+        let linked = own.and_then(|(target, link)| Some((target, link, link.robot()?.wrist()?)));
+        let robot = linked.map_or(index, |(target, ..)| target);
+        let joints = &self.systems[robot].description.axes;
+        let solution = match &self.systems[robot].wrist {
+            Some(Ok(wrist)) => {
+                let mut at = Positions::default();
+                for (at, axis) in at.iter_mut().zip(joints) {
+                    *at = self.axes[usize::from(*axis)].command.position;
+                }
+                wrist.solution(&at)
+            }
+            _ => Default::default(),
+        };
+        let Some((_, link, wrist)) = linked else {
+            return Turn {
+                solution,
+                ..Turn::default()
+            };
+        };
+        let [work, tool] = wrist.ids;
+        Turn {
+            frames: [tool, work],
+            solution,
+            tool_change: !link.braking && !self.moves_either_side(link),
+        }
     }
 
     /// The transform that has this axis on its target's side, and the axis's place there.
@@ -317,7 +371,11 @@ impl Motion {
             Err(error) => link.fail(error, self.clock.period()),
         }
         if let (Map::Robot(robot), None) = (&mut link.map, link.failed) {
-            robot.follow(&above, &(vectors(&link.down)[0] - link.offset));
+            let mut joints = positions(&link.down);
+            for (joint, offset) in joints.iter_mut().zip(link.offset) {
+                *joint -= offset;
+            }
+            robot.follow(&above, &joints);
         }
         self.links[index] = Some(link);
     }
@@ -334,7 +392,10 @@ impl Motion {
             own.leads_back = leads_back;
             match back {
                 _ if own.failed.is_some() => {}
-                Ok(back) => own.back = back,
+                Ok(back) => {
+                    own.back = back;
+                    own.follow_turn();
+                }
                 Err(error) => own.fail(error, period),
             }
         }
@@ -401,7 +462,7 @@ impl Motion {
         let added = self.added_to(link);
         let mut moved = *link;
         let mut own = *robot;
-        own.stand(vectors(&link.with(&added))[0]);
+        own.stand(positions(&link.with(&added)));
         moved.map = Map::Robot(own);
         let mut led = moved.place(&whole)?;
         for (led, added) in led.iter_mut().zip(&added) {
@@ -425,12 +486,12 @@ impl Motion {
             return;
         }
         let whole = link.with(&added);
-        for (place, axis) in link.source.iter().enumerate().take(link.dimension) {
+        for (place, axis) in link.source.iter().enumerate().take(link.counts[0]) {
             self.axes[usize::from(*axis)].linked.settled += link.back[place].position;
             link.above[place].position += link.back[place].position;
         }
         link.back = Side::default();
-        for (place, (axis, added)) in link.target.iter().zip(&added).enumerate().take(link.dimension) {
+        for (place, (axis, added)) in link.target.iter().zip(&added).enumerate().take(link.counts[1]) {
             link.added_from[place] = self.added(*axis).position;
             link.offset[place] -= added.position;
         }
@@ -475,14 +536,14 @@ impl Motion {
             state.stale = true;
         }
         let targets = link.target;
-        for (place, axis) in targets.iter().enumerate().take(link.dimension) {
+        for (place, axis) in targets.iter().enumerate().take(link.counts[1]) {
             link.added_from[place] = self.added(*axis).position;
         }
         let source = self.source_without(target, &link);
         // What it is cannot fail: it has been verified for this position.
         let placed = link.place(&source).unwrap_or_default();
         link.above = source;
-        for (place, axis) in targets.iter().enumerate().take(link.dimension) {
+        for (place, axis) in targets.iter().enumerate().take(link.counts[1]) {
             let rest = self.axes[usize::from(*axis)].linked.rest;
             link.offset[place] = rest - placed[place].position;
             link.down[place] = standing(rest);

@@ -9,8 +9,8 @@ use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::follow::Follower;
 use crate::follow::order::share;
-use crate::follow::robot::{Joints, RobotMap};
-use crate::follow::transform::{Link, Map};
+use crate::follow::robot::{CONSISTENT, Joints, RobotMap};
+use crate::follow::transform::{Link, Map, Positions};
 use crate::motion::Motion;
 use crate::verify;
 
@@ -24,23 +24,21 @@ pub(crate) struct Layout {
 
 /// Largest angle of an orientation, degrees.
 const LARGEST_ANGLE: f64 = 360.0;
-/// A source axis this near, units, stands where the target says.
-const CONSISTENT: f64 = 1e-3;
 
 /// EXERR of error 61 (§19.6): both systems are the same.
-const SAME_SYSTEM: Detail = Detail(2);
+pub(super) const SAME_SYSTEM: Detail = Detail(2);
 /// EXERR of error 61: neither is Cartesian, or the source is of the other kind.
-const NEITHER_CARTESIAN: Detail = Detail(5);
+pub(super) const WRONG_SOURCE: Detail = Detail(5);
 /// EXERR of error 61: the target is of the other kind.
-const WRONG_TARGET: Detail = Detail(6);
+pub(super) const WRONG_TARGET: Detail = Detail(6);
 /// EXERR of error 61: an axis belongs to both systems.
-const AXIS_IN_BOTH: Detail = Detail(7);
+pub(super) const AXIS_IN_BOTH: Detail = Detail(7);
 /// EXERR of error 61: another coordinated motion uses axes of the target.
 const TARGET_IN_USE: Detail = Detail(8);
 /// EXERR of error 61: the link lengths.
-const LINK_LENGTHS: Detail = Detail(9);
+pub(super) const LINK_LENGTHS: Detail = Detail(9);
 /// EXERR of error 61: the offsets.
-const OFFSETS: Detail = Detail(10);
+pub(super) const OFFSETS: Detail = Detail(10);
 /// EXERR of error 61: the dimensions differ.
 const DIMENSIONS_DIFFER: Detail = Detail(17);
 
@@ -56,10 +54,7 @@ impl Layout {
 
     /// The place of the target system.
     pub(super) fn target(&self, motion: &Motion, call: &Call) -> Result<usize, MotionError> {
-        let target = call.object(self.target).map(usize::from);
-        target
-            .filter(|target| *target < motion.systems.len())
-            .ok_or(MotionError::ParameterOutOfRange(OperandIndex(self.target as u8)))
+        object(motion, call, self.target)
     }
 
     /// How the target lies in the source.
@@ -104,9 +99,27 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         }
     };
     let link = Link::new(Some(execution), source, map, from, to);
-    verify_linear(motion, from)?;
-    verify_linear(motion, to)?;
-    for index in [source, target] {
+    begin(motion, execution, target, link)
+}
+
+/// The coordinate system that an operand behind the first one names.
+pub(super) fn object(motion: &Motion, call: &Call, operand: usize) -> Result<usize, MotionError> {
+    let place = call.object(operand).map(usize::from);
+    place
+        .filter(|place| *place < motion.systems.len())
+        .ok_or(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))
+}
+
+/// The two systems cannot be linked.
+pub(super) fn refused(detail: Detail) -> MotionError {
+    MotionError::ConnectionConflict(detail)
+}
+
+/// Begins a transform of a pair that can be linked, in the state in which both sides are.
+pub(super) fn begin(motion: &mut Motion, execution: Execution, target: usize, link: Link) -> Result<(), MotionError> {
+    verify_linear(motion, link.source())?;
+    verify_linear(motion, link.target())?;
+    for index in [link.from, target] {
         let system = &motion.systems[index];
         verify::axes_ready(system, &motion.axes)?;
         verify::not_homing(system, &motion.axes)?;
@@ -128,40 +141,39 @@ pub(super) fn verify_pair(
     source: usize,
     target: usize,
 ) -> Result<Option<(Robot, Joints)>, MotionError> {
-    let refused = |detail| Err(MotionError::ConnectionConflict(detail));
     if source == target {
-        return refused(SAME_SYSTEM);
+        return Err(refused(SAME_SYSTEM));
     }
     if motion.systems[source].is_oriented() {
-        return refused(NEITHER_CARTESIAN);
+        return Err(refused(WRONG_SOURCE));
     }
     if motion.systems[target].is_oriented() {
-        return refused(WRONG_TARGET);
+        return Err(refused(WRONG_TARGET));
     }
     let robot = match [source, target].map(|index| motion.systems[index].robot) {
-        [Some(_), Some(_)] => return refused(NEITHER_CARTESIAN),
+        [Some(_), Some(_)] => return Err(refused(WRONG_SOURCE)),
         [Some(robot), None] => Some((robot, Joints::Source)),
         [None, Some(robot)] => Some((robot, Joints::Target)),
         [None, None] => None,
     };
     let [from, to] = [source, target].map(|index| &motion.systems[index].description.axes);
     if share(from, to) {
-        return refused(AXIS_IN_BOTH);
+        return Err(refused(AXIS_IN_BOTH));
     }
     let robot = match robot {
-        Some((Err(GeometryError::LinkLengths), _)) => return refused(LINK_LENGTHS),
-        Some((Err(GeometryError::Offsets), _)) => return refused(OFFSETS),
+        Some((Err(GeometryError::LinkLengths), _)) => return Err(refused(LINK_LENGTHS)),
+        Some((Err(GeometryError::Offsets), _)) => return Err(refused(OFFSETS)),
         Some((Ok(robot), side)) => Some((robot, side)),
         None => None,
     };
     if from.len() != to.len() {
-        return refused(DIMENSIONS_DIFFER);
+        return Err(refused(DIMENSIONS_DIFFER));
     }
     Ok(robot)
 }
 
 /// No other coordinated motion uses axes of the target.
-fn verify_free(motion: &Motion, target: usize) -> Result<(), MotionError> {
+pub(super) fn verify_free(motion: &Motion, target: usize) -> Result<(), MotionError> {
     let axes = &motion.systems[target].description.axes;
     let mut others = motion.systems.iter().enumerate();
     if others.any(|(index, other)| index != target && other.is_busy() && share(&other.description.axes, axes)) {
@@ -171,8 +183,8 @@ fn verify_free(motion: &Motion, target: usize) -> Result<(), MotionError> {
 }
 
 /// Command positions of a list of axes.
-pub(super) fn positions(motion: &Motion, axes: &[u16]) -> Point {
-    let mut positions = Point::zeros();
+pub(super) fn positions(motion: &Motion, axes: &[u16]) -> Positions {
+    let mut positions = Positions::default();
     for (axis, position) in axes.iter().zip(positions.iter_mut()) {
         *position = motion.axes[usize::from(*axis)].command.position;
     }

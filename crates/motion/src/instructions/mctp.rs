@@ -7,7 +7,7 @@ use arcline_planner::geometry::Point;
 use super::mct::{self, positions, verify_linear, verify_pair};
 use super::place;
 use crate::control::Execution;
-use crate::follow::robot::{Joints, refused};
+use crate::follow::robot::{Joints, refused, three};
 use crate::material::Sent;
 use crate::motion::Motion;
 
@@ -61,11 +61,11 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         (None, _) => return Err(MotionError::TransformDirectionNotSupported),
         (Some((robot, Joints::Target)), FORWARD) => frame.place_back(&tool(&robot, &reference)?),
         (Some((robot, Joints::Target)), _) => {
-            let arm = arm(&robot, direction, &positions(motion, to))?;
+            let arm = arm(&robot, direction, three(&positions(motion, to)))?;
             joints(&robot, &frame.place(&reference), arm)?
         }
         (Some((robot, Joints::Source)), FORWARD) => {
-            let arm = robot.arm(positions(motion, from).into());
+            let arm = robot.arm(three(&positions(motion, from)));
             joints(&robot, &frame.place_back(&reference), arm)?
         }
         (Some((robot, Joints::Source)), INVERSE) => frame.place(&tool(&robot, &reference)?),
@@ -87,9 +87,9 @@ fn joints(robot: &Robot, tool: &Point, arm: Arm) -> Result<Point, MotionError> {
 }
 
 /// The solution that a direction asks for (§21).
-fn arm(robot: &Robot, direction: i32, present: &Point) -> Result<Arm, MotionError> {
+fn arm(robot: &Robot, direction: i32, present: [f64; 3]) -> Result<Arm, MotionError> {
     if direction == INVERSE {
-        return Ok(robot.arm((*present).into()));
+        return Ok(robot.arm(present));
     }
     let arm = Arm {
         elbow: if direction <= 3 { Elbow::Left } else { Elbow::Right },

@@ -25,7 +25,9 @@ mod mcsd;
 mod mcsr;
 mod mcsv;
 mod mct;
+mod mcto;
 mod mctp;
+mod mctpo;
 mod mdac;
 mod mdcc;
 mod mdr;
@@ -73,6 +75,8 @@ pub(crate) struct Layouts {
     mcpm: mcpm::Layout,
     mdac: mdac::Layout,
     mctp: mctp::Layout,
+    mcto: mcto::Layout,
+    mctpo: mctpo::Layout,
     mgs: mgs::Layout,
     mrp: mrp::Layout,
 }
@@ -100,6 +104,8 @@ impl Layouts {
             mcpm: mcpm::Layout::new(),
             mdac: mdac::Layout::new(),
             mctp: mctp::Layout::new(),
+            mcto: mcto::Layout::of(Mnemonic::Mcto),
+            mctpo: mctpo::Layout::new(),
             mgs: mgs::Layout::new(),
             mrp: mrp::Layout::new(),
         }
@@ -138,6 +144,8 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Mnemonic::Mdac => mdac::execute(motion, execution, call),
         Mnemonic::Mcpm => mcpm::execute(motion, execution, call, sent),
         Mnemonic::Mctp => mctp::execute(motion, execution, call, sent),
+        Mnemonic::Mcto => mcto::execute(motion, execution, call, sent),
+        Mnemonic::Mctpo => mctpo::execute(motion, execution, call, sent),
         Mnemonic::Mah => mah::execute(motion, execution, call),
         Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mccp => mccp::execute(motion, execution, call, sent),

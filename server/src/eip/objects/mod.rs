@@ -157,7 +157,7 @@ pub(crate) fn serve(
     memory: &mut Memory<'_>,
     request: &Request,
     code: u16,
-    target: &Target,
+    target: &Target<'_>,
 ) -> Reply {
     if code == class::SYMBOL && is_table_change(request.service) {
         return symbol::change(context, memory, request, target);
@@ -248,7 +248,7 @@ fn write_injected(memory: &mut Memory<'_>, injected: &[(u16, u32)]) {
 }
 
 /// Answers a request for a class that is [`LATE`]. The plant must not be held.
-pub(crate) fn serve_late(context: &Context<'_>, request: &Request, target: &Target) -> Reply {
+pub(crate) fn serve_late(context: &Context<'_>, request: &Request, target: &Target<'_>) -> Reply {
     let device = context.device;
     let with = |object: &dyn Class| attributes(context, object, request, target);
     match target.class {
@@ -265,7 +265,12 @@ pub(crate) fn serve_late(context: &Context<'_>, request: &Request, target: &Targ
 
 /// Answers a request for a name that is neither a tag service nor a motion service: attributes of the motion object of
 /// that name, or of the symbol.
-pub(crate) fn serve_named(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request, target: &Target) -> Reply {
+pub(crate) fn serve_named(
+    context: &Context<'_>,
+    memory: &mut Memory<'_>,
+    request: &Request,
+    target: &Target<'_>,
+) -> Reply {
     let refuse = |status| Reply::error(request.service, status);
     let Some(name) = target.first_symbol() else {
         return refuse(CipStatus::PATH_SEGMENT_ERROR.with(0));
@@ -285,13 +290,14 @@ pub(crate) fn serve_named(context: &Context<'_>, memory: &mut Memory<'_>, reques
     let target = Target {
         class: Some(class),
         instance: Some(instance),
+        attribute: target.attribute,
         ..Target::default()
     };
     serve(context, memory, request, class, &target)
 }
 
 /// The attribute services (CIP Vol. 1, appendix A), for the class itself (instance 0 or none) and its instances.
-fn attributes(context: &Context<'_>, object: &dyn Class, request: &Request, target: &Target) -> Reply {
+fn attributes(context: &Context<'_>, object: &dyn Class, request: &Request, target: &Target<'_>) -> Reply {
     let code = request.service;
     let instance = target.instance.unwrap_or(0);
     let access = Attributes { object, instance };

@@ -53,7 +53,7 @@ pub(crate) fn parse(
     context: &Context<'_>,
     image: &Image,
     request: &Request,
-    target: &Target,
+    target: &Target<'_>,
 ) -> Result<MotionRequest, CipStatus> {
     let (object, place) = find(context, image, target)?;
     let mnemonic = by_service(object.class_code(), request.service).ok_or(CipStatus::SERVICE_NOT_SUPPORTED)?;
@@ -100,7 +100,7 @@ impl MotionRequest {
 }
 
 /// The object a path means, and its place (from 0).
-fn find(context: &Context<'_>, image: &Image, target: &Target) -> Result<(Object, u16), CipStatus> {
+fn find(context: &Context<'_>, image: &Image, target: &Target<'_>) -> Result<(Object, u16), CipStatus> {
     let Some(class) = target.class else {
         let [PathSegment::Symbol(name)] = target.symbols.as_slice() else {
             return Err(CipStatus::SERVICE_NOT_SUPPORTED);

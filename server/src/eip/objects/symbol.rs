@@ -7,6 +7,7 @@ use arcline_proto::cip::{self, CipStatus, Reply, Request, is_stray_route, servic
 use arcline_proto::epath::Target;
 use arcline_proto::logix::{CreateSymbol, Symbol, instance_list_reply};
 use arcline_proto::session::Transport;
+use arcline_tag::program_name;
 use bytes::{BufMut, Bytes, BytesMut};
 
 use super::{Class, Extent};
@@ -28,7 +29,7 @@ pub(super) struct Symbols<'a> {
 
 impl Symbols<'_> {
     /// The class's own service: Get Instance Attribute List. `None`: it is another one.
-    pub(super) fn serve(&self, context: &Context<'_>, request: &Request, target: &Target) -> Option<Reply> {
+    pub(super) fn serve(&self, context: &Context<'_>, request: &Request, target: &Target<'_>) -> Option<Reply> {
         if request.service != service::GET_INSTANCE_ATTRIBUTE_LIST {
             return None;
         }
@@ -80,7 +81,7 @@ impl Class for Symbols<'_> {
 
 /// Create (0x08) on the class, in a program's scope behind its name, and Delete (0x09) on an instance: a plain tag appears
 /// or vanishes, as after a download (docs/DECISIONS.md).
-pub(super) fn change(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request, target: &Target) -> Reply {
+pub(super) fn change(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request, target: &Target<'_>) -> Reply {
     let Memory::Write(image, _) = memory else {
         return Reply::error(request.service, CipStatus::SERVICE_NOT_SUPPORTED);
     };
@@ -96,7 +97,12 @@ pub(super) fn change(context: &Context<'_>, memory: &mut Memory<'_>, request: &R
     }
 }
 
-fn create(context: &Context<'_>, image: &mut Image, request: &Request, target: &Target) -> Result<Bytes, CipStatus> {
+fn create(
+    context: &Context<'_>,
+    image: &mut Image,
+    request: &Request,
+    target: &Target<'_>,
+) -> Result<Bytes, CipStatus> {
     let (wanted, surplus) = CreateSymbol::decode(&request.data)?;
     let stray = context.transport == Transport::Unconnected && is_stray_route(surplus);
     if !surplus.is_empty() && !stray {
@@ -127,18 +133,12 @@ fn create(context: &Context<'_>, image: &mut Image, request: &Request, target: &
     Ok(out.freeze())
 }
 
-fn delete(image: &mut Image, instance: u32, target: &Target) -> Result<Bytes, CipStatus> {
+fn delete(image: &mut Image, instance: u32, target: &Target<'_>) -> Result<Bytes, CipStatus> {
     let scope = scope(image, target)?;
     let tag = image.tag(TagId(instance)).filter(|tag| tag.program == scope);
     let id = tag.ok_or_else(unknown)?.id;
     image.delete(id).map_err(|error| table_status(&error))?;
     Ok(Bytes::new())
-}
-
-/// `Main` of `Program:Main`.
-fn program_name(symbol: &str) -> Option<&str> {
-    let (word, name) = symbol.split_once(':')?;
-    word.eq_ignore_ascii_case("Program").then_some(name)
 }
 
 fn table_status(error: &TableError) -> CipStatus {
@@ -153,7 +153,7 @@ fn table_status(error: &TableError) -> CipStatus {
 }
 
 /// The program in whose scope an instance of this class is meant: `Program:Main` in front of the class.
-pub(crate) fn scope(image: &Image, target: &Target) -> Result<Option<u16>, CipStatus> {
+pub(crate) fn scope(image: &Image, target: &Target<'_>) -> Result<Option<u16>, CipStatus> {
     let Some(name) = target.first_symbol() else {
         return Ok(None);
     };

@@ -17,7 +17,7 @@ pub(super) struct Templates<'a>(pub(super) &'a Image);
 
 impl Templates<'_> {
     /// The class's own service: Read Template. `None`: it is another one.
-    pub(super) fn serve(&self, context: &Context<'_>, request: &Request, target: &Target) -> Option<Reply> {
+    pub(super) fn serve(&self, context: &Context<'_>, request: &Request, target: &Target<'_>) -> Option<Reply> {
         if request.service != service::READ_TAG {
             return None;
         }

@@ -32,7 +32,7 @@ const READ_HEAD: usize = 16;
 const THE_TRIGGER: u16 = 0xFFFF;
 
 /// Answers a request for the class or a trace.
-pub(super) fn serve(context: &Context<'_>, request: &Request, target: &Target) -> Reply {
+pub(super) fn serve(context: &Context<'_>, request: &Request, target: &Target<'_>) -> Reply {
     let plant = &context.device.plant;
     let room = context.budget.saturating_sub(REPLY_HEAD);
     let instance = target.instance.unwrap_or(0);

@@ -118,6 +118,10 @@ async fn objects_answer_for_themselves() {
         )
     };
     let named = |name| Request::new(service::GET_ATTRIBUTES_ALL, Epath::symbol(name), Bytes::new());
+    let of_name = |code, name: &str, attribute| {
+        let path = Epath(vec![Segment::Symbol(name.into()), Segment::Attribute(attribute)]);
+        Request::new(code, path, vec![1, 0])
+    };
     let set = |class, attribute, data: &'static [u8]| {
         Request::new(
             service::SET_ATTRIBUTE_SINGLE,
@@ -152,6 +156,10 @@ async fn objects_answer_for_themselves() {
         ("a system by name",          named("cs1"),        (0, 0),    None),
         ("a tag by name",             named("aDint"),      (0, 0),    None),
         ("nobody by name",            named("nobody"),     (0x05, 0), None),
+        ("a tag's type by name",      of_name(service::GET_ATTRIBUTE_SINGLE, "aDint", 2), (0, 0), Some(&[0xC4, 0])),
+        ("an axis's units by name",   of_name(service::GET_ATTRIBUTE_SINGLE, "x", 8), (0, 0), Some(b"\x02mm")),
+        ("an attribute nobody has",   of_name(service::GET_ATTRIBUTE_SINGLE, "aDint", 99), (0x14, 0), None),
+        ("an attribute is no tag",    of_name(service::READ_TAG, "aDint", 2), (0x04, 0), None),
         ("an execution never made",   all(0x303, 1),       (0x16, 0), None),
         ("executions",                single(0x303, 0, 3), (0, 0),    Some(&[0, 0])),
     ];

@@ -15,7 +15,7 @@ async fn list(client: &mut Client, scope: Option<&str>) -> Vec<(String, u16, boo
         let data = encode_attribute_ids(&attributes);
         let mut request = Request::new(service::GET_INSTANCE_ATTRIBUTE_LIST, Epath::object(0x6B, start), data);
         if let Some(scope) = scope {
-            request.path.0.insert(0, Segment::Symbol(scope.to_owned()));
+            request.path.0.insert(0, Segment::Symbol(scope.into()));
         }
         let reply = client.ask(&request).await;
         assert!(matches!(reply.status.general(), 0 | 6), "{scope:?}: {}", reply.status);
@@ -110,7 +110,7 @@ async fn an_instance_is_found_in_its_own_scope_only() {
         let data = ReadTag { elements: 1, offset: 0 }.to_bytes();
         let mut request = Request::new(service::READ_TAG, Epath::object(0x6B, id), data);
         if let Some(scope) = scope {
-            request.path.0.insert(0, Segment::Symbol(scope.to_owned()));
+            request.path.0.insert(0, Segment::Symbol(scope.into()));
         }
         request
     };

@@ -261,6 +261,13 @@ async fn a_packet_answers_each_of_its_requests_within_the_connection() {
             .is_success(),
         "an empty packet"
     );
+    // As many as the largest connection holds of the shortest, 12 bytes each with its offset.
+    let mut largest = client.open(4002, 2).await;
+    let shortest = Request::new(service::READ_TAG, path("aInt"), vec![1, 0]);
+    let many = packet(&vec![shortest; 330]);
+    let reply = client.ask_connected(&mut largest, &many).await;
+    let replies = split_multiple_replies(&reply.data).expect("replies");
+    assert_eq!((reply.status.general(), replies.len()), (0, 330));
 }
 
 #[tokio::test]

@@ -13,7 +13,7 @@ use crate::plant::ReloadError;
 fn scoped(program: Option<&str>, instance: u32) -> Epath {
     let mut path = Epath::object(class::SYMBOL, instance);
     if let Some(program) = program {
-        path.0.insert(0, Segment::Symbol(format!("Program:{program}")));
+        path.0.insert(0, Segment::Symbol(format!("Program:{program}").into()));
     }
     path
 }

@@ -1,0 +1,94 @@
+//! MCTO, Motion Coordinated Transform with Orientation (spec/coordinated-instructions.md §19, §24), and what MCTPO shares
+//! with it.
+
+use arcline_instruction_set::{Call, Detail, Mnemonic, MotionError, OperandIndex};
+use arcline_kinematics::{GeometryError, OrientedRobot};
+
+use super::mct::{self, positions, refused};
+use super::place;
+use crate::control::Execution;
+use crate::follow::order::share;
+use crate::follow::robot::RobotMap;
+use crate::follow::transform::{Link, Map};
+use crate::material::{Frames, Sent};
+use crate::motion::Motion;
+
+/// Places of the operands of MCTO, and of MCTPO.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layout {
+    robot: usize,
+    work: usize,
+    tool: usize,
+}
+
+impl Layout {
+    pub(super) fn of(mnemonic: Mnemonic) -> Self {
+        let place = |name| place(mnemonic, name);
+        Layout {
+            robot: place("Robot System"),
+            work: place("Work Frame"),
+            tool: place("Tool Frame"),
+        }
+    }
+
+    /// The Cartesian system, the robot's, and the robot.
+    ///
+    /// # Errors
+    /// 61: the two cannot be linked (§19.6, §24).
+    pub(super) fn pair(&self, motion: &Motion, call: &Call) -> Result<(usize, usize, OrientedRobot), MotionError> {
+        let source = motion.target_system(call)?;
+        let target = mct::object(motion, call, self.robot)?;
+        if source == target {
+            return Err(refused(mct::SAME_SYSTEM));
+        }
+        let [from, to] = [source, target].map(|index| &motion.systems[index]);
+        if from.description.orientation.is_none() {
+            return Err(refused(mct::WRONG_SOURCE));
+        }
+        let Some(robot) = to.wrist else {
+            return Err(refused(mct::WRONG_TARGET));
+        };
+        if share(&from.description.axes, &to.description.axes) {
+            return Err(refused(mct::AXIS_IN_BOTH));
+        }
+        match robot {
+            Ok(robot) => Ok((source, target, robot)),
+            Err(GeometryError::LinkLengths) => Err(refused(mct::LINK_LENGTHS)),
+            Err(GeometryError::Offsets) => Err(refused(mct::OFFSETS)),
+        }
+    }
+
+    /// Numbers that are some, angles within their ranges (§22.8): 74 tells the angle, those of the work frame from 0, those
+    /// of the tool frame from 3.
+    pub(super) fn verify_frames(&self, frames: &Frames) -> Result<(), MotionError> {
+        let both = [(self.work, &frames.work, 0), (self.tool, &frames.tool, 3)];
+        for (operand, frame, _) in both {
+            if !frame.coordinates.iter().all(|number| number.is_finite()) {
+                return Err(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)));
+            }
+        }
+        for (_, frame, first) in both {
+            let [.., rx, ry, rz] = frame.coordinates;
+            let turn = |angle: f64| angle > -180.0 && angle <= 180.0;
+            let held = [turn(rx), ry.abs() <= 90.0, turn(rz)];
+            if let Some(place) = held.iter().position(|held| !held) {
+                return Err(MotionError::InvalidOrientationAngle(Detail(first + place as i8)));
+            }
+        }
+        Ok(())
+    }
+}
+
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
+    let layout = motion.layouts.mcto;
+    motion.target_system(call)?;
+    motion.verify_operands(call)?;
+    let frames = sent.frames()?;
+    let (source, target, robot) = layout.pair(motion, call)?;
+    mct::verify_free(motion, target)?;
+    layout.verify_frames(frames)?;
+    let [from, to] = [source, target].map(|index| &motion.systems[index].description.axes);
+    let map = RobotMap::with_wrist(frames, robot, positions(motion, to), &positions(motion, from));
+    let link = Link::new(Some(execution), source, Map::Robot(map), from, to);
+    mct::begin(motion, execution, target, link)
+}
