@@ -3,6 +3,7 @@
 
 use std::fmt::Write;
 use std::hint::black_box;
+use std::time::Instant;
 
 use arcline_tests::bench::Bench;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
@@ -32,6 +33,66 @@ fn deep() -> Bench {
     bench.set_override("CS1", 0.001);
     bench.run(1000);
     bench
+}
+
+/// The same with one MCCD over all of it, so many ticks ago.
+fn changed(ticks: u64) -> Bench {
+    let mut bench = deep();
+    change(&mut bench, 150);
+    bench.run(ticks);
+    bench
+}
+
+/// MCCD of the active and all pending moves: their speed, and their deceleration, which every place between two of them
+/// depends on.
+fn change(bench: &mut Bench, speed: u32) {
+    change_of(bench, speed, "ActiveandPendingMotion");
+}
+
+fn change_of(bench: &mut Bench, speed: u32, scope: &str) {
+    let call = format!(
+        "MCCD(CS1, C, CoordinatedMove, Yes, {speed}, Unitspersec, No, 0, Unitspersec2, Yes, {}, Unitspersec2, No, 0, No, 0, \
+         Unitspersec3, {scope})",
+        10 * speed
+    );
+    assert_eq!(bench.call(&call), (0, 0));
+}
+
+/// Microseconds of each of the same steps, sorted: the least of [`RUNS`] runs each, so that what else the machine does is left
+/// out.
+fn steps(count: usize, start: fn() -> Bench, mut step: impl FnMut(&mut Bench, usize)) -> Vec<f64> {
+    let mut best = vec![f64::INFINITY; count];
+    for _ in 0..RUNS {
+        let mut bench = start();
+        for (place, best) in best.iter_mut().enumerate() {
+            let from = Instant::now();
+            step(black_box(&mut bench), place);
+            *best = best.min(from.elapsed().as_secs_f64() * 1e6);
+        }
+    }
+    best.sort_by(f64::total_cmp);
+    best
+}
+
+const RUNS: usize = 12;
+
+/// Single ticks and single changes, as criterion's means do not tell the worst.
+fn singles() {
+    let ticks = steps(8000, in_a_blend, |bench, _| bench.tick());
+    let mean = ticks.iter().sum::<f64>() / ticks.len() as f64;
+    println!(
+        "single ticks, three axes in a blend: mean {mean:.3} us, p99.9 {:.3}, most {:.3}",
+        ticks[ticks.len() * 999 / 1000],
+        ticks[ticks.len() - 1]
+    );
+    for scope in ["ActiveMotion", "ActiveandPendingMotion"] {
+        let speed = |place: usize| if place % 2 == 0 { 100 } else { 150 };
+        let changes = steps(20, deep, |bench, place| change_of(bench, speed(place), scope));
+        println!(
+            "MCCD, {scope}, 1000 moves in the queue: median {:.1} us, most {:.1}",
+            changes[10], changes[19]
+        );
+    }
 }
 
 /// 256 axes, four to each of 64 machines of which three move together.
@@ -88,6 +149,7 @@ fn following() -> Bench {
 }
 
 fn tick(criterion: &mut Criterion) {
+    singles();
     criterion.bench_function("tick, three axes in a blend", |bencher| {
         bencher.iter_batched_ref(in_a_blend, |bench| black_box(bench).run(100), BatchSize::LargeInput);
     });
@@ -103,6 +165,18 @@ fn tick(criterion: &mut Criterion) {
             });
         },
     );
+    let mut bench = changed(10_000);
+    let mut speed = 150;
+    criterion.bench_function("MCCD of 1000 moves in the queue, and the tick", |bencher| {
+        bencher.iter(|| {
+            speed = if speed == 150 { 100 } else { 150 };
+            change(black_box(&mut bench), speed);
+            bench.tick();
+        });
+    });
+    criterion.bench_function("one of the ticks behind MCCD of 1000 moves", |bencher| {
+        bencher.iter_batched_ref(|| changed(5), |bench| black_box(bench).tick(), BatchSize::LargeInput);
+    });
     let mut bench = large();
     criterion.bench_function("tick, 256 axes in 64 moving systems", |bencher| {
         bencher.iter(|| black_box(&mut bench).tick());

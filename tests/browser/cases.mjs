@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
-import { close, go, open, operand, pixels, positions, probe, ready, take, until } from "./browser.mjs";
+import { PATIENCE, close, go, open, operand, pixels, positions, probe, ready, take, until } from "./browser.mjs";
 
 export { screenshots } from "./screenshots.mjs";
 
@@ -217,6 +217,84 @@ export async function the_scrub_shows_an_earlier_moment({ browser, url }) {
   await close(page);
 }
 
+/** A page that comes later, or again, has what was before it came. */
+export async function a_new_page_has_the_past({ browser, url }) {
+  const page = await open(browser, url, "drive");
+  await take(page, "XY");
+  await operand(page, "Speed", 20);
+  await positions(page, "Position", [80, 40]);
+  await ready(page, "[80,40]");
+  await page.locator(".form .run").click();
+  await arrived(page, "X", 80);
+  await close(page);
+  const later = await open(browser, url, "path");
+  await later.getByLabel("Coordinate system", { exact: true }).selectOption("XY");
+  const x = () => later.locator(".dro output").first().textContent().then(shown);
+  const bar = later.locator(".view.path .timebar-strip canvas");
+  // The past comes piece by piece, the oldest last.
+  for (const deadline = Date.now() + PATIENCE; ;) {
+    await bar.press("Home");
+    await later.getByText("An earlier moment is shown").waitFor();
+    if (Math.abs(await x()) < 1) break;
+    assert.ok(Date.now() < deadline, `at the beginning X stood at 0, shown is ${await x()}`);
+    await new Promise((done) => setTimeout(done, 100));
+  }
+  await pixels(later, PATH, "--grid", 1);
+  await bar.press("End");
+  await later.getByRole("button", { name: "Fit" }).click();
+  await pixels(later, PATH, "--trail", 40);
+  await close(later);
+}
+
+/** What the page may take of the main thread for a frame, ms of processor time: of 60 a second each has 16.7. */
+const FRAME_MS = 12;
+
+/** With eight axes that move at 1 ms, each view leaves the browser most of every frame. */
+export async function frames_leave_time({ browser, url }) {
+  const page = await open(browser, url, "program");
+  await page.getByRole("button", { name: "Take control" }).click();
+  const { axes } = await page.evaluate(() => fetch("/api/machine").then((answer) => answer.json()));
+  assert.ok(axes.length >= 8, `${axes.length} axes`);
+  const sway = (to) => axes.map(({ name }, k) => `MAM(${name}, W${k}, Absolute, ${to * (k + 1)}, ${5 * (k + 1)}, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 10000, 10000, Unitspersec3);`).join("\n");
+  const last = `WAIT(W${axes.length - 1}.PC);`;
+  await page.getByLabel("Program in Structured Text").fill(`WHILE TRUE DO\n${sway(10)}\n${last}\n${sway(0)}\n${last}\nEND_WHILE;`);
+  await page.locator(".editor-errors:empty").waitFor({ state: "attached" });
+  await page.getByRole("button", { name: "Run", exact: true }).click();
+  const session = await page.context().newCDPSession(page);
+  await session.send("Performance.enable", { timeDomain: "threadTicks" });
+  const metrics = async () => Object.fromEntries((await session.send("Performance.getMetrics")).metrics.map(({ name, value }) => [name, value]));
+  const wrong = [];
+  for (const view of ["machine", "path", "trends", "drive", "program", "tags", "events"]) {
+    await go(page, view);
+    if (view === "trends") {
+      for (const { name } of axes) {
+        const choice = page.getByRole("group", { name: "Axes" }).getByRole("button", { name, exact: true });
+        if ((await choice.getAttribute("aria-pressed")) === "false") await choice.click();
+      }
+    }
+    const before = await metrics();
+    const frames = await page.evaluate((most) => new Promise((done) => {
+      let count = 0;
+      const began = performance.now();
+      const frame = () => {
+        count += 1;
+        if (performance.now() - began < most) requestAnimationFrame(frame);
+        else done({ count, seconds: (performance.now() - began) / 1000 });
+      };
+      requestAnimationFrame(frame);
+    }), 2000);
+    const after = await metrics();
+    // Where the machine is too busy to draw, what comes from the server is no part of the few frames that there are.
+    const each = (name) => (1000 * (after[name] - before[name])) / Math.max(frames.count, 60 * frames.seconds);
+    const [task, script, layout] = [each("TaskDuration"), each("ScriptDuration"), each("LayoutDuration") + each("RecalcStyleDuration")];
+    console.log(`${view}: ${task.toFixed(2)} ms of the main thread for each of 60 frames a second (script ${script.toFixed(2)}, layout ${layout.toFixed(2)}); ${(frames.count / frames.seconds).toFixed(0)} frames a second were drawn`);
+    if (task > FRAME_MS) wrong.push(`${view}: ${task.toFixed(2)} ms`);
+  }
+  assert.deepEqual(wrong, [], "each frame leaves time");
+  await page.keyboard.press("Escape");
+  await close(page);
+}
+
 /** The user's reference, MCCM Target Position Entry Dialog Box: headings, and which buttons are active. */
 const DIALOG = [
   // move type, circle type, target column, via column, Set Targets, Set Vias
@@ -358,6 +436,47 @@ export async function the_history_is_exact({ browser, url }) {
       expect(`least of ${length} from ${from}`, pair[0], values.reduce((a, b) => Math.min(a, b)));
       expect(`greatest of ${length} from ${from}`, pair[1], values.reduce((a, b) => Math.max(a, b)));
     }
+    // What was before, of a few ticks at a time: a signal that rises by its tick, with a peak in the second piece.
+    const late = new Samples({ period_s: 0.001, axes: [{ name: "X" }], coordinate_systems: [] });
+    const live = (first) => {
+      const buffer = new ArrayBuffer(24 + 4 * 8 + 4 * 4);
+      const view = new DataView(buffer);
+      [0x31435241, 1, 4, 0].forEach((word, k) => view.setUint32(4 * k, word, true));
+      view.setBigUint64(16, BigInt(first), true);
+      [first, 1, 0, first - 2].forEach((base, k) => view.setFloat64(24 + 8 * k, base, true));
+      return buffer;
+    };
+    const piece = (first, every, rows, signals, each) => {
+      const buffer = new ArrayBuffer(24 + signals * 8 + rows * signals * each.length * 4);
+      const view = new DataView(buffer);
+      [0x32435241, rows, signals, every].forEach((word, k) => view.setUint32(4 * k, word, true));
+      view.setBigUint64(16, BigInt(first), true);
+      const bases = [first, 1, 0, first - 2, 7, 2].slice(0, signals);
+      bases.forEach((base, k) => view.setFloat64(24 + 8 * k, base, true));
+      const at = 24 + 8 * signals;
+      for (let row = 0; row < rows; row++) {
+        for (let k = 0; k < signals; k++) each.forEach((of, which) => view.setFloat32(at + 4 * ((row * signals + k) * each.length + which), of(row, k), true));
+      }
+      return buffer;
+    };
+    const rising = (row, k) => (k === 0 || k === 3 ? row * 16 : 0);
+    const peak = (row, k) => (k === 0 || k === 3 ? row * 16 + 15 : k === 4 && row === 1 ? 1000 : 0);
+    late.add(live(1000));
+    expect("nothing is known before", late.axis("X").position.at(999), NaN);
+    late.fill(piece(990, 1, 10, 4, [(row, k) => (k === 0 || k === 3 ? row : 0)]), 1000);
+    expect("a piece of every tick", late.axis("X").position.at(995), 995);
+    expect("and its error", late.axis("X").error.at(995), 2);
+    late.fill(piece(960, 16, 2, 6, [rising, rising, peak]), 990);
+    const x = late.axis("X");
+    expect("the oldest", late.first, 960);
+    for (const tick of [960, 970, 976]) expect(`a straight line at ${tick}`, x.position.at(tick), tick);
+    expect("its last value stays", x.position.at(989), 976);
+    expect("every tick is known here", late.step(995), 1);
+    expect("not here", late.step(970), 16);
+    const [low, high] = x.jerk.extrema(960, 992, 16, [0, 0]);
+    expect("least jerk", low, 0);
+    expect("greatest jerk", high, 1007);
+    expect("what is live stays", x.position.at(1000), 1000);
     samples.add(frame(last + 100, 10));
     expect("in a gap", position.at(last + 50), NaN);
     expect("behind a gap", position.at(last + 105), command(last + 105) + 1000.5);

@@ -25,6 +25,8 @@ export async function screenshots({ browser, url, folder }) {
           await page.getByRole("button", { name: "Dry run" }).click();
           await page.locator(".view.program .preview-facts, .view.program .problem").filter({ visible: true }).first().waitFor();
         }
+        // What a right to drive adds to the bar leaves room for STOP.
+        if (view === "drive" && phone) await take(page, "CS1");
         if (view === "drive") await until(page, "the line", () => document.querySelector(".form .line code")?.textContent.includes("MCLM"));
         await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
         const name = `${view}-${scheme}-${phone ? "phone" : "desktop"}`;
@@ -73,6 +75,10 @@ function faults({ enough, large }) {
   const found = [];
   const main = document.querySelector("main");
   if (main.scrollWidth > main.clientWidth + 1) found.push(`the view is ${main.scrollWidth} pixels wide, the screen ${main.clientWidth}`);
+  for (const element of document.querySelectorAll("header.bar button")) {
+    const { left, right } = element.getBoundingClientRect();
+    if (left < 0 || right > innerWidth + 0.5) found.push(`out of the screen: ${element.textContent}, ${left} to ${right} of ${innerWidth}`);
+  }
   const seen = (element) => element.checkVisibility({ opacityProperty: true, visibilityProperty: true });
   for (const element of document.querySelectorAll("button, a, input, select, textarea, canvas")) {
     const name = element.getAttribute("aria-label") ?? element.labels?.[0]?.textContent ?? element.textContent;

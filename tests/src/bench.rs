@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use arcline_config::Project;
 use arcline_controller::image::{Edge, Image};
 use arcline_controller::machine::Start;
-use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket};
+use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket, Written};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{
     ControlSlot, Directory, FaultKind, FaultSet, Flag, Given, MotionControl, Object, WrittenArray, bind,
@@ -178,9 +178,11 @@ impl Bench {
         });
         let (arrays, written, image) = (&self.arrays, &mut self.written, &mut self.image);
         self.controller
-            .take_array_writes(|write| match arrays.get(write.tag as usize) {
-                Some(name) => drop(written.insert(name.clone(), write.values.as_slice().to_vec())),
-                None => image.apply_array_write(write),
+            .take_array_writes(|write| match (&write.values, arrays.get(write.tag as usize)) {
+                (Written::Numbers(numbers), Some(name)) => {
+                    drop(written.insert(name.clone(), numbers.as_slice().to_vec()));
+                }
+                _ => image.apply_array_write(write),
             });
         let seen = look(self);
         self.controller.begin_tick();

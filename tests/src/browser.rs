@@ -15,12 +15,28 @@ const CHROMIUM: &str = "/usr/bin/chromium";
 /// # Panics
 /// When the case does not hold; in CI also when something needed is missing.
 pub fn case(name: &str) {
+    on(name, &[]);
+}
+
+/// The same with the configuration of `tests/config` that is named so.
+///
+/// # Panics
+/// As [`case`].
+pub fn case_on(name: &str, configuration: &str) {
+    let file = crate::fixture(&format!("config/{configuration}"));
+    on(
+        name,
+        &["--config", file.to_str().expect("the project's paths are UTF-8")],
+    );
+}
+
+fn on(name: &str, arguments: &[&str]) {
     let found = find().and_then(|node| Ok((node, Store::open("browser-turn")?)));
     let (node, _turn) = match found {
         Ok(found) => found,
         Err(why) => return crate::not_run(name, &why),
     };
-    let server = Server::start_with(&["--hmi", "127.0.0.1:0"]);
+    let server = Server::start_with(&[&["--hmi", "127.0.0.1:0"], arguments].concat());
     let address = server.hmi().expect("the server was started with an HMI");
     let url = format!("http://{address}");
     let pictures = pictures();

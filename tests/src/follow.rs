@@ -50,6 +50,18 @@ pub fn machine(period_ms: f64) -> String {
     text
 }
 
+/// Tags of a cam: `Cam` rises by 5 units over 5 units of its master, then falls; `Profile` has room for the first two points.
+pub const CAM_TAGS: &str = r#"
+[[tag]]
+name = "Cam"
+type = "CAM[4]"
+value = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }, { Master = 6.0 }, { Master = 7.0 }]
+
+[[tag]]
+name = "Profile"
+type = "CAM_PROFILE[2]"
+"#;
+
 /// [`machine`] at 1 ms, at tick 0.
 pub fn bench() -> Bench {
     Bench::with(&machine(1.0))

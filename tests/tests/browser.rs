@@ -1,6 +1,6 @@
 //! The HMI in a real browser, against a real server. The scripts in `tests/browser` say what is expected.
 
-use arcline_tests::browser::case;
+use arcline_tests::browser::{case, case_on};
 
 macro_rules! cases {
     ($($name:ident),* $(,)?) => {
@@ -18,10 +18,16 @@ cases! {
     a_jog_ends_with_its_page,
     esc_stops,
     the_scrub_shows_an_earlier_moment,
+    a_new_page_has_the_past,
     the_history_is_exact,
     the_target_dialog_is_the_users,
     a_program_runs,
     a_lost_server_is_told,
     tags_are_watched_and_written,
     screenshots,
+}
+
+#[test]
+fn frames_leave_time() {
+    case_on("frames_leave_time", "eight.toml");
 }

@@ -55,6 +55,8 @@ fn an_error_is_explained() {
         "{object:?}"
     );
     let _ = arcline(at, &["explain", "120"]).expect(2);
+    let slip = arcline(at, &["explain", "overcurent"]).expect(2);
+    assert!(slip.stderr.contains("did you mean \"overcurrent\"?"), "{slip:?}");
     let near = arcline(at, &["explain", "Mvoe1"]).expect(2);
     assert!(near.stderr.contains("did you mean \"Move1\"?"), "{near:?}");
     // Codes and faults need no server.

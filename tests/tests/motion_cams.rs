@@ -3,8 +3,8 @@
 
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::motion_status::{
-    POSITION_CAM_LOCK_STATUS, POSITION_CAM_PENDING_STATUS, POSITION_CAM_STATUS, TIME_CAM_LOCK_STATUS,
-    TIME_CAM_PENDING_STATUS, TIME_CAM_STATUS,
+    MASTER_OFFSET_MOVE_LOCK_STATUS, MASTER_OFFSET_MOVE_STATUS, POSITION_CAM_LOCK_STATUS, POSITION_CAM_PENDING_STATUS,
+    POSITION_CAM_STATUS, TIME_CAM_LOCK_STATUS, TIME_CAM_PENDING_STATUS, TIME_CAM_STATUS,
 };
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::follow::machine;
@@ -605,4 +605,237 @@ fn a_servo_and_the_actual_position_of_one() {
         }
     }
     near(last[0], 0.5 * bench.axis("P").actual[0], "the actual position");
+}
+
+#[test]
+fn a_time_cam_is_a_function_of_the_way_of_a_master_that_is_linked() {
+    // Lock direction and position, where the master goes, how far the cam has gone then, and whether it is locked.
+    type Step = (f64, f64, bool);
+    type Case<'a> = (&'a str, f64, &'a str, &'a [Step]);
+    #[rustfmt::skip]
+    let cases: &[Case<'_>] = &[
+        ("forward at once",      0.0,  "0, 1", &[(5.0, 5.0, true), (2.0, 5.0, false), (4.0, 5.0, false), (8.0, 8.0, true)]),
+        ("in reverse at once",   0.0,  "0, 2", &[(5.0, 0.0, false), (2.0, 3.0, true), (-1.0, 6.0, true), (0.0, 6.0, false)]),
+        ("forward, a position",  0.0,  "4, 3", &[(3.0, 0.0, false), (10.0, 6.0, true), (9.0, 6.0, false), (14.0, 10.0, true)]),
+        ("in reverse, a position", 9.0, "4, 4", &[(12.0, 0.0, false), (1.0, 3.0, true)]),
+        ("standing on it",       4.0,  "4, 3", &[(6.0, 0.0, false), (3.0, 0.0, false), (6.0, 2.0, true)]),
+    ];
+    for (why, first, lock, steps) in cases {
+        for period in [0.25, 4.0] {
+            let mut bench = with_cams(period);
+            calculate(&mut bench, "P1", &[(0.0, 0.0, CUBIC), (20.0, 8.0, CUBIC)]);
+            assert_eq!(bench.call(&format!("MAM(B1, M, 0, {first}, {TRAPEZOID})")), OK);
+            bench.until("M", Flag::Pc);
+            assert_eq!(bench.call("MDAC(A1, B1, L, TimeCam, Command)"), OK);
+            assert_eq!(
+                bench.call(&format!(
+                    "MATC(A1, C, Opposite, P1, 3, 0.5, Once, Immediate, {lock}, MasterDrivenMode)"
+                )),
+                OK
+            );
+            assert_eq!(
+                (bench.bits("L").as_str(), bench.bits("C").as_str()),
+                ("EN DN IP", "EN DN IP"),
+                "{why}"
+            );
+            for (to, gone, locked) in *steps {
+                assert_eq!(bench.call(&format!("MAM(B1, M, 0, {to}, {S_CURVE})")), OK);
+                bench.until("M", Flag::Pc);
+                // The profile is 10 units of the master long.
+                near(
+                    bench.position("A1"),
+                    -3.0 * smooth(2.0 * gone, 20.0, 8.0),
+                    &format!("{why} at {to}"),
+                );
+                let over = *gone >= 10.0;
+                assert_eq!(
+                    time_cam(&bench, "A1"),
+                    (!over, *locked && !over, false),
+                    "{why} at {to}"
+                );
+                assert_eq!(
+                    bench.bits("C"),
+                    if over { "EN DN PC" } else { "EN DN IP" },
+                    "{why} at {to}"
+                );
+                assert_eq!(
+                    bench.bits("L"),
+                    if over { "EN DN IP" } else { "EN DN IP AC" },
+                    "{why} at {to}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn what_becomes_of_a_master_driven_time_cam() {
+    let start = || {
+        let mut bench = bench();
+        calculate(&mut bench, "P1", &[(0.0, 0.0, LINEAR), (100.0, 50.0, LINEAR)]);
+        assert_eq!(bench.call("MDAC(A1, B1, L, All, Command)"), OK);
+        assert_eq!(bench.call("MATC(A1, C, Same, P1, 1, 1, Once, Immediate, 0, 1, 1)"), OK);
+        bench
+    };
+    #[rustfmt::skip]
+    let cases = [
+        // why,                        call,                                                                  error
+        ("pending behind it",          "MATC(A1, D, Same, P1, 1, 1, Once, Pending, 0, 1, 1)",                 OK),
+        ("pending at a position",      "MATC(A1, D, Same, P1, 1, 1, Once, Pending, 5, 3, 1)",                 (95, 0)),
+        ("pending in time",            "MATC(A1, D, Same, P1, 1, 1, Once, Pending)",                          (23, 0)),
+        ("pending the other way",      "MATC(A1, D, Same, P1, 1, 1, Once, Pending, 0, 2, 1)",                 (98, 0)),
+        ("a second one",               "MATC(A1, D, Same, P1, 1, 1, Once, Immediate, 0, 1, 1)",               (23, 0)),
+        ("what is followed",           "MDAC(A1, B1, D, All, Actual)",                                        (105, 0)),
+    ];
+    for (why, call, expected) in cases {
+        assert_eq!(start().call(call), expected, "{why}");
+    }
+    // The next one takes over where the master is at the end.
+    let mut bench = start();
+    assert_eq!(
+        bench.call("MATC(A1, D, Opposite, P1, 1, 2, Once, Pending, 0, 1, 1)"),
+        OK
+    );
+    bench.call(&format!("MAM(B1, M, 0, 150, {TRAPEZOID})"));
+    bench.until("M", Flag::Pc);
+    near(
+        bench.position("A1"),
+        50.0 - 12.5,
+        "half a unit a unit, then a quarter back",
+    );
+    assert_eq!(
+        (bench.bits("C").as_str(), bench.bits("D").as_str()),
+        ("EN DN PC", "EN DN IP")
+    );
+    // A broken link stops it; a stop of it leaves the link.
+    for (call, link) in [
+        ("MASD(B1, S)", "EN DN"),
+        ("MAS(A1, S, TimeCam, Yes, 100, 0)", "EN DN IP"),
+        ("MAS(A1, S, All)", "EN DN"),
+    ] {
+        let mut bench = start();
+        bench.call(&format!("MAM(B1, M, 0, 50, {TRAPEZOID})"));
+        bench.run(200);
+        assert_eq!(bench.bits("L"), "EN DN IP AC");
+        assert_eq!(bench.call(call), OK, "{call}");
+        bench.run(1000);
+        assert_eq!(
+            (bench.bits("C").as_str(), bench.bits("L").as_str()),
+            ("EN DN", link),
+            "{call}"
+        );
+        assert_eq!(time_cam(&bench, "A1"), (false, false, false), "{call}");
+        assert_eq!(bench.axis("A1").command[1], 0.0, "{call}");
+    }
+}
+
+#[test]
+fn a_master_offset_shifts_what_the_cam_sees() {
+    for period in [0.25, 4.0] {
+        let mut bench = with_cams(period);
+        calculate(&mut bench, "P1", &[(0.0, 0.0, CUBIC), (100.0, 40.0, CUBIC)]);
+        let cam = "MAPC(A1, B1, C, Same, P1, 1, 1, Once, Immediate, 0, 0, Command, Bidirectional)";
+        let offset = |kind: u8, by: f64| format!("MAM(A1, O, {kind}, {by}, {TRAPEZOID})");
+        assert_eq!(bench.call(&offset(5, 10.0)), (33, 0));
+        assert_eq!(bench.call(cam), OK);
+        // While the master stands, while it moves, and one after the other.
+        let mut shift = 0.0;
+        for (kind, by, to) in [
+            (5, 20.0, None),
+            (6, -5.0, Some(30.0)),
+            (5, 7.5, Some(10.0)),
+            (6, 2.5, None),
+        ] {
+            if let Some(to) = to {
+                bench.call(&format!("MAM(B1, M, 0, {to}, {S_CURVE})"));
+                bench.tick();
+            }
+            let from = shift;
+            assert_eq!(bench.call(&offset(kind, by)), OK);
+            shift = if kind == 5 { by } else { shift + by };
+            let mut moved = false;
+            while !bench.control("O").has(Flag::Pc) || (to.is_some() && !bench.control("M").has(Flag::Pc)) {
+                bench.tick();
+                let slave = bench.axis("A1");
+                moved |= slave.motion_status & MASTER_OFFSET_MOVE_STATUS != 0;
+                let seen = bench.position("B1") + slave.master_offset[0];
+                near(
+                    slave.command[0],
+                    smooth(seen, 100.0, 40.0),
+                    &format!("{period} ms at {seen}"),
+                );
+            }
+            let slave = bench.axis("A1");
+            assert!(moved && slave.motion_status & MASTER_OFFSET_MOVE_STATUS == 0);
+            assert_eq!(slave.master_offset[..2], [shift, from]);
+            assert_eq!(bench.bits("O"), "EN DN PC");
+        }
+        bench.call("MGSP(Motion, G)");
+        assert_eq!(bench.axis("A1").master_offset[2], shift);
+        // A stop of it alone, and the end of the cam.
+        assert_eq!(bench.call(&offset(5, 60.0)), OK);
+        bench.tick();
+        assert_eq!(bench.call("MAS(A1, S, MasterOffsetMove, Yes, 1000, 0)"), OK);
+        bench.until("S", Flag::Pc);
+        assert_eq!(
+            (bench.bits("O").as_str(), bench.bits("C").as_str()),
+            ("EN DN", "EN DN IP")
+        );
+        let left = bench.axis("A1").master_offset[0];
+        assert!(left > shift && left < 60.0, "{left}");
+        assert_eq!(bench.call(&offset(5, 500.0)), OK);
+        bench.until("C", Flag::Pc);
+        bench.run(2);
+        assert_eq!(
+            (bench.bits("O").as_str(), bench.bits("C").as_str()),
+            ("EN DN", "EN DN PC")
+        );
+        assert_eq!(bench.call(cam), OK);
+        assert_eq!(bench.axis("A1").master_offset, [0.0; 3], "another cam begins without");
+    }
+}
+
+#[test]
+fn a_master_offset_by_the_way_of_a_master() {
+    let mut bench = bench();
+    calculate(&mut bench, "P1", &[(0.0, 0.0, LINEAR), (100.0, 50.0, LINEAR)]);
+    assert_eq!(
+        bench.call("MAPC(A1, B1, C, Same, P1, 1, 1, Once, Immediate, 0, 0, Command, Bidirectional)"),
+        OK
+    );
+    let offset = "MAM(A1, O, 6, 20, 2, 4, 1, 4, 1, 4, 0, 100, 100, 6, 0, 0, 0, 1)";
+    assert_eq!(bench.call(offset), (93, 0));
+    assert_eq!(bench.call("MDAC(A1, C1, L, MasterOffsetMove, Command)"), OK);
+    assert_eq!(bench.call(offset), OK);
+    let locked = |bench: &Bench| bench.axis("A1").motion_status & MASTER_OFFSET_MOVE_LOCK_STATUS != 0;
+    assert!(locked(&bench));
+    // 2 units to come to 2 a unit, 2 back, 8 between: 12 units of C1.
+    bench.call(&format!("MAM(C1, M, 0, 6, {TRAPEZOID})"));
+    bench.until("M", Flag::Pc);
+    near(bench.axis("A1").master_offset[0], 10.0, "half of it");
+    assert_eq!(
+        (bench.bits("O").as_str(), bench.bits("L").as_str()),
+        ("EN DN IP AC TrackingMaster", "EN DN IP AC")
+    );
+    bench.call(&format!("MAM(C1, M, 0, 12.5, {TRAPEZOID})"));
+    bench.until("M", Flag::Pc);
+    near(bench.position("A1"), 10.0, "20 units of the master");
+    assert_eq!((bench.bits("O").as_str(), locked(&bench)), ("EN DN PC", false));
+}
+
+#[test]
+fn both_faceplates_of_mapc_are_read() {
+    for (rest, way) in [
+        ("Command, ForwardOnly", true),
+        ("0, Command, ForwardOnly", true),
+        ("Position, 1, 0", false),
+    ] {
+        let mut bench = bench();
+        calculate(&mut bench, "P1", &[(-100.0, 0.0, LINEAR), (100.0, 100.0, LINEAR)]);
+        let cam = format!("MAPC(A1, B1, C, Same, P1, 1, 1, Once, Immediate, (0 + 0), 0, {rest})");
+        assert_eq!(bench.call(&cam), OK);
+        bench.call(&format!("MAM(B1, M, 0, -20, {TRAPEZOID})"));
+        bench.until("M", Flag::Pc);
+        near(bench.position("A1"), if way { 0.0 } else { -10.0 }, rest);
+    }
 }

@@ -11,6 +11,7 @@ use std::path::Path;
 
 use arcline_instruction_set::{FaultKind, Flag, Mnemonic, MotionError};
 use arcline_tests::bench::{Bench, OK};
+use arcline_tests::follow::CAM_TAGS;
 
 /// A trapezoid at 50 units/s, from Speed on.
 const RATES: &str = "50, 0, 500, 0, 500, 0, 0, 100, 100, 2";
@@ -59,9 +60,29 @@ max_acceleration = 10000.0
 max_deceleration = 10000.0
 max_deceleration_jerk = 0.0
 
+[[tag]]
+name = "Out"
+type = "DINT"
+
+[[tag]]
+name = "Outs"
+type = "OUTPUT_CAM"
+value = { LatchType = 1, UnlatchType = 1, Right = 5.0 }
+
+[[tag]]
+name = "NoOuts"
+type = "OUTPUT_CAM[2]"
+value = [{}, { OutputBit = 32 }]
+
+[[tag]]
+name = "NoComp"
+type = "OUTPUT_COMPENSATION"
+value = { Mode = 4 }
+
 [[axis]]
 name = "R"
 type = "virtual"
+output_cam_execution_targets = 1
 units = "deg"
 unwind = 360.0
 max_speed = 1000.0
@@ -76,15 +97,6 @@ max_acceleration = 10000.0
 max_deceleration = 10000.0
 travel = { min = -5.0, max = 10.0 }
 start = { position = 11.0 }
-
-[[tag]]
-name = "Cam"
-type = "CAM[4]"
-value = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }, { Master = 6.0 }, { Master = 7.0 }]
-
-[[tag]]
-name = "Profile"
-type = "CAM_PROFILE[2]"
 
 [[axis]]
 name = "E"
@@ -274,7 +286,7 @@ const SIX_AXES: &str = "type = \"articulated_independent\"\ndefinition = \"J1J2J
 const ARM: &str = "type = \"articulated_independent\"\nlink_lengths = [100.0, 100.0]\nzero_angles = [0.0, -90.0, 90.0]";
 
 fn machine() -> String {
-    let mut text = format!("{}\n{MORE}", arcline_config::DEFAULT);
+    let mut text = format!("{}\n{MORE}{CAM_TAGS}", arcline_config::DEFAULT);
     for letter in ["P", "Q", "O", "W"] {
         for place in 1..=6 {
             text.push_str(&format!(
@@ -393,7 +405,7 @@ const TABLE: &[Row] = &[
     (ARC_BACKWARDS,         "MCCM(XY, T, 1, [0, 0], 3, [9, 0], 1, {driven}, 1, 1, 0, 0, 0, 1)",   (98, 0)),
     (ARC_WAITING,           "MCCM(XY, T, 1, [0, 0], 3, [9, 0], 1, {driven}, 1, 0, 0, 0, 5, 3)",   (102, 0)),
     (ARC_SLOW,              "MCCM(XY, T, 1, [0, 0], 3, [9, 0], 1, {driven}, 1, 1, 0, 0, 0, 1)",   (103, 0)),
-    ("",                    "MCCM(Precise, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1, 0, 0, 0, 0, 0, [1], Data)", (99, 0)),
+    ("",                    "MCCM(Enforced, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 3)",             (99, 0)),
     ("",                    "MCCM(Decel, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1)",                (54, -1)),
     ("",                    "MCCM(AxisDecel, T, 0, [0, 0], 1, [9, 0], 2, {rates}, 1)",            (54, 1)),
     ("",                    "MCCM(Jerk, T, 0, [0, 0], 1, [9, 0], 2, {curve}, 1)",                 (76, -1)),
@@ -657,6 +669,8 @@ const TABLE: &[Row] = &[
                             "MATC(X, T, 0, Profile, 1, 1)",                                       (78, 0)),
     ("",                    "MATC(X, T, 0, Empty, 1, 1, 0, 0, 0, 1, 1)",                          (93, 0)),
     ("",                    "MATC(X, T, 0, Empty, 1, 1, 0, 0, 0, 1, 0)",                          (95, 0)),
+    ("MCCP(B9, Cam, 2, 0, 0, Profile)\nMDAC(X, Y, B1, TimeCam, Command)\nMATC(X, B2, 0, Profile, 1, 1, 0, 0, 0, 1, 1)",
+                            "MATC(X, T, 0, Profile, 1, 1, 0, 1, 0, 2, 1)",                        (98, 0)),
     // MCD.
     (OFF,                   "MCD(X, T, Jog, Yes, 5)",                                             (5, 0)),
     (DOWN,                  "MCD(X, T, Jog, Yes, 5)",                                             (7, 0)),
@@ -676,6 +690,14 @@ const TABLE: &[Row] = &[
     (HOMING,                "MRP(H, T, 0, 0, 5)",                                                 (16, 0)),
     (LINK,                  "MRP(A, T, 0, 0, 5)",                                                 (63, 0)),
     ("MRP(X, B1, 0, 0, 5)", "MRP(X, T, 0, 0, 5)",                                                 (85, 0)),
+    // MAOC, MDOC.
+    ("MASD(R, B1)",         "MAOC(R, 0, T, Out, 0, Outs, 0, 100)",                                (7, 0)),
+    ("",                    "MAOC(R, 0, T, Out, 0, Outs, 5, 5)",                                  (13, 7)),
+    ("",                    "MAOC(R, 1, T, Out, 0, Outs, 0, 100)",                                (35, 0)),
+    ("",                    "MAOC(R, 0, T, Out, 0, NoOuts, 0, 100)",                              (36, 1)),
+    ("",                    "MAOC(R, 0, T, Out, 0, Outs, 0, 100, NoComp)",                        (37, 0)),
+    ("",                    "MDOC(R, 0, T, 2)",                                                   (13, 3)),
+    ("",                    "MDOC(X, 0, T, Specific)",                                            (35, 0)),
     // The group.
     ("",                    "MGS(Motion, T, 3)",                                                  (13, 2)),
     (FAULT,                 "MGSR(Motion, T)",                                                    (81, 0)),
@@ -691,7 +713,7 @@ const GOOD: &[&str] = &[
     "MSO(X, T)", "MSF(X, T)", "MASD(X, T)", "MASR(X, T)", "MAFR(X, T)", "MAS(X, T, All, No, 0, 0)", "MAH(X, T)",
     "MAJ(X, T, 0, {rates})", "MAM(X, T, 0, 9, {rates})", "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)", "MRP(X, T, 0, 0, 5)",
     "MCPM(Pose, T, Way, 1, Pace)", "MGS(Motion, T, 1)", "MGSD(Motion, T)", "MGSR(Motion, T)", "MGSP(Motion, T)", "MCCP(T, Cam, 2, 0, 0, Profile)",
-    "MAW(X, T, 0, 5)", "MDW(X, T)", "MAR(E, T, 0, 0, 0, 0, 2)", "MDR(E, T, 1)",
+    "MAOC(R, 0, T, Out, 0, Outs, 0, 100)", "MDOC(R, 0, T, 0)", "MAW(X, T, 0, 5)", "MDW(X, T)", "MAR(E, T, 0, 0, 0, 0, 2)", "MDR(E, T, 1)",
 ];
 
 /// The same, where something has to move.
@@ -742,7 +764,9 @@ const LISTS: &[(&str, &[i16])] = &[
     ("MAR",  &[3, 24, 19, 13, 11, 38, 53, 7, 34, 39, 75]),
     ("MDR",  &[3, 24, 19, 13, 11, 38, 53, 75]),
     ("MAPC", &[3, 24, 19, 13, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 10, 23, 30, 32, 78]),
-    ("MATC", &[3, 24, 19, 13, 93, 95, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 23, 30, 32, 78]),
+    ("MATC", &[3, 24, 19, 13, 93, 95, 98, 11, 8, 38, 53, 21, 7, 5, 20, 16, 14, 15, 87, 54, 23, 30, 32, 78]),
+    ("MAOC", &[3, 24, 19, 13, 11, 38, 53, 7, 35, 36, 37]),
+    ("MDOC", &[3, 24, 19, 13, 11, 38, 53, 35]),
     ("MCD",  &[3, 24, 19, 13, 94, 105, 11, 8, 38, 53, 21, 7, 5, 20, 16, 54, 76, 23, 78, 103]),
     ("MRP",  &[3, 7, 8, 11, 12, 13, 16, 19, 24, 63, 85]),
     ("MGS",  &[3, 19, 21, 24, 13]),

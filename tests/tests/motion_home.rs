@@ -348,6 +348,46 @@ fn what_ends_homing() {
 }
 
 #[test]
+fn a_torque_sequence_ends_at_the_mechanical_stop() {
+    #[rustfmt::skip]
+    let cases = [
+        // sequence,        direction,                 end, machine position of it
+        ("torque",          "bidirectional-forward",   7.0,  50.0),
+        ("torque",          "bidirectional-reverse",   7.0,  -40.0),
+        ("torque",          "unidirectional-forward",  17.0, 60.0),
+        ("torque",          "unidirectional-reverse",  -3.0, -50.0),
+        // From the stop to the next marker: 53, and -47.
+        ("torque-marker",   "bidirectional-forward",   7.0,  43.0),
+        ("torque-marker",   "bidirectional-reverse",   7.0,  -37.0),
+    ];
+    for (sequence, direction, end, machine) in cases {
+        let offset = if direction.ends_with("reverse") { 10 } else { -10 };
+        for period in [0.5, 4.0] {
+            let mut bench = machine_at(
+                period,
+                &format!(
+                    "travel = {{ min = -50, max = 60 }}\nstart = {{ position = 5, homed = false }}\n\
+                     home = {{ sequence = \"{sequence}\", direction = \"{direction}\", speed = 50, return_speed = 20, \
+                     position = 7, offset = {offset}, marker = {{ at = 3, every = 10 }} }}\n"
+                ),
+            );
+            assert_eq!(bench.call("MAH(X, H1)"), OK);
+            bench.until("H1", Flag::Pc);
+            let shown = bench.axis("X");
+            let found = (shown.actual[0], shown.actual[0] - shown.redefined);
+            let near = |is: f64, expected: f64| (is - expected).abs() < 1e-6;
+            assert!(
+                near(found.0, end) && near(found.1, machine),
+                "{sequence}, {direction} at {period} ms: {found:?}"
+            );
+            assert_eq!((event(&bench), has(&bench, HOMED)), (CAME, true));
+            bench.run(100);
+            assert_eq!(bench.axis("X").fault, 0);
+        }
+    }
+}
+
+#[test]
 fn passive_homing_waits_for_others_to_come_by() {
     // Where the event is, of the machine: the edge at 0, the markers at -7, 3, 13.
     for (sequence, event_at) in [("switch", 0.0), ("marker", -7.0), ("switch-marker", 3.0)] {

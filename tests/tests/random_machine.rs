@@ -5,7 +5,7 @@
 //! `ARCLINE_CASES` sets how many of each kind are run (150 and 50 unless told), `ARCLINE_SEED` the first (0).
 #![allow(missing_docs)]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use arcline_instruction_set::predefined::{coordinate_motion_status, motion_status};
@@ -27,6 +27,10 @@ const GENERATORS: f64 = 8.0;
 const AXES: [&str; 7] = ["X", "Y", "Z", "S", "A", "B", "C"];
 /// Degrees of a turn where axes are rotary.
 const UNWIND: f64 = 360.0;
+/// An encoder, which others follow; it is written at every pause.
+const ENCODER: &str = "E";
+/// Axes with output cams.
+const CAMMED: [&str; 3] = ["X", "A", "S"];
 const SERVOS: [&str; 4] = ["X", "Y", "Z", "S"];
 const SYSTEMS: [(&str, usize); 4] = [("CS1", 3), ("CS2", 3), ("CS3", 3), ("XY", 2)];
 
@@ -62,7 +66,16 @@ impl Kind {
             }
         }
         let tags = "\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[2]\"\n[[tag]]\nname = \"Position\"\ntype = \"CAM_PROFILE[2]\"\n\
-                    [[tag]]\nname = \"Time\"\ntype = \"CAM_PROFILE[2]\"\n";
+                    [[tag]]\nname = \"Time\"\ntype = \"CAM_PROFILE[2]\"\n\
+                    [[tag]]\nname = \"Out\"\ntype = \"DINT\"\n[[tag]]\nname = \"In\"\ntype = \"DINT\"\n\
+                    [[tag]]\nname = \"Outs\"\ntype = \"OUTPUT_CAM[3]\"\n\
+                    value = [{ LatchType = 1, UnlatchType = 1, Left = 5.0, Right = 30.0 }, \
+                    { OutputBit = 1, LatchType = 3, UnlatchType = 5, Left = 20.0, Right = 60.0, Duration = 0.05 }, \
+                    { OutputBit = 2, LatchType = 2, UnlatchType = 4, Right = 40.0, EnableType = 2 }]\n\
+                    [[tag]]\nname = \"Encoder\"\ntype = \"REAL\"\n\
+                    [[axis]]\nname = \"E\"\ntype = \"feedback\"\nmax_speed = 100.0\nmax_acceleration = 1000.0\n\
+                    feed = { tag = \"Encoder\", interval_ms = 50.0, timeout_ms = 10000.0 }\n";
+        keys.extend(CAMMED.map(|axis| (axis, "output_cam_execution_targets = 2")));
         keys.iter().fold(slow + tags, |text, (axis, keys)| {
             let name = format!("name = \"{axis}\"\ntype = ");
             assert!(text.contains(&name), "{axis}");
@@ -82,6 +95,7 @@ const MOVING: u32 = motion_status::ACCEL_STATUS
     | motion_status::TIME_CAM_STATUS
     | motion_status::POSITION_CAM_PENDING_STATUS
     | motion_status::TIME_CAM_PENDING_STATUS
+    | motion_status::MASTER_OFFSET_MOVE_STATUS
     | motion_status::STOPPING_STATUS
     | motion_status::COORDINATED_MOTION_STATUS;
 
@@ -93,6 +107,8 @@ struct Sequence {
     /// Servos are switched and axes fault, so that axes lose their speed and their command at once.
     switching: bool,
     kind: Kind,
+    /// What was written to the encoder's tag last.
+    encoder: f64,
 }
 
 impl Sequence {
@@ -106,6 +122,7 @@ impl Sequence {
             executed: 0,
             switching,
             kind,
+            encoder: 0.0,
         };
         // From rest to rest, so that nothing jumps: at most 0.75 units a unit, and 60 units/s.
         sequence.calculate("Position", 40.0, 20.0);
@@ -134,7 +151,7 @@ impl Sequence {
                 1.0 / scale
             )
         } else {
-            let master = self.axis();
+            let master = self.master();
             let (mode, schedule) = (self.random.below(3), *self.random.one_of(&[0, pending, 2, 3, 4]));
             let (lock, entry) = (self.random.between(0.0, 60.0), *self.random.one_of(&[0, 40]));
             let (reference, way) = (self.random.below(2), self.random.below(3));
@@ -145,6 +162,45 @@ impl Sequence {
             )
         };
         self.execute(&call);
+    }
+
+    /// A master offset, if there is a position cam.
+    fn offset(&mut self) {
+        let (axis, kind, dynamics) = (self.axis(), 5 + self.random.below(2), self.dynamics());
+        let position = self.random.between(-30.0, 30.0);
+        self.execute(&format!("MAM({axis}, {{tag}}, {kind}, {position}, {dynamics})"));
+    }
+
+    /// Arms an output cam, or disarms some.
+    fn output(&mut self) {
+        let (axis, target) = (*self.random.one_of(&CAMMED), self.random.below(2));
+        let call = if self.random.below(4) == 0 {
+            format!("MDOC({axis}, {target}, {{tag}}, {})", self.random.below(2))
+        } else {
+            let (mode, schedule) = (self.random.below(3), self.random.below(5));
+            let (at, entry) = (self.random.between(0.0, 60.0), *self.random.one_of(&[0, 25]));
+            let reference = self.random.below(2);
+            format!(
+                "MAOC({axis}, {target}, {{tag}}, Out, In, Outs, 0, 60, 0, {mode}, {schedule}, {at}, {entry}, {reference})"
+            )
+        };
+        self.execute(&call);
+        self.write("In", self.executed.into());
+    }
+
+    /// Writes a number to a tag.
+    fn write(&mut self, tag: &str, number: f64) {
+        let _ = writeln!(self.program, "{tag} := {number};");
+        self.bench.write(tag, number);
+    }
+
+    /// An axis that others follow.
+    fn master(&mut self) -> &'static str {
+        if self.random.below(5) == 0 {
+            ENCODER
+        } else {
+            self.axis()
+        }
     }
 
     /// Executes an instruction with a motion control tag of its own: `{tag}` stands for it.
@@ -205,7 +261,7 @@ impl Sequence {
             }
             4 | 5 => format!("MAJ({axis}, {{tag}}, {}, {dynamics}, {merge}, 0)", self.random.below(2)),
             6 => {
-                let (master, ratio) = (self.axis(), self.random.between(0.1, 1.0));
+                let (master, ratio) = (self.master(), self.random.between(0.1, 1.0));
                 let (direction, reference) = (self.random.below(4), self.random.below(2));
                 format!("MAG({axis}, {master}, {{tag}}, {direction}, {ratio}, 1, 1, {reference}, 0, 0, {RATE}, 0)")
             }
@@ -220,7 +276,7 @@ impl Sequence {
     fn stop(&mut self) {
         let call = match self.random.below(8) {
             0..=3 => {
-                let (axis, kind) = (self.axis(), *self.random.one_of(&[0, 1, 2, 3, 4, 7, 8]));
+                let (axis, kind) = (self.axis(), *self.random.one_of(&[0, 1, 2, 3, 4, 7, 8, 9]));
                 format!("MAS({axis}, {{tag}}, {kind}, 1, {RATE}, 0, 0, 0, 2)")
             }
             4..=6 => {
@@ -298,6 +354,9 @@ impl Sequence {
     }
 
     fn run(&mut self, ticks: u64) {
+        // At most 5 units/s: the encoder's speed steps.
+        self.encoder += self.random.between(-0.25, 0.25);
+        self.write("Encoder", self.encoder);
         let _ = writeln!(self.program, "DELAY({});", ticks as f64 * PERIOD);
         for _ in 0..ticks {
             self.tick();
@@ -360,6 +419,9 @@ impl Sequence {
             let _ = writeln!(self.program, "FaultInject[{place}] := 0;");
             self.bench.inject(axis, &[]);
         }
+        for axis in CAMMED {
+            self.execute(&format!("MDOC({axis}, 0, {{tag}}, All)"));
+        }
         self.execute("MGS(Motion, {tag}, 1)");
         self.bench.until_rest();
         self.run(3);
@@ -367,6 +429,7 @@ impl Sequence {
         for (name, axis) in AXES.iter().zip(&snapshot.axes) {
             assert_eq!(axis.motion_status & MOVING, 0, "{name} shows {:#x}", axis.motion_status);
             assert_eq!(axis.command[1..], [0.0, 0.0], "{name}");
+            assert_eq!(axis.output_cams, [0; 4], "{name}");
         }
         for ((name, _), system) in SYSTEMS.iter().zip(&snapshot.systems) {
             let moving = system.motion_status
@@ -380,10 +443,17 @@ impl Sequence {
     /// was cleared.
     fn check_ends(&self) {
         let mut ends: BTreeMap<u64, Vec<String>> = BTreeMap::new();
+        // What is armed may be done an update later.
+        let mut under_way = BTreeSet::new();
         for (name, event) in &self.bench.events {
             let ended = event.set & (Flag::Er.mask() | Flag::Pc.mask()) != 0
                 || event.clear & Flag::Ip.mask() != 0
-                || (event.set & Flag::Dn.mask() != 0 && event.set & Flag::Ip.mask() == 0);
+                || (event.set & Flag::Dn.mask() != 0
+                    && event.set & Flag::Ip.mask() == 0
+                    && !under_way.contains(&event.ticket.0));
+            if event.set & Flag::Ip.mask() != 0 {
+                under_way.insert(event.ticket.0);
+            }
             let list = ends.entry(event.ticket.0).or_default();
             if ended {
                 list.push(format!(
@@ -415,7 +485,11 @@ fn sequence(sequence: &mut Sequence) {
         match sequence.random.below(16) {
             0..=3 => sequence.coordinated(),
             4 | 5 => sequence.single_axis(),
-            6 => sequence.cam(),
+            6 => match sequence.random.below(4) {
+                0 => sequence.offset(),
+                1 => sequence.output(),
+                _ => sequence.cam(),
+            },
             7 => match sequence.random.below(3) {
                 0 => sequence.change(),
                 1 => sequence.reference(),

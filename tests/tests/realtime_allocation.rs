@@ -83,6 +83,13 @@ const CALLS: &[&str] = &[
     "MAPC(B, A, M44, Same, Profile, 1, 90, Persistent, Bidirectional, 3, 0.1, Actual, ForwardOnly);",
     "MATC(C, M45, Same, Profile, 3, 1, Continuous, Immediate);",
     "MATC(C, M46, Reverse, Profile, 1, 1, Once, Pending);",
+    "MAM(Y, M66, IncrementalMasterOffset, 5, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime);",
+    "MDAC(B, A, M67, TimeCam, Command);",
+    "MATC(B, M68, Same, Profile, 1, 50, Once, Immediate, 0, ImmediateForwardOnly, MasterDrivenMode);",
+    "MAOC(A, 0, M62, Out, 0, Outs, 0, 30, 0, Continuous, Immediate, 0, 0, Command);",
+    "MAOC(A, 0, M63, Out, 0, Outs, 0, 30, 0, Once, Pending, 0, 0, Command);",
+    "MAOC(A, 1, M64, Out, Out, Outs, 0, 30, 0, Persistent, Bidirectional, 3, 0, Actual);",
+    "MDOC(A, 1, M65, Specific);",
     "MAS(Y, M47, PositionCam, Yes, 3000, Unitspersec2, No, 0, %ofTime);",
     "MCS(XY, M17, CoordinatedMove, No, 0, Unitspersec2, No, 0, %ofTime);",
 ];
@@ -295,10 +302,12 @@ fn project() -> Project {
             .replacen("type = \"servo\"", &limited, 1)
             .replacen(
                 "name = \"A\"\n",
-                "name = \"A\"\nregistration = { input_1 = \"Mark\" }\n",
+                "name = \"A\"\noutput_cam_execution_targets = 2\nregistration = { input_1 = \"Mark\" }\n",
                 1
             )
-            + "\n[[tag]]\nname = \"Mark\"\ntype = \"BOOL\"\n"
+            + "\n[[tag]]\nname = \"Mark\"\ntype = \"BOOL\"\n[[tag]]\nname = \"Out\"\ntype = \"DINT\"\n[[tag]]\nname = \"Outs\"\n\
+               type = \"OUTPUT_CAM[2]\"\nvalue = [{ LatchType = 1, UnlatchType = 1, Left = 5.0, Right = 30.0 }, \
+               { OutputBit = 1, LatchType = 3, UnlatchType = 5, Right = 20.0, Duration = 0.05 }]\n"
     );
     arcline_config::load(&config, "default.toml").expect("the default with a limited drive is valid")
 }
@@ -362,6 +371,27 @@ const SCENES: &[&[(&str, u32)]] = &[
         ("MATC(C, M45, Same, Profile, 3, 1, Continuous, Immediate);", 30),
         ("MATC(C, M46, Reverse, Profile, 1, 1, Once, Pending);", 30),
         (
+            "MAM(Y, M66, IncrementalMasterOffset, 5, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime);",
+            30,
+        ),
+        ("MDAC(B, A, M67, TimeCam, Command);", 1),
+        (
+            "MATC(B, M68, Same, Profile, 1, 50, Once, Immediate, 0, ImmediateForwardOnly, MasterDrivenMode);",
+            1,
+        ),
+        (
+            "MAOC(A, 0, M62, Out, 0, Outs, 0, 30, 0, Continuous, Immediate, 0, 0, Command);",
+            1,
+        ),
+        (
+            "MAOC(A, 0, M63, Out, 0, Outs, 0, 30, 0, Once, Pending, 0, 0, Command);",
+            1,
+        ),
+        (
+            "MAOC(A, 1, M64, Out, Out, Outs, 0, 30, 0, Persistent, Bidirectional, 3, 0, Actual);",
+            1,
+        ),
+        (
             "MAM(X, M24, 1, 40, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
             900,
         ),
@@ -369,6 +399,7 @@ const SCENES: &[&[(&str, u32)]] = &[
             "MAM(A, M24, 1, 40, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 100, 100, %ofTime, Disabled, Programmed);",
             900,
         ),
+        ("MDOC(A, 1, M65, Specific);", 5),
         ("MGSD(Motion, M33);", 5),
     ],
     &[

@@ -11,28 +11,16 @@ use std::time::{Duration, Instant};
 use arcline_client::{Client, ClientError, Flag, Input, Mnemonic, Operands, Reading};
 use arcline_state::{Axis, AxisState, Place, State, parse};
 use arcline_tests::programs;
+use arcline_tests::random::Random;
 use arcline_tests::server::Server;
 
-/// A generator of its own, so that a seed means the same instants for ever (SplitMix64).
-struct Random(u64);
+fn milliseconds(random: &mut Random, most: u64) -> Duration {
+    Duration::from_micros(random.below(1000 * most + 1))
+}
 
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    fn milliseconds(&mut self, most: u64) -> Duration {
-        Duration::from_micros(self.next() % (1000 * most + 1))
-    }
-
-    /// A position that a REAL holds exactly, within ±200.
-    fn position(&mut self) -> f64 {
-        f64::from((self.next() % 400_001) as f32 / 1000.0 - 200.0)
-    }
+/// A position that a REAL holds exactly, within ±200.
+fn position(random: &mut Random) -> f64 {
+    f64::from(random.below(400_001) as f32 / 1000.0 - 200.0)
 }
 
 /// From the start of the process to its ready line. A debug build on a busy machine is measured, not judged.
@@ -194,7 +182,7 @@ async fn travel(
         while !axis_flag(&client, servo, "ServoActionStatus").await? {}
     }
     loop {
-        let to = [random.position(), random.position(), random.position()];
+        let to = [position(&mut random), position(&mut random), position(&mut random)];
         let leg = Leg {
             from,
             to,
@@ -212,7 +200,7 @@ async fn travel(
             legs.last_mut().expect("pushed").done = Some(Instant::now())
         });
         from = to;
-        tokio::time::sleep(random.milliseconds(800)).await;
+        tokio::time::sleep(milliseconds(&mut random, 800)).await;
     }
 }
 
@@ -296,7 +284,7 @@ async fn a_kill_at_any_instant_leaves_a_state_that_there_was() {
         home_again(&files.state);
         let before = files.read();
         // Now and then one is killed while it starts.
-        if random.next().is_multiple_of(4) {
+        if random.bits().is_multiple_of(4) {
             let mut child = Command::new(programs::arcline_server())
                 .args(["--listen", "127.0.0.1:0", "--hmi", "off"])
                 .args(files.arguments())
@@ -304,7 +292,7 @@ async fn a_kill_at_any_instant_leaves_a_state_that_there_was() {
                 .stderr(Stdio::null())
                 .spawn()
                 .expect("a built program");
-            tokio::time::sleep(random.milliseconds(60)).await;
+            tokio::time::sleep(milliseconds(&mut random, 60)).await;
             child.kill().expect("our child");
             child.wait().expect("our child");
             for (was, is) in before.axes.iter().zip(files.read().axes) {
@@ -353,14 +341,14 @@ async fn a_kill_at_any_instant_leaves_a_state_that_there_was() {
                 address.clone(),
                 system,
                 servos,
-                Random(random.next()),
+                Random(random.bits()),
                 from,
                 legs.clone(),
             );
             tasks.spawn(travel);
         }
-        let latest = if random.next().is_multiple_of(5) { 60 } else { 2500 };
-        tokio::time::sleep(random.milliseconds(latest)).await;
+        let latest = if random.bits().is_multiple_of(5) { 60 } else { 2500 };
+        tokio::time::sleep(milliseconds(&mut random, latest)).await;
         let killed = Instant::now();
         let log = server.kill();
         while let Some(ended) = tasks.join_next().await {

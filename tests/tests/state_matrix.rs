@@ -2,6 +2,7 @@
 
 use arcline_instruction_set::{FaultKind, Flag};
 use arcline_tests::bench::{Bench, OK};
+use arcline_tests::follow::CAM_TAGS;
 
 /// A trapezoid at 50 units/s, from Speed on.
 const RATES: &str = "50, 0, 500, 0, 500, 0, 0, 100, 100, 2";
@@ -35,8 +36,7 @@ fn machine() -> Bench {
         assert!(text.contains(&axis));
         text = text.replacen(&axis, &with_home, 1);
     }
-    text += "[[tag]]\nname = \"Cam\"\ntype = \"CAM[2]\"\nvalue = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }]\n\
-             [[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[2]\"\n";
+    text += CAM_TAGS;
     let mut bench = Bench::with(&text);
     assert_eq!(bench.call("MCCP(Calculated, Cam, 2, 0, 0, Profile)"), OK);
     bench

@@ -10,6 +10,7 @@ use std::collections::BTreeSet;
 use arcline_controller::image::{Health, Image};
 use arcline_instruction_set::{FAULTS, FaultKind, FaultWord, Flag, predefined};
 use arcline_tests::bench::{Bench, OK};
+use arcline_tests::follow::CAM_TAGS;
 
 const MORE: &str = r#"
 [[axis]]
@@ -47,13 +48,18 @@ travel = { min = -1.0, max = 1.0 }
 exception_actions = { soft_travel_positive = "alarm", soft_travel_negative = "alarm", drive = "alarm" }
 
 [[tag]]
-name = "Cam"
-type = "CAM[4]"
-value = [{ Master = 0.0 }, { Master = 5.0, Slave = 5.0 }, { Master = 6.0 }, { Master = 7.0 }]
+name = "Out"
+type = "DINT"
 
 [[tag]]
-name = "Profile"
-type = "CAM_PROFILE[2]"
+name = "Outs"
+type = "OUTPUT_CAM"
+value = { OutputBit = 1, LatchType = 1, UnlatchType = 1, Left = 1.0, Right = 2.0 }
+
+[[tag]]
+name = "Comp"
+type = "OUTPUT_COMPENSATION[2]"
+value = [{}, { LatchDelay = 0.01 }]
 
 [[tag]]
 name = "Mark1"
@@ -80,6 +86,11 @@ const SCENARIOS: &[Scenario] = &[
     ("position cam", 330, "0 MCCP(P, Cam, 2, 0, 0, Profile)\n10 MAPC(X, Y, M, 0, Profile, 1, 1, Once, ForwardOnly, 1.01, 0, Command, 0)\n20 MAPC(X, Y, N, 0, Profile, 1, 1, Once, Pending, 0, 0, Command, 0)\n30 MAM(Y, J, 0, 20, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)"),
     // 51.5 ms and 51 ms more.
     ("time cam", 130, "0 MCCP(P, Cam, 2, 0, 0, Profile)\n10 MATC(X, M, 0, Profile, 1, 0.0103, Once, Immediate)\n20 MATC(X, N, 0, Profile, 1, 0.0102, Once, Pending)"),
+    // The same positions as those of the position cam; the pending one's bit leads by 10 ms, 0.5 units.
+    ("output cam", 330, "10 MAOC(X, 1, M, Out, 0, Outs, 0, 5, 0, Once, ForwardOnly, 1.01, 0, Command)\n20 MAOC(X, 1, N, Out, 0, Outs, 0, 5, Comp, Once, Pending, 0, 0, Command)\n30 MAM(X, J, 0, 20, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)"),
+    // 2 units at 500 units/s²: 126.5 ms; by the way of a master at 51 units/s and 0.4: 4.472 units, 87.7 ms.
+    ("master offset", 330, "0 MCCP(P, Cam, 2, 0, 0, Profile)\n10 MAPC(X, Y, M, 0, Profile, 1, 1, Persistent, Immediate, 0, 0, Command, 0)\n20 MAM(X, O, 5, 2, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)"),
+    ("driven offset", 330, "0 MCCP(P, Cam, 2, 0, 0, Profile)\n10 MAPC(X, Y, M, 0, Profile, 1, 1, Persistent, Immediate, 0, 0, Command, 0)\n12 MAJ(Z, J, 0, 51, 0, 5100, 0, 5100, 0, 0, 100, 100, 2)\n20 MDAC(X, Z, L, MasterOffsetMove, Command)\n100 MAM(X, O, 5, 2, 2, 4, 0.4, 4, 0.4, 4, 0, 100, 100, 6, 0, 0, 0, 1)"),
     // 5.02 units after 150.4 ms.
     ("watch", 230, "10 MAW(X, M, Forward, 5.02)\n20 MAM(X, N, 0, 20, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MAW(X, O, Forward, 90)\n220 MDW(X, D)"),
     ("registration", 90, "10 MAR(X, M, 0, 0, 0, 0, 1)\n20 MAR(X, N, 1, 0, 0, 0, 2)\n30 write Mark1 1\n40 write Mark2 1\n50 write Mark2 0\n60 MAR(X, O, 0, 0, 0, 0, 1)\n70 MAR(X, O, 1, 0, 0, 0, 2)"),
@@ -122,7 +133,10 @@ const SCENARIOS: &[Scenario] = &[
 ];
 
 /// Scenarios that a virtual axis goes through just so.
-const VIRTUAL_TOO: [&str; 11] = [
+const VIRTUAL_TOO: [&str; 14] = [
+    "output cam",
+    "master offset",
+    "driven offset",
     "move",
     "jog and stop",
     "too fast",
@@ -161,13 +175,22 @@ const ROWS: &[Row] = &[
     ("time cam",         "X.TimeCamLockStatus",             false, &[10, 113]),
     ("time cam",         "X.TimeCamPendingStatus",          false, &[20, 62]),
     ("time cam",         "N.IP",                            false, &[20, 113]),
+    ("master offset",    "X.MasterOffsetMoveStatus",        false, &[20, 147]),
+    ("driven offset",    "X.MasterOffsetMoveLockStatus",    false, &[100, 188]),
+    ("output cam",       "X.OutputCamStatus.1",             false, &[10, 301]),
+    ("output cam",       "X.OutputCamPendingStatus.1",      false, &[20, 201]),
+    ("output cam",       "X.OutputCamLockStatus.1",         false, &[94, 301]),
+    ("output cam",       "X.OutputCamTransitionStatus.1",   false, &[191, 201]),
+    ("output cam",       "X.OutputCamStatus.0",             false, &[]),
+    ("output cam",       "M.PC",                            false, &[201]),
+    ("output cam",       "N.IP",                            false, &[20, 301]),
     ("home",             "H.HomingStatus",                  false, &[10, 185]),
     ("home",             "H.AxisHomedStatus",               false, &[185]),
     ("virtual home",     "A.HomingStatus",                  false, &[10, 11]),
     ("virtual home",     "A.AxisHomedStatus",               true,  &[10, 11]),
     ("line",             "X.CoordinatedMotionStatus",       false, &[10, 310, 320]),
     ("transform",        "X.TransformStateStatus",          false, &[10, 200]),
-    ("transform",        "X.ControlledByTransformStatus",   false, &[20, 111]),
+    ("transform",        "X.ControlledByTransformStatus",   false, &[20, 110]),
     ("transform",        "A.TransformStateStatus",          false, &[10, 200]),
     ("transform",        "A.ControlledByTransformStatus",   false, &[]),
     ("transform forwards", "A.ControlledByTransformStatus", false, &[20, 110]),
@@ -186,6 +209,9 @@ const ROWS: &[Row] = &[
     ("home",             "H.HomeEventArmedStatus",          false, &[10, 135]),
     ("home",             "H.HomeEventStatus",               false, &[135]),
     // AxisStatus, CIPAxisStatus.
+    ("home",             "H.HomeInputStatus",               false, &[135]),
+    ("registration",     "X.Registration1InputStatus",      false, &[30]),
+    ("registration",     "X.Registration2InputStatus",      false, &[40, 50]),
     ("servo",            "X.ServoActionStatus",             true,  &[10, 31]),
     ("servo",            "X.DriveEnableStatus",             true,  &[10, 31]),
     ("servo",            "X.PowerStructureEnabledStatus",   true,  &[10, 31]),
@@ -313,7 +339,6 @@ const NEVER: &[(&str, &str)] = &[
     ("SafetyFault", "no safety functions"),
     ("ConfigUpdateInProcess", "attributes do not change while it runs"), ("InhibitStatus", "no axis can be inhibited"),
     ("DirectControlStatus", "no MDS"), ("DirectVelocityControlStatus", "no MDS"), ("DirectTorqueControlStatus", "no MDS"),
-    ("MasterOffsetMoveStatus", "no master offset yet"), ("MasterOffsetMoveLockStatus", "no master offset yet"),
     ("AxisInhibitStatus", "no axis can be inhibited"), ("InhibStatus", "the group cannot be inhibited"),
     ("CSTLossFault", "one clock"), ("GroupTaskLoadingFault", "an overlap shows as such"), ("ClockSyncFault", "one clock"),
     ("ClockSyncAlarm", "one clock"),
@@ -322,6 +347,10 @@ const NEVER: &[(&str, &str)] = &[
     ("AccelerationLimitStatus", "the torque is the limit"), ("DecelerationLimitStatus", "the torque is the limit"),
     ("TorqueThresholdStatus", "no threshold"), ("CurrentLimitStatus", "the torque is the limit"),
     ("ThermalLimitStatus", "no heat is simulated"), ("FeedbackIntegrityStatus", "no feedback device"), ("InProcessStatus", "no procedures"),
+    ("EnableInputStatus", "nothing inhibits a start"), ("PositiveOvertravelInputStatus", "no such switch"),
+    ("NegativeOvertravelInputStatus", "no such switch"), ("Feedback1ThermostatStatus", "no heat is simulated"),
+    ("ResistiveBrakeOutputStatus", "no brake"), ("MechanicalBrakeOutputStatus", "no brake"),
+    ("MotorThermostatInputStatus", "no heat is simulated"),
     ("DCBusUnload", "no bus is simulated"), ("ACPowerLossStatus", "no power is simulated"),
     ("PositionControlModeStatus", "Axis Configuration tells it"), ("VelocityControlModeStatus", "always position control"),
     ("TorqueControlModeStatus", "always position control"),
@@ -331,7 +360,7 @@ const NEVER: &[(&str, &str)] = &[
 #[rustfmt::skip]
 const NEVER_WORDS: &[(&str, &str)] = &[
     ("ModuleFaults", "no modules"), ("ModuleAlarmStatus", "no modules"), ("GuardStatus", "no guard"), ("GuardFaults", "no guard"),
-    ("CIPAxisStatus2", "no power is simulated"), ("CIPAxisStatusRA", "no tuning"), ("CIPAxisIOStatus", "no digital inputs"),
+    ("CIPAxisStatus2", "no power is simulated"), ("CIPAxisStatusRA", "no tuning"),
     ("CIPAxisIOStatusRA", "no digital inputs"), ("CIPAxisFaults2", "no power is simulated"),
     ("CIPAxisFaultsRA", "none of one manufacturer"), ("CIPAxisAlarms2", "no power is simulated"),
     ("CIPAxisAlarmsRA", "none of one manufacturer"), ("AxisSafetyAlarms", "no safety"), ("AxisSafetyAlarmsRA", "no safety"),
@@ -351,10 +380,10 @@ const TAGS: [&str; 11] = [
 fn machine(keys: &str) -> String {
     let deep = "[[coordinate_system]]\nname = \"Deep\"\ntype = \"cartesian\"\naxes = [\"X\", \"Y\"]\nmax_speed = 500.0\n\
                 max_acceleration = 5000.0\nmax_deceleration = 5000.0\nqueue_depth = 2\n";
-    let text = format!("{}\n{MORE}\n{deep}{}", arcline_config::DEFAULT, wrist());
+    let text = format!("{}\n{MORE}{CAM_TAGS}\n{deep}{}", arcline_config::DEFAULT, wrist());
     let axis = "name = \"X\"\ntype = ";
     assert!(text.contains(axis));
-    let inputs = "registration = { input_1 = \"Mark1\", input_2 = \"Mark2\" }\n";
+    let inputs = "output_cam_execution_targets = 2\nregistration = { input_1 = \"Mark1\", input_2 = \"Mark2\" }\n";
     let without_drive = "name = \"A\"\ntype = ";
     assert!(text.contains(without_drive));
     text.replacen(axis, &format!("{keys}{inputs}{axis}"), 1).replacen(

@@ -1,13 +1,16 @@
 //! One program gives one trajectory at every update period (spec/motion-core.md §12.4).
 //!
 //! A program that waits looks once a tick, so what it does after a WAIT begins up to a tick later by definition.
-//! These programs queue: what they do does not hang on when they look.
+//! These programs queue, or do something at instants that every period has: what they do does not hang on when they look.
+//! Not here, as the period shows in them by their definition: corners of types 4 and 5 that are not tangent, and planned
+//! contours whose pace is changed.
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use arcline_tests::{programs, workspace};
+use arcline_tests::bench::{Bench, OK};
+use arcline_tests::{follow, programs, workspace};
 
 /// Update periods in ms; common instants are those of the last.
 const PERIODS: [f64; 3] = [0.25, 1.0, 4.0];
@@ -55,6 +58,193 @@ fn queued_programs_do_not_show_the_update_period() {
             for (tick, (a, b)) in fine.iter().zip(other).enumerate() {
                 let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 assert!(apart < 1e-9, "{name}: {apart} apart at {} ms", tick as f64 * PERIODS[2]);
+            }
+        }
+    }
+}
+
+/// Something done at an instant, ms.
+type Step = (u64, &'static str);
+
+/// From Speed on: S-curves and trapezoids.
+macro_rules! dynamics {
+    (s $speed:literal) => {
+        concat!($speed, ", 0, 2000, 0, 1500, 0, 1, 30000, 20000, 0")
+    };
+    (t $speed:literal) => {
+        concat!($speed, ", 0, 2000, 0, 1500, 0, 0, 100, 100, 2")
+    };
+}
+
+/// A line of a coordinate system; `$end`: from Termination Type on.
+macro_rules! line {
+    ($system:literal, $tag:literal, $to:literal, $shape:ident $speed:literal, $end:literal) => {
+        concat!("MCLM(", $system, ", ", $tag, ", 0, ", $to, ", ", dynamics!($shape $speed), ", ", $end, ")")
+    };
+}
+
+/// An arc of XY about a centre, counterclockwise.
+macro_rules! arc {
+    ($tag:literal, $to:literal, $centre:literal, $shape:ident $speed:literal, $end:literal) => {
+        concat!("MCCM(XY, ", $tag, ", 0, ", $to, ", 1, ", $centre, ", 1, ", dynamics!($shape $speed), ", ", $end, ")")
+    };
+}
+
+/// The default machine with deep queues.
+fn plain(period: f64) -> Bench {
+    let config = arcline_config::DEFAULT.replace(
+        "coarse_update_period_ms = 1.0",
+        &format!("coarse_update_period_ms = {period}"),
+    );
+    let config = ["CS1", "XY"].iter().fold(config, |config, system| {
+        let name = format!("name = \"{system}\"");
+        config.replace(&name, &format!("{name}\nqueue_depth = 20"))
+    });
+    Bench::with(&config)
+}
+
+/// The machine of what follows, with a cam.
+fn followers(period: f64) -> Bench {
+    let tags = "[[tag]]\nname = \"Cam\"\ntype = \"CAM[8]\"\n[[tag]]\nname = \"P1\"\ntype = \"CAM_PROFILE[8]\"\n";
+    let mut bench = Bench::with(&format!("{}{tags}", follow::machine(period)));
+    bench.cam(
+        "Cam",
+        &[(0.0, 0.0, 0), (20.0, 10.0, 1), (50.0, -5.0, 1), (80.0, 0.0, 1)],
+    );
+    assert_eq!(bench.call("MCCP(Calc, Cam, 4, 0, 0, P1)"), OK);
+    bench
+}
+
+const OVERRIDE: &str = "override ";
+
+#[rustfmt::skip]
+const SEQUENCES: &[(&str, fn(f64) -> Bench, &[Step])] = &[
+    ("types 1, 0, 2, 6 and 3 round corners", plain, &[
+        (0, line!("CS1", "M1", "[30, 0, 0]", s 150, "1")),
+        (0, line!("CS1", "M2", "[30, 30, 5]", s 100, "0")),
+        (0, line!("CS1", "M3", "[0, 40, 0]", s 150, "2")),
+        (0, line!("CS1", "M4", "[-30, 0, 10]", t 120, "6, 0, 0, 4")),
+        (0, line!("CS1", "M5", "[0, -20, 0]", t 150, "3")),
+        (0, line!("CS1", "M6", "[20, 0, 0]", t 150, "3")),
+        (0, line!("CS1", "M7", "[0, 0, 0]", s 90, "1")),
+    ]),
+    ("types 2, 3, 4, 5 and 6 in line", plain, &[
+        (0, line!("CS1", "M1", "[10, 0, 0]", s 150, "6, 0, 0, 3")),
+        (0, line!("CS1", "M2", "[25, 0, 0]", s 80, "2")),
+        (0, line!("CS1", "M3", "[45, 0, 0]", s 200, "3")),
+        (0, line!("CS1", "M4", "[60, 0, 0]", s 60, "4")),
+        (0, line!("CS1", "M5", "[90, 0, 0]", t 200, "5")),
+        (0, line!("CS1", "M6", "[95, 0, 0]", t 100, "4")),
+        (0, line!("CS1", "M7", "[120, 0, 0]", t 140, "1")),
+    ]),
+    ("lines and arcs, tangent with types 4 and 5, blended with 6", plain, &[
+        (0, line!("XY", "M1", "[40, 0]", s 120, "4")),
+        (0, arc!("M2", "[40, 40]", "[40, 20]", s 120, "4")),
+        (0, line!("XY", "M3", "[0, 40]", s 160, "5")),
+        (0, arc!("M4", "[0, 0]", "[0, 20]", t 100, "6, 0, 0, 5")),
+        (0, line!("XY", "M5", "[0, -30]", t 100, "1")),
+    ]),
+    ("successors that come late", plain, &[
+        (0, line!("CS1", "M1", "[60, 0, 0]", s 150, "3")),
+        (392, line!("CS1", "M2", "[60, 60, 0]", s 150, "6, 0, 0, 10")),
+        (900, line!("CS1", "M3", "[0, 60, 0]", s 150, "1")),
+    ]),
+    ("merges at the speed of each and of the other", plain, &[
+        (0, line!("CS1", "M1", "[80, 0, 0]", s 150, "1")),
+        (240, line!("CS1", "M2", "[50, 60, 0]", s 100, "1, 1, 0")),
+        (400, line!("CS1", "M3", "[0, 0, 20]", t 100, "1, 2, 1")),
+    ]),
+    ("changes of dynamics, a pause, an overshoot", plain, &[
+        (0, line!("CS1", "M1", "[60, 0, 0]", s 150, "3")),
+        (0, line!("CS1", "M2", "[60, 60, 0]", s 150, "4")),
+        (0, line!("CS1", "M3", "[60, 90, 0]", s 150, "1")),
+        (200, "MCCD(CS1, C1, 1, Yes, 80, 0, Yes, 1000, 0, No, 0, 0, No, 0, No, 0, 0, 0)"),
+        (400, "MCCD(CS1, C2, 1, Yes, 0, 0, No, 0, 0, No, 0, 0, No, 0, No, 0, 0, 1)"),
+        (700, "MCCD(CS1, C3, 1, Yes, 120, 0, No, 0, 0, Yes, 3000, 0, No, 0, Yes, 80000, 0, 1)"),
+        (1400, "MCCD(CS1, C4, 1, No, 0, 0, No, 0, 0, Yes, 300, 0, No, 0, No, 0, 0, 0)"),
+    ]),
+    ("overrides, a hold and a stop", plain, &[
+        (0, line!("CS1", "M1", "[100, 0, 0]", s 150, "3")),
+        (0, line!("CS1", "M2", "[100, 100, 0]", s 150, "1")),
+        (160, "override 0.5"),
+        (400, "override 0"),
+        (800, "override 1.6"),
+        (1100, "MCS(CS1, S, CoordinatedMove, Yes, 900, 0, Yes, 9000, 0)"),
+    ]),
+    ("moves and jogs of axes, with merges, changes and stops", plain, &[
+        (0, concat!("MAM(X, M1, 0, 60, ", dynamics!(s 150), ")")),
+        (0, concat!("MAJ(Y, J1, 0, ", dynamics!(s 90), ")")),
+        (0, concat!("MAJ(A, J2, 1, ", dynamics!(t 90), ")")),
+        (160, "MCD(X, C1, Move, Yes, 60)"),
+        (160, "MCD(Y, C2, Jog, Yes, 30)"),
+        (300, concat!("MAM(X, M2, 1, -30, ", dynamics!(t 100), ", 1, 0)")),
+        (300, "MAS(Y, S1, Jog, Yes, 400, 0, No, 0, 0)"),
+        (500, "MAS(A, S2, All, Yes, 700, 0, No, 0, 0)"),
+        (600, "MGS(Motion, S3, 1)"),
+    ]),
+    ("a gear with and without a clutch", followers, &[
+        (0, concat!("MAJ(B1, J, 0, ", dynamics!(s 100), ")")),
+        (200, "MAG(A1, B1, G1, Same, 0.3, 1, 1, Command, Real, Enabled, 1000, Unitspersec2)"),
+        (500, "MAG(A1, B1, G2, Opposite, 1.5, 1, 1, Command, Real, Disabled, 0, 0)"),
+        (700, "MAS(A1, S, All, Yes, 900, 0)"),
+        (800, "MAS(B1, S2, All, Yes, 900, 0)"),
+    ]),
+    ("a position cam and a time cam", followers, &[
+        (0, "MAPC(A1, B1, C1, Same, P1, 1, 1, Once, Immediate, 0, 5, Command, Bidirectional)"),
+        (0, "MATC(A2, C2, 0, P1, 0.02, 1.5, 0, 0)"),
+        (100, concat!("MAM(B1, M, 0, 100, ", dynamics!(s 120), ")")),
+    ]),
+    ("a transform, and what it leads stops by itself", followers, &[
+        (0, "MCT(L1, L2, T, [10, 20, 30], [1, 2, 3])"),
+        (0, line!("L1", "M1", "[40, 30, 20]", s 120, "3")),
+        (100, line!("L1", "M2", "[0, 30, 0]", s 120, "1")),
+        (500, "MCS(L1, S, CoordinatedTransform, No, 0, 0, No, 0, 0)"),
+    ]),
+    ("a line that is driven by a master", plain, &[
+        (0, "MDCC(CS1, A, D1, Command, 0)"),
+        (0, "MCLM(CS1, M1, Absolute, [60, 0, 0], 2, Unitspermasterunit, 1, Unitspermasterunit2, 1, Unitspermasterunit2, \
+             Trapezoidal, 100, 100, %ofTimeMasterDriven, 3, Disabled, Programmed, 0, 10, PositionForwardOnly, 0, 0)"),
+        (0, concat!("MAM(A, J1, 0, 90, ", dynamics!(s 100), ")")),
+    ]),
+];
+
+/// Command positions of every axis every 4 ms, as long as something moves.
+fn sampled(period: f64, machine: fn(f64) -> Bench, steps: &[Step]) -> Vec<Vec<f64>> {
+    let mut bench = machine(period);
+    let every = (PERIODS[2] / period).round() as u64;
+    let mut rows = Vec::new();
+    for ms in (0..4000).step_by(PERIODS[2] as usize) {
+        for (_, step) in steps.iter().filter(|(at, _)| *at == ms) {
+            match step.strip_prefix(OVERRIDE) {
+                Some(share) => bench.set_override("CS1", share.parse().expect("a share")),
+                None => assert_eq!(bench.call(step), OK, "{step} at {ms} ms, every {period} ms"),
+            }
+        }
+        let axes = bench.snapshot().axes;
+        rows.push(axes.iter().map(|axis| axis.command[0]).collect());
+        bench.run(every);
+    }
+    rows
+}
+
+#[test]
+fn no_instruction_shows_the_update_period() {
+    for (why, machine, steps) in SEQUENCES {
+        assert!(
+            steps.iter().all(|(at, _)| at % 4 == 0),
+            "{why}: every period has these instants"
+        );
+        let [fine, plain, coarse] = PERIODS.map(|period| sampled(period, *machine, steps));
+        assert!(fine.iter().any(|row| *row != fine[0]), "{why}: nothing moves");
+        for (other, period) in [(&plain, PERIODS[1]), (&coarse, PERIODS[2])] {
+            for (row, (a, b)) in fine.iter().zip(other).enumerate() {
+                let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                let at = row as f64 * PERIODS[2];
+                assert!(
+                    apart < 1e-9,
+                    "{why}: {apart} apart at {at} ms, {} and {period} ms",
+                    PERIODS[0]
+                );
             }
         }
     }

@@ -1,6 +1,7 @@
 //! The arguments of every command, as data; what they mean is up to the commands.
 
 mod axis;
+mod common;
 mod faults;
 mod help;
 mod look;
@@ -16,13 +17,14 @@ mod values;
 use clap::{Parser, Subcommand};
 
 pub(crate) use axis::{AxisMotion, Jog, MoveAxis};
+#[cfg(test)]
+pub(crate) use common::{Axis, Speed};
+pub(crate) use common::{Motion, Ramps, System, Waiting};
 pub(crate) use faults::{FaultClear, FaultCommand, FaultInject, FaultList};
 pub(crate) use help::command;
 pub(crate) use look::{Identify, Shell, Status, Watch};
 pub(crate) use margin::Margin;
-pub(crate) use moves::{
-    Arc, Change, Circle, Direction, Dynamics, Home, Move, OnOff, Override, Servo, Stop, StopType, System,
-};
+pub(crate) use moves::{Arc, Change, Circle, Direction, Dynamics, Home, Move, OnOff, Override, Servo, Stop, StopType};
 pub(crate) use pictures::{Gcode, Plot, Unit};
 pub(crate) use programs::{Exec, Run};
 pub(crate) use tags::{CreateTag, DeleteTag, Read, TagAccess, Tags, TagsChange, Write};

@@ -11,7 +11,7 @@ use super::{Failure, Output};
 
 /// `fault inject`.
 pub(crate) async fn inject(client: &Client, command: &FaultInject, output: &Output) -> Result<(), Failure> {
-    let axis = &command.axis;
+    let axis = &command.axis.name;
     let (kind, word) = (command.kind, command.kind.fault().word);
     if !client.possible_faults(axis).await?.contains(kind) {
         return Err(Failure::NoSuchFault {
@@ -27,7 +27,7 @@ pub(crate) async fn inject(client: &Client, command: &FaultInject, output: &Outp
 
 /// `fault clear`: the causes, then the faults (MAFR).
 pub(crate) async fn clear(client: &Client, command: &FaultClear, output: &Output) -> Result<(), Failure> {
-    let axis = &command.axis;
+    let axis = &command.axis.name;
     let left = match command.kind {
         Some(kind) => client
             .injected_faults(axis)

@@ -9,18 +9,18 @@ use super::{Failure, Output};
 
 /// `override`.
 pub(crate) async fn set(client: &Client, command: &Override, output: &Output) -> Result<(), Failure> {
-    take(client, &command.system, command.percent.0, output).await
+    take(client, &command.system.name, command.percent.0, output).await
 }
 
 /// `hold`.
 pub(crate) async fn hold(client: &Client, command: &System, output: &Output) -> Result<(), Failure> {
-    take(client, &command.system, 0.0, output).await
+    take(client, &command.name, 0.0, output).await
 }
 
 /// `resume`: as it was before the hold.
 pub(crate) async fn resume(client: &Client, command: &System, output: &Output) -> Result<(), Failure> {
-    let percent = client.feed_override_before_hold(&command.system).await?;
-    take(client, &command.system, percent, output).await
+    let percent = client.feed_override_before_hold(&command.name).await?;
+    take(client, &command.name, percent, output).await
 }
 
 async fn take(client: &Client, system: &str, percent: f64, output: &Output) -> Result<(), Failure> {

@@ -211,7 +211,7 @@ async fn on_machine(client: &Client, command: Command, output: &Output) -> Resul
         Command::Stop(command) => moves::stop(client, command, output).await,
         Command::Home(command) => moves::home(client, command, output).await,
         Command::Servo(command) => moves::servo(client, command, output).await,
-        Command::Status(command) => status::status(client, &command.names, output).await,
+        Command::Status(command) => status::status(client, &command.of.names, output).await,
         Command::Watch(command) => watch::watch(client, &command, output).await,
         Command::Tags(command) => tags::tags(client, &command, output).await,
         Command::Read(command) => tags::read(client, &command.tags, output).await,

@@ -2,7 +2,7 @@
 
 use arcline_client::{Client, ClientError, Execution, Flag, Given, Mnemonic, Object, Operands};
 
-use super::args::{Arc, Change, Home, Jog, Move, MoveAxis, OnOff, Servo, Stop, StopType};
+use super::args::{Arc, Change, Home, Jog, Motion, Move, MoveAxis, OnOff, Servo, Stop, StopType};
 use super::operands;
 use super::sweep::Sweep;
 use super::wait::{self, Course, Stopping};
@@ -15,43 +15,48 @@ pub(crate) async fn line(client: &Client, command: Move, output: &Output) -> Res
         position,
         dynamics,
     } = command;
+    let system = system.name;
     let length = line_length(client, &system, &position.0, dynamics.relative).await;
     let operands = operands::line(&position, &dynamics)?;
-    let waited = (!dynamics.no_wait).then_some(Course { length });
-    execute(client, &system, &operands, dynamics.tag.as_deref(), waited, output).await
+    execute(client, &system, &operands, &dynamics.motion, Course { length }, output).await
 }
 
 /// `arc`.
 pub(crate) async fn arc(client: &Client, command: Arc, output: &Output) -> Result<(), Failure> {
     let length = arc_length(client, &command).await;
     let operands = operands::arc(&command)?;
-    let waited = (!command.dynamics.no_wait).then_some(Course { length });
-    let tag = command.dynamics.tag.as_deref();
-    execute(client, &command.system, &operands, tag, waited, output).await
+    let motion = &command.dynamics.motion;
+    execute(
+        client,
+        &command.system.name,
+        &operands,
+        motion,
+        Course { length },
+        output,
+    )
+    .await
 }
 
 /// `move-axis`.
 pub(crate) async fn axis(client: &Client, command: MoveAxis, output: &Output) -> Result<(), Failure> {
     let length = axis_length(client, &command).await;
     let operands = operands::axis(&command)?;
-    let waited = (!command.motion.no_wait).then_some(Course { length });
-    let tag = command.motion.tag.as_deref();
-    execute(client, &command.axis, &operands, tag, waited, output).await
+    let motion = &command.motion.motion;
+    execute(client, &command.axis.name, &operands, motion, Course { length }, output).await
 }
 
 /// `jog`: waits until something ends it.
 pub(crate) async fn jog(client: &Client, command: Jog, output: &Output) -> Result<(), Failure> {
     let operands = operands::jog(&command)?;
-    let waited = (!command.motion.no_wait).then_some(Course::default());
-    let tag = command.motion.tag.as_deref();
-    execute(client, &command.axis, &operands, tag, waited, output).await
+    let motion = &command.motion.motion;
+    execute(client, &command.axis.name, &operands, motion, Course::default(), output).await
 }
 
 /// `change`.
 pub(crate) async fn change(client: &Client, command: Change, output: &Output) -> Result<(), Failure> {
     let operands = operands::change(&command)?;
     let execution = client
-        .execute(Mnemonic::Mccd, &command.system, "", operands.given())
+        .execute(Mnemonic::Mccd, &command.system.name, "", operands.given())
         .await?;
     output.execution(&execution, &execution.control);
     Ok(())
@@ -117,7 +122,7 @@ pub(crate) async fn home(client: &Client, command: Home, output: &Output) -> Res
         .filter_map(|execution| Stopping::all(Object::Axis, execution.target.clone()))
         .collect();
     let wait = async |execution: &Execution| {
-        let control = if command.no_wait {
+        let control = if command.waiting.no_wait {
             execution.control
         } else {
             tokio::select! {
@@ -171,21 +176,23 @@ async fn each(
     }
 }
 
-/// Executes a move and, if it is `waited` for, waits for its end.
+/// Executes a move and, unless it is not wanted, waits for the end of its course.
 async fn execute(
     client: &Client,
     target: &str,
     operands: &Operands,
-    tag: Option<&str>,
-    waited: Option<Course>,
+    motion: &Motion,
+    course: Course,
     output: &Output,
 ) -> Result<(), Failure> {
+    let tag = motion.tag.as_deref().unwrap_or_default();
     let execution = client
-        .execute(operands.mnemonic(), target, tag.unwrap_or_default(), operands.given())
+        .execute(operands.mnemonic(), target, tag, operands.given())
         .await?;
-    let control = match waited {
-        Some(course) => wait::complete(client, &execution, course, output).await?,
-        None => execution.control,
+    let control = if motion.waiting.no_wait {
+        execution.control
+    } else {
+        wait::complete(client, &execution, course, output).await?
     };
     output.execution(&execution, &control);
     Ok(())
@@ -200,7 +207,7 @@ async fn axis_length(client: &Client, command: &MoveAxis) -> Option<f64> {
         return Some(command.position.abs());
     }
     let start = client
-        .read_numbers(&format!("{}.ActualPosition", command.axis))
+        .read_numbers(&format!("{}.ActualPosition", command.axis.name))
         .await
         .ok()?;
     Some((command.position - start.first()?).abs())
@@ -210,7 +217,7 @@ async fn axis_length(client: &Client, command: &MoveAxis) -> Option<f64> {
 /// that the server will refuse.
 async fn arc_length(client: &Client, command: &Arc) -> Option<f64> {
     let start = client
-        .read_numbers(&format!("{}.ActualPosition", command.system))
+        .read_numbers(&format!("{}.ActualPosition", command.system.name))
         .await
         .ok()?;
     Sweep::new(&start, command)?.length()

@@ -2,7 +2,7 @@
 
 use arcline_client::{ClientError, Given, Mnemonic, Operands};
 
-use super::args::{Arc, AxisMotion, Change, Circle, Direction, Dynamics, Jog, MoveAxis, Point, Rate};
+use super::args::{Arc, AxisMotion, Change, Circle, Direction, Dynamics, Jog, Motion, MoveAxis, Point, Ramps, Rate};
 
 /// Operands of `move`.
 pub(super) fn line(position: &Point, dynamics: &Dynamics) -> Result<Operands, ClientError> {
@@ -49,16 +49,13 @@ fn with_dynamics(mut operands: Operands, dynamics: &Dynamics) -> Result<Operands
     let Dynamics {
         relative,
         speed,
-        accel,
-        decel,
-        trapezoid,
+        motion,
         termination,
         merge,
-        ..
     } = dynamics;
     operands = operands.with("Move Type", Given::Integer(i64::from(*relative)))?;
-    operands = with_rate(operands, "Speed", "Speed Units", *speed)?;
-    operands = with_rates(operands, *accel, *decel, *trapezoid)?;
+    operands = with_rate(operands, "Speed", "Speed Units", speed.speed)?;
+    operands = with_profile(operands, motion)?;
     for (name, value) in [("Termination Type", termination), ("Merge", merge)] {
         if let Some(value) = value {
             operands = operands.with(name, Given::Integer(i64::from(*value)))?;
@@ -84,7 +81,7 @@ pub(super) fn axis(command: &MoveAxis) -> Result<Operands, ClientError> {
     let operands = Operands::full_speed(Mnemonic::Mam)
         .with("Move Type", Given::Integer(kind))?
         .with("Position", *position)?;
-    let operands = with_rate(operands, "Speed", "Speed Units", *speed)?;
+    let operands = with_rate(operands, "Speed", "Speed Units", speed.speed)?;
     with_motion(operands, motion)
 }
 
@@ -100,19 +97,15 @@ pub(super) fn jog(command: &Jog) -> Result<Operands, ClientError> {
 }
 
 fn with_motion(operands: Operands, motion: &AxisMotion) -> Result<Operands, ClientError> {
-    let operands = with_rates(operands, motion.accel, motion.decel, motion.trapezoid)?;
+    let operands = with_profile(operands, &motion.motion)?;
     operands.with("Merge", Given::Integer(i64::from(motion.merge)))
 }
 
-fn with_rates(
-    operands: Operands,
-    accel: Option<Rate>,
-    decel: Option<Rate>,
-    trapezoid: bool,
-) -> Result<Operands, ClientError> {
+fn with_profile(operands: Operands, motion: &Motion) -> Result<Operands, ClientError> {
+    let Ramps { accel, decel } = motion.ramps;
     let operands = with_rate(operands, "Accel Rate", "Accel Units", accel)?;
     let operands = with_rate(operands, "Decel Rate", "Decel Units", decel)?;
-    if trapezoid {
+    if motion.trapezoid {
         operands.with("Profile", Given::Integer(0))
     } else {
         Ok(operands)
@@ -122,20 +115,16 @@ fn with_rates(
 /// Operands of `change`.
 pub(super) fn change(command: &Change) -> Result<Operands, ClientError> {
     let Change {
-        speed,
-        accel,
-        decel,
-        pending,
-        ..
+        speed, ramps, pending, ..
     } = command;
     let mut operands = Operands::full_speed(Mnemonic::Mccd).with("Scope", Given::Integer(i64::from(*pending)))?;
     for (flag, name, units, rate) in [
-        ("Change Speed", "Speed", "Speed Units", speed),
-        ("Change Accel", "Accel Rate", "Accel Units", accel),
-        ("Change Decel", "Decel Rate", "Decel Units", decel),
+        ("Change Speed", "Speed", "Speed Units", speed.speed),
+        ("Change Accel", "Accel Rate", "Accel Units", ramps.accel),
+        ("Change Decel", "Decel Rate", "Decel Units", ramps.decel),
     ] {
         operands = operands.with(flag, Given::Integer(i64::from(rate.is_some())))?;
-        operands = with_rate(operands, name, units, *rate)?;
+        operands = with_rate(operands, name, units, rate)?;
     }
     Ok(operands)
 }
@@ -156,6 +145,7 @@ const PERCENT: i64 = 1;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::args::{Axis, Speed, System};
 
     fn operand(operands: &Operands, name: &str) -> Given {
         let instruction = operands.mnemonic().instruction();
@@ -194,16 +184,27 @@ mod tests {
         }
     }
 
+    fn ramps(accel: Rate) -> Ramps {
+        Ramps {
+            accel: Some(accel),
+            decel: None,
+        }
+    }
+
     #[test]
     fn options_set_operands() {
         let dynamics = Dynamics {
             relative: true,
-            speed: Some(Rate::Units(50.0)),
-            accel: Some(Rate::Percent(20.0)),
-            trapezoid: true,
+            speed: Speed {
+                speed: Some(Rate::Units(50.0)),
+            },
+            motion: Motion {
+                ramps: ramps(Rate::Percent(20.0)),
+                trapezoid: true,
+                ..Motion::default()
+            },
             termination: Some(1),
             merge: Some(2),
-            ..Dynamics::default()
         };
         let operands = line(&Point(vec![1.0]), &dynamics).expect("operands");
         for (name, value) in [
@@ -234,10 +235,9 @@ mod tests {
             (Circle { center_offset: point(), ..Circle::default() }, Direction { cw: true, ..Direction::default() }, true, 3.0, 2.0),
         ];
         for (circle, direction, full, circle_type, expected) in cases {
-            let (system, position) = ("XY".to_owned(), Point(vec![10.0, 0.0]));
             let command = Arc {
-                system,
-                position,
+                system: System { name: "XY".to_owned() },
+                position: Point(vec![10.0, 0.0]),
                 circle,
                 direction,
                 full,
@@ -252,18 +252,20 @@ mod tests {
     #[test]
     fn moves_and_jogs_of_an_axis() {
         let motion = || AxisMotion {
-            accel: Some(Rate::Units(20.0)),
+            motion: Motion {
+                ramps: ramps(Rate::Units(20.0)),
+                ..Motion::default()
+            },
             merge: true,
-            ..AxisMotion::default()
         };
         let command = |ways: [bool; 4]| MoveAxis {
-            axis: "R".to_owned(),
+            axis: Axis { name: "R".to_owned() },
             position: 90.0,
             relative: ways[0],
             shortest: ways[1],
             positive: ways[2],
             negative: ways[3],
-            speed: None,
+            speed: Speed::default(),
             motion: motion(),
         };
         for (kind, ways) in [
@@ -281,7 +283,7 @@ mod tests {
         }
         for (speed, direction, units) in [(Rate::Units(-5.0), 1.0, 0.0), (Rate::Percent(5.0), 0.0, 1.0)] {
             let command = Jog {
-                axis: "X".to_owned(),
+                axis: Axis { name: "X".to_owned() },
                 speed,
                 motion: motion(),
             };
@@ -299,12 +301,15 @@ mod tests {
 
     #[test]
     fn a_change_changes_only_what_is_named() {
-        let (speed, accel, decel) = (Some(Rate::Percent(20.0)), None, Some(Rate::Units(300.0)));
         let command = Change {
-            system: "CS1".to_owned(),
-            speed,
-            accel,
-            decel,
+            system: System { name: "CS1".to_owned() },
+            speed: Speed {
+                speed: Some(Rate::Percent(20.0)),
+            },
+            ramps: Ramps {
+                accel: None,
+                decel: Some(Rate::Units(300.0)),
+            },
             pending: true,
         };
         let operands = change(&command).expect("operands");

@@ -15,7 +15,7 @@ pub(crate) async fn exec(client: &Client, command: &Exec, output: &Output) -> Re
     let Some((_, execution)) = runner.executions().next() else {
         return Ok(());
     };
-    let control = if command.no_wait || !moves::is_waited_for(execution) {
+    let control = if command.waiting.no_wait || !moves::is_waited_for(execution) {
         execution.control
     } else {
         wait::complete(client, execution, Course::default(), output).await?
@@ -47,7 +47,7 @@ pub(crate) async fn run(client: &Client, command: &Run, output: &Output) -> Resu
     let runner = runner.queue_full(command.queue_full.into()).on_error(on_error);
     let how = How {
         keep_going: command.keep_going,
-        no_wait: command.no_wait,
+        no_wait: command.waiting.no_wait,
     };
     to_its_end(client, runner, &command.file, how, output).await
 }

@@ -14,7 +14,7 @@ use clap::FromArgMatches;
 
 use arcline_client::{Client, ClientError, Mnemonic};
 
-use super::args::{self, Arguments, Exec, Shell};
+use super::args::{self, Arguments, Exec, Shell, Waiting};
 use super::{Failure, Output, alone, on_machine, programs, wait};
 use complete::{Known, OWN};
 use line::{Lines, Read};
@@ -105,7 +105,7 @@ async fn run(client: &Client, server: &str, text: &str, output: &Output) -> Resu
         Kind::Call => {
             let exec = Exec {
                 call: text.to_owned(),
-                no_wait: false,
+                waiting: Waiting::default(),
             };
             return programs::exec(client, &exec, output).await;
         }

@@ -338,8 +338,10 @@ fn real_time(tag: &Tag, reading: &Reading) -> Shown {
     }
 }
 
+/// Three decimals; what they show as 0 has no sign.
 fn fixed(number: f64) -> String {
-    format!("{number:.3}")
+    let text = format!("{number:.3}");
+    if text == "-0.000" { "0.000".to_owned() } else { text }
 }
 
 fn yes_no(truth: bool, yes: &str, no: &str) -> String {

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde_json::json;
 
-use arcline_client::{Client, ClientError, Mnemonic};
-use arcline_instruction_set::explain as explain_error;
+use arcline_client::{Client, ClientError, Mnemonic, nearest};
+use arcline_instruction_set::{FAULTS, explain as explain_error};
 
 use super::args::{self, Completions, Explain, Man, Subject};
 use super::{Failure, Output};
@@ -34,13 +34,25 @@ pub(crate) async fn explain(server: &str, command: &Explain, output: &Output) ->
             let client = Client::connect(server).await?;
             let told = of_tag(&client, tag, command.instruction).await;
             client.close().await;
-            let (err, exerr, mnemonic) = told?;
+            let (err, exerr, mnemonic) = told.map_err(|error| or_a_fault(error, tag))?;
             if err == 0 {
                 output.result(format!("{tag}: no error"), || json!({"tag": tag, "ERR": 0, "EXERR": 0}));
                 return Ok(());
             }
             codes(err, exerr, mnemonic, output)
         }
+    }
+}
+
+/// An unknown tag may be the slip of a fault's word.
+fn or_a_fault(error: ClientError, tag: &str) -> ClientError {
+    match error {
+        ClientError::UnknownTag { name, suggestion } => {
+            let words = FAULTS.iter().map(|fault| fault.word);
+            let suggestion = nearest(tag, words.chain(suggestion.as_deref()));
+            ClientError::UnknownTag { name, suggestion }
+        }
+        error => error,
     }
 }
 

@@ -25,7 +25,7 @@ const KEYS: Duration = Duration::from_millis(20);
 
 /// `watch`.
 pub(crate) async fn watch(client: &Client, command: &Watch, output: &Output) -> Result<(), Failure> {
-    let looked = Looked::at(client, &command.names).await?;
+    let looked = Looked::at(client, &command.of.names).await?;
     // Both are finite and positive: the arguments do not parse otherwise.
     let interval = Duration::from_secs_f64(command.interval);
     let end = command

@@ -228,6 +228,7 @@ fn homing_can_be_said() {
             at: 0.25,
             every: Some(2.0),
         }),
+        stops: None,
     };
     let moving = Home {
         sequence: HomeSequence::Switch,

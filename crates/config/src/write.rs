@@ -264,6 +264,10 @@ fn axis(axis: &Axis) -> Value {
         "average_velocity_timebase",
         Value::Float(axis.average_velocity_timebase),
     );
+    put(
+        "output_cam_execution_targets",
+        Value::Integer(axis.output_cam_targets as i64),
+    );
     Value::Table(table)
 }
 

@@ -1,10 +1,10 @@
 //! The Gauss-Newton matrix of the optimisation and minus its gradient, from the barriers of everything that is limited.
-//! Units and letters are those of [`crate::optimise`].
+//! Units and letters are those of [`crate::problem`].
 
 use crate::Point;
 use crate::banded::Banded;
 use crate::nodes::LEAD;
-use crate::optimise::Problem;
+use crate::problem::Problem;
 use crate::tube::TubeRow;
 
 impl Problem<'_> {

@@ -3,7 +3,7 @@
 
 use crate::Point;
 use crate::nodes::LEAD;
-use crate::optimise::Problem;
+use crate::problem::Problem;
 
 impl Problem<'_> {
     /// Lengthens all spans until every limit is kept with room to spare.

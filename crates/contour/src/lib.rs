@@ -19,6 +19,8 @@ mod nodes;
 mod nominal;
 mod optimise;
 mod plan;
+mod problem;
+mod rates;
 mod resample;
 mod rounding;
 mod section;
@@ -29,11 +31,13 @@ mod steps;
 mod straight;
 mod trajectory;
 mod tube;
+mod way;
 
 pub use arcline_geometry::{Path, Point};
 pub use plan::{Effort, plan, plan_with};
-pub use splice::extend;
-pub use trajectory::{Peaks, Piece, Rates, State, Trajectory};
+pub use rates::Rates;
+pub use splice::{extend, replan};
+pub use trajectory::{Peaks, Piece, State, Trajectory};
 
 /// One programmed move.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,8 +2,8 @@
 
 use crate::course::Course;
 use crate::nodes::{LEAD, Nodes};
-use crate::optimise::{Limits, Problem};
 use crate::plan::{Effort, SHORTEST};
+use crate::problem::{Limits, Problem};
 use crate::share::tolerance_at;
 use crate::tube::TubeRow;
 use crate::{Bounds, Point};

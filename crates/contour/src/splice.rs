@@ -12,7 +12,7 @@ use crate::trajectory::{Knot, State};
 use crate::{AxisLimits, ContourMove, Point, Trajectory};
 
 /// Plans `moves` on from a running trajectory. The first of them are those that it has left from its `passed`-th on, the
-/// others follow; `now` is where on it the motion is, and up to `earliest` it must stay as it is. Seconds on its own time.
+/// others follow, of which so many are planned as about a second takes; `now` is where on it the motion is, and up to `earliest` it must stay as it is. Seconds on its own time.
 ///
 /// The result has its time from the running one and numbers its moves from `moves[0]` on; it equals the running one from
 /// `now` until [`Trajectory::splice`], so it can take its place at any instant between. `None`: there is nothing to
@@ -26,6 +26,15 @@ pub fn extend(
     now: f64,
     earliest: f64,
 ) -> Option<Trajectory> {
+    let old = running.moves().checked_sub(passed).filter(|&old| old > 0)?;
+    // As long as what runs takes for each; more would take longer to plan, and can be extended by in its turn.
+    let begins = passed
+        .checked_sub(1)
+        .and_then(|last| running.move_end(last))
+        .unwrap_or(0.0);
+    let each = (running.duration() - begins) / old as f64;
+    let most = ((MOST_EXTENDED / each) as usize).max(LEAST_EXTENDED);
+    let moves = &moves[..moves.len().min(old.saturating_add(most))];
     extended(running, passed, moves, limits, now, earliest).map(|whole| whole.planned_for(moves, limits))
 }
 
@@ -62,34 +71,137 @@ fn extended(
         .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
         .unwrap_or(moves.len());
     let first = earliest.max(latest).max(stop.map_or(0.0, |stop| stop + AFTER_STOP));
-    let splice = instant(running, passed, &moves[begin..old], begin, limits, first)?;
-    // Some pieces before the one at the splice belong to the course: the curve there may be near them too.
-    let here = running.move_at(splice).checked_sub(passed)?;
-    let back = moves[begin..here]
-        .iter()
-        .rposition(|m| m.path.length() > SHORTEST)
-        .map_or(here, |k| begin + k);
-    let section = Section::new(&moves[back..end], limits);
-    let piece = moves[back..here].iter().filter(|m| m.path.length() > SHORTEST).count();
-    let leave = (running.duration() - reach(&moves[old - 1], limits, 1.0)).max(splice + LEAST_FOLLOWED);
-    let running_on = Running {
-        trajectory: running,
-        splice,
-        leave,
-        piece: piece.min(section.course.pieces.len().checked_sub(1)?),
+    let at_rest = running.duration() - reach(&moves[old - 1], limits, 1.0);
+    let anew = Anew {
+        running,
+        passed,
+        moves,
+        limits,
+        now,
+        begin,
+        end,
     };
-    let tail = section.improve(guess(&section, running_on), Effort::Full)?;
-    let mut whole = cut(running, now, splice, passed, here);
-    whole.move_ends.extend(
-        tail.move_ends[here - back..]
-            .iter()
-            .map(|&end| (end + splice).max(splice)),
-    );
-    whole.join(tail, splice);
-    if end < moves.len() {
-        whole.append(plan_with(&moves[end..], limits, Effort::Full));
+    // What is not found from one instant may be from the next.
+    (0..ATTEMPTS).find_map(|attempt| {
+        let splice = instant(
+            running,
+            passed,
+            &moves[begin..old],
+            begin,
+            limits,
+            first + LATER * f64::from(attempt),
+        )?;
+        anew.from(splice, at_rest)
+    })
+}
+
+/// Plans a running trajectory anew: `moves` (the first of them the one that it is on, its `passed`-th) with other speeds or rates
+/// than it was planned with, at the `pace` that it is travelled at, with which it is within all of them.
+///
+/// As [`extend`], but from the first instant on, for a second or so, and the result has the time that passes: own seconds
+/// divided by the pace, as have `now` and `earliest`.
+#[must_use]
+pub fn replan(
+    running: &Trajectory,
+    pace: f64,
+    passed: usize,
+    moves: &[ContourMove],
+    limits: &AxisLimits,
+    now: f64,
+    earliest: f64,
+) -> Option<Trajectory> {
+    let running = running.at_pace(pace);
+    let old = running
+        .moves()
+        .checked_sub(passed)
+        .filter(|&old| old > 0 && old <= moves.len())?;
+    if earliest > running.duration() - LEAST_LEFT {
+        return None;
     }
-    Some(whole)
+    // Not all that is known: the rest extends it later.
+    let on = |time: f64| running.move_at(time).saturating_sub(passed);
+    let far = on(earliest + WINDOW).max(on(earliest) + LEAST_MOVES);
+    let moves = if far + 1 < old { &moves[..=far] } else { moves };
+    let last = running.move_end(passed + (moves.len() - 1).min(old - 1))?;
+    if last > earliest + MOST_AHEAD {
+        return None;
+    }
+    (0..ATTEMPTS).find_map(|attempt| {
+        let first = earliest + LATER * f64::from(attempt);
+        let here = on(first).min(moves.len() - 1);
+        let begin = (1..=here)
+            .rev()
+            .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
+            .unwrap_or(0);
+        let end = (here + 1..moves.len())
+            .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
+            .unwrap_or(moves.len());
+        let splice = instant(&running, passed, &moves[begin..end], begin, limits, first)?;
+        let anew = Anew {
+            running: &running,
+            passed,
+            moves,
+            limits,
+            now,
+            begin,
+            end,
+        };
+        let whole = anew.from(splice, splice + FOLLOWED)?;
+        Some(whole.planned_for(moves, limits))
+    })
+}
+
+/// A section that is planned anew from an instant of a running trajectory on.
+struct Anew<'a> {
+    running: &'a Trajectory,
+    passed: usize,
+    moves: &'a [ContourMove],
+    limits: &'a AxisLimits,
+    now: f64,
+    /// Moves of the section.
+    begin: usize,
+    end: usize,
+}
+
+impl Anew<'_> {
+    /// From `splice` on; the first guess follows what runs until `leave`.
+    fn from(&self, splice: f64, leave: f64) -> Option<Trajectory> {
+        let &Anew {
+            running,
+            passed,
+            moves,
+            limits,
+            now,
+            begin,
+            end,
+        } = self;
+        // Some pieces before the one at the splice belong to the course: the curve there may be near them too.
+        let here = running.move_at(splice).checked_sub(passed).filter(|&here| here < end)?;
+        let back = moves[begin.min(here)..here]
+            .iter()
+            .rposition(|m| m.path.length() > SHORTEST)
+            .map_or(here, |k| begin + k);
+        let section = Section::new(&moves[back..end], limits);
+        let piece = moves[back..here].iter().filter(|m| m.path.length() > SHORTEST).count();
+        let running_on = Running {
+            trajectory: running,
+            splice,
+            leave: leave.max(splice + LEAST_FOLLOWED).min(running.duration()),
+            piece: piece.min(section.course.pieces.len().checked_sub(1)?),
+        };
+        let tail = section.improve(guess(&section, running_on), Effort::Full)?;
+        let mut whole = cut(running, now, splice, passed, here);
+        whole.move_ends.extend(
+            tail.move_ends[here - back..]
+                .iter()
+                .map(|&end| (end + splice).max(splice)),
+        );
+        whole.join(tail, splice);
+        if end < moves.len() {
+            whole.append(plan_with(&moves[end..], limits, Effort::Full));
+        }
+        Some(whole)
+    }
 }
 
 /// The running trajectory between two instants, with the ends of its first `kept` moves from `passed` on.
@@ -125,6 +237,9 @@ fn instant(
         }
         let state = running.at(t);
         let place = running.move_at(t).checked_sub(passed + begin)?;
+        if place >= moves.len() {
+            break;
+        }
         let near = &moves[place.saturating_sub(1)..(place + 2).min(moves.len())];
         let off = near
             .iter()
@@ -194,9 +309,22 @@ impl Trajectory {
 const SETTLE: f64 = 0.06;
 /// Seconds behind a stop before which it is simpler to start at the stop.
 const AFTER_STOP: f64 = 0.01;
+/// Seconds by which a trajectory is extended at once, about, but at least so many moves.
+const MOST_EXTENDED: f64 = 0.8;
+const LEAST_EXTENDED: usize = 12;
 /// Seconds that the running motion is followed at least, and that are left of it at least.
 const LEAST_FOLLOWED: f64 = 0.004;
 const LEAST_LEFT: f64 = 0.008;
+/// Seconds that a trajectory which is planned anew is followed.
+const FOLLOWED: f64 = 0.01;
+/// Seconds, and at least so many moves, for which a trajectory is planned anew.
+const WINDOW: f64 = 1.0;
+const LEAST_MOVES: usize = 4;
+/// Seconds beyond which planning anew would take too long: the motion goes on at its pace.
+const MOST_AHEAD: f64 = 4.0;
+/// Splices that are tried, and seconds between them.
+const ATTEMPTS: u32 = 3;
+const LATER: f64 = 0.02;
 /// Instants that are looked at for a splice, and seconds between them.
 const CHOICE: u32 = 30;
 const CHOICE_STEP: f64 = 0.001;

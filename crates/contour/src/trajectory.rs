@@ -4,7 +4,7 @@
 //! and acceleration are continuous and the limits can be checked exactly at the knots. Units:
 //! position units and seconds.
 
-use crate::{AxisLimits, ContourMove, Point};
+use crate::{AxisLimits, ContourMove, Point, Rates};
 
 /// Position, velocity and acceleration of the axes at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,36 +31,8 @@ pub struct Trajectory {
     pub(crate) least: Rates,
     pub(crate) axes: AxisLimits,
     pub(crate) most: Peaks,
-}
-
-/// The programmed rates of one move.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rates {
-    /// Vector acceleration, position units / s².
-    pub acceleration: f64,
-    /// Vector deceleration, position units / s².
-    pub deceleration: f64,
-    /// Vector jerk, position units / s³; `None`: a trapezoid.
-    pub jerk: Option<f64>,
-}
-
-impl Rates {
-    const UNLIMITED: Rates = Rates {
-        acceleration: f64::INFINITY,
-        deceleration: f64::INFINITY,
-        jerk: None,
-    };
-
-    fn least(self, other: &Rates) -> Rates {
-        Rates {
-            acceleration: self.acceleration.min(other.acceleration),
-            deceleration: self.deceleration.min(other.deceleration),
-            jerk: match (self.jerk, other.jerk) {
-                (Some(one), Some(two)) => Some(one.min(two)),
-                (one, two) => one.or(two),
-            },
-        }
-    }
+    /// Lengths of the curve from its first knot to each of them; set when it is finished.
+    pub(crate) ways: Vec<f64>,
 }
 
 /// A stretch of constant jerk.
@@ -132,6 +104,7 @@ impl Trajectory {
                 jerk: None,
             },
             most: Peaks::NONE,
+            ways: Vec::new(),
         }
     }
 
@@ -139,6 +112,7 @@ impl Trajectory {
     pub(crate) fn planned_for(mut self, moves: &[ContourMove], axes: &AxisLimits) -> Trajectory {
         self.rates.clear();
         self.rates.extend(moves.iter().map(|one| Rates {
+            speed: one.speed,
             acceleration: one.acceleration,
             deceleration: one.deceleration,
             jerk: one.jerk,
@@ -146,7 +120,26 @@ impl Trajectory {
         self.least = self.rates.iter().fold(Rates::UNLIMITED, Rates::least);
         self.axes = *axes;
         self.most = self.measured();
+        self.ways = self.measure_ways();
         self
+    }
+
+    /// The same motion at another pace, with all times divided by it.
+    pub(crate) fn at_pace(&self, pace: f64) -> Trajectory {
+        let knot = |knot: &Knot| Knot {
+            time: knot.time / pace,
+            state: State {
+                position: knot.state.position,
+                velocity: knot.state.velocity * pace,
+                acceleration: knot.state.acceleration * (pace * pace),
+            },
+            jerk: knot.jerk * (pace * pace * pace),
+        };
+        Trajectory {
+            move_ends: self.move_ends.iter().map(|end| end / pace).collect(),
+            end: self.end,
+            ..Trajectory::of(self.knots.iter().map(knot).collect())
+        }
     }
 
     /// The programmed rates of a move.
@@ -362,7 +355,7 @@ fn position_at_knot(points: [Point; 3], spans: [f64; 4]) -> Point {
 }
 
 impl Knot {
-    fn at(&self, u: f64) -> State {
+    pub(crate) fn at(&self, u: f64) -> State {
         let State {
             position,
             velocity,

@@ -12,7 +12,7 @@ mod snapshot;
 
 pub use arcline_motion::{
     AcceptedMove, ArrayWrite, AxisSnapshot, CONTROL_SLOTS, ContourRequest, Event, Input, Material, Path, Point,
-    SystemSnapshot, Ticket, Trajectory, UNNAMED, machine,
+    SystemSnapshot, Ticket, Trajectory, UNNAMED, Written, machine,
 };
 pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port};
 pub use snapshot::Snapshot;

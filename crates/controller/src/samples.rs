@@ -4,13 +4,13 @@
 //! Status words are numbers too: a word of 32 bits fits a 64-bit float exactly, and so does a tick.
 
 use arcline_instruction_set::predefined;
-use arcline_tag::Template;
+use arcline_tag::{DataType, Elementary, Template};
 
 use crate::machine::Machine;
 use crate::{AxisSnapshot, Snapshot, SystemSnapshot};
 
 /// The columns of an axis, named as the members of its tag.
-pub const AXIS: [&str; 10] = [
+pub const AXIS: [&str; 13] = [
     "CommandPosition",
     "CommandVelocity",
     "CommandAcceleration",
@@ -21,7 +21,13 @@ pub const AXIS: [&str; 10] = [
     "AxisStatus",
     "MotionStatus",
     "AxisEvent",
+    "OutputCamStatus",
+    "OutputCamLockStatus",
+    OUTPUTS,
 ];
+
+/// The column of an axis that is no member of its tag: the bits that its output cams have set, of all targets together.
+const OUTPUTS: &str = "OutputCamBits";
 
 /// The columns of a coordinate system; words are named as the members of its tag.
 pub const SYSTEM: [&str; 4] = [
@@ -79,7 +85,8 @@ pub fn names(machine: &Machine) -> Vec<String> {
     axes.chain(systems).collect()
 }
 
-/// Where a signal is, by its name, case ignored: a column, or a bit of a status word (`X.MoveStatus`).
+/// Where a signal is, by its name, case ignored: a column, a bit of a status word by its name (`X.MoveStatus`), or a bit of any
+/// word by its number (`X.OutputCamBits.3`).
 pub fn find(machine: &Machine, name: &str) -> Option<Column> {
     let (object, signal) = name.split_once('.')?;
     if let Some(place) = machine.axis(object) {
@@ -100,6 +107,18 @@ pub fn find(machine: &Machine, name: &str) -> Option<Column> {
 fn within(columns: &[&str], template: &Template, signal: &str, first: usize) -> Option<Column> {
     if let Some(place) = columns.iter().position(|column| column.eq_ignore_ascii_case(signal)) {
         return Some(Column::Number(first + place));
+    }
+    if let Some((word, bit)) = signal.split_once('.') {
+        let place = columns.iter().position(|column| column.eq_ignore_ascii_case(word))?;
+        let is_word = columns[place] == OUTPUTS
+            || template.member(columns[place]).is_some_and(|member| {
+                member.data_type == DataType::Elementary(Elementary::Dint) && member.bit.is_none()
+            });
+        let bit = bit.parse::<u32>().ok().filter(|bit| is_word && *bit < u32::BITS)?;
+        return Some(Column::Bit {
+            column: first + place,
+            mask: 1 << bit,
+        });
     }
     let member = template.member(signal)?;
     let bit = u32::from(member.bit?);
@@ -125,6 +144,9 @@ fn axis(axis: &AxisSnapshot) -> [f64; AXIS.len()] {
         axis.status.into(),
         axis.motion_status.into(),
         axis.event.into(),
+        axis.output_cams[0].into(),
+        axis.output_cams[2].into(),
+        axis.outputs.into(),
     ]
 }
 
@@ -135,4 +157,32 @@ fn system(system: &SystemSnapshot) -> [f64; SYSTEM.len()] {
         system.status.into(),
         system.motion_status.into(),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_have_bits_by_name_and_by_number() {
+        let template = predefined::axis_cip_drive();
+        let find = |signal: &str| within(&AXIS, &template, signal, 1);
+        let column = |name: &str| AXIS.iter().position(|column| *column == name).map(|place| 1 + place);
+        let bit = |name: &str, bit: u32| column(name).map(|column| Column::Bit { column, mask: 1 << bit });
+        #[rustfmt::skip]
+        let cases = [
+            ("MoveStatus",           bit("MotionStatus", 2)),
+            ("motionstatus.2",       bit("MotionStatus", 2)),
+            ("OutputCamBits",        column(OUTPUTS).map(Column::Number)),
+            ("OutputCamBits.31",     bit(OUTPUTS, 31)),
+            ("OutputCamStatus.0",    bit("OutputCamStatus", 0)),
+            ("OutputCamBits.32",     None),
+            ("OutputCamBits.x",      None),
+            ("CommandPosition.1",    None),
+            ("Nothing.1",            None),
+        ];
+        for (signal, expected) in cases {
+            assert_eq!(find(signal), expected, "{signal}");
+        }
+    }
 }

@@ -49,7 +49,7 @@ pub fn bind(
 ) -> Result<Call, BindError> {
     let instruction = mnemonic.instruction();
     let most = instruction.given_operands().count();
-    let cam_type = (mnemonic == Mnemonic::Mapc && given.len() == most + 1).then_some(MAPC_CAM_TYPE);
+    let cam_type = (mnemonic == Mnemonic::Mapc && given.len() == most + 1).then_some(GIVEN_CAM_TYPE);
     if given.len() > most && cam_type.is_none() {
         return Err(BindError::TooMany {
             mnemonic,
@@ -80,8 +80,10 @@ pub fn bind(
     })
 }
 
-/// Place of Cam Type among the given operands of a MAPC that has it.
-const MAPC_CAM_TYPE: usize = 9;
+/// Faceplate position of Cam Type on a MAPC that has it: newer faceplates do. What stands there means nothing.
+pub const MAPC_CAM_TYPE: usize = 11;
+/// Its place among the given operands.
+const GIVEN_CAM_TYPE: usize = 9;
 
 struct Binder<'a> {
     mnemonic: Mnemonic,

@@ -310,7 +310,7 @@ instructions! {
     "Moves the axis to a position or by a distance.": [
         axis(), motion_control(),
         word("Move Type", &MAM_MOVE_TYPE),
-        number("Position", Range::Any, "position units: end position or distance"),
+        number("Position", Range::Any, "position units: end position or distance; of a master offset in units of the master"),
         speed(), units("Speed Units", &MAM_SPEED_UNITS),
         rate("Accel Rate", ACCEL_NOTE), units("Accel Units", &MAM_RATE_UNITS),
         rate("Decel Rate", DECEL_NOTE), units("Decel Units", &MAM_RATE_UNITS),
@@ -387,7 +387,7 @@ instructions! {
     ];
 
     MATC = Matc on Axis, Process, EN_DN_ER_IP_PC, Axes::ANY,
-    "Moves the axis by a cam profile over time.": [
+    "Moves the axis by a cam profile over time, or over the way of a master that MDAC links.": [
         axis(), motion_control(),
         word("Direction", &GEAR_DIRECTION),
         operand("Cam Profile", Kind::Structure("CAM_PROFILE"), "a calculated profile"),

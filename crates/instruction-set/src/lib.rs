@@ -23,7 +23,7 @@ mod safety_margin;
 mod verify;
 mod words;
 
-pub use bind::{BindError, Directory, Given, bind};
+pub use bind::{BindError, Directory, Given, MAPC_CAM_TYPE, bind};
 pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray, WrittenArray};
 pub use control::{Flag, MotionControl};
 pub use error::{AxisIndex, Culprit, Detail, ERRORS, ErrorText, Extended, MotionError, OperandIndex, describe};

@@ -408,7 +408,7 @@ const AXIS_PARAMETERS: &[Row] = &[
     Row { what: "@AxisConfiguration", meaning: Meaning::Form("a servo closes the position loop; others are reported") },
     Row { what: "@ApplicationCatalogNumberInstance", meaning: Meaning::Form("about the file") },
     Row { what: "@ApplicationCatalogNumberVersion", meaning: Meaning::Form("about the file") },
-    Row { what: "@OutputCamExecutionTargets", meaning: Meaning::Without("0") },
+    Row { what: "@OutputCamExecutionTargets", meaning: Meaning::Key("axis.output_cam_execution_targets") },
     Row { what: "@HomeConfigurationBits", meaning: Meaning::Without("16#0000_0000") },
     Row { what: "@MasterInputConfigurationBits", meaning: Meaning::Without("1") },
     Row { what: "@MasterPositionFilterBandwidth", meaning: Meaning::Without("0.1") },

@@ -7,7 +7,7 @@ use arcline_instruction_set::{Flag, MotionError};
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::{self, AxisLimits, ContourMove, Trajectory};
 use arcline_planner::profile::Phase;
-use arcline_planner::{ContourPassage, Extension, Installed, Move};
+use arcline_planner::{Clock, ContourPassage, Ending, Extension, Installed, Move};
 
 use crate::motion::{MAX_ENDS_PER_TICK, Motion};
 use crate::system::{Activity, Planned};
@@ -48,12 +48,7 @@ impl ContourRequest {
     pub fn plan(&mut self) -> Option<Arc<Trajectory>> {
         let planned = match self.extends.take() {
             None => precise::plan(&self.moves, &self.limits),
-            Some(Extension {
-                trajectory,
-                passed,
-                now,
-                earliest,
-            }) => precise::extend(&trajectory, passed, &self.moves, &self.limits, now, earliest)?,
+            Some(extension) => extension.plan(&self.moves, &self.limits)?,
         };
         Some(Arc::new(planned))
     }
@@ -70,11 +65,12 @@ impl Motion {
     pub fn next_contour(&mut self, request: &mut ContourRequest) -> bool {
         for (index, system) in self.systems.iter_mut().enumerate() {
             let wanted = system.activity == Activity::Moving && !system.is_merged();
+            let own = system.contour_clock(&self.clock);
             let Some(contour) = system.contour.as_mut().filter(|_| wanted) else {
                 continue;
             };
             request.moves.clear();
-            if let Some(batch) = contour.batch(&self.clock, |motion| request.moves.push(motion)) {
+            if let Some(batch) = contour.batch(&own, &self.clock, |motion| request.moves.push(motion)) {
                 request.system = index as u16;
                 request.generation = batch.generation;
                 request.extends = batch.extends;
@@ -89,13 +85,28 @@ impl Motion {
     /// Real-time.
     pub fn install_contour(&mut self, system: u16, generation: u32, planned: Option<Arc<Trajectory>>) {
         let index = usize::from(system);
-        let contour = self.systems.get_mut(index).and_then(|system| system.contour.as_mut());
-        let installed = match contour {
-            Some(contour) => contour.install(generation, planned, &self.clock),
+        let Some(system) = self.systems.get_mut(index) else {
+            self.retired.extend(planned);
+            return;
+        };
+        // One that begins does so at the beginning of a way of its own.
+        let lead = system.moves().next().and_then(|first| first.data.lead);
+        let begins = lead.is_some() && system.guide.is_none();
+        let own = if begins {
+            Clock::of_way(0.0)
+        } else {
+            system.contour_clock(&self.clock)
+        };
+        let installed = match &mut system.contour {
+            Some(contour) => contour.install(generation, planned, &own),
             None => Err(planned),
         };
         match installed {
             Ok(Installed::Started) => {
+                if let Err(error) = self.lead_system(index, lead, self.clock.now()) {
+                    self.refuse_contour(index, error);
+                    return;
+                }
                 self.systems[index].stale = true;
                 self.activate(index);
                 self.join_axes(index);
@@ -116,8 +127,31 @@ impl Motion {
         self.retired.push(trajectory);
     }
 
+    /// The contour that was to begin cannot: its first move errs, and those behind it are cancelled.
+    fn refuse_contour(&mut self, index: usize, error: MotionError) {
+        let refused = self.systems[index].contour.as_mut().and_then(|contour| {
+            self.retired.extend(contour.finish());
+            contour.pop()
+        });
+        if let Some(refused) = refused {
+            self.controls.fail(refused.data.execution, error, self.clock.tick);
+        }
+        self.cancel_pending_contour(index);
+    }
+
+    /// A move of another mode or master than the one that has just ended cannot follow it without rest (§7.11).
+    pub(crate) fn refuse_next_contour(&mut self, index: usize, last: &Move<Planned>) {
+        let link = |motion: &Move<Planned>| motion.data.lead.map(|lead| lead.link);
+        let contour = self.systems[index].contour.as_ref();
+        let next = contour.and_then(|contour| contour.moves().next());
+        if last.ending != Ending::Stop && next.is_some_and(|next| link(last) != link(next)) {
+            self.refuse_contour(index, MotionError::MdscInvalidModeOrMasterChange);
+        }
+    }
+
     /// Queues a move of a system that travels planned contours.
-    pub(crate) fn queue_contour(&mut self, index: usize, planned: Move<Planned>) -> Result<(), MotionError> {
+    pub(crate) fn queue_contour(&mut self, index: usize, mut planned: Move<Planned>) -> Result<(), MotionError> {
+        planned.limits = planned.parameter.in_time(&planned.limits);
         let system = &mut self.systems[index];
         let Some(contour) = &mut system.contour else {
             return Err(MotionError::InvalidPlannerState);
@@ -158,17 +192,20 @@ impl Motion {
 
     /// Moves of a contour that end by the present tick, and the end of it.
     pub(crate) fn advance_contour(&mut self, index: usize) {
-        if let Some(contour) = &mut self.systems[index].contour {
-            contour.steer(&self.clock);
+        let system = &mut self.systems[index];
+        let own = system.contour_clock(&self.clock);
+        if let Some(contour) = &mut system.contour {
+            contour.steer(&own);
         }
+        let waits = system.guide.is_some_and(|guide| guide.has_position_lock());
         for _ in 0..MAX_ENDS_PER_TICK {
             let Some(contour) = &mut self.systems[index].contour else {
                 return;
             };
-            match contour.passage(&self.clock) {
+            match contour.passage(&own).filter(|_| !waits) {
                 None => break,
                 Some(ContourPassage::Next) => {
-                    if let Some(passed) = contour.pass() {
+                    if let Some(passed) = contour.pass(&own) {
                         self.end_move(passed.data.execution, Flag::Pc.mask());
                         self.activate(index);
                     }
@@ -197,12 +234,17 @@ impl Motion {
             return;
         }
         self.end_move(active.execution, Flag::Pc.mask());
-        let mut more = false;
+        let own = self.systems[index].contour_clock(&self.clock);
+        let mut last = None;
         if let Some(contour) = &mut self.systems[index].contour {
-            contour.pass();
+            last = contour.pass(&own);
             self.retired.extend(contour.finish());
-            more = contour.moves().next().is_some();
         }
+        if let Some(last) = &last {
+            self.refuse_next_contour(index, last);
+        }
+        let contour = self.systems[index].contour.as_ref();
+        let more = contour.is_some_and(|contour| contour.moves().next().is_some());
         self.release_axes(index);
         let system = &mut self.systems[index];
         system.in_actual_tolerance = active.termination.settles();
@@ -218,6 +260,7 @@ impl Motion {
         system.in_command_tolerance = false;
         if let Some(next) = system.active() {
             self.controls.write(next.execution, Flag::Ac.mask(), 0, self.clock.tick);
+            self.calculate(index);
         }
     }
 }

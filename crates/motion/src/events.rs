@@ -8,15 +8,29 @@ use arcline_instruction_set::{Call, MAX_ELEMENTS, MotionError, RealArray, Writte
 use arcline_planner::profile::Profile;
 use arcline_planner::{Clock, Instant, Reach};
 
-/// Numbers that an instruction writes to a REAL array tag.
+/// What an instruction writes to a tag.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArrayWrite {
     /// When.
     pub tick: u64,
-    /// The array, by what the directory calls it.
+    /// The tag, by what the directory calls it.
     pub tag: u32,
-    /// Its first elements.
-    pub values: RealArray,
+    /// What.
+    pub values: Written,
+}
+
+/// Numbers of an array, or bits of a word.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Written {
+    /// The first elements of a REAL array.
+    Numbers(RealArray),
+    /// Bits of a DINT.
+    Bits {
+        /// Which ones.
+        mask: u32,
+        /// What they become.
+        bits: u32,
+    },
 }
 
 /// How long Calculated Data must be, beside Event Distance.
@@ -87,7 +101,7 @@ impl Events {
         ArrayWrite {
             tick,
             tag: self.into,
-            values: RealArray::from_slice(&self.answers[..self.distances.as_slice().len()]),
+            values: Written::Numbers(RealArray::from_slice(&self.answers[..self.distances.as_slice().len()])),
         }
     }
 }
@@ -146,7 +160,8 @@ mod tests {
         };
         let first = |distance: f64| Reach::At(100.0 - distance);
         assert!(events.answer(first));
-        assert_eq!(events.write(5).values.as_slice(), [100.0, -1.0, 60.0]);
+        let numbers = |numbers: [f64; 3]| Written::Numbers(RealArray::from_slice(&numbers));
+        assert_eq!(events.write(5).values, numbers([100.0, -1.0, 60.0]));
         let later = |distance: f64| {
             if distance > 0.0 {
                 Reach::Passed
@@ -157,8 +172,8 @@ mod tests {
         assert!(events.answer(later));
         let written = events.write(6);
         assert_eq!((written.tick, written.tag), (6, 7));
-        assert_eq!(written.values.as_slice(), [120.0, -1.0, 60.0]);
+        assert_eq!(written.values, numbers([120.0, -1.0, 60.0]));
         assert!(!events.answer(|_| Reach::Never), "a paused move answers nothing");
-        assert_eq!(events.write(7).values.as_slice(), [120.0, -1.0, 60.0]);
+        assert_eq!(events.write(7).values, numbers([120.0, -1.0, 60.0]));
     }
 }

@@ -35,8 +35,9 @@ impl System {
             return;
         }
         self.feed_override = share;
+        let own = self.contour_clock(clock);
         if let Some(contour) = &mut self.contour {
-            contour.set_rate(share, clock);
+            contour.set_rate(share, &own);
         }
         let clock = self.clock(clock);
         self.planner.set_rate(share, &clock);

@@ -28,6 +28,9 @@ pub const MAX_TRANSFORMS: usize = 64;
 /// Largest number of axes of one coordinate system that moves interpolate as a vector: X, Y, Z.
 pub const MAX_PRIMARY_AXES: usize = 3;
 
+/// Largest number of execution targets of output cams of one axis: a bit of OutputCamStatus each.
+pub const MAX_OUTPUT_TARGETS: usize = 32;
+
 /// Largest number of axes of one coordinate system: X, Y, Z, Rx, Ry, Rz, or the joints J1 to J6.
 pub const MAX_SYSTEM_AXES: usize = 6;
 
@@ -114,6 +117,8 @@ pub struct Axis {
     pub exception_actions: ExceptionActions,
     /// Time over which AverageVelocity is taken, above 0, at most 1 s.
     pub average_velocity_timebase: f64,
+    /// Execution targets of output cams (MAOC), 0 to [`MAX_OUTPUT_TARGETS`].
+    pub output_cam_targets: usize,
     /// What it has from tags that clients write.
     pub inputs: Inputs,
 }

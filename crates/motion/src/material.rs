@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use arcline_cam::Profile;
 use arcline_instruction_set::MotionError;
 
+use crate::output::OutputCam;
 use crate::path_data::PathMove;
 
 /// What goes into the tick with a call.
@@ -27,6 +28,8 @@ pub enum Material {
     Cam(Arc<Profile>),
     /// The tags of a path move, as they were.
     Path(PathMove),
+    /// An output cam, and what is in the tags of its output and its input.
+    OutputCam(Arc<OutputCam>, [u32; 2]),
     /// A place for numbers that the instruction calculates in the tick.
     Answer(Arc<Answer>),
     /// Frames of MCTO.
@@ -168,6 +171,17 @@ impl Sent {
     pub(crate) fn path(&self) -> Result<PathMove, MotionError> {
         match &self.0 {
             Some(Material::Path(path)) => Ok(*path),
+            _ => self.verdict().and(Err(MotionError::FeatureNotSupported)),
+        }
+    }
+
+    /// An output cam, and what is in the tags of its output and its input.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub(crate) fn output_cam(&self) -> Result<(Arc<OutputCam>, [u32; 2]), MotionError> {
+        match &self.0 {
+            Some(Material::OutputCam(cam, words)) => Ok((cam.clone(), *words)),
             _ => self.verdict().and(Err(MotionError::FeatureNotSupported)),
         }
     }

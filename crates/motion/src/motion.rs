@@ -5,6 +5,7 @@ mod faults;
 mod generators;
 mod homing;
 mod links;
+mod outputs;
 mod probes;
 mod take_over;
 
@@ -24,6 +25,7 @@ use crate::follow::transform::Link;
 use crate::instructions::{self, Layouts};
 use crate::machine::Machine;
 use crate::material::{Material, Sent};
+use crate::output::Word;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::status;
 use crate::stop::Stop;
@@ -49,6 +51,8 @@ pub struct Motion {
     way_count: u32,
     /// What instructions wrote to arrays in this tick.
     array_writes: Vec<ArrayWrite>,
+    /// Words that became others, which output cams are still to see.
+    words: Vec<Word>,
     /// Trajectories that are no longer needed, to be freed outside the tick.
     pub(crate) retired: Vec<Arc<Trajectory>>,
     /// The group's stop that is under way (MGS).
@@ -76,13 +80,10 @@ const MESSAGES: usize = 1024;
 impl Motion {
     /// The machine at rest, before its first tick. The only allocation.
     pub fn new(machine: &Machine) -> Self {
+        let clock = Clock::at(0, machine.period_ns.max(1));
         Motion {
-            clock: Clock::at(0, machine.period_ns.max(1)),
-            axes: machine
-                .axes
-                .iter()
-                .map(|axis| Axis::new(axis, machine.period()))
-                .collect(),
+            clock,
+            axes: machine.axes.iter().map(|axis| Axis::new(axis, &clock)).collect(),
             systems: systems(machine),
             controls: Controls::new(),
             layouts: Layouts::new(),
@@ -91,6 +92,7 @@ impl Motion {
             link_count: 0,
             way_count: 0,
             array_writes: Vec::with_capacity(ARRAY_WRITES),
+            words: Vec::with_capacity(ARRAY_WRITES),
             retired: Vec::with_capacity(2 * machine.systems.len()),
             group_stop: None,
             messages: Vec::with_capacity(MESSAGES),
@@ -122,6 +124,7 @@ impl Motion {
         }
         self.finish_group_stop();
         self.update_tolerances();
+        self.show_transforms();
         self.show_links();
     }
 
@@ -172,6 +175,7 @@ impl Motion {
             self.calculate(index);
         }
         self.show_links();
+        self.finish_outputs();
         self.controls.drain(self.clock.tick, report);
     }
 

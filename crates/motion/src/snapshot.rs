@@ -27,6 +27,8 @@ pub struct AxisSnapshot {
     pub cip_state: i16,
     /// CIPAxisStatus.
     pub cip_status: u32,
+    /// CIPAxisIOStatus.
+    pub cip_io: u32,
     /// CommandPosition, CommandVelocity, CommandAcceleration.
     pub command: [f64; 3],
     /// ActualPosition, ActualVelocity, ActualAcceleration.
@@ -39,6 +41,12 @@ pub struct AxisSnapshot {
     pub started_at: [f64; 2],
     /// StrobeCommandPosition, StrobeActualPosition.
     pub strobed: [f64; 2],
+    /// MasterOffset, StartMasterOffset, StrobeMasterOffset.
+    pub master_offset: [f64; 3],
+    /// OutputCamStatus, OutputCamPendingStatus, OutputCamLockStatus and OutputCamTransitionStatus.
+    pub output_cams: [u32; 4],
+    /// Bits that the output cams have set, of all targets together.
+    pub outputs: u32,
     /// WatchPosition.
     pub watched: f64,
     /// Of each registration input: the position of the last event, of the last positive edge, of the last negative one.

@@ -3,7 +3,7 @@
 use arcline_drive::{Motion as Point, Saturation};
 use arcline_instruction_set::FaultWord;
 use arcline_instruction_set::predefined::{
-    axis_event, axis_fault, axis_status, cip_axis_status, coordinate_motion_status as motion,
+    axis_event, axis_fault, axis_status, cip_axis_io_status, cip_axis_status, coordinate_motion_status as motion,
     coordinate_system_status as status, motion_status,
 };
 use arcline_kinematics::{Configuration, Turns};
@@ -27,6 +27,7 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
     let [first, second] = &axis.registrations;
     let saturation = axis.drive.saturation();
     let command = axis.command;
+    let offset = &axis.cams(Slot::PositionCam).offset;
     AxisSnapshot {
         fault: axis.faults.axis_fault(axis.is_virtual),
         motion_faults: [
@@ -83,12 +84,22 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         ]
         .into_iter()
         .fold(0, with),
+        cip_io: [
+            (axis.stands_on_switch(), cip_axis_io_status::HOME_INPUT_STATUS),
+            (first.on, cip_axis_io_status::REGISTRATION1_INPUT_STATUS),
+            (second.on, cip_axis_io_status::REGISTRATION2_INPUT_STATUS),
+        ]
+        .into_iter()
+        .fold(0, with),
         command: [axis.shown(command.position), command.velocity, command.acceleration],
         actual: [axis.shown(actual.position), actual.velocity, actual.acceleration],
         average_velocity: axis.average.velocity,
         position_error: axis.drive.error(),
         started_at: axis.started_at.map(|position| axis.shown(position)),
         strobed: axis.strobed,
+        master_offset: [axis.master_offset().position, offset.start, offset.strobed],
+        output_cams: axis.outputs.status(),
+        outputs: axis.outputs.bits(),
         watched: axis.watch.position,
         registered: [first.positions, second.positions],
         registered_at: [first.times, second.times],
@@ -135,6 +146,11 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
         ),
         (locked(Slot::Move), motion_status::MOVE_LOCK_STATUS),
         (locked(Slot::Jog), motion_status::JOG_LOCK_STATUS),
+        (runs(Slot::MasterOffset), motion_status::MASTER_OFFSET_MOVE_STATUS),
+        (
+            locked(Slot::MasterOffset),
+            motion_status::MASTER_OFFSET_MOVE_LOCK_STATUS,
+        ),
         (runs(Slot::PositionCam), motion_status::POSITION_CAM_STATUS),
         (runs(Slot::TimeCam), motion_status::TIME_CAM_STATUS),
         (pends(Slot::PositionCam), motion_status::POSITION_CAM_PENDING_STATUS),

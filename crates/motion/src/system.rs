@@ -154,6 +154,28 @@ impl System {
         self.guide.map_or(*time, |guide| guide.clock())
     }
 
+    /// What its planned contours are functions of at the present tick: time, or the time that a master at the speed they were planned
+    /// for would have taken for its way.
+    pub(crate) fn contour_clock(&self, time: &Clock) -> Clock {
+        self.guide
+            .map_or(*time, |guide| Clock::of_way(guide.way() / self.contour_speed()))
+    }
+
+    /// How the time of its planned contours goes on, where a master leads.
+    pub(crate) fn contour_pace(&self, guide: &Guide) -> arcline_planner::Pace {
+        let (pace, speed) = (guide.pace(), self.contour_speed());
+        arcline_planner::Pace {
+            speed: pace.speed / speed,
+            acceleration: pace.acceleration / speed,
+        }
+    }
+
+    /// The speed of a master that the contour was planned for, master units/s.
+    pub(crate) fn contour_speed(&self) -> f64 {
+        let first = self.contour.as_ref().and_then(|contour| contour.moves().next());
+        first.map_or(1.0, |motion| motion.parameter.speed)
+    }
+
     /// Whether it has masters, active or not: it is computed behind them then.
     pub(crate) fn follows(&self) -> bool {
         self.guide.is_some() || !self.links.is_empty()
@@ -161,15 +183,18 @@ impl System {
 
     /// Where the active move is at the present tick, by time, and its speed by what it is a function of.
     pub(crate) fn sample(&self, time: &Clock) -> Option<(Sample, f64)> {
-        let sample = match self.contour_in_force() {
-            Some(contour) => contour.sample(time),
+        let contour = self.contour_in_force();
+        let sample = match contour {
+            Some(contour) => contour.sample(&self.contour_clock(time)),
             None => self.planner.sample(&self.clock(time)),
         }?;
         let planned = sample.along.velocity;
-        Some(match &self.guide {
-            Some(guide) => (guide.pace().sample(sample), planned),
-            None => (sample, planned),
-        })
+        let sample = match &self.guide {
+            Some(guide) if contour.is_some() => self.contour_pace(guide).sample(sample),
+            Some(guide) => guide.pace().sample(sample),
+            None => sample,
+        };
+        Some((sample, planned))
     }
 
     /// A move, or a stop, that comes to an end by itself: not one that waits for a master.
@@ -229,6 +254,14 @@ impl System {
             Some(contour) if contour.is_running() => contour.moves().next().map(|motion| motion.data),
             Some(_) => None,
             None => self.planner.active_data().copied(),
+        }
+    }
+
+    /// The same, to change.
+    pub(crate) fn active_mut(&mut self) -> Option<&mut Planned> {
+        match &mut self.contour {
+            Some(contour) if self.planner.active().is_none() => contour.active_data(),
+            _ => self.planner.active_data(),
         }
     }
 

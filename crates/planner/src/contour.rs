@@ -5,7 +5,12 @@
 //! slows down the pace at which the trajectory's own time runs, so it never leaves the path
 //! (spec/motion-core.md §10.3), and so does an override below 100 % (`pace`), within all limits (`guard`).
 //! Nothing here allocates or frees: trajectories are handed back.
+//!
+//! Moves over a master's way are planned by time too, for a master at the speed of their [`crate::Parameter`], and travelled by the
+//! time that a master at that speed would have taken for its way: all clocks that a queue is given show that, but where
+//! they are said to show time. Limits are by time ([`crate::Parameter::in_time`]).
 
+mod events;
 mod guard;
 mod pace;
 mod requests;
@@ -15,7 +20,7 @@ use std::sync::Arc;
 
 use arcline_contour::Trajectory;
 use arcline_geometry::Point;
-use arcline_profile::{Limits, Phase, State};
+use arcline_profile::{Jerk, Limits, Phase, State};
 
 use crate::{Clock, Instant, Move, QueueFull, ROUNDING, Sample};
 use pace::{Pace, Wanted};
@@ -34,12 +39,12 @@ pub struct ContourQueue<T> {
     grown: Option<Instant>,
     /// The override: share of the programmed speeds.
     rate: f64,
-    /// Share of the programmed speeds that the contour was planned with: at least 1.
-    scale: f64,
+    /// Counts what changes when moves come to their ends.
+    plans: u32,
 }
 
 /// A plan under way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Asked {
     /// From rest.
     Contour,
@@ -47,6 +52,13 @@ enum Asked {
     Extension {
         /// Moves of it that had been completed.
         passed: usize,
+    },
+    /// Of what is left of a trajectory in execution, with what its moves are to have now.
+    Anew {
+        /// Moves of it that had been completed.
+        passed: usize,
+        /// The pace that it was travelled at.
+        pace: f64,
     },
 }
 
@@ -56,15 +68,19 @@ struct Run {
     trajectory: Arc<Trajectory>,
     /// Moves of it that have been completed.
     passed: usize,
+    /// When its active move became active, and where that was, seconds on the trajectory's own time.
+    begun: (Instant, f64),
     /// How fast its own time runs.
     pace: Pace,
-    /// Share of the programmed speeds in the plan.
-    scale: f64,
-    /// Share of the speed, at most 1, that an instruction has asked for besides the override.
-    share: f64,
+    /// It was not planned for what its moves are to have now.
+    stale: bool,
+    /// Since when they are to have that.
+    changed: Instant,
     course: Course,
     /// How long a plan that extends it may take, seconds on the trajectory's own time.
     lead: f64,
+    /// Where on it the last one was asked for.
+    asked: f64,
     /// Where on it an extension may be asked for again.
     retry: f64,
 }
@@ -98,7 +114,7 @@ impl<T: Copy> ContourQueue<T> {
             generation: 0,
             grown: None,
             rate: 1.0,
-            scale: 1.0,
+            plans: 0,
         }
     }
 
@@ -130,15 +146,15 @@ impl<T: Copy> ContourQueue<T> {
         self.run.is_some()
     }
 
-    /// Puts a move behind the last one.
+    /// Puts a move behind the last one. `time` shows time, whatever the move is a function of.
     ///
     /// # Errors
     /// [`QueueFull`] when all places are taken.
-    pub fn push(&mut self, motion: Move<T>, clock: &Clock) -> Result<(), QueueFull> {
+    pub fn push(&mut self, motion: Move<T>, time: &Clock) -> Result<(), QueueFull> {
         if self.is_full() {
             return Err(QueueFull);
         }
-        self.grown = Some(clock.now());
+        self.grown = Some(time.now());
         self.moves.push_back(motion);
         Ok(())
     }
@@ -171,19 +187,26 @@ impl<T: Copy> ContourQueue<T> {
     }
 
     /// The active move of the trajectory is complete: takes it out.
-    pub fn pass(&mut self) -> Option<Move<T>> {
+    pub fn pass(&mut self, clock: &Clock) -> Option<Move<T>> {
         if let Some(run) = &mut self.run {
+            let own = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
+            run.begun = (run.pace.instant_of(own, clock), own);
             run.passed += 1;
         }
+        self.plans = self.plans.wrapping_add(1);
         self.moves.pop_front()
     }
 
-    /// The moves that are not on the trajectory yet, to change.
-    /// A plan of them that is under way is not wanted any more.
-    pub fn unplanned_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
-        let planned = self.planned();
+    /// The active move's data, to change.
+    pub fn active_data(&mut self) -> Option<&mut T> {
+        self.run.as_ref()?;
+        self.moves.front_mut().map(|motion| &mut motion.data)
+    }
+
+    /// The moves, the active one first, to change; [`ContourQueue::change`] makes it take effect.
+    pub fn moves_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
         self.asked = None;
-        self.moves.iter_mut().skip(planned)
+        self.moves.iter_mut()
     }
 
     /// How many moves are on the trajectory in execution, or still to come on it.
@@ -191,44 +214,85 @@ impl<T: Copy> ContourQueue<T> {
         self.run.as_ref().map_or(0, |run| run.trajectory.moves() - run.passed)
     }
 
-    /// Takes an override: a share of the programmed speeds, 0 holds. A trajectory in execution is slowed down, but
-    /// never made faster than it was planned; later ones are planned for it.
+    /// Takes an override: a share of the programmed speeds, 0 holds.
     pub fn set_rate(&mut self, rate: f64, clock: &Clock) {
         self.rate = rate;
-        self.change_pace(clock);
-    }
-
-    /// Takes a share of the planned speed for the trajectory in execution, at most 1; 0 pauses. It is for its moves alone,
-    /// so it is not extended before the share is 1 again.
-    pub fn set_share(&mut self, share: f64, clock: &Clock) {
-        if let Some(run) = &mut self.run {
-            run.share = share.clamp(0.0, 1.0);
+        if matches!(self.asked, Some(Asked::Anew { .. })) {
             self.asked = None;
         }
+        self.change(clock);
+    }
+
+    /// Speeds or rates of moves have changed, or the override has. A trajectory in execution is slowed down to a pace that is
+    /// within all of them, or comes back to its own; then what is left of it is planned anew.
+    pub fn change(&mut self, clock: &Clock) {
         self.change_pace(clock);
     }
 
     /// Goes on with what the pace is to come to, where that was not possible at once. At every tick, before all else.
     pub fn steer(&mut self, clock: &Clock) {
-        if let Some(run) = &mut self.run {
-            run.pace.steer(&run.trajectory, clock);
+        if let Some(run) = &mut self.run
+            && run.pace.steer(&run.trajectory, clock)
+        {
+            self.plans = self.plans.wrapping_add(1);
         }
     }
 
-    /// Brings the pace to what override and share ask for, with the rates of the moves on the trajectory at most.
+    /// Brings the pace to one, at most 1, with which every move is within its speed and rates.
     fn change_pace(&mut self, clock: &Clock) {
+        let rate = self.planned_rate();
         let Some(run) = self.run.as_mut().filter(|run| run.course == Course::Travelling) else {
             return;
         };
+        let left = run.trajectory.moves() - run.passed;
+        let (mut target, mut stale) = (1.0_f64, false);
+        for (place, motion) in self.moves.iter().take(left).enumerate() {
+            let Some(planned) = run.trajectory.rates(run.passed + place) else {
+                break;
+            };
+            let wanted = motion.limits;
+            let own = wanted.jerk.map(least);
+            let own_speed = requests::planned_speed(wanted.speed, rate);
+            stale |= (own_speed / planned.speed - 1.0).abs() > SAME;
+            target = share_of(target, self.rate * wanted.speed / planned.speed);
+            let shares = [
+                (wanted.acceleration / planned.acceleration).sqrt(),
+                (wanted.deceleration / planned.deceleration).sqrt(),
+                own.zip(planned.jerk)
+                    .map_or(1.0, |(own, planned)| libm::cbrt(own / planned)),
+            ];
+            for share in shares {
+                stale |= (share - 1.0).abs() > SAME;
+                target = share_of(target, share);
+            }
+        }
+        run.stale = stale;
+        run.changed = clock.now();
         let speed = run.trajectory.peaks().speed.max(f64::MIN_POSITIVE);
         let rates = run.trajectory.least_rates();
         let wanted = Wanted {
-            target: (self.rate / run.scale).min(1.0) * run.share,
+            target,
             rate: rates.acceleration.min(rates.deceleration) / speed,
             jerk: rates.jerk.map(|jerk| jerk / speed),
             extra: [0.0; 2],
         };
         run.pace.ask(wanted, &run.trajectory, clock);
+        self.plans = self.plans.wrapping_add(1);
+    }
+
+    /// As [`ContourQueue::stop`], where a master leads: `clock` shows its way as time, and `way` how that goes on. From now on the
+    /// queue's clock is `time`. The master may have been faster than what was planned for, so no limits but those of the stop
+    /// are looked at.
+    pub fn stop_in_time(&mut self, limits: &Limits, way: &crate::Pace, clock: &Clock, time: &Clock) {
+        self.asked = None;
+        let Some(run) = &mut self.run else {
+            return;
+        };
+        let now = way.in_time(run.pace.at(clock));
+        let speed = run.trajectory.at(now.position).velocity.norm().max(1e-3 * limits.speed);
+        let jerk = limits.jerk.map(|jerk| jerk.deceleration / speed);
+        run.course = Course::Stopping;
+        run.pace = Pace::stopping(now, limits.deceleration / speed, jerk, time);
     }
 
     /// Brakes on the path from the present tick on, as the limits of the axes allow. The moves are the caller's to end.
@@ -283,3 +347,16 @@ impl<T: Copy> ContourQueue<T> {
         })
     }
 }
+
+/// The lesser of two shares; what is 1 but for rounding is 1.
+fn share_of(target: f64, share: f64) -> f64 {
+    if share < 1.0 - SAME { target.min(share) } else { target }
+}
+
+/// The jerk that a contour is planned with.
+fn least(jerk: Jerk) -> f64 {
+    jerk.acceleration.min(jerk.deceleration)
+}
+
+/// Shares that differ by no more are the same.
+const SAME: f64 = 1e-9;

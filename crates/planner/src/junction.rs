@@ -41,34 +41,51 @@ const COLLINEAR: f64 = 0.001_745_328_365_898_309;
 /// Tangents that differ less are equal: what floating point leaves of an exact tangent (motion-core §6.3).
 const TANGENT: f64 = 1e-6;
 
+/// What geometry and endings make of the place between two moves: it stays when speeds and rates change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shape {
+    Rest,
+    Overtake { tolerance: f64 },
+    Blend { tolerance: f64 },
+    Pass { constrained: bool, in_line: bool },
+}
+
 /// How `first` goes over into `second`; `blended` tells that something blended into `first`.
 pub(crate) fn junction<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Junction {
+    match shape(first, second, blended) {
+        Shape::Rest => Junction::Rest,
+        Shape::Overtake { tolerance } => Junction::Overtake { tolerance },
+        Shape::Blend { tolerance } => Junction::Blend { tolerance },
+        Shape::Pass { constrained, in_line } => Junction::Pass {
+            constrained,
+            early: in_line && second.limits.speed < first.limits.speed,
+        },
+    }
+}
+
+fn shape<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Shape {
     let other = first.parameter != second.parameter;
     if other || first.path.length() == 0.0 || second.path.length() == 0.0 {
-        return Junction::Rest;
+        return Shape::Rest;
     }
     let turns = first.turn.is_some() || second.turn.is_some();
     let in_line = !turns && collinear(&first.path, &second.path);
-    let slower = second.limits.speed < first.limits.speed;
     match first.ending {
         Ending::Blend { tolerance } if tolerance > 0.0 => {
             let tolerance = effective_tolerance(tolerance, first, second, blended);
             match (in_line, tolerance.is_finite()) {
-                (true, true) => Junction::Overtake { tolerance },
-                (true, false) => Junction::Pass {
+                (true, true) => Shape::Overtake { tolerance },
+                (true, false) => Shape::Pass {
                     constrained: true,
-                    early: slower,
+                    in_line,
                 },
-                (false, _) => Junction::Blend { tolerance },
+                (false, _) => Shape::Blend { tolerance },
             }
         }
         // A turn begins and ends at rest.
-        Ending::Contour { .. } if turns => Junction::Rest,
-        Ending::Contour { constrained } => Junction::Pass {
-            constrained,
-            early: in_line && slower,
-        },
-        Ending::Stop | Ending::Blend { .. } => Junction::Rest,
+        Ending::Contour { .. } if turns => Shape::Rest,
+        Ending::Contour { constrained } => Shape::Pass { constrained, in_line },
+        Ending::Stop | Ending::Blend { .. } => Shape::Rest,
     }
 }
 
@@ -136,38 +153,69 @@ impl Link {
     }
 }
 
-/// What lies between two moves. One profile can lead over both where the path goes on without a corner, the rates are
-/// the same, and the second one is to be able to stop in time (motion-core §7). `corner_step` bounds the change of
-/// each axis's velocity in a corner, units/s.
-pub(crate) fn link<T>(first: &Move<T>, second: &Move<T>, blended: bool, corner_step: &Point) -> Link {
-    let rates_stay = same_rates(&first.limits, &second.limits);
-    match junction(first, second, blended) {
-        Junction::Rest | Junction::Blend { .. } => Link::Rest,
-        Junction::Overtake { .. } if rates_stay => Link::Free,
-        // Where it is safe, the successor slows down from its tolerance on.
-        Junction::Overtake { .. } => Link::Pass {
-            speed: first.limits.speed,
-            corner: f64::INFINITY,
-            constrained: true,
-        },
-        Junction::Pass { constrained, .. } => {
-            let mut corner = corner_speed(&first.path, &second.path, corner_step) / first.parameter.speed;
-            if corner.is_finite() {
-                corner = corner.min(second.corner);
-            }
-            let speed = first.limits.speed.min(second.limits.speed);
-            if corner == 0.0 {
-                Link::Rest
-            } else if !constrained || !rates_stay || corner.is_finite() {
-                Link::Pass {
-                    speed,
-                    corner,
-                    constrained,
+/// The place between two moves, without their speeds and rates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Joint {
+    shape: Shape,
+    /// The highest speed that the corner leaves, of the parameter.
+    corner: f64,
+}
+
+impl Joint {
+    /// Nothing before it.
+    pub(crate) const FIRST: Joint = Joint {
+        shape: Shape::Rest,
+        corner: 0.0,
+    };
+
+    /// `blended` tells that something blended into `first`; `corner_step` bounds the change of each axis's velocity in a corner,
+    /// units/s.
+    pub(crate) fn new<T>(first: &Move<T>, second: &Move<T>, blended: bool, corner_step: &Point) -> Joint {
+        let shape = shape(first, second, blended);
+        let mut corner = match shape {
+            Shape::Pass { .. } => corner_speed(&first.path, &second.path, corner_step) / first.parameter.speed,
+            _ => 0.0,
+        };
+        if corner.is_finite() {
+            corner = corner.min(second.corner);
+        }
+        Joint { shape, corner }
+    }
+
+    /// Whether the first move is superposed on, or overtaken by, the second.
+    pub(crate) fn blends(&self) -> bool {
+        matches!(self.shape, Shape::Blend { .. } | Shape::Overtake { .. })
+    }
+
+    /// What lies between two moves with these limits. One profile can lead over both where the path goes on without a corner,
+    /// the rates are the same, and the second one is to be able to stop in time (motion-core §7).
+    pub(crate) fn link(&self, first: &Limits, second: &Limits) -> Link {
+        let rates_stay = same_rates(first, second);
+        match self.shape {
+            Shape::Rest | Shape::Blend { .. } => Link::Rest,
+            Shape::Overtake { .. } if rates_stay => Link::Free,
+            // Where it is safe, the successor slows down from its tolerance on.
+            Shape::Overtake { .. } => Link::Pass {
+                speed: first.speed,
+                corner: f64::INFINITY,
+                constrained: true,
+            },
+            Shape::Pass { constrained, .. } => {
+                let corner = self.corner;
+                let speed = first.speed.min(second.speed);
+                if corner == 0.0 {
+                    Link::Rest
+                } else if !constrained || !rates_stay || corner.is_finite() {
+                    Link::Pass {
+                        speed,
+                        corner,
+                        constrained,
+                    }
+                } else if second.speed < first.speed {
+                    Link::Slower { speed }
+                } else {
+                    Link::Free
                 }
-            } else if second.limits.speed < first.limits.speed {
-                Link::Slower { speed }
-            } else {
-                Link::Free
             }
         }
     }

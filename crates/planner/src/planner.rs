@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use arcline_geometry::{Path, Point, Turn};
-use arcline_profile::{Limits, Profile, State};
+use arcline_profile::{Jerk, Limits, Profile, State};
 
 use crate::junction::{Ending, braking, is_along};
 use crate::merge::Within;
@@ -45,6 +45,21 @@ pub struct Parameter {
 impl Parameter {
     /// Time.
     pub const TIME: Parameter = Parameter { number: 0, speed: 1.0 };
+
+    /// Limits by the way as such by time, while it goes on at its speed.
+    #[must_use]
+    pub fn in_time(&self, limits: &Limits) -> Limits {
+        let (once, twice) = (self.speed, self.speed * self.speed);
+        Limits {
+            speed: limits.speed * once,
+            acceleration: limits.acceleration * twice,
+            deceleration: limits.deceleration * twice,
+            jerk: limits.jerk.map(|jerk| Jerk {
+                acceleration: jerk.acceleration * twice * once,
+                deceleration: jerk.deceleration * twice * once,
+            }),
+        }
+    }
 }
 
 /// The move being interpolated.

@@ -13,7 +13,7 @@ use std::collections::VecDeque;
 use arcline_geometry::Point;
 use arcline_profile::{Limits, entry_speed};
 
-use crate::junction::{Junction, Link, junction, link};
+use crate::junction::{Joint, Link};
 use crate::planner::Move;
 
 /// Pending moves, oldest first, each known by its number.
@@ -42,6 +42,8 @@ pub(crate) struct Waiting<T> {
     start: f64,
     /// Whether the move before it blends into it.
     blended: bool,
+    /// The place before it.
+    joint: Joint,
 }
 
 /// A place that must not be passed faster than at a speed, with acceleration 0 if it is passed at that speed.
@@ -119,15 +121,24 @@ impl<T: Copy> Queue<T> {
     pub(crate) fn push(&mut self, motion: Move<T>, active: Option<(&Move<T>, bool, f64)>) {
         let next = self.first + self.moves.len() as u64;
         let before = match self.moves.back() {
-            Some(last) => Some(*last),
-            None => active.map(|(motion, blended, start)| Waiting {
-                motion: *motion,
-                start,
-                blended,
-            }),
+            Some(last) => Some((&last.motion, last.blended, last.start)),
+            None => active,
         };
-        let (start, blended) = before.map_or((0.0, false), |before| self.join(&before, &motion, next));
-        self.moves.push_back(Waiting { motion, start, blended });
+        let mut waiting = Waiting {
+            motion,
+            start: 0.0,
+            blended: false,
+            joint: Joint::FIRST,
+        };
+        if let Some((before, blended, start)) = before {
+            let joint = Joint::new(before, &motion, blended, &self.corner_step);
+            let end = start + before.path.length();
+            let link = joint.link(&before.limits, &motion.limits);
+            waiting.blended = joint.blends();
+            waiting.joint = joint;
+            waiting.start = self.bind(next, end, link);
+        }
+        self.moves.push_back(waiting);
         let stale = self.carry.map_or(0, |carry| carry.next);
         self.carry = Some(Carry { next, stale });
         self.carry_on();
@@ -156,7 +167,8 @@ impl<T: Copy> Queue<T> {
                 bounds.pop_front();
             }
         }
-        let link = link(active, &front.motion, blended, &self.corner_step);
+        let joint = Joint::new(active, &front.motion, blended, &self.corner_step);
+        let link = joint.link(&active.limits, &front.motion.limits);
         let length = active.path.length();
         let (start, at) = if link.ends_run() {
             (0.0, length)
@@ -184,7 +196,8 @@ impl<T: Copy> Queue<T> {
         self.look_again(WORK);
     }
 
-    /// After [`Queue::iter_mut`]: finds runs and bounds anew. Grows with the queue.
+    /// After [`Queue::iter_mut`]: finds runs and bounds anew. Grows with the queue, by some comparisons of limits for each
+    /// move.
     pub(crate) fn refresh(&mut self) {
         if !std::mem::take(&mut self.touched) {
             return;
@@ -192,10 +205,10 @@ impl<T: Copy> Queue<T> {
         self.slower.clear();
         self.ends.clear();
         for place in 1..self.moves.len() {
-            let (before, motion) = (self.moves[place - 1], self.moves[place].motion);
-            let next = self.first + place as u64;
-            let (start, blended) = self.join(&before, &motion, next);
-            self.moves[place] = Waiting { motion, start, blended };
+            let (before, here) = (&self.moves[place - 1], &self.moves[place]);
+            let link = here.joint.link(&before.motion.limits, &here.motion.limits);
+            let end = before.start + before.motion.path.length();
+            self.moves[place].start = self.bind(self.first + place as u64, end, link);
         }
         self.look_again(AT_ONCE);
     }
@@ -277,13 +290,9 @@ impl<T: Copy> Queue<T> {
         });
     }
 
-    /// Adds the bound between two moves, if there is one. Returns where on its run the second one begins, and whether the
-    /// first one blends into it.
-    fn join(&mut self, before: &Waiting<T>, motion: &Move<T>, next: u64) -> (f64, bool) {
-        let link = link(&before.motion, motion, before.blended, &self.corner_step);
-        let between = junction(&before.motion, motion, before.blended);
-        let blends = matches!(between, Junction::Blend { .. } | Junction::Overtake { .. });
-        let end = before.start + before.motion.path.length();
+    /// Adds the bound before a move, if there is one; `end` is that of the move before it on its run. Returns where on its run
+    /// the move begins.
+    fn bind(&mut self, next: u64, end: f64, link: Link) -> f64 {
         let bound = Bound {
             next,
             at: end,
@@ -295,7 +304,7 @@ impl<T: Copy> Queue<T> {
             Link::Slower { .. } => self.slower.push_back(bound),
             _ => self.ends.push_back(bound),
         }
-        (if link.ends_run() { 0.0 } else { end }, blends)
+        if link.ends_run() { 0.0 } else { end }
     }
 
     /// Where the last move ends on its run.

@@ -28,6 +28,7 @@ fn machine(period_ns: u64) -> Machine {
         exception_actions: ExceptionActions::default(),
         average_velocity_timebase: 0.25,
         inputs: Default::default(),
+        output_cam_targets: 0,
         home: arcline_controller::machine::Home::immediate(1.0, 1.0),
     };
     Machine {

@@ -3,6 +3,8 @@
 
 const SILENCE_MS = 1500;
 const ANSWER_MS = 10_000;
+/** Simulations wait for each other. */
+const PATIENT = { preview: 120_000, dry_run: 120_000 };
 const FIRST_PAUSE_MS = 250;
 const LONGEST_PAUSE_MS = 2000;
 
@@ -61,7 +63,8 @@ export class Connection extends EventTarget {
     if (!this.#opened) return Promise.reject(new Refusal({ text: "no connection to the server" }));
     const id = this.#next++;
     return new Promise((resolve, reject) => {
-      const timer = setTimeout(() => this.#finish(id, { error: { text: `no answer to ${what} within 10 s` } }), ANSWER_MS);
+      const most = PATIENT[what] ?? ANSWER_MS;
+      const timer = setTimeout(() => this.#finish(id, { error: { text: `no answer to ${what} within ${most / 1000} s` } }), most);
       this.#requests.set(id, { resolve, reject, timer });
       this.#socket.send(JSON.stringify({ id, do: what, ...fields }));
     });

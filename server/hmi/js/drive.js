@@ -218,7 +218,7 @@ export class Drive {
       text(part.actual, fixed(status.actual));
       text(part.servo, status.servo_on ? "Servo off" : "Servo on");
       state(part.servo, "on", String(status.servo_on));
-      text(part.note, status.faults.join(", "));
+      text(part.note, status.faults.map((word) => store.faultText(word)).join(" "));
       state(part.element, "held", String(jogger.holds(part.axis)));
       for (const button of [part.less, part.more]) button.disabled = !mine || !status.servo_on;
       for (const button of [part.servo, part.home, part.reset]) button.disabled = !mine;

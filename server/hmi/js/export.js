@@ -4,11 +4,12 @@ import { clock } from "./format.js";
 
 const MOST_ROWS = 700_000;
 
-/** The ticks `from` to before `to` as CSV: `tick,time_s` and a column for each `{name, series}`. */
+/** The ticks `from` to before `to` as CSV, those that are known: `tick,time_s` and a column for each `{name, series}`. */
 export function csv(samples, columns, from, to) {
   const first = Math.max(Math.ceil(from), samples.first, Math.floor(to) - MOST_ROWS);
   const lines = [["tick", "time_s", ...columns.map(({ name }) => name)].join(",")];
   for (let tick = first; tick < Math.min(to, samples.end); tick++) {
+    if (tick % samples.step(tick)) continue;
     const values = columns.map(({ series }) => {
       const value = series.at(tick);
       return Number.isNaN(value) ? "" : String(value);

@@ -1,6 +1,6 @@
 // The view of the whole machine: axes, coordinate systems, the group, the health of the tick.
 
-import { chips, h, property, state, text } from "./dom.js";
+import { chips, fill, h, property, state, text } from "./dom.js";
 import { duration, fixed, rate } from "./format.js";
 
 export class Machine {
@@ -13,12 +13,13 @@ export class Machine {
     this.systems = machine.coordinate_systems.map((system) => this.#system(system));
     this.health = Object.fromEntries(["state", "tick", "p50", "p99", "max", "missed"].map((name) => [name, h("dd")]));
     this.groupBits = h("div.chips");
+    this.faults = h("ul.faults", { "aria-label": "Faults and what to do", hidden: true });
     const head = ["Axis", "Command", "Actual", "Error", "Velocity", "State", "Homed", "Servo", "Faults"];
     this.element = h("section.view.machine", { "aria-label": this.title },
       h("div.panel.axes", {}, h("h2", {}, "Axes"),
         h("div.scroll-x", {}, h("table.axis-table", {},
           h("thead", {}, h("tr", {}, head.map((name) => h("th", { scope: "col" }, name)))),
-          h("tbody", {}, this.axes.map(({ row }) => row))))),
+          h("tbody", {}, this.axes.map(({ row }) => row)))), this.faults),
       h("div.systems", {}, this.systems.map(({ element }) => element)),
       h("div.panel.group", {}, h("h2", {}, `Group ${machine.group}`),
         h("dl.health", {}, h("dt", {}, "State"), this.health.state, h("dt", {}, "Tick"), this.health.tick,
@@ -61,6 +62,15 @@ export class Machine {
     const { status } = store;
     for (const row of this.axes) this.#updateAxis(row, store.axisStatus(row.axis.name));
     for (const part of this.systems) this.#updateSystem(part, store.systemStatus(part.system.name));
+    const faults = status.axes.flatMap(({ name, faults: words }) => words.map((word) => `${name} ${word}`));
+    this.faults.hidden = !faults.length;
+    if (this.told !== faults.join()) {
+      this.told = faults.join();
+      fill(this.faults, faults.map((fault) => {
+        const [name, word] = fault.split(" ");
+        return h("li", {}, h("b", {}, `${name} `), store.faultText(word));
+      }));
+    }
     const { realtime, group } = status;
     const micro = (value) => (Number.isFinite(value) ? `${Math.round(value)} µs` : "–");
     text(this.health.state, group?.state ?? (group?.bits?.includes("GroupSynced") ? "Synchronized" : "–"));

@@ -61,8 +61,9 @@ export class PathCanvas {
   fit() {
     if (!this.system) return;
     this.#points = this.#trail();
-    this.#fitted = this.#box();
-    this.camera.fit(this.#fitted);
+    const box = this.#box();
+    this.#fitted = this.#place() && box;
+    this.camera.fit(box);
     this.#untouched = true;
     this.stage.touch();
   }
@@ -125,13 +126,13 @@ export class PathCanvas {
     return points;
   }
 
-  /** Where it is at the moment that is shown. */
+  /** Where it is at the moment that is shown; `null` before anything is known. */
   #place() {
     const { samples, moment, store } = this.app;
     const end = moment.tick ?? samples.end - 1;
     const place = point(this.system.axes.map((name) => samples.axis(name)), end);
     if (place.every(Number.isFinite)) return place;
-    return spread(this.system.axes.map((name) => store.axisStatus(name)?.actual ?? 0));
+    return store.status && spread(this.system.axes.map((name) => store.axisStatus(name)?.actual ?? 0));
   }
 
   #paths() {
@@ -156,7 +157,8 @@ export class PathCanvas {
       [active, ...pending].forEach((line) => line.forEach(take));
       this.#previewPaths().forEach((path) => path.points.forEach(take));
       this.#points.forEach(take);
-      take(this.#place());
+      const place = this.#place();
+      if (place) take(place);
     }
     for (let k = 0; k < 3; k++) {
       if (!Number.isFinite(low[k])) low[k] = high[k] = 0;
@@ -208,8 +210,9 @@ export class PathCanvas {
     const [left, right] = this.#fitted ?? [low, high];
     const outside = low.some((value, k) => value < left[k] - 1e-9 || high[k] > right[k] + 1e-9);
     if (this.#fitted && !outside) return;
-    this.#fitted = [low.map((value, k) => Math.min(value, left[k])), high.map((value, k) => Math.max(value, right[k]))];
-    this.camera.fit(this.#fitted);
+    const box = [low.map((value, k) => Math.min(value, left[k])), high.map((value, k) => Math.max(value, right[k]))];
+    this.#fitted = this.#place() && box;
+    this.camera.fit(box);
   }
 
   #drawTrail(context, project, colours) {
@@ -223,7 +226,9 @@ export class PathCanvas {
   }
 
   #drawPlace(context, project, colours) {
-    const [x, y] = project(...this.#place());
+    const place = this.#place();
+    if (!place) return;
+    const [x, y] = project(...place);
     context.strokeStyle = colours.text;
     context.lineWidth = 1;
     context.beginPath();

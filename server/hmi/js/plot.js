@@ -1,7 +1,7 @@
 // Stacked lanes of signals over time on a canvas. Time in seconds, values in the units of the lane.
 // A column of pixels shows the least and the greatest value of its ticks, so no peak is lost at any zoom.
 
-import { clock, decimals, fixed, niceStep, short } from "./format.js";
+import { clock, decimals, duration, fixed, niceStep, short } from "./format.js";
 
 /** Room for the numbers at the left and the times below, in pixels. */
 export const MARGIN = { left: 62, right: 12, top: 6, bottom: 22, gap: 8 };
@@ -197,4 +197,21 @@ export function drawCursor(context, width, height, tick, name, from, to, colour,
   context.textAlign = "center";
   context.textBaseline = "middle";
   context.fillText(name, x, height - MARGIN.bottom + 8.5);
+}
+
+/** Says below the lanes where only a few ticks at a time are known, as `{from, to, every}`. */
+export function drawCoarse(context, width, height, coarse, from, to, samples, colours) {
+  for (const part of coarse) {
+    const left = pixelOf(Math.max(part.from, from), width, from, to);
+    const right = pixelOf(Math.min(part.to, to), width, from, to);
+    if (right <= left) continue;
+    context.fillStyle = colours.warn;
+    context.fillRect(left, height - MARGIN.bottom, right - left, 2);
+    const text = `steps of ${duration(part.every * samples.period)}`;
+    context.font = `11px ${colours.font}`;
+    if (right - left < context.measureText(text).width + 12) continue;
+    context.textAlign = "left";
+    context.textBaseline = "bottom";
+    context.fillText(text, left + 6, height - MARGIN.bottom - 3);
+  }
 }

@@ -1,7 +1,10 @@
 // The last ten minutes and more of every signal, one value a tick, with the least and the greatest of every 16 and 256.
 // Positions in position units, rates per s, s² and s³. A tick that did not arrive is NaN. It knows nothing of drawing.
+// What was before the page came may be known of a few ticks at a time only: exact are then its extrema and every first
+// value, and between two of these lies a straight line.
 
 const MAGIC = 0x31435241; // "ARC1", little-endian
+const PAST = 0x32435241; // "ARC2"
 const HEAD = 24;
 const SECONDS = 660;
 const BUCKETS = [16, 256];
@@ -23,9 +26,29 @@ class Series {
     this.stored = stored;
     this.levels = BUCKETS.map((size) => ({
       size,
-      least: new Float32Array(capacity / size),
-      greatest: new Float32Array(capacity / size),
+      least: new Float32Array(capacity / size).fill(NaN),
+      greatest: new Float32Array(capacity / size).fill(NaN),
     }));
+  }
+
+  /** Forgets the extrema. */
+  clear() {
+    for (const { least, greatest } of this.levels) {
+      least.fill(NaN);
+      greatest.fill(NaN);
+    }
+  }
+
+  /** Enters what is known of the ticks `from` to before `to` into the extrema, beside what is there. */
+  cover(from, to, low, high) {
+    if (Number.isNaN(low) || Number.isNaN(high)) return;
+    for (const { size, least, greatest } of this.levels) {
+      for (let bucket = Math.floor(from / size); bucket * size < to; bucket++) {
+        const place = bucket % least.length;
+        if (!(low >= least[place])) least[place] = low;
+        if (!(high <= greatest[place])) greatest[place] = high;
+      }
+    }
   }
 
   /** The value at a tick; NaN where there is none. */
@@ -84,6 +107,8 @@ export class Samples {
   first = 0;
   /** The tick behind the newest. */
   end = 0;
+  /** Where only a few ticks at a time are known: `{from, to, every}`. */
+  coarse = [];
 
   /** `machine` is the answer of `/api/machine`. */
   constructor(machine) {
@@ -110,21 +135,85 @@ export class Samples {
     return tick * this.period;
   }
 
-  /** Takes a frame; gives whether it was one of this machine. */
+  /** Takes a frame; gives its first tick, or `null` if it was none of this machine. */
   add(buffer) {
-    const view = new DataView(buffer);
-    if (buffer.byteLength < HEAD || view.getUint32(0, true) !== MAGIC) return false;
-    const count = view.getUint32(4, true);
-    const columns = view.getUint32(8, true);
-    const start = Number(view.getBigUint64(16, true));
-    if (columns !== this.columns || buffer.byteLength < HEAD + columns * (8 + 4 * count)) return false;
-    const bases = new Float64Array(buffer, HEAD, columns);
-    const rows = new Float32Array(buffer, HEAD + 8 * columns, columns * count);
+    const frame = read(buffer, MAGIC);
+    if (frame?.columns !== this.columns) return null;
+    const { start, count, value } = frame;
     this.#skipTo(start, count);
     for (let row = 0; row < count; row++) {
-      if (start + row >= this.end) this.#put(start + row, (column) => bases[column] + rows[row * columns + column]);
+      if (start + row >= this.end) this.#put(start + row, (column) => value(row, column, 0));
     }
-    return true;
+    return start;
+  }
+
+  /** Whether a frame is one of what was before. */
+  static isPast(buffer) {
+    return buffer.byteLength >= HEAD && new DataView(buffer).getUint32(0, true) === PAST;
+  }
+
+  /** Takes a frame of what was before the tick `before`, behind which everything is known. */
+  fill(buffer, before) {
+    const frame = read(buffer, PAST, this.columns);
+    if (!frame || before > this.end) return;
+    const { start, count, every, columns } = frame;
+    // The oldest buckets are about to be overwritten.
+    const oldest = Math.max(start, this.end - this.capacity + BUCKETS[1]);
+    const until = Math.min(before, start + count * every);
+    if (oldest >= until) return;
+    this.first = Math.min(this.first, oldest);
+    for (let tick = until; tick < before; tick++) this.#write(tick, () => NaN);
+    if (columns === this.columns) {
+      for (let tick = oldest; tick < until; tick++) this.#write(tick, (column) => frame.value(tick - start, column, 0));
+      this.#each((series) => {
+        for (let tick = oldest; tick <= until && tick < this.end; tick++) series.cover(tick, tick + 1, series.value(tick), series.value(tick));
+      });
+      return;
+    }
+    this.#lines(frame, oldest, until);
+    for (let row = 0; row < count; row++) {
+      const from = Math.max(oldest, start + row * every);
+      const to = Math.min(until, start + (row + 1) * every);
+      if (from < to) this.#extrema(frame, row, from, to);
+    }
+    const last = this.coarse[0];
+    if (last?.from === until && last.every === every) last.from = oldest;
+    else this.coarse.unshift({ from: oldest, to: until, every });
+  }
+
+  /** Ticks from one known value to the next at a tick: 1 where every tick is known. */
+  step(tick) {
+    return this.coarse.find(({ from, to }) => tick >= from && tick < to)?.every ?? 1;
+  }
+
+  /** Straight lines between the first values of rows of a few ticks. */
+  #lines({ start, count, every, value }, from, to) {
+    for (let tick = from; tick < to; tick++) {
+      const row = Math.floor((tick - start) / every);
+      const share = (tick - start - row * every) / every;
+      this.#write(tick, (column) => {
+        const here = value(row, column, 0);
+        if (row + 1 >= count) return here;
+        const line = here + share * (value(row + 1, column, 0) - here);
+        // A rotary axis that goes through its unwind does not pass through what lies between.
+        return Math.min(Math.max(line, value(row, column, 1)), value(row, column, 2));
+      });
+    }
+  }
+
+  /** The extrema of a row of a few ticks. */
+  #extrema({ value }, row, from, to) {
+    const enter = (series, column) => series.cover(from, to, value(row, column, 1), value(row, column, 2));
+    this.axes.forEach((axis, k) => {
+      [axis.position, axis.velocity, axis.acceleration, axis.actual].forEach((series, column) => enter(series, 4 * k + column));
+      [axis.jerk, axis.error].forEach((series, column) => enter(series, this.columns + 2 * k + column));
+    });
+    this.systems.forEach((system, k) => enter(system.speed, 4 * this.axes.length + k));
+  }
+
+  #each(take) {
+    for (const axis of this.axes) axis.all.forEach(take);
+    for (const system of this.systems) take(system.speed);
   }
 
   /** Fills what is missing before a tick; a server that began again, or a long gap, empties everything. */
@@ -133,31 +222,33 @@ export class Samples {
     if (this.end === 0 || restarted || start - this.end >= this.capacity) {
       this.first = start;
       this.end = start;
+      this.coarse = [];
+      this.#each((series) => series.clear());
     }
     while (this.end < start) this.#put(this.end, () => NaN);
   }
 
   #put(tick, column) {
     const begins = tick === this.first;
-    const place = tick % this.capacity;
     this.end = tick + 1;
     // The oldest bucket is being overwritten, so what is kept begins behind it.
     this.first = Math.max(this.first, this.end - this.capacity + BUCKETS[1]);
+    while (this.coarse[0]?.to <= this.first) this.coarse.shift();
+    this.#write(tick, column);
+    this.#each((series) => series.note(tick, series.value(tick), begins));
+  }
+
+  /** Enters the values of a tick. */
+  #write(tick, column) {
+    const place = tick % this.capacity;
     this.axes.forEach((axis, k) => {
       const command = column(4 * k);
-      const acceleration = column(4 * k + 2);
-      const actual = column(4 * k + 3);
       axis.position.stored[place] = command;
       axis.velocity.stored[place] = column(4 * k + 1);
-      axis.acceleration.stored[place] = acceleration;
-      axis.error.stored[place] = command - actual;
-      for (const series of axis.all) series.note(tick, series.value(tick), begins);
+      axis.acceleration.stored[place] = column(4 * k + 2);
+      axis.error.stored[place] = command - column(4 * k + 3);
     });
-    this.systems.forEach((system, k) => {
-      const value = column(4 * this.axes.length + k);
-      system.speed.stored[place] = value;
-      system.speed.note(tick, value, begins);
-    });
+    this.systems.forEach((system, k) => (system.speed.stored[place] = column(4 * this.axes.length + k)));
   }
 
   #kept(kind) {
@@ -184,4 +275,22 @@ export class Samples {
   #system(name) {
     return { name, speed: this.#kept(Float32Array) };
   }
+}
+
+/**
+ * A frame: its first tick, how many rows, ticks of a row, signals, and `value(row, column, which)`. One that has more than
+ * `known` signals has three numbers of each: the first value, the least and the greatest. `null` if it is none.
+ */
+function read(buffer, magic, known = Infinity) {
+  const view = new DataView(buffer);
+  if (buffer.byteLength < HEAD || view.getUint32(0, true) !== magic) return null;
+  const count = view.getUint32(4, true);
+  const columns = view.getUint32(8, true);
+  const every = view.getUint32(12, true) || 1;
+  const each = columns > known ? 3 : 1;
+  if (buffer.byteLength < HEAD + columns * (8 + 4 * each * count)) return null;
+  const bases = new Float64Array(buffer, HEAD, columns);
+  const rows = new Float32Array(buffer, HEAD + 8 * columns, columns * each * count);
+  const value = (row, column, which) => bases[column] + rows[(row * columns + column) * each + which];
+  return { start: Number(view.getBigUint64(16, true)), count, every, columns, value };
 }

@@ -9,6 +9,7 @@ import { Jogger } from "./jog.js";
 import { Lives } from "./lives.js";
 import { Machine } from "./machine.js";
 import { Moment } from "./moment.js";
+import { Past } from "./past.js";
 import { Path } from "./path.js";
 import { Program } from "./program.js";
 import { Samples } from "./samples.js";
@@ -75,6 +76,7 @@ async function begin() {
   await loaded(app);
   app.samples = new Samples(app.store.machine);
   app.moment = new Moment(app.samples);
+  app.past = new Past(app);
   const events = new Events(app);
   const shell = new Shell(app, [
     ["machine", "machine", new Machine(app)], ["path", "path", new Path(app)], ["trends", "trends", new Trends(app)], ["drive", "drive", new Drive(app)],
@@ -90,7 +92,7 @@ async function begin() {
   connection.addEventListener("lost", () => shell.connected(false));
   connection.addEventListener("push", ({ detail }) => store.take(detail));
   connection.addEventListener("samples", ({ detail }) => {
-    app.samples.add(detail);
+    app.past.take(detail);
     app.moment.keep();
   });
   store.addEventListener("status", () => shell.update());
@@ -117,6 +119,7 @@ async function greet(app) {
       location.reload();
       return;
     }
+    app.past.begin();
     await connection.request("trace", { on: true });
     const { events } = await connection.request("events");
     // Whatever was pushed meanwhile is among them.

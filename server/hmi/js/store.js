@@ -67,6 +67,12 @@ export class Store extends EventTarget {
     return this.catalogue.instructions.find((instruction) => instruction.mnemonic === mnemonic);
   }
 
+  /** What has happened when an axis has a fault, and what to do. */
+  faultText(word) {
+    const meaning = this.catalogue.faults.find((fault) => fault.word === word)?.meaning ?? "";
+    return `${word}: ${meaning} Take the cause away, then Reset and Servo on.`;
+  }
+
   /** The names of the axes of an axis, a coordinate system or the group. */
   axesOf(object) {
     if (object === this.machine.group) return this.machine.axes.map(({ name }) => name);

@@ -6,11 +6,12 @@ const GOOD_MS = 4000;
 const BAD_MS = 15_000;
 const MOST = 4;
 
-/** What there is to say about a refusal or an error: text, cause and remedy as elements. */
+/** What there is to say about a refusal or an error: text, cause, what EXERR points at, and remedy as elements. */
 export function explanation(error) {
   return h("div.explanation", {},
     h("p.explanation-text", {}, error.text ?? error.message ?? String(error)),
     error.cause && h("p", {}, h("b", {}, "Cause "), error.cause),
+    error.concerns && h("p", {}, h("b", {}, "Where "), error.concerns),
     error.remedy && h("p", {}, h("b", {}, "What to do "), error.remedy));
 }
 

@@ -4,7 +4,7 @@ import { Stage, gestures } from "./canvas.js";
 import { h, icon, fill, segmented, state, text } from "./dom.js";
 import { csv, fileName, save, savePicture } from "./export.js";
 import { duration, rate, short } from "./format.js";
-import { drawCursor, drawLanes, tickAt } from "./plot.js";
+import { drawCoarse, drawCursor, drawLanes, tickAt } from "./plot.js";
 import { KINDS } from "./samples.js";
 import { axisColour, keep, onchange, palette } from "./theme.js";
 import { Timebar } from "./timebar.js";
@@ -189,6 +189,7 @@ export class Trends {
     const colours = palette();
     const [from, to] = this.#window();
     drawLanes(context, width, height, this.#lanes, from, to, samples, colours);
+    drawCoarse(context, width, height, samples.coarse, from, to, samples, colours);
     if (!this.#lanes.length) {
       context.fillStyle = colours.muted;
       context.textAlign = "center";

@@ -3,16 +3,20 @@
 //! A frame is `"ARC1"`, then little-endian: rows n (u32), signals m (u32), 0 (u32), the tick of the first row (u64), a base
 //! of every signal (m × f64), and n × m differences from the bases (f32), row by row. Between two frames no tick is missing,
 //! unless the viewer was too slow or the store has a gap: then the first tick tells.
+//!
+//! What was before a viewer came is `"ARC2"`, asked for piece by piece: after rows and signals follow the ticks k of a row
+//! (u32), then as above. Where it has more signals than other frames, these are jerk and following error of each axis, and a row
+//! has three differences of each signal: those of its value at the first tick, its least and its greatest.
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use arcline_controller::machine::Machine;
-use arcline_controller::samples::{self, Column};
 use bytes::{BufMut, Bytes, BytesMut};
+use serde_json::{Value, json};
 use tokio::time::{MissedTickBehavior, interval};
 
 use super::Shared;
+use crate::trace::{Past, history};
 
 /// Time between two frames.
 const EVERY: Duration = Duration::from_millis(33);
@@ -20,29 +24,12 @@ const EVERY: Duration = Duration::from_millis(33);
 const ROWS: usize = 512;
 /// Frames that may wait for a viewer: about two seconds.
 pub(super) const WAITING: usize = 64;
-/// Signals of an axis, the first of its columns.
-const OF_AXIS: usize = 4;
-
-/// The names of the signals of a frame, in order.
-pub(super) fn signals(machine: &Machine) -> Vec<String> {
-    let axes = machine.axes.iter();
-    let axes = axes.flat_map(|axis| {
-        samples::AXIS[..OF_AXIS]
-            .iter()
-            .map(move |signal| format!("{}.{signal}", axis.name))
-    });
-    let systems = machine.systems.iter();
-    let systems = systems.map(|system| format!("{}.{}", system.name, samples::SYSTEM[0]));
-    axes.chain(systems).collect()
-}
+/// Rows of a piece of the past at most, where a row is a tick.
+const PAST_ROWS: usize = 512;
 
 /// Makes frames while somebody wants them, until the future is dropped.
 pub(super) async fn produce(shared: Arc<Shared>) {
-    let machine = shared.plant.machine();
-    let columns: Vec<Column> = signals(machine)
-        .iter()
-        .filter_map(|signal| samples::find(machine, signal))
-        .collect();
+    let columns = history::columns(shared.plant.machine());
     let trace = shared.plant.trace();
     let mut from = None;
     let mut due = interval(EVERY);
@@ -67,17 +54,52 @@ pub(super) async fn produce(shared: Arc<Shared>) {
     }
 }
 
+impl Shared {
+    /// The newest that is kept of the time before a tick, and what there is to say of it.
+    pub(super) fn past(&self, before: u64) -> (Bytes, Value) {
+        let columns = history::columns(self.plant.machine());
+        let past = self.plant.trace().past(before, &columns, PAST_ROWS);
+        let rows = past.values.len() / (past.signals * past.of_signal).max(1);
+        let told = json!({"first": past.first, "every": past.every, "rows": rows});
+        (past_frame(&past), told)
+    }
+}
+
 fn frame(first: u64, signals: usize, values: &[f64]) -> Bytes {
     let bases = values.get(..signals).unwrap_or_default();
-    let rows = values.len() / signals.max(1);
-    let mut out = BytesMut::with_capacity(24 + 8 * signals + 4 * values.len());
-    out.put_slice(b"ARC1");
+    encode(*b"ARC1", first, 0, bases, values, 1)
+}
+
+fn past_frame(past: &Past) -> Bytes {
+    let values = past.values.get(..past.signals * past.of_signal).unwrap_or_default();
+    let bases: Vec<f64> = values.iter().copied().step_by(past.of_signal).collect();
+    encode(
+        *b"ARC2",
+        past.first,
+        past.every as u32,
+        &bases,
+        &past.values,
+        past.of_signal,
+    )
+}
+
+/// Rows of `of_signal` numbers of each signal; `word` is the third after the magic one.
+fn encode(magic: [u8; 4], first: u64, word: u32, bases: &[f64], values: &[f64], of_signal: usize) -> Bytes {
+    let rows = values.len() / (bases.len() * of_signal).max(1);
+    // A base that is no number would leave none of its signal.
+    let bases: Vec<f64> = bases
+        .iter()
+        .map(|base| if base.is_nan() { 0.0 } else { *base })
+        .collect();
+    let mut out = BytesMut::with_capacity(24 + 8 * bases.len() + 4 * values.len());
+    out.put_slice(&magic);
     out.put_u32_le(rows as u32);
-    out.put_u32_le(signals as u32);
-    out.put_u32_le(0);
+    out.put_u32_le(bases.len() as u32);
+    out.put_u32_le(word);
     out.put_u64_le(first);
     bases.iter().for_each(|base| out.put_f64_le(*base));
-    for (value, base) in values.iter().zip(bases.iter().cycle()) {
+    let of_values = bases.iter().flat_map(|base| std::iter::repeat_n(*base, of_signal));
+    for (value, base) in values.iter().zip(of_values.cycle()) {
         out.put_f32_le((value - base) as f32);
     }
     out.freeze()
@@ -100,13 +122,26 @@ mod tests {
     }
 
     #[test]
-    fn every_signal_has_a_column() {
-        let project = arcline_config::load(arcline_config::DEFAULT, "default").expect("it is valid");
-        let names = signals(&project.machine);
-        assert_eq!(
-            (names.len(), names[0].as_str(), names[31].as_str()),
-            (32, "X.CommandPosition", "XY.PathSpeed")
-        );
-        assert!(names.iter().all(|name| samples::find(&project.machine, name).is_some()));
+    fn a_piece_of_the_past_reads_as_it_says() {
+        let past = Past {
+            first: 32,
+            every: 16,
+            signals: 2,
+            of_signal: 3,
+            values: vec![10.0, 9.0, 12.0, f64::NAN, 1.0, 2.0],
+        };
+        let frame = past_frame(&past);
+        #[rustfmt::skip]
+        let head = [
+            b"ARC2".as_slice(), &1u32.to_le_bytes(), &2u32.to_le_bytes(), &16u32.to_le_bytes(), &32u64.to_le_bytes(),
+            &10f64.to_le_bytes(), &0f64.to_le_bytes(),
+        ].concat();
+        assert_eq!(&frame[..40], head);
+        let rest: Vec<f32> = frame[40..]
+            .chunks_exact(4)
+            .map(|bytes| f32::from_le_bytes(*bytes.first_chunk().expect("4 bytes")))
+            .collect();
+        assert_eq!((&rest[..3], &rest[4..]), (&[0.0, -1.0, 2.0][..], &[1.0, 2.0][..]));
+        assert!(rest[3].is_nan());
     }
 }

@@ -1,17 +1,18 @@
 //! `/api/instructions`: the catalogue as JSON, for forms that are made from it and nothing else.
 
 use arcline_instruction_set::{
-    ArrayRule, ERRORS, ErrorText, Instruction, Kind, Mnemonic, Operand, Range, TargetDialog, Unit, Words,
+    ArrayRule, ERRORS, ErrorText, FAULTS, Instruction, Kind, Mnemonic, Operand, Range, TargetDialog, Unit, Words,
 };
 use serde_json::{Value, json};
 
-/// Every instruction and every error.
+/// Every instruction, every error and every fault of an axis.
 pub(super) fn catalogue() -> Value {
     let instructions = Mnemonic::ALL.iter().map(|mnemonic| instruction(mnemonic.instruction()));
     let errors = ERRORS.iter().map(error);
     json!({
         "instructions": instructions.collect::<Vec<_>>(),
         "errors": errors.collect::<Vec<_>>(),
+        "faults": FAULTS.iter().map(|fault| json!({"word": fault.word, "meaning": fault.meaning})).collect::<Vec<_>>(),
     })
 }
 

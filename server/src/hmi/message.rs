@@ -1,6 +1,6 @@
 //! What a viewer may ask for, and what it is answered.
 
-use arcline_instruction_set::{Mnemonic, MotionError, OperandIndex, describe};
+use arcline_instruction_set::{Explanation, Mnemonic, MotionError, OperandIndex, describe, explain};
 use arcline_structured_text::SyntaxError;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -82,6 +82,8 @@ pub(super) enum Ask {
     Write { tag: String, value: Value },
     /// Frames of samples.
     Trace { on: bool },
+    /// A frame of what was before a tick.
+    Past { before: u64 },
     /// What has happened to instructions.
     Events { since: Option<u64> },
 }
@@ -90,13 +92,16 @@ pub(super) enum Ask {
 #[derive(Serialize, Clone, PartialEq, Debug, Default)]
 pub(super) struct Refusal {
     /// For people.
-    pub(super) text: String,
+    pub(super) text: Box<str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) err: Option<i16>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) exerr: Option<i8>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) cause: Option<&'static str>,
+    /// What EXERR points at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) concerns: Option<Box<str>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) remedy: Option<&'static str>,
     /// Place in a text, from 1.
@@ -113,27 +118,41 @@ pub(super) struct Refusal {
 }
 
 impl Refusal {
-    pub(super) fn new(text: impl Into<String>) -> Self {
+    pub(super) fn new(text: impl Into<Box<str>>) -> Self {
         Self {
             text: text.into(),
             ..Self::default()
         }
     }
 
-    /// A motion error.
+    /// A motion error, as `arcline explain` tells it.
     pub(super) fn motion(err: i16, exerr: i8, mnemonic: Mnemonic) -> Self {
-        let row = MotionError::from_codes(err, exerr);
-        let concerns_operand = matches!(row, Some(MotionError::ParameterOutOfRange(_)));
-        Self {
+        let codes = Self {
             err: Some(err),
             exerr: Some(exerr),
-            cause: row.map(MotionError::cause),
-            remedy: row.map(MotionError::remedy),
-            member: u8::try_from(exerr)
-                .ok()
-                .filter(|_| concerns_operand)
-                .and_then(|place| member(mnemonic, OperandIndex(place))),
-            ..Self::new(describe(err, exerr, Some(mnemonic)))
+            ..Self::default()
+        };
+        let Some(Explanation {
+            headline,
+            cause,
+            concerns,
+            remedy,
+        }) = explain(err, exerr, Some(mnemonic))
+        else {
+            let text = describe(err, exerr, Some(mnemonic)).into();
+            return Self { text, ..codes };
+        };
+        let operand = match MotionError::from_codes(err, exerr) {
+            Some(MotionError::ParameterOutOfRange(operand)) => Some(operand),
+            _ => None,
+        };
+        Self {
+            text: headline.into(),
+            cause: Some(cause),
+            concerns: concerns.map(Into::into),
+            remedy: Some(remedy),
+            member: operand.and_then(|operand| member(mnemonic, operand)),
+            ..codes
         }
     }
 

@@ -14,6 +14,7 @@ mod line;
 mod machine;
 mod message;
 mod paths;
+mod peaks;
 mod preview;
 mod program;
 mod rights;

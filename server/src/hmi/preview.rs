@@ -7,13 +7,14 @@ use std::time::{Duration, Instant};
 
 use arcline_controller::image::Image;
 use arcline_controller::machine::{Machine, Start};
-use arcline_controller::{AcceptedMove, Controller, Event, Snapshot};
+use arcline_controller::{AcceptedMove, Controller, Event, Snapshot, Ticket};
 use arcline_instruction_set::predefined::{axis_status, motion_status};
-use arcline_instruction_set::{Flag, MotionError};
+use arcline_instruction_set::{Call, Flag, MotionError, Object};
 use arcline_structured_text::{Interpreter, Program};
 use serde_json::{Value, json};
 
 use super::message::Refusal;
+use super::peaks::{Peaks, Shape};
 use super::{Shared, paths};
 use crate::cli::QueueFull;
 use crate::names::ImageNames;
@@ -32,8 +33,6 @@ const POINTS: usize = 2000;
 const EVENTS: usize = 1000;
 /// Programmed paths whose blends are told.
 const MOVES: usize = 1000;
-/// Share by which a peak may be above its limit: what rounding leaves.
-const ROUNDING: f64 = 1e-6;
 
 impl Shared {
     /// What one call would do.
@@ -121,6 +120,11 @@ struct Seen {
     tick: u64,
     period: f64,
     axes: Vec<Peaks>,
+    /// The axes of each coordinate system.
+    systems: Vec<Vec<u16>>,
+    /// What was accepted in this tick, and what is in process.
+    accepted: Vec<(Ticket, Moving)>,
+    moving: BTreeMap<Ticket, Moving>,
     /// Positions of the axes of each system that has moved.
     trails: BTreeMap<usize, Trail>,
     moves: Vec<AcceptedMove>,
@@ -128,13 +132,10 @@ struct Seen {
     events: Vec<Value>,
 }
 
-#[derive(Clone, Default)]
-struct Peaks {
-    velocity: f64,
-    acceleration: f64,
-    jerk: f64,
-    /// Acceleration and position of the tick before.
-    before: Option<(f64, f64)>,
+/// What an instruction with a profile moves.
+struct Moving {
+    shape: Shape,
+    axes: Vec<usize>,
 }
 
 /// Points of a path, every nth tick: n doubles when there are too many.
@@ -149,7 +150,10 @@ impl Seen {
             began: Instant::now(),
             tick: 0,
             period: machine.period(),
-            axes: vec![Peaks::default(); machine.axes.len()],
+            axes: machine.axes.iter().map(|_| Peaks::default()).collect(),
+            accepted: Vec::new(),
+            moving: BTreeMap::new(),
+            systems: machine.systems.iter().map(|system| system.axes.clone()).collect(),
             trails: BTreeMap::new(),
             moves: Vec::new(),
             limit: None,
@@ -175,9 +179,9 @@ impl Seen {
         let peaks = machine.axes.iter().zip(&self.axes).map(|(axis, peaks)| {
             json!({
                 "axis": axis.name,
-                "velocity": peaks.velocity,
-                "acceleration": peaks.acceleration,
-                "jerk": peaks.jerk,
+                "velocity": peaks.velocity(),
+                "acceleration": peaks.acceleration(),
+                "jerk": peaks.jerk(),
             })
         });
         let ends = unfinished.is_none();
@@ -190,50 +194,31 @@ impl Seen {
             "events": self.events,
         })
     }
-
-    /// Peaks of an axis, and the first limit that it exceeds.
-    fn look(&mut self, machine: &Machine, place: usize, [position, velocity, acceleration, _]: [f64; 4]) {
-        let (axis, peaks) = (&machine.axes[place], &mut self.axes[place]);
-        peaks.velocity = peaks.velocity.max(velocity.abs());
-        peaks.acceleration = peaks.acceleration.max(acceleration.abs());
-        if let Some((before, _)) = peaks.before {
-            peaks.jerk = peaks.jerk.max((acceleration - before).abs() / self.period);
-        }
-        let moved = peaks.before.is_none_or(|(_, before)| before != position);
-        peaks.before = Some((acceleration, position));
-        if self.limit.is_some() {
-            return;
-        }
-        let brakes = velocity * acceleration < 0.0;
-        let rate = if brakes {
-            axis.max_deceleration
-        } else {
-            axis.max_acceleration
-        };
-        let above = |value: f64, limit: f64| value > limit * (1.0 + ROUNDING);
-        let what = if above(velocity.abs(), axis.max_speed) {
-            format!("speed {velocity:.6} above {}", axis.max_speed)
-        } else if above(acceleration.abs(), rate) {
-            let name = if brakes { "deceleration" } else { "acceleration" };
-            format!("{name} {:.6} above {rate}", acceleration.abs())
-        } else {
-            let outside = axis.travel.filter(|travel| {
-                moved && axis.start.homed && !(travel.min - ROUNDING..=travel.max + ROUNDING).contains(&position)
-            });
-            let Some(travel) = outside else { return };
-            format!("position {position:.6} outside {} to {}", travel.min, travel.max)
-        };
-        self.limit = Some(format!(
-            "{}: {what} at {:.3} s",
-            axis.name,
-            self.tick as f64 * self.period
-        ));
-    }
 }
 
 impl Observer for Seen {
+    fn accepted(&mut self, ticket: Ticket, call: &Call) {
+        let Some(shape) = Shape::of(call) else { return };
+        let target = call.target.map(usize::from);
+        let axes = match (call.instruction().object, target) {
+            (Object::CoordinateSystem, Some(place)) => {
+                let axes = self.systems.get(place).into_iter().flatten();
+                axes.map(|axis| usize::from(*axis)).collect()
+            }
+            (Object::Axis, Some(place)) => vec![place],
+            _ => Vec::new(),
+        };
+        self.accepted.push((ticket, Moving { shape, axes }));
+    }
+
     fn tick(&mut self, tick: u64, machine: &Machine, controller: &mut Controller) -> bool {
         self.tick = tick;
+        self.accepted.clear();
+        for moving in self.moving.values() {
+            for axis in &moving.axes {
+                self.axes[*axis].follows(moving.shape);
+            }
+        }
         let room = &mut self.moves;
         controller.accepted_moves(|accepted| {
             if room.len() < MOVES {
@@ -241,13 +226,13 @@ impl Observer for Seen {
             }
         });
         let rows: Vec<[f64; 4]> = controller.trace().collect();
-        let was: Vec<Option<f64>> = self
-            .axes
-            .iter()
-            .map(|peaks| peaks.before.map(|(_, position)| position))
-            .collect();
-        for (place, row) in rows.iter().enumerate() {
-            self.look(machine, place, *row);
+        let was: Vec<Option<f64>> = self.axes.iter().map(Peaks::position).collect();
+        for ((axis, peaks), row) in machine.axes.iter().zip(&mut self.axes).zip(&rows) {
+            let exceeded = peaks.look(axis, *row, self.period);
+            if let Some(exceeded) = exceeded.filter(|_| self.limit.is_none()) {
+                let time = self.tick as f64 * self.period;
+                self.limit = Some(format!("{}: {exceeded} at {time:.3} s", axis.name));
+            }
         }
         let moved = |axis: &u16| {
             let place = usize::from(*axis);
@@ -269,6 +254,14 @@ impl Observer for Seen {
     }
 
     fn event(&mut self, event: &Event, time: f64, image: &Image) {
+        let begun = self.accepted.iter().position(|(ticket, _)| *ticket == event.ticket);
+        if let Some(place) = begun.filter(|_| event.set & Flag::Ip.mask() != 0) {
+            let (ticket, moving) = self.accepted.swap_remove(place);
+            self.moving.insert(ticket, moving);
+        }
+        if event.clear & Flag::Ip.mask() != 0 {
+            self.moving.remove(&event.ticket);
+        }
         if self.events.len() == EVENTS {
             return;
         }

@@ -1,6 +1,7 @@
 //! The HMI over a real socket: a WebSocket client for viewers, plain HTTP for the rest.
 
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::time::Duration;
 
 use arcline_realtime::Handle;
@@ -8,6 +9,7 @@ use futures_util::{SinkExt as _, StreamExt as _};
 use serde_json::{Value, json};
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
+use tokio::sync::Semaphore;
 use tokio::task::JoinHandle;
 use tokio::time::timeout;
 use tokio_tungstenite::tungstenite::client::IntoClientRequest as _;
@@ -24,6 +26,8 @@ const SOON: Duration = Duration::from_secs(10);
 struct Bench {
     address: SocketAddr,
     plant: Plant,
+    /// One for each simulation that may run.
+    simulations: Arc<Semaphore>,
     serving: JoinHandle<()>,
     _tick: Handle,
 }
@@ -44,6 +48,7 @@ impl Bench {
         Bench {
             address: hmi.local_addr(),
             plant,
+            simulations: hmi.shared.simulations.clone(),
             serving: tokio::spawn(hmi.serve()),
             _tick: tick,
         }
@@ -71,7 +76,11 @@ impl Bench {
     async fn viewer(&self) -> Viewer {
         let origin = format!("http://{}", self.address);
         let socket = self.connect(Some(&origin)).await.expect("a place");
-        let mut viewer = Viewer { socket, next: 1 };
+        let mut viewer = Viewer {
+            socket,
+            next: 1,
+            seen: Vec::new(),
+        };
         viewer.push("hello").await;
         viewer
     }
@@ -91,6 +100,8 @@ type Socket = WebSocketStream<MaybeTlsStream<TcpStream>>;
 struct Viewer {
     socket: Socket,
     next: u64,
+    /// Answers that came while another one was waited for.
+    seen: Vec<Value>,
 }
 
 impl Viewer {
@@ -125,13 +136,26 @@ impl Viewer {
         message["id"] = self.next.into();
         self.next += 1;
         self.send(message.to_string()).await;
+        let mut answer = self.answer(message["id"].clone()).await;
+        match answer.get_mut("ok") {
+            Some(ok) => Ok(ok.take()),
+            None => Err(answer["error"].take()),
+        }
+    }
+
+    /// The whole answer to a request.
+    async fn answer(&mut self, id: impl Into<Value>) -> Value {
+        let id = id.into();
+        if let Some(place) = self.seen.iter().position(|answer| answer["id"] == id) {
+            return self.seen.swap_remove(place);
+        }
         loop {
-            let mut text = self.text().await.expect("it is open");
-            if text["id"] == message["id"] {
-                return match text.get_mut("ok") {
-                    Some(ok) => Ok(ok.take()),
-                    None => Err(text["error"].take()),
-                };
+            let text = self.text().await.expect("it is open");
+            if text["id"] == id {
+                return text;
+            }
+            if text.get("id").is_some() {
+                self.seen.push(text);
             }
         }
     }
@@ -216,6 +240,12 @@ async fn forms_are_made_from_the_catalogue() {
     );
     let errors = catalogue["errors"].as_array().expect("a list");
     assert!(errors.iter().any(|error| error["err"] == 13 && error["remedy"] != ""));
+    let faults = catalogue["faults"].as_array().expect("a list");
+    assert!(
+        faults
+            .iter()
+            .any(|fault| fault["word"] == "overcurrent" && fault["meaning"] != "")
+    );
 }
 
 #[tokio::test]

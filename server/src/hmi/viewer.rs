@@ -1,5 +1,6 @@
-//! One viewer: what it asks is answered in order by one task, and another sends answers and pushes. A viewer that does
-//! not read loses its connection; nobody waits for it.
+//! One viewer: what it asks is answered in order by one task, and another sends answers and pushes. Simulations are
+//! answered when they are done, so that nothing waits for one, least of all a stop. A viewer that does not read loses its
+//! connection; nobody waits for it.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -11,14 +12,16 @@ use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt as _, StreamExt as _};
 use serde_json::{Value, json};
 use tokio::sync::broadcast::error::RecvError;
-use tokio::sync::{broadcast, mpsc, watch};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, broadcast, mpsc, watch};
+use tokio::task::JoinSet;
 use tokio::time::{MissedTickBehavior, interval, timeout};
 use tracing::debug;
 
+use super::Shared;
 use super::message::{self, Ask, Refusal};
 use super::rights::{Thing, ViewerId};
 use super::status::Status;
-use super::{Shared, frames};
+use crate::trace::history;
 
 /// Serves a viewer until it goes, from `peer`.
 pub(super) async fn serve(socket: WebSocket, shared: Arc<Shared>, peer: Option<String>) {
@@ -31,7 +34,7 @@ pub(super) async fn serve(socket: WebSocket, shared: Arc<Shared>, peer: Option<S
     let hello = json!({
         "push": "hello",
         "viewer": name,
-        "trace_signals": frames::signals(shared.plant.machine()),
+        "trace_signals": history::signals(shared.plant.machine()),
     });
     // It was just made.
     let _ = outbox.try_send(Outgoing::Text(hello.to_string().into()));
@@ -39,6 +42,7 @@ pub(super) async fn serve(socket: WebSocket, shared: Arc<Shared>, peer: Option<S
         id: number,
         shared: shared.clone(),
         outbox,
+        pieces: Arc::new(Semaphore::new(PIECES)),
     };
     tokio::select! {
         () = viewer.listen(stream) => {}
@@ -54,6 +58,8 @@ struct Viewer {
     id: ViewerId,
     shared: Arc<Shared>,
     outbox: mpsc::Sender<Outgoing>,
+    /// One for each piece of the past that may wait to be sent.
+    pieces: Arc<Semaphore>,
 }
 
 /// What the task is given that sends.
@@ -61,6 +67,8 @@ struct Viewer {
 enum Outgoing {
     /// A text.
     Text(Utf8Bytes),
+    /// A piece of the past.
+    Piece(Bytes, OwnedSemaphorePermit),
     /// Whether frames of samples are wanted.
     Samples(bool),
     /// The tags whose values are wanted.
@@ -70,6 +78,8 @@ enum Outgoing {
 impl Viewer {
     /// Answers until the viewer goes, or does not read.
     async fn listen(&self, mut stream: SplitStream<WebSocket>) {
+        // Those that wait end with the viewer.
+        let mut simulations = JoinSet::new();
         while let Some(Ok(received)) = stream.next().await {
             let text = match received {
                 Message::Text(text) => text,
@@ -77,7 +87,12 @@ impl Viewer {
                 Message::Binary(_) | Message::Ping(_) | Message::Pong(_) => continue,
             };
             let (id, ask) = message::read(&text);
+            while simulations.try_join_next().is_some() {}
             let answer = match ask {
+                Ok(ask @ (Ask::Preview { .. } | Ask::DryRun { .. })) if simulations.len() < SIMULATIONS => {
+                    simulations.spawn(self.answer_later(id, ask));
+                    continue;
+                }
                 Ok(ask) => self.answer(ask).await,
                 Err(refusal) => Err(refusal),
             };
@@ -86,6 +101,20 @@ impl Viewer {
                 // It does not read what it asks for.
                 return;
             }
+        }
+    }
+
+    /// Answers what takes its time.
+    fn answer_later(&self, id: Value, ask: Ask) -> impl Future<Output = ()> + Send + use<> {
+        let (shared, outbox) = (self.shared.clone(), self.outbox.clone());
+        async move {
+            let answer = match &ask {
+                Ask::Preview { text } => shared.preview(text).await,
+                Ask::DryRun { text } => shared.dry_run(text).await,
+                _ => return,
+            };
+            // It may just have gone, or read nothing.
+            let _ = outbox.try_send(Outgoing::Text(message::reply(&id, answer).into()));
         }
     }
 
@@ -115,8 +144,9 @@ impl Viewer {
             } => shared.set_override(id, &coordinate_system, percent).await,
             Ask::Hold { coordinate_system } => shared.hold(&coordinate_system).await,
             Ask::Resume { coordinate_system } => shared.resume(id, &coordinate_system).await,
-            Ask::Preview { text } => shared.preview(&text).await,
-            Ask::DryRun { text } => shared.dry_run(&text).await,
+            Ask::Preview { .. } | Ask::DryRun { .. } => Err(Refusal::new(format!(
+                "{SIMULATIONS} simulations wait already: let one of them end"
+            ))),
             Ask::Check { text } => Ok(shared.check(&text)),
             Ask::Run { text, step } => shared.run(id, &text, step),
             Ask::Step => shared.step(),
@@ -137,7 +167,14 @@ impl Viewer {
             Ask::Trace { on } => {
                 self.tell(Outgoing::Samples(on))?;
                 let machine = shared.plant.machine();
-                Ok(json!({"signals": frames::signals(machine), "period_s": machine.period()}))
+                Ok(json!({"signals": history::signals(machine), "period_s": machine.period()}))
+            }
+            Ask::Past { before } => {
+                let place = self.pieces.clone().try_acquire_owned();
+                let place = place.map_err(|_| Refusal::new("read first what was sent to you"))?;
+                let (frame, told) = shared.past(before);
+                self.tell(Outgoing::Piece(frame, place))?;
+                Ok(told)
             }
             Ask::Events { since } => Ok(shared.events(since)),
         }
@@ -183,6 +220,7 @@ async fn send(mut sink: SplitSink<WebSocket, Message>, mut inbox: mpsc::Receiver
             biased;
             outgoing = inbox.recv() => match outgoing {
                 Some(Outgoing::Text(text)) => Message::Text(text),
+                Some(Outgoing::Piece(frame, _place)) => Message::Binary(frame),
                 Some(Outgoing::Samples(on)) => {
                     frames = on.then(|| shared.frames.subscribe());
                     continue;
@@ -254,6 +292,10 @@ fn newest(statuses: &mut watch::Receiver<Status>, paths: &mut u64) -> Utf8Bytes 
     }
 }
 
+/// Simulations of a viewer that may wait or run.
+pub(super) const SIMULATIONS: usize = 4;
+/// Pieces of the past that may wait for a viewer to read.
+const PIECES: usize = 2;
 /// Answers that may wait for a viewer to read.
 const OUTBOX: usize = 256;
 /// How long a viewer may take to read what is sent to it.

@@ -83,6 +83,10 @@ pub(crate) trait Observer {
     fn begin(&mut self, machine: &Machine) {
         let _ = machine;
     }
+    /// An instruction was accepted in this tick.
+    fn accepted(&mut self, ticket: Ticket, call: &Call) {
+        let _ = (ticket, call);
+    }
     /// The state at the end of a tick. False: it has seen enough.
     fn tick(&mut self, tick: u64, machine: &Machine, controller: &mut Controller) -> bool;
     /// A change of an instruction's status, s after the beginning.
@@ -130,6 +134,8 @@ pub(crate) struct Runner<'m> {
     /// Whether it has read anything else that changes by itself.
     reads_motion: bool,
     events: Vec<Event>,
+    /// What was accepted in this tick.
+    accepted: Vec<(Ticket, Call)>,
     erred: Option<Erred>,
     wrong: Option<Wrong>,
 }
@@ -150,6 +156,7 @@ impl<'m> Runner<'m> {
             watched: Vec::new(),
             reads_motion: false,
             events: Vec::new(),
+            accepted: Vec::new(),
             erred: None,
             wrong: None,
         }
@@ -176,6 +183,9 @@ impl<'m> Runner<'m> {
             let tick = self.controller.tick_number();
             if self.is_due(tick) {
                 self.advance(tick);
+                self.accepted
+                    .drain(..)
+                    .for_each(|(ticket, call)| observer.accepted(ticket, &call));
             }
             self.controller.plan_contours(&mut self.contour);
             self.controller.end_tick(|event| self.events.push(*event));
@@ -293,7 +303,11 @@ impl<'m> Runner<'m> {
         match tag.map(|tag| tag.kind) {
             Some(TagKind::MotionControl(slot)) => self.watch(slot),
             Some(TagKind::Instruction(kind)) => self.watch(kind.control),
-            Some(TagKind::Plain) => self.image.show_uses(),
+            Some(TagKind::Plain) => {
+                self.image.show_uses();
+                // Output cams write it.
+                self.reads_motion |= self.image.is_output(path);
+            }
             Some(TagKind::FeedOverride | TagKind::FaultInject) => {}
             Some(_) => {
                 self.reads_motion = true;
@@ -349,6 +363,8 @@ impl<'m> Runner<'m> {
         }
         if control.has(Flag::Er) {
             self.err(call.control, call.mnemonic, ticket, control.err, control.exerr);
+        } else {
+            self.accepted.push((ticket, *call));
         }
     }
 

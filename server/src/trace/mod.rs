@@ -4,6 +4,7 @@
 //! thread. The lock is held for as long as a block of rows is copied. The tick knows nothing of it.
 
 mod capture;
+pub(crate) mod history;
 mod store;
 
 use std::collections::BTreeMap;
@@ -18,6 +19,7 @@ use arcline_realtime::Samples;
 pub use capture::{Config, Phase, Trigger};
 
 use capture::Capture;
+use history::History;
 use store::Store;
 
 /// The rows of a machine and the traces of them. Clones are the same ones.
@@ -28,6 +30,7 @@ pub struct Trace(Arc<Mutex<Inner>>);
 struct Inner {
     samples: Option<Samples>,
     store: Store,
+    history: History,
     captures: BTreeMap<u32, Used>,
     newest: u32,
 }
@@ -84,6 +87,20 @@ pub struct Block {
     pub values: Vec<f64>,
 }
 
+/// A piece of the past.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Past {
+    /// The tick of its first row.
+    pub(crate) first: u64,
+    /// Ticks of a row.
+    pub(crate) every: u64,
+    pub(crate) signals: usize,
+    /// Numbers of each signal in a row: 1, or [`history::OF_SIGNAL`].
+    pub(crate) of_signal: usize,
+    /// Row by row; none: nothing is kept.
+    pub(crate) values: Vec<f64>,
+}
+
 /// There are as many traces as there may be.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("there are {TRACES} traces already")]
@@ -98,6 +115,7 @@ impl Trace {
         Trace(Arc::new(Mutex::new(Inner {
             samples,
             store: Store::new(width, rows),
+            history: History::new(machine),
             captures: BTreeMap::new(),
             newest: 0,
         })))
@@ -238,6 +256,35 @@ impl Trace {
         (first, count, values)
     }
 
+    /// What is kept of the time before a tick, newest first: of every tick as long as rows are kept, then of a few at a
+    /// time. `columns` are those of [`history::columns`].
+    pub(crate) fn past(&self, before: u64, columns: &[Column], most: usize) -> Past {
+        let mut inner = lock(&self.0);
+        inner.refresh();
+        let mut run = inner.store.run_before(before, most).peekable();
+        if let Some((first, _)) = run.peek() {
+            let first = *first;
+            let mut values = Vec::with_capacity(most * columns.len());
+            run.for_each(|(_, row)| values.extend(columns.iter().map(|column| column.of(row))));
+            return Past {
+                first,
+                every: 1,
+                signals: columns.len(),
+                of_signal: 1,
+                values,
+            };
+        }
+        let (first, rows) = inner.history.before(before, most / PAST_SHARE);
+        let wide = rows.first().map_or(0, |row| row.len());
+        Past {
+            first,
+            every: inner.history.every(),
+            signals: wide / history::OF_SIGNAL,
+            of_signal: history::OF_SIGNAL,
+            values: rows.concat(),
+        }
+    }
+
     /// An instruction's status changed.
     pub(crate) fn event(&self, tick: u64, tag: &str, mnemonic: Mnemonic, set: u32) {
         let mut inner = lock(&self.0);
@@ -260,7 +307,10 @@ impl Trace {
 impl Inner {
     fn refresh(&mut self) {
         if let Some(samples) = &mut self.samples {
-            samples.take(|rows| self.store.append(rows));
+            samples.take(|rows| {
+                self.store.append(rows);
+                self.history.append(rows);
+            });
         }
         for used in self.captures.values_mut() {
             used.capture.follow(&self.store);
@@ -288,6 +338,8 @@ fn lock(inner: &Mutex<Inner>) -> MutexGuard<'_, Inner> {
 const KEPT: Duration = Duration::from_secs(60);
 /// Memory for it, bytes.
 const KEPT_BYTES: usize = 128 << 20;
+/// Rows of ticks for one row of a few ticks, in what is read at once: it is as many numbers and more.
+const PAST_SHARE: usize = 4;
 /// Traces at a time.
 pub const TRACES: usize = 32;
 /// After so long without a question a trace makes room for another.

@@ -80,6 +80,20 @@ impl Store {
         rows.skip(start % BLOCK).map(|row| (tick_of(row), row))
     }
 
+    /// The newest rows before a tick without a gap among them, oldest first, at most so many.
+    pub(super) fn run_before(&self, tick: u64, most: usize) -> impl Iterator<Item = (u64, &[f64])> {
+        let within = move |from: u64| self.rows_from(from).take_while(move |(at, _)| *at < tick);
+        let from = tick.saturating_sub(most as u64);
+        let (mut first, mut expected) = (from, from);
+        for (at, _) in within(from) {
+            if at != expected {
+                first = at;
+            }
+            expected = at + 1;
+        }
+        within(first)
+    }
+
     /// The place of the first row whose tick is not before `tick`.
     fn place(&self, tick: u64) -> usize {
         let Some(first) = self.first() else { return 0 };
@@ -155,6 +169,13 @@ mod tests {
             let found: Vec<u64> = store.rows_from(from).map(|(tick, _)| tick).collect();
             let expected: Vec<u64> = ticks.iter().copied().filter(|tick| *tick >= from).collect();
             prop_assert_eq!(found, expected);
+            let run: Vec<u64> = store.run_before(from, 100).map(|(tick, _)| tick).collect();
+            prop_assert!(run.windows(2).all(|pair| pair[1] == pair[0] + 1) && run.len() <= 100, "{:?}", run);
+            let window = ticks.iter().copied().filter(|tick| (from.saturating_sub(100)..from).contains(tick));
+            prop_assert_eq!(run.last().copied(), window.clone().next_back());
+            if let Some(first) = run.first() {
+                prop_assert!(!window.clone().any(|tick| tick + 1 == *first), "{:?}", run);
+            }
             let span = ticks.last().map_or(0, |last| last + 1 - ticks[0]);
             prop_assert_eq!(store.missing(), span - ticks.len() as u64);
         }

@@ -5,6 +5,7 @@ use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status;
 mod actions;
 mod axes;
+mod contours;
 mod events;
 mod followers;
 mod status;

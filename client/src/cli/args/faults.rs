@@ -4,6 +4,7 @@ use clap::{Args, Subcommand};
 
 use arcline_client::FaultKind;
 
+use super::common::Axis;
 use super::values::fault_parser;
 
 #[derive(Subcommand, Debug)]
@@ -24,9 +25,8 @@ pub(crate) enum FaultCommand {
 
 #[derive(Args, Debug)]
 pub(crate) struct FaultInject {
-    /// The axis
-    #[arg(value_name = "AXIS")]
-    pub(crate) axis: String,
+    #[command(flatten)]
+    pub(crate) axis: Axis,
     /// Which fault
     #[arg(value_name = "KIND", value_parser = fault_parser())]
     pub(crate) kind: FaultKind,
@@ -34,9 +34,8 @@ pub(crate) struct FaultInject {
 
 #[derive(Args, Debug)]
 pub(crate) struct FaultClear {
-    /// The axis
-    #[arg(value_name = "AXIS")]
-    pub(crate) axis: String,
+    #[command(flatten)]
+    pub(crate) axis: Axis,
     /// The cause that is taken away; all of them unless given
     #[arg(value_name = "KIND", value_parser = fault_parser())]
     pub(crate) kind: Option<FaultKind>,

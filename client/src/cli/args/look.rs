@@ -2,13 +2,13 @@
 
 use clap::Args;
 
+use super::common::Names;
 use super::values::seconds;
 
 #[derive(Args, Debug)]
 pub(crate) struct Watch {
-    /// Axes, coordinate systems, groups; all of them when none is named
-    #[arg(value_name = "NAME")]
-    pub(crate) names: Vec<String>,
+    #[command(flatten)]
+    pub(crate) of: Names,
     /// Seconds between two looks
     #[arg(long, value_name = "SECONDS", default_value = "0.1", value_parser = seconds)]
     pub(crate) interval: f64,
@@ -26,9 +26,8 @@ pub(crate) struct Shell {
 
 #[derive(Args, Debug)]
 pub(crate) struct Status {
-    /// Axes, coordinate systems, groups; all of them when none is named
-    #[arg(value_name = "NAME")]
-    pub(crate) names: Vec<String>,
+    #[command(flatten)]
+    pub(crate) of: Names,
 }
 
 #[derive(Args, Debug)]

@@ -4,7 +4,8 @@ use clap::{Args, ValueEnum};
 
 use arcline_instruction_set::enumerations;
 
-use super::values::{Percent, Point, Rate, word_parser};
+use super::common::{Motion, Ramps, Speed, System, Waiting};
+use super::values::{Percent, Point, word_parser};
 
 /// What lines and arcs have in common.
 #[derive(Args, Debug, Default)]
@@ -12,37 +13,22 @@ pub(crate) struct Dynamics {
     /// Take positions relative to where the move begins
     #[arg(long)]
     pub(crate) relative: bool,
-    /// Speed: units/s, or % of the maximum
-    #[arg(long, value_name = "V[%]", allow_hyphen_values = true)]
-    pub(crate) speed: Option<Rate>,
-    /// Acceleration: units/s², or % of the maximum
-    #[arg(long, value_name = "A[%]", allow_hyphen_values = true)]
-    pub(crate) accel: Option<Rate>,
-    /// Deceleration: units/s², or % of the maximum
-    #[arg(long, value_name = "D[%]", allow_hyphen_values = true)]
-    pub(crate) decel: Option<Rate>,
-    /// Trapezoidal profile instead of an S-curve
-    #[arg(long)]
-    pub(crate) trapezoid: bool,
+    #[command(flatten)]
+    pub(crate) speed: Speed,
+    #[command(flatten)]
+    pub(crate) motion: Motion,
     /// Termination type, by word or number
     #[arg(long, value_name = "T", value_parser = word_parser(&enumerations::TERMINATION_TYPE))]
     pub(crate) termination: Option<i32>,
     /// Merge, by word or number
     #[arg(long, value_name = "M", value_parser = word_parser(&enumerations::MERGE))]
     pub(crate) merge: Option<i32>,
-    /// Name of the motion control tag, made on first use
-    #[arg(long, value_name = "NAME")]
-    pub(crate) tag: Option<String>,
-    /// Do not wait for the end of the motion
-    #[arg(long)]
-    pub(crate) no_wait: bool,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct Move {
-    /// Coordinate system
-    #[arg(value_name = "CS")]
-    pub(crate) system: String,
+    #[command(flatten)]
+    pub(crate) system: System,
     /// End point, or increments
     #[arg(value_name = "X,Y[,Z]", allow_hyphen_values = true)]
     pub(crate) position: Point,
@@ -52,9 +38,8 @@ pub(crate) struct Move {
 
 #[derive(Args, Debug)]
 pub(crate) struct Arc {
-    /// Coordinate system
-    #[arg(value_name = "CS")]
-    pub(crate) system: String,
+    #[command(flatten)]
+    pub(crate) system: System,
     /// End point, or increments
     #[arg(value_name = "X,Y[,Z]", allow_hyphen_values = true)]
     pub(crate) position: Point,
@@ -106,18 +91,12 @@ pub(crate) struct Direction {
 #[derive(Args, Debug)]
 #[command(group = clap::ArgGroup::new("changes").args(["speed", "accel", "decel"]).required(true).multiple(true))]
 pub(crate) struct Change {
-    /// Coordinate system
-    #[arg(value_name = "CS")]
-    pub(crate) system: String,
-    /// New speed: units/s, or % of the maximum
-    #[arg(long, value_name = "V[%]", allow_hyphen_values = true)]
-    pub(crate) speed: Option<Rate>,
-    /// New acceleration: units/s², or % of the maximum
-    #[arg(long, value_name = "A[%]", allow_hyphen_values = true)]
-    pub(crate) accel: Option<Rate>,
-    /// New deceleration: units/s², or % of the maximum
-    #[arg(long, value_name = "D[%]", allow_hyphen_values = true)]
-    pub(crate) decel: Option<Rate>,
+    #[command(flatten)]
+    pub(crate) system: System,
+    #[command(flatten)]
+    pub(crate) speed: Speed,
+    #[command(flatten)]
+    pub(crate) ramps: Ramps,
     /// Change the pending move too
     #[arg(long)]
     pub(crate) pending: bool,
@@ -135,19 +114,11 @@ pub(crate) struct Stop {
 
 #[derive(Args, Debug)]
 pub(crate) struct Override {
-    /// The coordinate system
-    #[arg(value_name = "CS")]
-    pub(crate) system: String,
+    #[command(flatten)]
+    pub(crate) system: System,
     /// Percent of the programmed speeds, 0 to 200
     #[arg(value_name = "PERCENT[%]", allow_hyphen_values = true)]
     pub(crate) percent: Percent,
-}
-
-#[derive(Args, Debug)]
-pub(crate) struct System {
-    /// The coordinate system
-    #[arg(value_name = "CS")]
-    pub(crate) system: String,
 }
 
 #[derive(ValueEnum, Clone, Copy, PartialEq, Debug)]
@@ -179,9 +150,8 @@ pub(crate) struct Home {
     /// Axes
     #[arg(value_name = "AXIS", required = true)]
     pub(crate) axes: Vec<String>,
-    /// Do not wait until they are homed
-    #[arg(long)]
-    pub(crate) no_wait: bool,
+    #[command(flatten)]
+    pub(crate) waiting: Waiting,
 }
 
 #[derive(ValueEnum, Clone, Copy, PartialEq, Debug)]

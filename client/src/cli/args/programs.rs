@@ -4,13 +4,14 @@ use clap::{Args, ValueEnum};
 
 use arcline_client::QueueFull;
 
+use super::common::Waiting;
+
 #[derive(Args, Debug)]
 pub(crate) struct Exec {
     /// Such as 'MSO(X, M1)'
     pub(crate) call: String,
-    /// Do not wait for the end of the motion
-    #[arg(long)]
-    pub(crate) no_wait: bool,
+    #[command(flatten)]
+    pub(crate) waiting: Waiting,
 }
 
 #[derive(Args, Debug)]
@@ -23,9 +24,8 @@ pub(crate) struct Run {
     /// Go on when an instruction errs
     #[arg(long)]
     pub(crate) keep_going: bool,
-    /// Do not wait for the end of the motion
-    #[arg(long)]
-    pub(crate) no_wait: bool,
+    #[command(flatten)]
+    pub(crate) waiting: Waiting,
 }
 
 #[derive(ValueEnum, Clone, Copy, PartialEq, Debug)]

@@ -108,7 +108,7 @@ fn moves_parse() {
             panic!("{why}: {line}: {:?}", parse(line))
         };
         assert_eq!(
-            (command.position.0, command.dynamics.speed),
+            (command.position.0, command.dynamics.speed.speed),
             (position, speed),
             "{why}: {line}"
         );

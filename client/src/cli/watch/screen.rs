@@ -1,4 +1,4 @@
-//! The screen of `watch`: tables of the machine, and beside them, where there is room, the path of one coordinate system.
+//! The screen of `watch`: tables of the machine, and beside or below them, where there is room, the path of one coordinate system.
 
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
@@ -16,6 +16,8 @@ use super::view::View;
 const WIDE: u16 = 120;
 /// Columns of the tables on a wide screen.
 const TABLES: u16 = 84;
+/// A path is drawn below the tables where so many rows are left.
+const TALL: u16 = 12;
 /// A character is about twice as high as wide.
 const ASPECT: f64 = 2.0;
 
@@ -23,15 +25,22 @@ const ASPECT: f64 = 2.0;
 pub(super) fn draw(view: &View, frame: &mut Frame<'_>) {
     let [body, foot] = Layout::vertical([Constraint::Min(0), Constraint::Length(1)]).areas(frame.area());
     frame.render_widget(keys(view), foot);
-    if body.width < WIDE {
+    if body.width >= WIDE {
+        let [left, right] = Layout::horizontal([Constraint::Length(TABLES), Constraint::Min(0)]).areas(body);
+        tables(view, frame, left);
+        let [path_area, speed_area] = Layout::vertical([Constraint::Min(0), Constraint::Length(6)]).areas(right);
+        path(view, frame, path_area);
+        speed(view, frame, speed_area);
+        return;
+    }
+    let of_tables: u16 = groups(view).iter().map(|(_, shown)| rows(shown)).sum();
+    if body.height < of_tables + TALL {
         tables(view, frame, body);
         return;
     }
-    let [left, right] = Layout::horizontal([Constraint::Length(TABLES), Constraint::Min(0)]).areas(body);
-    tables(view, frame, left);
-    let [path_area, speed_area] = Layout::vertical([Constraint::Min(0), Constraint::Length(6)]).areas(right);
-    path(view, frame, path_area);
-    speed(view, frame, speed_area);
+    let [above, below] = Layout::vertical([Constraint::Length(of_tables), Constraint::Min(0)]).areas(body);
+    tables(view, frame, above);
+    path(view, frame, below);
 }
 
 fn keys(view: &View) -> Line<'_> {
@@ -44,8 +53,9 @@ fn keys(view: &View) -> Line<'_> {
     ])
 }
 
-fn tables(view: &View, frame: &mut Frame<'_>, area: Rect) {
-    let groups: Vec<(Kind, Vec<&Shown>)> = Kind::ALL
+/// What the tables show, a table each.
+fn groups(view: &View) -> Vec<(Kind, Vec<&Shown>)> {
+    Kind::ALL
         .into_iter()
         .map(|kind| {
             (
@@ -54,10 +64,17 @@ fn tables(view: &View, frame: &mut Frame<'_>, area: Rect) {
             )
         })
         .filter(|(_, shown)| !shown.is_empty())
-        .collect();
-    let heights = groups
-        .iter()
-        .map(|(_, shown)| Constraint::Length(shown.len() as u16 + 2));
+        .collect()
+}
+
+/// Rows of a table: with its titles, and one below it.
+fn rows(shown: &[&Shown]) -> u16 {
+    shown.len() as u16 + 2
+}
+
+fn tables(view: &View, frame: &mut Frame<'_>, area: Rect) {
+    let groups = groups(view);
+    let heights = groups.iter().map(|(_, shown)| Constraint::Length(rows(shown)));
     for ((kind, shown), area) in groups.iter().zip(Layout::vertical(heights).split(area).iter()) {
         frame.render_widget(objects(*kind, shown), *area);
     }
@@ -245,11 +262,13 @@ mod tests {
             .lines()
             .filter(|line| line.chars().any(|c| ('\u{2801}'..='\u{28ff}').contains(&c)));
         assert!(rows.count() > 8, "{wide}");
-        let narrow = drawn(&view, 80, 24);
-        assert!(
-            narrow.contains("moving") && !narrow.contains("the way so far"),
-            "{narrow}"
-        );
+        for (height, is_drawn) in [(24, true), (18, false)] {
+            let narrow = drawn(&view, 80, height);
+            assert!(
+                narrow.contains("moving") && narrow.contains("the way so far") == is_drawn,
+                "{narrow}"
+            );
+        }
         // However small, nothing panics.
         for (width, height) in [(1, 1), (10, 2), (121, 3), (200, 1)] {
             let _ = drawn(&view, width, height);

@@ -1,6 +1,8 @@
 //! An `[[axis]]` table.
 
-use arcline_controller::machine::{Axis, AxisKind, Drive, ExceptionActions, ProgrammedStopMode, Start, Travel};
+use arcline_controller::machine::{
+    Axis, AxisKind, Drive, ExceptionActions, MAX_OUTPUT_TARGETS, ProgrammedStopMode, Start, Travel,
+};
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 
 use super::NOT_NEGATIVE_LENGTH;
@@ -32,7 +34,8 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         };
         return Err(section.refuse_key("travel", problem));
     }
-    let home = home(section, &dynamics, unwind, servo)?;
+    let mut home = home(section, &dynamics, unwind, servo)?;
+    home.stops = travel.filter(|_| servo).map(|Travel { min, max }| [min, max]);
     let drive = drive(section)?;
     let kind = match (servo, drive) {
         (true, drive) => AxisKind::Servo(drive.unwrap_or_default()),
@@ -64,6 +67,9 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         average_velocity_timebase: section
             .number("average_velocity_timebase", &TIMEBASE)?
             .unwrap_or(AVERAGE_VELOCITY_TIMEBASE),
+        output_cam_targets: section
+            .integer(OUTPUT_CAMS, 0..=MAX_OUTPUT_TARGETS, TARGETS)?
+            .unwrap_or_default(),
         inputs: inputs(section, feedback)?,
     })
 }
@@ -155,6 +161,8 @@ fn start(axis: &Section<'_>, unwind: Option<f64>) -> Result<Start, ConfigError> 
     })
 }
 
+const OUTPUT_CAMS: &str = "output_cam_execution_targets";
+const TARGETS: &str = "a whole number from 0 to 32";
 /// Longest label, bytes.
 const MAX_UNITS: usize = 40;
 
@@ -175,6 +183,7 @@ pub(super) const AXIS: &[&str] = &[
     "programmed_stop_mode",
     "exception_actions",
     "average_velocity_timebase",
+    OUTPUT_CAMS,
     "feed",
     "registration",
 ];

@@ -61,6 +61,7 @@ pub(super) fn home(
             .unwrap_or(dynamics.deceleration),
         switch: switch(&section, turn)?,
         marker: marker(&section, turn)?,
+        stops: None,
     })
 }
 

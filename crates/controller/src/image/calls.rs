@@ -6,7 +6,7 @@ use arcline_instruction_set::{
 use arcline_tag::{DataType, Elementary};
 
 use super::{Image, TagId, TagKind};
-use crate::ArrayWrite;
+use crate::{ArrayWrite, Written};
 
 impl Image {
     /// The instruction of an instruction tag with the target and operands that it holds now. A target that does
@@ -26,16 +26,23 @@ impl Image {
         Some(bind(kind.mnemonic, target, kind.control, &given, self))
     }
 
-    /// Takes over what an instruction wrote to an array. One that is gone meanwhile takes nothing; nothing of it is kept over a
+    /// Takes over what an instruction wrote to a tag. One that is gone meanwhile takes nothing; nothing of it is kept over a
     /// restart.
     pub fn apply_array_write(&mut self, write: &ArrayWrite) {
-        let Some((id, offset, elements)) = self.written_array(write.tag) else {
+        match write.values {
+            Written::Numbers(numbers) => self.apply_numbers(write.tag, numbers.as_slice()),
+            Written::Bits { mask, bits } => self.apply_bits(write.tag, mask, bits),
+        }
+    }
+
+    fn apply_numbers(&mut self, tag: u32, numbers: &[f64]) {
+        let Some((id, offset, elements)) = self.written_array(tag) else {
             return;
         };
         let Some(bytes) = self.bytes_mut(id).and_then(|bytes| bytes.get_mut(offset..)) else {
             return;
         };
-        let values = write.values.as_slice().iter().take(elements);
+        let values = numbers.iter().take(elements);
         for (value, place) in values.zip(bytes.chunks_exact_mut(4)) {
             place.copy_from_slice(&(*value as f32).to_le_bytes());
         }

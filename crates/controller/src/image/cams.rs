@@ -13,6 +13,7 @@ use arcline_motion::{Answer, Material};
 
 use arcline_tag::{DataType, Member};
 
+use super::shared::Kept;
 use super::structures::real;
 use super::{Image, TagId};
 
@@ -33,12 +34,12 @@ enum Result_ {
 
 /// Elements of an array of structures, from one of them to the end of the array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Place {
-    id: TagId,
+pub(super) struct Place {
+    pub(super) id: TagId,
     /// Byte of the first element.
-    offset: usize,
+    pub(super) offset: usize,
     /// Elements from there on.
-    elements: usize,
+    pub(super) elements: usize,
 }
 
 /// Profiles of the tags that something is done with.
@@ -46,7 +47,7 @@ struct Place {
 pub(super) struct Profiles {
     calculated: Vec<Place>,
     /// Kept until nobody else has the profile any more: it is freed here.
-    used: Vec<(Place, Arc<Profile>)>,
+    used: Kept<(Place, Arc<Profile>)>,
 }
 
 impl Image {
@@ -57,6 +58,7 @@ impl Image {
             Mnemonic::Mccp => self.calculate_profile(call),
             Mnemonic::Mcsv => self.calculate_values(call),
             Mnemonic::Mapc | Mnemonic::Matc => self.use_profile(call),
+            Mnemonic::Maoc => self.prepare_output_cam(call),
             Mnemonic::Mcto => self
                 .frames(call)
                 .map(|frames| (Material::Frames(frames), None))
@@ -114,6 +116,7 @@ impl Image {
 
     /// Shows how many instructions use each profile, and frees those that none uses any more.
     pub fn show_uses(&mut self) {
+        self.free_output_cams();
         if self.profiles.used.is_empty() {
             return;
         }
@@ -235,7 +238,7 @@ impl Image {
     }
 
     /// The array that an operand names.
-    fn array_of(&self, call: &Call, mnemonic: Mnemonic, name: &str, size: usize) -> Result<Place, Refusal> {
+    pub(super) fn array_of(&self, call: &Call, mnemonic: Mnemonic, name: &str, size: usize) -> Result<Place, Refusal> {
         let at = operand(mnemonic, name);
         let unknown = || MotionError::ParameterOutOfRange(OperandIndex(at as u8));
         let tag = call.tag(at).ok_or_else(unknown)?;
@@ -328,7 +331,7 @@ impl Image {
         self.note_written(id, offset, bytes.len());
     }
 
-    fn put(&mut self, id: TagId, offset: usize, data: &[u8]) {
+    pub(super) fn put(&mut self, id: TagId, offset: usize, data: &[u8]) {
         if let Some(place) = self
             .bytes_mut(id)
             .and_then(|bytes| bytes.get_mut(offset..offset + data.len()))
@@ -345,17 +348,17 @@ impl Place {
     }
 }
 
-type Prepared = Result<(Material, Option<Staged>), Refusal>;
+pub(super) type Prepared = Result<(Material, Option<Staged>), Refusal>;
 
 /// What an instruction errs with, and the element to blame.
-struct Refusal {
+pub(super) struct Refusal {
     error: MotionError,
     element: u32,
 }
 
 impl Refusal {
     /// EXERR has one byte: elements behind the 127th show in SEGMENT only.
-    fn element(error: fn(Detail) -> MotionError, place: usize) -> Self {
+    pub(super) fn element(error: fn(Detail) -> MotionError, place: usize) -> Self {
         Refusal {
             error: error(Detail(place.min(127) as i8)),
             element: place as u32,

@@ -173,7 +173,7 @@ impl AxisLayout {
             CipAlarms, CipFaults, CipState, CipStatus, Dint, Event, Fault, MotionAlarms, MotionFaults, MotionStatus,
             Real, Status,
         };
-        let fields: [(&str, AxisField); 39] = [
+        let fields: [(&str, AxisField); 47] = [
             ("AxisFault", Fault),
             ("AxisStatus", Status),
             ("AxisEvent", Event),
@@ -211,6 +211,14 @@ impl AxisLayout {
             ("Registration2Time", Dint(|axis| axis.registered_at[1][0])),
             ("Registration2PositiveEdgeTime", Dint(|axis| axis.registered_at[1][1])),
             ("Registration2NegativeEdgeTime", Dint(|axis| axis.registered_at[1][2])),
+            ("CIPAxisIOStatus", Dint(|axis| axis.cip_io as i32)),
+            ("MasterOffset", Real(|axis| axis.master_offset[0])),
+            ("StartMasterOffset", Real(|axis| axis.master_offset[1])),
+            ("StrobeMasterOffset", Real(|axis| axis.master_offset[2])),
+            ("OutputCamStatus", Dint(|axis| axis.output_cams[0] as i32)),
+            ("OutputCamPendingStatus", Dint(|axis| axis.output_cams[1] as i32)),
+            ("OutputCamLockStatus", Dint(|axis| axis.output_cams[2] as i32)),
+            ("OutputCamTransitionStatus", Dint(|axis| axis.output_cams[3] as i32)),
             ("InterpolatedActualPosition", Real(|axis| axis.actual[0])),
             ("InterpolatedCommandPosition", Real(|axis| axis.command[0])),
         ];

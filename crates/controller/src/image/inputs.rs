@@ -1,4 +1,4 @@
-//! Plain tags that the machine reads: positions that feed axes, and registration inputs. A write of one gives
+//! Plain tags that the machine reads: positions that feed axes, registration inputs, words that enable output cams. A write of one gives
 //! [`Edge::Input`], and the caller sends the controller what came of it ([`Image::take_inputs`]).
 
 use arcline_motion::Input;
@@ -65,11 +65,12 @@ impl Image {
 
     /// Looks at what has been written.
     pub(super) fn note_inputs(&mut self, id: TagId, offset: usize, length: usize) -> Option<Edge> {
-        if self.inputs.paths.is_empty() {
+        if self.inputs.paths.is_empty() && !self.watches_words() {
             return None;
         }
         self.find_inputs();
         let mut written = Vec::new();
+        self.note_words(id, offset, length, &mut written);
         for at in 0..self.inputs.places.len() {
             let place = self.inputs.places[at];
             let end = place.offset + place.kind.size();

@@ -17,6 +17,7 @@ mod feed_override;
 mod health;
 mod inputs;
 mod names;
+mod outputs;
 mod read;
 mod shared;
 mod structures;
@@ -73,6 +74,8 @@ pub struct Image {
     profiles: cams::Profiles,
     /// Tags that the machine reads.
     inputs: inputs::Inputs,
+    /// Output cams that are used.
+    outputs: outputs::Outputs,
 }
 
 impl Image {
@@ -99,6 +102,7 @@ impl Image {
             overlapping: false,
             profiles: cams::Profiles::default(),
             inputs: inputs::Inputs::new(machine),
+            outputs: outputs::Outputs::default(),
         };
         image.add(
             &machine.group,

@@ -29,6 +29,37 @@ impl<T: Clone> DerefMut for Shared<T> {
     }
 }
 
+/// What an image keeps for the machine, to free it when nobody else has it any more. A copy of the image is only read: it keeps
+/// nothing, and so keeps nothing alive.
+#[derive(Debug)]
+pub(super) struct Kept<T>(Vec<T>);
+
+impl<T> Default for Kept<T> {
+    fn default() -> Self {
+        Kept(Vec::new())
+    }
+}
+
+impl<T> Clone for Kept<T> {
+    fn clone(&self) -> Self {
+        Kept::default()
+    }
+}
+
+impl<T> Deref for Kept<T> {
+    type Target = Vec<T>;
+
+    fn deref(&self) -> &Vec<T> {
+        &self.0
+    }
+}
+
+impl<T> DerefMut for Kept<T> {
+    fn deref_mut(&mut self) -> &mut Vec<T> {
+        &mut self.0
+    }
+}
+
 /// The bytes of one tag.
 pub(super) type TagBytes = Shared<Vec<u8>>;
 

@@ -26,6 +26,7 @@ fn axis(name: &str, kind: AxisKind) -> Axis {
         exception_actions: ExceptionActions::default(),
         average_velocity_timebase: 0.25,
         inputs: Default::default(),
+        output_cam_targets: 0,
         home: crate::machine::Home::immediate(1.0, 1.0),
     }
 }
@@ -579,9 +580,12 @@ fn a_profile_is_being_calculated_until_it_is_settled() {
     ];
     let call = bind(Mnemonic::Mapc, Some(0), UNNAMED, &given, &image).expect("it binds");
     let cams = [image.prepare(&call).0, image.prepare(&call).0];
+    // A copy that readers have is no user.
+    let published = image.clone();
     image.show_uses();
     assert_eq!(status(&image), 4.0);
     drop(cams);
     image.show_uses();
     assert_eq!(status(&image), 2.0);
+    drop(published);
 }

@@ -130,6 +130,16 @@ pub mod motion_alarm_status {
     pub const SOFT_TRAVEL_LIMIT_NEGATIVE_ALARM: u32 = 1 << 2;
 }
 
+/// Bits of CIPAxisIOStatus.
+pub mod cip_axis_io_status {
+    /// `HomeInputStatus`, bit 1.
+    pub const HOME_INPUT_STATUS: u32 = 1 << 1;
+    /// `Registration1InputStatus`, bit 2.
+    pub const REGISTRATION1_INPUT_STATUS: u32 = 1 << 2;
+    /// `Registration2InputStatus`, bit 3.
+    pub const REGISTRATION2_INPUT_STATUS: u32 = 1 << 3;
+}
+
 /// Bits of CIPAxisStatus.
 pub mod cip_axis_status {
     /// `LocalControlStatus`, bit 0.

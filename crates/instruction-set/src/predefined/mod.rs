@@ -222,6 +222,8 @@ mod tests {
         let bits = [
             (axis_cip_drive(),    "AxisUpdateStatus",      16, axis_status::AXIS_UPDATE_STATUS),
             (axis_cip_drive(),    "CoordinatedMotionStatus", 20, motion_status::COORDINATED_MOTION_STATUS),
+            (axis_cip_drive(),    "HomeInputStatus",      868, cip_axis_io_status::HOME_INPUT_STATUS),
+            (axis_cip_drive(),    "Registration2InputStatus", 868, cip_axis_io_status::REGISTRATION2_INPUT_STATUS),
             (axis_virtual(),      "MaximumSpeedExceeded",  20, motion_status::MAXIMUM_SPEED_EXCEEDED),
             (coordinate_system(), "MovePendingStatus",     16, coordinate_motion_status::MOVE_PENDING_STATUS),
             (coordinate_system(), "ReadyStatus",           12, coordinate_system_status::READY_STATUS),

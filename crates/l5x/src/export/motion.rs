@@ -74,6 +74,7 @@ fn attributes(axis: &Axis, group: &str) -> Vec<Attribute> {
     list.push(("ConversionConstant", write_real(constant)));
     list.push(("PositionUnits", axis.units.clone()));
     list.push(("AverageVelocityTimebase", write_real(axis.average_velocity_timebase)));
+    list.push(("OutputCamExecutionTargets", axis.output_cam_targets.to_string()));
     let (key, words) = match servo {
         Some(_) => ("TravelMode", ["Unlimited", "Cyclic"]),
         None => ("RotaryAxis", ["Linear", "Rotary"]),

@@ -3,7 +3,9 @@
 use std::ops::RangeInclusive;
 
 use arcline_config::is_name;
-use arcline_controller::machine::{MAX_AXES, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, MAX_SYSTEMS, ProgrammedStopMode};
+use arcline_controller::machine::{
+    MAX_AXES, MAX_OUTPUT_TARGETS, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, MAX_SYSTEMS, ProgrammedStopMode,
+};
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet, FaultWord};
 use roxmltree::Node;
 use toml::{Table, Value};
@@ -162,6 +164,20 @@ impl<'a, 't> Importer<'a, 't> {
                 let words = "an average velocity timebase that is not above 0 and at most 1 s becomes 0.25 s";
                 self.source
                     .report_attribute(node, "AverageVelocityTimebase", Reason::Changed(words));
+            }
+        }
+        if let Some(targets) = self.source.number(node, "OutputCamExecutionTargets")? {
+            if (0.0..=MAX_OUTPUT_TARGETS as f64).contains(&targets) && targets.fract() == 0.0 {
+                if targets > 0.0 {
+                    put(
+                        &mut axis,
+                        "output_cam_execution_targets",
+                        Value::Integer(targets as i64),
+                    );
+                }
+            } else {
+                self.source
+                    .report_attribute(node, "OutputCamExecutionTargets", Reason::NoCounterpart);
             }
         }
         let turn = self.turn(node, name)?;

@@ -2,6 +2,7 @@
 //!
 //! Not here: where a cam leads (`crate::follow::cam`). Real-time: nothing allocates.
 
+use arcline_drive::Motion as Point;
 use arcline_planner::Clock;
 
 use super::Axis;
@@ -20,6 +21,19 @@ pub(crate) struct Cams {
     pub(crate) ended: Option<Execution>,
     /// 1 when the last profile was added, -1 when it was subtracted.
     pub(crate) direction: Option<f64>,
+    /// What the master of a position cam is shifted by.
+    pub(crate) offset: Offset,
+}
+
+/// An offset of a master, in its units (MAM 5, 6).
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Offset {
+    /// While no move changes it.
+    rest: f64,
+    /// Where the last move of it began: StartMasterOffset.
+    pub(crate) start: f64,
+    /// At the last MGSP: StrobeMasterOffset.
+    pub(crate) strobed: f64,
 }
 
 impl Axis {
@@ -67,6 +81,41 @@ impl Axis {
             Ended::Nothing => {}
             Ended::Cam => generator.over = true,
             Ended::HandedOver(next) => cams.ended = generator.execution.replace(next),
+        }
+    }
+
+    /// The offset of the position cam's master now.
+    pub(crate) fn master_offset(&self) -> Point {
+        match self.sum.get(Slot::MasterOffset) {
+            Some(generator) => generator.now,
+            None => Point {
+                position: self.cams(Slot::PositionCam).offset.rest,
+                ..Point::default()
+            },
+        }
+    }
+
+    /// A master as a cam sees it: a position cam with its offset.
+    pub(crate) fn offset_master(&mut self, slot: Slot, mut at: MasterAt, clock: &Clock) -> MasterAt {
+        if slot == Slot::PositionCam {
+            if let Some(generator) = self.sum.get_mut(Slot::MasterOffset) {
+                generator.advance(clock);
+            }
+            let offset = self.master_offset();
+            at.point.position += offset.position;
+            at.point.velocity += offset.velocity;
+            at.point.acceleration += offset.acceleration;
+        }
+        at
+    }
+
+    /// The offset begins to move, or stays where a move of it has ended.
+    pub(super) fn note_offset(&mut self, begins: bool) {
+        let now = self.master_offset().position;
+        let offset = &mut self.cams_mut(Slot::PositionCam).offset;
+        offset.rest = now;
+        if begins {
+            offset.start = now;
         }
     }
 

@@ -249,6 +249,7 @@ mod tests {
             exception_actions: ExceptionActions::default(),
             average_velocity_timebase: 0.25,
             inputs: Default::default(),
+            output_cam_targets: 0,
         }
     }
 

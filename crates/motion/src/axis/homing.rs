@@ -58,6 +58,8 @@ enum Sought {
     /// The switch becomes inactive.
     Release,
     Marker,
+    /// The mechanical stop: the torque rises to its level there.
+    Stop,
 }
 
 impl Axis {
@@ -181,10 +183,12 @@ impl Axis {
             Sought::Switch => ahead(machine, self.home.switch?.edge(direction), direction, self.unwind),
             Sought::Release => ahead(machine, self.home.switch?.edge(-direction), direction, self.unwind),
             Sought::Marker => self.home.marker?.ahead(machine, direction),
+            Sought::Stop => self.home.stop(direction),
         }
     }
 
-    fn stands_on_switch(&self) -> bool {
+    /// Whether the home switch is active where the axis is.
+    pub(crate) fn stands_on_switch(&self) -> bool {
         let active = |switch: crate::machine::HomeSwitch| switch.is_active(self.machine_position(), self.unwind);
         self.home.switch.is_some_and(active)
     }
@@ -207,7 +211,9 @@ impl Axis {
             }
             Stage::Clearing => {
                 let has_switch = self.home.sequence != HomeSequence::Marker;
-                if !has_switch {
+                if self.home.sequence.is_of_torque() {
+                    self.seek(Sought::Stop, way.sign(), self.home.speed, instant);
+                } else if !has_switch {
                     self.seek(Sought::Marker, way.sign(), self.home.speed, instant);
                 } else if way.is_bidirectional() && self.stands_on_switch() {
                     self.seek(Sought::Release, -way.sign(), self.home.return_speed, instant);
@@ -252,7 +258,9 @@ impl Axis {
         };
         let way = self.home.direction;
         let returns = way.is_bidirectional();
-        if sought == Sought::Switch && returns {
+        if sought == Sought::Stop && self.home.sequence == HomeSequence::TorqueMarker {
+            self.seek(Sought::Marker, -direction, self.home.return_speed, instant);
+        } else if sought == Sought::Switch && returns {
             self.brake_as(Stage::Turning, instant);
         } else if sought != Sought::Marker && self.home.sequence == HomeSequence::SwitchMarker {
             self.seek_from(Sought::Marker, place, direction);

@@ -21,6 +21,7 @@ use crate::dynamics::Maxima;
 use crate::follow::cam::Cam;
 use crate::follow::links::AxisLinks;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
+use crate::output::OutputCams;
 use crate::rotary;
 use average::Average;
 use camming::Cams;
@@ -30,6 +31,7 @@ use following::Linked;
 use generator::Generator;
 use homing::Homing;
 use probes::{Registration, Watch};
+pub(crate) use sensor::modulo;
 use sum::{Slot, Sum};
 
 /// The axis state machine (spec/axis-and-data-types.md §12), as far as instructions see it.
@@ -101,11 +103,12 @@ pub(crate) struct Axis {
     pub(crate) feeding: Option<Feeding>,
     pub(crate) watch: Watch,
     pub(crate) registrations: [Registration; 2],
+    pub(crate) outputs: OutputCams,
 }
 
 impl Axis {
-    /// `period`: the coarse update period, seconds.
-    pub(crate) fn new(description: &Description, period: f64) -> Self {
+    /// `clock`: at the first tick.
+    pub(crate) fn new(description: &Description, clock: &Clock) -> Self {
         let start = &description.start;
         let position = start.position;
         let (drive, state) = match &description.kind {
@@ -162,8 +165,9 @@ impl Axis {
             average: Average::new(
                 position - start.redefined,
                 description.average_velocity_timebase,
-                period,
+                clock.period(),
             ),
+            outputs: OutputCams::new(description.output_cam_targets, clock),
         }
     }
 
@@ -221,7 +225,11 @@ impl Axis {
 
     /// A generator begins at the present command.
     pub(crate) fn begin(&mut self, slot: Slot, generator: Generator) {
-        self.mark_start();
+        if slot == Slot::MasterOffset {
+            self.note_offset(true);
+        } else {
+            self.mark_start();
+        }
         self.sum.begin(slot, generator);
         self.command = self.sum.command();
     }
@@ -244,6 +252,9 @@ impl Axis {
 
     /// Ends a generator where it is; its speed is gone at once.
     pub(crate) fn end(&mut self, slot: Slot) -> Option<Generator> {
+        if slot == Slot::MasterOffset {
+            self.note_offset(false);
+        }
         let ended = self.sum.end(slot);
         self.command = self.sum.command();
         ended

@@ -33,6 +33,9 @@ pub(crate) enum Slot {
     Transform,
     /// What a transform moved brakes: it was cancelled.
     Parting,
+    /// MAM of a master offset: it moves the master of the position cam, as that sees it, and the axis only through that. Its
+    /// frame is the offset, master units.
+    MasterOffset,
 }
 
 impl Slot {
@@ -47,7 +50,11 @@ impl Slot {
         Slot::TimeCam,
         Slot::Transform,
         Slot::Parting,
+        Slot::MasterOffset,
     ];
+
+    /// What can be a function of a master's way by itself.
+    pub(crate) const GUIDED: [Slot; 3] = [Slot::Move, Slot::Jog, Slot::MasterOffset];
 
     /// Whether a single-axis instruction begins it: what merges and stops of the axis end.
     pub(crate) fn is_single_axis(self) -> bool {
@@ -67,7 +74,7 @@ impl Slot {
     }
 }
 
-const SLOTS: usize = 10;
+const SLOTS: usize = 11;
 
 /// Displacements by kind of generator.
 pub(super) type Displacements = [f64; SLOTS];
@@ -127,6 +134,11 @@ impl Sum {
     /// Begins a generator in place of the one of its kind. Its frame shows the present command at this instant,
     /// whatever position `generator` was made with: planned ones are planned from [`Sum::command`]'s position.
     pub(crate) fn begin(&mut self, slot: Slot, mut generator: Generator) {
+        if slot == Slot::MasterOffset {
+            self.generators[slot as usize] = Some(generator);
+            self.active |= slot.bit();
+            return;
+        }
         let present = self.command().position;
         self.end(slot);
         if self.is_idle() {
@@ -146,7 +158,9 @@ impl Sum {
         self.rest = self.command().position;
         self.active &= !slot.bit();
         let generator = self.generators[slot as usize].take()?;
-        self.displaced[slot as usize] += generator.displacement();
+        if slot != Slot::MasterOffset {
+            self.displaced[slot as usize] += generator.displacement();
+        }
         Some(generator)
     }
 
@@ -174,7 +188,7 @@ impl Sum {
     /// Velocity and acceleration of some kinds of generators together; the position is 0.
     pub(crate) fn motion_of(&self, which: impl Fn(Slot) -> bool) -> Point {
         let mut total = Point::default();
-        for (slot, generator) in self.active() {
+        for (slot, generator) in self.moving() {
             if which(slot) {
                 total.velocity += generator.now.velocity;
                 total.acceleration += generator.now.acceleration;
@@ -206,11 +220,16 @@ impl Sum {
         }
     }
 
+    /// Every generator under way that moves the axis itself.
+    fn moving(&self) -> impl Iterator<Item = (Slot, &Generator)> {
+        self.active().filter(|(slot, _)| *slot != Slot::MasterOffset)
+    }
+
     /// Position, velocity and acceleration of the axis.
     pub(crate) fn command(&self) -> Point {
         let mut total = Point::default();
         let mut lead = None;
-        for (slot, generator) in self.active() {
+        for (slot, generator) in self.moving() {
             total.velocity += generator.now.velocity;
             total.acceleration += generator.now.acceleration;
             lead = lead.or(Some(slot));
@@ -236,7 +255,7 @@ impl Sum {
 
     fn displacements(&self) -> Displacements {
         let mut displacements = self.displaced;
-        for (slot, generator) in self.active() {
+        for (slot, generator) in self.moving() {
             displacements[slot as usize] += generator.displacement();
         }
         displacements

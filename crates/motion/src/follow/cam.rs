@@ -51,13 +51,15 @@ pub(crate) struct Program {
     pub(crate) source: Source,
     /// Slave units per unit of the profile, negative when the profile is subtracted.
     pub(crate) slave_scale: f64,
-    /// Master units per unit of the profile, above 0.
+    /// Master units per unit of the profile; below 0 where the master goes in reverse while the profile goes on.
     pub(crate) master_scale: f64,
     pub(crate) mode: Mode,
     /// The only way of the master that is followed: 1 or -1.
     pub(crate) way: Option<f64>,
     /// Where the profile is entered when the cam is locked.
     pub(crate) entry: f64,
+    /// The link to its master, where it is driven by one (MDAC).
+    pub(crate) link: Option<u32>,
 }
 
 /// A cam that takes over when the one under way ends.
@@ -81,6 +83,8 @@ pub(crate) struct Cam {
     master_from: f64,
     /// Where the slave was then, in its generator's frame.
     slave_from: f64,
+    /// It was locked at once by a link, and begins where the master turns to the way that is followed.
+    starting: bool,
     /// Furthest way of the master since then, where only one way is followed.
     furthest: f64,
     /// Place in the profile at the last look; that of Continuous goes on beyond its ends.
@@ -113,6 +117,7 @@ impl Cam {
         let entry = program.entry;
         Cam {
             follows: lock.is_none(),
+            starting: lock.is_none() && program.link.is_some(),
             lock,
             read: at.read,
             last: at.point.position,
@@ -128,6 +133,16 @@ impl Cam {
 
     pub(crate) fn source(&self) -> Source {
         self.program.source
+    }
+
+    /// The link to its master, where it is driven by one.
+    pub(crate) fn link(&self) -> Option<u32> {
+        self.program.link
+    }
+
+    /// The only way of the master that is followed.
+    pub(crate) fn way(&self) -> Option<f64> {
+        self.program.way
     }
 
     /// Whether the slave follows the master now: …CamLockStatus.
@@ -179,11 +194,12 @@ impl Cam {
     fn hand_over(&mut self, mut program: Program, exit: &Exit) {
         let (start, end) = (program.profile.start().0, program.profile.end().0);
         program.entry = if exit.at_end { start } else { end };
-        program.source = self.program.source;
+        (program.source, program.link) = (self.program.source, self.program.link);
         self.place = program.entry;
         self.program = program;
         self.master_from = exit.master;
         self.slave_from = exit.slave;
+        self.starting = false;
         self.furthest = 0.0;
         self.turn = 0.0;
     }
@@ -203,6 +219,12 @@ impl Cam {
         let mut gone = master.position - self.master_from;
         let mut moves = true;
         if let Some(way) = *way {
+            if self.starting && way * gone < 0.0 {
+                self.master_from = master.position;
+                self.follows = false;
+                return (standing(self.slave_from), None);
+            }
+            self.starting &= gone == 0.0;
             // The other way nothing is followed, until the master is back where it turned.
             moves = way * gone >= self.furthest;
             self.furthest = self.furthest.max(way * gone);

@@ -28,7 +28,7 @@ pub(crate) enum Sense {
 }
 
 impl Sense {
-    fn sign(self) -> f64 {
+    pub(crate) fn sign(self) -> f64 {
         match self {
             Sense::Forward => 1.0,
             Sense::Reverse => -1.0,
@@ -202,6 +202,11 @@ impl Guide {
                 }
             }
         }
+    }
+
+    /// How far the master has gone.
+    pub(crate) fn way(&self) -> f64 {
+        self.way
     }
 
     /// What the motion is a function of now.

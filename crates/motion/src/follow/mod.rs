@@ -92,8 +92,8 @@ impl Motion {
                 }
             }
             Step::Own(axis) => {
-                self.follow_master(axis);
                 self.follow_guides(axis);
+                self.follow_master(axis);
                 self.axes[usize::from(axis)].advance(&self.clock);
             }
             Step::Down(index) => self.compute_down(usize::from(index)),
@@ -128,7 +128,7 @@ impl Motion {
             }
             self.axes[at].links = links;
         }
-        for slot in [Slot::Move, Slot::Jog] {
+        for slot in Slot::GUIDED {
             let Some(mut guide) = self.axes[at].sum.get(slot).and_then(|generator| generator.guide) else {
                 continue;
             };
@@ -144,6 +144,7 @@ impl Motion {
             let cam = self.axes[usize::from(axis)].cam(slot);
             if let Some(Source::Axis { master, reference }) = cam.map(Cam::source) {
                 let at = self.master_at(master, reference);
+                let at = self.axes[usize::from(axis)].offset_master(slot, at, &self.clock);
                 self.axes[usize::from(axis)].follow_cam(slot, &at);
             }
         }

@@ -17,6 +17,7 @@ use crate::material::Frames;
 
 /// How the two sides of a transform lie to each other.
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::large_enum_variant, reason = "a box would allocate in the tick")]
 pub(crate) enum Map {
     /// Both are Cartesian.
     Frames(Frame),

@@ -8,6 +8,7 @@
 //! Not here: when something is computed ([`super::order`]), what MCT refuses (`instructions::mct`), what happens when a
 //! robot cannot follow ([`super::failing`]). Nothing allocates. Units: position units, seconds.
 
+use super::order::Step;
 pub(crate) use super::robot::Map;
 use super::robot::{RobotMap, at_rest, positions, side, vectors};
 use arcline_drive::Motion as Point;
@@ -509,6 +510,42 @@ impl Motion {
         source
     }
 
+    /// Who leads whom once what has come to its end in this update is over.
+    pub(crate) fn show_transforms(&mut self) {
+        for place in 0..self.order.len() {
+            match self.order.step(place) {
+                Some(Step::Back(index)) => {
+                    let index = usize::from(index);
+                    if let Some(link) = self.links[index] {
+                        let leads = link.target().iter().any(|axis| self.leads_by_itself(*axis));
+                        self.set_leads(index, |link| link.leads_back = leads);
+                    }
+                }
+                Some(Step::Lead(index)) => {
+                    let index = usize::from(index);
+                    if let Some(link) = self.links[index] {
+                        let leads = link.source().iter().any(|axis| self.leads_on(*axis, index));
+                        self.set_leads(index, |link| link.leads = leads);
+                    }
+                }
+                Some(Step::Whole(axis)) if self.axes[usize::from(axis)].is_linked() => self.show_controlled(axis),
+                _ => {}
+            }
+        }
+    }
+
+    fn set_leads(&mut self, index: usize, set: impl FnOnce(&mut Link)) {
+        if let Some(link) = &mut self.links[index] {
+            set(link);
+        }
+    }
+
+    fn show_controlled(&mut self, axis: u16) {
+        let led = self.leader(axis).is_some_and(|(link, _)| link.leads);
+        let led_back = self.is_led_back(axis, None);
+        self.axes[usize::from(axis)].linked.controlled = led || led_back;
+    }
+
     /// What all transforms make of an axis now.
     pub(super) fn compose(&mut self, axis: u16) {
         if !self.axes[usize::from(axis)].is_linked() {
@@ -516,10 +553,8 @@ impl Motion {
         }
         let mut total = self.lead(axis);
         add(&mut total, &self.led_back(axis, None));
-        let led = self.leader(axis).is_some_and(|(link, _)| link.leads);
-        let led_back = self.is_led_back(axis, None);
+        self.show_controlled(axis);
         let state = &mut self.axes[usize::from(axis)];
-        state.linked.controlled = led || led_back;
         state.sum.set(Slot::Transform, total);
         state.command = state.sum.command();
     }

@@ -1,5 +1,6 @@
 //! What MAM, MAJ and MCD share: verification, what a merge takes over, and how a generator begins.
 
+use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, Call, Culprit, Flag, Mnemonic, MotionError};
 use arcline_planner::Pace;
 use arcline_planner::profile::{Limits, Profile, State};
@@ -42,14 +43,25 @@ impl AxisMoveLayout {
         call.is_one(self.merge)
     }
 
+    /// The same of a kind: an offset of a master is apart from what moves the axis.
+    fn merges_into(&self, slot: Slot, call: &Call) -> bool {
+        slot != Slot::MasterOffset && self.merges(call)
+    }
+
     /// Velocity and acceleration of what the instruction takes over: of its own kind, or of all that single-axis
     /// instructions move. The position is where the axis is commanded to be.
     pub(super) fn taken_over(&self, axis: &Axis, slot: Slot, call: &Call) -> State {
-        let taken = axis
-            .sum
-            .motion_of(|other| other == slot || (self.merges(call) && other.is_single_axis()));
+        let taken = match slot {
+            Slot::MasterOffset => axis.master_offset(),
+            _ => Point {
+                position: axis.command.position,
+                ..axis
+                    .sum
+                    .motion_of(|other| other == slot || (self.merges(call) && other.is_single_axis()))
+            },
+        };
         State {
-            position: axis.command.position,
+            position: taken.position,
             velocity: taken.velocity,
             acceleration: taken.acceleration,
         }
@@ -76,7 +88,7 @@ impl AxisMoveLayout {
         let taken = self.taken_over(&motion.axes[at], slot, call);
         let taken = led.map_or(taken, |(_, pace)| pace.on_the_way(taken));
         let from = steady(taken, &dynamics.limits());
-        if self.merges(call) {
+        if self.merges_into(slot, call) {
             motion.end_single_axis(axis, Some(slot));
         }
         motion.end_generator(axis, slot);

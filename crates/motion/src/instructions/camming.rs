@@ -4,6 +4,7 @@ use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError, Oper
 
 use super::{axis_moves, place};
 use crate::axis::Axis;
+use crate::axis::camming::Offset;
 use crate::axis::generator::{Generator, Law};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
@@ -136,6 +137,10 @@ pub(super) fn begin(motion: &mut Motion, axis: u16, beginning: Beginning, execut
         lock,
         master,
     } = beginning;
+    if slot == Slot::PositionCam {
+        motion.end_generator(axis, Slot::MasterOffset);
+        motion.axes[usize::from(axis)].cams_mut(slot).offset = Offset::default();
+    }
     let state = &mut motion.axes[usize::from(axis)];
     state.cams_mut(slot).direction = Some(program.slave_scale.signum());
     let slave = state.command.position;

@@ -46,8 +46,12 @@ fn verify_configuration(axis: &Axis) -> Result<(), MotionError> {
         HomeSequence::Switch => switch,
         HomeSequence::Marker => marker,
         HomeSequence::SwitchMarker => switch && marker,
-        // The simulated drive has no torque level.
-        HomeSequence::Torque | HomeSequence::TorqueMarker => return Err(MotionError::IllegalHomingConfig),
+        // Something must hold the axis, and something must move it there.
+        HomeSequence::Torque | HomeSequence::TorqueMarker if home.stops.is_none() || home.mode == HomeMode::Passive => {
+            return Err(MotionError::IllegalHomingConfig);
+        }
+        HomeSequence::Torque => true,
+        HomeSequence::TorqueMarker => marker,
     };
     if !assigned {
         return Err(MotionError::DriveDigitalInputNotAssigned);

@@ -34,6 +34,10 @@ const SHORTEST: i32 = 2;
 const POSITIVE: i32 = 3;
 /// Move Type: to a position within one turn, backwards.
 const NEGATIVE: i32 = 4;
+/// Move Type: the offset of the position cam's master to a value.
+const MASTER_OFFSET: i32 = 5;
+/// Move Type: that offset by a distance.
+const MASTER_OFFSET_BY: i32 = 6;
 
 impl Layout {
     pub(super) fn new() -> Self {
@@ -44,6 +48,15 @@ impl Layout {
             position: place("Position"),
             event_distance: place("Event Distance"),
             calculated_data: place("Calculated Data"),
+        }
+    }
+
+    /// What the move is one of.
+    fn slot(&self, call: &Call) -> Slot {
+        if call.word(self.move_type) >= MASTER_OFFSET {
+            Slot::MasterOffset
+        } else {
+            Slot::Move
         }
     }
 
@@ -73,19 +86,31 @@ impl Layout {
         }
         if seconds::is_duration(call.word(dynamics.rates.speed_units)) {
             seconds::verify_durations(dynamics, call)?;
-            if axis.command.velocity != 0.0 || axis.command.acceleration != 0.0 {
+            let moved = match self.slot(call) {
+                Slot::MasterOffset => axis.master_offset(),
+                _ => axis.command,
+            };
+            if moved.velocity != 0.0 || moved.acceleration != 0.0 {
                 return Err(MotionError::AxisNotAtRest(AxisIndex(0)));
             }
             if self.common.keeps_speed(call) {
                 return Err(MotionError::MergeToCurrentUsingSeconds);
             }
         }
-        dynamics.verify_link(call, axis.links.newest(Serves::Move))
+        dynamics.verify_link(call, axis.links.newest(serves(self.slot(call))))
+    }
+
+    /// Where the move begins, of its kind.
+    fn present(&self, axis: &Axis, call: &Call) -> f64 {
+        match self.slot(call) {
+            Slot::MasterOffset => axis.master_offset().position,
+            _ => axis.command.position,
+        }
     }
 
     /// Where the move ends, as a position that is not unwound. Offsets of a master need a position cam.
     fn target(&self, axis: &Axis, call: &Call) -> Result<f64, MotionError> {
-        let present = axis.command.position;
+        let present = self.present(axis, call);
         let position = call.number(self.position);
         let turn = axis.unwind.map(|unwind| Turn::at(present, unwind));
         match (call.word(self.move_type), turn) {
@@ -95,6 +120,8 @@ impl Layout {
             (NEGATIVE, Some(turn)) => Ok(turn.backward(position)),
             (0, Some(turn)) => Ok(turn.absolute(position)),
             (0, None) => Ok(position),
+            (MASTER_OFFSET, _) if axis.cam(Slot::PositionCam).is_some() => Ok(position),
+            (MASTER_OFFSET_BY, _) if axis.cam(Slot::PositionCam).is_some() => Ok(present + position),
             _ => Err(MotionError::PositionCamNotEnabled),
         }
     }
@@ -107,7 +134,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     layout.verify_ranges(motion, state, call)?;
     layout.verify_units(state, call)?;
     let dynamics = &layout.common.dynamics;
-    let lead = dynamics.lead(motion, call, state.links.newest(Serves::Move))?;
+    let slot = layout.slot(call);
+    let lead = dynamics.lead(motion, call, state.links.newest(serves(slot)))?;
     let events = Events::of(call, layout.event_distance, layout.calculated_data, Fit::Exactly)?;
     axis_moves::verify_axis(state, layout.common.dynamics.is_s_curve(call))?;
     if layout.is_rotary(call) && state.unwind.is_none() {
@@ -115,24 +143,30 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     }
     axis_moves::not_stopping(state)?;
     let target = layout.target(state, call)?;
-    axis_moves::no_overtravel(state, target - state.command.position)?;
-    let led = layout.common.led(motion, axis, Slot::Move, call, lead)?;
+    let way = target - layout.present(state, call);
+    // An offset is in units of the master, and so are its maxima.
+    let maxima = match state.cam_master(Slot::PositionCam) {
+        Some(master) if slot == Slot::MasterOffset => &motion.axes[usize::from(master)].dynamics,
+        _ => {
+            axis_moves::no_overtravel(state, way)?;
+            &state.dynamics
+        }
+    };
+    let led = layout.common.led(motion, axis, slot, call, lead)?;
     let mut dynamics = if seconds::is_duration(call.word(dynamics.rates.speed_units)) {
-        let distance = (target - state.command.position).abs();
-        seconds::dynamics(&layout.common.dynamics, call, distance, &state.dynamics)
+        seconds::dynamics(&layout.common.dynamics, call, way.abs(), maxima)
     } else {
-        layout.common.dynamics.read(call, &state.dynamics)?
+        layout.common.dynamics.read(call, maxima)?
     };
     if layout.common.keeps_speed(call) {
-        let present = layout.common.present_speed(state, Slot::Move, call, led);
+        let present = layout.common.present_speed(state, slot, call, led);
         if present != 0.0 {
             dynamics.set_speed(present);
         }
     }
     if led.is_some() {
-        let present = layout.common.present_speed(state, Slot::Move, call, led);
-        let way = (target - state.command.position).abs();
-        verify_reduction(present, &dynamics.limits(), way)?;
+        let present = layout.common.present_speed(state, slot, call, led);
+        verify_reduction(present, &dynamics.limits(), way.abs())?;
     }
     let beginning = Beginning {
         execution,
@@ -141,8 +175,16 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         led,
         events,
     };
-    layout.common.begin(motion, axis, Slot::Move, call, beginning, |from| {
+    layout.common.begin(motion, axis, slot, call, beginning, |from| {
         Profile::to_position(from, target, 0.0, &dynamics.limits())
     });
     Ok(())
+}
+
+/// The Motion Type of MDAC that serves a kind of move.
+fn serves(slot: Slot) -> Serves {
+    match slot {
+        Slot::MasterOffset => Serves::MasterOffsetMove,
+        _ => Serves::Move,
+    }
 }

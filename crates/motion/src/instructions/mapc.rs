@@ -39,7 +39,7 @@ impl Layout {
 }
 
 /// Execution Schedule: when the master crosses the lock position, with the way that it must go then.
-fn crossing(schedule: i32) -> Option<Option<f64>> {
+pub(super) fn crossing(schedule: i32) -> Option<Option<f64>> {
     match schedule {
         2 => Some(Some(1.0)),
         3 => Some(Some(-1.0)),
@@ -101,6 +101,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         mode: layout.cam.mode(call),
         way: way(call.word(layout.master_direction)),
         entry,
+        link: None,
     };
     if pending {
         wait(motion, axis, Slot::PositionCam, program, execution);

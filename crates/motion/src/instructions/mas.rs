@@ -85,6 +85,7 @@ fn stopped(stop_type: i32) -> Option<Option<Slot>> {
         4 => Some(Some(Slot::Home)),
         7 => Some(Some(Slot::TimeCam)),
         8 => Some(Some(Slot::PositionCam)),
+        9 => Some(Some(Slot::MasterOffset)),
         _ => None,
     }
 }

@@ -1,34 +1,52 @@
-//! MATC, Motion Axis Time Cam (spec/axis-and-data-types.md §3.9).
+//! MATC, Motion Axis Time Cam (spec/axis-and-data-types.md §3.9): over time, or over the way of a master that MDAC links.
 
 use arcline_instruction_set::{Call, Mnemonic, MotionError};
 
 use super::camming::{Beginning, CamLayout, begin, not_stopping, verify_change, wait};
+use super::programmed::LockLayout;
 use super::{axis_moves, place};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
-use crate::follow::cam::{self, Program, Source};
+use crate::follow::cam::{self, Cam, Lock, Program, Source};
+use crate::follow::links::{MasterLink, Serves};
 use crate::material::Sent;
 use crate::motion::Motion;
+use crate::system::Lead;
 
 /// Places of MATC's operands.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layout {
     cam: CamLayout,
-    lock_direction: usize,
+    lock: LockLayout,
     instruction_mode: usize,
 }
 
-/// Lock Direction: None.
-const NONE: i32 = 0;
-
 impl Layout {
     pub(super) fn new() -> Self {
-        let place = |name| place(Mnemonic::Matc, name);
         Layout {
             cam: CamLayout::of(Mnemonic::Matc, "Distance Scaling", "Time Scaling"),
-            lock_direction: place("Lock Direction"),
-            instruction_mode: place("Instruction Mode"),
+            lock: LockLayout::of(Mnemonic::Matc),
+            instruction_mode: place(Mnemonic::Matc, "Instruction Mode"),
         }
+    }
+
+    /// What drives the cam; `None`: time.
+    ///
+    /// # Errors
+    /// A lock direction of the other mode, or of a position for a pending cam, which begins where the one before ends (95); no
+    /// link (93); a position that the master never shows (13).
+    fn led(&self, motion: &Motion, at: usize, call: &Call) -> Result<Option<(MasterLink, Lead)>, MotionError> {
+        let master_driven = call.is_one(self.instruction_mode);
+        let link = motion.axes[at].links.newest(Serves::TimeCam);
+        self.lock.verify(call, master_driven, link)?;
+        let Some(link) = link.filter(|_| master_driven) else {
+            return Ok(None);
+        };
+        let lead = self.lock.lead(motion, call, link)?;
+        if self.cam.is_pending(call) && lead.lock.position.is_some() {
+            return Err(MotionError::MdscLockDirectionConflict);
+        }
+        Ok(Some((*link, lead)))
     }
 }
 
@@ -37,19 +55,21 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let axis = motion.target_axis(call)?;
     let at = usize::from(axis);
     motion.verify_operands(call)?;
-    let master_driven = call.is_one(layout.instruction_mode);
-    if master_driven == (call.word(layout.lock_direction) == NONE) {
-        return Err(MotionError::MdscLockDirectionConflict);
-    }
-    if master_driven {
-        return Err(MotionError::MdscNotActivated);
-    }
+    let led = layout.led(motion, at, call)?;
     axis_moves::verify_axis(&motion.axes[at], false)?;
     not_stopping(&motion.axes[at], Slot::TimeCam)?;
     let since = motion.clock.now();
-    let source = Source::Time { since };
+    let source = led.map_or(Source::Time { since }, |(link, _)| Source::Axis {
+        master: link.master.axis,
+        reference: link.master.reference,
+    });
     let pending = layout.cam.is_pending(call);
     verify_change(&motion.axes[at], Slot::TimeCam, source, pending)?;
+    let way = led.map(|(_, lead)| lead.lock.sense.sign());
+    let runs = motion.axes[at].cam(Slot::TimeCam).map(Cam::way);
+    if runs.is_some_and(|runs| runs != way) {
+        return Err(MotionError::MdscDirectionMismatch);
+    }
     let profile = sent.cam()?;
 
     let before = motion.axes[at].cams(Slot::TimeCam).direction;
@@ -58,19 +78,35 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         profile,
         source,
         slave_scale: layout.cam.direction(call, before) * call.number(layout.cam.slave_scaling),
-        master_scale: call.number(layout.cam.master_scaling),
+        // The slave goes on in its direction, whichever way the master is followed.
+        master_scale: way.unwrap_or(1.0) * call.number(layout.cam.master_scaling),
         mode: layout.cam.mode(call),
-        way: None,
+        way,
+        link: led.map(|(link, _)| link.id),
     };
     if pending {
         wait(motion, axis, Slot::TimeCam, program, execution);
         return Ok(());
     }
+    let mut lock = None;
+    let master = match led {
+        None => cam::time(since, &motion.clock),
+        Some((link, lead)) => {
+            motion.take_up_link(axis, link.id);
+            let state = &motion.axes[usize::from(link.master.axis)];
+            lock = lead.lock.position.map(|position| Lock {
+                position: position - state.redefined,
+                way,
+                unwind: state.unwind,
+            });
+            motion.master_at(link.master.axis, link.master.reference)
+        }
+    };
     let beginning = Beginning {
         slot: Slot::TimeCam,
         program,
-        lock: None,
-        master: cam::time(since, &motion.clock),
+        lock,
+        master,
     };
     begin(motion, axis, beginning, execution);
     Ok(())

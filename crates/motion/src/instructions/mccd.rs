@@ -4,7 +4,7 @@ use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
 use arcline_planner::ContourQueue;
 
 use super::place;
-use super::programmed::ChangeLayout;
+use super::programmed::{Change, ChangeLayout};
 use crate::control::Execution;
 use crate::dynamics::{Dynamics, Maxima};
 use crate::machine::CoordinateSystem;
@@ -47,23 +47,26 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         _ => return Err(MotionError::IllegalDynamicChange),
     };
     verify::stoppable(system, &motion.axes, active.dynamics.is_s_curve())?;
-    let [moves, turns] = maxima(&system.description);
+    let maxima = maxima(&system.description);
+    let read = maxima.map(|maxima| layout.dynamics.read(call, &maxima));
+    // Every move that is changed must be of the mode of the change.
+    let modes = [false, true].map(|driven| layout.dynamics.verify_mode(call, driven));
     let change = |planned: &Planned| {
-        let maxima = if planned.only_turns { &turns } else { &moves };
-        changed(&layout, call, maxima, planned)
+        modes[usize::from(planned.lead.is_some())]?;
+        changed(&read[usize::from(planned.only_turns)], planned)
     };
     let dynamics = change(&active)?;
     if system.contour_in_force().is_some() {
-        change_contour(motion, index, call, active.dynamics.speed, dynamics.speed)?;
+        change_contour(motion, index, call.word(layout.scope), change)?;
+        calculate_again(motion, index, active.execution);
         motion.done(execution);
         return Ok(());
     }
     if call.word(layout.scope) == ACTIVE_AND_PENDING {
         if let Some(contour) = &mut system.contour {
-            change_unplanned(contour, change)?;
+            change_queued(contour, usize::MAX, change)?;
         }
         for waiting in system.planner.pending() {
-            layout.dynamics.verify_mode(call, waiting.data.lead.is_some())?;
             change(&waiting.data)?;
         }
         for waiting in system.planner.pending_mut() {
@@ -77,45 +80,40 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let clock = system.clock(&motion.clock);
     system.planner.change_limits(dynamics.limits(), &clock);
     system.stale = true;
-    // What had been calculated is given anew at the next update.
-    let tick = motion.clock.tick;
-    system.calculated.1 = tick + 1;
-    motion
-        .controls
-        .flag(active.execution, Flag::CalculatedDataAvailable, false, tick);
+    calculate_again(motion, index, active.execution);
     motion.done(execution);
     Ok(())
 }
 
-/// On a planned contour a new speed is a pace, at most the planned one; everything else is for the moves that have not
-/// been planned yet.
+/// What had been calculated for the active move is given anew at the next update.
+fn calculate_again(motion: &mut Motion, index: usize, active: Execution) {
+    let tick = motion.clock.tick;
+    motion.systems[index].calculated.1 = tick + 1;
+    let available = Flag::CalculatedDataAvailable;
+    motion.controls.flag(active, available, false, tick);
+}
+
+/// Of a planned contour the active move is changed, or all of them.
 fn change_contour(
     motion: &mut Motion,
     index: usize,
-    call: &Call,
-    programmed: f64,
-    speed: f64,
+    scope: i32,
+    change: impl Fn(&Planned) -> Result<Dynamics, MotionError>,
 ) -> Result<(), MotionError> {
-    let layout = motion.layouts.mccd;
     let system = &mut motion.systems[index];
-    let maxima = Maxima::from(&system.description);
-    let change = |planned: &Planned| changed(&layout, call, &maxima, planned);
-    let Some(contour) = &mut system.contour else {
-        return Ok(());
-    };
-    if call.word(layout.scope) == ACTIVE_AND_PENDING {
-        change_unplanned(contour, change)?;
-    }
-    if layout.dynamics.changes_speed(call) && programmed > 0.0 {
-        contour.set_share(speed / programmed, &motion.clock);
+    let count = if scope == ACTIVE_AND_PENDING { usize::MAX } else { 1 };
+    let own = system.contour_clock(&motion.clock);
+    if let Some(contour) = &mut system.contour {
+        change_queued(contour, count, change)?;
+        contour.change(&own);
         system.stale = true;
     }
     Ok(())
 }
 
-/// The dynamics of a move with what the call changes, no faster than the joints of robots let it be.
-fn changed(layout: &Layout, call: &Call, maxima: &Maxima, planned: &Planned) -> Result<Dynamics, MotionError> {
-    let mut dynamics = layout.dynamics.change(call, maxima, planned.dynamics)?;
+/// The dynamics of a move with what a call changes, no faster than the joints of robots let it be.
+fn changed(change: &Change, planned: &Planned) -> Result<Dynamics, MotionError> {
+    let mut dynamics = change.of(planned.dynamics)?;
     dynamics.keep_to(&planned.pace);
     Ok(dynamics)
 }
@@ -133,17 +131,18 @@ fn maxima(system: &CoordinateSystem) -> [Maxima; 2] {
     [moves, turns]
 }
 
-/// All of the moves that have not been planned yet, or none.
-fn change_unplanned(
+/// So many of the moves, or none where one of them cannot be.
+fn change_queued(
     contour: &mut ContourQueue<Planned>,
+    count: usize,
     change: impl Fn(&Planned) -> Result<Dynamics, MotionError>,
 ) -> Result<(), MotionError> {
-    for waiting in contour.unplanned_mut() {
+    for waiting in contour.moves().take(count) {
         change(&waiting.data)?;
     }
-    for waiting in contour.unplanned_mut() {
+    for waiting in contour.moves_mut().take(count) {
         waiting.data.dynamics = change(&waiting.data)?;
-        waiting.limits = waiting.data.dynamics.limits();
+        waiting.limits = waiting.parameter.in_time(&waiting.data.dynamics.limits());
     }
     Ok(())
 }

@@ -54,7 +54,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         // Without a program it only brakes.
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
     };
-    let dynamics = layout.dynamics.change(call, &maxima, dynamics)?;
+    let dynamics = layout.dynamics.read(call, &maxima).of(dynamics)?;
     let now = axis_moves::steady(generator.planned_state(&clock), &dynamics.limits());
     let (profile, goal) = match goal {
         Goal::Position(target) => {

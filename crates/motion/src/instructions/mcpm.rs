@@ -105,9 +105,12 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     layout.verify_dynamics(&tags.dynamics)?;
     let driven = tags.dynamics.time_units == MASTER_UNITS;
     let link = motion.systems[index].links.newest().copied();
-    layout.lock.verify_link(call, driven, link.as_ref())?;
+    layout.lock.verify(call, driven, link.as_ref())?;
     let link = link.filter(|_| driven);
-    let lead = layout.lock.lead(motion, call, link.as_ref())?;
+    let lead = match &link {
+        Some(link) => Some(layout.lock.lead(motion, call, link)?),
+        None => None,
+    };
     let system = &motion.systems[index];
     if system.contour.is_some() {
         return Err(MotionError::FeatureNotSupported);

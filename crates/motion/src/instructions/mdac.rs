@@ -3,8 +3,10 @@
 use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
 
 use super::{mdcc, place};
+use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::follow::Follower;
+use crate::follow::cam::Cam;
 use crate::follow::links::Serves;
 use crate::motion::Motion;
 
@@ -48,7 +50,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let active = state.links.of(serves).active;
     let driven = |link: u32| {
         let mut guides = state.sum.active().filter_map(|(_, generator)| generator.guide);
-        guides.any(|guide| guide.link == link)
+        let cam = state.cam(Slot::TimeCam).and_then(Cam::link);
+        cam == Some(link) || guides.any(|guide| guide.link == link)
     };
     if let Some(active) = active
         && active.master.axis == master

@@ -2,6 +2,7 @@
 
 use arcline_instruction_set::{Call, MotionError};
 
+use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::motion::Motion;
 
@@ -9,6 +10,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     motion.target_group(call)?;
     motion.verify_operands(call)?;
     for axis in &mut motion.axes {
+        axis.cams_mut(Slot::PositionCam).offset.strobed = axis.master_offset().position;
         axis.strobed = [axis.command.position, axis.drive.actual().position].map(|position| axis.shown(position));
     }
     motion.done(execution);

@@ -7,6 +7,7 @@ mod mag;
 mod mah;
 mod maj;
 mod mam;
+mod maoc;
 mod mapc;
 mod mar;
 mod mas;
@@ -30,6 +31,7 @@ mod mctp;
 mod mctpo;
 mod mdac;
 mod mdcc;
+mod mdoc;
 mod mdr;
 mod mdw;
 mod mgs;
@@ -67,6 +69,8 @@ pub(crate) struct Layouts {
     mag: mag::Layout,
     mapc: mapc::Layout,
     matc: matc::Layout,
+    maoc: maoc::Layout,
+    mdoc: mdoc::Layout,
     maw: maw::Layout,
     mar: mar::Layout,
     mdr: mdr::Layout,
@@ -96,6 +100,8 @@ impl Layouts {
             mag: mag::Layout::new(),
             mapc: mapc::Layout::new(),
             matc: matc::Layout::new(),
+            maoc: maoc::Layout::new(),
+            mdoc: mdoc::Layout::new(),
             maw: maw::Layout::new(),
             mar: mar::Layout::new(),
             mdr: mdr::Layout::new(),
@@ -150,6 +156,8 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Mnemonic::Mrp => mrp::execute(motion, execution, call),
         Mnemonic::Mccp => mccp::execute(motion, execution, call, sent),
         Mnemonic::Mcsv => mcsv::execute(motion, execution, call, sent),
+        Mnemonic::Maoc => maoc::execute(motion, execution, call, sent),
+        Mnemonic::Mdoc => mdoc::execute(motion, execution, call),
         Mnemonic::Maw => maw::execute(motion, execution, call),
         Mnemonic::Mdw => mdw::execute(motion, execution, call),
         Mnemonic::Mar => mar::execute(motion, execution, call),

@@ -114,7 +114,8 @@ pub(super) fn execute(
     let lead = layout.dynamics.lead(motion, call, link.as_ref())?;
     let events = Events::of(call, layout.event_distance, layout.calculated_data, Fit::AtLeast)?;
     let system = &motion.systems[index];
-    if system.contour.is_some() && (lead.is_some() || events.is_some()) {
+    // What an axis does by time is its master's to decide.
+    if system.description.axis_limits == AxisLimits::Enforce && lead.is_some() {
         return Err(MotionError::FeatureNotSupported);
     }
     verify::axes_ready(system, &motion.axes)?;

@@ -7,7 +7,7 @@ use arcline_planner::Pace;
 use arcline_planner::profile::{Limits, stop_distance};
 
 use super::place;
-use crate::dynamics::{Dynamics, Jerks, Maxima, Shape, in_units, jerk_in_units, reference_speed};
+use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, in_units, jerk_in_units, reference_speed};
 use crate::follow::guide::{Guide, LockTo, Sense};
 use crate::follow::links::MasterLink;
 use crate::motion::Motion;
@@ -90,7 +90,7 @@ pub(super) struct DynamicsLayout {
     lock: LockLayout,
 }
 
-/// Places of the operands that say when a master driven motion begins.
+/// Places of the operands that say how something is locked to a master: those of [`DynamicsLayout`], and MATC's.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LockLayout {
     position: usize,
@@ -161,40 +161,9 @@ impl DynamicsLayout {
         is_master_driven(call.number(self.rates.speed_units))
     }
 
-    /// As [`LockLayout::verify_link`], by the mode of the units.
+    /// A lock direction of the mode of the units (95), and a link for what is master driven (93).
     pub(super) fn verify_link(&self, call: &Call, link: Option<&MasterLink>) -> Result<(), MotionError> {
-        self.lock.verify_link(call, self.is_master_driven(call), link)
-    }
-
-    /// As [`LockLayout::lead`], by the mode of the units.
-    pub(super) fn lead(
-        &self,
-        motion: &Motion,
-        call: &Call,
-        link: Option<&MasterLink>,
-    ) -> Result<Option<Lead>, MotionError> {
-        self.lock
-            .lead(motion, call, link.filter(|_| self.is_master_driven(call)))
-    }
-}
-
-impl LockLayout {
-    pub(super) fn of(mnemonic: Mnemonic) -> Self {
-        LockLayout {
-            position: place(mnemonic, "Lock Position"),
-            direction: place(mnemonic, "Lock Direction"),
-        }
-    }
-
-    /// A lock direction of the mode (95), and a link for what is driven by a `master` (93).
-    pub(super) fn verify_link(&self, call: &Call, master: bool, link: Option<&MasterLink>) -> Result<(), MotionError> {
-        if (call.word(self.direction) != 0) != master {
-            return Err(MotionError::MdscLockDirectionConflict);
-        }
-        if master && link.is_none() {
-            return Err(MotionError::MdscNotActivated);
-        }
-        Ok(())
+        self.lock.verify(call, self.is_master_driven(call), link)
     }
 
     /// How a call is driven by its link; `None`: by time.
@@ -207,9 +176,42 @@ impl LockLayout {
         call: &Call,
         link: Option<&MasterLink>,
     ) -> Result<Option<Lead>, MotionError> {
-        let Some(link) = link else {
+        let Some(link) = link.filter(|_| self.is_master_driven(call)) else {
             return Ok(None);
         };
+        self.lock.lead(motion, call, link).map(Some)
+    }
+}
+
+impl LockLayout {
+    pub(super) fn of(mnemonic: Mnemonic) -> Self {
+        LockLayout {
+            position: place(mnemonic, "Lock Position"),
+            direction: place(mnemonic, "Lock Direction"),
+        }
+    }
+
+    /// A lock direction of the mode (95), and a link for what is master driven (93).
+    pub(super) fn verify(
+        &self,
+        call: &Call,
+        master_driven: bool,
+        link: Option<&MasterLink>,
+    ) -> Result<(), MotionError> {
+        if (call.word(self.direction) != 0) != master_driven {
+            return Err(MotionError::MdscLockDirectionConflict);
+        }
+        if master_driven && link.is_none() {
+            return Err(MotionError::MdscNotActivated);
+        }
+        Ok(())
+    }
+
+    /// How a call is driven by a link.
+    ///
+    /// # Errors
+    /// `ParameterOutOfRange` (13) where a rotary master never shows the Lock Position.
+    pub(super) fn lead(&self, motion: &Motion, call: &Call, link: &MasterLink) -> Result<Lead, MotionError> {
         let direction = call.word(self.direction);
         let position = (direction >= POSITION_FORWARD).then(|| call.number(self.position));
         let unwind = motion.axes[usize::from(link.master.axis)].unwind;
@@ -223,10 +225,10 @@ impl LockLayout {
         } else {
             Sense::Forward
         };
-        Ok(Some(Lead {
+        Ok(Lead {
             link: link.id,
             lock: LockTo { sense, position },
-        }))
+        })
     }
 }
 
@@ -321,29 +323,48 @@ impl ChangeLayout {
         }
     }
 
-    /// `dynamics` with what the call changes. A jerk in percent of time follows whatever is changed.
+    /// What the call changes, read once for all moves.
+    pub(super) fn read(&self, call: &Call, maxima: &Maxima) -> Change {
+        let rates = &self.rates;
+        let jerks = rates.jerks(call, maxima);
+        let wanted = |place: usize| call.is_one(place);
+        Change {
+            speed: wanted(self.change_speed).then(|| rates.speed(call, maxima)),
+            acceleration: wanted(self.change_accel).then(|| rates.acceleration(call, maxima)),
+            deceleration: wanted(self.change_decel).then(|| rates.deceleration(call, maxima)),
+            acceleration_jerk: wanted(self.change_accel_jerk).then_some(jerks.acceleration),
+            deceleration_jerk: wanted(self.change_decel_jerk).then_some(jerks.deceleration),
+            places: *rates,
+        }
+    }
+}
+
+/// What MCCD or MCD changes, in units.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Change {
+    speed: Option<f64>,
+    acceleration: Option<f64>,
+    deceleration: Option<f64>,
+    acceleration_jerk: Option<JerkRate>,
+    deceleration_jerk: Option<JerkRate>,
+    places: Rates,
+}
+
+impl Change {
+    /// Dynamics with the change. A jerk in percent of time follows whatever is changed.
     ///
     /// # Errors
     /// `ParameterOutOfRange` (13) where a percentage of a maximum is 0.
-    pub(super) fn change(&self, call: &Call, maxima: &Maxima, mut dynamics: Dynamics) -> Result<Dynamics, MotionError> {
-        let rates = &self.rates;
-        if self.changes_speed(call) {
-            dynamics.set_speed(rates.speed(call, maxima));
+    pub(super) fn of(&self, mut dynamics: Dynamics) -> Result<Dynamics, MotionError> {
+        if let Some(speed) = self.speed {
+            dynamics.set_speed(speed);
         }
-        if call.is_one(self.change_accel) {
-            dynamics.acceleration = rates.acceleration(call, maxima);
-        }
-        if call.is_one(self.change_decel) {
-            dynamics.deceleration = rates.deceleration(call, maxima);
-        }
-        let jerks = rates.jerks(call, maxima);
-        if call.is_one(self.change_accel_jerk) {
-            dynamics.jerks_mut().acceleration = jerks.acceleration;
-        }
-        if call.is_one(self.change_decel_jerk) {
-            dynamics.jerks_mut().deceleration = jerks.deceleration;
-        }
-        rates.verify(&dynamics)?;
+        dynamics.acceleration = self.acceleration.unwrap_or(dynamics.acceleration);
+        dynamics.deceleration = self.deceleration.unwrap_or(dynamics.deceleration);
+        let jerks = dynamics.jerks_mut();
+        jerks.acceleration = self.acceleration_jerk.unwrap_or(jerks.acceleration);
+        jerks.deceleration = self.deceleration_jerk.unwrap_or(jerks.deceleration);
+        self.places.verify(&dynamics)?;
         Ok(dynamics)
     }
 }

@@ -27,6 +27,8 @@ pub struct Home {
     pub switch: Option<HomeSwitch>,
     /// The marker; `None`: not configured.
     pub marker: Option<HomeMarker>,
+    /// Where the mechanical stops are that torque sequences use: machine positions, u; the travel limits. `None`: there are none.
+    pub stops: Option<[f64; 2]>,
 }
 
 impl Home {
@@ -44,7 +46,13 @@ impl Home {
             deceleration,
             switch: None,
             marker: None,
+            stops: None,
         }
+    }
+
+    /// The mechanical stop in a direction.
+    pub(crate) fn stop(&self, direction: f64) -> Option<f64> {
+        self.stops.map(|[min, max]| if direction > 0.0 { max } else { min })
     }
 }
 
@@ -72,6 +80,13 @@ pub enum HomeSequence {
     Torque,
     /// The first marker after a held torque level.
     TorqueMarker,
+}
+
+impl HomeSequence {
+    /// Whether a held torque level begins it.
+    pub fn is_of_torque(self) -> bool {
+        matches!(self, HomeSequence::Torque | HomeSequence::TorqueMarker)
+    }
 }
 
 /// Home Direction.

@@ -7,7 +7,7 @@ use arcline_drive::Settling;
 use arcline_instruction_set::{Flag, MotionError};
 use arcline_planner::geometry::Point;
 use arcline_planner::profile::{Phase, State};
-use arcline_planner::{Clock, Ending, Instant, Move, Passage, Sample};
+use arcline_planner::{Clock, Ending, Instant, Move, Passage, Reach, Sample};
 
 use super::Motion;
 use crate::axis::Axis;
@@ -118,6 +118,9 @@ impl Motion {
         }
         self.systems[index].planner.clear_active();
         self.release_axes(index);
+        if let Some(last) = &last {
+            self.refuse_next_contour(index, last);
+        }
         // Moves behind a merged one are planned as a contour now.
         let system = &mut self.systems[index];
         let contour = system.contour.as_ref();
@@ -153,24 +156,31 @@ impl Motion {
     pub(crate) fn calculate(&mut self, index: usize) {
         let system = &mut self.systems[index];
         let (plan, due) = system.calculated;
-        let plans = system.planner.plans();
+        let contour = system.contour.as_ref().map_or(0, |contour| contour.plans());
+        let plans = system.planner.plans().wrapping_add(contour);
         if system.activity != Activity::Moving || plans == plan || self.clock.tick < due {
             return;
         }
         system.calculated.0 = plans;
-        let clock = system.clock(&self.clock);
-        let Some(active) = system.planner.active().map(|running| running.motion.data) else {
-            return;
-        };
+        let Some(active) = system.active() else { return };
         let Some(mut events) = active.events else { return };
-        let planner = &system.planner;
-        let answered = !planner.is_paused() && events.answer(|distance| planner.reaches(distance, &clock));
+        let answered = if let Some(contour) = system.contour_in_force() {
+            let (clock, speed) = (system.contour_clock(&self.clock), system.contour_speed());
+            let reach = |distance| match contour.reaches(distance, &clock) {
+                Reach::At(seconds) => Reach::At(seconds * speed),
+                other => other,
+            };
+            !contour.is_paused() && events.answer(reach)
+        } else {
+            let (planner, clock) = (&system.planner, system.clock(&self.clock));
+            !planner.is_paused() && events.answer(|distance| planner.reaches(distance, &clock))
+        };
         if !answered {
             let available = Flag::CalculatedDataAvailable.mask();
             self.controls.write(active.execution, 0, available, self.clock.tick);
             return;
         }
-        if let Some(active) = system.planner.active_data() {
+        if let Some(active) = system.active_mut() {
             active.events = Some(events);
         }
         self.give(active.execution, &events);

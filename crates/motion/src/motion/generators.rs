@@ -178,6 +178,11 @@ impl Motion {
             if slot == Slot::Home && is_driven_home {
                 continue;
             }
+            if slot == Slot::MasterOffset && self.axes[at].cam(Slot::PositionCam).is_none() {
+                // What it is an offset of is over.
+                self.end_generator(axis, slot);
+                continue;
+            }
             if Axis::CAMS.contains(&slot) {
                 self.report_cam(axis, slot);
             }

@@ -6,9 +6,11 @@ use arcline_instruction_set::{Flag, MotionError};
 use arcline_planner::{Instant, Parameter};
 
 use super::Motion;
+use crate::axis::generator::Generator;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::Maxima;
+use crate::follow::cam::Cam;
 use crate::follow::gear::Reference;
 use crate::follow::guide::{Guide, LockTo, Master};
 use crate::follow::links::MasterLink;
@@ -76,6 +78,13 @@ impl Motion {
         Some(self.guide(&link, lead.lock, self.clock.now()))
     }
 
+    /// The link by which a cam begins on an axis is the active one from now on.
+    pub(crate) fn take_up_link(&mut self, axis: u16, link: u32) {
+        if let Some((_, ended)) = self.axes[usize::from(axis)].links.take_up(link) {
+            self.end_link(ended);
+        }
+    }
+
     fn guide(&self, link: &MasterLink, lock: LockTo, since: Instant) -> Guide {
         let Master { axis, reference, .. } = link.master;
         let at = self.master_at(axis, reference);
@@ -114,7 +123,9 @@ impl Motion {
         for axis in 0..self.axes.len() {
             let state = &self.axes[axis];
             let mut guides = state.sum.active().filter_map(|(_, generator)| generator.guide);
-            let guided = guides.any(|guide| guide.master.axis == master);
+            let cam = state.cam(Slot::TimeCam).filter(|cam| cam.link().is_some());
+            let cammed = cam.is_some() && state.cam_master(Slot::TimeCam) == Some(master);
+            let guided = cammed || guides.any(|guide| guide.master.axis == master);
             drop(guides);
             if guided || state.links.iter().any(|link| link.master.axis == master) {
                 self.unlink_slave(axis as u16);
@@ -138,9 +149,14 @@ impl Motion {
         for link in links.iter() {
             self.end_move(link.execution, 0);
         }
-        for slot in [Slot::Move, Slot::Jog] {
+        let cam = self.axes[at].cam(Slot::TimeCam).and_then(Cam::link);
+        if cam.is_some() {
+            self.end_pending_cams(axis, Some(Slot::TimeCam));
+        }
+        for slot in Slot::GUIDED.into_iter().chain(cam.map(|_| Slot::TimeCam)) {
             let generator = self.axes[at].sum.get(slot);
-            if let Some(generator) = generator.filter(|generator| generator.guide.is_some()) {
+            let driven = |generator: &&Generator| generator.guide.is_some() || slot == Slot::TimeCam;
+            if let Some(generator) = generator.filter(driven) {
                 let limits = self.axes[at].dynamics.stop(generator.s_curve);
                 self.stop_generator(axis, slot, &limits, None);
             }
@@ -193,7 +209,9 @@ impl Motion {
             }
             let mut links = self.axes[axis].links;
             let guide = |slot| self.axes[axis].sum.get(slot)?.guide.map(|guide| guide.link);
-            let used = [guide(Slot::Move), guide(Slot::Jog)];
+            let cam = self.axes[axis].cam(Slot::TimeCam).and_then(Cam::link);
+            let [moves, jogs, offsets] = Slot::GUIDED.map(guide);
+            let used = [moves, jogs, offsets, cam];
             self.show(links.iter_mut(), |link| used.contains(&Some(link.id)));
             self.axes[axis].links = links;
         }

@@ -6,6 +6,7 @@ use arcline_instruction_set::Flag;
 
 use super::Motion;
 use crate::axis::feed::Fed;
+use crate::output::Word;
 
 /// Something that was written to a tag that the machine reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +27,13 @@ pub enum Input {
         /// It is active now.
         on: bool,
     },
+    /// A word that output cams write, or that enables them.
+    Word {
+        /// The tag, by what the directory calls it.
+        tag: u32,
+        /// What is in it now.
+        bits: u32,
+    },
 }
 
 impl Motion {
@@ -33,6 +41,11 @@ impl Motion {
     pub fn input(&mut self, input: Input) {
         match input {
             Input::Position { axis, position } => self.feed(axis, position),
+            Input::Word { tag, bits } => self.share_word(&Word {
+                tag,
+                mask: u32::MAX,
+                bits,
+            }),
             Input::Registration { axis, input, on } => {
                 let time = (self.clock.tick.wrapping_mul(self.clock.period_ns) / 1000) as i32;
                 let Some(state) = self.axes.get_mut(usize::from(axis)) else {
@@ -42,6 +55,7 @@ impl Motion {
                 let Some(registration) = state.registrations.get_mut(usize::from(input)) else {
                     return;
                 };
+                registration.on = on;
                 if let Some(execution) = registration.edge(on, position, time) {
                     self.end_move(execution, Flag::Pc.mask());
                 }
@@ -70,6 +84,7 @@ impl Motion {
         if let Some(execution) = state.watch.look(now) {
             self.end_move(execution, Flag::Pc.mask());
         }
+        self.look_at_outputs(axis);
     }
 
     /// An axis does not look out for anything any more.
@@ -81,6 +96,9 @@ impl Motion {
             .flatten()
         {
             self.end_move(execution, 0);
+        }
+        for target in 0..self.axes[usize::from(axis)].outputs.len() {
+            self.disarm_output(axis, target);
         }
     }
 }

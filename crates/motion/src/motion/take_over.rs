@@ -39,8 +39,15 @@ impl Motion {
         }
         system.activity = Activity::Stopping;
         let merged = system.planner.active().is_some();
+        let (own, way) = (
+            system.contour_clock(&clock),
+            system.guide.map(|guide| system.contour_pace(&guide)),
+        );
         match (&mut system.contour, system.guide.take()) {
-            (Some(contour), _) if !merged => contour.stop(limits, &clock),
+            (Some(contour), Some(_)) if !merged => {
+                contour.stop_in_time(limits, &way.unwrap_or_default(), &own, &clock);
+            }
+            (Some(contour), None) if !merged => contour.stop(limits, &clock),
             (_, None) => system.planner.stop(limits, &clock),
             (_, Some(guide)) => system
                 .planner

@@ -37,10 +37,10 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// A constant pace from the present tick on.
-    pub(super) fn constant(pace: f64, clock: &Clock) -> Self {
+    /// A constant pace from the present tick on, at `own` of the trajectory's time.
+    pub(super) fn constant(own: f64, pace: f64, clock: &Clock) -> Self {
         let state = State {
-            position: 0.0,
+            position: own,
             velocity: pace,
             acceleration: 0.0,
         };
@@ -58,9 +58,47 @@ impl Pace {
         }
     }
 
+    /// Comes to rest from a state on, without looking at the limits of a trajectory.
+    pub(super) fn stopping(from: State, rate: f64, jerk: Option<f64>, clock: &Clock) -> Self {
+        let from = State {
+            acceleration: if jerk.is_some() { from.acceleration } else { 0.0 },
+            ..from
+        };
+        Pace {
+            ramp: Profile::stop(from, &limits(rate, jerk)),
+            start: clock.now(),
+            wanted: Wanted {
+                target: 0.0,
+                rate,
+                jerk,
+                extra: [0.0; 2],
+            },
+            under_way: 0,
+            next: 0,
+        }
+    }
+
+    /// How long from the present tick until the trajectory's own time has come to a place, negative for what has passed;
+    /// `None`: it never does, as things are.
+    pub(super) fn until(&self, own: f64, clock: &Clock) -> Option<f64> {
+        Some(self.ramp.time_at_position(own)? - self.start.elapsed(clock))
+    }
+
+    /// When it came to a place on the trajectory's own time that lies at or before the present tick; the beginning of the present
+    /// ramp at the earliest.
+    pub(super) fn instant_of(&self, own: f64, clock: &Clock) -> Instant {
+        let since = self.ramp.time_at_position(own).unwrap_or(0.0);
+        self.start.after(since.min(self.start.elapsed(clock)), clock)
+    }
+
     /// The trajectory's own time, the pace and its derivative at the present tick.
     pub(super) fn at(&self, clock: &Clock) -> State {
         self.ramp.at(self.start.elapsed(clock))
+    }
+
+    /// What is asked for.
+    pub(super) fn target(&self) -> f64 {
+        self.wanted.target
     }
 
     /// Whether the pace is, and stays, the one that is asked for.
@@ -75,17 +113,17 @@ impl Pace {
         self.steer(trajectory, clock);
     }
 
-    /// Looks for a better ramp than the one under way: once a tick.
-    pub(super) fn steer(&mut self, trajectory: &Trajectory, clock: &Clock) {
+    /// Looks for a better ramp than the one under way: once a tick. Whether there is one.
+    pub(super) fn steer(&mut self, trajectory: &Trajectory, clock: &Clock) -> bool {
         if self.under_way == 0 || self.is_settled(clock) {
-            return;
+            return false;
         }
         let now = self.at(clock);
         let over = self.start.elapsed(clock) >= self.ramp.duration();
         let gap = self.wanted.target - now.velocity;
         if over && gap.abs() <= ROUNDING {
             self.take(0, self.constant_from(now), clock);
-            return;
+            return true;
         }
         if over {
             self.under_way = NONE;
@@ -99,10 +137,11 @@ impl Pace {
             let ramp = self.ramp(place, now, gap);
             if guard.allows(&ramp, 0.0) {
                 self.take(place, ramp, clock);
-                return;
+                return true;
             }
             self.next += 1;
         }
+        false
     }
 
     /// Whether what is under way keeps the limits of another trajectory, which takes the place of the one before.

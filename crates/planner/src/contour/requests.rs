@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use arcline_contour::{ContourMove, Trajectory};
+use arcline_contour::{AxisLimits, ContourMove, Rates, Trajectory, extend, replan};
 use arcline_profile::stop_distance;
 
 use super::{Asked, ContourQueue, Course, Pace, Run};
@@ -30,34 +30,62 @@ pub struct Extension {
     pub now: f64,
     /// Until when it has to stay as it is, seconds on its own time.
     pub earliest: f64,
+    /// The pace that it is travelled at, where what is left of it is to be planned anew ([`arcline_contour::replan`]).
+    pub anew: Option<f64>,
+}
+
+impl Extension {
+    /// Plans what is asked for. Not bounded: outside the tick.
+    #[must_use]
+    pub fn plan(&self, moves: &[ContourMove], limits: &AxisLimits) -> Option<Trajectory> {
+        let Extension {
+            trajectory,
+            passed,
+            now,
+            earliest,
+            anew,
+        } = self;
+        match *anew {
+            Some(pace) => replan(trajectory, pace, *passed, moves, limits, now / pace, earliest / pace),
+            None => extend(trajectory, *passed, moves, limits, *now, *earliest),
+        }
+    }
 }
 
 impl<T: Copy> ContourQueue<T> {
     /// The moves that are to be planned now, up to the first that ends in a stop: from rest, or together with what is
-    /// left of the trajectory in execution. A queue with room for more is given a moment to grow. Asks once.
-    pub fn batch(&mut self, clock: &Clock, take: impl FnMut(ContourMove)) -> Option<ContourBatch> {
+    /// left of the trajectory in execution. A queue with room for more is given a moment to grow; `time` shows time for that.
+    /// Asks once.
+    pub fn batch(&mut self, clock: &Clock, time: &Clock, take: impl FnMut(ContourMove)) -> Option<ContourBatch> {
         if self.asked.is_some() || self.moves.is_empty() {
             return None;
         }
-        let (extends, scale) = match &self.run {
+        let extends = match &self.run {
             None => {
-                let open = !self.is_full() && self.moves.iter().all(|motion| motion.ending != Ending::Stop);
-                if open && self.is_growing(clock) {
+                let first = self.moves.front().map(|motion| motion.parameter);
+                let goes_on = |motion: &Move<T>| motion.ending != Ending::Stop && Some(motion.parameter) == first;
+                let open = !self.is_full() && self.moves.iter().all(goes_on);
+                if open && self.is_growing(time) {
                     return None;
                 }
-                (None, self.rate.max(1.0))
+                None
             }
-            // What is planned faster than programmed stays so until it is at rest: the speed at the splice is.
-            Some(run) => (Some(self.extension(run, clock)?), self.rate.max(run.scale)),
+            Some(run) => Some(self.extension(run, clock, time)?),
         };
-        self.scale = scale;
-        self.take_moves(take);
-        self.asked = Some(match &extends {
+        let kept = extends.as_ref().is_some_and(|extension| extension.anew.is_none());
+        self.take_moves(kept, take);
+        self.asked = Some(match extends {
             None => Asked::Contour,
-            Some(extension) => Asked::Extension {
-                passed: extension.passed,
-            },
+            Some(Extension { passed, anew: None, .. }) => Asked::Extension { passed },
+            Some(Extension {
+                passed,
+                anew: Some(pace),
+                ..
+            }) => Asked::Anew { passed, pace },
         });
+        if let (Some(run), Some(extension)) = (&mut self.run, &extends) {
+            run.asked = extension.now;
+        }
         self.generation = self.generation.wrapping_add(1);
         Some(ContourBatch {
             generation: self.generation,
@@ -66,29 +94,63 @@ impl<T: Copy> ContourQueue<T> {
     }
 
     /// Whether the next move may be about to come.
-    fn is_growing(&self, clock: &Clock) -> bool {
-        self.grown.is_some_and(|grown| grown.elapsed(clock) < GATHER)
+    fn is_growing(&self, time: &Clock) -> bool {
+        self.grown.is_some_and(|grown| grown.elapsed(time) < GATHER)
     }
 
-    /// What is to be extended, if it is time to: many moves wait, or nothing has come for a moment and its end is near.
-    fn extension(&self, run: &Run, clock: &Clock) -> Option<Extension> {
+    /// What is to be planned anew, since its moves are to have other speeds or rates and its pace is within them, or what is to
+    /// be extended, if it is time to: many moves wait, or nothing has come for a moment and its end is near.
+    fn extension(&self, run: &Run, clock: &Clock, time: &Clock) -> Option<Extension> {
         let planned = self.planned();
-        let waiting = self.moves.len().checked_sub(planned).filter(|&waiting| waiting > 0)?;
-        let last = self.moves.get(planned.checked_sub(1)?)?;
-        let now = run.pace.at(clock).position;
+        let state = run.pace.at(clock);
+        let now = state.position;
         let left = run.trajectory.duration() - now;
-        let many = waiting * FEW >= planned;
-        let near = left <= NEAR && !self.is_growing(clock);
-        let able = run.course == Course::Travelling && run.share == 1.0 && last.ending != Ending::Stop;
-        (able && (many || near) && now >= run.retry && left > 0.0).then(|| Extension {
+        if run.course != Course::Travelling || now < run.retry || left <= 0.0 {
+            return None;
+        }
+        let ask = |anew: Option<f64>| Extension {
             trajectory: Arc::clone(&run.trajectory),
             passed: run.passed,
             now,
-            earliest: now + run.lead,
-        })
+            earliest: now + run.lead * anew.unwrap_or(1.0),
+            anew,
+        };
+        let pace = state.velocity;
+        let calm = run.changed.elapsed(clock) >= CALM && run.pace.is_settled(clock);
+        if run.stale && calm && pace >= LEAST_PACE && left >= LEAST_LEFT * pace {
+            return Some(ask(Some(pace)));
+        }
+        let waiting = self.moves.len().checked_sub(planned).filter(|&waiting| waiting > 0)?;
+        let last = self.moves.get(planned.checked_sub(1)?)?;
+        let next = self.moves.get(planned)?;
+        let many = waiting * FEW >= planned;
+        let near = left <= NEAR && !self.is_growing(time);
+        let goes_on = last.ending != Ending::Stop && last.parameter == next.parameter;
+        (goes_on && (many || near)).then(|| ask(None))
     }
 
-    fn take_moves(&self, mut take: impl FnMut(ContourMove)) {
+    /// The share of the programmed speeds that is planned with: all of them where a move is too long to be planned anew when the
+    /// override rises again.
+    pub(super) fn planned_rate(&self) -> f64 {
+        let slowest = self.rate.max(LEAST_PACE);
+        let long = |motion: &Move<T>| motion.path.length() > LONG * motion.limits.speed * slowest;
+        if self.rate < 1.0 && self.moves.iter().any(long) {
+            1.0
+        } else {
+            self.rate
+        }
+    }
+
+    /// `kept`: what is on the trajectory stays as it was planned.
+    fn take_moves(&self, kept: bool, mut take: impl FnMut(ContourMove)) {
+        let running = self.run.as_ref().filter(|_| kept);
+        // What comes behind moves that are to be planned anew is planned like them.
+        let like = running.filter(|run| run.stale).and_then(|run| {
+            let last = self.moves.get(self.planned().checked_sub(1)?)?;
+            let planned = run.trajectory.rates(run.trajectory.moves().checked_sub(1)?)?;
+            (last.limits.speed > 0.0).then_some(planned.speed / last.limits.speed)
+        });
+        let rate = like.unwrap_or_else(|| self.planned_rate());
         for (place, motion) in self.moves.iter().enumerate() {
             let (tolerance, last) = match motion.ending {
                 Ending::Stop => (0.0, true),
@@ -99,15 +161,23 @@ impl<T: Copy> ContourQueue<T> {
                 ),
                 Ending::Contour { .. } => (0.0, false),
             };
-            take(ContourMove {
-                path: motion.path,
-                speed: motion.limits.speed * self.scale,
+            let planned = running.and_then(|run| run.trajectory.rates(run.passed + place));
+            let own = planned.copied().unwrap_or(Rates {
+                speed: planned_speed(motion.limits.speed, rate),
                 acceleration: motion.limits.acceleration,
                 deceleration: motion.limits.deceleration,
-                jerk: motion.limits.jerk.map(|jerk| jerk.acceleration.min(jerk.deceleration)),
+                jerk: motion.limits.jerk.map(super::least),
+            });
+            take(ContourMove {
+                path: motion.path,
+                speed: own.speed,
+                acceleration: own.acceleration,
+                deceleration: own.deceleration,
+                jerk: own.jerk,
                 tolerance,
             });
-            if last {
+            let next = self.moves.get(place + 1);
+            if last || next.is_some_and(|next| next.parameter != motion.parameter) {
                 break;
             }
         }
@@ -137,27 +207,35 @@ impl<T: Copy> ContourQueue<T> {
                 }
                 unwanted => Err(unwanted),
             },
-            Asked::Extension { passed } => self.extend(passed, planned, clock),
+            Asked::Extension { passed } => self.extend(passed, None, planned, clock),
+            Asked::Anew { passed, pace } => self.extend(passed, Some(pace), planned, clock),
         }
     }
 
     fn start(&mut self, trajectory: Arc<Trajectory>, clock: &Clock) {
-        // It begins at rest, so its pace may be anything.
         self.run = Some(Run {
-            pace: Pace::constant((self.rate / self.scale).min(1.0), clock),
+            pace: Pace::constant(0.0, 0.0, clock),
             trajectory,
             passed: 0,
-            scale: self.scale,
-            share: 1.0,
+            begun: (clock.now(), 0.0),
+            stale: false,
+            changed: clock.now(),
             course: Course::Travelling,
             lead: LEAD,
+            asked: 0.0,
             retry: 0.0,
         });
+        self.change_pace(clock);
+        // It begins at rest, so its pace may be anything.
+        if let Some(run) = &mut self.run {
+            run.pace = Pace::constant(0.0, run.pace.target(), clock);
+        }
     }
 
     fn extend(
         &mut self,
         passed: usize,
+        pace: Option<f64>,
         planned: Option<Arc<Trajectory>>,
         clock: &Clock,
     ) -> Result<Installed, Option<Arc<Trajectory>>> {
@@ -165,31 +243,44 @@ impl<T: Copy> ContourQueue<T> {
         let Some(run) = &mut self.run else {
             return Err(planned);
         };
-        let now = run.pace.at(clock).position;
+        // A plan made anew has the time that passes.
+        let own = run.pace.at(clock).position;
+        let now = own / pace.unwrap_or(1.0);
         let since = run.passed.saturating_sub(passed);
+        // The next one has time for as much again.
+        let took = MARGIN * (own - run.asked) / pace.unwrap_or(1.0);
         let fits = |plan: &Arc<Trajectory>| {
             let in_time = now <= plan.splice() && since < plan.moves() && plan.moves() - since <= left;
-            in_time && run.pace.suits(plan, clock)
+            in_time && (pace.is_some() || run.pace.suits(plan, clock))
         };
         match planned {
             Some(plan) if fits(&plan) => {
                 let old = std::mem::replace(&mut run.trajectory, plan);
                 run.passed = since;
-                run.lead = LEAD;
-                if run.scale != self.scale {
-                    run.scale = self.scale;
-                    self.change_pace(clock);
+                run.lead = took.clamp(LEAD, MOST_LEAD);
+                if pace.is_some() {
+                    run.pace = Pace::constant(now, 1.0, clock);
+                    run.begun.1 /= pace.unwrap_or(1.0);
+                    run.retry = 0.0;
                 }
+                self.change_pace(clock);
                 Ok(Installed::Extended(old))
             }
             late => {
                 // Too late, or no plan: the next one has more time, or a later start.
-                run.lead = (2.0 * run.lead).min(MOST_LEAD);
-                run.retry = now + RETRY * (run.trajectory.duration() - now);
+                run.lead = (2.0 * run.lead).max(took).min(MOST_LEAD);
+                let share = if pace.is_some() { RETRY_ANEW } else { RETRY };
+                run.retry = own + share * (run.trajectory.duration() - own);
                 Err(late)
             }
         }
     }
+}
+
+/// The speed that a move is planned with: one that is held is planned all the same, and its pace is 0.
+pub(super) fn planned_speed(speed: f64, rate: f64) -> f64 {
+    let rate = if rate > 0.0 { rate.max(LEAST_PACE) } else { 1.0 };
+    if speed > 0.0 { speed * rate } else { 1.0 }
 }
 
 /// What has become of a plan.
@@ -207,11 +298,20 @@ const GATHER: f64 = 0.01;
 const FEW: usize = 4;
 /// when this is left of it, seconds.
 const NEAR: f64 = 0.5;
-/// Seconds that an extension may take to be planned, at first and at most.
+/// Seconds that an extension may take to be planned, at first and at most; then what the last one took, times a margin.
 const LEAD: f64 = 0.03;
-const MOST_LEAD: f64 = 0.8;
+const MOST_LEAD: f64 = 3.0;
+const MARGIN: f64 = 1.5;
 /// Share of what is left of a trajectory before which an extension that failed is not tried again.
 const RETRY: f64 = 0.3;
+const RETRY_ANEW: f64 = 0.1;
+/// Seconds without a change after which what has changed is planned anew.
+const CALM: f64 = 0.1;
+/// Seconds from which on a move is long.
+const LONG: f64 = 0.7;
+/// What is slower, or shorter (seconds), is not planned anew.
+const LEAST_PACE: f64 = 0.2;
+const LEAST_LEFT: f64 = 0.1;
 
 /// How far from a corner superposition without a tolerance would pass it: what No Decel may round by
 /// (spec/motion-core.md §6.1; the lower bound, which holds for S-curves too).

@@ -1,7 +1,7 @@
 //! Instruction calls: which operand takes which form is the catalogue's matter, and ranges are that of the
 //! instruction when it executes.
 
-use arcline_instruction_set::{Kind as OperandKind, Mnemonic, Object, Words};
+use arcline_instruction_set::{Kind as OperandKind, MAPC_CAM_TYPE, Mnemonic, Object, Words};
 use arcline_tag::PathSegment;
 
 use super::expression::Shape;
@@ -37,8 +37,15 @@ impl<'t> Parser<'t> {
             column: before[line_start..].chars().count() + 1,
         };
         let mut place = 0;
+        let mut has_cam_type = mnemonic == Mnemonic::Mapc && self.operands_ahead()? > operands.len();
         loop {
             let start = self.peek;
+            if has_cam_type && place == MAPC_CAM_TYPE {
+                has_cam_type = false;
+                self.cam_type()?;
+                self.expect(",", "`,` behind Cam Type")?;
+                continue;
+            }
             let Some(operand) = operands.get(place) else {
                 let problem = SyntaxProblem::TooManyOperands {
                     mnemonic,
@@ -83,6 +90,37 @@ impl<'t> Parser<'t> {
         let place = place_of(self.program.calls.len());
         self.program.calls.push(statement);
         self.emit(Op::Call(place));
+        Ok(())
+    }
+
+    /// How many operands stand in front of the end of the call.
+    fn operands_ahead(&self) -> Result<usize, SyntaxError> {
+        let (mut lexer, mut token) = (self.lexer, self.peek);
+        let (mut count, mut depth) = (1, 0_usize);
+        while token.kind != Kind::End && !token.is(";") {
+            match token.text {
+                "(" | "[" => depth += 1,
+                ")" | "]" if depth == 0 => break,
+                ")" | "]" => depth -= 1,
+                "," if depth == 0 => count += 1,
+                _ => {}
+            }
+            token = lexer.next()?;
+        }
+        Ok(count)
+    }
+
+    /// A word or a number that means nothing: any word will do.
+    fn cam_type(&mut self) -> Result<(), SyntaxError> {
+        if self.peek.kind == Kind::Name {
+            let word = place_of(self.program.words.len());
+            self.program.words.push(self.peek.text.to_owned());
+            self.advance()?;
+            self.emit(Op::GiveWord(word));
+        } else {
+            self.expression()?;
+            self.emit(Op::GiveNumber);
+        }
         Ok(())
     }
 

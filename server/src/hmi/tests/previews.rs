@@ -132,3 +132,84 @@ DELAY(0.25);
         "{told}"
     );
 }
+
+/// A jerk counts against the axis's maxima where an S-curve is asked for; the steps of a trapezoid do not.
+#[tokio::test]
+async fn a_jerk_above_the_maximum_is_a_limit() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    let fast = |profile: &str, jerk: u32| {
+        format!(
+            "MAM(X, P, Absolute, 50, 200, Unitspersec, 5000, Unitspersec2, 5000, Unitspersec2, {profile}, {jerk}, {jerk}, Unitspersec3);"
+        )
+    };
+    #[rustfmt::skip]
+    let cases = [
+        ("above the maximum of 200000", fast("S-curve", 250_000),     true),
+        ("at the maximum",              fast("S-curve", 200_000),     false),
+        ("a trapezoid",                 fast("Trapezoidal", 250_000), false),
+    ];
+    for (why, line, exceeds) in cases {
+        let told = viewer.ask(preview(&line)).await.expect(why);
+        let limit = told["limit"]["text"].as_str();
+        assert_eq!(
+            limit.is_some_and(|text| text.starts_with("X: jerk 250000") && text.contains("above 200000 at 0.00")),
+            exceeds,
+            "{why}: {limit:?}"
+        );
+        assert!(exceeds || limit.is_none(), "{why}: {limit:?}");
+    }
+    let program = format!(
+        "{}WAIT(P.PC); {}",
+        fast("Trapezoidal", 100),
+        fast("S-curve", 250_000).replace("50,", "0,")
+    );
+    let told = viewer
+        .ask(json!({"do": "dry_run", "text": program}))
+        .await
+        .expect("it runs");
+    assert!(
+        told["limit"]["text"]
+            .as_str()
+            .is_some_and(|text| text.starts_with("X: jerk 250000")),
+        "an S-curve after a trapezoid: {told}"
+    );
+}
+
+/// Several viewers preview at once: each gets its answer, and a stop waits for none of them.
+#[tokio::test]
+async fn previews_wait_for_each_other_and_nothing_waits_for_them() {
+    let bench = Bench::start().await;
+    let line = "MAM(X, P, Absolute, 5, 50, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);";
+    let one = bench.simulations.clone().acquire_owned().await.expect("it is open");
+    let mut viewers = Vec::new();
+    for _ in 0..6 {
+        let mut viewer = bench.viewer().await;
+        for id in 100..100 + crate::hmi::viewer::SIMULATIONS {
+            let request = json!({"id": id, "do": "preview", "text": line});
+            viewer.send(request.to_string()).await;
+        }
+        viewers.push(viewer);
+    }
+    for viewer in &mut viewers {
+        viewer.ask(json!({"do": "stop"})).await.expect("at once");
+        let refused = viewer.ask(preview(line)).await.expect_err("too many");
+        assert!(
+            refused["text"]
+                .as_str()
+                .is_some_and(|text| text.contains("wait already")),
+            "{refused}"
+        );
+        assert!(viewer.seen.is_empty(), "before the simulations: {:?}", viewer.seen);
+    }
+    // Who goes waits no longer.
+    viewers.pop();
+    drop(one);
+    for viewer in &mut viewers {
+        for id in 100..100 + crate::hmi::viewer::SIMULATIONS {
+            let answer = viewer.answer(id).await;
+            assert!(answer["ok"]["ticks"].is_u64(), "{answer}");
+        }
+        viewer.ask(preview(line)).await.expect("there is room again");
+    }
+}

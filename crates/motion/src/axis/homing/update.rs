@@ -7,7 +7,7 @@ use arcline_drive::{Drive, Motion as Point};
 use arcline_planner::Clock;
 use arcline_planner::profile::Profile;
 
-use super::Stage;
+use super::{Sought, Stage};
 use crate::axis::Axis;
 use crate::axis::generator::Law;
 use crate::axis::sum::Slot;
@@ -90,6 +90,22 @@ impl Axis {
             let command = leg.at(at);
             self.drive = next;
             self.pose(command);
+            if event.is_some()
+                && matches!(
+                    stage,
+                    Some(Stage::Seeking {
+                        sought: Sought::Stop,
+                        ..
+                    })
+                )
+            {
+                // The mechanical stop: nothing moves on, and the command goes back to where the axis is held.
+                self.drive.halt();
+                self.pose(Point {
+                    position: self.drive.actual().position,
+                    ..Point::default()
+                });
+            }
             if let Some(at) = event {
                 self.place_is_reached(began.now().after(at, clock));
             }

@@ -2,41 +2,18 @@
 //! kept, nothing turns back, limits hold, and the end is exact.
 //!
 //! `ARCLINE_CASES` sets how many storms of each kind are run (25 unless told).
-#![allow(missing_docs)]
 
 use arcline_planner::geometry::{Line, Path, Point};
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, Ending, Move, Parameter, Passage, Planner, Sample};
+
+use super::{Random, cases};
 
 const PERIOD: f64 = 0.001;
 /// Change of the velocity of an axis that a corner may make, units/s.
 const CORNER_STEP: f64 = 5.0;
 /// Decelerations are not raised above this any more, units/s².
 const MOST_RATE: f64 = 5000.0;
-
-fn cases() -> u64 {
-    std::env::var("ARCLINE_CASES")
-        .ok()
-        .and_then(|count| count.parse().ok())
-        .unwrap_or(25)
-}
-
-/// A generator of its own, so that a seed means the same storm for ever (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn share(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn of<V: Copy>(&mut self, values: &[V]) -> V {
-        values[((values.len() as f64) * self.share()) as usize % values.len()]
-    }
-}
 
 /// What a kind of storm consists of.
 struct Kind {
@@ -365,7 +342,7 @@ impl<'k> Storm<'k> {
 #[test]
 fn nothing_leaves_the_path_or_turns_back() {
     for kind in KINDS {
-        for seed in 0..cases() {
+        for seed in 0..cases(25) {
             Storm::new(kind, seed).run();
         }
     }

@@ -1,8 +1,7 @@
 //! Overrides, holds, resumes, shares and stops at any instant of planned contours: no limit of any axis or of the moves is
 //! exceeded, the curve is not left, and everything comes to its end.
 //!
-//! `ARCLINE_CASES` sets how many contours are travelled (8 unless told).
-#![allow(missing_docs)]
+//! `ARCLINE_CASES` sets how many contours are travelled (6 unless told).
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -12,38 +11,18 @@ use arcline_planner::precise::{self, AxisLimits, ContourMove, Trajectory};
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, ContourPassage, ContourQueue, Ending, Move, Parameter};
 
+use super::{Random, cases};
+
 /// 4 kHz.
 const PERIOD_NS: u64 = 250_000;
 const PERIOD: f64 = 0.000_25;
 const TOLERANCE: f64 = 0.05;
+/// The highest override and the highest change of a speed, together.
+const FASTEST: f64 = 1.3 * 1.25;
+/// Seconds in which every change is over.
+const SETTLED: f64 = 0.6;
 /// Share of a limit that is rounding.
 const ROUNDING: f64 = 1e-6;
-
-fn cases() -> u64 {
-    let set = std::env::var("ARCLINE_CASES").ok();
-    set.and_then(|count| count.parse().ok()).unwrap_or(8)
-}
-
-/// A generator of its own, so that a seed means the same contour for ever (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn share(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, least: f64, most: f64) -> f64 {
-        least + (most - least) * self.share()
-    }
-
-    fn of<V: Copy>(&mut self, values: &[V]) -> V {
-        values[((values.len() as f64) * self.share()) as usize % values.len()]
-    }
-}
 
 /// Legs of some kind: zig-zags, curves of short lines, corners far apart, or all of it.
 fn moves(random: &mut Random, s_curve: bool) -> Vec<Move<usize>> {
@@ -122,9 +101,26 @@ struct Ride {
     /// What a stop may use.
     stop: Option<Limits>,
     last: Option<(Point, Point, Point)>,
+    /// The override, and when something was changed last.
+    rate: f64,
+    changed: u64,
+    /// The programmed speed of the move before the active one.
+    before: f64,
     done: usize,
     /// Plans by the move that they begin with: they are the same in every ride over the same moves.
     plans: Plans,
+    /// A plan made anew, the tick at which it comes, and what it is for.
+    coming: Option<(u64, u32, Option<Arc<Trajectory>>)>,
+    /// Plans made anew that came, and of these those that came into force.
+    anew: [usize; 2],
+}
+
+/// What became of a ride.
+struct Ridden {
+    plans: Plans,
+    /// Seconds from a stop or a hold to rest, and the speed where it began.
+    rest: Option<(f64, f64)>,
+    anew: [usize; 2],
 }
 
 type Plans = BTreeMap<usize, Arc<Trajectory>>;
@@ -154,17 +150,46 @@ impl Ride {
             s_curve,
             stop: None,
             last: None,
+            rate: 1.0,
+            changed: 0,
+            before: 0.0,
             done: 0,
             plans,
+            coming: None,
+            anew: [0; 2],
         }
     }
 
     fn plan(&mut self) {
+        if let Some((_, generation, planned)) = self.coming.take_if(|(due, ..)| *due <= self.clock.tick) {
+            self.anew[0] += 1;
+            if self.queue.install(generation, planned, &self.clock).is_ok() {
+                self.anew[1] += 1;
+            }
+        }
         let mut asked: Vec<ContourMove> = Vec::new();
-        let Some(batch) = self.queue.batch(&self.clock, |motion| asked.push(motion)) else {
+        let Some(batch) = self.queue.batch(&self.clock, &self.clock, |motion| asked.push(motion)) else {
             return;
         };
-        assert!(batch.extends.is_none(), "everything is known");
+        if let Some(extension) = batch.extends {
+            let planned = extension.plan(&asked, &self.limits).map(Arc::new);
+            // Most are in time, some are not.
+            let due = self.clock.tick + (self.random.of(&[0.0, 0.005, 0.02, 0.06]) / PERIOD) as u64;
+            self.coming = Some((due, batch.generation, planned));
+            return;
+        }
+        // Only what is as programmed is the same in every ride.
+        if asked
+            .iter()
+            .zip(&self.moves[self.done..])
+            .any(|(one, motion)| one.speed != motion.limits.speed)
+        {
+            let plan = Some(Arc::new(precise::plan(&asked, &self.limits)));
+            self.queue
+                .install(batch.generation, plan, &self.clock)
+                .expect("it is wanted");
+            return;
+        }
         let limits = &self.limits;
         let plan = self.plans.entry(self.done);
         let plan = plan.or_insert_with(|| Arc::new(precise::plan(&asked, limits)));
@@ -185,7 +210,7 @@ impl Ride {
             match self.queue.passage(&self.clock) {
                 None => break,
                 Some(ContourPassage::Next) => {
-                    self.queue.pass();
+                    self.before = self.queue.pass(&self.clock).expect("it was active").limits.speed;
                     self.done += 1;
                 }
                 Some(ContourPassage::End) if self.stop.is_some() => {
@@ -201,7 +226,7 @@ impl Ride {
                     if sample.position != end {
                         self.fail("the end is not exact");
                     }
-                    self.queue.pass();
+                    self.queue.pass(&self.clock);
                     self.queue.finish();
                     self.done += 1;
                     self.last = None;
@@ -233,11 +258,25 @@ impl Ride {
             .stop
             .and_then(|stop| stop.jerk)
             .map_or(0.0, |jerk| jerk.deceleration);
-        if sample.velocity.norm() > first.speed * most || sample.acceleration.norm() > rate * most {
+        if sample.velocity.norm() > FASTEST * first.speed * most || sample.acceleration.norm() > rate * most {
             self.fail(&format!(
                 "vector {} {}",
                 sample.velocity.norm(),
                 sample.acceleration.norm()
+            ));
+        }
+        // What was asked for has been come to.
+        let programmed = self
+            .queue
+            .moves()
+            .map(|motion| motion.limits.speed)
+            .fold(self.before, f64::max);
+        let calm = (self.clock.tick - self.changed) as f64 * PERIOD > SETTLED;
+        if calm && self.stop.is_none() && sample.velocity.norm() > self.rate * programmed * most + 1e-9 {
+            self.fail(&format!(
+                "{} with {} of {programmed}",
+                sample.velocity.norm(),
+                self.rate
             ));
         }
         for axis in 0..3 {
@@ -275,35 +314,58 @@ impl Ride {
         self.last = Some((sample.position, sample.velocity, sample.acceleration));
     }
 
+    /// A change of dynamics: of the active move, or of all.
+    fn change(&mut self) {
+        let share = self.random.of(&[0.5, 0.8, 1.0, 1.25]);
+        let rates = self.random.of(&[0.7, 1.0, 1.0]);
+        let count = self.random.of(&[1, usize::MAX]);
+        for motion in self.queue.moves_mut().take(count) {
+            let own = self.moves[motion.data].limits;
+            motion.limits = Limits {
+                speed: own.speed * share,
+                acceleration: own.acceleration * rates,
+                deceleration: own.deceleration * rates,
+                jerk: own.jerk.map(|jerk| Jerk {
+                    acceleration: jerk.acceleration * rates,
+                    deceleration: jerk.deceleration * rates,
+                }),
+            };
+        }
+        self.changed = self.clock.tick;
+        self.queue.change(&self.clock);
+    }
+
+    fn set_rate(&mut self, rate: f64) {
+        (self.rate, self.changed) = (rate, self.clock.tick);
+        self.queue.set_rate(rate, &self.clock);
+    }
+
     fn speed(&self) -> f64 {
         self.queue
             .sample(&self.clock)
             .map_or(0.0, |sample| sample.velocity.norm())
     }
 
-    /// Returns the seconds from a stop or a hold to rest, with the speed where it began.
-    fn run(mut self, plot: Plot) -> (Plans, Option<(f64, f64)>) {
+    fn run(mut self, plot: Plot) -> Ridden {
         let at = (self.random.between(0.01, 1.2) / PERIOD) as u64;
         let mut asked = None;
         let mut answer = None;
         loop {
             match plot {
-                Plot::Storm if self.clock.tick < 20_000 => {
-                    if self.random.share() < 0.005 {
-                        let rate = self.random.of(&[0.0, 0.1, 0.5, 0.9, 1.0, 1.0]);
-                        self.queue.set_rate(rate, &self.clock);
-                    }
+                Plot::Storm if self.clock.tick < 6_000 => {
                     if self.random.share() < 0.002 {
-                        let share = self.random.of(&[0.0, 0.3, 1.0, 1.0]);
-                        self.queue.set_share(share, &self.clock);
+                        let rate = self.random.of(&[0.0, 0.1, 0.5, 0.9, 1.0, 1.3]);
+                        self.set_rate(rate);
+                    }
+                    if self.random.share() < 0.0006 {
+                        self.change();
                     }
                 }
-                Plot::Storm if self.clock.tick == 20_000 => {
-                    self.queue.set_share(1.0, &self.clock);
-                    self.queue.set_rate(1.0, &self.clock);
+                Plot::Storm if self.clock.tick == 6_000 => {
+                    self.set_rate(1.0);
                 }
                 Plot::Hold if self.clock.tick == at && self.queue.is_running() => {
-                    self.queue.set_rate(0.0, &self.clock);
+                    self.set_rate(0.0);
                     asked = Some((self.clock.tick, self.speed()));
                 }
                 Plot::Stop if self.clock.tick == at && self.queue.is_running() => {
@@ -329,11 +391,15 @@ impl Ride {
             {
                 answer = Some(((self.clock.tick - from) as f64 * PERIOD, speed));
                 if plot == Plot::Hold {
-                    self.queue.set_rate(1.0, &self.clock);
+                    self.set_rate(1.0);
                 }
             }
             if !more {
-                return (self.plans, answer);
+                return Ridden {
+                    plans: self.plans,
+                    rest: answer,
+                    anew: self.anew,
+                };
             }
             if self.clock.tick > 200_000 {
                 self.fail("it does not end");
@@ -344,16 +410,25 @@ impl Ride {
 
 #[test]
 fn no_change_of_the_pace_exceeds_a_limit() {
-    for seed in 0..cases() {
+    let mut anew = [0; 2];
+    for seed in 0..cases(6) {
         let mut plans = Plans::new();
         for plot in [Plot::Storm, Plot::Hold, Plot::Stop] {
-            let rest;
-            (plans, rest) = Ride::new(seed, plans).run(plot);
+            let ridden = Ride::new(seed, plans).run(plot);
+            plans = ridden.plans;
+            for (sum, count) in anew.iter_mut().zip(ridden.anew) {
+                *sum += count;
+            }
             // 0.1 s are what the jerk limits alone take.
-            if let Some((time, speed)) = rest {
-                assert!(time < 0.6, "seed {seed}, {plot:?}: {time} s from {speed} to rest");
-                println!("{seed} {plot:?} from {speed:.1}: {time:.3} s");
+            if let Some((time, speed)) = ridden.rest {
+                assert!(time < SETTLED, "seed {seed}, {plot:?}: {time} s from {speed} to rest");
             }
         }
     }
+    let [came, in_force] = anew;
+    println!("{came} plans made anew, {in_force} of them in force");
+    assert!(
+        2 * in_force > came,
+        "{came} plans made anew, {in_force} of them in force"
+    );
 }

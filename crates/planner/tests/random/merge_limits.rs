@@ -1,38 +1,17 @@
 //! Merges within the limits of the axes: out of any motion that keeps them, along lines and arcs, with changes on the way.
 //!
 //! `ARCLINE_CASES` sets how many merges are travelled (300 unless told).
-#![allow(missing_docs)]
 
 use arcline_planner::geometry::{Arc, CirclePoint, Dimension, Direction, Path, Point};
 use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, Ending, Momentum, Move, Parameter, Passage, Planner};
 
+use super::{Random, cases};
+
 const PERIOD_NS: u64 = 250_000;
 const PERIOD: f64 = 0.000_25;
 const MOST: f64 = 1.0 + 1e-6;
-
-fn cases() -> u64 {
-    let set = std::env::var("ARCLINE_CASES").ok();
-    set.and_then(|count| count.parse().ok()).unwrap_or(300)
-}
-
-/// A generator of its own, so that a seed means the same merge for ever (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn share(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, least: f64, most: f64) -> f64 {
-        least + (most - least) * self.share()
-    }
-}
 
 /// A velocity and an acceleration from which every axis can stay within its speed.
 fn momentum(random: &mut Random, axes: &AxisLimits, kind: u64) -> Momentum {
@@ -86,7 +65,7 @@ fn path(random: &mut Random, momentum: &Momentum) -> Path {
 
 #[test]
 fn no_merge_exceeds_a_limit_of_an_axis() {
-    for seed in 0..cases() {
+    for seed in 0..cases(300) {
         let mut random = Random(seed);
         let s_curve = random.share() < 0.7;
         let unlimited = f64::INFINITY;

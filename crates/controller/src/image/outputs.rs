@@ -1,0 +1,144 @@
+//! Output cams and the tags around them: what MAOC needs of its arrays goes with the call into the tick, words that enable an
+//! output cam are told to the machine when they are written, and its bits are written into its Output (spec/axis-and-data-types.md
+//! §5, §8.9).
+//!
+//! The arrays are taken as they are when the instruction executes. Not here: what an output cam does.
+
+use std::sync::Arc;
+
+use arcline_instruction_set::{Call, Mnemonic, MotionError};
+use arcline_motion::{BitCompensation, CamElement, Input, Material, OUTPUT_BITS, OutputCam, OutputCamError};
+use arcline_tag::TagPath;
+
+use super::cams::{Place, Prepared, Refusal, operand, word};
+use super::shared::Kept;
+use super::{Image, TagId};
+
+/// Output cams that the machine may still have.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Outputs {
+    /// With the tags of their output and their input. Kept until nobody else has the cam any more: it is freed here.
+    used: Kept<([Option<u32>; 2], Arc<OutputCam>)>,
+}
+
+impl Image {
+    /// What a MAOC needs of its tags.
+    pub(super) fn prepare_output_cam(&mut self, call: &Call) -> Prepared {
+        self.free_output_cams();
+        let at = |name: &str| operand(Mnemonic::Maoc, name);
+        let cam = self.array_of(call, Mnemonic::Maoc, "Output Cam", OUTPUT_CAM)?;
+        let elements: Vec<CamElement> = self.elements(cam, OUTPUT_CAM).map(element).collect();
+        let compensation: Vec<BitCompensation> = match call.tag(at("Output Compensation")) {
+            None => Vec::new(),
+            Some(_) => {
+                let place = self.array_of(call, Mnemonic::Maoc, "Output Compensation", OUTPUT_COMPENSATION)?;
+                let elements = self.elements(place, OUTPUT_COMPENSATION);
+                elements.take(OUTPUT_BITS).map(compensation).collect()
+            }
+        };
+        let range = call.number(at("Cam Start Position"))..=call.number(at("Cam End Position"));
+        let cam = OutputCam::new(range, &elements, &compensation).map_err(|error| match error {
+            OutputCamError::Element { place } => Refusal::element(MotionError::IllegalOutputCam, place),
+            OutputCamError::Compensation { place } => Refusal::element(MotionError::IllegalOutputCompensation, place),
+        })?;
+        let cam = Arc::new(cam);
+        let tags = ["Output", "Input"].map(|name| call.tag(at(name)));
+        let words = tags.map(|tag| tag.map_or(0, |tag| self.word_of(tag)));
+        self.outputs.used.push((tags, cam.clone()));
+        Ok((Material::OutputCam(cam, words), None))
+    }
+
+    /// Tells the words around output cams among the bytes that were written.
+    pub(super) fn note_words(&self, id: TagId, offset: usize, length: usize, written: &mut Vec<Input>) {
+        for tag in self.outputs.used.iter().flat_map(|(tags, _)| tags.iter().flatten()) {
+            let (of, from) = place(*tag);
+            let known = |input: &Input| matches!(input, Input::Word { tag: other, .. } if other == tag);
+            if of == id && offset < from + WORD && from < offset + length && !written.iter().any(known) {
+                let bits = self.word_of(*tag);
+                written.push(Input::Word { tag: *tag, bits });
+            }
+        }
+    }
+
+    /// Whether output cams write a tag.
+    pub fn is_output(&self, path: &TagPath) -> bool {
+        let Ok((id, at)) = self.locate(path) else {
+            return false;
+        };
+        let outputs = self.outputs.used.iter().filter_map(|([output, _], _)| *output);
+        outputs
+            .map(place)
+            .any(|(of, from)| of == id && (from..from + WORD).contains(&at.offset))
+    }
+
+    /// Whether there are words to look out for.
+    pub(super) fn watches_words(&self) -> bool {
+        !self.outputs.used.is_empty()
+    }
+
+    /// Frees output cams that the machine has no more.
+    pub(super) fn free_output_cams(&mut self) {
+        self.outputs.used.retain(|(_, cam)| Arc::strong_count(cam) > 1);
+    }
+
+    /// Writes bits of a word; the others stay as they are.
+    pub(super) fn apply_bits(&mut self, tag: u32, mask: u32, bits: u32) {
+        let (id, from) = place(tag);
+        let word = (self.word_of(tag) & !mask) | (bits & mask);
+        self.put(id, from, &word.to_le_bytes());
+    }
+
+    fn word_of(&self, tag: u32) -> u32 {
+        let (id, from) = place(tag);
+        u32::from_le_bytes(word(self.bytes(id), from))
+    }
+
+    fn elements(&self, place: Place, size: usize) -> impl Iterator<Item = &[u8]> {
+        let bytes = self.bytes(place.id).get(place.offset..).unwrap_or_default();
+        bytes.chunks_exact(size).take(place.elements)
+    }
+}
+
+fn element(bytes: &[u8]) -> CamElement {
+    CamElement {
+        output_bit: dint(bytes, 0),
+        latch_type: dint(bytes, 4),
+        unlatch_type: dint(bytes, 8),
+        left: real(bytes, 12),
+        right: real(bytes, 16),
+        duration: real(bytes, 20),
+        enable_type: dint(bytes, 24),
+        enable_bit: dint(bytes, 28),
+    }
+}
+
+fn compensation(bytes: &[u8]) -> BitCompensation {
+    BitCompensation {
+        offset: real(bytes, 0),
+        latch_delay: real(bytes, 4),
+        unlatch_delay: real(bytes, 8),
+        mode: dint(bytes, 12),
+        cycle_time: real(bytes, 16),
+        duty_cycle: real(bytes, 20),
+    }
+}
+
+fn dint(bytes: &[u8], at: usize) -> i32 {
+    i32::from_le_bytes(word(bytes, at))
+}
+
+fn real(bytes: &[u8], at: usize) -> f64 {
+    f64::from(f32::from_le_bytes(word(bytes, at)))
+}
+
+/// Where a word stands that an operand names.
+fn place(tag: u32) -> (TagId, usize) {
+    (TagId(tag >> 16), (tag & 0xFFFF) as usize * WORD)
+}
+
+/// Bytes of a DINT.
+const WORD: usize = 4;
+/// Bytes of an OUTPUT_CAM.
+const OUTPUT_CAM: usize = 32;
+/// Bytes of an OUTPUT_COMPENSATION.
+const OUTPUT_COMPENSATION: usize = 24;

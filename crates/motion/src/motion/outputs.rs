@@ -1,0 +1,81 @@
+//! Output cams of axes from one tick to the next, and what they write.
+//!
+//! Real-time: no allocation; bounded by the axes and their execution targets.
+
+use arcline_instruction_set::Flag;
+
+use super::{ARRAY_WRITES, Motion};
+use crate::events::{ArrayWrite, Written};
+use crate::output::Word;
+
+impl Motion {
+    /// The axis has come to where it is at the present tick.
+    pub(super) fn look_at_outputs(&mut self, axis: u16) {
+        let at = usize::from(axis);
+        for target in 0..self.axes[at].outputs.len() {
+            let Some(reference) = self.axes[at].outputs.reference(target) else {
+                continue;
+            };
+            let point = self.master_at(axis, reference).point;
+            let outcome = self.axes[at].outputs.look(target, point, &self.clock);
+            for execution in outcome.ended.into_iter().flatten() {
+                self.end_move(execution, Flag::Pc.mask());
+            }
+            self.write_word(outcome.written);
+        }
+    }
+
+    /// Instructions of this tick have had their effect: words that became others reach the output cams that they enable, and
+    /// the next update begins with the speeds that axes have now.
+    pub(super) fn finish_outputs(&mut self) {
+        // What comes of these is for the next tick.
+        let count = self.words.len();
+        for place in 0..count {
+            let word = self.words[place];
+            self.share_word(&word);
+        }
+        self.words.drain(..count);
+        for axis in 0..self.axes.len() {
+            for target in 0..self.axes[axis].outputs.len() {
+                if let Some(reference) = self.axes[axis].outputs.reference(target) {
+                    let point = self.master_at(axis as u16, reference).point;
+                    self.axes[axis].outputs.begin_update(target, point);
+                }
+            }
+        }
+    }
+
+    /// Bits of a tag, which some output cams may be enabled by.
+    pub(super) fn share_word(&mut self, word: &Word) {
+        for axis in 0..self.axes.len() {
+            for target in 0..self.axes[axis].outputs.len() {
+                let written = self.axes[axis].outputs.take_word(target, word, &self.clock);
+                self.write_word(written);
+            }
+        }
+    }
+
+    /// Bits leave the tick.
+    pub(crate) fn write_word(&mut self, word: Option<Word>) {
+        let Some(word) = word else { return };
+        if self.array_writes.len() < ARRAY_WRITES && self.words.len() < ARRAY_WRITES {
+            self.array_writes.push(ArrayWrite {
+                tick: self.clock.tick,
+                tag: word.tag,
+                values: Written::Bits {
+                    mask: word.mask,
+                    bits: word.bits,
+                },
+            });
+            self.words.push(word);
+        }
+    }
+
+    /// Nothing is armed on a target any more; the bits stay as they are.
+    pub(crate) fn disarm_output(&mut self, axis: u16, target: usize) {
+        let ended = self.axes[usize::from(axis)].outputs.disarm(target);
+        for execution in ended.into_iter().flatten() {
+            self.end_move(execution, 0);
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Output cams: bits of a DINT that are set and cleared by where an axis is (MAOC, MDOC; spec/axis-and-data-types.md §5).
+//!
+//! An axis has as many execution targets as it is configured with; on each there is one output cam, and one that waits for its
+//! end. Between two ticks the axis is taken to go from the one position and speed to the other without turning round
+//! ([`course`]): every edge has its exact instant there, and so durations and pulses do not show the update period. The bits
+//! are those of the tick. What has become others leaves the tick as an [`crate::ArrayWrite`].
+//!
+//! Not here: operands ([`crate::instructions`]), tags' memory. Real-time: nothing allocates behind [`OutputCams::new`].
+
+mod course;
+mod element;
+mod program;
+mod target;
+mod windows;
+
+use arcline_drive::Motion as Point;
+use arcline_planner::Clock;
+
+pub use program::{BitCompensation, CamElement, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS, OutputCam, OutputCamError};
+pub(crate) use target::{Arming, Outcome, Program, Target, Word};
+
+use crate::control::Execution;
+use crate::follow::gear::Reference;
+use target::{Edge, MOST_EDGES};
+
+/// The execution targets of one axis.
+#[derive(Clone, Debug)]
+pub(crate) struct OutputCams {
+    targets: Vec<Target>,
+    edges: Vec<Edge>,
+}
+
+impl OutputCams {
+    /// For an axis with so many targets.
+    pub(crate) fn new(targets: usize, clock: &Clock) -> Self {
+        OutputCams {
+            targets: (0..targets).map(|_| Target::new(clock)).collect(),
+            edges: Vec::with_capacity(if targets == 0 { 0 } else { MOST_EDGES }),
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.targets.len()
+    }
+
+    pub(crate) fn target_mut(&mut self, target: usize) -> Option<&mut Target> {
+        self.targets.get_mut(target)
+    }
+
+    /// What a target that something is armed on, or waits on, follows of its axis.
+    pub(crate) fn reference(&self, target: usize) -> Option<Reference> {
+        let target = self.targets.get(target)?;
+        (!target.is_idle()).then_some(target.reference)
+    }
+
+    /// The axis is there when an update begins, with the speed that instructions have given it.
+    pub(crate) fn begin_update(&mut self, target: usize, at: Point) {
+        if let Some(target) = self.targets.get_mut(target) {
+            target.began = at;
+        }
+    }
+
+    /// The axis has come to where it is now.
+    pub(crate) fn look(&mut self, target: usize, at: Point, clock: &Clock) -> Outcome {
+        let Some(target) = self.targets.get_mut(target) else {
+            return Outcome::default();
+        };
+        Outcome {
+            ended: target.look(at, clock, &mut self.edges),
+            written: target.write(clock),
+        }
+    }
+
+    /// Some bits of a tag have become others. Returns what comes of it on a target.
+    pub(crate) fn take_word(&mut self, target: usize, word: &Word, clock: &Clock) -> Option<Word> {
+        let target = self.targets.get_mut(target).filter(|target| !target.is_idle())?;
+        target.take_word(word, clock);
+        target.write(clock)
+    }
+
+    /// Nothing is armed any more. Returns whose cams these were.
+    pub(crate) fn disarm(&mut self, target: usize) -> [Option<Execution>; 2] {
+        self.targets.get_mut(target).map_or([None; 2], Target::disarm)
+    }
+
+    /// OutputCamStatus, PendingStatus, LockStatus and TransitionStatus: a bit for each target.
+    pub(crate) fn status(&self) -> [u32; 4] {
+        let mut words = [0; 4];
+        for (place, target) in self.targets.iter().enumerate() {
+            for (word, shown) in words.iter_mut().zip(target.shown()) {
+                *word |= u32::from(shown) << place;
+            }
+        }
+        words
+    }
+
+    /// Bits that the output cams of the axis have set, of all targets together.
+    pub(crate) fn bits(&self) -> u32 {
+        self.targets.iter().fold(0, |bits, target| bits | target.bits())
+    }
+}

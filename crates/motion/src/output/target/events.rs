@@ -1,0 +1,247 @@
+//! The events of an output cam's elements within an update, in their order, and what comes of them.
+//!
+//! Not here: when a cam is armed and when it is over ([`super`]). Real-time: nothing allocates.
+
+use arcline_planner::{Clock, Instant};
+
+use super::super::course::Course;
+use super::super::element::{Effect, Happens, State};
+use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS};
+use super::super::windows::Window;
+use super::{ACTIVE, Lane, PENDING, Phase, Piece, Program, Target};
+use crate::follow::cam::Mode;
+
+/// An event within an update.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::output) struct Edge {
+    share: f64,
+    /// How far from the beginning of the update.
+    along: f64,
+    what: Happens,
+    lane: usize,
+    element: usize,
+}
+
+/// Events of one update: each element enters and leaves two ranges.
+pub(in crate::output) const MOST_EDGES: usize = 2 * 4 * MAX_OUTPUT_ELEMENTS;
+
+impl Target {
+    /// The events between two shares of an update.
+    pub(super) fn run(&mut self, piece: &Piece, from: f64, until: f64, clock: &Clock, edges: &mut Vec<Edge>) {
+        edges.clear();
+        for lane in [ACTIVE, PENDING] {
+            let Some(cam) = self.lanes[lane].cam().cloned() else {
+                continue;
+            };
+            for place in 0..cam.elements.len() {
+                for latch in [true, false] {
+                    let (course, window) = self.signal(piece, lane, place, latch);
+                    let crossed = window.crossed(course.from, course.to);
+                    let [entered, left] = if latch {
+                        [Happens::LatchEntered, Happens::LatchLeft]
+                    } else {
+                        [Happens::UnlatchEntered, Happens::UnlatchLeft]
+                    };
+                    for (value, what) in crossed.into_iter().zip([entered, left]) {
+                        let Some(value) = value else { continue };
+                        let share = course.share_of(value);
+                        if share >= from && share <= until && edges.len() < MOST_EDGES {
+                            edges.push(Edge {
+                                share,
+                                along: (value - course.from).abs(),
+                                what,
+                                lane,
+                                element: place,
+                            });
+                        }
+                    }
+                }
+            }
+        }
+        let key = |edge: &Edge| (edge.share, edge.along, edge.what);
+        edges.sort_unstable_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
+        for edge in edges.iter() {
+            let at = instant(piece, edge.share, clock);
+            self.expire(at, clock);
+            let again = edge.what == Happens::LatchEntered && self.state(edge.lane, edge.element).is_in(true);
+            if again {
+                // More than one turn in an update.
+                self.happens(edge.lane, edge.element, Happens::UnlatchLeft, at);
+                self.happens(edge.lane, edge.element, Happens::UnlatchEntered, at);
+            }
+            self.happens(edge.lane, edge.element, edge.what, at);
+        }
+        // What rounding has made of the ends.
+        for lane in [ACTIVE, PENDING] {
+            for place in 0..self.lanes[lane].states.len() {
+                let at = instant(piece, until, clock);
+                let inside = [true, false].map(|latch| {
+                    let (course, window) = self.signal(piece, lane, place, latch);
+                    window.contains(course.at(until))
+                });
+                self.correct(lane, place, inside, at);
+            }
+        }
+    }
+
+    /// How the position of an axis that an element compares goes, in the positions of its lane, and with what it is compared.
+    pub(super) fn signal(&self, piece: &Piece, lane: usize, place: usize, latch: bool) -> (Course, Window) {
+        let Some((element, compensation)) = self.lanes[lane].element(place) else {
+            let nowhere = Window {
+                left: 0.0,
+                right: 0.0,
+                cycle: None,
+            };
+            return (Course::step(0.0, 0.0), nowhere);
+        };
+        let delay = compensation.delay(latch);
+        (piece.course(delay), self.window(lane, element, compensation))
+    }
+
+    /// Where an element's range is, as a position of the axis.
+    pub(super) fn window(&self, lane: usize, element: &Element, compensation: &Compensation) -> Window {
+        let Some(cam) = self.lanes[lane].cam() else {
+            return Window {
+                left: 0.0,
+                right: 0.0,
+                cycle: None,
+            };
+        };
+        let mut shift = self.zero() + compensation.offset;
+        let repeats = |program: &Program| program.mode == Mode::Continuous && self.lanes[PENDING].program.is_none();
+        let repeats = self.lanes[ACTIVE].program.as_ref().is_some_and(repeats);
+        if lane == PENDING
+            && let Some(active) = self.lanes[ACTIVE].cam()
+        {
+            shift += if self.forward {
+                active.end - cam.start
+            } else {
+                active.start - cam.end
+            };
+        }
+        Window {
+            left: shift + element.left,
+            right: shift + element.right,
+            cycle: (repeats && lane == ACTIVE).then_some(cam.end - cam.start),
+        }
+    }
+
+    pub(super) fn arm_enabled(&mut self, at: Instant) {
+        for place in 0..self.lanes[ACTIVE].states.len() {
+            let Lane { program, states } = &mut self.lanes[ACTIVE];
+            let Some(program) = program else { return };
+            let effect = states[place].arm(&program.cam.elements[place]);
+            self.take(ACTIVE, place, effect, at);
+        }
+    }
+
+    /// An element is in its ranges, or it is not.
+    pub(super) fn correct(&mut self, lane: usize, place: usize, [latch, unlatch]: [bool; 2], at: Instant) {
+        let events = [
+            (false, unlatch, Happens::UnlatchLeft, Happens::UnlatchEntered),
+            (true, latch, Happens::LatchLeft, Happens::LatchEntered),
+        ];
+        for (which, inside, left, entered) in events {
+            if self.state(lane, place).is_in(which) != inside {
+                self.happens(lane, place, if inside { entered } else { left }, at);
+            }
+        }
+    }
+
+    pub(super) fn happens(&mut self, lane: usize, place: usize, what: Happens, at: Instant) {
+        let Lane { program, states } = &mut self.lanes[lane];
+        let (Some(program), Some(state)) = (program, states.get_mut(place)) else {
+            return;
+        };
+        let effect = state.happens(&program.cam.elements[place], what);
+        self.take(lane, place, effect, at);
+    }
+
+    /// What has come of an event.
+    pub(super) fn take(&mut self, lane: usize, place: usize, effect: Effect, at: Instant) {
+        let Some((element, _)) = self.lanes[lane].element(place) else {
+            return;
+        };
+        let (bit, duration) = (usize::from(element.bit), element.duration);
+        let ends = element.unlatch.by_duration();
+        match effect {
+            Effect::Nothing => {}
+            Effect::Latches => {
+                if ends {
+                    self.lanes[lane].states[place].off_at = Some(at.after(duration, &self.ticks));
+                }
+                if self.on & (1 << bit) == 0 {
+                    self.on |= 1 << bit;
+                    self.since[bit] = at;
+                }
+            }
+            Effect::Unlatches => self.release(bit),
+        }
+    }
+
+    /// A bit is off, unless an element holds it.
+    pub(super) fn release(&mut self, bit: usize) {
+        let holds = |lane: &Lane| {
+            let of_bit = |place: usize| lane.element(place).is_some_and(|(own, _)| usize::from(own.bit) == bit);
+            let mut states = lane.states.iter().enumerate();
+            states.any(|(place, state)| state.holds && of_bit(place))
+        };
+        if self.carried[bit].is_none() && !self.lanes.iter().any(holds) {
+            self.on &= !(1 << bit);
+        }
+    }
+
+    /// Durations that are over at an instant.
+    pub(super) fn expire(&mut self, at: Instant, clock: &Clock) {
+        let is_over = |off_at: Instant| off_at.elapsed(clock) >= at.elapsed(clock);
+        for bit in 0..OUTPUT_BITS {
+            if self.carried[bit].is_some_and(is_over) {
+                self.carried[bit] = None;
+                self.release(bit);
+            }
+        }
+        for lane in [ACTIVE, PENDING] {
+            for place in 0..self.lanes[lane].states.len() {
+                let state = &mut self.lanes[lane].states[place];
+                if state.off_at.is_some_and(is_over) {
+                    let effect = state.let_go();
+                    self.take(lane, place, effect, at);
+                }
+            }
+        }
+    }
+
+    /// The enable bits as they are now.
+    pub(super) fn enable(&mut self, lane: usize, at: Instant) {
+        let own = self.written;
+        let output = (self.output.bits & !own.mask) | (own.bits & own.mask);
+        let input = self.input.map_or(0, |input| input.bits);
+        let armed = lane == ACTIVE && self.phase == Phase::Armed;
+        for place in 0..self.lanes[lane].states.len() {
+            let Some((element, _)) = self.lanes[lane].element(place) else {
+                continue;
+            };
+            let element = *element;
+            let word = if element.enable.of_output { output } else { input };
+            let enabled = (word & (1 << element.enable.bit) != 0) != element.enable.inverted;
+            let effect = self.lanes[lane].states[place].enable(&element, enabled, armed);
+            self.take(lane, place, effect, at);
+        }
+    }
+
+    pub(super) fn state(&self, lane: usize, place: usize) -> State {
+        self.lanes[lane].states.get(place).copied().unwrap_or_default()
+    }
+}
+
+/// When a share of an update is reached.
+pub(super) fn instant(piece: &Piece, share: f64, clock: &Clock) -> Instant {
+    let began = Clock::at(clock.tick.saturating_sub(1), clock.period_ns);
+    if piece.jumps {
+        return began.now();
+    }
+    if share >= 1.0 {
+        return clock.now();
+    }
+    began.now().after(share * piece.period, &began)
+}

@@ -1,0 +1,44 @@
+//! When the active move of a planned contour comes to points before its end, along the curve that it is travelled on.
+//!
+//! Real-time: nothing allocates, bounded.
+
+use super::{ContourQueue, Course};
+use crate::{Clock, Reach};
+
+impl<T: Copy> ContourQueue<T> {
+    /// When so much of the active move is left, at least 0, after it became active. The end is where the next one becomes
+    /// active: nearest to the corner where that is rounded.
+    pub fn reaches(&self, distance: f64, clock: &Clock) -> Reach {
+        let (Some(run), Some(active)) = (&self.run, self.moves.front()) else {
+            return Reach::Never;
+        };
+        if distance > active.path.length() {
+            return Reach::At(0.0);
+        }
+        let (begun, from) = run.begun;
+        let end = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
+        let own = match run.trajectory.time_before(end, distance) {
+            // A rounded corner may be shorter than what was programmed.
+            Some(own) => own.max(from),
+            None => return Reach::Passed,
+        };
+        match run.pace.until(own, clock) {
+            Some(until) => Reach::At((begun.elapsed(clock) + until).max(0.0)),
+            None if own <= run.pace.at(clock).position => Reach::Passed,
+            None => Reach::Never,
+        }
+    }
+
+    /// Whether the active move stays at rest before its end, as things are.
+    pub fn is_paused(&self) -> bool {
+        let Some(run) = &self.run else {
+            return true;
+        };
+        run.course == Course::Stopping || run.pace.target() == 0.0
+    }
+
+    /// A number that changes whenever the active move is another one, or comes to its end at another instant.
+    pub fn plans(&self) -> u32 {
+        self.plans
+    }
+}
