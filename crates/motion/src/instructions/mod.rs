@@ -163,10 +163,6 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Mnemonic::Mar => mar::execute(motion, execution, call),
         Mnemonic::Mdr => mdr::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
-        _ => {
-            motion.verify_operands(call)?;
-            Err(MotionError::FeatureNotSupported)
-        }
     }
 }
 
