@@ -258,7 +258,7 @@ fn project() -> Project {
     let axis = |name: &str| {
         format!("[[axis]]\nname = \"{name}\"\ntype = \"virtual\"\nmax_speed = 90.0\nmax_acceleration = 900.0\n")
     };
-    let robot: String = ["K1", "K2", "K3", "J1", "J2", "J3", "O1", "O2", "O3"]
+    let robot: String = ["K1", "K2", "K3", "J1", "J2", "J3", "E1", "E2", "E3"]
         .iter()
         .map(|name| axis(name))
         .collect();
@@ -271,7 +271,7 @@ fn project() -> Project {
         + &system("TOOL", "\"K1\", \"K2\", \"K3\"", "")
         + &system(
             "POSE",
-            "\"K1\", \"K2\", \"K3\", \"O1\", \"O2\", \"O3\"",
+            "\"K1\", \"K2\", \"K3\", \"E1\", \"E2\", \"E3\"",
             "definition = \"XYZRxRyRz\"\n",
         )
         + &system(
