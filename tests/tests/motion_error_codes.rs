@@ -128,6 +128,45 @@ name = "Empty"
 type = "CAM_PROFILE[2]"
 
 [[tag]]
+name = "Way"
+type = "PATH_DATA"
+value = { InterpolationType = 1, TerminationType = 1, Position = [5.0, 5.0, 5.0, 0.0, 0.0, 9.0, 0.0, 0.0, 0.0] }
+
+[[tag]]
+name = "Settling"
+type = "PATH_DATA"
+value = { InterpolationType = 1 }
+
+[[tag]]
+name = "NoWay"
+type = "PATH_DATA"
+value = { InterpolationType = 1, TerminationType = 2 }
+
+[[tag]]
+name = "Point"
+type = "PATH_DATA"
+value = { TerminationType = 1 }
+
+[[tag]]
+name = "Pace"
+type = "DYNAMICS_DATA"
+value = { UnitsMode = 1, Speed = 50.0, Acceleration = 500.0, Deceleration = 500.0, OrientationSpeed = 50.0, OrientationAcceleration = 500.0, OrientationDeceleration = 500.0 }
+
+[[tag]]
+name = "Curve"
+type = "DYNAMICS_DATA"
+value = { UnitsMode = 1, Profile = 1, Speed = 50.0, AccelerationJerk = 50.0, DecelerationJerk = 50.0, Acceleration = 500.0, Deceleration = 500.0, OrientationSpeed = 50.0, OrientationAcceleration = 500.0, OrientationDeceleration = 500.0 }
+
+[[tag]]
+name = "Driven"
+type = "DYNAMICS_DATA"
+value = { UnitsMode = 1, TimeUnits = 1, Speed = 2.0, Acceleration = 500.0, Deceleration = 500.0, OrientationSpeed = 50.0, OrientationAcceleration = 500.0, OrientationDeceleration = 500.0 }
+
+[[tag]]
+name = "NoPace"
+type = "DYNAMICS_DATA"
+
+[[tag]]
 name = "Frame"
 type = "POSITION_DATA"
 
@@ -171,6 +210,20 @@ const SYSTEMS: &[(&str, &str, &str)] = &[
     ("SameAxis", "\"S\", \"B\", \"C\"", ""),
     ("Tool", "\"P1\", \"P2\", \"P3\"", ""),
     ("Arm", "\"Q1\", \"Q2\", \"Q3\"", ARM),
+    ("Pose", "\"X\", \"Y\", \"Z\", \"P4\", \"P5\", \"P6\"", POSE),
+    ("PoseHomed", "\"P1\", \"P2\", \"P3\", \"P4\", \"P5\", \"H\"", POSE),
+    ("PoseDecel", "\"P1\", \"P2\", \"P3\", \"P4\", \"P5\", \"NoDecel\"", POSE),
+    ("PoseJerk", "\"P1\", \"P2\", \"P3\", \"P4\", \"P5\", \"NoJerk\"", POSE),
+    (
+        "PoseLoose",
+        "\"X\", \"Y\", \"Z\", \"P4\", \"P5\", \"P6\"",
+        "actual_tolerance = 0.0\ndefinition = \"XYZRxRyRz\"",
+    ),
+    (
+        "PosePrecise",
+        "\"X\", \"Y\", \"Z\", \"P4\", \"P5\", \"P6\"",
+        "corner = \"precise\"\ndefinition = \"XYZRxRyRz\"",
+    ),
     ("Arm2", "\"Q4\", \"Q5\", \"Q6\"", ARM),
     ("NoLinks", "\"Q4\", \"Q5\", \"Q6\"", "type = \"articulated_dependent\""),
     (
@@ -220,6 +273,8 @@ const SYSTEMS: &[(&str, &str, &str)] = &[
     ),
 ];
 
+/// Position and orientation.
+const POSE: &str = "definition = \"XYZRxRyRz\"";
 const TURN: &str = "\"O1\", \"O2\", \"O3\", \"O4\", \"O5\", \"O6\"";
 const ORIENTED: &str = "definition = \"XYZRxRyRz\"";
 const WRIST: &str = "\"W1\", \"W2\", \"W3\", \"W4\", \"W5\", \"W6\"";
@@ -416,6 +471,27 @@ const TABLE: &[Row] = &[
     ("MCT(CS2, CS3, B1, [0, 0, 0], [0, 0, 0])\nMAM(S, B2, 0, 90, {rates})\nrun 99\nMCS(CS3, B3, 3, Yes, 50, 0)\nrun 2",
                             "MCT(CS2, CS3, T, [0, 0, 0], [0, 0, 0])",                             (71, 0)),
     (LINK,                  "MCT(CS1, CS3, T, [0, 0, 0], [0, 0, 0])",                             (73, 0)),
+    // MCPM, and what its systems do not have.
+    ("",                    "MCCM(Pose, T, 0, [9, 0, 0], 1, [9, 0, 0], 2, {rates}, 1)",           (75, 0)),
+    ("",                    "MCPM(CS1, T, Way, 1, Pace)",                                         (13, 0)),
+    ("",                    "MCPM(Pose, T, NoWay, 1, Pace)",                                      (13, 2)),
+    ("",                    "MCPM(Pose, T, Way, 2, Pace)",                                        (13, 3)),
+    ("",                    "MCPM(Pose, T, Way, 1, NoPace)",                                      (13, 4)),
+    ("",                    "MCPM(Pose, T, Way, 1, Pace, 0, 5)",                                  (13, 6)),
+    ("",                    "MCPM(Pose, T, Way, 1, Pace, 0, 1)",                                  (95, 0)),
+    ("",                    "MCPM(Pose, T, Way, 1, Driven, 0, 1)",                                (93, 0)),
+    ("",                    "MCPM(Pose, T, Point, 1, Pace)",                                      (99, 0)),
+    ("",                    "MCPM(PosePrecise, T, Way, 1, Pace)",                                 (99, 0)),
+    (OFF,                   "MCPM(Pose, T, Way, 1, Pace)",                                        (5, 0)),
+    ("MASD(P6, B1)\nrun 20", "MCPM(Pose, T, Way, 1, Pace)",                                       (7, 5)),
+    ("fault Y\nrun 20",     "MCPM(Pose, T, Way, 1, Pace)",                                        (20, 1)),
+    (HOMING,                "MCPM(PoseHomed, T, Way, 1, Pace)",                                   (16, 5)),
+    ("",                    "MCPM(PoseDecel, T, Way, 1, Pace)",                                   (54, 5)),
+    ("",                    "MCPM(PoseJerk, T, Way, 1, Curve)",                                   (76, 5)),
+    ("",                    "MCPM(PoseLoose, T, Settling, 1, Pace)",                              (51, 0)),
+    ("MCPM(Pose, B1, Way, 1, Pace)\nMCPM(Pose, B2, Way, 1, Pace)", "MCPM(Pose, T, Way, 1, Pace)", (43, 0)),
+    (LINE,                  "MCPM(Pose, T, Way, 1, Pace)",                                        (52, 0)),
+    ("MCPM(Pose, B1, Way, 1, Pace)\nrun 60\nMCS(Pose, B2, 2, Yes, 1, 1)\nrun 1", "MCPM(Pose, T, Way, 1, Pace)", (78, 0)),
     // MCTO.
     ("",                    "MCTO(Nobody, Wrist, T, Frame, Frame)",                               (13, 0)),
     ("MASD(Z, B1)\nrun 20", "MCTO(TurnXYZ, Wrist, T, Frame, Frame)",                              (7, 2)),
@@ -636,7 +712,7 @@ const GOOD: &[&str] = &[
     "MCTO(Turn, Wrist, T, Frame, Frame)", "MCTPO(Turn, Wrist, T, Frame, Frame, 0, [0, 0, 0, 0, 0, 0], Place, Bits, Turns)",
     "MSO(X, T)", "MSF(X, T)", "MASD(X, T)", "MASR(X, T)", "MAFR(X, T)", "MAS(X, T, All, No, 0, 0)", "MAH(X, T)",
     "MAJ(X, T, 0, {rates})", "MAM(X, T, 0, 9, {rates})", "MAG(X, Y, T, 0, 1, 1, 1, 1, 0, 1)", "MRP(X, T, 0, 0, 5)",
-    "MGS(Motion, T, 1)", "MGSD(Motion, T)", "MGSR(Motion, T)", "MGSP(Motion, T)", "MCCP(T, Cam, 2, 0, 0, Profile)",
+    "MCPM(Pose, T, Way, 1, Pace)", "MGS(Motion, T, 1)", "MGSD(Motion, T)", "MGSR(Motion, T)", "MGSP(Motion, T)", "MCCP(T, Cam, 2, 0, 0, Profile)",
     "MAOC(R, 0, T, Out, 0, Outs, 0, 100)", "MDOC(R, 0, T, 0)", "MAW(X, T, 0, 5)", "MDW(X, T)", "MAR(E, T, 0, 0, 0, 0, 2)", "MDR(E, T, 1)",
 ];
 
@@ -663,6 +739,8 @@ const LISTS: &[(&str, &[i16])] = &[
     ("MCSD", &[3, 11, 50, 12]),
     ("MCSR", &[3, 11, 50, 12, 20]),
     ("MCT",  &[3, 24, 50, 19, 13, 11, 7, 5, 20, 16, 22, 54, 76, 61, 62, 64, 66, 67, 68, 70, 71, 73, 74, 77, 99, 69, 72]),
+    // What is master driven takes over nothing: 97 and 103 cannot be.
+    ("MCPM", &[3, 24, 50, 19, 13, 95, 93, 11, 8, 38, 53, 7, 5, 20, 16, 14, 15, 54, 76, 51, 43, 78, 52, 99]),
     ("MCTO", &[3, 24, 50, 19, 13, 11, 7, 5, 20, 16, 22, 54, 76, 61, 62, 64, 66, 67, 68, 70, 71, 73, 74, 77, 99, 69, 72]),
     ("MDCC", &[3, 24, 50, 19, 13, 11, 10, 105]),
     ("MDAC", &[3, 24, 19, 13, 11, 10, 96, 105]),
@@ -725,6 +803,7 @@ const NEVER_HERE: &[(&str, i16, &str)] = &[
     ("MCCM", 8,   "every axis type can be moved"),
     ("MCCD", 8,   "every axis type can be moved"),
     ("MCS",  8,   "every axis type can be moved"),
+    ("MCPM", 8,   "every axis type can be moved"),
     ("MAS",  8,   "an encoder has no servo: 5 tells"),
     ("MAH",  8,   "every axis type can be homed"),
     ("MRP",  8,   "every axis type has a position"),

@@ -27,6 +27,8 @@ const CALLS: &[&str] = &[
     "MCT(CS1, CS2, M21, [0, 0, 0], [0, 0, 0]);",
     "MCT(TOOL, ARM, M58, [0, 0, 0], [0, 0, 0]);",
     "MCLM(TOOL, M59, Incremental, [-9, 30, 4], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+    "MCPM(POSE, M62, Way, 1, Pace);",
+    "MCPM(POSE, M63, Way, 1, Pace, 5, PositionForwardOnly);",
     "MCTP(TOOL, ARM, M60, [0, 0, 0], [0, 0, 0], InverseLeftArm, [100, 50, 60], Place);",
     "MCTO(TURN, WRIST, M62, Frame, Frame);",
     "MCLM(TURN, M63, Incremental, [-9, 30, 4], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
@@ -241,6 +243,13 @@ fn press(outer: &Mutex<Outer>, calls: &[Call]) {
     }
 }
 
+/// Where MCPM leads and how fast.
+const PATHS: &str = "[[tag]]\nname = \"Way\"\ntype = \"PATH_DATA\"\nvalue = { InterpolationType = 1, TerminationType = 6, \
+    CommandToleranceLinear = 2.0, Position = [9.0, 3.0, 4.0, 20.0, 30.0, 40.0, 0.0, 0.0, 0.0] }\n\
+    [[tag]]\nname = \"Pace\"\ntype = \"DYNAMICS_DATA\"\nvalue = { Speed = 50.0, Profile = 1, Acceleration = 50.0, \
+    Deceleration = 50.0, AccelerationJerk = 50.0, DecelerationJerk = 50.0, OrientationSpeed = 50.0, \
+    OrientationAcceleration = 50.0, OrientationDeceleration = 50.0 }\n";
+
 fn project() -> Project {
     let drive =
         "drive = { velocity_feedforward = 0.0, speed_limit = 150.0, torque_limit = 1500.0, encoder_resolution = 1e3 }";
@@ -249,7 +258,7 @@ fn project() -> Project {
     let axis = |name: &str| {
         format!("[[axis]]\nname = \"{name}\"\ntype = \"virtual\"\nmax_speed = 90.0\nmax_acceleration = 900.0\n")
     };
-    let robot: String = ["K1", "K2", "K3", "J1", "J2", "J3"]
+    let robot: String = ["K1", "K2", "K3", "J1", "J2", "J3", "E1", "E2", "E3"]
         .iter()
         .map(|name| axis(name))
         .collect();
@@ -260,6 +269,11 @@ fn project() -> Project {
     };
     let robot = robot
         + &system("TOOL", "\"K1\", \"K2\", \"K3\"", "")
+        + &system(
+            "POSE",
+            "\"K1\", \"K2\", \"K3\", \"E1\", \"E2\", \"E3\"",
+            "definition = \"XYZRxRyRz\"\n",
+        )
         + &system(
             "ARM",
             "\"J1\", \"J2\", \"J3\"",
@@ -283,7 +297,7 @@ fn project() -> Project {
         + "[[tag]]\nname = \"Frame\"\ntype = \"POSITION_DATA\"\n[[tag]]\nname = \"Bits\"\ntype = \"DINT\"\n\
            [[tag]]\nname = \"Turns\"\ntype = \"INT[4]\"\n";
     let config = format!(
-        "{}\n{robot}[[tag]]\nname = \"Place\"\ntype = \"REAL[6]\"\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[3]\"\n{cam}\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[3]\"\n",
+        "{}\n{robot}[[tag]]\nname = \"Place\"\ntype = \"REAL[6]\"\n[[tag]]\nname = \"Cam\"\ntype = \"CAM[3]\"\n{cam}\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[3]\"\n{PATHS}",
         arcline_config::DEFAULT
             .replacen("type = \"servo\"", &limited, 1)
             .replacen(
@@ -387,6 +401,18 @@ const SCENES: &[&[(&str, u32)]] = &[
         ),
         ("MDOC(A, 1, M65, Specific);", 5),
         ("MGSD(Motion, M33);", 5),
+    ],
+    &[
+        // Position and orientation, blended and stopped.
+        ("MCPM(POSE, M62, Way, 1, Pace);", 20),
+        (
+            "MCLM(POSE, M59, Incremental, [-9, 30, 4], 90, Unitspersec, 900, Unitspersec2, 900, Unitspersec2, S-curve, 100, 100, %ofTime, 1);",
+            150,
+        ),
+        (
+            "MCS(POSE, M17, CoordinatedMove, No, 0, Unitspersec2, No, 0, %ofTime);",
+            300,
+        ),
     ],
     &[
         // A robot with a wrist, the same.

@@ -21,8 +21,8 @@ pub use arcline_controller::image::MAX_PLAIN_TAGS as MAX_TAGS;
 pub use arcline_controller::image::{InstructionTag, PlainTag};
 pub use describe::describe;
 pub use error::{ConfigError, Problem};
-pub use read::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, is_name, tag_type};
-pub use write::{format, table};
+pub use read::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, definitions, is_name, tag_type};
+pub use write::{build_of, definition_of, format, table};
 
 /// The default configuration, commented: what the server runs without `--config`.
 pub const DEFAULT: &str = include_str!("default.toml");

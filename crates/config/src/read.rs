@@ -21,6 +21,7 @@ use self::axis::{AXIS, axis};
 use self::inputs::check_inputs;
 use self::names::{NAME, Taken};
 pub(crate) use self::robot::WRISTS;
+pub use self::robot::definitions;
 use self::server::server;
 use self::system::{COORDINATE_SYSTEM, TRANSFORM, coordinate_system, transform};
 use self::tags::{instruction_tags, plain_tags};

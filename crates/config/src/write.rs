@@ -383,7 +383,7 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
 }
 
 /// The word of `definition`, where there is one.
-fn definition_of(system: &CoordinateSystem) -> Option<&'static str> {
+pub fn definition_of(system: &CoordinateSystem) -> Option<&'static str> {
     match system.robot.map(|robot| robot.build) {
         Some(Build::Wrist(wrist)) => Some(wrist.definition()),
         Some(Build::Arm(_)) => None,
@@ -391,8 +391,8 @@ fn definition_of(system: &CoordinateSystem) -> Option<&'static str> {
     }
 }
 
-/// The word of `type`.
-fn build_of(robot: Option<&Robot>) -> &'static str {
+/// The word of `type` of a coordinate system with this robot; `None`: it is Cartesian.
+pub fn build_of(robot: Option<&Robot>) -> &'static str {
     match robot.map(|robot| robot.build) {
         None => "cartesian",
         Some(Build::Arm(geometry)) => match geometry {

@@ -5,6 +5,7 @@
 use nalgebra::Matrix3;
 
 use crate::Point;
+use crate::turn::rotation;
 
 /// Where the coordinates of one frame lie in another one (spec/coordinated-instructions.md §19.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,12 +20,8 @@ impl Frame {
     /// axes. Quarter turns are exact.
     #[must_use]
     pub fn new(orientation: Point, translation: Point) -> Frame {
-        let [(s1, c1), (s2, c2), (s3, c3)] = [orientation.x, orientation.y, orientation.z].map(sin_cos);
-        let x = Matrix3::new(1.0, 0.0, 0.0, 0.0, c1, -s1, 0.0, s1, c1);
-        let y = Matrix3::new(c2, 0.0, s2, 0.0, 1.0, 0.0, -s2, 0.0, c2);
-        let z = Matrix3::new(c3, -s3, 0.0, s3, c3, 0.0, 0.0, 0.0, 1.0);
         Frame {
-            rotation: (z * y * x).transpose(),
+            rotation: rotation(&orientation).transpose(),
             translation,
         }
     }
@@ -55,7 +52,7 @@ impl Frame {
 }
 
 /// Sine and cosine of an angle in degrees; those of quarter turns are whole numbers.
-fn sin_cos(degrees: f64) -> (f64, f64) {
+pub(crate) fn sin_cos(degrees: f64) -> (f64, f64) {
     let quarters = (degrees / 90.0).round();
     let (s, c) = libm::sincos((degrees - 90.0 * quarters).to_radians());
     // The remainder of a whole number by 4 is one of these.

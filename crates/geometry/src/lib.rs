@@ -1,5 +1,5 @@
-//! Paths in Cartesian space, parameterised by arc length: straight lines, circular arcs, full circles; and frames, one
-//! Cartesian space seen from another.
+//! Paths in Cartesian space, parameterised by arc length: straight lines, circular arcs, full circles; frames, one
+//! Cartesian space seen from another; and turns from one orientation to another.
 //!
 //! A path says *where*; it knows neither time nor speed (`arcline-profile` does), no axes and no
 //! units of its own: lengths are the position units of the coordinate system, angles are radians.
@@ -13,11 +13,13 @@ mod arc;
 mod frame;
 mod line;
 mod path;
+mod turn;
 
 pub use arc::{Arc, ArcError, CirclePoint, Dimension, Direction};
 pub use frame::Frame;
 pub use line::Line;
 pub use path::{Path, PathPoint};
+pub use turn::{Turn, Turned, angle_rates, angles, continued, nearest, rotation};
 
 /// A point or a difference of points; unused dimensions are 0.
 pub type Point = nalgebra::Vector3<f64>;

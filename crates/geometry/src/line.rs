@@ -31,6 +31,16 @@ impl Line {
         }
     }
 
+    /// One that stays at a point for a length.
+    pub(crate) fn standing(at: Point, length: f64) -> Line {
+        Line {
+            start: at,
+            end: at,
+            direction: Point::zeros(),
+            length: length.max(0.0),
+        }
+    }
+
     pub(crate) fn shifted(self, by: &Point) -> Line {
         Line {
             start: self.start + by,

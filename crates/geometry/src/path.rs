@@ -20,7 +20,7 @@ pub enum Path {
 pub struct PathPoint {
     /// `q`, position units.
     pub position: Point,
-    /// `dq/ds`, a unit vector (zero only on a path of length 0).
+    /// `dq/ds`, a unit vector (zero only on a path of length 0, and where the path stands).
     pub tangent: Point,
     /// `d2q/ds2`, 1 / position unit; points to the centre of curvature.
     pub curvature: Point,
@@ -33,6 +33,18 @@ impl Path {
     #[must_use]
     pub fn line(from: Point, to: Point) -> Path {
         Path::Line(Line::new(from, to))
+    }
+
+    /// A path that stays at a point for a length: the way of what only turns, whose unit is its own.
+    #[must_use]
+    pub fn standing(at: Point, length: f64) -> Path {
+        Path::Line(Line::standing(at, length))
+    }
+
+    /// Whether it stays at a point for a length.
+    #[must_use]
+    pub fn stands(&self) -> bool {
+        matches!(self, Path::Line(line) if line.length() > 0.0 && line.direction() == Point::zeros())
     }
 
     /// The same path elsewhere: every point of it moved by `by`.

@@ -7,6 +7,7 @@ use arcline_cam::Profile;
 use arcline_instruction_set::MotionError;
 
 use crate::output::OutputCam;
+use crate::path_data::PathMove;
 
 /// What goes into the tick with a call.
 ///
@@ -25,6 +26,8 @@ pub enum Material {
     },
     /// A calculated cam profile.
     Cam(Arc<Profile>),
+    /// The tags of a path move, as they were.
+    Path(PathMove),
     /// An output cam, and what is in the tags of its output and its input.
     OutputCam(Arc<OutputCam>, [u32; 2]),
     /// A place for numbers that the instruction calculates in the tick.
@@ -158,6 +161,17 @@ impl Sent {
             Some(Material::Done) => Ok(()),
             Some(Material::Refused { error, .. }) => Err(*error),
             _ => Err(MotionError::FeatureNotSupported),
+        }
+    }
+
+    /// The tags of a path move.
+    ///
+    /// # Errors
+    /// Why there are none.
+    pub(crate) fn path(&self) -> Result<PathMove, MotionError> {
+        match &self.0 {
+            Some(Material::Path(path)) => Ok(*path),
+            _ => self.verdict().and(Err(MotionError::FeatureNotSupported)),
         }
     }
 

@@ -35,6 +35,10 @@ pub(crate) struct Planned {
     /// How it is master driven.
     pub(crate) lead: Option<Lead>,
     pub(crate) events: Option<Events>,
+    /// Rx, Ry, Rz at its end, degrees, where it turns.
+    pub(crate) heading: Option<Point>,
+    /// It only turns: its way is an angle, in degrees.
+    pub(crate) only_turns: bool,
 }
 
 /// The link by which a move is master driven, and its lock.
@@ -134,6 +138,14 @@ impl System {
             along: [0.0; 3],
             feed_override: 1.0,
             stale: false,
+        }
+    }
+
+    /// The axes that its coordinated moves may have taken: those that they move, and Rx, Ry, Rz, which some of them turn.
+    pub(crate) fn taken(&self) -> &[u16] {
+        match self.description.orientation {
+            Some(_) => &self.description.axes,
+            None => self.description.linear(),
         }
     }
 

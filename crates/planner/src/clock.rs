@@ -139,6 +139,9 @@ impl Pace {
             acceleration: sample.acceleration * (self.speed * self.speed) + sample.velocity * self.acceleration,
             velocity: sample.velocity * self.speed,
             along: self.in_time(sample.along),
+            turned: sample
+                .turned
+                .map(|turned| turned.in_time(self.speed, self.acceleration)),
             ..sample
         }
     }

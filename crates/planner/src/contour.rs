@@ -343,6 +343,7 @@ impl<T: Copy> ContourQueue<T> {
                 Some(std::cmp::Ordering::Less) => Phase::Decelerating,
                 _ => Phase::Steady,
             },
+            turned: None,
         })
     }
 }

@@ -68,6 +68,7 @@ impl<T: Copy> Planner<T> {
         from.position -= last.track.offset + last.motion.path.length();
         let track = Track {
             path: next.path,
+            turn: next.turn,
             lead: (from.position < 0.0).then_some(last.motion.path),
             approach: None,
             profile: Profile::rest(0.0),
@@ -98,6 +99,7 @@ impl<T: Copy> Planner<T> {
         let mut track = last.track;
         track.offset += last.motion.path.length();
         track.path = next.path;
+        track.turn = next.turn;
         let blended = matches!(between, Junction::Overtake { .. });
         track.lead = blended.then_some(last.motion.path);
         track.approach = None;

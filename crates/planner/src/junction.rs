@@ -68,7 +68,8 @@ fn shape<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Shape {
     if other || first.path.length() == 0.0 || second.path.length() == 0.0 {
         return Shape::Rest;
     }
-    let in_line = collinear(&first.path, &second.path);
+    let turns = first.turn.is_some() || second.turn.is_some();
+    let in_line = !turns && collinear(&first.path, &second.path);
     match first.ending {
         Ending::Blend { tolerance } if tolerance > 0.0 => {
             let tolerance = effective_tolerance(tolerance, first, second, blended);
@@ -81,13 +82,15 @@ fn shape<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Shape {
                 (false, _) => Shape::Blend { tolerance },
             }
         }
+        // A turn begins and ends at rest.
+        Ending::Contour { .. } if turns => Shape::Rest,
         Ending::Contour { constrained } => Shape::Pass { constrained, in_line },
         Ending::Stop | Ending::Blend { .. } => Shape::Rest,
     }
 }
 
 /// The tolerance within the halves of the moves that may be blended at their other end too (§7.3). No Decel
-/// is not limited.
+/// is not limited. A way that stands, of what only turns, has a unit of its own: it bounds only another such one.
 fn effective_tolerance<T>(tolerance: f64, first: &Move<T>, second: &Move<T>, blended: bool) -> f64 {
     if tolerance.is_infinite() {
         return tolerance;
@@ -98,9 +101,12 @@ fn effective_tolerance<T>(tolerance: f64, first: &Move<T>, second: &Move<T>, ble
     } else {
         1.0
     };
-    tolerance
-        .min(before * first.path.length())
-        .min(after * second.path.length())
+    let own = tolerance.min(before * first.path.length());
+    if first.path.stands() == second.path.stands() {
+        own.min(after * second.path.length())
+    } else {
+        own
+    }
 }
 
 /// What the place between two moves asks of a profile that comes to it.
@@ -166,10 +172,13 @@ impl Joint {
     /// units/s.
     pub(crate) fn new<T>(first: &Move<T>, second: &Move<T>, blended: bool, corner_step: &Point) -> Joint {
         let shape = shape(first, second, blended);
-        let corner = match shape {
+        let mut corner = match shape {
             Shape::Pass { .. } => corner_speed(&first.path, &second.path, corner_step) / first.parameter.speed,
             _ => 0.0,
         };
+        if corner.is_finite() {
+            corner = corner.min(second.corner);
+        }
         Joint { shape, corner }
     }
 

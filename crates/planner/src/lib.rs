@@ -1,6 +1,6 @@
 //! Path × profile: where a coordinate system is at any instant.
 //!
-//! A [`Move`] is a geometric path with the limits of its speed along it. A [`Planner`] holds the active
+//! A [`Move`] is a geometric path with the limits of its speed along it, and perhaps a turn of the orientation. A [`Planner`] holds the active
 //! move, the pending ones behind it, and evaluates the active one in closed form: nothing is integrated from
 //! tick to tick, so the trajectory is the same at every update period (spec/motion-core.md §1, §12). What lies
 //! between two moves stands in `junction`, how one becomes the next in `hand_over`, what the queue allows in `queue`.

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use arcline_geometry::{Path, Point};
+use arcline_geometry::{Path, Point, Turn};
 use arcline_profile::{Jerk, Limits, Profile, State};
 
 use crate::junction::{Ending, braking, is_along};
@@ -16,6 +16,11 @@ use crate::{Clock, Instant, Pace, ROUNDING};
 pub struct Move<T> {
     /// The geometric path, by arc length.
     pub path: Path,
+    /// How the orientation turns along it, evenly by arc length; `None`: it stays.
+    pub turn: Option<Turn>,
+    /// The highest speed at which it may be begun where the path before it does not go over into it without a corner, by what
+    /// it is a function of; infinite: what the axes let it.
+    pub corner: f64,
     /// Limits of the speed along the path and of its derivatives.
     pub limits: Limits,
     /// What happens at its end if it has a successor.
@@ -425,6 +430,10 @@ impl<T: Copy> Planner<T> {
             sample.position += rest.position - tail.path.end();
             sample.velocity += rest.velocity;
             sample.acceleration += rest.acceleration;
+            sample.turned = match (sample.turned, rest.turned, tail.turn) {
+                (Some(own), Some(rest), Some(turn)) => Some(own.after(&rest, turn.end())),
+                (own, rest, _) => own.or(rest),
+            };
         }
         Some(sample)
     }
@@ -440,6 +449,7 @@ impl<T: Copy> Planner<T> {
     ) {
         let track = Track {
             path: motion.path,
+            turn: motion.turn,
             lead: None,
             approach: None,
             profile: Profile::rest(0.0),

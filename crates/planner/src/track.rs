@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use arcline_geometry::{Path, PathPoint, Point};
+use arcline_geometry::{Path, PathPoint, Point, Turn, Turned};
 use arcline_profile::{Limits, Phase, Profile, State};
 
 use crate::{Clock, Instant, Pace};
@@ -11,6 +11,8 @@ use crate::{Clock, Instant, Pace};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Track {
     pub(crate) path: Path,
+    /// How the orientation turns along `path`.
+    pub(crate) turn: Option<Turn>,
     /// What lies before the start of `path`: the end of a collinear predecessor.
     pub(crate) lead: Option<Path>,
     /// The predecessor's own way to the start of `path`, where the move became active before its end.
@@ -68,6 +70,8 @@ pub struct Sample {
     pub along: State,
     /// What the speed along the path does.
     pub phase: Phase,
+    /// The orientation, and its rates in radians/s and radians/s², while a move turns it.
+    pub turned: Option<Turned>,
 }
 
 impl Track {
@@ -85,6 +89,11 @@ impl Track {
         if let Some(residual) = &self.residual {
             residual.add(&mut sample, self.path.length(), clock);
         }
+        let length = self.path.length();
+        if let (Some(turn), true) = (&self.turn, length > 0.0) {
+            let turned = turn.at(along.position / length);
+            sample.turned = Some(turned.in_time(along.velocity / length, along.acceleration / length));
+        }
         sample
     }
 
@@ -101,6 +110,7 @@ impl Track {
             let on = at(path, place, sample.along, sample.phase);
             sample = Sample {
                 along: sample.along,
+                turned: sample.turned,
                 ..on
             };
         }
@@ -250,5 +260,6 @@ fn at(path: &Path, s: f64, along: State, phase: Phase) -> Sample {
         acceleration: tangent * along.acceleration + curvature * (along.velocity * along.velocity),
         along,
         phase,
+        turned: None,
     }
 }

@@ -26,6 +26,8 @@ fn queue(limits: impl Fn(usize) -> Limits) -> (Planner<usize>, Clock) {
         let at = |place: usize| Point::from([PIECE * place as f64, 0.0, 0.0]);
         let motion = Move {
             path: Path::Line(Line::new(at(data), at(data + 1))),
+            turn: None,
+            corner: f64::INFINITY,
             limits: limits(data),
             ending: Ending::Contour { constrained: true },
             parameter: Parameter::TIME,

@@ -27,6 +27,8 @@ fn stopping(path: Path, limits: Limits) -> Move<()> {
     let ending = Ending::Stop;
     Move {
         path,
+        turn: None,
+        corner: f64::INFINITY,
         limits,
         ending,
         parameter: Parameter::TIME,
@@ -192,4 +194,121 @@ proptest! {
             prop_assert!((end.expect("it has ended") - expected).abs() < 1e-9);
         }
     }
+}
+
+/// An orientation of fixed angles.
+fn oriented(x: f64, y: f64, z: f64) -> arcline_planner::geometry::Turn {
+    use arcline_planner::geometry::{Turn, rotation};
+    Turn::new(&rotation(&Point::zeros()), &rotation(&Point::new(x, y, z)), 0.0)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Position and orientation begin and end together, at every update period alike.
+    #[test]
+    fn a_turn_goes_along(
+        length in prop::option::of(1.0..500.0f64), x in -170.0..170.0f64, y in -80.0..80.0f64, z in -170.0..170.0f64,
+    ) {
+        let turn = oriented(x, y, z);
+        let path = match length {
+            Some(length) => Path::line(Point::zeros(), Point::new(length, 0.0, 0.0)),
+            None => Path::standing(Point::zeros(), turn.angle()),
+        };
+        let limits = Limits { speed: 200.0, acceleration: 3000.0, deceleration: 2000.0, jerk: None };
+        let motion = Move { turn: Some(turn), ..stopping(path, limits) };
+        let duration = rest_to_rest(path.length(), &limits);
+        let mut rows = Vec::new();
+        for period_ns in [250_000, 1_000_000, 4_000_000] {
+            let mut planner = Planner::new(1, Point::zeros());
+            let at = clock(0, period_ns);
+            planner.start(motion, at.now(), &at);
+            let ticks = (0..=2 + (duration * 1e9) as u64 / 4_000_000).map(|n| n * 4_000_000 / period_ns);
+            rows.push(ticks.map(|tick| sample(&planner, tick, period_ns)).collect::<Vec<_>>());
+        }
+        let last = rows[0].last().expect("a row").turned.expect("it turns");
+        prop_assert_eq!(&last.rotation, turn.end());
+        prop_assert_eq!(last.rate.norm(), 0.0);
+        for (place, sample) in rows[0].iter().enumerate() {
+            let turned = sample.turned.expect("it turns");
+            let share = sample.along.velocity / path.length() * turn.angle();
+            prop_assert!((turned.rate.norm().to_degrees() - share).abs() < 1e-9 * (1.0 + share), "not evenly");
+            for other in &rows[1..] {
+                let there = other[place].turned.expect("it turns");
+                prop_assert!((there.rotation - turned.rotation).abs().max() < 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
+fn turns_blend_and_rest_at_corners() {
+    let limits = Limits {
+        speed: 90.0,
+        acceleration: 900.0,
+        deceleration: 900.0,
+        jerk: None,
+    };
+    let (first, second) = (oriented(0.0, 0.0, 90.0), {
+        use arcline_planner::geometry::{Turn, rotation};
+        Turn::new(
+            &rotation(&Point::new(0.0, 0.0, 90.0)),
+            &rotation(&Point::new(60.0, 0.0, 90.0)),
+            0.0,
+        )
+    });
+    let ways = [
+        Path::standing(Point::zeros(), 90.0),
+        Path::standing(Point::zeros(), 60.0),
+    ];
+    let duration = |ending| {
+        let mut planner = Planner::new(1, Point::zeros());
+        let period = 1_000_000;
+        let at = clock(0, period);
+        planner.start(
+            Move {
+                turn: Some(first),
+                ending,
+                ..stopping(ways[0], limits)
+            },
+            at.now(),
+            &at,
+        );
+        let next = Move {
+            turn: Some(second),
+            ..stopping(ways[1], limits)
+        };
+        planner.enqueue(next, &at).expect("there is room");
+        let mut before: Option<Sample> = None;
+        for tick in 0..5000 {
+            let at = clock(tick, period);
+            while let Some(Passage::HandOver(instant)) = planner.passage(&at) {
+                planner.hand_over(instant, &at);
+            }
+            if let Some(Passage::Reached(instant)) = planner.passage(&at) {
+                if planner.next().is_none() {
+                    let end = sample(&planner, tick, period).turned.expect("it turns");
+                    assert!((end.rotation - second.end()).abs().max() < 1e-12);
+                    return instant.elapsed(&clock(0, period)).abs();
+                }
+                planner.hand_over(instant, &at);
+            }
+            let now = sample(&planner, tick, period);
+            if let (Some(was), Some(is)) = (before.and_then(|sample| sample.turned), now.turned) {
+                let most = (2.0 * limits.speed * 1e-3).to_radians();
+                assert!((is.rotation - was.rotation).abs().max() <= most, "a step at {tick}");
+                let most = (2.1 * limits.acceleration * 1e-3).to_radians();
+                assert!((is.rate - was.rate).norm() <= most, "a step of the rate at {tick}");
+            }
+            before = Some(now);
+        }
+        panic!("no end");
+    };
+    let ramp = 0.1;
+    let apart = 90.0 / 90.0 + 60.0 / 90.0 + 2.0 * ramp;
+    let near = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-9, "{found} s are not {wanted} s");
+    near(duration(Ending::Stop), apart);
+    near(duration(Ending::Contour { constrained: false }), apart);
+    // The second ramps up while the first one ramps down.
+    near(duration(Ending::Blend { tolerance: f64::MAX }), apart - ramp);
 }

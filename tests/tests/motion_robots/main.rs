@@ -1,8 +1,10 @@
 //! Robots behind transforms: the tool stays on its line while the joints move, and what happens where the arm cannot go
 //! (spec/coordinated-instructions.md §19, §20, §22).
 
+mod lines;
 mod mcto;
 mod orientation;
+mod paths;
 
 use arcline_config::load;
 use arcline_controller::machine::Build;
@@ -421,6 +423,53 @@ fn joint_limits_slow_the_path_down() {
     );
     bench.until_rest();
     assert_eq!(bench.control("T").err, 69);
+}
+
+#[test]
+fn joint_limits_hold_at_corners() {
+    // Acceleration of a joint: 800 degrees/s², so 0.8 degrees/s in an update; the axes of the source could do 40 mm/s.
+    let steps = |cart: &'static str, kind: u8| {
+        let machine = RobotMachine {
+            joint_speed: 40.0,
+            cart,
+            ..SCARA
+        };
+        let mut bench = machine.bench();
+        assert_eq!(bench.call(LINK), OK);
+        let [x, y, z] = positions(&bench, &["X", "Y", "Z"]);
+        let line = |name: &str, to: [f64; 3], kind: u8| {
+            format!("MCLM(CART, {name}, 0, {to:?}, 60, 0, 600, 0, 600, 0, 0, 100, 100, 2, {kind})")
+        };
+        assert_eq!(bench.call(&line("M", [x - 30.0, y, z], kind)), OK);
+        assert_eq!(bench.call(&line("M2", [x - 30.0, y + 30.0, z], 1)), OK);
+        let (mut before, mut most, mut slowest) = ([0.0; 2], 0.0_f64, f64::INFINITY);
+        while !bench.control("M2").has(Flag::Pc) {
+            bench.tick();
+            assert!(!bench.control("T").has(Flag::Er));
+            let now = ["J1", "J2"].map(|joint| bench.axis(joint).command[1]);
+            for (now, before) in now.iter().zip(before) {
+                most = most.max((now - before).abs());
+            }
+            before = now;
+            let corner = (bench.position("X") - x + 30.0)
+                .abs()
+                .max((bench.position("Y") - y).abs())
+                < 0.5;
+            if corner {
+                let speed = ["X", "Y"].map(|axis| bench.axis(axis).command[1]);
+                slowest = slowest.min(speed[0].hypot(speed[1]));
+            }
+        }
+        [most, slowest]
+    };
+    for kind in [4, 5] {
+        let [most, slowest] = steps("joint_limits = \"enforce\"\n", kind);
+        // The step, and what the paths themselves ask for in the same update.
+        assert!(most <= 1.6 + 1e-6, "type {kind}: a step of {most} degrees/s");
+        assert!(slowest > 0.1, "type {kind}: it comes to rest");
+    }
+    let [most, _] = steps("", 5);
+    assert!(most > 3.0, "without it the joints step by {most} degrees/s");
 }
 
 #[test]

@@ -158,6 +158,16 @@ pub(crate) const WRISTS: &[(&str, Wrist)] = &[
     ("scara_independent", Wrist::ScaraJ1J2J3J6),
     ("articulated_independent", Wrist::ArticulatedJ1J2J3J4J5J6),
 ];
+
+/// The words of `definition` that a `type` has, with how many axes each takes.
+pub fn definitions(build: &str) -> impl Iterator<Item = (&'static str, usize)> + use<'_> {
+    let oriented = (build == CARTESIAN).then_some((Orientation::DEFINITION, 6));
+    let wrists = WRISTS.iter().filter(move |(other, _)| *other == build);
+    oriented
+        .into_iter()
+        .chain(wrists.map(|(_, wrist)| (wrist.definition(), wrist.joints())))
+}
+
 /// Words of `definition`.
 const DEFINITIONS: &[&str] = &[
     Orientation::DEFINITION,

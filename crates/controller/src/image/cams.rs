@@ -63,6 +63,10 @@ impl Image {
                 .frames(call)
                 .map(|frames| (Material::Frames(frames), None))
                 .map_err(Refusal::from),
+            Mnemonic::Mcpm => self
+                .path_move(call)
+                .map(|path| (Material::Path(path), None))
+                .map_err(Refusal::from),
             Mnemonic::Mctpo => self.calculate_pose(call),
             Mnemonic::Mctp => return Self::expect_numbers(call, "Transform Position"),
             _ => return (None, None),

@@ -1,12 +1,15 @@
-//! Structure tags that an instruction reads as a whole: the frames of MCTO and MCTPO, and what else MCTPO reads, go with the
-//! call into the tick as they are when it is made (spec/coordinated-instructions.md §22.8, §24, §25).
+//! Structure tags that an instruction reads as a whole: the frames of MCTO and MCTPO, what else MCTPO reads, and the path and
+//! the dynamics of MCPM, go with the call into the tick as they are when it is made (spec/coordinated-instructions.md §22.8 to
+//! §25).
 //!
 //! Not here: cams, and what an instruction writes to tags (`cams`).
 
 use std::sync::Arc;
 
+use arcline_instruction_set::predefined;
 use arcline_instruction_set::{Call, MotionError, OperandIndex};
-use arcline_motion::{Answer, Calculation, Frame, Frames};
+use arcline_motion::{Answer, Calculation, DynamicsData, Frame, Frames, PathData, PathMove};
+use arcline_tag::Template;
 
 use super::cams::{operand, word};
 use super::{Image, TagId};
@@ -48,6 +51,37 @@ impl Image {
         })
     }
 
+    /// The path and the dynamics of a call of MCPM.
+    ///
+    /// # Errors
+    /// A tag that is gone since the call was bound: 13 with the operand.
+    pub(super) fn path_move(&self, call: &Call) -> Result<PathMove, MotionError> {
+        let (path, dynamics) = (predefined::path_data(), predefined::dynamics_data());
+        let path = Members(&path, self.structure_of(call, "Path")?);
+        let dynamics = Members(&dynamics, self.structure_of(call, "Dynamics")?);
+        Ok(PathMove {
+            path: PathData {
+                interpolation_type: path.dint("InterpolationType"),
+                position: [0, 1, 2, 3, 4, 5].map(|place| real(path.1, path.at("Position") + 4 * place)),
+                robot_configuration: path.dint("RobotConfiguration"),
+                turns_counters: [0, 1, 2, 3]
+                    .map(|place| i16::from_le_bytes(word(path.1, path.at("TurnsCounters") + 2 * place))),
+                move_type: path.dint("MoveType"),
+                termination_type: path.dint("TerminationType"),
+                command_tolerance_linear: path.real("CommandToleranceLinear"),
+            },
+            dynamics: DynamicsData {
+                units_mode: dynamics.dint("UnitsMode"),
+                time_units: dynamics.dint("TimeUnits"),
+                profile: dynamics.dint("Profile"),
+                linear: ["Speed", "Acceleration", "Deceleration"].map(|name| dynamics.real(name)),
+                jerks: ["AccelerationJerk", "DecelerationJerk"].map(|name| dynamics.real(name)),
+                orientation: ["OrientationSpeed", "OrientationAcceleration", "OrientationDeceleration"]
+                    .map(|name| dynamics.real(name)),
+            },
+        })
+    }
+
     /// The bytes from the structure on that an operand names: that and what follows it in its tag.
     ///
     /// # Errors
@@ -59,6 +93,25 @@ impl Image {
             self.bytes(id).get(offset..).filter(|bytes| !bytes.is_empty())
         });
         bytes.ok_or(MotionError::ParameterOutOfRange(OperandIndex(place as u8)))
+    }
+}
+
+/// A structure of a predefined type: what it is made of, and its bytes.
+struct Members<'a>(&'a Template, &'a [u8]);
+
+impl Members<'_> {
+    /// Where a member of the type begins.
+    fn at(&self, name: &str) -> usize {
+        let member = self.0.members.iter().find(|member| member.name == name);
+        member.map_or(usize::MAX / 2, |member| member.offset as usize)
+    }
+
+    fn dint(&self, name: &str) -> i32 {
+        i32::from_le_bytes(word(self.1, self.at(name)))
+    }
+
+    fn real(&self, name: &str) -> f64 {
+        real(self.1, self.at(name))
     }
 }
 

@@ -1,12 +1,12 @@
 //! The motion group, axes and coordinate systems as tags. What has no attribute is left to the overlay.
 
 use arcline_controller::machine::{
-    Axis, AxisKind, CoordinateSystem, Home, HomeDirection, HomeMode, HomeSequence, Machine, ProgrammedStopMode,
+    Axis, AxisKind, CoordinateSystem, Home, HomeDirection, HomeMode, HomeSequence, Machine, ProgrammedStopMode, Robot,
 };
 use arcline_instruction_set::{FAULTS, FaultSet, FaultWord};
 
 use super::xml::Xml;
-use crate::import::motion::ACTIONS;
+use crate::import::motion::{ACTIONS, ORIENTATION, ROBOT, SYSTEM_TYPES, UNDEFINED};
 use crate::text::write_real;
 
 pub(super) fn motion(xml: &mut Xml, machine: &Machine) {
@@ -171,9 +171,16 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Vec<Attribute> {
         .iter()
         .filter_map(|place| machine.axes.get(usize::from(*place)));
     let names: Vec<&str> = axes.map(|axis| axis.name.as_str()).collect();
-    vec![
+    let key = arcline_config::build_of(system.robot.as_ref());
+    let word = SYSTEM_TYPES
+        .iter()
+        .find(|build| build.key == key)
+        .map(|build| build.word);
+    let definition = arcline_config::definition_of(system);
+    let mut list = vec![
         ("MotionGroup", machine.group.clone()),
-        ("SystemType", "Cartesian".to_owned()),
+        ("SystemType", word.unwrap_or("Cartesian").to_owned()),
+        ("CoordinateDefinition", definition.unwrap_or(UNDEFINED).to_owned()),
         ("Dimension", names.len().to_string()),
         ("Axes", names.join(" ")),
         ("MaximumPendingMoves", system.queue_depth.to_string()),
@@ -183,7 +190,26 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Vec<Attribute> {
         ("MaximumDeceleration", write_real(system.max_deceleration)),
         ("ActualPositionTolerance", write_real(system.actual_tolerance)),
         ("CommandPositionTolerance", write_real(system.command_tolerance)),
+        ("TransformDimension", names.len().to_string()),
         ("MaximumAccelerationJerk", write_real(system.max_acceleration_jerk)),
         ("MaximumDecelerationJerk", write_real(system.max_deceleration_jerk)),
-    ]
+    ];
+    if let Some(maxima) = &system.orientation {
+        let numbers = [maxima.max_speed, maxima.max_acceleration, maxima.max_deceleration];
+        let named = ORIENTATION.iter().map(|(attribute, _)| *attribute);
+        list.extend(named.zip(numbers.map(write_real)));
+    }
+    if let Some(Robot { parameters, .. }) = &system.robot {
+        for (key, attributes) in ROBOT {
+            let numbers: &[f64] = match *key {
+                "link_lengths" => &parameters.link_lengths,
+                "base_offsets" => &parameters.base_offsets,
+                "end_effector_offsets" => &parameters.end_effector_offsets,
+                _ => &parameters.zero_angles,
+            };
+            let numbers = numbers.iter().copied().map(write_real);
+            list.extend(attributes.iter().copied().zip(numbers));
+        }
+    }
+    list
 }

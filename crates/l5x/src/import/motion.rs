@@ -1,5 +1,7 @@
 //! The motion group, axes and coordinate systems (spec/axis-and-data-types.md §9).
 
+use std::ops::RangeInclusive;
+
 use arcline_config::is_name;
 use arcline_controller::machine::{
     MAX_AXES, MAX_OUTPUT_TARGETS, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, MAX_SYSTEMS, ProgrammedStopMode,
@@ -413,9 +415,22 @@ impl<'a, 't> Importer<'a, 't> {
             .iter()
             .enumerate()
             .all(|(place, name)| names.iter().take(place).all(|other| !other.eq_ignore_ascii_case(name)));
-        let unlike = if !matches!(node.attribute("SystemType"), None | Some("Cartesian")) {
+        let word = node.attribute("SystemType").unwrap_or(CARTESIAN);
+        let build = SYSTEM_TYPES.iter().find(|build| build.word == word);
+        let definition = node.attribute("CoordinateDefinition").filter(|word| *word != UNDEFINED);
+        let defined = definition.map(|word| {
+            let known = build.map(|build| arcline_config::definitions(build.key));
+            known.into_iter().flatten().find(|(other, _)| *other == word)
+        });
+        let fits = |build: &SystemType| match defined {
+            Some(defined) => defined.is_some_and(|(_, axes)| axes == names.len()),
+            None => build.axes.contains(&names.len()),
+        };
+        let unlike = if build.is_none() {
             Some("SystemType")
-        } else if !(1..=MAX_PRIMARY_AXES).contains(&names.len()) || !names.iter().all(known) || !each_once {
+        } else if defined == Some(None) {
+            Some("CoordinateDefinition")
+        } else if !build.is_some_and(fits) || !names.iter().all(known) || !each_once {
             Some("Axes")
         } else {
             None
@@ -429,6 +444,28 @@ impl<'a, 't> Importer<'a, 't> {
         }
         let mut system = Table::new();
         put(&mut system, "name", Value::String(name.to_owned()));
+        let robot = build.filter(|build| build.word != CARTESIAN);
+        system.extend(robot.map(|build| ("type".to_owned(), Value::String(build.key.to_owned()))));
+        system.extend(definition.map(|word| ("definition".to_owned(), Value::String(word.to_owned()))));
+        self.robot(node, robot.map(|_| names.len()), &mut system)?;
+        for (attribute, key) in ORIENTATION {
+            let number = self.source.number(node, attribute)?.filter(|number| *number != 0.0);
+            match number {
+                Some(number) if number < 0.0 => return Err(self.source.wrong(node, attribute, "a number, 0 or more")),
+                Some(_) if robot.is_some() || definition.is_none() => {
+                    self.source.report_attribute(node, attribute, Reason::NoCounterpart);
+                }
+                number => system.extend(number.map(|number| (key.to_owned(), Value::Float(number)))),
+            }
+        }
+        let words = "transforms take all axes";
+        if let Some(dimension) = self.source.number(node, "TransformDimension")?
+            && dimension != 0.0
+            && dimension != names.len() as f64
+        {
+            self.source
+                .report_attribute(node, "TransformDimension", Reason::Changed(words));
+        }
         let names = names.into_iter().map(|name| Value::String(name.to_owned()));
         put(&mut system, "axes", Value::Array(names.collect()));
         self.dynamics(node, "coordinate_system", name, &mut system)?;
@@ -452,6 +489,30 @@ impl<'a, 't> Importer<'a, 't> {
             }
         }
         self.push("coordinate_system", tag, system);
+        Ok(())
+    }
+
+    /// What a robot is built with. A Cartesian system has nothing of it: what stands there all the same is reported.
+    fn robot(&mut self, node: Node<'a, 't>, joints: Option<usize>, system: &mut Table) -> Result<(), L5xError> {
+        for (key, attributes) in ROBOT {
+            let mut numbers = Vec::new();
+            let has = match joints {
+                Some(joints) if *key == ZERO_ANGLES => joints.max(3),
+                Some(_) => attributes.len(),
+                None => 0,
+            };
+            for (place, attribute) in attributes.iter().enumerate() {
+                let number = self.source.number(node, attribute)?.unwrap_or(0.0);
+                if place < has {
+                    numbers.push(Value::Float(number));
+                } else if number != 0.0 {
+                    self.source.report_attribute(node, attribute, Reason::NoCounterpart);
+                }
+            }
+            if joints.is_some() {
+                put(system, key, Value::Array(numbers));
+            }
+        }
         Ok(())
     }
 }
@@ -552,6 +613,61 @@ const DRIVE: [OfDrive; 4] = [
         "a position error tolerance time below 0 becomes 0",
     ),
 ];
+
+/// A kind of coordinate system, and how many axes it can have.
+pub(crate) struct SystemType {
+    /// SystemType.
+    pub(crate) word: &'static str,
+    /// `type` of a configuration.
+    pub(crate) key: &'static str,
+    axes: RangeInclusive<usize>,
+}
+
+const CARTESIAN: &str = "Cartesian";
+
+/// The kinds of coordinate systems.
+#[rustfmt::skip]
+pub(crate) const SYSTEM_TYPES: &[SystemType] = &[
+    SystemType { word: CARTESIAN, key: "cartesian", axes: 1..=MAX_PRIMARY_AXES },
+    SystemType { word: "Articulated Independent", key: "articulated_independent", axes: 2..=3 },
+    SystemType { word: "Articulated Dependent", key: "articulated_dependent", axes: 2..=3 },
+    SystemType { word: "SCARA Independent", key: "scara_independent", axes: 3..=3 },
+    SystemType { word: "SCARA Delta", key: "scara_delta", axes: 3..=3 },
+    SystemType { word: "Delta", key: "delta", axes: 2..=3 },
+];
+
+/// What a robot is built with: the key of a configuration and the attributes that are its entries.
+pub(crate) const ROBOT: &[(&str, &[&str])] = &[
+    ("link_lengths", &["LinkLength1", "LinkLength2"]),
+    ("base_offsets", &["BaseOffset1", "BaseOffset2", "BaseOffset3"]),
+    (
+        "end_effector_offsets",
+        &["EndEffectorOffset1", "EndEffectorOffset2", "EndEffectorOffset3"],
+    ),
+    (
+        ZERO_ANGLES,
+        &[
+            "ZeroAngleOffset1",
+            "ZeroAngleOffset2",
+            "ZeroAngleOffset3",
+            "ZeroAngleOffset4",
+            "ZeroAngleOffset5",
+            "ZeroAngleOffset6",
+        ],
+    ),
+];
+/// The key with an entry a joint.
+const ZERO_ANGLES: &str = "zero_angles";
+
+/// The maxima of a turn: attribute and key. 0 stands for the least of Rx, Ry and Rz.
+pub(crate) const ORIENTATION: [(&str, &str); 3] = [
+    ("MaximumOrientationSpeed", "max_orientation_speed"),
+    ("MaximumOrientationAcceleration", "max_orientation_acceleration"),
+    ("MaximumOrientationDeceleration", "max_orientation_deceleration"),
+];
+
+/// CoordinateDefinition of a coordinate system that has none.
+pub(crate) const UNDEFINED: &str = "<none>";
 
 /// The words of actions; `Disable` is the older one of `StopDrive`. The first of an action is what is written.
 pub(crate) const ACTIONS: [(&str, Option<ExceptionAction>); 8] = [

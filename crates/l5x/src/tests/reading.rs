@@ -101,14 +101,17 @@ queue_depth = 1
         reported(&import),
         [
             "1 × Controller/Tags/Tag[AXIS_CIP_DRIVE]/Data/AxisParameters/@NewInVersion99: not understood".to_owned(),
-            "1 × Controller/Tags/Tag[AXIS_CIP_DRIVE]/Data/AxisParameters/@MotionModule: no counterpart in Arcline".to_owned(),
+            "1 × Controller/Tags/Tag[AXIS_CIP_DRIVE]/Data/AxisParameters/@MotionModule: no counterpart in Arcline"
+                .to_owned(),
             "1 × Controller/Tags/Tag[COORDINATE_SYSTEM]: no counterpart in Arcline".to_owned(),
-            "1 × Controller/Tags/Tag[COORDINATE_SYSTEM]/Data/CoordinateSystemParameters/@SystemType: no counterpart in \
+            "1 × Controller/Tags/Tag[COORDINATE_SYSTEM]/Data/CoordinateSystemParameters/@Axes: no counterpart in \
              Arcline"
                 .to_owned(),
             format!("1 × {parameters}/@MaximumSpeed: changed: 0 or not given: becomes 100 units/s"),
             format!("1 × {parameters}/@MaximumAcceleration: changed: 0 or not given: becomes 1000 units/s²"),
-            format!("1 × {parameters}/@MaximumAccelerationJerk: changed: 0 or not given: becomes acceleration² / speed"),
+            format!(
+                "1 × {parameters}/@MaximumAccelerationJerk: changed: 0 or not given: becomes acceleration² / speed"
+            ),
         ]
     );
 }
@@ -328,5 +331,61 @@ fn the_page_shows_the_mapping() {
         std::fs::write(path, format!("{before}## Mapping\n{expected}")).expect("docs/L5X.md can be written");
     } else {
         assert_eq!(table, expected, "docs/L5X.md is old: UPDATE_EXPECT=1 writes it");
+    }
+}
+
+#[test]
+fn robots() {
+    let axis = |name: &str| {
+        format!(
+            r#"<Tag Name="{name}" TagType="Base" DataType="AXIS_VIRTUAL"><Data Format="Axis">
+            <AxisParameters MaximumSpeed="9.0" MaximumAcceleration="8.0" MaximumAccelerationJerk="6.0"/></Data></Tag>"#
+        )
+    };
+    #[rustfmt::skip]
+    let cases = [
+        // why,                        attributes,                                                     of the configuration, what is reported
+        ("a delta",                    r#"SystemType="Delta" Axes="J1 J2 J3" TransformDimension="3""#, "delta", ""),
+        ("a delta in a plane",         r#"SystemType="Delta" Axes="J1 J2" TransformDimension="2""#, "delta", ""),
+        ("an arm",                     r#"SystemType="Articulated Independent" Axes="J1 J2 J3""#, "articulated_independent", ""),
+        ("a parallelogram",            r#"SystemType="Articulated Dependent" Axes="J1 J2""#, "articulated_dependent", ""),
+        ("a SCARA",                    r#"SystemType="SCARA Independent" Axes="J1 J2 J3""#, "scara_independent", ""),
+        ("a SCARA with two arms",      r#"SystemType="SCARA Delta" Axes="J1 J2 J3""#, "scara_delta", ""),
+        ("a SCARA without its third",  r#"SystemType="SCARA Independent" Axes="J1 J2""#, "", "@Axes: no counterpart in Arcline"),
+        ("a wrist",                    r#"SystemType="Delta" CoordinateDefinition="J1J2J6" Axes="J1 J2 J3""#, "delta", ""),
+        ("a wrist without its joint",  r#"SystemType="Delta" CoordinateDefinition="J1J2J3J6" Axes="J1 J2 J3""#, "", "@Axes: no counterpart in Arcline"),
+        ("a wrist of another robot",   r#"SystemType="SCARA Delta" CoordinateDefinition="J1J2J6" Axes="J1 J2 J3""#, "", "@CoordinateDefinition: no counterpart in Arcline"),
+        ("a robot that is not known",  r#"SystemType="Hexapod" Axes="J1 J2 J3""#, "", "@SystemType: no counterpart in Arcline"),
+        ("links of no robot",          r#"SystemType="Cartesian" Axes="J1 J2 J3""#, "cartesian", "@LinkLength1: no counterpart in Arcline"),
+        ("a transform of fewer axes",  r#"SystemType="Delta" Axes="J1 J2 J3" TransformDimension="2""#, "delta", "@TransformDimension: changed: transforms take all axes"),
+    ];
+    for (why, attributes, build, expected) in cases {
+        let import = read(&format!(
+            r#"<Tags>{}{}{}<Tag Name="R" TagType="Base" DataType="COORDINATE_SYSTEM"><Data Format="CoordinateSystem">
+            <CoordinateSystemParameters {attributes} MaximumSpeed="9.0" MaximumAcceleration="8.0" MaximumAccelerationJerk="6.0"
+            LinkLength1="100.5" LinkLength2="200.0" ZeroAngleOffset1="1.0" ZeroAngleOffset2="2.0" ZeroAngleOffset3="3.0"
+            BaseOffset1="4.0" BaseOffset2="5.0" BaseOffset3="6.0" EndEffectorOffset1="7.0" EndEffectorOffset2="8.0"
+            EndEffectorOffset3="-9.0"/></Data></Tag></Tags>"#,
+            axis("J1"),
+            axis("J2"),
+            axis("J3")
+        ));
+        let lines = reported(&import);
+        let told = lines.iter().any(|line| line.ends_with(expected));
+        assert!(
+            lines.is_empty() == expected.is_empty() && (told || expected.is_empty()),
+            "{why}: {lines:#?}"
+        );
+        let system = import.project.machine.systems.first();
+        let robot = system.map(|system| system.robot);
+        let found = robot.map(|robot| arcline_config::build_of(robot.as_ref()));
+        assert_eq!(found.unwrap_or_default(), build, "{why}");
+        if let Some(Some(robot)) = robot {
+            let parameters = robot.parameters;
+            assert_eq!(parameters.link_lengths, [100.5, 200.0], "{why}");
+            assert_eq!(parameters.base_offsets, [4.0, 5.0, 6.0], "{why}");
+            assert_eq!(parameters.end_effector_offsets, [7.0, 8.0, -9.0], "{why}");
+            assert_eq!(parameters.zero_angles[..3], [1.0, 2.0, 3.0], "{why}");
+        }
     }
 }

@@ -82,6 +82,26 @@ fn what_l5x_has_no_place_for() {
         axes = ["V"]
         max_speed = 10.0
         max_acceleration = 10.0
+        [[coordinate_system]]
+        name = "Robot"
+        type = "scara_delta"
+        axes = ["X", "V", "W"]
+        max_speed = 10.0
+        max_acceleration = 10.0
+        link_lengths = [120.5, 260.25]
+        base_offsets = [60.0, 0.0, 0.1]
+        end_effector_offsets = [20.0, 0.0, -30.0]
+        zero_angles = [-10.0, 5.0, 0.0]
+        joint_limits = "enforce"
+        [[coordinate_system]]
+        name = "Wrist"
+        type = "delta"
+        definition = "J1J2J6"
+        axes = ["X", "V", "W"]
+        max_speed = 10.0
+        max_acceleration = 10.0
+        link_lengths = [120.5, 260.25]
+        zero_angles = [-10.0, 5.0, 7.0]
         [[transform]]
         name = "T"
         source = "CS1"

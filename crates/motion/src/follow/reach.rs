@@ -7,7 +7,7 @@
 
 use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, MotionError};
-use arcline_planner::geometry::Path;
+use arcline_planner::geometry::{Path, Point as Vector};
 
 use super::robot::RobotMap;
 use super::transform::{Link, Map, Side, add};
@@ -30,6 +30,15 @@ impl Pace {
         acceleration: f64::INFINITY,
         deceleration: f64::INFINITY,
     };
+
+    /// What both let it be.
+    pub(crate) fn and(&self, other: &Pace) -> Pace {
+        Pace {
+            speed: self.speed.min(other.speed),
+            acceleration: self.acceleration.min(other.acceleration),
+            deceleration: self.deceleration.min(other.deceleration),
+        }
+    }
 
     /// The same by the way of a master that moves at `nominal` master units/s, more than 0: in units per master unit, and by the square.
     pub(crate) fn on_the_way(&self, nominal: f64) -> Pace {
@@ -66,6 +75,42 @@ impl Motion {
             }
         }
         Ok(pace)
+    }
+
+    /// How fast the corner between the last move in the queue and a path behind it may be passed: the velocity of a joint changes
+    /// there by no more than its limits allow within an update, as that of the source's axes does (§7.5). `shift`: from the
+    /// queue's positions to those of now. Real-time: one look a link.
+    pub(crate) fn corner_pace(&self, system: usize, path: &Path, shift: &Vector) -> f64 {
+        let planner = &self.systems[system].planner;
+        let active = planner.active().map(|running| &running.motion);
+        let Some(last) = planner.pending().last().or(active) else {
+            return f64::INFINITY;
+        };
+        let turn = path.start_tangent() - last.path.end_tangent();
+        let at = path.start() + shift;
+        let mut speed = f64::INFINITY;
+        for (_, link) in self.links() {
+            if link.braking || !link.leads_joints() || !self.leads_to(system, link, self.links.len()) {
+                continue;
+            }
+            let axes = self.systems[system].description.linear();
+            let source = self.when(link, &|axis| {
+                let place = axes.iter().position(|own| *own == axis);
+                place.map_or_else(Point::default, |place| Point {
+                    position: at[place] - self.axes[usize::from(axis)].command.position,
+                    velocity: turn[place],
+                    acceleration: 0.0,
+                })
+            });
+            // Where the joints cannot be found the move comes to rest before.
+            let Ok(joints) = link.place(&source) else { return 0.0 };
+            for (axis, joint) in link.target().iter().zip(&joints) {
+                let dynamics = &self.axes[usize::from(*axis)].dynamics;
+                let step = dynamics.acceleration.min(dynamics.deceleration) * self.clock.period();
+                speed = speed.min(step / joint.velocity.abs());
+            }
+        }
+        speed
     }
 
     /// Whether a system moves axes of the source of a link, or of one that leads it.

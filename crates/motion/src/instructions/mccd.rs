@@ -7,6 +7,7 @@ use super::place;
 use super::programmed::{Change, ChangeLayout};
 use crate::control::Execution;
 use crate::dynamics::{Dynamics, Maxima};
+use crate::machine::CoordinateSystem;
 use crate::motion::Motion;
 use crate::system::{Activity, Planned};
 use crate::verify;
@@ -46,13 +47,13 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         _ => return Err(MotionError::IllegalDynamicChange),
     };
     verify::stoppable(system, &motion.axes, active.dynamics.is_s_curve())?;
-    let maxima = Maxima::from(&system.description);
-    let read = layout.dynamics.read(call, &maxima);
+    let maxima = maxima(&system.description);
+    let read = maxima.map(|maxima| layout.dynamics.read(call, &maxima));
     // Every move that is changed must be of the mode of the change.
     let modes = [false, true].map(|driven| layout.dynamics.verify_mode(call, driven));
     let change = |planned: &Planned| {
         modes[usize::from(planned.lead.is_some())]?;
-        changed(&read, planned)
+        changed(&read[usize::from(planned.only_turns)], planned)
     };
     let dynamics = change(&active)?;
     if system.contour_in_force().is_some() {
@@ -115,6 +116,19 @@ fn changed(change: &Change, planned: &Planned) -> Result<Dynamics, MotionError> 
     let mut dynamics = change.of(planned.dynamics)?;
     dynamics.keep_to(&planned.pace);
     Ok(dynamics)
+}
+
+/// The maxima of what moves, and of what only turns; a turn's jerks are in percent of time.
+fn maxima(system: &CoordinateSystem) -> [Maxima; 2] {
+    let moves = Maxima::from(system);
+    let turns = system.orientation.map_or(moves, |turn| Maxima {
+        speed: turn.max_speed,
+        acceleration: turn.max_acceleration,
+        deceleration: turn.max_deceleration,
+        acceleration_jerk: turn.max_acceleration * turn.max_acceleration / turn.max_speed,
+        deceleration_jerk: turn.max_deceleration * turn.max_deceleration / turn.max_speed,
+    });
+    [moves, turns]
 }
 
 /// So many of the moves, or none where one of them cannot be.

@@ -132,11 +132,12 @@ impl Rates {
             .active()
             .filter(|_| system.guide.is_none())
             .map(|running| running.motion.data.dynamics.limits());
+        let deceleration = motion.kept_by_turn(index, self.deceleration);
         Limits {
             speed: active.map_or(system.description.max_speed, |limits| limits.speed),
             // What is left of an acceleration is taken back at the move's own jerk or, where larger, the stop's.
-            acceleration: active.map_or(self.deceleration, |limits| limits.acceleration),
-            deceleration: self.deceleration,
+            acceleration: active.map_or(deceleration, |limits| limits.acceleration),
+            deceleration,
             jerk: is_s_curve(motion, index).then(|| Jerk {
                 acceleration: active
                     .and_then(|limits| limits.jerk)

@@ -20,6 +20,7 @@ mod mccm;
 mod mccp;
 mod mcd;
 mod mclm;
+mod mcpm;
 mod mcs;
 mod mcsd;
 mod mcsr;
@@ -75,6 +76,7 @@ pub(crate) struct Layouts {
     mdr: mdr::Layout,
     mct: mct::Layout,
     mdcc: mdcc::Layout,
+    mcpm: mcpm::Layout,
     mdac: mdac::Layout,
     mctp: mctp::Layout,
     mcto: mcto::Layout,
@@ -105,6 +107,7 @@ impl Layouts {
             mdr: mdr::Layout::new(),
             mct: mct::Layout::of(Mnemonic::Mct),
             mdcc: mdcc::Layout::new(),
+            mcpm: mcpm::Layout::new(),
             mdac: mdac::Layout::new(),
             mctp: mctp::Layout::new(),
             mcto: mcto::Layout::of(Mnemonic::Mcto),
@@ -145,6 +148,7 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Mnemonic::Mct => mct::execute(motion, execution, call),
         Mnemonic::Mdcc => mdcc::execute(motion, execution, call),
         Mnemonic::Mdac => mdac::execute(motion, execution, call),
+        Mnemonic::Mcpm => mcpm::execute(motion, execution, call, sent),
         Mnemonic::Mctp => mctp::execute(motion, execution, call, sent),
         Mnemonic::Mcto => mcto::execute(motion, execution, call, sent),
         Mnemonic::Mctpo => mctpo::execute(motion, execution, call, sent),
@@ -159,10 +163,6 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Mnemonic::Mar => mar::execute(motion, execution, call),
         Mnemonic::Mdr => mdr::execute(motion, execution, call),
         Mnemonic::Mafr => mafr::execute(motion, execution, call),
-        _ => {
-            motion.verify_operands(call)?;
-            Err(MotionError::FeatureNotSupported)
-        }
     }
 }
 

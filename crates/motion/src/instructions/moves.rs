@@ -38,7 +38,7 @@ pub(crate) struct MoveLayout {
 /// Move Type: the position counts from the start of the move.
 pub(super) const INCREMENTAL: i32 = 1;
 /// Merge: Disabled.
-const MERGE_DISABLED: i32 = 0;
+pub(super) const MERGE_DISABLED: i32 = 0;
 /// Merge: All Motion.
 const MERGE_ALL: i32 = 2;
 /// Merge Speed: Current.
@@ -143,6 +143,10 @@ pub(super) fn execute(
         pace = Pace::UNLIMITED;
     }
 
+    let mut corner = f64::INFINITY;
+    if merge == MERGE_DISABLED && system.description.joint_limits == AxisLimits::Enforce {
+        corner = motion.corner_pace(index, &path, &shift);
+    }
     let mut momentum = terminated(motion, index, merge);
     let mut current = command(motion, index, |axis| axis.command.velocity).norm();
     let mut driven = false;
@@ -159,6 +163,7 @@ pub(super) fn execute(
         };
         driven = true;
         pace = pace.on_the_way(link.nominal);
+        corner /= link.nominal;
     }
     if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && current > 0.0 {
         dynamics.set_speed(current);
@@ -173,6 +178,8 @@ pub(super) fn execute(
     };
     let planned = Move {
         path,
+        turn: None,
+        corner,
         limits: dynamics.limits(),
         ending,
         parameter,
@@ -183,8 +190,23 @@ pub(super) fn execute(
             lead,
             events,
             pace,
+            heading: None,
+            only_turns: false,
         },
     };
+    launch(motion, index, planned, programmed, momentum, merge)
+}
+
+/// Starts or queues a move that was verified. `programmed`: its path in positions as they are now.
+pub(super) fn launch(
+    motion: &mut Motion,
+    index: usize,
+    planned: Move<Planned>,
+    programmed: Path,
+    momentum: Momentum,
+    merge: i32,
+) -> Result<(), MotionError> {
+    let Planned { execution, lead, .. } = planned.data;
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
     let tick = motion.clock.tick;
     let accepted_move = AcceptedMove {
@@ -194,9 +216,9 @@ pub(super) fn execute(
         mnemonic: execution.mnemonic,
         system: index as u16,
         path: programmed,
-        tolerance: match ending {
-            Ending::Blend { tolerance } => tolerance,
-            Ending::Stop | Ending::Contour { .. } => 0.0,
+        tolerance: match planned.ending {
+            Ending::Blend { tolerance } if !planned.data.only_turns => tolerance,
+            Ending::Blend { .. } | Ending::Stop | Ending::Contour { .. } => 0.0,
         },
     };
     if motion.systems[index].contour.is_some() {
@@ -269,7 +291,13 @@ fn on_the_way(pace: &planner::Pace, momentum: &Momentum) -> Momentum {
 
 /// Master driven moves that the new one would go on from, or wait with (98, 102). `idle`: it takes over what stands, and so does the
 /// master; then it may have another direction.
-fn verify_lead(motion: &Motion, index: usize, merge: i32, lead: Lead, idle: bool) -> Result<(), MotionError> {
+pub(super) fn verify_lead(
+    motion: &Motion,
+    index: usize,
+    merge: i32,
+    lead: Lead,
+    idle: bool,
+) -> Result<(), MotionError> {
     let system = &motion.systems[index];
     if system.activity != Activity::Moving {
         return Ok(());
@@ -291,7 +319,7 @@ fn verify_lead(motion: &Motion, index: usize, merge: i32, lead: Lead, idle: bool
 }
 
 /// What a master driven move is a function of: the way of the move before it, or one that begins with it.
-fn parameter(motion: &mut Motion, index: usize, merge: i32, lead: Lead, link: &MasterLink) -> Parameter {
+pub(super) fn parameter(motion: &mut Motion, index: usize, merge: i32, lead: Lead, link: &MasterLink) -> Parameter {
     let system = &motion.systems[index];
     if merge == MERGE_DISABLED && system.activity == Activity::Moving && lead.lock.position.is_none() {
         let led = |last: &&Move<Planned>| {
@@ -358,7 +386,7 @@ fn command(motion: &Motion, index: usize, quantity: impl Fn(&Axis) -> f64) -> Po
 }
 
 /// What positions were redefined by since the queue of a coordinate system began.
-fn queue_shift(motion: &Motion, index: usize) -> Point {
+pub(super) fn queue_shift(motion: &Motion, index: usize) -> Point {
     match motion.systems[index].activity {
         Activity::Moving => command(motion, index, |axis| axis.sum.shift_of(Slot::System)),
         _ => Point::zeros(),
@@ -366,7 +394,7 @@ fn queue_shift(motion: &Motion, index: usize) -> Point {
 }
 
 /// The end of the last move in the queue, or where the axes are commanded to be.
-fn start_point(motion: &Motion, index: usize) -> Point {
+pub(super) fn start_point(motion: &Motion, index: usize) -> Point {
     let system = &motion.systems[index];
     let queued = if system.activity == Activity::Moving {
         system.last_end()
@@ -377,7 +405,7 @@ fn start_point(motion: &Motion, index: usize) -> Point {
 }
 
 /// Step 11: the queue, a stop under way, another coordinate system that holds one of the axes.
-fn verify_conflicts(motion: &Motion, index: usize, merge: i32) -> Result<(), MotionError> {
+pub(super) fn verify_conflicts(motion: &Motion, index: usize, merge: i32) -> Result<(), MotionError> {
     let system = &motion.systems[index];
     if merge == MERGE_DISABLED && system.activity == Activity::Moving && system.is_full() {
         return Err(MotionError::CoordinateSystemQueueFull);

@@ -190,6 +190,7 @@ impl Motion {
     fn set_end_position(&mut self, index: usize) {
         if let Some(end) = self.systems[index].active_end() {
             self.hold_at(index, &end);
+            self.hold_heading(index);
         }
     }
 
@@ -219,6 +220,8 @@ impl Motion {
         system.in_transition = system.planner.in_transition(&system.clock(&self.clock));
         system.along = [sample.along.velocity.abs(), sample.along.position, length];
         seat(system.description.linear(), &mut self.axes, &sample);
+        self.seat_turned(index, &sample);
+        let system = &mut self.systems[index];
         // Nothing has begun while a lock is waited for.
         let waits = system.guide.is_some_and(|guide| !guide.has_begun());
         let phase = if waits { Phase::Steady } else { sample.phase };
@@ -252,6 +255,7 @@ impl Motion {
         let system = &self.systems[index];
         if let Some((sample, _)) = system.sample(&self.clock) {
             seat(system.description.linear(), &mut self.axes, &sample);
+            self.seat_turned(index, &sample);
         }
     }
 

@@ -77,8 +77,8 @@ impl Motion {
         self.retire_contour(index);
         self.systems[index].planner.clear_active();
         self.rest_system(index);
-        for place in 0..self.systems[index].description.linear().len() {
-            let axis = self.systems[index].description.linear()[place];
+        for place in 0..self.systems[index].taken().len() {
+            let axis = self.systems[index].taken()[place];
             let Some(state) = self.axes.get_mut(usize::from(axis)) else {
                 continue;
             };
@@ -117,11 +117,17 @@ impl Motion {
 
     /// Takes the axes of a system into its coordinated move, or on into the next one.
     pub(crate) fn join_axes(&mut self, index: usize) {
-        let s_curve = self.systems[index]
-            .active()
-            .is_some_and(|active| active.dynamics.is_s_curve());
-        for place in 0..self.systems[index].description.linear().len() {
-            let axis = self.systems[index].description.linear()[place];
+        let active = self.systems[index].active();
+        let s_curve = active.is_some_and(|active| active.dynamics.is_s_curve());
+        let turns = active.is_some_and(|active| active.heading.is_some());
+        let description = &self.systems[index].description;
+        let taken = if turns {
+            description.axes.len()
+        } else {
+            description.linear().len()
+        };
+        for place in 0..taken {
+            let axis = self.systems[index].description.axes[place];
             let Some(axis) = self.axes.get_mut(usize::from(axis)) else {
                 continue;
             };
@@ -137,8 +143,8 @@ impl Motion {
 
     /// Takes the axes of a system out of its coordinated move as they are.
     pub(crate) fn part_axes(&mut self, index: usize) {
-        for place in 0..self.systems[index].description.linear().len() {
-            let axis = self.systems[index].description.linear()[place];
+        for place in 0..self.systems[index].taken().len() {
+            let axis = self.systems[index].taken()[place];
             if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
                 axis.release();
             }
@@ -148,8 +154,8 @@ impl Motion {
     /// Everything the system moved stands; nothing is active any more.
     pub(crate) fn release_axes(&mut self, index: usize) {
         self.rest_system(index);
-        for place in 0..self.systems[index].description.linear().len() {
-            let axis = self.systems[index].description.linear()[place];
+        for place in 0..self.systems[index].taken().len() {
+            let axis = self.systems[index].taken()[place];
             if let Some(axis) = self.axes.get_mut(usize::from(axis))
                 && axis.is_coordinated()
             {

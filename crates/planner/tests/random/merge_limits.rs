@@ -88,6 +88,8 @@ fn no_merge_exceeds_a_limit_of_an_axis() {
         };
         let motion = Move {
             path: path(&mut random, &momentum),
+            turn: None,
+            corner: f64::INFINITY,
             limits,
             ending: Ending::Stop,
             parameter: Parameter::TIME,

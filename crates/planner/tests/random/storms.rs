@@ -136,6 +136,8 @@ impl<'k> Storm<'k> {
                 };
                 Move {
                     path,
+                    turn: None,
+                    corner: f64::INFINITY,
                     limits,
                     ending: random.of(kind.endings),
                     parameter: Parameter::TIME,

@@ -76,6 +76,8 @@ fn legs(kind: &Kind, random: &mut Random, count: usize, s_curve: bool) -> Vec<Mo
             from = to;
             Move {
                 path,
+                turn: None,
+                corner: f64::INFINITY,
                 limits: rates,
                 ending: if data + 1 == count {
                     Ending::Stop

@@ -14,10 +14,15 @@
 //! | 9 | | injected faults, UDINT, can be set | command position tolerance, LREAL |
 //! | 10 | | what can be injected, UDINT | feed override, REAL, percent, 0 to 200; can be set |
 //! | 11 | | | the last feed override that was not 0, REAL, percent |
+//! | 12, 13 | | | LinkLength1, LinkLength2, LREAL |
+//! | 14 to 16 | | | BaseOffset1 to BaseOffset3, LREAL |
+//! | 17 to 19 | | | EndEffectorOffset1 to EndEffectorOffset3, LREAL |
+//! | 20 to 25 | | | ZeroAngleOffset1 to ZeroAngleOffset6, LREAL, degrees |
 //!
 //! Attribute 10 of a coordinate system is its element of the tag `FeedOverride`, attribute 9 of an axis that of the tag
 //! `FaultInject`: bits of docs/FAULTS.md. A value out of range is refused with 0x09.
 //!
+//! Attributes 12 to 25 are those of a robot (spec/coordinated-instructions.md §22.1), 0 of a Cartesian system.
 //! Position units of the axis, per second, per second², per second³. Get Attributes All returns all of them in order.
 
 use std::cell::RefCell;
@@ -88,7 +93,33 @@ impl Class for MotionObjects<'_> {
         match self.object {
             Object::MotionGroup => &[1, 2, 3],
             Object::Axis => &[1, 2, 3, 4, 5, 6, 7, 8, INJECTED, POSSIBLE],
-            Object::CoordinateSystem => &[1, 2, 3, 4, 5, 6, 7, 8, 9, FEED_OVERRIDE, BEFORE_HOLD],
+            Object::CoordinateSystem => &[
+                1,
+                2,
+                3,
+                4,
+                5,
+                6,
+                7,
+                8,
+                9,
+                FEED_OVERRIDE,
+                BEFORE_HOLD,
+                12,
+                13,
+                14,
+                15,
+                16,
+                17,
+                18,
+                19,
+                20,
+                21,
+                22,
+                23,
+                24,
+                25,
+            ],
         }
     }
 
@@ -162,7 +193,23 @@ fn system(system: &CoordinateSystem, id: u16) -> Result<Bytes, CipStatus> {
         7 => f64_value(system.max_deceleration_jerk),
         8 => f64_value(system.actual_tolerance),
         9 => f64_value(system.command_tolerance),
-        _ => no_attribute(),
+        _ => robot(system, id),
+    }
+}
+
+/// What a robot is built with, one attribute a number.
+fn robot(system: &CoordinateSystem, id: u16) -> Result<Bytes, CipStatus> {
+    let parameters = system.robot.map(|robot| robot.parameters).unwrap_or_default();
+    let numbers = [
+        parameters.link_lengths.as_slice(),
+        &parameters.base_offsets,
+        &parameters.end_effector_offsets,
+        &parameters.zero_angles,
+    ];
+    let place = id.checked_sub(ROBOT).map(usize::from);
+    match place.and_then(|place| numbers.into_iter().flatten().nth(place)) {
+        Some(number) => f64_value(*number),
+        None => no_attribute(),
     }
 }
 
@@ -191,6 +238,9 @@ const FEED_OVERRIDE: u16 = 10;
 /// Attribute of a coordinate system: the override that a hold has replaced.
 const BEFORE_HOLD: u16 = 11;
 
+/// First attribute of a coordinate system that is of its robot.
+const ROBOT: u16 = 12;
+
 /// Places of axes as `count UINT, instance UINT × count`; the machine has few enough.
 fn instances(places: impl Iterator<Item = u16>) -> Bytes {
     let mut out = BytesMut::new();
@@ -204,4 +254,42 @@ fn instances(places: impl Iterator<Item = u16>) -> Bytes {
         *head = count.to_le_bytes();
     }
     out.freeze()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_robot_shows_what_it_is_built_with() {
+        let config = r#"
+            [[axis]]
+            name = "J1"
+            type = "virtual"
+            max_speed = 1.0
+            max_acceleration = 1.0
+            [[axis]]
+            name = "J2"
+            type = "virtual"
+            max_speed = 1.0
+            max_acceleration = 1.0
+            [[coordinate_system]]
+            name = "R"
+            type = "delta"
+            axes = ["J1", "J2"]
+            max_speed = 1.0
+            max_acceleration = 1.0
+            link_lengths = [12.0, 13.0]
+            base_offsets = [14.0, 15.0, 16.0]
+            end_effector_offsets = [17.0, 18.0, 19.0]
+            zero_angles = [20.0, 21.0, 22.0]
+        "#;
+        let project = arcline_config::load(config, "test").expect("a configuration that holds");
+        let robot = &project.machine.systems[0];
+        for id in 12..=22 {
+            assert_eq!(system(robot, id), f64_value(id.into()), "attribute {id}");
+        }
+        assert_eq!(system(robot, 25), f64_value(0.0), "it has no sixth joint");
+        assert_eq!(system(robot, 26), no_attribute(), "and nothing behind that");
+    }
 }

@@ -1,0 +1,355 @@
+//! Orientation along a way: fixed X-Y-Z angles as a rotation and back, and the turn from one orientation to another.
+//!
+//! A turn goes about one fixed axis; whole turns about X3 can go on beside it, so that a joint that counts them comes to the
+//! count it is to have (spec/coordinated-instructions.md §23.3). How much is turned per share of the way is the same everywhere.
+//! Not here: positions, speeds. Angles are degrees, rates radians.
+
+use nalgebra::Matrix3;
+
+use crate::Point;
+use crate::frame::sin_cos;
+
+/// `Rz * Ry * Rx` of fixed X-Y-Z angles in degrees. Quarter turns are exact.
+#[must_use]
+pub fn rotation(angles: &Point) -> Matrix3<f64> {
+    let [(s1, c1), (s2, c2), (s3, c3)] = [angles.x, angles.y, angles.z].map(sin_cos);
+    let x = Matrix3::new(1.0, 0.0, 0.0, 0.0, c1, -s1, 0.0, s1, c1);
+    let y = Matrix3::new(c2, 0.0, s2, 0.0, 1.0, 0.0, -s2, 0.0, c2);
+    let z = Matrix3::new(c3, -s3, 0.0, s3, c3, 0.0, 0.0, 0.0, 1.0);
+    z * y * x
+}
+
+/// The fixed X-Y-Z angles of a rotation, degrees: the second within a quarter turn of 0, the others in the turn that is nearest
+/// to `near`. Where the second is a quarter turn only the sum or difference of the others says something: the first stays.
+#[must_use]
+pub fn angles(rotation: &Matrix3<f64>, near: &Point) -> Point {
+    let m = rotation;
+    let level = libm::hypot(m[(0, 0)], m[(1, 0)]);
+    let second = libm::atan2(-m[(2, 0)], level).to_degrees();
+    let (first, third) = if level > UPRIGHT {
+        let first = libm::atan2(m[(2, 1)], m[(2, 2)]).to_degrees();
+        (first, libm::atan2(m[(1, 0)], m[(0, 0)]).to_degrees())
+    } else {
+        // The third less the first, or both together.
+        let both = libm::atan2(-m[(0, 1)], m[(1, 1)]).to_degrees();
+        let side = if second > 0.0 { 1.0 } else { -1.0 };
+        (near.x, both + side * near.x)
+    };
+    Point::new(nearest(first, near.x), second, nearest(third, near.z))
+}
+
+/// The fixed X-Y-Z angles of a rotation, degrees, that are nearest to `near`, with a second angle beyond a quarter turn where
+/// that goes on without a step.
+#[must_use]
+pub fn continued(rotation: &Matrix3<f64>, near: &Point) -> Point {
+    let one = angles(rotation, near);
+    let other = Point::new(
+        nearest(one.x + 180.0, near.x),
+        nearest(180.0 - one.y, near.y),
+        nearest(one.z + 180.0, near.z),
+    );
+    let one = Point::new(one.x, nearest(one.y, near.y), one.z);
+    if (one - near).abs().sum() <= (other - near).abs().sum() {
+        one
+    } else {
+        other
+    }
+}
+
+/// An angle in the turn in which it is nearest to another, degrees.
+#[must_use]
+pub fn nearest(angle: f64, near: f64) -> f64 {
+    angle + 360.0 * ((near - angle) / 360.0).round()
+}
+
+/// What a rate and its change, radians per second and per second², are of fixed X-Y-Z angles, in degrees. Where the second
+/// angle is a quarter turn the first one does not move.
+#[must_use]
+pub fn angle_rates(angles: &Point, rate: &Point, change: &Point) -> [Point; 2] {
+    let [(_, _), (sb, cb), (sc, cc)] = [angles.x, angles.y, angles.z].map(sin_cos);
+    let along = rate.x * cc + rate.y * sc;
+    let upright = cb.abs() <= UPRIGHT;
+    let over = if upright { 0.0 } else { 1.0 / cb };
+    let first = along * over;
+    let second = rate.y * cc - rate.x * sc;
+    let third = rate.z + first * sb;
+    let along_change = change.x * cc + change.y * sc + third * second;
+    let first_change = (along_change + first * second * sb) * over;
+    let second_change = change.y * cc - change.x * sc - third * along;
+    let third_change = change.z + first_change * sb + first * second * cb;
+    [
+        Point::new(first, second, third),
+        Point::new(first_change, second_change, third_change),
+    ]
+    .map(|of| of.map(f64::to_degrees))
+}
+
+/// The way from one orientation to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    from: Matrix3<f64>,
+    to: Matrix3<f64>,
+    /// The fixed axis.
+    axis: Point,
+    /// About it, radians, at least 0.
+    angle: f64,
+    /// About X3 beside it, radians.
+    spin: f64,
+}
+
+/// An orientation on the way, and how it changes with the share of the way that is gone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turned {
+    /// The orientation.
+    pub rotation: Matrix3<f64>,
+    /// About which axis it turns and how far, radians by what it is a function of: a share of the way, or seconds.
+    pub rate: Point,
+    /// How that changes, radians by the square of it.
+    pub change: Point,
+}
+
+impl Turn {
+    /// By the shortest way, with `turns` whole turns about X3 beside it. Of two opposite ways of half a turn the one about the
+    /// positive axis, X3 before X2 before X1.
+    #[must_use]
+    pub fn new(from: &Matrix3<f64>, to: &Matrix3<f64>, turns: f64) -> Turn {
+        let (axis, angle) = axis_angle(&(to * from.transpose()));
+        Turn {
+            from: *from,
+            to: *to,
+            axis,
+            angle,
+            spin: turns * core::f64::consts::TAU,
+        }
+    }
+
+    /// The orientation at the end.
+    #[must_use]
+    pub fn end(&self) -> &Matrix3<f64> {
+        &self.to
+    }
+
+    /// How far it turns altogether, degrees. Turning about both axes goes on at one rate: their fixed angle stays, as X3 stays
+    /// where it is.
+    #[must_use]
+    pub fn angle(&self) -> f64 {
+        (self.axis * self.angle + Point::z() * self.spin).norm().to_degrees()
+    }
+
+    /// The orientation at a share of the way, 0 to 1; both ends bit for bit. Real-time.
+    #[must_use]
+    pub fn at(&self, share: f64) -> Turned {
+        let spun = about(&Point::z(), self.spin * share);
+        let axis = spun * self.axis;
+        let rotation = if share <= 0.0 {
+            self.from
+        } else if share >= 1.0 {
+            self.to
+        } else {
+            spun * about(&self.axis, self.angle * share) * self.from
+        };
+        let spin = Point::z() * self.spin;
+        Turned {
+            rotation,
+            rate: spin + axis * self.angle,
+            change: spin.cross(&axis) * self.angle,
+        }
+    }
+}
+
+impl Turned {
+    /// By time, where the share of the way has a speed and an acceleration.
+    #[must_use]
+    pub fn in_time(self, speed: f64, acceleration: f64) -> Turned {
+        Turned {
+            rotation: self.rotation,
+            rate: self.rate * speed,
+            change: self.rate * acceleration + self.change * (speed * speed),
+        }
+    }
+
+    /// This, on what is left of another turn that ends where this one began: as both go on at once.
+    #[must_use]
+    pub fn after(self, other: &Turned, other_end: &Matrix3<f64>) -> Turned {
+        let own = self.rotation * other_end.transpose();
+        let carried = own * other.rate;
+        Turned {
+            rotation: own * other.rotation,
+            rate: self.rate + carried,
+            change: self.change + own * other.change + self.rate.cross(&carried),
+        }
+    }
+}
+
+/// The rotation about a unit axis by an angle in radians.
+fn about(axis: &Point, angle: f64) -> Matrix3<f64> {
+    let (s, _) = libm::sincos(angle);
+    let (half, _) = libm::sincos(0.5 * angle);
+    let k = axis.cross_matrix();
+    Matrix3::identity() + k * s + k * k * (2.0 * half * half)
+}
+
+/// The unit axis and the angle (0 to pi) of a rotation; no axis for none.
+fn axis_angle(m: &Matrix3<f64>) -> (Point, f64) {
+    // The largest of the four parts of the quaternion, times four of it squared: none of the quotients loses digits.
+    let parts = [
+        1.0 + m[(0, 0)] + m[(1, 1)] + m[(2, 2)],
+        1.0 + m[(0, 0)] - m[(1, 1)] - m[(2, 2)],
+        1.0 - m[(0, 0)] + m[(1, 1)] - m[(2, 2)],
+        1.0 - m[(0, 0)] - m[(1, 1)] + m[(2, 2)],
+    ];
+    let skew = Point::new(m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)]);
+    let [xy, xz, yz] = [(0, 1), (0, 2), (1, 2)].map(|(i, j)| m[(i, j)] + m[(j, i)]);
+    let largest = parts.iter().copied().fold(0.0, f64::max);
+    let (w, v) = if parts[0] == largest {
+        (parts[0], skew)
+    } else if parts[1] == largest {
+        (skew.x, Point::new(parts[1], xy, xz))
+    } else if parts[2] == largest {
+        (skew.y, Point::new(xy, parts[2], yz))
+    } else {
+        (skew.z, Point::new(xz, yz, parts[3]))
+    };
+    let norm = libm::sqrt(v.dot(&v));
+    if norm <= NO_TURN * w.abs() {
+        return (Point::zeros(), 0.0);
+    }
+    let axis = v / norm;
+    let first = [axis.z, axis.y, axis.x].into_iter().find(|part| part.abs() > UPRIGHT);
+    let backwards = if w.abs() <= HALF_TURN * norm {
+        first.is_some_and(|part| part < 0.0)
+    } else {
+        w < 0.0
+    };
+    let (axis, w) = if backwards { (-axis, -w) } else { (axis, w) };
+    (axis, 2.0 * libm::atan2(norm, w))
+}
+
+/// Below this cosine of the second angle the other two cannot be told apart.
+const UPRIGHT: f64 = 1e-9;
+/// Below this ratio of the parts of a quaternion there is no turn but rounding.
+const NO_TURN: f64 = 1e-15;
+/// Below this ratio of them it is half a turn, but for rounding.
+const HALF_TURN: f64 = 1e-12;
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn distance(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
+        (a - b).abs().max()
+    }
+
+    #[test]
+    fn turns_that_can_be_told_beforehand() {
+        #[rustfmt::skip]
+        let cases = [
+            // why,                          from,                to,                    turns, whole, the middle
+            ("a tool that points down",      [180.0, 0.0, 0.0],   [180.0, 0.0, 90.0],    0.0,   90.0,  [180.0, 0.0, 45.0]),
+            ("half a turn goes forwards",    [180.0, 0.0, 0.0],   [180.0, 0.0, 180.0],   0.0,   180.0, [180.0, 0.0, 90.0]),
+            ("over the edge of the range",   [0.0, 0.0, 170.0],   [0.0, 0.0, -170.0],    0.0,   20.0,  [0.0, 0.0, 180.0]),
+            ("a turn more",                  [180.0, 0.0, 0.0],   [180.0, 0.0, 45.0],    1.0,   405.0, [180.0, 0.0, 202.5]),
+            ("a turn back",                  [180.0, 0.0, 0.0],   [180.0, 0.0, 45.0],    -1.0,  315.0, [180.0, 0.0, -157.5]),
+            ("a turn with no other",         [10.0, 20.0, 30.0],  [10.0, 20.0, 30.0],    1.0,   360.0, [10.0, 20.0, 210.0]),
+            ("none",                         [10.0, 20.0, 30.0],  [10.0, 20.0, 30.0],    0.0,   0.0,   [10.0, 20.0, 30.0]),
+            ("through the mirror",           [180.0, 80.0, 0.0],  [0.0, 80.0, 180.0],    0.0,   20.0,  [180.0, 90.0, 0.0]),
+            ("about X1",                     [0.0, 0.0, 0.0],     [90.0, 0.0, 0.0],      0.0,   90.0,  [45.0, 0.0, 0.0]),
+        ];
+        for (why, from, to, turns, whole, middle) in cases {
+            let [from, to, middle] = [from, to, middle].map(|angles| rotation(&Point::from(angles)));
+            let turn = Turn::new(&from, &to, turns);
+            assert!((turn.angle() - whole).abs() < 1e-12, "{why}: {} degrees", turn.angle());
+            assert!(
+                distance(&turn.at(0.5).rotation, &middle) < 1e-12,
+                "{why}: {}",
+                turn.at(0.5).rotation
+            );
+            assert_eq!((turn.at(0.0).rotation, turn.at(1.0).rotation), (from, to), "{why}");
+        }
+    }
+
+    fn orientation() -> impl Strategy<Value = Point> {
+        (-180.0..180.0, -90.0..90.0, -180.0..180.0).prop_map(|(x, y, z)| Point::new(x, y, z))
+    }
+
+    proptest! {
+        #[test]
+        fn angles_and_back(wanted in orientation(), turns in prop::array::uniform2(-3i32..=3)) {
+            let near = wanted + Point::new(360.0 * f64::from(turns[0]), 0.0, 360.0 * f64::from(turns[1]));
+            let found = angles(&rotation(&near), &near);
+            prop_assert!(distance(&rotation(&found), &rotation(&wanted)) < 1e-12, "{found} is not {wanted}");
+            // Near a quarter turn of the second the others are not sharp.
+            let sharp = 1e-12 / libm::cos(wanted.y.to_radians()).max(1e-9);
+            prop_assert!((found - near).abs().max() < sharp.max(1e-11), "{found} is not {near}");
+        }
+
+        #[test]
+        fn angles_that_go_on_have_no_step(axis in 0..3usize, from in orientation(), rate in -1.0..1.0f64) {
+            let mut near = from;
+            for step in 1..200 {
+                let mut wanted = from;
+                wanted[axis] += 5.0 * rate * f64::from(step);
+                let next = continued(&rotation(&wanted), &near);
+                prop_assert!(distance(&rotation(&next), &rotation(&wanted)) < 1e-11);
+                let upright = libm::cos(wanted.y.to_radians()).abs() < 0.1;
+                prop_assert!(upright || (next - wanted).abs().max() < 1e-8, "{next} is not {wanted}");
+                near = wanted;
+            }
+        }
+
+        #[test]
+        fn straight_up_the_first_stays(side in prop::bool::ANY, first in -720.0..720.0f64, third in -180.0..180.0f64) {
+            let upright = Point::new(first, if side { 90.0 } else { -90.0 }, third);
+            let found = angles(&rotation(&upright), &upright);
+            prop_assert!((found - upright).abs().max() < 1e-10, "{found} is not {upright}");
+        }
+
+        #[test]
+        fn a_turn_ends_where_it_is_to_and_is_even(from in orientation(), to in orientation(), turns in -2i32..=2) {
+            let [from, to] = [from, to].map(|angles| rotation(&angles));
+            let turn = Turn::new(&from, &to, turns.into());
+            prop_assert!(turns != 0 || turn.angle() <= 180.0 + 1e-9);
+            prop_assert!(distance(&turn.at(1.0 - 1e-13).rotation, &to) < 1e-11);
+            for share in [0.0, 0.3, 0.5, 0.9] {
+                let now = turn.at(share);
+                let square = now.rotation * now.rotation.transpose();
+                prop_assert!(distance(&square, &Matrix3::identity()) < 1e-12, "no rotation");
+                prop_assert!((now.rate.norm().to_degrees() - turn.angle()).abs() < 1e-9 * (1.0 + turn.angle()));
+            }
+        }
+
+        /// What is told of the rates is what differences of the angles show.
+        #[test]
+        fn rates_are_derivatives(from in orientation(), to in orientation(), turns in -1i32..=1, share in 0.1..0.9f64) {
+            let turn = Turn::new(&rotation(&from), &rotation(&to), turns.into());
+            let (speed, acceleration, step) = (0.3, -0.2, 1e-4);
+            let at = |t: f64| turn.at(share + speed * t + 0.5 * acceleration * t * t);
+            let now = at(0.0).in_time(speed, acceleration);
+            let shown = angles(&now.rotation, &Point::zeros());
+            prop_assume!(shown.y.abs() < 70.0);
+            let [velocity, change] = angle_rates(&shown, &now.rate, &now.change);
+            let [before, after] = [-step, step].map(|t| angles(&at(t).rotation, &shown));
+            let slope = (after - before) / (2.0 * step);
+            let bend = (after - shown * 2.0 + before) / (step * step);
+            prop_assert!((slope - velocity).abs().max() < 1e-4 * (1.0 + velocity.abs().max()), "{slope} {velocity}");
+            prop_assert!((bend - change).abs().max() < 1e-3 * (1.0 + change.abs().max() + velocity.norm_squared()), "{bend} {change}");
+        }
+
+        /// The end of one turn and the beginning of the next at once.
+        #[test]
+        fn two_at_once(a in orientation(), b in orientation(), c in orientation(), share in 0.1..0.9f64) {
+            let [a, b, c] = [a, b, c].map(|angles| rotation(&angles));
+            let (first, second) = (Turn::new(&a, &b, 0.0), Turn::new(&b, &c, 0.0));
+            let both = |u: f64, v: f64| second.at(v).after(&first.at(u), first.end());
+            prop_assert!(distance(&both(1.0, share).rotation, &second.at(share).rotation) < 1e-12);
+            prop_assert!(distance(&both(share, 0.0).rotation, &first.at(share).rotation) < 1e-12);
+            let step = 1e-5;
+            let now = both(share, share);
+            let [before, after] = [-step, step].map(|t| both(share + t, share + t).rotation);
+            let slope = (after - before) * now.rotation.transpose() / (2.0 * step);
+            prop_assert!(distance(&slope, &now.rate.cross_matrix()) < 1e-5, "{slope} {}", now.rate);
+        }
+    }
+}

@@ -1,0 +1,289 @@
+//! MCPM, Motion Coordinated Path Move (spec/coordinated-instructions.md §23): X, Y, Z on a straight line, and Rx, Ry, Rz turned
+//! along it about one fixed axis.
+//!
+//! The turn is a function of the place on the line, so that an override, a change of dynamics and a stop leave the tool on its way.
+//! The limits of both parts hold: where one of them is the stricter in everything, it determines the time. What only turns has its
+//! angle as its way. Units: position units, degrees.
+
+use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
+use arcline_planner::geometry::{Path, Point, Turn};
+use arcline_planner::{Ending, Momentum, Move, Parameter};
+
+use super::moves::{self, INCREMENTAL, MERGE_DISABLED};
+use super::programmed::{self, LockLayout};
+use super::{no_target, place};
+use crate::control::Execution;
+use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, in_units, reference_speed};
+use crate::follow::links::MasterLink;
+use crate::follow::reach::Pace;
+use crate::heading;
+use crate::machine::{AxisLimits, CoordinateSystem, Orientation};
+use crate::material::Sent;
+use crate::motion::Motion;
+use crate::path_data::{DynamicsData, PathData};
+use crate::system::{Planned, Termination};
+use crate::verify;
+
+/// Places of MCPM's operands.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layout {
+    path: usize,
+    dynamics: usize,
+    lock: LockLayout,
+}
+
+/// InterpolationType.
+const POINT_TO_POINT: i32 = 0;
+/// UnitsMode: percent of the maxima.
+const PERCENT: i32 = 0;
+/// TimeUnits: master units.
+const MASTER_UNITS: i32 = 1;
+/// Profile.
+const S_CURVE: i32 = 1;
+/// TerminationType: Command Tolerance Programmed.
+const BLENDED: i32 = 6;
+
+impl Layout {
+    pub(super) fn new() -> Self {
+        let place = |name| place(Mnemonic::Mcpm, name);
+        Layout {
+            path: place("Path"),
+            dynamics: place("Dynamics"),
+            lock: LockLayout::of(Mnemonic::Mcpm),
+        }
+    }
+
+    /// Members in their ranges (13), and what is reserved (99).
+    fn verify_path(&self, path: &PathData) -> Result<(), MotionError> {
+        let finite = path.position.iter().all(|number| number.is_finite());
+        let tolerated = path.command_tolerance_linear.is_finite() && path.command_tolerance_linear >= 0.0;
+        let [base, fourth, sixth, reserved] = path.turns_counters;
+        // Only one joint turns the tool about X3.
+        let counted = base == 0 && reserved == 0 && (fourth == 0 || sixth == 0);
+        let fits = (0..=1).contains(&path.interpolation_type)
+            && finite
+            && path.robot_configuration == 0
+            && counted
+            && (0..=1).contains(&path.move_type)
+            && matches!(path.termination_type, 0 | 1 | BLENDED)
+            && (path.termination_type != BLENDED || tolerated);
+        if !fits {
+            return Err(MotionError::ParameterOutOfRange(OperandIndex(self.path as u8)));
+        }
+        if path.interpolation_type == POINT_TO_POINT {
+            return Err(MotionError::FeatureNotSupported);
+        }
+        Ok(())
+    }
+
+    fn verify_dynamics(&self, dynamics: &DynamicsData) -> Result<(), MotionError> {
+        let modes = [dynamics.units_mode, dynamics.time_units, dynamics.profile];
+        let rates = |[speed, acceleration, deceleration]: [f64; 3]| {
+            let above = |number: f64| number > 0.0 && number.is_finite();
+            speed >= 0.0 && speed.is_finite() && above(acceleration) && above(deceleration)
+        };
+        let jerks = dynamics.jerks.iter().all(|jerk| *jerk > 0.0 && *jerk <= 100.0);
+        let fits = modes.iter().all(|mode| (0..=1).contains(mode))
+            && rates(dynamics.linear)
+            && rates(dynamics.orientation)
+            && (dynamics.profile != S_CURVE || jerks);
+        if fits { Ok(()) } else { Err(self.no_dynamics()) }
+    }
+
+    fn no_dynamics(&self) -> MotionError {
+        MotionError::ParameterOutOfRange(OperandIndex(self.dynamics as u8))
+    }
+}
+
+pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
+    let layout = motion.layouts.mcpm;
+    let index = motion.target_system(call)?;
+    let orientation = motion.systems[index].description.orientation.ok_or_else(no_target)?;
+    motion.verify_operands(call)?;
+    let tags = sent.path()?;
+    layout.verify_path(&tags.path)?;
+    layout.verify_dynamics(&tags.dynamics)?;
+    let driven = tags.dynamics.time_units == MASTER_UNITS;
+    let link = motion.systems[index].links.newest().copied();
+    layout.lock.verify(call, driven, link.as_ref())?;
+    let link = link.filter(|_| driven);
+    let lead = match &link {
+        Some(link) => Some(layout.lock.lead(motion, call, link)?),
+        None => None,
+    };
+    let system = &motion.systems[index];
+    if system.contour.is_some() {
+        return Err(MotionError::FeatureNotSupported);
+    }
+    verify::axes_ready(system, &motion.axes)?;
+    verify::not_homing(system, &motion.axes)?;
+    verify::stoppable(system, &motion.axes, tags.dynamics.profile == S_CURVE)?;
+    let (start, shift) = (moves::start_point(motion, index), moves::queue_shift(motion, index));
+    let way = Way::of(&tags.path, &(start + shift), &motion.heading(index));
+    let (termination, ending) = termination(&tags.path, &system.description, &way)?;
+    let maxima = Maxima::from(&system.description);
+    let [moves_by, turns_by] = rates(&tags.dynamics, &maxima, &orientation, link.as_ref());
+    let (mut dynamics, own) = way.dynamics(moves_by, turns_by);
+    if !(dynamics.acceleration > 0.0 && dynamics.deceleration > 0.0) {
+        return Err(layout.no_dynamics());
+    }
+    let path = way.path.shifted(&-shift);
+    moves::verify_conflicts(motion, index, MERGE_DISABLED)?;
+    verify::no_overtravel(&motion.systems[index], &motion.axes, &path.end())?;
+    let mut pace = motion.verify_reach(index, &way.path)?;
+    if motion.systems[index].description.joint_limits == AxisLimits::Ignore {
+        pace = Pace::UNLIMITED;
+    }
+    let mut parameter = Parameter::TIME;
+    if let (Some(lead), Some(link)) = (lead, &link) {
+        programmed::pace(link, lead.lock, false)?;
+        moves::verify_lead(motion, index, MERGE_DISABLED, lead, false)?;
+        pace = pace.on_the_way(link.nominal);
+        parameter = moves::parameter(motion, index, MERGE_DISABLED, lead, link);
+    }
+    let pace = own.and(&pace);
+    dynamics.keep_to(&pace);
+    let planned = Move {
+        path,
+        turn: way.turn,
+        corner: f64::INFINITY,
+        limits: dynamics.limits(),
+        ending,
+        parameter,
+        data: Planned {
+            execution,
+            dynamics,
+            termination,
+            lead,
+            events: None,
+            pace,
+            heading: Some(way.heading),
+            only_turns: way.path.stands(),
+        },
+    };
+    let momentum = Momentum {
+        velocity: Point::zeros(),
+        acceleration: Point::zeros(),
+    };
+    moves::launch(motion, index, planned, way.path, momentum, MERGE_DISABLED)
+}
+
+/// Where a move leads and how.
+struct Way {
+    path: Path,
+    turn: Option<Turn>,
+    /// Rx, Ry, Rz at its end.
+    heading: Point,
+}
+
+impl Way {
+    /// From a point and an orientation. The turns counter of J6 counts whole turns of Rz, that of J4, which turns the other way
+    /// round, as many less; of an absolute move those of the end, of an incremental one those beside its way.
+    fn of(data: &PathData, start: &Point, heading: &Point) -> Way {
+        let [x, y, z, rx, ry, rz] = data.position;
+        let [_, fourth, sixth, _] = data.turns_counters;
+        let counted = 360.0 * f64::from(i32::from(sixth) - i32::from(fourth));
+        let (mut end, mut angles) = (Point::new(x, y, z), Point::new(rx, ry, rz));
+        if data.move_type == INCREMENTAL {
+            end += start;
+            angles += heading;
+        }
+        let normal = heading::normal(&angles);
+        let mut to = normal;
+        // Without its own turns an incremental move ends where its angles do.
+        to.z = if data.move_type == INCREMENTAL {
+            arcline_planner::geometry::nearest(normal.z, heading.z) + counted
+        } else {
+            normal.z + counted
+        };
+        let turn = heading::turn(heading, &to);
+        let mut path = Path::line(*start, end);
+        if path.length() == 0.0 {
+            path = Path::standing(*start, turn.angle());
+        }
+        Way {
+            path,
+            turn: Some(turn),
+            heading: to,
+        }
+    }
+
+    /// What the move is programmed with along its way, and how fast its turn lets it be.
+    fn dynamics(&self, moves: Dynamics, turns: Dynamics) -> (Dynamics, Pace) {
+        let (length, angle) = (self.path.length(), self.turn.map_or(0.0, |turn| turn.angle()));
+        if self.path.stands() {
+            return (turns, Pace::UNLIMITED);
+        }
+        if angle <= 0.0 || length <= 0.0 {
+            return (moves, Pace::UNLIMITED);
+        }
+        let ratio = length / angle;
+        let pace = Pace {
+            speed: turns.speed * ratio,
+            acceleration: turns.acceleration * ratio,
+            deceleration: turns.deceleration * ratio,
+        };
+        (moves, pace)
+    }
+}
+
+/// How the move completes, and what happens there if it has a successor. What only turns has no tolerance: its whole way may be
+/// blended, or half of it where both ends are.
+fn termination(data: &PathData, system: &CoordinateSystem, way: &Way) -> Result<(Termination, Ending), MotionError> {
+    match data.termination_type {
+        0 if system.actual_tolerance <= 0.0 => Err(MotionError::InvalidActualTolerance),
+        0 => Ok((Termination::ActualTolerance, Ending::Stop)),
+        BLENDED if system.joint_limits == AxisLimits::Enforce => Err(MotionError::FeatureNotSupported),
+        BLENDED => {
+            let tolerance = if way.path.stands() {
+                f64::MAX
+            } else {
+                data.command_tolerance_linear
+            };
+            Ok((Termination::Command, Ending::Blend { tolerance }))
+        }
+        _ => Ok((Termination::Command, Ending::Stop)),
+    }
+}
+
+/// What both parts are programmed with, in units; percent of the maxima by a master are of these at its nominal speed (§18.1).
+fn rates(data: &DynamicsData, linear: &Maxima, orientation: &Orientation, link: Option<&MasterLink>) -> [Dynamics; 2] {
+    let percent = data.units_mode == PERCENT;
+    let nominal = link.filter(|_| percent).map_or(1.0, |link| link.nominal);
+    let [acceleration, deceleration] = data.jerks.map(JerkRate::PercentOfTime);
+    let jerks = Jerks {
+        acceleration,
+        deceleration,
+    };
+    let shape = if data.profile == S_CURVE {
+        Shape::SCurve(jerks)
+    } else {
+        Shape::Trapezoidal(jerks)
+    };
+    let units = if percent {
+        crate::dynamics::PERCENT_OF_MAXIMUM
+    } else {
+        0
+    };
+    let part = |[speed, acceleration, deceleration]: [f64; 3], maxima: [f64; 3]| {
+        let speed = in_units(speed, units, maxima[0]) / nominal;
+        Dynamics {
+            speed,
+            acceleration: in_units(acceleration, units, maxima[1]) / (nominal * nominal),
+            deceleration: in_units(deceleration, units, maxima[2]) / (nominal * nominal),
+            shape,
+            last_speed: reference_speed(speed, maxima[0] / nominal),
+        }
+    };
+    [
+        part(data.linear, [linear.speed, linear.acceleration, linear.deceleration]),
+        part(
+            data.orientation,
+            [
+                orientation.max_speed,
+                orientation.max_acceleration,
+                orientation.max_deceleration,
+            ],
+        ),
+    ]
+}

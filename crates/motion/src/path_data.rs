@@ -1,0 +1,48 @@
+//! The tags of a path move: where a path leads, and how fast (spec/coordinated-instructions.md §23.1, §23.2).
+//!
+//! They are read beside the tick when the instruction is sent. Nothing is checked here: what the members may be is MCPM's to say.
+
+/// A PATH_DATA.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PathData {
+    /// 0 Point-to-Point, 1 Continuous Path Linear.
+    pub interpolation_type: i32,
+    /// X, Y, Z in position units; Rx, Ry, Rz, fixed X-Y-Z angles in degrees. The three reserved elements are not kept.
+    pub position: [f64; 6],
+    /// Flags of the arm's pose.
+    pub robot_configuration: i32,
+    /// Turns of J1, J4, J6, and one reserved.
+    pub turns_counters: [i16; 4],
+    /// 0 absolute, 1 incremental.
+    pub move_type: i32,
+    /// 0, 1 or 6.
+    pub termination_type: i32,
+    /// The tolerance of termination type 6, position units.
+    pub command_tolerance_linear: f64,
+}
+
+/// A DYNAMICS_DATA.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DynamicsData {
+    /// 0 percent of the maxima, 1 coordination units.
+    pub units_mode: i32,
+    /// 0 by seconds, 1 by master units.
+    pub time_units: i32,
+    /// 0 trapezoidal, 1 S-curve.
+    pub profile: i32,
+    /// Speed, Acceleration, Deceleration: percent, or position units per time unit and its square.
+    pub linear: [f64; 3],
+    /// AccelerationJerk, DecelerationJerk: percent of time.
+    pub jerks: [f64; 2],
+    /// OrientationSpeed, OrientationAcceleration, OrientationDeceleration: percent, or degrees per time unit and its square.
+    pub orientation: [f64; 3],
+}
+
+/// What an MCPM has from its two tags.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PathMove {
+    /// Its Path.
+    pub path: PathData,
+    /// Its Dynamics.
+    pub dynamics: DynamicsData,
+}
