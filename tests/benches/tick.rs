@@ -86,7 +86,7 @@ fn singles() {
         ticks[ticks.len() - 1]
     );
     for scope in ["ActiveMotion", "ActiveandPendingMotion"] {
-        let speed = |place: usize| if place % 2 == 0 { 100 } else { 150 };
+        let speed = |place: usize| if place.is_multiple_of(2) { 100 } else { 150 };
         let changes = steps(20, deep, |bench, place| change_of(bench, speed(place), scope));
         println!(
             "MCCD, {scope}, 1000 moves in the queue: median {:.1} us, most {:.1}",

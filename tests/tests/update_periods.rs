@@ -117,8 +117,11 @@ fn followers(period: f64) -> Bench {
 
 const OVERRIDE: &str = "override ";
 
+/// What it is, the machine, the steps.
+type Sequence = (&'static str, fn(f64) -> Bench, &'static [Step]);
+
 #[rustfmt::skip]
-const SEQUENCES: &[(&str, fn(f64) -> Bench, &[Step])] = &[
+const SEQUENCES: &[Sequence] = &[
     ("types 1, 0, 2, 6 and 3 round corners", plain, &[
         (0, line!("CS1", "M1", "[30, 0, 0]", s 150, "1")),
         (0, line!("CS1", "M2", "[30, 30, 5]", s 100, "0")),

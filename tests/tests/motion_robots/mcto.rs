@@ -11,6 +11,11 @@ use arcline_kinematics::{OrientedRobot, Pose, tool_centre};
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::robots::{DELTA_J1J2J3J4J5, DELTA_J1J2J3J6, DELTA_J1J2J6, RobotMachine, SCARA_J1J2J3J6, SIX_AXES};
 
+/// Tags, and what they are given.
+type Values<'a> = &'a [(&'a str, f64)];
+/// Why, the machine, what came before, values of tags, the call, ERR and EXERR.
+type Refused<'a> = (&'a str, &'a str, &'a [&'a str], Values<'a>, &'a str, (i16, i8));
+
 const LINK: &str = "MCTO(CART, ROBOT, T, Work, Tool)";
 const CARTESIAN: [&str; 6] = ["X", "Y", "Z", "RX", "RY", "RZ"];
 const JOINTS: [&str; 6] = ["J1", "J2", "J3", "J4", "J5", "J6"];
@@ -256,7 +261,7 @@ fn mcto_refuses_before_anything_changes() {
         assert_ne!(changed, original);
     }
     #[rustfmt::skip]
-    let cases: [(&str, &str, &[&str], &[(&str, f64)], &str, (i16, i8)); 23] = [
+    let cases: [Refused<'_>; 23] = [
         // why,                            machine,   before,                              tags,                call,                                 status
         ("no Cartesian system",            &machine,  &[],                                 &[],                 "MCTO(Nobody, ROBOT, T, Work, Tool)", (13, 0)),
         ("onto itself",                    &machine,  &[],                                 &[],                 "MCTO(CART, CART, T, Work, Tool)",    (61, 2)),
@@ -426,7 +431,7 @@ fn turns_counters_choose_the_joint() {
 #[test]
 fn what_mctpo_refuses() {
     #[rustfmt::skip]
-    let cases: [(&str, &[(&str, f64)], &str, (i16, i8)); 13] = [
+    let cases: [(&str, Values<'_>, &str, (i16, i8)); 13] = [
         ("onto itself",               &[],                  "MCTPO(CART, CART, C, Work, Tool, 0, [0, 0, 0, 0, 0, 0], Place, Bits, Turns)",    (61, 2)),
         ("no orientation",            &[],                  "MCTPO(WORLD, ROBOT, C, Work, Tool, 0, [0, 0, 0, 0, 0, 0], Place, Bits, Turns)",  (61, 5)),
         ("no robot",                  &[],                  "MCTPO(CART, WORLD, C, Work, Tool, 0, [0, 0, 0, 0, 0, 0], Place, Bits, Turns)",   (61, 6)),
