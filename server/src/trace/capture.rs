@@ -111,10 +111,11 @@ impl Capture {
         if self.phase == Phase::Armed {
             let mut begins = None;
             for (tick, row) in store.rows_from(self.watched) {
-                self.watched = tick + 1;
+                // What an instruction begins is told by its event, which may come behind the rows of its tick.
                 let Some(holds) = self.config.trigger.holds(row) else {
                     break;
                 };
+                self.watched = tick + 1;
                 if self.held.replace(holds) == Some(false) && holds {
                     begins = Some(tick);
                     break;
@@ -256,7 +257,10 @@ mod tests {
             };
             let mut capture = Capture::new(config(trigger), &store);
             fill(&mut store, 35);
-            capture.follow(&store);
+            // The rows are seen, again and again, before the event is.
+            for _ in 0..40 {
+                capture.follow(&store);
+            }
             capture.event(tick, "Move1", Mnemonic::Mclm, set, &store);
             assert_eq!(capture.phase == Phase::Running, expected, "{why}");
             if expected {

@@ -221,7 +221,7 @@ async fn attributes_and_services_are_those_of_the_page() {
         assert!(rest.is_empty());
     }
     assert_eq!(
-        (names[0].as_str(), names[85].as_str()),
+        (names[0].as_str(), names[106].as_str()),
         ("X.CommandPosition", "XY.CoordinateMotionStatus")
     );
 
