@@ -67,6 +67,13 @@ impl Motion {
         queued.unwrap_or_else(|| self.angles_of(index))
     }
 
+    /// The turn of a move behind the queue that keeps the orientation; none where there is no orientation.
+    pub(crate) fn still(&self, index: usize) -> Option<Turn> {
+        self.systems[index].description.orientation?;
+        let heading = rotation(&self.heading(index));
+        Some(Turn::new(&heading, &heading, 0.0))
+    }
+
     /// Where the axes Rx, Ry, Rz are commanded to be.
     fn angles_of(&self, index: usize) -> Point {
         let mut angles = Point::zeros();

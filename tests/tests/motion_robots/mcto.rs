@@ -1,5 +1,6 @@
 //! MCTO and MCTPO: a robot with a wrist behind X, Y, Z, Rx, Ry, Rz (spec/coordinated-instructions.md §19, §22.8, §24, §25).
 
+use super::paths;
 use arcline_config::load;
 use arcline_controller::machine::Build;
 use arcline_instruction_set::Flag;
@@ -26,7 +27,10 @@ const FAST: &str = "400, 0, 8000, 0, 8000, 0, 0, 100, 100, 2";
 
 /// A machine with a work that is tilted by some degrees in the plane of X and Z, and a tool, both of which every robot can have.
 fn bench(machine: &RobotMachine, tilt: f64) -> Bench {
-    let mut bench = machine.bench();
+    with_frames(machine.bench(), tilt)
+}
+
+fn with_frames(mut bench: Bench, tilt: f64) -> Bench {
     for (path, value) in [
         ("Work.ID", 7.0),
         ("Work.X", 10.0),
@@ -114,6 +118,68 @@ fn a_straight_move_keeps_the_tool_on_its_line_and_turned_as_it_was() {
             bench.rung_false("M");
         }
         assert_eq!(bench.bits("T"), "EN DN IP", "{why}");
+    }
+}
+
+#[test]
+fn a_path_move_takes_the_tool_along_and_round() {
+    // How far the tool turns about X, Y and Z beside its line: what each robot can.
+    for (machine, turn) in [
+        (DELTA_J1J2J6, [0.0, 0.0, 150.0]),
+        (DELTA_J1J2J3J6, [0.0, 0.0, -170.0]),
+        (SCARA_J1J2J3J6, [0.0, 0.0, 80.0]),
+        (DELTA_J1J2J3J4J5, [0.0, 0.0, 60.0]),
+        (SIX_AXES, [20.0, 15.0, -40.0]),
+    ] {
+        let machine = RobotMachine {
+            cart: paths::MACHINE.cart,
+            ..machine
+        };
+        let tool = Tool::of(&machine, 0.0);
+        let why = tool.robot.wrist().definition();
+        let mut bench = with_frames(paths::bench_of(machine), 0.0);
+        assert_eq!(bench.call(LINK), OK, "{why}");
+        let began = CARTESIAN.map(|axis| bench.position(axis));
+        // REALs are not quite what a robot with fewer than six joints can do.
+        let within = if machine.joints.len() == 6 { 1e-9 } else { 1e-5 };
+        let plane = machine.joints.len() == 3;
+        let along = [30.0, if plane { 0.0 } else { -20.0 }, 15.0];
+        // PATH_DATA holds REALs.
+        let end: [f64; 6] = std::array::from_fn(|place| {
+            let step = if place < 3 { along[place] } else { turn[place - 3] };
+            f64::from((began[place] + step) as f32)
+        });
+        paths::position(&mut bench, "P", end);
+        assert_eq!(bench.call(paths::MOVE), OK, "{why}");
+        while !bench.control("M").has(Flag::Pc) {
+            bench.tick();
+            assert_eq!(bench.bits("T"), "EN DN IP", "{why}");
+            let [moved, turned] = apart(&source(&bench), &tool.at(&bench));
+            assert!(moved < within && turned < within, "{why}: {moved} {turned}");
+        }
+        let [moved, turned] = apart(&tool.at(&bench), &Pose::new(end));
+        assert!(
+            moved < within && turned < within,
+            "{why}: ends {moved} and {turned} away"
+        );
+    }
+    // Turned as the robot cannot be, at the end or on the way (a turn about one axis, of a tool that only tilts and turns): refused
+    // before anything moves.
+    let machine = RobotMachine {
+        cart: paths::MACHINE.cart,
+        ..DELTA_J1J2J3J4J5
+    };
+    let mut bench = with_frames(paths::bench_of(machine), 0.0);
+    assert_eq!(bench.call(LINK), OK);
+    let end = CARTESIAN.map(|axis| bench.position(axis));
+    for (why, turn) in [("at the end", [-30.0, 0.0, 0.0]), ("on the way", [0.0, 15.0, 60.0])] {
+        let mut turned = end;
+        for (angle, by) in turned[3..].iter_mut().zip(turn) {
+            *angle += by;
+        }
+        paths::position(&mut bench, "P", turned);
+        assert_eq!(bench.call(paths::MOVE), (67, 3), "{why}");
+        bench.rung_false("M");
     }
 }
 

@@ -8,18 +8,18 @@ use arcline_tests::random::Random;
 use arcline_tests::robots::{DELTA, RobotMachine, SIX_AXES};
 
 /// X, Y, Z at 1000 units/s and 10000 units/s²; Rx, Ry, Rz at 90 degrees/s and 900 degrees/s².
-const MACHINE: RobotMachine = RobotMachine {
+pub(super) const MACHINE: RobotMachine = RobotMachine {
     cart: "actual_tolerance = 0.01\nmax_orientation_speed = 90.0\nmax_orientation_acceleration = 900.0\n",
     ..SIX_AXES
 };
 const TAGS: &str = "[[tag]]\nname = \"P\"\ntype = \"PATH_DATA\"\n[[tag]]\nname = \"D\"\ntype = \"DYNAMICS_DATA\"\n\
                     [[tag]]\nname = \"Many\"\ntype = \"PATH_DATA[3]\"\n";
-const MOVE: &str = "MCPM(CART, M, P, 1, D)";
+pub(super) const MOVE: &str = "MCPM(CART, M, P, 1, D)";
 const TURNING: [&str; 3] = ["RX", "RY", "RZ"];
 const MOVING: [&str; 3] = ["X", "Y", "Z"];
 
 /// The machine with a path and dynamics: 100 units/s, 1000 units/s², 45 degrees/s, 450 degrees/s², trapezoidal.
-fn bench_of(machine: RobotMachine) -> Bench {
+pub(super) fn bench_of(machine: RobotMachine) -> Bench {
     let mut bench = Bench::with(&format!("{}{TAGS}", machine.config()));
     for tag in ["P", "Many[0]", "Many[1]", "Many[2]"] {
         set(&mut bench, tag, &[("InterpolationType", 1.0), ("TerminationType", 1.0)]);
@@ -47,14 +47,14 @@ fn set(bench: &mut Bench, tag: &str, members: &[(&str, f64)]) {
     }
 }
 
-fn dynamics(bench: &mut Bench, linear: [f64; 3], orientation: [f64; 3]) {
+pub(super) fn dynamics(bench: &mut Bench, linear: [f64; 3], orientation: [f64; 3]) {
     for (place, name) in ["Speed", "Acceleration", "Deceleration"].iter().enumerate() {
         bench.write(&format!("D.{name}"), linear[place]);
         bench.write(&format!("D.Orientation{name}"), orientation[place]);
     }
 }
 
-fn position(bench: &mut Bench, tag: &str, position: [f64; 6]) {
+pub(super) fn position(bench: &mut Bench, tag: &str, position: [f64; 6]) {
     for (place, value) in position.iter().enumerate() {
         bench.write(&format!("{tag}.Position[{place}]"), *value);
     }

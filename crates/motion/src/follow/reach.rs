@@ -7,7 +7,7 @@
 
 use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, MotionError};
-use arcline_planner::geometry::{Path, Point as Vector};
+use arcline_planner::geometry::{Path, Point as Vector, Turn, angle_rates, angles};
 
 use super::robot::RobotMap;
 use super::transform::{Link, Map, Side, add};
@@ -22,6 +22,14 @@ pub(crate) struct Pace {
     pub(crate) acceleration: f64,
     /// Along the path, units/s².
     pub(crate) deceleration: f64,
+}
+
+/// What a coordinate system does on a way.
+struct Course<'a> {
+    path: &'a Path,
+    turn: Option<&'a Turn>,
+    /// Rx, Ry, Rz where it begins, degrees.
+    heading: Vector,
 }
 
 impl Pace {
@@ -63,15 +71,21 @@ impl Pace {
 }
 
 impl Motion {
-    /// Whether every robot that a coordinate system leads can follow its path, and how fast.
+    /// Whether every robot that a coordinate system leads can follow its path, and how fast. `turn`: of the system's orientation on
+    /// the way; without one it stays as it is.
     ///
     /// # Errors
     /// 67, 68 or 72: what the transform would fail with on the way, and 72 too for a joint beyond its soft travel.
-    pub(crate) fn verify_reach(&self, system: usize, path: &Path) -> Result<Pace, MotionError> {
+    pub(crate) fn verify_reach(&self, system: usize, path: &Path, turn: Option<&Turn>) -> Result<Pace, MotionError> {
         let mut pace = Pace::UNLIMITED;
+        let course = Course {
+            path,
+            turn,
+            heading: self.heading(system),
+        };
         for (_, link) in self.links() {
             if link.leads_joints() && !link.braking && self.leads_to(system, link, self.links.len()) {
-                self.verify_path(system, link, path, &mut pace)?;
+                self.verify_course(system, link, &course, &mut pace)?;
             }
         }
         Ok(pace)
@@ -153,27 +167,44 @@ impl Motion {
         whole
     }
 
-    fn verify_path(&self, system: usize, link: &Link, path: &Path, pace: &mut Pace) -> Result<(), MotionError> {
+    /// Where the source of a link is at a share of the way, and how it goes on per unit of the path; the angles are near those
+    /// before, and become these.
+    fn source_on(&self, system: usize, link: &Link, course: &Course<'_>, share: f64, near: &mut Vector) -> Side {
+        let description = &self.systems[system].description;
+        let length = course.path.length();
+        let at = course.path.at(share * length);
+        let linear = [at.position, at.tangent, at.curvature];
+        let turned = course.turn.map(|turn| {
+            let turned = turn.at(share).in_time(length.recip(), 0.0);
+            *near = angles(&turned.rotation, near);
+            let [rate, change] = angle_rates(near, &turned.rate, &turned.change);
+            [*near, rate, change]
+        });
+        self.when(link, &|axis| {
+            let among = |axes: &[u16]| axes.iter().position(|own| *own == axis);
+            let moved = among(description.linear()).map(|place| (place, linear));
+            let turned = || among(description.oriented()).zip(turned);
+            moved.or_else(turned).map_or_else(Point::default, |(place, of)| Point {
+                position: of[0][place] - self.axes[usize::from(axis)].command.position,
+                velocity: of[1][place],
+                acceleration: of[2][place],
+            })
+        })
+    }
+
+    fn verify_course(
+        &self,
+        system: usize,
+        link: &Link,
+        course: &Course<'_>,
+        pace: &mut Pace,
+    ) -> Result<(), MotionError> {
         let Map::Robot(robot) = &link.map else {
             return Ok(());
         };
         let mut robot = *robot;
-        let length = path.length();
-        let source = |share: f64| {
-            let at = path.at(share * length);
-            self.when(link, &|axis| {
-                let place = self.systems[system]
-                    .description
-                    .linear()
-                    .iter()
-                    .position(|own| *own == axis);
-                place.map_or_else(Point::default, |place| Point {
-                    position: at.position[place] - self.axes[usize::from(axis)].command.position,
-                    velocity: at.tangent[place],
-                    acceleration: at.curvature[place],
-                })
-            })
-        };
+        let mut heading = course.heading;
+        let mut source = |share: f64| self.source_on(system, link, course, share, &mut heading);
         let mut looks = LOOKS;
         let mut joints = robot.begin(&source(0.0))?;
         self.verify_joints(link, &joints, pace)?;

@@ -130,7 +130,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let path = way.path.shifted(&-shift);
     moves::verify_conflicts(motion, index, MERGE_DISABLED)?;
     verify::no_overtravel(&motion.systems[index], &motion.axes, &path.end())?;
-    let mut pace = motion.verify_reach(index, &way.path)?;
+    let mut pace = motion.verify_reach(index, &way.path, way.turn.as_ref())?;
     if motion.systems[index].description.joint_limits == AxisLimits::Ignore {
         pace = Pace::UNLIMITED;
     }

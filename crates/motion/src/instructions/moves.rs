@@ -138,7 +138,9 @@ pub(super) fn execute(
     let path = programmed.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
     verify::no_overtravel(system, &motion.axes, &path.end())?;
-    let mut pace = motion.verify_reach(index, &path.shifted(&shift))?;
+    // What queues begins with the orientation at the end of the queue.
+    let still = (merge == MERGE_DISABLED).then(|| motion.still(index)).flatten();
+    let mut pace = motion.verify_reach(index, &path.shifted(&shift), still.as_ref())?;
     if system.description.joint_limits == AxisLimits::Ignore {
         pace = Pace::UNLIMITED;
     }
