@@ -7,7 +7,7 @@
 //! switch time is the root of a monotone function (`root`).
 
 use crate::builder::{Builder, Sink, Trial};
-use crate::limits::SCurve;
+use crate::limits::{SCurve, way};
 use crate::peak::{self, Peak};
 use crate::profile::{Profile, State};
 use crate::ramp::{approach, change_by, ramp};
@@ -19,7 +19,7 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
         return stop(profile, target, limits);
     }
     let end_speed = end_speed.clamp(-limits.speed, limits.speed);
-    let x = target - from.position;
+    let x = way(from.position, target);
     if end_speed == 0.0 && x.abs() > farthest_stop(from, limits) {
         let sign = x.signum();
         return forward(profile, sign, sign * x, target, 0.0, limits);
@@ -29,10 +29,13 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
     } else {
         ramp_displacement(from, end_speed, limits)
     };
+    let mut near = nearness(from, target, x, x0);
     if (x - x0).abs() <= CLOSE * x.abs().max(x0.abs()) {
-        x0 = ramp_displacement(from, end_speed, limits);
+        let farthest;
+        (x0, farthest) = ramp_excursion(from, end_speed, limits);
+        // A ramp that comes back knows its end to the digits of the way out only, and so does who asked for its end speed.
+        near = near.max(4.0 * nearness(from, target, 0.0, farthest));
     }
-    let near = nearness(from, target, x, x0);
     if (x - x0).abs() <= near {
         let mut builder = Builder::new(profile, 1.0);
         ramp(&mut builder, end_speed, limits);
@@ -61,7 +64,7 @@ pub(crate) fn to_position_two_stage(profile: &mut Profile, target: f64, limits: 
     if limits.speed == 0.0 {
         return stop(profile, target, limits);
     }
-    let x = target - from.position;
+    let x = way(from.position, target);
     let x0 = ramp_displacement(from, 0.0, limits);
     let direction = if from.velocity != 0.0 {
         from.velocity.signum()
@@ -264,13 +267,48 @@ fn stop_displacement(from: &State, limits: &SCurve) -> f64 {
 const CLOSE: f64 = 1e-6;
 
 fn ramp_displacement(from: &State, velocity: f64, limits: &SCurve) -> f64 {
-    let mut trial = Trial {
-        x: 0.0,
-        v: from.velocity,
-        a: from.acceleration,
+    ramp_excursion(from, velocity, limits).0
+}
+
+/// The displacement of a ramp, and the largest size of one at the ends of its segments.
+fn ramp_excursion(from: &State, velocity: f64, limits: &SCurve) -> (f64, f64) {
+    let mut excursion = Excursion {
+        trial: Trial {
+            x: 0.0,
+            v: from.velocity,
+            a: from.acceleration,
+        },
+        farthest: 0.0,
     };
-    ramp(&mut trial, velocity, limits);
-    trial.x
+    ramp(&mut excursion, velocity, limits);
+    (excursion.trial.x, excursion.farthest)
+}
+
+/// A trial that notes how far it has been.
+struct Excursion {
+    trial: Trial,
+    farthest: f64,
+}
+
+impl Sink for Excursion {
+    fn velocity(&self) -> f64 {
+        self.trial.v
+    }
+
+    fn acceleration(&self) -> f64 {
+        self.trial.a
+    }
+
+    #[inline(always)]
+    fn push(&mut self, time: f64, jerk: f64) {
+        self.trial.push(time, jerk);
+        self.farthest = self.farthest.max(self.trial.x.abs());
+    }
+
+    #[inline(always)]
+    fn set(&mut self, velocity: f64, acceleration: f64) {
+        self.trial.set(velocity, acceleration);
+    }
 }
 
 /// Differences of displacement below this are rounding.

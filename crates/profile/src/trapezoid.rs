@@ -4,7 +4,7 @@
 //! `v0, vf` entry and exit speed, `vp` peak, `V, A, D` limits, as in the paper.
 
 use crate::builder::{Builder, Sink};
-use crate::limits::Trapezoid;
+use crate::limits::{Trapezoid, way};
 use crate::position::nearness;
 use crate::profile::{Profile, State};
 
@@ -23,7 +23,7 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
         return builder.finish(end, end.position == target);
     }
     let end_speed = end_speed.clamp(-limits.speed, limits.speed);
-    let x = target - from.position;
+    let x = way(from.position, target);
     let x0 = 0.5 * from.velocity * from.velocity.abs() * per_decel;
     let end = State {
         position: target,

@@ -163,7 +163,8 @@ fn entry_speeds_against_plans() {
 #[test]
 fn exit_speeds_against_plans() {
     let (mut met, mut turned) = (0, 0);
-    for case in 0..cases(5_000) {
+    // The one at the end comes back to where it has been: it knows its end to fewer digits.
+    for case in (0..cases(5_000)).chain([1_451_939]) {
         let mut random = Random(case ^ 0x4321);
         let limits = random_limits(&mut random, case);
         let mut from = random.state(&limits);
