@@ -29,12 +29,11 @@ impl Target {
     /// The events between two shares of an update.
     pub(super) fn run(&mut self, piece: &Piece, from: f64, until: f64, clock: &Clock, edges: &mut Vec<Edge>) {
         edges.clear();
-        for lane in self.live() {
-            for place in 0..self.lanes[*lane].states.len() {
-                if self.state(*lane, place).passed {
+        for &lane in self.live() {
+            for place in 0..self.lanes[lane].states.len() {
+                if self.state(lane, place).passed {
                     continue;
                 }
-                let lane = *lane;
                 for latch in [true, false] {
                     let (course, window) = self.signal(piece, lane, place, latch);
                     let crossed = window.crossed(course.from, course.to);
@@ -73,12 +72,11 @@ impl Target {
             self.happens(edge.lane, edge.element, edge.what, at);
         }
         // What rounding has made of the ends.
-        for lane in self.live() {
-            for place in 0..self.lanes[*lane].states.len() {
-                if self.state(*lane, place).passed {
+        for &lane in self.live() {
+            for place in 0..self.lanes[lane].states.len() {
+                if self.state(lane, place).passed {
                     continue;
                 }
-                let lane = *lane;
                 let at = instant(piece, until, clock);
                 let inside = [true, false].map(|latch| {
                     let (course, window) = self.signal(piece, lane, place, latch);
