@@ -110,6 +110,6 @@ fn a_link_asks_nothing_of_its_slave_or_its_master() {
     bench.run(2);
     execute(&mut bench, "MDCC(SERVO, A1, D1, Command, 0);");
     assert_eq!(bench.bits("D1"), "EN DN IP", "a slave without torque");
-    execute(&mut bench, "MDCC(L1, P, D2, Actual, 0);");
+    execute(&mut bench, "MDCC(L2, P, D2, Actual, 0);");
     assert_eq!(bench.bits("D2"), "EN DN IP", "a master without torque");
 }

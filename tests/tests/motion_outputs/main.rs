@@ -70,8 +70,8 @@ fn compensate(bench: &mut Bench, bit: usize, values: [f64; 6]) {
 }
 
 /// A bit that is on from one position to another.
-fn window(bit: u8, left: f64, right: f64) -> [f64; 8] {
-    [f64::from(bit), 1.0, 1.0, left, right, 0.0, 0.0, 0.0]
+const fn window(bit: u8, left: f64, right: f64) -> [f64; 8] {
+    [bit as f64, 1.0, 1.0, left, right, 0.0, 0.0, 0.0]
 }
 
 fn go(bench: &mut Bench, axis: &str, to: f64, dynamics: &str) {

@@ -24,8 +24,24 @@ fn a_client_arms_an_output_cam_and_sees_its_bits() {
     }
     // Bit 3 between two positions, bit 4 there while bit 7 of the input is on.
     for (element, members) in [
-        (0, [("OutputBit", "3"), ("LatchType", "1"), ("UnlatchType", "1"), ("EnableBit", "0")]),
-        (1, [("OutputBit", "4"), ("LatchType", "3"), ("UnlatchType", "4"), ("EnableBit", "7")]),
+        (
+            0,
+            [
+                ("OutputBit", "3"),
+                ("LatchType", "1"),
+                ("UnlatchType", "1"),
+                ("EnableBit", "0"),
+            ],
+        ),
+        (
+            1,
+            [
+                ("OutputBit", "4"),
+                ("LatchType", "3"),
+                ("UnlatchType", "4"),
+                ("EnableBit", "7"),
+            ],
+        ),
     ] {
         for (member, value) in members.into_iter().chain([("Left", "5.0"), ("Right", "15.0")]) {
             let _ = arcline(at, &["write", &format!("Cam[{element}].{member}"), value]).expect(0);
@@ -66,7 +82,9 @@ fn a_client_arms_an_output_cam_and_sees_its_bits() {
     });
     let _ = arcline(at, &["move-axis", "A", "10"]).expect(0);
     let out_is = |value: f64| {
-        eventually("the bits", SOON, || (read_numbers(at, &["Out"]) == [value]).then_some(()));
+        eventually("the bits", SOON, || {
+            (read_numbers(at, &["Out"]) == [value]).then_some(())
+        });
     };
     out_is(8.0);
     let _ = arcline(at, &["write", "In", "128"]).expect(0);

@@ -55,7 +55,7 @@ impl Axis {
     }
 
     /// The drive goes along with a command whose positions were shifted.
-    fn shift(&mut self, offset: f64) {
+    pub(super) fn shift(&mut self, offset: f64) {
         self.drive.redefine(offset);
         self.command = self.sum.command();
         self.redefined += offset;
