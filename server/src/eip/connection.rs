@@ -33,6 +33,13 @@ const WRITE: usize = 16 * 1024;
 /// How long a changed inactivity time-out may go unnoticed.
 const LOOK: Duration = Duration::from_secs(1);
 
+/// From one question to the next of a peer that wants its answer for nothing else than to go on asking.
+const BRISK: Duration = Duration::from_micros(200);
+
+/// How often it is looked whether such a peer has asked again before the thread sleeps: to be woken takes longer than such a
+/// peer does. A peer that takes its time finds the thread asleep, so that this costs no more than its questions.
+const LOOKS: u32 = 40;
+
 /// Why a connection ended.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Ended {
@@ -93,6 +100,7 @@ where
         device,
         epoch,
         now: Duration::ZERO,
+        is_brisk: false,
     };
     let ended = tokio::select! {
         ended = connection.run() => ended,
@@ -127,6 +135,8 @@ struct Connection<S> {
     epoch: Instant,
     /// The time since the epoch when something was waited for last: what is done at once takes none.
     now: Duration,
+    /// Whether the peer asked its last question as soon as it had its answer.
+    is_brisk: bool,
 }
 
 /// Frames that wait to be sent: the only one as it is, several in one piece.
@@ -203,14 +213,26 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
         }
         self.input.reserve(READ);
         let mut read = pin!(self.stream.read_buf(&mut self.input));
-        let came = std::future::poll_fn(|cx| {
-            if let Poll::Ready(came) = read.as_mut().poll(cx) {
-                return Poll::Ready(Some(came));
+        let mut looks = if self.is_brisk { LOOKS } else { 0 };
+        let came = loop {
+            let came = std::future::poll_fn(|cx| {
+                if let Poll::Ready(came) = read.as_mut().poll(cx) {
+                    return Poll::Ready(Some(came));
+                }
+                if looks > 0 {
+                    return Poll::Ready(None);
+                }
+                timer.as_mut().poll(cx).map(|()| None)
+            })
+            .await;
+            if came.is_some() || looks == 0 {
+                break came;
             }
-            timer.as_mut().poll(cx).map(|()| None)
-        });
-        let came = came.await;
-        self.now = self.epoch.elapsed();
+            looks -= 1;
+            tokio::task::yield_now().await;
+        };
+        let before = std::mem::replace(&mut self.now, self.epoch.elapsed());
+        self.is_brisk = self.now.saturating_sub(before) < BRISK;
         match came {
             Some(Ok(0)) => Err(Ended::ByPeer),
             Some(came) => came.map(|_| ()).map_err(Ended::from),
