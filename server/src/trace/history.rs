@@ -186,8 +186,9 @@ mod tests {
     #[test]
     fn groups_tell_value_least_and_greatest() {
         let machine = machine();
-        let mut history = History::new(&machine);
-        assert_eq!(history.every(), 32, "eleven minutes at 1 ms");
+        assert_eq!(History::new(&machine).every(), 32, "eleven minutes at 1 ms");
+        let mut history = History::within(&machine, 2 * BYTES);
+        assert_eq!(history.every(), 16, "in twice the room");
         for tick in 5..100 {
             history.append(&row(&machine, tick));
         }
@@ -212,7 +213,7 @@ mod tests {
     #[test]
     fn behind_a_gap_it_begins_again() {
         let machine = machine();
-        let mut history = History::new(&machine);
+        let mut history = History::within(&machine, 2 * BYTES);
         for tick in (0..64).chain(128..256) {
             history.append(&row(&machine, tick));
         }
