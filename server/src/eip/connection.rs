@@ -102,10 +102,8 @@ where
         now: Duration::ZERO,
         is_brisk: false,
     };
-    let ended = tokio::select! {
-        ended = connection.run() => ended,
-        () = leave.notified() => Ended::Crowded,
-    };
+    let ended = leave.run_until_cancelled(connection.run()).await;
+    let ended = ended.unwrap_or(Ended::Crowded);
     connection.session.handle_disconnect(&mut Seat {
         device: &connection.device,
         local,
