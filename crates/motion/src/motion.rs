@@ -21,7 +21,7 @@ use crate::axis::{Axis, AxisState};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
 use crate::events::{ArrayWrite, Events};
 use crate::follow::order::Order;
-use crate::follow::transform::Link;
+use crate::follow::pair::Link;
 use crate::instructions::{self, Layouts};
 use crate::machine::Machine;
 use crate::material::{Material, Sent};

@@ -9,7 +9,7 @@ use arcline_instruction_set::{AxisIndex, MotionError};
 use arcline_planner::profile::{Jerk, Limits};
 
 use super::Release;
-use super::transform::{Link, Side};
+use super::pair::{Link, Side};
 use crate::axis::sum::Slot;
 use crate::instructions::stop_move;
 use crate::machine::MAX_PRIMARY_AXES;

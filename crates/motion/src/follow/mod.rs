@@ -11,8 +11,10 @@ pub(crate) mod gear;
 pub(crate) mod guide;
 pub(crate) mod links;
 pub(crate) mod order;
+pub(crate) mod pair;
 pub(crate) mod reach;
 pub(crate) mod robot;
+mod shown;
 pub(crate) mod transform;
 
 use arcline_drive::Motion as Point;
@@ -26,7 +28,7 @@ use cam::{Cam, Source};
 pub(crate) use cancel::Release;
 use gear::{MasterAt, Reference};
 use order::{Circle, Followers, Masters, Step};
-use transform::Link;
+use pair::Link;
 
 /// Something that is to follow from the next tick on.
 #[derive(Clone, Copy, Debug)]

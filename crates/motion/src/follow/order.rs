@@ -3,7 +3,7 @@
 //! It is worked out when a link is made. A link that ended leaves an order that is still right. Not here: what a step
 //! does. Nothing allocates after [`Order::new`]; working an order out is bounded by axes × links.
 
-use super::transform::Link;
+use super::pair::Link;
 
 /// A part of the computation of one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

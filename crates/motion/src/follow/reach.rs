@@ -9,8 +9,8 @@ use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, MotionError};
 use arcline_planner::geometry::{Path, Point as Vector, Turn, angle_rates, angles};
 
+use super::pair::{Link, Map, Side, add};
 use super::robot::RobotMap;
-use super::transform::{Link, Map, Side, add};
 use crate::motion::Motion;
 
 /// How fast a path may be travelled for the joints' sake; infinite where nothing limits it.

@@ -8,7 +8,7 @@ use super::programmed::positive;
 use crate::control::Execution;
 use crate::dynamics::{in_units, jerk_in_units, resolve};
 use crate::follow::Release;
-use crate::follow::transform::Link;
+use crate::follow::pair::Link;
 use crate::motion::Motion;
 use crate::stop::{ALL, AxisSet, COORDINATED_MOVE, COORDINATED_TRANSFORM, Stop};
 use crate::verify;

@@ -9,8 +9,8 @@ use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::follow::Follower;
 use crate::follow::order::share;
+use crate::follow::pair::{Link, Map, Positions};
 use crate::follow::robot::{CONSISTENT, Joints, RobotMap};
-use crate::follow::transform::{Link, Map, Positions};
 use crate::motion::Motion;
 use crate::verify;
 

@@ -8,8 +8,8 @@ use super::mct::{self, positions, refused};
 use super::place;
 use crate::control::Execution;
 use crate::follow::order::share;
+use crate::follow::pair::{Link, Map};
 use crate::follow::robot::RobotMap;
-use crate::follow::transform::{Link, Map};
 use crate::material::{Frames, Sent};
 use crate::motion::Motion;
 
