@@ -49,6 +49,30 @@ pub const PLANAR: RobotMachine = RobotMachine {
     ..DELTA
 };
 
+/// Two links in a plane, the second of which turns with the first.
+pub const PLANAR_INDEPENDENT: RobotMachine = RobotMachine {
+    keys: "type = \"articulated_independent\"\nlink_lengths = [300.0, 250.0]\nbase_offsets = [20.0, 40.0, 0.0]\n\
+           end_effector_offsets = [30.0, -15.0, 0.0]\n",
+    joints: &[70.0, -80.0],
+    ..DELTA
+};
+
+/// A turning base and two links, the second of which keeps its angle.
+pub const ARTICULATED_DEPENDENT: RobotMachine = RobotMachine {
+    keys: "type = \"articulated_dependent\"\nlink_lengths = [300.0, 250.0]\nbase_offsets = [20.0, 0.0, 40.0]\n\
+           end_effector_offsets = [30.0, 0.0, -15.0]\n",
+    joints: &[0.0, 70.0, -10.0],
+    ..DELTA
+};
+
+/// Two arms in a vertical plane.
+pub const DELTA_2: RobotMachine = RobotMachine {
+    keys: "type = \"delta\"\nlink_lengths = [120.0, 260.0]\nbase_offsets = [60.0, 0.0, 0.0]\n\
+           end_effector_offsets = [20.0, -30.0, 0.0]\n",
+    joints: &[20.0, 20.0],
+    ..DELTA
+};
+
 /// Two arms that lie, and a vertical axis.
 pub const SCARA_DELTA: RobotMachine = RobotMachine {
     keys: "type = \"scara_delta\"\nlink_lengths = [120.0, 260.0]\nbase_offsets = [60.0, 0.0, 0.0]\n\
@@ -96,6 +120,14 @@ pub const SIX_AXES: RobotMachine = RobotMachine {
     joints: &[5.0, 70.0, -80.0, 10.0, -60.0, 20.0],
     ..DELTA
 };
+
+/// Tags of a path move, `MCPM(…, Way, 1, Pace)`: 9.98 units along X and 10 degrees about Z from where it is, at 50 units/s and
+/// 500 units/s²; it turns as fast as the line lets it.
+pub const PATH_TAGS: &str = "[[tag]]\nname = \"Way\"\ntype = \"PATH_DATA\"\n\
+    value = { InterpolationType = 1, Position = [9.98, 0, 0, 0, 0, 10, 0, 0, 0], MoveType = 1, TerminationType = 1 }\n\
+    [[tag]]\nname = \"Pace\"\ntype = \"DYNAMICS_DATA\"\n\
+    value = { UnitsMode = 1, Speed = 50, Acceleration = 500, Deceleration = 500, OrientationSpeed = 500, \
+    OrientationAcceleration = 5000, OrientationDeceleration = 5000 }\n";
 
 /// Tags for instructions of robots with wrists.
 const TAGS: [(&str, &str); 6] = [

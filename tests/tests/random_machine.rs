@@ -2,7 +2,7 @@
 //! bit that stays behind, and every instruction ends in exactly one way (spec/axis-and-data-types.md §1.2).
 //!
 //! Each sequence is a Structured Text program that its seed reproduces and that is printed when it fails.
-//! `ARCLINE_CASES` sets how many of each kind are run (150 and 50 unless told), `ARCLINE_SEED` the first (0).
+//! `ARCLINE_CASES` sets how many of each kind are run (150, and 50 of each other kind, unless told), `ARCLINE_SEED` the first (0).
 #![allow(missing_docs)]
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,7 +24,9 @@ const SIDES: f64 = 3.0;
 /// of each.
 const GENERATORS: f64 = 8.0;
 
-const AXES: [&str; 7] = ["X", "Y", "Z", "S", "A", "B", "C"];
+const AXES: [&str; 10] = ["X", "Y", "Z", "S", "A", "B", "C", "RX", "RY", "RZ"];
+/// Axes where nothing turns.
+const LINEAR: usize = 7;
 /// Degrees of a turn where axes are rotary.
 const UNWIND: f64 = 360.0;
 /// An encoder, which others follow; it is written at every pause.
@@ -32,7 +34,10 @@ const ENCODER: &str = "E";
 /// Axes with output cams.
 const CAMMED: [&str; 3] = ["X", "A", "S"];
 const SERVOS: [&str; 4] = ["X", "Y", "Z", "S"];
-const SYSTEMS: [(&str, usize); 4] = [("CS1", 3), ("CS2", 3), ("CS3", 3), ("XY", 2)];
+/// Coordinate systems, and how many axes a line of theirs has. The last one turns too.
+const SYSTEMS: [(&str, usize); 5] = [("CS1", 3), ("CS2", 3), ("CS3", 3), ("XY", 2), (TURNING, 3)];
+/// A system with orientation: X, Y, Z, RX, RY, RZ.
+const TURNING: &str = "Turn";
 
 /// A kind of machine. Each has its own sequences.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -43,6 +48,8 @@ enum Kind {
     Rotary,
     /// Servos with limits of speed and torque, encoders, and position errors that fault.
     Limited,
+    /// With a system that has an orientation, and path moves of it.
+    Paths,
 }
 
 impl Kind {
@@ -57,7 +64,7 @@ impl Kind {
         let passive = "home = { mode = \"passive\", sequence = \"marker\", marker = { every = 30.0 } }";
         let mut keys = vec![("X", home), ("Y", passive)];
         match self {
-            Kind::Linear => {}
+            Kind::Linear | Kind::Paths => {}
             Kind::Rotary => keys.extend(["S", "B", "C"].map(|axis| (axis, "unwind = 360.0"))),
             Kind::Limited => {
                 let drive = "drive = { speed_limit = 120.0, torque_limit = 1500.0, encoder_resolution = 100.0, \
@@ -72,16 +79,51 @@ impl Kind {
                     value = [{ LatchType = 1, UnlatchType = 1, Left = 5.0, Right = 30.0 }, \
                     { OutputBit = 1, LatchType = 3, UnlatchType = 5, Left = 20.0, Right = 60.0, Duration = 0.05 }, \
                     { OutputBit = 2, LatchType = 2, UnlatchType = 4, Right = 40.0, EnableType = 2 }]\n\
-                    [[tag]]\nname = \"Encoder\"\ntype = \"REAL\"\n\
-                    [[axis]]\nname = \"E\"\ntype = \"feedback\"\nmax_speed = 100.0\nmax_acceleration = 1000.0\n\
+                    [[tag]]\nname = \"Encoder\"\ntype = \"REAL\"\n";
+        let encoder = "[[axis]]\nname = \"E\"\ntype = \"feedback\"\nmax_speed = 100.0\nmax_acceleration = 1000.0\n\
                     feed = { tag = \"Encoder\", interval_ms = 50.0, timeout_ms = 10000.0 }\n";
+        let turning = if self == Kind::Paths { turning() } else { String::new() };
         keys.extend(CAMMED.map(|axis| (axis, "output_cam_execution_targets = 2")));
-        keys.iter().fold(slow + tags, |text, (axis, keys)| {
-            let name = format!("name = \"{axis}\"\ntype = ");
-            assert!(text.contains(&name), "{axis}");
-            text.replacen(&name, &format!("{keys}\n{name}"), 1)
-        })
+        keys.iter()
+            .fold(slow + tags + &turning + encoder, |text, (axis, keys)| {
+                let name = format!("name = \"{axis}\"\ntype = ");
+                assert!(text.contains(&name), "{axis}");
+                text.replacen(&name, &format!("{keys}\n{name}"), 1)
+            })
     }
+
+    /// The axes, in the order of the configuration.
+    fn axes(self) -> &'static [&'static str] {
+        if self == Kind::Paths { &AXES } else { &AXES[..LINEAR] }
+    }
+
+    /// The coordinate systems, in the order of the configuration.
+    fn systems(self) -> &'static [(&'static str, usize)] {
+        if self == Kind::Paths {
+            &SYSTEMS
+        } else {
+            &SYSTEMS[..SYSTEMS.len() - 1]
+        }
+    }
+}
+
+/// The system with orientation, its axes, and the tags of its moves.
+fn turning() -> String {
+    let mut text = "[[tag]]\nname = \"Way\"\ntype = \"PATH_DATA\"\nvalue = { InterpolationType = 1 }\n\
+                    [[tag]]\nname = \"Pace\"\ntype = \"DYNAMICS_DATA\"\nvalue = { UnitsMode = 1 }\n"
+        .to_owned();
+    for axis in &AXES[LINEAR..] {
+        let _ = writeln!(
+            text,
+            "[[axis]]\nname = \"{axis}\"\ntype = \"virtual\"\nmax_speed = 1000.0\nmax_acceleration = 10000.0\n\
+             max_deceleration = {STOP_RATE:?}"
+        );
+    }
+    let axes = ["X", "Y", "Z", "RX", "RY", "RZ"];
+    text + &format!(
+        "[[coordinate_system]]\nname = \"{TURNING}\"\ndefinition = \"XYZRxRyRz\"\naxes = {axes:?}\nmax_speed = 1000.0\n\
+         max_acceleration = 10000.0\nmax_deceleration = {STOP_RATE:?}\nactual_tolerance = 0.01\ncommand_tolerance = 1.0\n"
+    )
 }
 
 /// Bits of an axis that must be off when nothing moves.
@@ -212,8 +254,11 @@ impl Sequence {
     }
 
     fn axis(&mut self) -> &'static str {
-        let axis: &&str = self.random.one_of(&AXES);
-        axis
+        // RX and RY only turn along paths, so that RY stays where RX and RZ are told apart.
+        match self.random.below(self.kind.axes().len().min(LINEAR + 1) as u64) as usize {
+            LINEAR => "RZ",
+            place => AXES[place],
+        }
     }
 
     /// Speed, rates, profile, jerks and their units, from MCLM's Speed on.
@@ -231,8 +276,42 @@ impl Sequence {
         format!("[{}]", values.join(", "))
     }
 
+    /// Moves along a path and turns on it.
+    fn path(&mut self) {
+        let incremental = self.random.below(3) == 0;
+        let tilt = if incremental { 0.0 } else { 20.0 };
+        for (place, most) in [60.0, 60.0, 60.0, tilt, tilt, 170.0].into_iter().enumerate() {
+            let position = self.random.between(-most, most);
+            self.write(&format!("Way.Position[{place}]"), position);
+        }
+        self.write("Way.MoveType", f64::from(u8::from(incremental)));
+        let turns = *self.random.one_of(&[0.0, 0.0, 0.0, 1.0, -1.0]);
+        self.write("Way.TurnsCounters[2]", turns);
+        let (termination, tolerance) = (*self.random.one_of(&[0.0, 1.0, 6.0]), self.random.between(0.0, 20.0));
+        self.write("Way.TerminationType", termination);
+        self.write("Way.CommandToleranceLinear", tolerance);
+        let profile = self.random.below(2) as f64;
+        self.write("Pace.Profile", profile);
+        for part in ["", "Orientation"] {
+            let speed = self.random.between(10.0, 150.0);
+            self.write(&format!("Pace.{part}Speed"), speed);
+            for rate in ["Acceleration", "Deceleration"] {
+                let rate_of = self.random.between(200.0, RATE);
+                self.write(&format!("Pace.{part}{rate}"), rate_of);
+            }
+        }
+        let jerk = self.random.between(20.0, 100.0);
+        for jerk_of in ["AccelerationJerk", "DecelerationJerk"] {
+            self.write(&format!("Pace.{jerk_of}"), jerk);
+        }
+        self.execute(&format!("MCPM({TURNING}, {{tag}}, Way, 1, Pace)"));
+    }
+
     fn coordinated(&mut self) {
-        let (system, axes) = *self.random.one_of(&SYSTEMS);
+        if self.kind == Kind::Paths && self.random.below(2) == 0 {
+            return self.path();
+        }
+        let (system, axes) = *self.random.one_of(self.kind.systems());
         let (kind, to, dynamics) = (self.random.below(2), self.point(axes), self.dynamics());
         let termination = *self.random.one_of(&[0, 1, 2, 3, 6]);
         let merge = if self.random.below(6) == 0 {
@@ -280,9 +359,11 @@ impl Sequence {
                 format!("MAS({axis}, {{tag}}, {kind}, 1, {RATE}, 0, 0, 0, 2)")
             }
             4..=6 => {
-                let (system, _) = *self.random.one_of(&SYSTEMS);
+                let (system, _) = *self.random.one_of(self.kind.systems());
                 let kind = *self.random.one_of(&[0, 2, 3]);
-                format!("MCS({system}, {{tag}}, {kind}, 1, {RATE}, 0, 0, 0, 2)")
+                // A system with orientation has rates in percent only: of twice the rate.
+                let (rate, units) = if system == TURNING { (50.0, 1) } else { (RATE, 0) };
+                format!("MCS({system}, {{tag}}, {kind}, 1, {rate}, {units}, 0, 0, 2)")
             }
             _ => "MGS(Motion, {tag}, 1)".to_owned(),
         };
@@ -291,7 +372,7 @@ impl Sequence {
 
     fn switch(&mut self) {
         let servo = *self.random.one_of(&SERVOS);
-        let (system, _) = *self.random.one_of(&SYSTEMS);
+        let (system, _) = *self.random.one_of(self.kind.systems());
         let call = match self.random.below(12) {
             0 => format!("MSF({servo}, {{tag}})"),
             1..=3 => format!("MSO({servo}, {{tag}})"),
@@ -307,7 +388,7 @@ impl Sequence {
 
     /// Changes what a coordinate system does.
     fn change(&mut self) {
-        let (system, _) = *self.random.one_of(&SYSTEMS);
+        let (system, _) = *self.random.one_of(self.kind.systems());
         let (speed, scope) = (self.random.between(0.0, 150.0), self.random.below(2));
         self.execute(&format!(
             "MCCD({system}, {{tag}}, 1, 1, {speed}, 0, 1, {RATE}, 0, 0, 0, 0, 0, 0, 0, 0, 0, {scope})"
@@ -330,7 +411,7 @@ impl Sequence {
 
     /// Puts the cause of a fault on an axis, or takes it away and resets what it has done.
     fn fault(&mut self) {
-        let place = self.random.below(AXES.len() as u64) as usize;
+        let place = self.random.below(self.kind.axes().len() as u64) as usize;
         let axis = AXES[place];
         let bits = if self.random.below(3) == 0 {
             1u32 << self.random.below(FaultKind::COUNT as u64)
@@ -370,7 +451,7 @@ impl Sequence {
         let after = self.bench.snapshot();
         // A position error has switched a servo off: its command goes to where it is.
         self.switching |= after.axes.iter().any(|axis| axis.faults != FaultSet::default());
-        for (name, (before, after)) in AXES.iter().zip(before.axes.iter().zip(&after.axes)) {
+        for (name, (before, after)) in self.kind.axes().iter().zip(before.axes.iter().zip(&after.axes)) {
             let (b, a) = (before.command, after.command);
             assert!(
                 a.iter().chain(&after.actual).all(|value| value.is_finite()),
@@ -415,7 +496,7 @@ impl Sequence {
 
     /// Stops the group; then nothing moves and nothing is left behind.
     fn finish(&mut self) {
-        for (place, axis) in AXES.iter().enumerate() {
+        for (place, axis) in self.kind.axes().iter().enumerate() {
             let _ = writeln!(self.program, "FaultInject[{place}] := 0;");
             self.bench.inject(axis, &[]);
         }
@@ -426,12 +507,12 @@ impl Sequence {
         self.bench.until_rest();
         self.run(3);
         let snapshot = self.bench.snapshot();
-        for (name, axis) in AXES.iter().zip(&snapshot.axes) {
+        for (name, axis) in self.kind.axes().iter().zip(&snapshot.axes) {
             assert_eq!(axis.motion_status & MOVING, 0, "{name} shows {:#x}", axis.motion_status);
             assert_eq!(axis.command[1..], [0.0, 0.0], "{name}");
             assert_eq!(axis.output_cams, [0; 4], "{name}");
         }
-        for ((name, _), system) in SYSTEMS.iter().zip(&snapshot.systems) {
+        for ((name, _), system) in self.kind.systems().iter().zip(&snapshot.systems) {
             let moving = system.motion_status
                 & !(coordinate_motion_status::ACTUAL_POS_TOLERANCE_STATUS
                     | coordinate_motion_status::COMMAND_POS_TOLERANCE_STATUS);
@@ -537,4 +618,9 @@ fn random_sequences_of_rotary_axes() {
 #[test]
 fn random_sequences_of_servos_with_limits() {
     run(Kind::Limited, 3);
+}
+
+#[test]
+fn random_sequences_of_path_moves() {
+    run(Kind::Paths, 3);
 }

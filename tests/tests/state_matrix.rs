@@ -3,6 +3,7 @@
 use arcline_instruction_set::{FaultKind, Flag};
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::follow::CAM_TAGS;
+use arcline_tests::robots::PATH_TAGS;
 
 /// A trapezoid at 50 units/s, from Speed on.
 const RATES: &str = "50, 0, 500, 0, 500, 0, 0, 100, 100, 2";
@@ -21,6 +22,13 @@ const STATES: [State; 7] = [
     ("moved by a transform", moved_by_a_transform),
 ];
 
+/// A system that turns too, about axes of its own.
+const TURNING: &str = "[[axis]]\nname = \"RX\"\ntype = \"virtual\"\nmax_speed = 1000.0\nmax_acceleration = 10000.0\n\
+    [[axis]]\nname = \"RY\"\ntype = \"virtual\"\nmax_speed = 1000.0\nmax_acceleration = 10000.0\n\
+    [[axis]]\nname = \"RZ\"\ntype = \"virtual\"\nmax_speed = 1000.0\nmax_acceleration = 10000.0\n\
+    [[coordinate_system]]\nname = \"Turn\"\ndefinition = \"XYZRxRyRz\"\naxes = [\"X\", \"Y\", \"Z\", \"RX\", \"RY\", \"RZ\"]\n\
+    max_speed = 500.0\nmax_acceleration = 5000.0\n";
+
 /// X is homed by an active sequence, Y by a passive one.
 fn machine() -> Bench {
     let home = |name: &str, mode: &str| {
@@ -37,6 +45,8 @@ fn machine() -> Bench {
         text = text.replacen(&axis, &with_home, 1);
     }
     text += CAM_TAGS;
+    text += TURNING;
+    text += PATH_TAGS;
     let mut bench = Bench::with(&text);
     assert_eq!(bench.call("MCCP(Calculated, Cam, 2, 0, 0, Profile)"), OK);
     bench
@@ -121,6 +131,7 @@ const MATRIX: &[Row] = &[
     ("MAH(S, T)",                                         [  0,  7,  0,  0,  0,  0, 63]),
     ("MRP(X, T, 1, 0, 5)",                                [  0,  7,  0, 16,  0,  0, 63]),
     ("MCLM(CS1, T, 1, [5, 5, 5], {rates}, 1)",            [  5,  7, 20, 16, 78, 52,  0]),
+    ("MCPM(Turn, T, Way, 1, Pace)",                       [  5,  7, 20, 16, 78, 52,  0]),
     ("MGS(Motion, T, 1)",                                 [  0,  0,  0,  0,  0,  0,  0]),
 ];
 

@@ -11,6 +11,7 @@ use arcline_controller::image::{Health, Image};
 use arcline_instruction_set::{FAULTS, FaultKind, FaultWord, Flag, predefined};
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::follow::CAM_TAGS;
+use arcline_tests::robots::PATH_TAGS;
 
 const MORE: &str = r#"
 [[axis]]
@@ -111,6 +112,11 @@ const SCENARIOS: &[Scenario] = &[
     ("driven move", 500, "0 MAJ(Y, J, 0, 51, 0, 5100, 0, 5100, 0, 0, 100, 100, 2)\n20 MDAC(X, Y, L, Move, Command)\n100 MAM(X, M, 0, 20, 2, 4, 0.4, 4, 0.4, 4, 0, 100, 100, 6, 0, 0, 0, 1, [0, 1, 2, 3], Data)"),
     ("driven jog", 500, "0 MAJ(Y, J, 0, 51, 0, 5100, 0, 5100, 0, 0, 100, 100, 2)\n20 MDAC(X, Y, L, Jog, Command)\n100 MAJ(X, M, 0, 2, 4, 0.4, 4, 0.4, 4, 0, 100, 100, 6, 0, 0, 0, 1)\n300 MAS(X, Stop, Jog, Yes, 1000, 0)"),
     ("stopped line", 330, "10 MCLM(CS1, M, 0, [9.98, 0, 0], 50, 0, 500, 0, 500, 0, 0, 100, 100, 2, 1)\n160 MCS(CS1, Stop, 2, Yes, 500, 0)"),
+    // As the line; it turns on its way.
+    ("path", 330, "10 MCPM(Turn, M, Way, 1, Pace)\n320 false M"),
+    ("two paths", 630, "10 MCPM(Turn, M, Way, 1, Pace)\n20 MCPM(Turn, N, Way, 1, Pace)"),
+    // 10 percent of 5000 units/s².
+    ("stopped path", 330, "10 MCPM(Turn, M, Way, 1, Pace)\n160 MCS(Turn, Stop, 2, Yes, 10, 1)"),
     ("transform", 300, "10 MCT(CS2, CS3, M, [0, 0, 0], [0, 0, 0])\n20 MAM(A, N, 0, 1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MCS(CS2, Stop, 3, No, 0, 0)"),
     ("tool", 400, "10 MCTO(Turn, Wrist, M, Frame, Frame)\n20 MAM(O6, N, 1, 1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n300 MCS(Turn, Stop, 3, No, 0, 0)"),
     ("transform forwards", 300, "10 MCT(CS2, CS3, M, [0, 0, 0], [0, 0, 0])\n20 MAM(X, N, 0, 1, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n200 MCS(CS3, Stop, 3, No, 0, 0)"),
@@ -195,6 +201,8 @@ const ROWS: &[Row] = &[
     ("transform",        "A.ControlledByTransformStatus",   false, &[]),
     ("transform forwards", "A.ControlledByTransformStatus", false, &[20, 110]),
     ("transform forwards", "X.ControlledByTransformStatus", false, &[]),
+    ("path",             "O1.CoordinatedMotionStatus",      false, &[10, 310]),
+    ("path",             "O6.CoordinatedMotionStatus",      false, &[10, 310]),
     // AxisEvent.
     ("watch",            "X.WatchEventArmedStatus",         false, &[10, 171, 200, 220]),
     ("watch",            "X.WatchEventStatus",              false, &[171, 200]),
@@ -257,6 +265,13 @@ const ROWS: &[Row] = &[
     ("stopped line",     "CS1.StoppingStatus",              false, &[160, 260]),
     ("stopped line",     "CS1.DecelStatus",                 false, &[160, 260]),
     ("stopped line",     "CS1.MoveStatus",                  false, &[10, 160]),
+    ("path",             "Turn.MoveStatus",                 false, &[10, 310]),
+    ("path",             "Turn.AccelStatus",                false, &[10, 110]),
+    ("path",             "Turn.DecelStatus",                false, &[210, 310]),
+    ("two paths",        "Turn.MovePendingStatus",          false, &[20, 310]),
+    ("two paths",        "Turn.MoveStatus",                 false, &[10, 610]),
+    ("stopped path",     "Turn.StoppingStatus",             false, &[160, 260]),
+    ("stopped path",     "Turn.MoveStatus",                 false, &[10, 160]),
     ("transform",        "CS2.TransformSourceStatus",       false, &[10, 200]),
     // √0.008 s.
     ("tool",             "Turn.ToolChangeAllowedStatus",    false, &[10, 20, 110, 300]),
@@ -264,6 +279,8 @@ const ROWS: &[Row] = &[
     // CoordinateSystemStatus, AxisFault, and the words of its axes.
     ("line",             "CS1.MotionStatus",                false, &[10, 310, 320]),
     ("stopped line",     "CS1.MotionStatus",                false, &[10, 260]),
+    ("path",             "Turn.MotionStatus",               false, &[10, 310]),
+    ("stopped path",     "Turn.MotionStatus",               false, &[10, 260]),
     ("shutdown",         "CS1.ReadyStatus",                 true,  &[10, 30]),
     ("shutdown",         "CS1.ShutdownStatus",              false, &[]),
     ("system shutdown",  "CS1.ShutdownStatus",              false, &[10, 30]),
@@ -315,6 +332,20 @@ const ROWS: &[Row] = &[
     ("stopped line",     "M.PC",                            false, &[]),
     ("stopped line",     "Stop.IP",                         false, &[160, 260]),
     ("stopped line",     "Stop.PC",                         false, &[260]),
+    ("path",             "M.EN",                            false, &[10, 320]),
+    ("path",             "M.DN",                            false, &[10]),
+    ("path",             "M.IP",                            false, &[10, 310]),
+    ("path",             "M.AC",                            false, &[10, 310]),
+    ("path",             "M.PC",                            false, &[310]),
+    ("path",             "M.ACCEL",                         false, &[10, 110]),
+    ("path",             "M.DECEL",                         false, &[210, 310]),
+    ("two paths",        "M.AC",                            false, &[10, 310]),
+    ("two paths",        "N.IP",                            false, &[20, 610]),
+    ("two paths",        "N.AC",                            false, &[310, 610]),
+    ("stopped path",     "M.IP",                            false, &[10, 160]),
+    ("stopped path",     "M.PC",                            false, &[]),
+    ("stopped path",     "Stop.IP",                         false, &[160, 260]),
+    ("stopped path",     "Stop.PC",                         false, &[260]),
     ("error",            "M.ER",                            false, &[10]),
     ("error",            "M.EN",                            false, &[10, 20]),
     ("error",            "M.DN",                            false, &[]),
@@ -380,7 +411,11 @@ const TAGS: [&str; 11] = [
 fn machine(keys: &str) -> String {
     let deep = "[[coordinate_system]]\nname = \"Deep\"\ntype = \"cartesian\"\naxes = [\"X\", \"Y\"]\nmax_speed = 500.0\n\
                 max_acceleration = 5000.0\nmax_deceleration = 5000.0\nqueue_depth = 2\n";
-    let text = format!("{}\n{MORE}{CAM_TAGS}\n{deep}{}", arcline_config::DEFAULT, wrist());
+    let text = format!(
+        "{}\n{MORE}{CAM_TAGS}{PATH_TAGS}\n{deep}{}",
+        arcline_config::DEFAULT,
+        wrist()
+    );
     let axis = "name = \"X\"\ntype = ";
     assert!(text.contains(axis));
     let inputs = "output_cam_execution_targets = 2\nregistration = { input_1 = \"Mark1\", input_2 = \"Mark2\" }\n";
@@ -419,7 +454,7 @@ fn wrist() -> String {
 
 fn template(tag: &str) -> std::sync::Arc<arcline_tag::Template> {
     match tag {
-        "A" => predefined::axis_virtual(),
+        "A" | "O1" | "O6" => predefined::axis_virtual(),
         "Motion" => predefined::motion_group(),
         "CS1" | "CS2" | "CS3" | "Deep" | "Turn" => predefined::coordinate_system(),
         "X" | "H" | "Weak" | "Far" | "Near" => predefined::axis_cip_drive(),

@@ -236,16 +236,18 @@ fn what_makes_no_robot() {
     }
 }
 
-/// Random points of every workspace: thousands here, as many as ARCLINE_CASES says elsewhere.
+/// Random points of every workspace, each in every solution of the arm; ARCLINE_CASES says how many other than a million.
 #[test]
 fn forward_is_the_inverse_of_inverse() {
     let cases = std::env::var("ARCLINE_CASES")
         .ok()
         .and_then(|text| text.parse().ok())
-        .unwrap_or(5_000);
+        .unwrap_or(1_000_000);
     for geometry in EVERY {
         let robot = offset(geometry);
+        let arms = arms(geometry);
         let mut random = Random(geometry as u64 + 1);
+        let mut solutions = vec![0_usize; arms.len()];
         let (mut worst, mut found, mut tried) = (0.0_f64, 0, 0);
         while found < cases {
             tried += 1;
@@ -254,25 +256,33 @@ fn forward_is_the_inverse_of_inverse() {
                 "{geometry:?}: {found} of {tried} points can be reached"
             );
             let point = random_point(&robot, &mut random);
-            for arm in arms(geometry) {
-                let Ok(joints) = robot.inverse(point, arm) else {
+            let before: usize = solutions.iter().sum();
+            for (arm, solutions) in arms.iter().zip(&mut solutions) {
+                let Ok(joints) = robot.inverse(point, *arm) else {
                     continue;
                 };
-                found += 1;
+                *solutions += 1;
                 let back = robot.forward(joints).expect("joints of a point");
                 let off = (0..3).map(|k| (back[k] - point[k]).abs()).fold(0.0, f64::max);
                 assert!(
                     off <= 1e-9,
                     "{geometry:?} {arm:?}: {point:?} becomes {joints:?}, {back:?}"
                 );
-                if geometry.is_arm() {
-                    let bent = robot.inverse(point.map(Moving::constant), arm).is_ok();
-                    assert!(!bent || robot.arm(joints) == arm, "{geometry:?} {arm:?}: {point:?}");
+                if geometry.is_arm() && robot.arm(joints) != *arm {
+                    let bent = robot.inverse(point.map(Moving::constant), *arm).is_ok();
+                    assert!(!bent, "{geometry:?} {arm:?}: {point:?}");
                 }
                 worst = worst.max(off);
             }
+            found += usize::from(solutions.iter().sum::<usize>() > before);
         }
-        println!("{geometry:?}: {found} solutions, worst {worst:.1e}");
+        for (arm, solutions) in arms.iter().zip(&solutions) {
+            assert!(
+                4 * solutions > cases,
+                "{geometry:?} {arm:?}: {solutions} of {cases} points"
+            );
+        }
+        println!("{geometry:?}: {found} points, {solutions:?} solutions, worst {worst:.1e}");
     }
 }
 

@@ -415,6 +415,59 @@ fn where_the_robot_cannot_go() {
 }
 
 #[test]
+fn joint_limits_slow_a_robot_with_a_wrist_down() {
+    let machine = |cart: &'static str| RobotMachine {
+        joint_speed: 8.0,
+        cart,
+        ..SIX_AXES
+    };
+    const MAXIMA: &str = "max_orientation_speed = 90.0\nmax_orientation_acceleration = 900.0\n";
+    const LIMITED: &str =
+        "joint_limits = \"enforce\"\nmax_orientation_speed = 90.0\nmax_orientation_acceleration = 900.0\n";
+    for (why, cart) in [("it is kept", LIMITED), ("it is not asked for", MAXIMA)] {
+        for turned in [false, true] {
+            let mut bench = with_frames(paths::bench_of(machine(cart)), 0.0);
+            assert_eq!(bench.call(LINK), OK, "{why}");
+            let began = CARTESIAN.map(|axis| bench.position(axis));
+            let end: [f64; 6] = std::array::from_fn(|place| {
+                let step = [40.0, 120.0, -30.0, 20.0, 15.0, -30.0][place];
+                f64::from((began[place] + step) as f32)
+            });
+            let call = if turned {
+                paths::position(&mut bench, "P", end);
+                paths::MOVE.to_owned()
+            } else {
+                format!("MCLM(CART, M, 1, [40, 120, -30], {RATES}, 1)")
+            };
+            assert_eq!(bench.call(&call), OK, "{why}: {call}");
+            if cart == MAXIMA {
+                bench.until("T", Flag::Er);
+                assert_eq!(bench.control("T").err, 69, "{why}: {call}");
+                continue;
+            }
+            let mut fastest = 0.0_f64;
+            while !bench.control("M").has(Flag::Pc) {
+                bench.tick();
+                assert_eq!(bench.bits("T"), "EN DN IP", "{why}: {call}");
+                for axis in JOINTS {
+                    let [_, speed, acceleration] = bench.axis(axis).command;
+                    assert!(speed.abs() <= 8.0 + 1e-6, "{why}: {call}: {axis} at {speed}");
+                    assert!(
+                        acceleration.abs() <= 160.0 + 1e-6,
+                        "{why}: {call}: {axis}, {acceleration}"
+                    );
+                    fastest = fastest.max(speed.abs());
+                }
+            }
+            assert!(
+                fastest > 5.0,
+                "{why}: {call}: as fast as the joints allow, not {fastest}"
+            );
+        }
+    }
+}
+
+#[test]
 fn one_source_leads_two_robots() {
     let mut text = SIX_AXES.config();
     for (place, joint) in SIX_AXES.joints.iter().enumerate() {
