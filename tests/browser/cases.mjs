@@ -40,6 +40,29 @@ export async function a_path_is_drawn({ browser, url }) {
   await close(page);
 }
 
+/** Of a robot the tool is drawn, wherever its joints go. */
+export async function a_robots_tool_is_drawn({ browser, url }) {
+  const page = await open(browser, url, "drive");
+  for (const system of ["CART", "PICKER"]) await take(page, system);
+  await go(page, "program");
+  const dynamics = "100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2";
+  const to = (name, x, y) => `MCLM(CART, ${name}, Absolute, [${x}, ${y}, -320], ${dynamics});\nWAIT(${name}.PC);\n`;
+  await page.getByLabel("Program in Structured Text").fill(`MCT(CART, PICKER, T, [0, 0, 0], [0, 0, 0]);\n${to("M1", -60, -30)}${to("M2", 60, 30)}`);
+  await page.locator(".editor-errors:empty").waitFor({ state: "attached" });
+  await page.getByRole("button", { name: "Run", exact: true }).click();
+  await page.locator(".view.program .toolbar .pill", { hasText: "Ended" }).waitFor();
+  await go(page, "path");
+  for (const system of ["CART", "PICKER"]) {
+    await page.getByLabel("Coordinate system", { exact: true }).selectOption(system);
+    await page.getByRole("button", { name: "Top", exact: true }).click();
+    await page.getByRole("button", { name: "Fit" }).click();
+    await expectLine(page, PATH, "--trail", 2, `the tool of ${system}`);
+  }
+  await until(page, "where the tool is", () => [...document.querySelectorAll(".dro > div")].some((row) =>
+    row.querySelector(".dro-axis")?.textContent === "X1" && Math.abs(Number(row.querySelector("output").textContent) - 60) < 0.01));
+  await close(page);
+}
+
 /** A straight line of a colour, so many times as wide as it is high. */
 async function expectLine(page, canvas, property, ratio, what) {
   const { left, right, top, bottom, count } = await pixels(page, canvas, property, 40);

@@ -31,3 +31,8 @@ cases! {
 fn frames_leave_time() {
     case_on("frames_leave_time", "eight.toml");
 }
+
+#[test]
+fn a_robots_tool_is_drawn() {
+    case_on("a_robots_tool_is_drawn", "../../docs/images/tool-path.toml");
+}

@@ -14,6 +14,7 @@ const PICTURES: &[(&str, &str, Option<&str>, &[&str])] = &[
     ("overshoot.svg",      "images/overshoot.st",              None,                         &[]),
     ("blends.svg",         "images/blends.st",                 None,                         &[]),
     ("contour.svg",        "images/contour.st",                Some("images/contour.toml"),  &[]),
+    ("tool-path.svg",      "images/tool-path.st",              Some("images/tool-path.toml"), &["--axes", "X,Y,Z,J1,J2,J3"]),
     ("square.svg",         "guide/first-move.md#square.st",    None,                         &[]),
     ("pick-and-place.svg", "guide/pick-and-place.md#cycle.st", Some("guide/pick-and-place.md#cell.toml"), &[]),
 ];

@@ -25,6 +25,8 @@ const OF_AXIS: [&str; 4] = [
 ];
 /// The signals of a coordinate system.
 const OF_SYSTEM: [&str; 2] = ["PathSpeed", "PathPosition"];
+/// Those that only a robot has besides.
+const OF_ROBOT: [&str; 3] = ["ToolX", "ToolY", "ToolZ"];
 
 /// Where rows go.
 enum Sink {
@@ -160,6 +162,12 @@ async fn signals(client: &Client, names: &[String]) -> Result<Vec<String>, Failu
             signals.extend(of(axis, &OF_AXIS));
         } else if let Some(system) = systems.iter().find(is) {
             signals.extend(of(system, &OF_SYSTEM));
+            let known = client.trace_signals().await?;
+            signals.extend(
+                of(system, &OF_ROBOT)
+                    .into_iter()
+                    .filter(|signal| known.contains(signal)),
+            );
         } else {
             let known = axes.iter().chain(&systems).map(String::as_str);
             let suggestion = nearest(name, known);

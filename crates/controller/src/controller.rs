@@ -262,6 +262,11 @@ impl Controller {
         self.motion.trace()
     }
 
+    /// Where the tools of robots are, of every coordinate system in configuration order (see [`crate::SystemSnapshot::tool`]).
+    pub fn tools(&self) -> impl Iterator<Item = Option<[f64; 3]>> {
+        self.motion.systems().map(|system| system.tool)
+    }
+
     /// Fills a snapshot with the state at the present tick. Real-time: the snapshot was made for this machine.
     pub fn snapshot(&self, snapshot: &mut Snapshot) {
         snapshot.tick = self.motion.tick();

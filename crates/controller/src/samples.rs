@@ -1,12 +1,13 @@
 //! The samples of a tick: one row of numbers for the whole machine, in an order that does not change.
 //!
-//! Column 0 is the tick. Then come the columns of every axis, then those of every coordinate system, in configuration order.
+//! Column 0 is the tick. Then come the columns of every axis, then those of every coordinate system, then those of the tool of every
+//! robot, in configuration order.
 //! Status words are numbers too: a word of 32 bits fits a 64-bit float exactly, and so does a tick.
 
 use arcline_instruction_set::predefined;
 use arcline_tag::{DataType, Elementary, Template};
 
-use crate::machine::Machine;
+use crate::machine::{CoordinateSystem, Machine};
 use crate::{AxisSnapshot, Snapshot, SystemSnapshot};
 
 /// The columns of an axis, named as the members of its tag.
@@ -37,6 +38,9 @@ pub const SYSTEM: [&str; 4] = [
     "CoordinateMotionStatus",
 ];
 
+/// The columns of a coordinate system that is a robot's: where its tool is in the frame of its base (see [`SystemSnapshot::tool`]).
+pub const TOOL: [&str; 3] = ["ToolX", "ToolY", "ToolZ"];
+
 /// Where a signal is in a row.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Column {
@@ -66,14 +70,28 @@ impl Column {
 
 /// Numbers in a row.
 pub fn width(machine: &Machine) -> usize {
+    tools(machine) + TOOL.len() * robots(machine).count()
+}
+
+/// The first column of a tool.
+fn tools(machine: &Machine) -> usize {
     1 + AXIS.len() * machine.axes.len() + SYSTEM.len() * machine.systems.len()
+}
+
+/// The coordinate systems that are robots', in configuration order.
+pub fn robots(machine: &Machine) -> impl Iterator<Item = &CoordinateSystem> {
+    machine.systems.iter().filter(|system| system.robot.is_some())
 }
 
 /// The row of a snapshot. Real-time: no allocation, as many numbers as [`width`] of its machine.
 pub fn row(snapshot: &Snapshot) -> impl Iterator<Item = f64> + '_ {
     let axes = snapshot.axes.iter().flat_map(axis);
     let systems = snapshot.systems.iter().flat_map(system);
-    std::iter::once(snapshot.tick as f64).chain(axes).chain(systems)
+    let tools = snapshot.systems.iter().filter_map(|system| system.tool).flatten();
+    std::iter::once(snapshot.tick as f64)
+        .chain(axes)
+        .chain(systems)
+        .chain(tools)
 }
 
 /// The names of all columns but the first, in order: `X.CommandPosition`.
@@ -82,7 +100,8 @@ pub fn names(machine: &Machine) -> Vec<String> {
     let axes = axes.flat_map(|axis| AXIS.map(|signal| format!("{}.{signal}", axis.name)));
     let systems = machine.systems.iter();
     let systems = systems.flat_map(|system| SYSTEM.map(|signal| format!("{}.{signal}", system.name)));
-    axes.chain(systems).collect()
+    let tools = robots(machine).flat_map(|system| TOOL.map(|signal| format!("{}.{signal}", system.name)));
+    axes.chain(systems).chain(tools).collect()
 }
 
 /// Where a signal is, by its name, case ignored: a column, a bit of a status word by its name (`X.MoveStatus`), or a bit of any
@@ -99,6 +118,12 @@ pub fn find(machine: &Machine, name: &str) -> Option<Column> {
         return within(&AXIS, &template, signal, 1 + place * AXIS.len());
     }
     let place = usize::from(machine.system(object)?);
+    let described = machine.systems.get(place)?;
+    if let Some(number) = TOOL.iter().position(|column| column.eq_ignore_ascii_case(signal)) {
+        described.robot?;
+        let before = robots(machine).take_while(|other| other.name != described.name);
+        return Some(Column::Number(tools(machine) + TOOL.len() * before.count() + number));
+    }
     let first = 1 + machine.axes.len() * AXIS.len() + place * SYSTEM.len();
     within(&SYSTEM, &predefined::coordinate_system(), signal, first)
 }

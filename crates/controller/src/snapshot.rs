@@ -19,10 +19,14 @@ pub struct Snapshot {
 impl Snapshot {
     /// An empty snapshot with a place for everything of a machine.
     pub fn new(machine: &Machine) -> Self {
+        let systems = machine.systems.iter().map(|system| SystemSnapshot {
+            tool: system.robot.map(|_| [f64::NAN; 3]),
+            ..SystemSnapshot::default()
+        });
         Snapshot {
             tick: 0,
             axes: vec![AxisSnapshot::default(); machine.axes.len()],
-            systems: vec![SystemSnapshot::default(); machine.systems.len()],
+            systems: systems.collect(),
             lost_events: 0,
         }
     }

@@ -78,6 +78,9 @@ pub struct SystemSnapshot {
     pub turns: [i16; 4],
     /// RobotConfiguration.
     pub configuration: i32,
+    /// Of a robot: where its tool is in the frame of its base, position units, while its joints are where they actually are; with the
+    /// tool frame of an MCTO under way, otherwise the end of the arm. NaN where the joints cannot be.
+    pub tool: Option<[f64; 3]>,
     /// Speed along the path, units/s.
     pub path_speed: f64,
     /// Distance gone along the active path, units.
@@ -102,6 +105,7 @@ impl Default for SystemSnapshot {
             frames: [0; 2],
             turns: [0; 4],
             configuration: 0,
+            tool: None,
             path_speed: 0.0,
             path_position: 0.0,
             path_length: 0.0,

@@ -8,6 +8,7 @@ use arcline_instruction_set::predefined::{
 };
 use arcline_kinematics::{Configuration, Turns};
 use arcline_planner::Clock;
+use arcline_planner::geometry::Point as Vector;
 use arcline_planner::profile::Phase;
 
 use crate::axis::sum::Slot;
@@ -204,6 +205,8 @@ pub(crate) struct Turn {
     /// IDs of the tool frame and the work frame.
     pub(crate) frames: [i32; 2],
     pub(crate) solution: (Configuration, Turns),
+    /// The tool centre in the frame of the end of the arm.
+    pub(crate) tool: Vector,
     /// A transform with frames is under way, and nothing that is part of it moves.
     pub(crate) tool_change: bool,
 }
@@ -238,6 +241,7 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
     if shown.axes_faulted != 0 {
         shown.fault = axis_fault::PHYSICAL_AXIS_FAULT;
     }
+    shown.tool = system.tool(&shown.actual, &role.turn.tool);
     let moving = system.activity == Activity::Moving;
     let on_path = moving && !system.in_transition;
     let pending = system.has_pending();

@@ -12,7 +12,8 @@ use crate::events::Events;
 use crate::follow::guide::{Guide, LockTo};
 use crate::follow::links::Links;
 use crate::follow::reach::Pace;
-use crate::machine::{AxisLimits as Limits, Build, CoordinateSystem, Corner};
+use crate::follow::robot::three;
+use crate::machine::{AxisLimits as Limits, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES};
 use crate::stop::Stop;
 
 /// When a move is complete (spec/coordinated-instructions.md §7.1).
@@ -105,6 +106,18 @@ pub(crate) struct System {
 }
 
 impl System {
+    /// Where the tool of a robot is in the frame of its base while its joints are there; `centre`: of the tool, in the frame of the
+    /// end of an arm with a wrist. NaN where the joints cannot be. Real-time.
+    pub(crate) fn tool(&self, joints: &[f64; MAX_SYSTEM_AXES], centre: &Point) -> Option<[f64; 3]> {
+        self.description.robot?;
+        let arm = || self.robot.as_ref()?.as_ref().ok()?.forward(three(joints)).ok();
+        let wrist = || {
+            let taken = self.wrist.as_ref()?.as_ref().ok()?.forward(joints).ok()?;
+            Some((taken.pose.position + taken.pose.rotation * centre).into())
+        };
+        Some(arm().or_else(wrist).unwrap_or([f64::NAN; 3]))
+    }
+
     /// `corner_step`: the change of velocity of each axis that a corner may make at once, units/s (§7.5).
     pub(crate) fn new(description: &CoordinateSystem, corner_step: Point, axis_limits: AxisLimits) -> Self {
         let contours = description.corner == Corner::Precise || description.axis_limits == Limits::Enforce;

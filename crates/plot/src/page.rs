@@ -11,7 +11,8 @@ use crate::{Mark, PlotError};
 /// What is drawn of a trace.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Options {
-    /// The axes, the first three of them with their path; empty: those that move.
+    /// The axes, the first three of them with their path; empty: those that move, with the path of a robot's tool where the trace
+    /// has it.
     pub axes: Vec<String>,
     /// What is marked.
     pub marks: Vec<Mark>,
@@ -37,17 +38,19 @@ const TEXTS: usize = 40;
 /// [`PlotError::UnknownAxis`].
 pub fn svg(trace: &Trace, options: &Options) -> Result<String, PlotError> {
     let axes = chosen(trace, &options.axes)?;
+    let tool = if options.axes.is_empty() { trace.tool() } else { None };
+    let drawn = tool.filter(|tool| tool.len() > 1).unwrap_or_else(|| axes.clone());
     let mut parts = String::new();
     let mut left = 70.0;
     let mut path = None;
-    if axes.len() > 1 {
+    if drawn.len() > 1 {
         let place = Box2 {
             left: 56.0,
             top: TOP + 14.0,
             width: 390.0,
             height: 390.0,
         };
-        path = Some(Path::draw(trace, axes.get(..3).unwrap_or(&axes), place));
+        path = Some(Path::draw(trace, drawn.get(..3).unwrap_or(&drawn), place));
         left = 520.0;
     }
     for mark in &options.marks {

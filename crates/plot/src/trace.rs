@@ -31,10 +31,13 @@ enum Signal {
     Actual,
     Velocity,
     Acceleration,
+    /// Where the tool of a robot is, along one direction.
+    Tool,
 }
 
 impl Trace {
-    /// Reads CSV with a header. Columns of other signals are passed over.
+    /// Reads CSV with a header. Columns of other signals are passed over. The three of a robot's tool are axes, named as their
+    /// columns (`ROBOT.ToolX`), unless the tool is not known throughout.
     ///
     /// # Errors
     /// [`PlotError::Line`] for a row that is no row, [`PlotError::NoAxis`], [`PlotError::Empty`].
@@ -77,7 +80,7 @@ impl Trace {
                     .trim()
                     .parse()
                     .ok()
-                    .filter(|number: &f64| number.is_finite())
+                    .filter(|number: &f64| number.is_finite() || matches!(wanted, Some((_, Signal::Tool))))
                     .ok_or_else(|| {
                         let shown: String = cell.chars().take(30).collect();
                         wrong(line, format!("column {} is {shown:?}, expected a number", place + 1))
@@ -90,7 +93,7 @@ impl Trace {
                         time.push(number);
                     }
                     Some((axis, signal)) => match signal {
-                        Signal::Command => axes[axis].position.push(number),
+                        Signal::Command | Signal::Tool => axes[axis].position.push(number),
                         Signal::Actual => actual[axis].push(number),
                         Signal::Velocity => axes[axis].velocity.push(number),
                         Signal::Acceleration => axes[axis].acceleration.push(number),
@@ -106,7 +109,7 @@ impl Trace {
                 axis.position = actual;
             }
         }
-        axes.retain(|axis| !axis.position.is_empty());
+        axes.retain(|axis| !axis.position.is_empty() && axis.position.iter().all(|at| at.is_finite()));
         if time.len() < 2 {
             return Err(PlotError::Empty);
         }
@@ -124,10 +127,22 @@ impl Trace {
         Ok(Self { time, axes })
     }
 
+    /// The directions in which the tool of a robot moves: of the first one whose tool does.
+    pub fn tool(&self) -> Option<Vec<&Axis>> {
+        let moving = self.axes.iter().filter(|axis| axis.moves());
+        let tools = moving.filter_map(|axis| Some((axis.robot()?, axis)));
+        let (first, _) = tools.clone().next()?;
+        Some(
+            tools
+                .filter(|(robot, _)| *robot == first)
+                .map(|(_, axis)| axis)
+                .collect(),
+        )
+    }
+
     /// The axes that move, or the first when none does.
     pub fn moving(&self) -> Vec<&Axis> {
-        let moves = |axis: &&Axis| axis.position.iter().any(|at| (at - axis.position[0]).abs() > 1e-9);
-        let moving: Vec<&Axis> = self.axes.iter().filter(moves).collect();
+        let moving: Vec<&Axis> = self.axes.iter().filter(|axis| axis.moves()).collect();
         if moving.is_empty() {
             self.axes.iter().take(1).collect()
         } else {
@@ -137,15 +152,31 @@ impl Trace {
 }
 
 impl Axis {
+    /// The robot whose tool it is.
+    fn robot(&self) -> Option<&str> {
+        let (robot, signal) = self.name.rsplit_once('.')?;
+        TOOL.contains(&signal).then_some(robot)
+    }
+
+    fn moves(&self) -> bool {
+        self.position.iter().any(|at| (at - self.position[0]).abs() > 1e-9)
+    }
+
     /// Per second³: what the acceleration does between two rows.
     pub fn jerk(&self, time: &[f64]) -> Vec<f64> {
         differences(time, &self.acceleration)
     }
 }
 
+/// The columns of a robot's tool.
+const TOOL: [&str; 3] = ["ToolX", "ToolY", "ToolZ"];
+
 /// The name of the axis and what the column is.
 fn column(title: &str) -> Option<(&str, Signal)> {
     let (name, signal) = title.rsplit_once('.')?;
+    if TOOL.contains(&signal) {
+        return Some((title, Signal::Tool));
+    }
     let signal = match signal {
         "CommandPosition" => Signal::Command,
         "ActualPosition" => Signal::Actual,
@@ -183,6 +214,23 @@ mod tests {
         assert_eq!(x.jerk(&trace.time), [0.0, 4.0]);
         assert_eq!((y.name.as_str(), y.position.as_slice()), ("Y", &[5.0, 7.0][..]));
         assert_eq!(y.velocity, [0.0, 4.0], "by differences");
+    }
+
+    #[test]
+    fn a_tool_is_three_axes_where_it_is_known() {
+        let head = "tick,time_s,J1.CommandPosition,R.ToolX,R.ToolY,R.ToolZ,Q.ToolX";
+        let trace = Trace::parse(&format!("{head}\n0,0,1,2,3,4,NaN\n1,0.5,1,3,3,6,1\n")).expect("a trace");
+        let names = |axes: &[&Axis]| axes.iter().map(|axis| axis.name.clone()).collect::<Vec<_>>();
+        let all: Vec<&Axis> = trace.axes.iter().collect();
+        assert_eq!(
+            names(&all),
+            ["J1", "R.ToolX", "R.ToolY", "R.ToolZ"],
+            "that of Q is not known"
+        );
+        assert_eq!(names(&trace.tool().expect("a tool")), ["R.ToolX", "R.ToolZ"]);
+        assert_eq!(trace.axes[3].velocity, [0.0, 4.0]);
+        let still = Trace::parse(&format!("{head}\n0,0,1,2,3,4,5\n1,0.5,1,2,3,4,5\n")).expect("a trace");
+        assert_eq!(still.tool(), None);
     }
 
     #[test]

@@ -82,8 +82,8 @@ export function triad(context, camera, colours, names, axisColour) {
   names.forEach((name, k) => {
     const [dx, dy] = [right[k] * length, -up[k] * length];
     if (Math.hypot(dx, dy) < 4) return;
-    context.strokeStyle = axisColour(name);
-    context.fillStyle = axisColour(name);
+    context.strokeStyle = axisColour(name, k);
+    context.fillStyle = axisColour(name, k);
     context.beginPath();
     context.moveTo(x, y);
     context.lineTo(x + dx, y + dy);

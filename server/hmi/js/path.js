@@ -2,7 +2,7 @@
 
 import { h, icon, options, segmented, text, toggle } from "./dom.js";
 import { duration, fixed, rate } from "./format.js";
-import { PathCanvas } from "./path_canvas.js";
+import { BASE, PathCanvas } from "./path_canvas.js";
 import { Timebar } from "./timebar.js";
 
 const LOOKS = [["space", "3D"], ["top", "Top"], ["front", "Front"], ["side", "Side"]];
@@ -65,11 +65,13 @@ export class Path {
     const { system } = this.canvas;
     this.looks.choose(system.axes.length > 2 ? "space" : "top");
     this.rows = system.axes.map((axis) => ({ axis, command: h("output"), error: h("small") }));
+    this.tool = (this.app.samples.system(name).tool ?? []).map((series) => ({ series, place: h("output") }));
     this.speed = h("output");
     this.rest = h("small");
     const { store } = this.app;
     this.readout.replaceChildren(
       ...this.rows.map(({ axis, command, error }) => h("div", {}, h("span.dro-axis", { "data-series": store.place(axis) % 8 }, axis), command, h("abbr", {}, store.axis(axis).units), error)),
+      ...this.tool.map(({ place }, k) => h("div", {}, h("span.dro-axis", { "data-series": k, title: "The tool in the frame of the base" }, BASE[k]), place)),
       h("div.dro-speed", {}, h("span.dro-axis", {}, "v"), this.speed, h("abbr", {}, rate(store.axis(system.axes[0])?.units ?? "", 1)), this.rest));
     this.update();
   }
@@ -94,6 +96,7 @@ export class Path {
       text(command, fixed(live ? status?.actual ?? NaN : kept.actual.at(tick), 3));
       text(error, `Δ ${fixed(live ? status?.error ?? NaN : kept.error.at(tick), 4)}`);
     }
+    for (const { series, place } of this.tool) text(place, fixed(series.at(tick), 3));
     const system = store.systemStatus(this.canvas.system.name);
     text(this.speed, fixed(moment.tick === null ? system?.speed ?? NaN : samples.system(this.canvas.system.name).speed.at(tick), 2));
     const active = moment.tick === null ? system?.active : null;

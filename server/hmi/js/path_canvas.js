@@ -1,5 +1,5 @@
 // The picture of a coordinate system: programmed path, preview, trail, tolerances, where it is. Units: position units.
-// It draws what it is given; it asks the server for nothing.
+// Of a robot it is the tool, in the frame of the base. It draws what it is given; it asks the server for nothing.
 
 import { Camera, LOOKS } from "./camera.js";
 import { Stage, gestures } from "./canvas.js";
@@ -9,6 +9,8 @@ import { axisColour, palette } from "./theme.js";
 const TRAIL_POINTS = 1600;
 const TRAIL_SHADES = 6;
 const LEAST_BOX = 10;
+/** What the directions of a robot's base are called. */
+export const BASE = ["X1", "X2", "X3"];
 
 /** A path picture in `host`. */
 export class PathCanvas {
@@ -107,7 +109,7 @@ export class PathCanvas {
   /** The trail as points of three numbers, oldest first, up to the moment that is shown. */
   #trail() {
     const { samples, moment } = this.app;
-    const axes = this.system.axes.map((name) => samples.axis(name));
+    const axes = this.#series();
     const end = moment.tick ?? samples.end - 1;
     const span = Math.round(this.trailSeconds / samples.period);
     const step = Math.max(1, Math.ceil(span / TRAIL_POINTS));
@@ -126,12 +128,24 @@ export class PathCanvas {
     return points;
   }
 
+  /** What is drawn of it over time: where its axes really are, or its tool. */
+  #series() {
+    const { samples } = this.app;
+    return samples.system(this.system.name).tool ?? this.system.axes.slice(0, 3).map((name) => samples.axis(name).actual);
+  }
+
+  /** The directions of the picture. */
+  #names() {
+    return this.system.robot ? BASE : this.system.axes;
+  }
+
   /** Where it is at the moment that is shown; `null` before anything is known. */
   #place() {
     const { samples, moment, store } = this.app;
     const end = moment.tick ?? samples.end - 1;
-    const place = point(this.system.axes.map((name) => samples.axis(name)), end);
+    const place = point(this.#series(), end);
     if (place.every(Number.isFinite)) return place;
+    if (this.system.robot) return null;
     return store.status && spread(this.system.axes.map((name) => store.axisStatus(name)?.actual ?? 0));
   }
 
@@ -182,7 +196,7 @@ export class PathCanvas {
     if (this.#untouched) this.#keepInside(box);
     const project = this.camera.projection();
     const { plane } = this.camera;
-    if (plane) flatGrid(context, this.camera, plane, colours, this.system.axes);
+    if (plane) flatGrid(context, this.camera, plane, colours, this.#names());
     else groundGrid(context, project, this.#fitted ?? box, colours);
     context.lineJoin = "round";
     context.lineCap = "round";
@@ -202,7 +216,7 @@ export class PathCanvas {
       ends(context, project, path.points, colours.preview);
     }
     this.#drawPlace(context, project, colours);
-    if (!plane) triad(context, this.camera, colours, this.system.axes, (name) => axisColour(this.app.store.place(name)));
+    if (!plane) triad(context, this.camera, colours, this.#names(), (name, k) => axisColour(this.system.robot ? k : this.app.store.place(name)));
   }
 
   /** Until somebody moves the picture it grows with what it shows; it does not shrink by itself. */
@@ -252,7 +266,7 @@ function spread(values) {
 }
 
 function point(axes, tick) {
-  return spread(axes.slice(0, 3).map((axis) => axis.actual.at(tick)));
+  return spread(axes.map((series) => series.at(tick)));
 }
 
 function stroke(context, project, points, colour, width) {

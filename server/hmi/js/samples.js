@@ -116,8 +116,9 @@ export class Samples {
     const wanted = Math.ceil(SECONDS / this.period);
     this.capacity = Math.ceil(wanted / BUCKETS[1]) * BUCKETS[1];
     this.axes = machine.axes.map((axis) => this.#axis(axis.name));
-    this.systems = machine.coordinate_systems.map((system) => this.#system(system.name));
-    this.columns = this.axes.length * 4 + this.systems.length;
+    this.systems = machine.coordinate_systems.map((system) => this.#system(system));
+    this.tools = this.systems.flatMap((system) => system.tool ?? []);
+    this.columns = this.axes.length * 4 + this.systems.length + this.tools.length;
   }
 
   /** The signals of an axis by the kinds of `KINDS`, and `actual`. */
@@ -125,7 +126,7 @@ export class Samples {
     return this.axes.find((axis) => axis.name === name);
   }
 
-  /** The path speed of a coordinate system. */
+  /** The path speed of a coordinate system, and of a robot's `tool`: where it is in the frame of the base; `null` of others. */
   system(name) {
     return this.systems.find((system) => system.name === name);
   }
@@ -209,11 +210,13 @@ export class Samples {
       [axis.jerk, axis.error].forEach((series, column) => enter(series, this.columns + 2 * k + column));
     });
     this.systems.forEach((system, k) => enter(system.speed, 4 * this.axes.length + k));
+    this.tools.forEach((series, k) => enter(series, 4 * this.axes.length + this.systems.length + k));
   }
 
   #each(take) {
     for (const axis of this.axes) axis.all.forEach(take);
     for (const system of this.systems) take(system.speed);
+    this.tools.forEach(take);
   }
 
   /** Fills what is missing before a tick; a server that began again, or a long gap, empties everything. */
@@ -249,6 +252,7 @@ export class Samples {
       axis.error.stored[place] = command - column(4 * k + 3);
     });
     this.systems.forEach((system, k) => (system.speed.stored[place] = column(4 * this.axes.length + k)));
+    this.tools.forEach((series, k) => (series.stored[place] = column(4 * this.axes.length + this.systems.length + k)));
   }
 
   #kept(kind) {
@@ -272,8 +276,9 @@ export class Samples {
     return { name, position, velocity, acceleration, error, actual, jerk, all };
   }
 
-  #system(name) {
-    return { name, speed: this.#kept(Float32Array) };
+  #system({ name, robot }) {
+    const tool = robot ? [0, 1, 2].map(() => this.#kept(Float32Array)) : null;
+    return { name, speed: this.#kept(Float32Array), tool };
   }
 }
 

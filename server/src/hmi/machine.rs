@@ -20,6 +20,7 @@ pub(super) fn description(plant: &Plant) -> Value {
         json!({
             "name": system.name,
             "axes": names(system),
+            "robot": system.robot.is_some(),
             "max_speed": system.max_speed,
             "max_acceleration": system.max_acceleration,
             "max_deceleration": system.max_deceleration,

@@ -122,10 +122,12 @@ struct Seen {
     axes: Vec<Peaks>,
     /// The axes of each coordinate system.
     systems: Vec<Vec<u16>>,
+    /// Where the tools of robots were at the tick before, of each coordinate system; empty where there is no robot.
+    tools: Vec<Option<[f64; 3]>>,
     /// What was accepted in this tick, and what is in process.
     accepted: Vec<(Ticket, Moving)>,
     moving: BTreeMap<Ticket, Moving>,
-    /// Positions of the axes of each system that has moved.
+    /// Positions of the axes of each system that has moved, or those of its tool where it is a robot.
     trails: BTreeMap<usize, Trail>,
     moves: Vec<AcceptedMove>,
     limit: Option<String>,
@@ -154,6 +156,7 @@ impl Seen {
             accepted: Vec::new(),
             moving: BTreeMap::new(),
             systems: machine.systems.iter().map(|system| system.axes.clone()).collect(),
+            tools: Vec::new(),
             trails: BTreeMap::new(),
             moves: Vec::new(),
             limit: None,
@@ -168,7 +171,7 @@ impl Seen {
         let paths = shown.map(|(place, trail)| {
             let system = &machine.systems[*place];
             let moves = self.moves.iter().filter(|one| usize::from(one.system) == *place);
-            let blends = moves.filter(|one| one.tolerance > 0.0 && one.tolerance.is_finite());
+            let blends = moves.filter(|one| one.tolerance > 0.0 && one.tolerance.is_finite() && system.robot.is_none());
             let blends = blends.map(|one| paths::circle(&one.path.end(), one.tolerance, system.linear().len()));
             json!({
                 "coordinate_system": system.name,
@@ -238,17 +241,39 @@ impl Observer for Seen {
             let place = usize::from(*axis);
             was[place].is_some_and(|before| before != rows[place][0])
         };
+        let has_robots = machine.systems.iter().any(|system| system.robot.is_some());
+        let tools: Vec<Option<[f64; 3]>> = if has_robots {
+            controller.tools().collect()
+        } else {
+            Vec::new()
+        };
+        let tools_before = std::mem::replace(&mut self.tools, tools);
         for (place, system) in machine.systems.iter().enumerate() {
-            if !system.linear().iter().any(moved) {
+            let drawn = if system.robot.is_some() {
+                system.axes.as_slice()
+            } else {
+                system.linear()
+            };
+            if !drawn.iter().any(moved) {
                 continue;
             }
-            let position =
-                |row: &dyn Fn(usize) -> f64| system.linear().iter().map(|axis| row(usize::from(*axis))).collect();
-            let trail = self.trails.entry(place).or_insert_with(|| Trail {
-                points: vec![position(&|axis| was[axis].unwrap_or(rows[axis][0]))],
-                every: 1,
+            let position = |tools: &[Option<[f64; 3]>], row: &dyn Fn(usize) -> f64| match tools.get(place) {
+                Some(Some(tool)) => tool.to_vec(),
+                _ => system.linear().iter().map(|axis| row(usize::from(*axis))).collect(),
+            };
+            let now: Vec<f64> = position(&self.tools, &|axis| rows[axis][0]);
+            // Arms that hold nothing hold it nowhere.
+            if !is_finite(&now) {
+                continue;
+            }
+            let trail = self.trails.entry(place).or_insert_with(|| {
+                let before = position(&tools_before, &|axis| was[axis].unwrap_or(rows[axis][0]));
+                Trail {
+                    points: vec![if is_finite(&before) { before } else { now.clone() }],
+                    every: 1,
+                }
             });
-            trail.add(tick, position(&|axis| rows[axis][0]));
+            trail.add(tick, now);
         }
         !tick.is_multiple_of(LOOK) || self.began.elapsed() < PATIENCE
     }
@@ -279,6 +304,10 @@ impl Observer for Seen {
             "error": error.map(|_| Refusal::motion(event.err, event.exerr, event.mnemonic)),
         }));
     }
+}
+
+fn is_finite(point: &[f64]) -> bool {
+    point.iter().all(|coordinate| coordinate.is_finite())
 }
 
 impl Trail {

@@ -156,7 +156,8 @@ impl Words {
                 "held": now.feed_override == 0.0,
                 "bits": set(image, &system.name, bits),
             });
-            if drawn == Paths::Drawn {
+            // Of a robot the page draws the tool, which goes no such way.
+            if drawn == Paths::Drawn && now.tool.is_none() {
                 told["path"] = paths::of(moves, place, system.linear().len());
             }
             told

@@ -19,6 +19,8 @@ use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
 use super::Hmi;
 use crate::plant::Plant;
 
+/// A delta `PICKER`, and the system `CART` that can lead it.
+const ROBOT: &str = include_str!("../../../docs/images/tool-path.toml");
 /// Longest wait for something that must come.
 const SOON: Duration = Duration::from_secs(10);
 
@@ -40,7 +42,11 @@ impl Drop for Bench {
 
 impl Bench {
     async fn start() -> Self {
-        let project = arcline_config::load(arcline_config::DEFAULT, "default").expect("it is valid");
+        Self::with(arcline_config::DEFAULT).await
+    }
+
+    async fn with(config: &str) -> Self {
+        let project = arcline_config::load(config, "machine.toml").expect("it is valid");
         let (plant, tick) = Plant::start(&project).expect("a thread");
         let hmi = Hmi::bind("127.0.0.1:0".parse().expect("an address"), plant.clone())
             .await

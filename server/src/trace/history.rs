@@ -21,7 +21,8 @@ const COMMAND: usize = 0;
 const ACCELERATION: usize = 2;
 const ACTUAL: usize = 3;
 
-/// The signals that a page gets of every tick, in order: four of each axis, then the path speed of each coordinate system.
+/// The signals that a page gets of every tick, in order: four of each axis, then the path speed of each coordinate system, then the
+/// place of the tool of each robot.
 pub(crate) fn signals(machine: &Machine) -> Vec<String> {
     let axes = machine.axes.iter();
     let axes = axes.flat_map(|axis| {
@@ -31,7 +32,9 @@ pub(crate) fn signals(machine: &Machine) -> Vec<String> {
     });
     let systems = machine.systems.iter();
     let systems = systems.map(|system| format!("{}.{}", system.name, samples::SYSTEM[0]));
-    axes.chain(systems).collect()
+    let tools =
+        samples::robots(machine).flat_map(|system| samples::TOOL.map(|signal| format!("{}.{signal}", system.name)));
+    axes.chain(systems).chain(tools).collect()
 }
 
 /// Where [`signals`] are in a row.
@@ -180,6 +183,11 @@ mod tests {
             (names.len(), names[0].as_str(), names[31].as_str()),
             (32, "X.CommandPosition", "XY.PathSpeed")
         );
+        assert_eq!(columns(&machine).len(), names.len());
+        let robot = include_str!("../../../docs/images/tool-path.toml");
+        let machine = arcline_config::load(robot, "robot.toml").expect("it is valid").machine;
+        let names = signals(&machine);
+        assert_eq!((names.len(), names[28].as_str()), (6 * 4 + 2 + 3, "PICKER.ToolZ"));
         assert_eq!(columns(&machine).len(), names.len());
     }
 

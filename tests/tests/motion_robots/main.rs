@@ -5,6 +5,7 @@ mod lines;
 mod mcto;
 mod orientation;
 mod paths;
+mod tool;
 
 use arcline_config::load;
 use arcline_controller::machine::Build;
@@ -12,7 +13,9 @@ use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::motion_status;
 use arcline_kinematics::Robot;
 use arcline_tests::bench::{Bench, OK};
-use arcline_tests::robots::{ARTICULATED, DELTA, PLANAR, RobotMachine, SCARA, SCARA_DELTA};
+use arcline_tests::robots::{
+    ARTICULATED, ARTICULATED_DEPENDENT, DELTA, DELTA_2, PLANAR, PLANAR_INDEPENDENT, RobotMachine, SCARA, SCARA_DELTA,
+};
 
 const LINK: &str = "MCT(CART, ROBOT, T, [0, 0, 0], [0, 0, 0])";
 /// From Speed on: a trapezoid at 300 units/s.
@@ -62,7 +65,7 @@ fn list(point: [f64; 3], count: usize) -> String {
 
 #[test]
 fn a_straight_move_keeps_the_tool_on_its_line() {
-    let places: [(&str, RobotMachine, &[[f64; 3]]); 5] = [
+    let places: [(&str, RobotMachine, &[[f64; 3]]); 8] = [
         (
             "delta",
             DELTA,
@@ -102,6 +105,21 @@ fn a_straight_move_keeps_the_tool_on_its_line() {
             "scara delta",
             SCARA_DELTA,
             &[[40.0, 250.0, 20.0], [-70.0, 280.0, -10.0], [0.0, 210.0, 0.0]],
+        ),
+        (
+            "planar, independent",
+            PLANAR_INDEPENDENT,
+            &[[350.0, 150.0, 0.0], [150.0, 350.0, 0.0], [400.0, -200.0, 0.0]],
+        ),
+        (
+            "articulated, dependent",
+            ARTICULATED_DEPENDENT,
+            &[[350.0, 150.0, 120.0], [-50.0, 380.0, 300.0], [100.0, 400.0, -100.0]],
+        ),
+        (
+            "delta of two arms",
+            DELTA_2,
+            &[[30.0, -280.0, 0.0], [80.0, -300.0, 0.0], [-70.0, -260.0, 0.0]],
         ),
     ];
     for (why, machine, points) in places {
@@ -149,6 +167,61 @@ fn a_straight_move_keeps_the_tool_on_its_line() {
             }
             assert!(moved[0] > 0.0 && moved[1] > 0.0, "{why}: the joints move");
             assert!(apart(positions(&bench, cart), *point) < 1e-9, "{why} at {point:?}");
+        }
+    }
+}
+
+#[test]
+fn the_solution_of_the_arm_is_kept() {
+    let left_and_right: [(RobotMachine, &[&'static [f64]]); 4] = [
+        (
+            ARTICULATED,
+            // Left, right, and both mirrors.
+            &[
+                &[0.0, 70.0, -80.0],
+                &[0.0, -10.0, 80.0],
+                &[170.0, 190.0, -80.0],
+                &[170.0, 110.0, 80.0],
+            ],
+        ),
+        (
+            ARTICULATED_DEPENDENT,
+            &[
+                &[0.0, 70.0, -10.0],
+                &[0.0, -10.0, 70.0],
+                &[170.0, 190.0, 110.0],
+                &[170.0, 110.0, 190.0],
+            ],
+        ),
+        (SCARA, &[&[10.0, 75.0, 10.0], &[10.0, -75.0, 10.0]]),
+        (PLANAR, &[&[70.0, -10.0], &[-10.0, 70.0]]),
+    ];
+    for (machine, solutions) in left_and_right {
+        let robot = geometry(&machine);
+        let mut seen = Vec::new();
+        for &joints in solutions {
+            let mut bench = RobotMachine { joints, ..machine }.bench();
+            let [cart, names] = names(&machine);
+            let why = format!("{:?} {joints:?}", robot.geometry());
+            let arm = robot.arm(positions(&bench, names));
+            assert!(!seen.contains(&arm), "{why}: {arm:?} is another one's");
+            seen.push(arm);
+            assert_eq!(bench.call(LINK), OK, "{why}");
+            for step in [[25.0, -15.0, -20.0], [-40.0, 30.0, 10.0]] {
+                let from = positions(&bench, cart);
+                let to = [0, 1, 2].map(|k| if k < cart.len() { from[k] + step[k] } else { 0.0 });
+                let call = format!("MCLM(CART, M, 0, {}, {TRAPEZOID}, 1)", list(to, cart.len()));
+                assert_eq!(bench.call(&call), OK, "{why}: {call}");
+                while !bench.control("M").has(Flag::Pc) {
+                    bench.tick();
+                    let now = positions(&bench, names);
+                    assert_eq!(robot.arm(now), arm, "{why} at {now:?}");
+                    let tool = robot.forward(now).expect("joints of a robot");
+                    assert!(off_line(tool, from, to) < 1e-6, "{why}: on the line at {tool:?}");
+                    assert!(!bench.control("T").has(Flag::Er), "{why}: {:?}", bench.control("T"));
+                }
+                bench.rung_false("M");
+            }
         }
     }
 }
@@ -518,6 +591,79 @@ fn what_mct_refuses_of_robots() {
             + "[[coordinate_system]]\nname = \"ROBOT2\"\naxes = [\"U\", \"V\", \"W\"]\nmax_speed = 1.0\nmax_acceleration = 1.0\n\
                type = \"delta\"\nlink_lengths = [100.0, 200.0]\n";
         assert_eq!(Bench::with(&more).call(call), expected, "{why}");
+    }
+}
+
+/// spec/coordinated-instructions.md §27.9, through the instructions.
+#[test]
+fn the_vectors_of_the_specification() {
+    let tag = "[[tag]]\nname = \"P\"\ntype = \"REAL[3]\"\n";
+    let machine = |keys: &'static str, joints: &'static [f64]| RobotMachine { keys, joints, ..DELTA };
+    #[rustfmt::skip]
+    let cases = [
+        // the geometry and its joints,                                                                                              its solution, the tool
+        (machine("type = \"articulated_independent\"\nlink_lengths = [10.0, 10.0]\n", &[0.0, 90.0, -90.0]),                            2, [10.0, 0.0, 10.0]),
+        (machine("type = \"articulated_dependent\"\nlink_lengths = [10.0, 10.0]\n", &[0.0, 90.0, 0.0]),                                2, [10.0, 0.0, 10.0]),
+        (machine("type = \"scara_independent\"\nlink_lengths = [10.0, 10.0]\n", &[0.0, 90.0, 5.0]),                                    4, [10.0, 10.0, 5.0]),
+        (machine("type = \"delta\"\nlink_lengths = [100.0, 200.0]\nbase_offsets = [30.0, 0.0, 0.0]\nend_effector_offsets = [30.0, 0.0, 0.0]\n", &[0.0; 3]), 1, [0.0, 0.0, -173.205_081]),
+    ];
+    for (machine, solution, tool) in cases {
+        let why = machine.keys;
+        let mut bench = Bench::with(&(machine.config() + tag));
+        let read = |bench: &mut Bench| [0, 1, 2].map(|k| bench.read(&format!("P[{k}]")));
+        let joints = [0, 1, 2].map(|k| machine.joints[k]);
+        for (direction, from, to) in [(0, joints, tool), (1, tool, joints), (solution, tool, joints)] {
+            let call = format!("MCTP(CART, ROBOT, C, [0, 0, 0], [0, 0, 0], {direction}, {from:?}, P)");
+            assert_eq!(bench.call(&call), OK, "{why}: {call}");
+            assert!(
+                apart(read(&mut bench), to) < 2e-5,
+                "{why}: {call}: {:?}",
+                read(&mut bench)
+            );
+        }
+        assert_eq!(bench.call(LINK), OK, "{why}");
+        assert!(apart(positions(&bench, &["X", "Y", "Z"]), tool) < 1e-6, "{why}");
+    }
+    // The limits of a delta's joints: 97.514 and -55.482. MCT needs arms that are bent.
+    let keys = "type = \"delta\"\nlink_lengths = [50.0, 80.0]\nbase_offsets = [20.0, 0.0, 0.0]\n\
+                end_effector_offsets = [3.0, 0.0, 0.0]\n";
+    for (angle, expected) in [(97.51, OK), (97.52, (67, 0)), (-55.48, OK), (-55.49, (67, 0))] {
+        let mut bench = Bench::with(&(machine(keys, &[20.0; 3]).config() + tag));
+        let joints = [angle; 3];
+        let call = format!("MCTP(CART, ROBOT, C, [0, 0, 0], [0, 0, 0], Forward, {joints:?}, P)");
+        assert_eq!(bench.call(&call), expected, "{call}");
+    }
+    let linked = [
+        (&[97.4; 3], OK),
+        (&[97.52; 3], (67, 0)),
+        (&[-55.3; 3], OK),
+        (&[-55.49; 3], (67, 0)),
+    ];
+    for (joints, expected) in linked {
+        assert_eq!(machine(keys, joints).bench().call(LINK), expected, "{joints:?}");
+    }
+}
+
+#[test]
+fn a_joint_does_not_leave_its_soft_travel() {
+    let whole = DELTA.config();
+    let held = whole.replacen(
+        "name = \"J2\"\n",
+        "name = \"J2\"\ntravel = { min = -20.0, max = 30.0 }\n",
+        1,
+    );
+    assert_ne!(held, whole);
+    for (config, expected) in [(whole, OK), (held, (72, 1))] {
+        let mut bench = Bench::with(&config);
+        assert_eq!(bench.call(LINK), OK);
+        let [x, y, z] = positions(&bench, &["X", "Y", "Z"]);
+        // All arms go down.
+        let call = format!("MCLM(CART, M, 0, [{x:?}, {y:?}, {:?}], {TRAPEZOID}, 1)", z - 60.0);
+        assert_eq!(bench.call(&call), expected, "{call}");
+        bench.run(20);
+        let moved = positions(&bench, &["X", "Y", "Z"]) != [x, y, z];
+        assert_eq!(moved, expected == OK);
+        assert!(bench.control("T").has(Flag::Ip), "the transform goes on");
     }
 }
 

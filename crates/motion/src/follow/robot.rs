@@ -64,6 +64,11 @@ pub(crate) struct WristMap {
 }
 
 impl WristMap {
+    /// The tool centre in the frame of the end of the arm.
+    pub(crate) fn tool(&self) -> Vector {
+        self.tool.position
+    }
+
     /// The tool centre in the work frame.
     pub(crate) fn point(&self, joints: &[Moving; MAX_SYSTEM_AXES]) -> Result<Pose<Moving>, KinematicsError> {
         let Taken { pose, .. } = self.robot.forward(joints)?;

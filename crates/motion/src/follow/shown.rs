@@ -39,6 +39,7 @@ impl Motion {
         Turn {
             frames: [tool, work],
             solution,
+            tool: wrist.tool(),
             tool_change: !link.braking && !self.moves_either_side(link),
         }
     }

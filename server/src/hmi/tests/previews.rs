@@ -48,6 +48,44 @@ async fn a_preview_shows_path_duration_and_peaks() {
 }
 
 #[tokio::test]
+async fn a_preview_of_a_robot_shows_its_tool() {
+    let bench = Bench::with(ROBOT).await;
+    let machine = bench.json("/api/machine").await;
+    let robots: Vec<&Value> = machine["coordinate_systems"]
+        .as_array()
+        .expect("systems")
+        .iter()
+        .map(|system| &system["robot"])
+        .collect();
+    assert_eq!(robots, [false, true]);
+    let mut viewer = bench.viewer().await;
+    let line = "MCLM(PICKER, P, Incremental, [10, 10, 10], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);";
+    let told = viewer.ask(preview(line)).await.expect("it can be executed");
+    let path = &told["paths"][0];
+    assert_eq!(path["coordinate_system"], "PICKER");
+    let points = path["points"].as_array().expect("points");
+    let ends = [&points[0], &points[points.len() - 1]];
+    let [from, to] = ends.map(|point| [0, 1, 2].map(|k| point[k].as_f64().expect("a number")));
+    // All arms alike: straight down, by the loop of one of them (spec/coordinated-instructions.md §22.6).
+    let height = |angle: f64| {
+        let (sin, cos) = angle.to_radians().sin_cos();
+        -30.0 - 120.0 * sin - (260.0_f64.powi(2) - (40.0 + 120.0 * cos).powi(2)).sqrt()
+    };
+    for (point, angle) in [(from, 20.0), (to, 30.0)] {
+        assert!(point[0].abs() < 1e-6 && point[1].abs() < 1e-6, "{point:?}");
+        assert!((point[2] - height(angle)).abs() < 1e-6, "{point:?} at {angle}");
+    }
+    viewer.ask(json!({"do": "trace", "on": true})).await.expect("it tells");
+    let (_, signals, values) = viewer.frame().await;
+    assert_eq!(signals, 6 * 4 + 2 + 3, "those of axes and systems, and the tool");
+    let tool = &values[signals - 3..signals];
+    assert!(
+        (tool[2] - height(20.0)).abs() < 1e-3 && tool[0].abs() < 1e-3,
+        "{tool:?}"
+    );
+}
+
+#[tokio::test]
 async fn a_preview_begins_where_the_machine_will_be() {
     let bench = Bench::start().await;
     let mut viewer = bench.viewer().await;
