@@ -3,7 +3,8 @@
 //! A [`Move`] is a geometric path with the limits of its speed along it, and perhaps a turn of the orientation. A [`Planner`] holds the active
 //! move, the pending ones behind it, and evaluates the active one in closed form: nothing is integrated from
 //! tick to tick, so the trajectory is the same at every update period (spec/motion-core.md §1, §12). What lies
-//! between two moves stands in `junction`, how one becomes the next in `hand_over`, what the queue allows in `queue`.
+//! between two moves stands in `junction`, how one becomes the next in `hand_over`, what the queue allows in `queue`, how all of
+//! it is changed in `sight`.
 //!
 //! Not here: instructions, status bits, axes, drives, and anything that knows what a tick does. Units:
 //! position units, seconds; master units in place of seconds for moves that are functions of a master's way
@@ -20,6 +21,7 @@ mod look_ahead;
 mod merge;
 mod planner;
 mod queue;
+mod sight;
 mod track;
 
 pub use clock::{Clock, Instant, Pace, ROUNDING};

@@ -168,13 +168,13 @@ impl<T: Copy> Planner<T> {
     }
 
     /// The moves that wait, oldest first.
-    pub fn pending(&self) -> impl Iterator<Item = &Move<T>> {
+    pub fn pending(&self) -> impl DoubleEndedIterator<Item = &Move<T>> {
         self.queue.iter()
     }
 
-    /// The moves that wait, oldest first, to change; [`Planner::change_limits`] makes it take effect.
-    pub fn pending_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
-        self.queue.iter_mut()
+    /// The newest move that waits.
+    pub fn last_pending(&self) -> Option<&Move<T>> {
+        self.queue.back()
     }
 
     /// Whether every pending place is taken.

@@ -42,6 +42,7 @@ mod moves;
 mod mrp;
 mod msf;
 mod mso;
+pub(crate) mod owed;
 mod programmed;
 mod seconds;
 
