@@ -19,6 +19,7 @@ mod hand_over;
 mod junction;
 mod look_ahead;
 mod merge;
+mod passage;
 mod planner;
 mod queue;
 mod sight;
@@ -27,7 +28,8 @@ mod track;
 pub use clock::{Clock, Instant, Pace, ROUNDING};
 pub use contour::{ContourBatch, ContourPassage, ContourQueue, Extension, Installed};
 pub use junction::Ending;
-pub use planner::{Momentum, Move, Parameter, Passage, Planner, QueueFull, Reach, Running};
+pub use passage::{Passage, Reach};
+pub use planner::{Momentum, Move, Parameter, Planner, QueueFull, Running};
 pub use track::Sample;
 
 pub use arcline_contour as precise;
