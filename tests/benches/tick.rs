@@ -27,7 +27,8 @@ fn deep() -> Bench {
     bench.set_override("CS1", 0.0);
     for place in 0..1000 {
         let (x, accel, decel) = (f64::from(place + 1) * 0.1, 1000 + place % 5, 1000 + place % 7);
-        let call = format!("MCLM(CS1, M{place}, 0, [{x}, 0, 0], 200, 0, {accel}, 0, {decel}, 0, 1, 20000, 20000, 0, 4)");
+        let call =
+            format!("MCLM(CS1, M{place}, 0, [{x}, 0, 0], 200, 0, {accel}, 0, {decel}, 0, 1, 20000, 20000, 0, 4)");
         assert_eq!(bench.call(&call), (0, 0));
     }
     bench.set_override("CS1", 0.001);
@@ -98,7 +99,9 @@ fn singles() {
         "the 250 ticks behind MCCD of 1000 moves: median {:.2} us, most {:.2}",
         behind[125], behind[249]
     );
-    let stop = steps(1, deep, |bench, _| assert_eq!(bench.call("MCS(CS1, S, CoordinatedMove)"), (0, 0)));
+    let stop = steps(1, deep, |bench, _| {
+        assert_eq!(bench.call("MCS(CS1, S, CoordinatedMove)"), (0, 0))
+    });
     println!("MCS, 1000 moves in the queue: {:.1} us", stop[0]);
 }
 

@@ -272,7 +272,11 @@ fn random_program(seed: u64) -> Vec<(u64, String)> {
     let mut random = Random(seed);
     // Corners of types 4 and 5 show the period by definition: these types are for lines in one direction.
     let in_line = random.below(3) == 0;
-    let types: &[u8] = if in_line { &[0, 1, 2, 3, 4, 5, 6] } else { &[0, 1, 2, 3, 6] };
+    let types: &[u8] = if in_line {
+        &[0, 1, 2, 3, 4, 5, 6]
+    } else {
+        &[0, 1, 2, 3, 6]
+    };
     let (mut steps, mut at, mut x, mut moves) = (Vec::new(), 0, 0.0, 0);
     while at < 2400 {
         let [speed, up, down] = [(20.0, 300.0), (500.0, 4000.0), (500.0, 4000.0)].map(|(a, b)| random.between(a, b));
@@ -316,7 +320,10 @@ fn random_program(seed: u64) -> Vec<(u64, String)> {
         at += 4 * random.below(60);
     }
     steps.push((2600, format!("{OVERRIDE}1")));
-    steps.push((2600, "MCCD(CS1, C, 1, 1, 200, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1)".into()));
+    steps.push((
+        2600,
+        "MCCD(CS1, C, 1, 1, 200, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1)".into(),
+    ));
     steps
 }
 

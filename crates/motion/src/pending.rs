@@ -61,7 +61,8 @@ impl System {
         let number = self.planner.owe();
         self.pending.owed.add(number, change);
         let owed = &self.pending.owed;
-        self.planner.give_nearest(limits, clock, |motion, has| owed.give(motion, has));
+        self.planner
+            .give_nearest(limits, clock, |motion, has| owed.give(motion, has));
     }
 
     /// Goes on with what was too long for one update; once in each.

@@ -45,7 +45,7 @@ fn every_value_in_every_unit() {
         ("nothing",                       "No, 0, 0, No, 0, 0, No, 0, 0, No, 0, No, 0, 0", base),
         ("speed, units/s",                "Yes, 150, Unitspersec, No, 0, 0, No, 0, 0, No, 0, No, 0, 0", with(0, 150.0)),
         ("speed, % of maximum",           "Yes, 30, %ofMaximum, No, 0, 0, No, 0, 0, No, 0, No, 0, 0", with(0, 150.0)),
-        ("accel, units/s2",               "No, 0, 0, Yes, 1500, Unitspersec2, No, 0, 0, No, 0, No, 0, 0", with(1, 1500.0)),
+        ("accel, units/s2",               "No, 0, 0, Yes, 1300, Unitspersec2, No, 0, 0, No, 0, No, 0, 0", with(1, 1300.0)),
         ("accel, % of maximum",           "No, 0, 0, Yes, 24, %ofMaximum, No, 0, 0, No, 0, No, 0, 0", with(1, 1200.0)),
         ("decel, units/s2",               "No, 0, 0, No, 0, 0, Yes, 800, Unitspersec2, No, 0, No, 0, 0", with(2, 800.0)),
         ("decel, % of maximum",           "No, 0, 0, No, 0, 0, Yes, 16, %ofMaximum, No, 0, No, 0, 0", with(2, 800.0)),
@@ -62,9 +62,16 @@ fn every_value_in_every_unit() {
         let mut bench = Bench::new();
         let call = "MCLM(XY, M1, 0, [400, 0], 100, 0, 1000, 0, 1000, 0, S-curve, 20000, 20000, Unitspersec3, 1)";
         assert_eq!(bench.call(call), OK);
-        assert_eq!(bench.call(&format!("MCCD(XY, C1, CoordinatedMove, {change}, ActiveMotion)")), OK, "{why}");
+        assert_eq!(
+            bench.call(&format!("MCCD(XY, C1, CoordinatedMove, {change}, ActiveMotion)")),
+            OK,
+            "{why}"
+        );
         for (place, (got, wanted)) in measured(&mut bench).iter().zip(expected).enumerate() {
-            assert!((got - wanted).abs() < 1e-6 * wanted, "{why}: {got} for value {place}, not {wanted}");
+            assert!(
+                (got - wanted).abs() < 1e-6 * wanted,
+                "{why}: {got} for value {place}, not {wanted}"
+            );
         }
         assert_eq!(bench.axis("X").command, [400.0, 0.0, 0.0], "{why}");
     }
@@ -85,7 +92,11 @@ fn a_jerk_in_percent_of_time_follows_whatever_is_changed() {
         let mut bench = Bench::new();
         let call = "MCLM(XY, M1, 0, [400, 0], 100, 0, 1000, 0, 1000, 0, S-curve, 60, 60, %ofTime, 1)";
         assert_eq!(bench.call(call), OK);
-        assert_eq!(bench.call(&format!("MCCD(XY, C1, CoordinatedMove, {change})")), OK, "{why}");
+        assert_eq!(
+            bench.call(&format!("MCCD(XY, C1, CoordinatedMove, {change})")),
+            OK,
+            "{why}"
+        );
         let expected = [speed, accel, decel, percent(speed, accel), percent(speed, decel)];
         for (got, wanted) in measured(&mut bench).iter().zip(expected) {
             assert!((got - wanted).abs() < 1e-6 * wanted, "{why}: {got}, not {wanted}");
@@ -114,7 +125,9 @@ fn an_acceleration_that_returns_too_slowly_takes_the_speed_beyond_the_programmed
     ];
     for (why, jerks, change, jerk) in cases {
         let mut bench = Bench::new();
-        bench.execute(&format!("MCLM(XY, M1, 0, [2000, 0], 200, 0, 2000, 0, 2000, 0, 1, {jerks}, 1)"));
+        bench.execute(&format!(
+            "MCLM(XY, M1, 0, [2000, 0], 200, 0, 2000, 0, 2000, 0, 1, {jerks}, 1)"
+        ));
         bench.run(60);
         let [_, speed, acceleration] = bench.axis("X").command;
         assert_eq!(bench.call(&format!("MCCD(XY, C1, 1, {change})")), OK);
@@ -136,13 +149,14 @@ fn an_acceleration_that_returns_too_slowly_takes_the_speed_beyond_the_programmed
 
 #[test]
 fn a_deceleration_that_is_lowered_too_late_passes_the_end_and_comes_back() {
-    // (move, until X, change, and of speed v, deceleration b, to go: the lowest velocity, how far beyond the end)
     struct Case {
         why: &'static str,
         rates: &'static str,
         until: f64,
         change: &'static str,
+        /// The lowest velocity, of speed and deceleration at the change.
         lowest: fn(f64, f64) -> Option<f64>,
+        /// How far beyond the end, of speed and way to go at the change.
         beyond: fn(f64, f64) -> Option<f64>,
     }
     let cases = [
@@ -174,7 +188,10 @@ fn a_deceleration_that_is_lowered_too_late_passes_the_end_and_comes_back() {
     for case in cases {
         let why = case.why;
         let mut bench = Bench::new();
-        bench.execute(&format!("MCLM(XY, M1, 0, [100, 0], 200, 0, 2000, 0, 2000, 0, {}, 1)", case.rates));
+        bench.execute(&format!(
+            "MCLM(XY, M1, 0, [100, 0], 200, 0, 2000, 0, 2000, 0, {}, 1)",
+            case.rates
+        ));
         while bench.position("X") < case.until {
             bench.tick();
         }
@@ -184,7 +201,7 @@ fn a_deceleration_that_is_lowered_too_late_passes_the_end_and_comes_back() {
         let [_, lowest, furthest] = extremes(&mut bench);
         assert!(lowest < -0.5, "{why}: it comes back, {lowest}");
         if let Some(expected) = (case.lowest)(speed, -acceleration) {
-            assert!(lowest < expected + 1e-2, "{why}: {lowest}, not {expected}");
+            assert!((lowest - expected).abs() < 0.05, "{why}: {lowest}, not {expected}");
         } else {
             assert!(furthest > 100.5, "{why}: {furthest}");
         }
@@ -209,7 +226,10 @@ fn a_change_anywhere_in_a_thousand_moves_reaches_every_one_of_them() {
         assert_eq!(bench.call(&call), OK);
     }
     let change = |bench: &mut Bench, change: &str| {
-        assert_eq!(bench.call(&format!("MCCD(XY, C1, 1, {change}, ActiveandPendingMotion)")), OK);
+        assert_eq!(
+            bench.call(&format!("MCCD(XY, C1, 1, {change}, ActiveandPendingMotion)")),
+            OK
+        );
     };
     bench.run(200);
     change(&mut bench, "Yes, 50, 0, No, 0, 0, No, 0, 0, No, 0, No, 0, 0");
@@ -228,7 +248,11 @@ fn a_change_anywhere_in_a_thousand_moves_reaches_every_one_of_them() {
     }
     // 80 units/s up to the last ramp, which takes 80 / 1000 s and 60 % of it as long again by jerks: 0.114 s.
     let cruise = &speeds[..speeds.len() - 116];
-    assert!(cruise.iter().all(|speed| (speed - 80.0).abs() < 1e-6), "{:?}", &cruise[..20]);
+    assert!(
+        cruise.iter().all(|speed| (speed - 80.0).abs() < 1e-6),
+        "{:?}",
+        &cruise[..20]
+    );
     assert!((most - 1000.0).abs() < 1e-3, "{most}");
     assert_eq!(bench.axis("X").command, [0.1 * f64::from(count), 0.0, 0.0]);
 }
@@ -236,7 +260,9 @@ fn a_change_anywhere_in_a_thousand_moves_reaches_every_one_of_them() {
 #[test]
 fn a_change_is_refused_for_a_pending_move_that_cannot_have_it() {
     // The jerk is only an S-curve's, and percent of a maximum that is 0 leave it nothing to move with.
-    let (before, after) = arcline_config::DEFAULT.split_once("name = \"XY\"").expect("a system of the default machine");
+    let (before, after) = arcline_config::DEFAULT
+        .split_once("name = \"XY\"")
+        .expect("a system of the default machine");
     let after = after.replacen("max_acceleration_jerk = 100000.0", "max_acceleration_jerk = 0.0", 1);
     let config = format!("{before}name = \"XY\"{after}");
     let call = "MCCD(XY, C1, 1, No, 0, 0, No, 0, 0, No, 0, 0, Yes, 50, No, 0, %ofMaximum";
@@ -246,7 +272,11 @@ fn a_change_is_refused_for_a_pending_move_that_cannot_have_it() {
         bench.execute(&format!(
             "MCLM(XY, M2, 0, [100, 50], 100, 0, 2000, 0, 2000, 0, {profile}, 100, 100, 2, 1)"
         ));
-        assert_eq!(bench.call(&format!("{call}, ActiveMotion)")), OK, "the active one is a trapezoid");
+        assert_eq!(
+            bench.call(&format!("{call}, ActiveMotion)")),
+            OK,
+            "the active one is a trapezoid"
+        );
         let both = format!("{}, ActiveandPendingMotion)", call.replace("C1", "C2"));
         assert_eq!(bench.call(&both), expected, "profile {profile}");
         bench.until("M2", Flag::Pc);

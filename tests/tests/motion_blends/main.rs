@@ -107,9 +107,16 @@ fn bits_at_the_transition_points_of_a_stop() {
         let mut least = f64::INFINITY;
         while !bench.control("M1").has(Flag::Pc) {
             bench.tick();
-            least = if bench.now() < 300 { f64::INFINITY } else { least.min(bench.system("XY").path_speed) };
+            least = if bench.now() < 300 {
+                f64::INFINITY
+            } else {
+                least.min(bench.system("XY").path_speed)
+            };
         }
-        assert!((least - speed).abs() < 0.5, "type {termination}: {least} at TP2, not {speed}");
+        assert!(
+            (least - speed).abs() < 0.5,
+            "type {termination}: {least} at TP2, not {speed}"
+        );
         let shown = bench.bits("M2");
         assert!(
             shown.starts_with("EN DN IP AC") && bench.bits("M1") == "EN DN PC",

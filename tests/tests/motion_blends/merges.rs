@@ -23,7 +23,11 @@ fn both_types_take_over_at_both_speeds() {
                 bench.execute("MCLM(XY, M2, 0, [0, 0], 200, 0, 2000, 0, 2000, 0, 1, 100, 100, 2, 1)");
                 bench.run(500);
                 assert_eq!(bench.call(&format!("{call}, {merge}, {speed})")), OK, "{row}");
-                assert_eq!((bench.bits("M1").as_str(), bench.bits("M2").as_str()), ("EN DN", "EN DN"), "{row}");
+                assert_eq!(
+                    (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
+                    ("EN DN", "EN DN"),
+                    "{row}"
+                );
                 assert_eq!(bench.control("J").has(Flag::Ip), jogs_on, "{row}");
                 assert!(!bench.control("J").has(Flag::Pc), "{row}");
                 let mut top = 0.0_f64;
@@ -36,13 +40,22 @@ fn both_types_take_over_at_both_speeds() {
                     for (before, after) in last.iter().zip(now) {
                         // The old and the new rate, and what an arc of 150 asks across it.
                         let most = (2.0 * 2000.0 + expected * expected / 150.0) * 0.001 * 1.01;
-                        assert!((after[1] - before[1]).abs() <= most, "{row}: {} to {}", before[1], after[1]);
+                        assert!(
+                            (after[1] - before[1]).abs() <= most,
+                            "{row}: {} to {}",
+                            before[1],
+                            after[1]
+                        );
                     }
                     last = now;
                 }
                 assert!((top - expected).abs() < 1e-6, "{row}: {top}, not {expected}");
                 let x = if why == "an arc" { end } else { 500.0 };
-                assert!((bench.position("X") - x).abs() < 1e-9, "{row}: ends at {}", bench.position("X"));
+                assert!(
+                    (bench.position("X") - x).abs() < 1e-9,
+                    "{row}: ends at {}",
+                    bench.position("X")
+                );
                 assert_eq!(bench.axis("Y").command[1], if jogs_on { 50.0 } else { 0.0 }, "{row}");
             }
         }

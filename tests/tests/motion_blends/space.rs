@@ -21,9 +21,16 @@ fn apart(a: Vector, b: Vector) -> f64 {
 /// A line, or half a circle of radius [`RADIUS`].
 #[derive(Clone, Copy)]
 enum Piece {
-    Line { from: Vector, to: Vector },
+    Line {
+        from: Vector,
+        to: Vector,
+    },
     /// From `from` in the direction `begins`, about a centre on the side `inner`.
-    Arc { from: Vector, begins: Vector, inner: Vector },
+    Arc {
+        from: Vector,
+        begins: Vector,
+        inner: Vector,
+    },
 }
 
 const RADIUS: f64 = 20.0;
@@ -76,16 +83,87 @@ impl Piece {
 fn pairs() -> [(&'static str, [Piece; 2], bool); 6] {
     let origin = [0.0; 3];
     let corner = along(origin, X, 50.0);
-    let line = Piece::Line { from: origin, to: corner };
-    let first = Piece::Arc { from: origin, begins: X, inner: UP };
+    let line = Piece::Line {
+        from: origin,
+        to: corner,
+    };
+    let first = Piece::Arc {
+        from: origin,
+        begins: X,
+        inner: UP,
+    };
     let top = first.end();
     [
-        ("line to line", [line, Piece::Line { from: corner, to: along(corner, UP, 50.0) }], false),
-        ("line to tangent arc", [line, Piece::Arc { from: corner, begins: X, inner: UP }], true),
-        ("line to arc with a corner", [line, Piece::Arc { from: corner, begins: SIDE, inner: UP }], false),
-        ("arc to tangent arc of another plane", [first, Piece::Arc { from: top, begins: BACK, inner: SIDE }], true),
-        ("arc to arc with a corner", [first, Piece::Arc { from: top, begins: UP, inner: SIDE }], false),
-        ("arc to tangent line", [first, Piece::Line { from: top, to: along(top, BACK, 50.0) }], true),
+        (
+            "line to line",
+            [
+                line,
+                Piece::Line {
+                    from: corner,
+                    to: along(corner, UP, 50.0),
+                },
+            ],
+            false,
+        ),
+        (
+            "line to tangent arc",
+            [
+                line,
+                Piece::Arc {
+                    from: corner,
+                    begins: X,
+                    inner: UP,
+                },
+            ],
+            true,
+        ),
+        (
+            "line to arc with a corner",
+            [
+                line,
+                Piece::Arc {
+                    from: corner,
+                    begins: SIDE,
+                    inner: UP,
+                },
+            ],
+            false,
+        ),
+        (
+            "arc to tangent arc of another plane",
+            [
+                first,
+                Piece::Arc {
+                    from: top,
+                    begins: BACK,
+                    inner: SIDE,
+                },
+            ],
+            true,
+        ),
+        (
+            "arc to arc with a corner",
+            [
+                first,
+                Piece::Arc {
+                    from: top,
+                    begins: UP,
+                    inner: SIDE,
+                },
+            ],
+            false,
+        ),
+        (
+            "arc to tangent line",
+            [
+                first,
+                Piece::Line {
+                    from: top,
+                    to: along(top, BACK, 50.0),
+                },
+            ],
+            true,
+        ),
     ]
 }
 
@@ -136,8 +214,16 @@ fn every_type_between_lines_and_arcs() {
                 assert!(dot(step, step).sqrt() <= most, "{why}: {last:?} to {now:?}");
                 last = now;
             }
-            assert!(apart(point(&bench), pieces[1].end()) < 1e-12, "{why}: ends at {:?}", point(&bench));
-            assert_eq!((bench.bits("M1").as_str(), bench.bits("M2").as_str()), ("EN DN PC", "EN DN PC"), "{why}");
+            assert!(
+                apart(point(&bench), pieces[1].end()) < 1e-12,
+                "{why}: ends at {:?}",
+                point(&bench)
+            );
+            assert_eq!(
+                (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
+                ("EN DN PC", "EN DN PC"),
+                "{why}"
+            );
             if tolerance == 0.0 {
                 assert!(off < 1e-9, "{why}: {off} off the path");
             } else {
@@ -155,7 +241,9 @@ fn every_type_between_lines_and_arcs() {
             took.push(bench.now());
         }
         // Stops take longest, then small and larger tolerances; a joint that is run over at full speed, least.
-        let [_, stop, near, free, contour, _, far] = took[..] else { unreachable!("seven types") };
+        let [_, stop, near, free, contour, _, far] = took[..] else {
+            unreachable!("seven types")
+        };
         assert!(free <= far && far <= near && near <= stop, "{pair}: {took:?}");
         assert!(contour < if tangent { free } else { stop }, "{pair}: {took:?}");
     }

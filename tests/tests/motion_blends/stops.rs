@@ -20,7 +20,10 @@ fn stopped(bench: &mut Bench, why: &str) -> (f64, f64) {
             jerk = jerk.max(((after[2] - before[2]) / PERIOD).abs());
             assert!(after[2].abs() <= most * (1.0 + 1e-9), "{why}: {} of {most}", after[2]);
             let mean = 0.5 * (after[1] + before[1]) * PERIOD;
-            assert!((after[0] - before[0] - mean).abs() < 1e-5, "{why}: a step of the position");
+            assert!(
+                (after[0] - before[0] - mean).abs() < 1e-5,
+                "{why}: a step of the position"
+            );
         }
         furthest = furthest.max(now[0][0]);
         last = now;
@@ -76,7 +79,11 @@ fn its_own_deceleration_and_jerk_inside_a_blend() {
         let moving = ["X", "Y"].map(|axis| bench.axis(axis).command[1]);
         assert!(moving.iter().all(|speed| *speed > 0.0), "{why}: both move, {moving:?}");
         stopped(&mut bench, &why);
-        assert_eq!((bench.bits("M1").as_str(), bench.bits("M2").as_str()), ("EN DN PC", "EN DN"), "{why}");
+        assert_eq!(
+            (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
+            ("EN DN PC", "EN DN"),
+            "{why}"
+        );
     }
 }
 
@@ -100,7 +107,10 @@ fn a_stop_in_a_deep_queue_rests_on_the_path_and_cancels_all_of_it() {
         while !bench.control("S1").has(Flag::Pc) {
             bench.tick();
             let speed = bench.system("XY").path_speed;
-            assert!((last - speed) / PERIOD <= 2000.0 * 1.01, "at {at} ms: {last} to {speed}");
+            assert!(
+                (last - speed) / PERIOD <= 2000.0 * 1.01,
+                "at {at} ms: {last} to {speed}"
+            );
             last = speed;
         }
         let last = bench.bits(&format!("M{pieces}"));
@@ -108,7 +118,10 @@ fn a_stop_in_a_deep_queue_rests_on_the_path_and_cancels_all_of_it() {
         // Every end of a chord lies on the circle, its middle by 0.00005 inside.
         let off = (bench.position("X").hypot(bench.position("Y") - 100.0) - 100.0).abs();
         assert!(off < 6e-5, "at {at} ms: {off} off the path");
-        assert_eq!(bench.call("MCLM(XY, N1, 1, [5, 0], 150, 0, 2000, 0, 2000, 0, 1, 100, 100, 2, 1)"), OK);
+        assert_eq!(
+            bench.call("MCLM(XY, N1, 1, [5, 0], 150, 0, 2000, 0, 2000, 0, 1, 100, 100, 2, 1)"),
+            OK
+        );
         bench.until("N1", Flag::Pc);
     }
 }

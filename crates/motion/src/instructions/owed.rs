@@ -203,7 +203,11 @@ mod tests {
         fn change(&mut self) -> Change {
             let jerk = |random: &mut Random| {
                 let value = random.value()?;
-                Some(if random.below(2) == 0 { JerkRate::Units(value) } else { JerkRate::PercentOfTime(value / 3.0) })
+                Some(if random.below(2) == 0 {
+                    JerkRate::Units(value)
+                } else {
+                    JerkRate::PercentOfTime(value / 3.0)
+                })
             };
             Change {
                 speed: if self.below(4) == 0 { Some(0.0) } else { self.value() },
@@ -220,7 +224,11 @@ mod tests {
     fn what_is_given_at_last_is_what_all_changes_one_by_one_make() {
         for seed in 0..500 {
             let mut random = Random(seed);
-            let bounded = Pace { speed: 95.0, acceleration: 180.0, deceleration: 210.0 };
+            let bounded = Pace {
+                speed: 95.0,
+                acceleration: 180.0,
+                deceleration: 210.0,
+            };
             let pace = if seed % 2 == 0 { Pace::UNLIMITED } else { bounded };
             let first = waiting(pace);
             let mut each = first;
