@@ -107,6 +107,8 @@ pub struct Planner<T> {
     pub(crate) hand_over_at: Option<f64>,
     /// Paths of cancelled moves along which a stop of the active one may have to go on.
     trail: VecDeque<Path>,
+    /// The path does not go on behind the trail.
+    trail_ends: bool,
     /// Counts the plans of active moves.
     pub(crate) plans: u32,
     /// What the active move may use of the limits of the axes, where these are kept.
@@ -127,6 +129,7 @@ impl<T: Copy> Planner<T> {
             depth,
             hand_over_at: None,
             trail: VecDeque::with_capacity(depth),
+            trail_ends: false,
             plans: 0,
             within: None,
         }
@@ -272,23 +275,30 @@ impl<T: Copy> Planner<T> {
 
     /// Ends the active move and forgets it.
     pub fn clear_active(&mut self) -> Option<T> {
-        self.trail.clear();
+        self.clear_trail();
         self.tail = None;
         self.within = None;
         self.hand_over_at = None;
         self.active.take().map(|running| running.motion.data)
     }
 
-    /// Takes the oldest pending move out of the queue. Where the profile of the active one leads over it, its path is
-    /// kept for [`Planner::stop`].
+    /// Takes the oldest pending move out of the queue. Where the profile of the active one leads over it, or the speed was kept for
+    /// it, its path is kept for [`Planner::stop`].
     pub fn cancel_pending(&mut self) -> Option<T> {
         self.hand_over_at = None;
+        let passed = self.queue.is_passed_to();
         let cancelled = self.queue.pop()?;
-        let joined = self.active.map_or(0, |running| running.joined);
-        if self.trail.len() < joined {
+        let (joined, exit) = self.active.map_or((0, 0.0), |running| (running.joined, running.exit));
+        self.trail_ends |= self.trail.len() >= joined && !(exit > 0.0 && passed);
+        if !self.trail_ends {
             self.trail.push_back(cancelled.path);
         }
         Some(cancelled.data)
+    }
+
+    fn clear_trail(&mut self) {
+        self.trail.clear();
+        self.trail_ends = false;
     }
 
     /// Whether two moves are superposed at the present tick.
@@ -375,7 +385,7 @@ impl<T: Copy> Planner<T> {
 
     /// Begins a move on a track whose profile is still to be planned from `from`.
     pub(crate) fn begin(&mut self, motion: Move<T>, track: Track, from: State, blended: bool, clock: &Clock) {
-        self.trail.clear();
+        self.clear_trail();
         let mut running = Running {
             motion,
             track,

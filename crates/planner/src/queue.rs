@@ -109,6 +109,11 @@ impl<T: Copy> Queue<T> {
         self.moves.iter().map(|waiting| &waiting.motion)
     }
 
+    /// Whether the path goes on to the oldest move: no rest before it, and nothing superposed.
+    pub(crate) fn is_passed_to(&self) -> bool {
+        self.moves.front().is_some_and(|waiting| waiting.joint.is_passed())
+    }
+
     pub(crate) fn rate(&self) -> f64 {
         self.rate
     }

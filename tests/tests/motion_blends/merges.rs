@@ -11,7 +11,7 @@ fn both_types_take_over_at_both_speeds() {
     #[rustfmt::skip]
     let ways = [
         ("a line", "MCLM(XY, M3, 0, [500, 300], 120, 0, 2000, 0, 2000, 0, 1, 100, 100, 2, 1"),
-        ("an arc", "MCCM(XY, M3, 1, [0, 300], Center, [0, 150], 1, 120, 0, 2000, 0, 2000, 0, 1, 100, 100, 2, 1"),
+        ("an arc", "MCCM(XY, M3, 1, [-300, 0], Center, [-150, 0], 1, 120, 0, 2000, 0, 2000, 0, 1, 100, 100, 2, 1"),
     ];
     for (why, call) in ways {
         for (merge, jogs_on) in [("CoordinatedMotion", true), ("AllMotion", false)] {
@@ -32,7 +32,7 @@ fn both_types_take_over_at_both_speeds() {
                 assert!(!bench.control("J").has(Flag::Pc), "{row}");
                 let mut top = 0.0_f64;
                 let mut last = ["X", "Y"].map(|axis| bench.axis(axis).command);
-                let end = bench.position("X");
+                let end = bench.position("X") - 300.0;
                 while !bench.control("M3").has(Flag::Pc) {
                     bench.tick();
                     top = top.max(bench.system("XY").path_speed);
@@ -49,7 +49,8 @@ fn both_types_take_over_at_both_speeds() {
                     }
                     last = now;
                 }
-                assert!((top - expected).abs() < 1e-6, "{row}: {top}, not {expected}");
+                // A little less where the way of what ramps out adds to that of the path.
+                assert!(top <= expected + 1e-6 && top > 0.95 * expected, "{row}: {top}, not {expected}");
                 let x = if why == "an arc" { end } else { 500.0 };
                 assert!(
                     (bench.position("X") - x).abs() < 1e-9,

@@ -68,7 +68,7 @@ const KINDS: &[Kind] = &[
     Kind { name: "changes, trapezoids", changes: true, s_curve: false, ..PLAIN },
     Kind { name: "deep changes", changes: true, deep: true, ..PLAIN },
     Kind { name: "deep changes of rates", changes: true, rates: true, deep: true, late: true, ..PLAIN },
-    Kind { name: "deep changes, corners", changes: true, corners: true, deep: true, endings: &[CONTOUR, Ending::Stop], ..PLAIN },
+    Kind { name: "deep changes, corners", changes: true, corners: true, deep: true, endings: &[CONTOUR], ..PLAIN },
 ];
 
 struct Storm<'k> {
