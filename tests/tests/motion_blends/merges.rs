@@ -50,7 +50,10 @@ fn both_types_take_over_at_both_speeds() {
                     last = now;
                 }
                 // A little less where the way of what ramps out adds to that of the path.
-                assert!(top <= expected + 1e-6 && top > 0.95 * expected, "{row}: {top}, not {expected}");
+                assert!(
+                    top <= expected + 1e-6 && top > 0.95 * expected,
+                    "{row}: {top}, not {expected}"
+                );
                 let x = if why == "an arc" { end } else { 500.0 };
                 assert!(
                     (bench.position("X") - x).abs() < 1e-9,

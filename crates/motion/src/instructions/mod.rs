@@ -34,6 +34,7 @@ mod mdcc;
 mod mdoc;
 mod mdr;
 mod mdw;
+mod merging;
 mod mgs;
 mod mgsd;
 mod mgsp;
@@ -43,6 +44,7 @@ mod mrp;
 mod msf;
 mod mso;
 pub(crate) mod owed;
+mod points;
 mod programmed;
 mod seconds;
 
