@@ -92,13 +92,13 @@ fn its_own_deceleration_and_jerk_inside_a_blend() {
 
 #[test]
 fn a_stop_in_a_deep_queue_rests_on_the_path_and_cancels_all_of_it() {
-    for at in [30, 333, 700] {
-        let mut bench = Bench::replacing("name = \"XY\"", "name = \"XY\"\nqueue_depth = 1000");
+    for at in [30, 700] {
+        let mut bench = Bench::replacing("name = \"XY\"", "name = \"XY\"\nqueue_depth = 300");
         let point = |place: i32| {
-            let angle = 0.002 * f64::from(place);
+            let angle = 0.004 * f64::from(place);
             (100.0 * angle.sin(), 100.0 * (1.0 - angle.cos()))
         };
-        let pieces = 1001;
+        let pieces = 301;
         for place in 1..=pieces {
             let (x, y) = point(place);
             let call = format!("MCLM(XY, M{place}, 0, [{x}, {y}], 150, 0, 2000, 0, 2000, 0, 1, 100, 100, 2, 4)");
@@ -118,9 +118,9 @@ fn a_stop_in_a_deep_queue_rests_on_the_path_and_cancels_all_of_it() {
         }
         let last = bench.bits(&format!("M{pieces}"));
         assert_eq!(last, "EN DN", "at {at} ms");
-        // Every end of a chord lies on the circle, its middle by 0.00005 inside.
+        // Every end of a chord lies on the circle, its middle by 0.0002 inside.
         let off = (bench.position("X").hypot(bench.position("Y") - 100.0) - 100.0).abs();
-        assert!(off < 6e-5, "at {at} ms: {off} off the path");
+        assert!(off < 2.1e-4, "at {at} ms: {off} off the path");
         assert_eq!(
             bench.call("MCLM(XY, N1, 1, [5, 0], 150, 0, 2000, 0, 2000, 0, 1, 100, 100, 2, 1)"),
             OK
