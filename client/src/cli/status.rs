@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value as Json, json};
 
-use arcline_client::{Client, ClientError, Object, Reading, Tag, nearest};
+use arcline_client::{Client, ClientError, Object, Reading, Tag};
 
 use super::output::table;
 use super::{Failure, Output};
@@ -92,20 +92,26 @@ impl Looked {
     /// Those of these names, case ignored; all that there are when no name is given.
     pub(super) async fn at(client: &Client, names: &[String]) -> Result<Self, Failure> {
         let tags = client.browse().await?;
+        for name in names {
+            match tags.iter().find(|tag| tag.name.eq_ignore_ascii_case(name)) {
+                Some(tag) if kind(tag).is_some() => {}
+                Some(tag) => {
+                    return Err(Failure::WrongType {
+                        name: tag.name.clone(),
+                        type_name: tag.type_name(),
+                        expected: "an axis, a coordinate system or the motion group; `arcline read` shows any tag",
+                    });
+                }
+                None => {
+                    let shown = tags.iter().filter(|tag| kind(tag).is_some());
+                    return Err(ClientError::unknown_tag(name, shown.map(|tag| &tag.name)).into());
+                }
+            }
+        }
         let all: Vec<(Tag, Kind)> = tags
             .into_iter()
             .filter_map(|tag| kind(&tag).map(|kind| (tag, kind)))
             .collect();
-        for name in names {
-            if !all.iter().any(|(tag, _)| tag.name.eq_ignore_ascii_case(name)) {
-                let suggestion = nearest(name, all.iter().map(|(tag, _)| tag.name.as_str()));
-                return Err(ClientError::UnknownTag {
-                    name: name.clone(),
-                    suggestion,
-                }
-                .into());
-            }
-        }
         let asked = |tag: &Tag| names.is_empty() || names.iter().any(|name| name.eq_ignore_ascii_case(&tag.name));
         let systems = all.iter().filter(|(_, kind)| *kind == Kind::System);
         let systems = systems.map(|(tag, _)| tag.name.clone()).collect();

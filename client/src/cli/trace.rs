@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use serde_json::json;
 
-use arcline_client::{Client, ClientError, Object, TraceRequest, TraceState, nearest};
+use arcline_client::{Client, ClientError, Object, TraceRequest, TraceState};
 
 use super::args::Trace;
 use super::{Failure, Output, wait};
@@ -161,10 +161,15 @@ async fn signals(client: &Client, names: &[String]) -> Result<Vec<String>, Failu
         } else if let Some(system) = systems.iter().find(is) {
             signals.extend(of(system, &OF_SYSTEM));
         } else {
-            let known = axes.iter().chain(&systems).map(String::as_str);
-            let suggestion = nearest(name, known);
-            let name = name.clone();
-            return Err(ClientError::UnknownTag { name, suggestion }.into());
+            return Err(match client.tag(name).await {
+                Ok(tag) => Failure::WrongType {
+                    type_name: tag.type_name(),
+                    name: tag.name,
+                    expected: "an axis, a coordinate system, or a signal of one such as X.ActualPosition",
+                },
+                Err(error) if error.is_connection() => error.into(),
+                Err(_) => ClientError::unknown_tag(name, axes.iter().chain(&systems)).into(),
+            });
         }
     }
     Ok(signals)
