@@ -190,7 +190,7 @@ fn the_shell_runs_what_is_piped_in() {
     let outcome = with_input(command(at, &["shell"]), lines).expect(0);
     for expected in [
         "MCLM CS1: EN DN PC",
-        "line: 1 instructions executed",
+        "line: 1 instruction executed",
         "\"value\":20.0",
         "ERR 43 Coordinate System Queue Full",
     ] {

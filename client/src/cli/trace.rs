@@ -10,6 +10,7 @@ use serde_json::json;
 use arcline_client::{Client, ClientError, Object, TraceRequest, TraceState};
 
 use super::args::Trace;
+use super::output::counted;
 use super::{Failure, Output, wait};
 use csv::Csv;
 use mcap::Mcap;
@@ -72,10 +73,10 @@ pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> 
     let gap = if missing == 0 {
         "no gap".to_owned()
     } else {
-        format!("{missing} ticks missing")
+        format!("{} missing", counted(missing, "tick"))
     };
     output.result(
-        format!("{shown}: {rows} rows of {width} signals, {gap}"),
+        format!("{shown}: {} of {}, {gap}", counted(rows, "row"), counted(width, "signal")),
         || json!({"trace": shown, "rows": rows, "signals": request.signals, "missing": missing}),
     );
     Ok(())
