@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bytes::Bytes;
 
 use arcline_instruction_set::Object;
-use arcline_proto::cip::{CipStatus, class, encode_attribute_ids, service};
+use arcline_proto::cip::{class, encode_attribute_ids, service};
 use arcline_proto::epath::{Epath, Segment};
 use arcline_proto::logix::{CreateSymbol, Symbol};
 use arcline_tag::{DataType, TagType, Template};

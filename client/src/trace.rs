@@ -175,7 +175,10 @@ impl Client {
             Trigger::Rises { signal, .. } | Trigger::Falls { signal, .. } if place == TRIGGER_PLACE => signal,
             Trigger::True { signal } | Trigger::False { signal } if place == TRIGGER_PLACE => signal,
             Trigger::Instruction { name, .. } if place == TRIGGER_PLACE => {
-                return Err(ClientError::unknown_tag(name, self.instruction_names().await));
+                return Err(ClientError::unknown_tag(
+                    name,
+                    self.instruction_names().await.unwrap_or_default(),
+                ));
             }
             _ => request.signals.get(usize::from(place)).ok_or(CUT)?,
         };
@@ -183,12 +186,16 @@ impl Client {
         Err(ClientError::unknown_tag(name, known))
     }
 
-    /// What can stand for an instruction in a trigger: motion control tags, instruction tags, mnemonics.
-    async fn instruction_names(&self) -> Vec<String> {
-        let tags = self.browse().await.unwrap_or_default().into_iter();
+    /// What can stand for an instruction in a trigger: motion control tags, instruction tags, mnemonics. A motion control tag
+    /// that its first execution will make can too, and is not among them.
+    ///
+    /// # Errors
+    /// As [`Client::browse`].
+    pub async fn instruction_names(&self) -> Result<Vec<String>, ClientError> {
+        let tags = self.browse().await?.into_iter();
         let of_type = |name: &str| name == "MOTION_INSTRUCTION" || name.parse::<Mnemonic>().is_ok();
         let tags = tags.filter(|tag| of_type(&tag.type_name())).map(|tag| tag.name);
-        tags.chain(Mnemonic::ALL.iter().map(ToString::to_string)).collect()
+        Ok(tags.chain(Mnemonic::ALL.iter().map(ToString::to_string)).collect())
     }
 
     /// The rows of a trace from a tick on, as many as one reply holds; `from` 0 is its beginning.

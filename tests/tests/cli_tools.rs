@@ -92,13 +92,12 @@ fn a_slip_is_answered_with_what_was_meant() {
         ("a signal",                    &["trace", "X.ActualPositon", "--for", "1", "-o", &out],        "X.ActualPosition"),
         ("what is traced",              &["trace", "CSS1", "--for", "1", "-o", &out],                   "CS1"),
         ("a trigger's signal",          &["trace", "X", "--for", "1", "--trigger", "X.CommandPositon>=1", "-o", &out], "X.CommandPosition"),
-        ("a trigger's instruction",     &["trace", "X", "--for", "1", "--trigger", "Mvoe1:AC", "-o", &out], "Move1"),
         ("an instruction",              &["exec", "MCML(CS1, M1)"],                                     "MCLM"),
         ("its coordinate system",       &["exec", "MCLM(CSS1, M1, 0, [1, 2, 3])"],                      "CS1"),
         ("its word",                    &["exec", "MCLM(CS1, M1, Absolte, [1, 2, 3])"],                 "Absolute"),
         ("its tag",                     &["exec", "MCLM(CS1, M1, 0, Mvoe1.Position)"],                  "Move1"),
         ("the member of its tag",       &["exec", "MCLM(CS1, M1, 0, Move1.Positon)"],                   "Position"),
-        ("another object of it",        &["exec", "MAG(Y, M1, XX, Same, 1, 1, 1, Actual, Real, Disabled)"], "X"),
+        ("another object of it",        &["exec", "MAG(Y, XX, M1, Same, 1, 1, 1, Actual, Real, Disabled)"], "X"),
         ("the end of a line",           &["move", "CSS1", "1,2,3"],                                     "CS1"),
         ("the end of an arc",           &["arc", "XYY", "1,2", "--via", "1,1"],                         "XY"),
         ("a change",                    &["change", "CSS1", "--speed", "20%"],                          "CS1"),
@@ -123,6 +122,11 @@ fn a_slip_is_answered_with_what_was_meant() {
             "{why}: {arguments:?}: {refused:?}"
         );
     }
+    // A motion control tag may be made yet, so a trigger waits for it: told, and ended by Ctrl-C.
+    let waiting = command(at, &["trace", "X", "--for", "1", "--trigger", "Mvoe1:AC", "-o", &out]);
+    let talk = [("did you mean \"Move1\"?", ""), ("waiting for the trigger", "\u{3}")];
+    let told = at_a_terminal(&waiting, &talk);
+    assert!(told.code == Some(0) && told.stdout.contains("0 rows"), "{told:?}");
     // A list without a row is no error; what is there and is not meant is told as what it is.
     let none = arcline(at, &["tags", "Mvoe1"]).expect(0);
     assert_eq!(

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use serde_json::json;
 
-use arcline_client::{Client, ClientError, Object, TraceRequest, TraceState};
+use arcline_client::{Client, ClientError, Object, TraceRequest, TraceState, Trigger, nearest};
 
 use super::args::Trace;
 use super::output::counted;
@@ -59,6 +59,7 @@ pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> 
     } else {
         Sink::Csv(Csv::create(&command.output, &request.signals, period).map_err(at)?)
     };
+    tell_unmade(client, &request.trigger, output).await?;
     let instance = client.start_trace(&request).await?;
     let result = follow(client, instance, &mut sink, command, output).await;
     // It would be forgotten in a minute anyway.
@@ -76,9 +77,29 @@ pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> 
         format!("{} missing", counted(missing, "tick"))
     };
     output.result(
-        format!("{shown}: {} of {}, {gap}", counted(rows, "row"), counted(width, "signal")),
+        format!(
+            "{shown}: {} of {}, {gap}",
+            counted(rows, "row"),
+            counted(width, "signal")
+        ),
         || json!({"trace": shown, "rows": rows, "signals": request.signals, "missing": missing}),
     );
+    Ok(())
+}
+
+/// Says so when a trigger waits for a motion control tag that nothing has made yet: it may be a slip.
+async fn tell_unmade(client: &Client, trigger: &Trigger, output: &Output) -> Result<(), Failure> {
+    let Trigger::Instruction { name, .. } = trigger else {
+        return Ok(());
+    };
+    let known = client.instruction_names().await?;
+    if !known.iter().any(|known| known.eq_ignore_ascii_case(name)) {
+        let near = nearest(name, &known).map(|near| format!(", did you mean {near:?}?"));
+        output.note(&format!(
+            "no instruction has made {name:?} yet{}",
+            near.unwrap_or_default()
+        ));
+    }
     Ok(())
 }
 

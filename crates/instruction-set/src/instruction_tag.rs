@@ -233,14 +233,20 @@ mod tests {
         };
         let tag = TagType::scalar(instruction_tag_template(Mnemonic::Mclm));
         for name in ["PC", "pc", "ERR", "FLAGS.3"] {
-            let (short, long) = (of(&tag, &format!("T.{name}")), of(&tag, &format!("T.MotionControl.{name}")));
+            let (short, long) = (
+                of(&tag, &format!("T.{name}")),
+                of(&tag, &format!("T.MotionControl.{name}")),
+            );
             assert_eq!(short, long, "{name}");
             assert!(short.is_ok(), "{name}: {short:?}");
         }
         let slip = "MCLM has no member \"Sped\", did you mean \"Speed\"?";
         assert_eq!(of(&tag, "T.Sped"), Err(slip.to_owned()));
         assert!(of(&tag, "T.Position.PC").is_err(), "only of the tag itself");
-        assert!(of(&TagType::scalar(predefined::axis_virtual()), "T.PC").is_err(), "only of an instruction");
+        assert!(
+            of(&TagType::scalar(predefined::axis_virtual()), "T.PC").is_err(),
+            "only of an instruction"
+        );
     }
 
     #[test]

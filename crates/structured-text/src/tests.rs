@@ -26,7 +26,10 @@ impl Names for Machine {
             return Some(axis.locate(path.rest()).map(drop));
         }
         let known = self.tags();
-        known.iter().any(|known| tag.eq_ignore_ascii_case(known)).then_some(Ok(()))
+        known
+            .iter()
+            .any(|known| tag.eq_ignore_ascii_case(known))
+            .then_some(Ok(()))
     }
 
     fn objects(&self, object: Object) -> Vec<String> {
