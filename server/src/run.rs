@@ -2,6 +2,7 @@
 
 use std::io::{self, Write as _};
 use std::net::SocketAddr;
+use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -39,7 +40,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         Some(OrOff::Off) | None => (None, None),
     };
     let runtime = tokio::runtime::Builder::new_multi_thread()
-        .worker_threads(WORKERS)
+        .worker_threads(workers())
         .enable_all()
         .build()
         .map_err(|error| Failure::new(1, format!("the runtime could not be started: {error}")))?;
@@ -201,5 +202,12 @@ fn cannot_listen(BindError { address, error }: &BindError, io: Option<SocketAddr
     Failure::new(1, format!("cannot listen on {address}: {error}{hint}"))
 }
 
-/// The network is light work; the tick has a thread of its own.
-const WORKERS: usize = 2;
+/// Threads of the runtime that serves the network: one processor is left to the tick and its kin, which have threads of their
+/// own. With fewer threads than processors a thread is seldom woken by another, which costs more than an answer.
+fn workers() -> usize {
+    let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    processors.saturating_sub(1).clamp(1, MOST_WORKERS)
+}
+
+/// The network is light work.
+const MOST_WORKERS: usize = 4;

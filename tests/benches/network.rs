@@ -18,13 +18,11 @@ const TAGS: usize = 100;
 const SIZE: u16 = 500;
 /// The same where 100 replies have to fit.
 const LARGE: u16 = 4000;
-/// Threads of the server's runtime, and so of the echo's.
-const WORKERS: usize = 2;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     if arguments.get(1).is_some_and(|first| first == "echo") {
-        return serve_echo(WORKERS);
+        return serve_echo();
     }
     let smoke = arguments.iter().any(|argument| argument == "--test");
     let (rounds, time) = if smoke {

@@ -351,14 +351,13 @@ fn message(request: &Request) -> Bytes {
     request.to_bytes().expect("a short path")
 }
 
-/// An echo server: nothing but a runtime like the server's, and as many bytes back as a request says. It says where it is and
+/// An echo server: nothing but tokio's runtime as it comes, and as many bytes back as a request says. It says where it is and
 /// serves until its process ends.
 ///
 /// # Panics
 /// When there is no port to be had.
-pub fn serve_echo(workers: usize) {
+pub fn serve_echo() {
     let runtime = tokio::runtime::Builder::new_multi_thread()
-        .worker_threads(workers)
         .enable_all()
         .build()
         .expect("a runtime");

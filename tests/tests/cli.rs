@@ -412,3 +412,23 @@ fn axes_are_homed() {
     let _ = arcline(at, &["home", "R", "--no-wait"]).expect(0);
     assert_eq!(homing(), true);
 }
+
+#[test]
+fn the_safety_margin_of_a_sequence_is_told_without_a_server() {
+    let nobody = "127.0.0.1:1".parse().expect("an address");
+    let five = ["margin", "5", "--master-speed", "500", "--update-period", "2"];
+    #[rustfmt::skip]
+    let cases = [
+        // more,                                    margin (spec/coordinated-instructions.md §8.10, §27.8)
+        (&[][..],                                   "0.1 master units\n"),
+        (&["--first-is-full"],                      "1.08 master units\n"),
+        (&["--first-is-full", "--last-is-full"],    "2.06 master units\n"),
+    ];
+    for (more, margin) in cases {
+        let told = arcline(nobody, &[&five[..], more].concat()).expect(0).stdout;
+        assert_eq!(told, margin, "{more:?}");
+    }
+    let object = arcline(nobody, &[&["--json"], &five[..]].concat()).expect(0).objects();
+    assert_eq!(object[0]["safety_margin"], 0.1, "{object:?}");
+    let _ = arcline(nobody, &["margin", "0", "--master-speed", "500"]).expect(2);
+}

@@ -32,6 +32,11 @@ fn virtual_commissioning() {
 }
 
 #[test]
+fn glue_on_a_conveyor() {
+    run("glue.md");
+}
+
+#[test]
 fn every_page_is_in_the_book_and_every_link_leads_somewhere() {
     let docs = arcline_tests::workspace().join("docs");
     let summary = std::fs::read_to_string(docs.join("SUMMARY.md")).expect("the summary can be read");

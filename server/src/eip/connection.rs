@@ -7,6 +7,7 @@ use std::future::Future;
 use std::net::{IpAddr, SocketAddrV4};
 use std::pin::{Pin, pin};
 use std::sync::Arc;
+use std::task::Poll;
 use std::time::Duration;
 
 use arcline_proto::encap::{EncapStatus, Frame, FrameDecoder, FrameError};
@@ -31,6 +32,13 @@ const WRITE: usize = 16 * 1024;
 
 /// How long a changed inactivity time-out may go unnoticed.
 const LOOK: Duration = Duration::from_secs(1);
+
+/// From one question to the next of a peer that wants its answer for nothing else than to go on asking.
+const BRISK: Duration = Duration::from_micros(200);
+
+/// How often it is looked whether such a peer has asked again before the thread sleeps: to be woken takes longer than such a
+/// peer does. A peer that takes its time finds the thread asleep, so that this costs no more than its questions.
+const LOOKS: u32 = 40;
 
 /// Why a connection ended.
 #[derive(Debug, thiserror::Error)]
@@ -91,11 +99,11 @@ where
         place,
         device,
         epoch,
+        now: Duration::ZERO,
+        is_brisk: false,
     };
-    let ended = tokio::select! {
-        ended = connection.run() => ended,
-        () = leave.notified() => Ended::Crowded,
-    };
+    let ended = leave.run_until_cancelled(connection.run()).await;
+    let ended = ended.unwrap_or(Ended::Crowded);
     connection.session.handle_disconnect(&mut Seat {
         device: &connection.device,
         local,
@@ -123,6 +131,10 @@ struct Connection<S> {
     place: Option<Place>,
     device: Arc<Device>,
     epoch: Instant,
+    /// The time since the epoch when something was waited for last: what is done at once takes none.
+    now: Duration,
+    /// Whether the peer asked its last question as soon as it had its answer.
+    is_brisk: bool,
 }
 
 /// Frames that wait to be sent: the only one as it is, several in one piece.
@@ -191,7 +203,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
     async fn wait(&mut self, mut timer: Pin<&mut Sleep>) -> Result<(), Ended> {
         self.session.set_inactivity(self.device.inactivity());
         // A client may set another inactivity time-out: that is looked at now and then.
-        let look = self.now() + LOOK;
+        let look = self.now + LOOK;
         let due = self.epoch + self.session.poll_timeout().map_or(look, |time| time.min(look));
         // To wind the timer costs more than to wake up in vain: only when it would be too late, or has run down.
         if due < timer.deadline() || timer.is_elapsed() {
@@ -199,24 +211,37 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
         }
         self.input.reserve(READ);
         let mut read = pin!(self.stream.read_buf(&mut self.input));
-        let came = std::future::poll_fn(|cx| {
-            if let std::task::Poll::Ready(came) = read.as_mut().poll(cx) {
-                return std::task::Poll::Ready(Some(came));
+        let mut looks = if self.is_brisk { LOOKS } else { 0 };
+        let came = loop {
+            let came = std::future::poll_fn(|cx| {
+                if let Poll::Ready(came) = read.as_mut().poll(cx) {
+                    return Poll::Ready(Some(came));
+                }
+                if looks > 0 {
+                    return Poll::Ready(None);
+                }
+                timer.as_mut().poll(cx).map(|()| None)
+            })
+            .await;
+            if came.is_some() || looks == 0 {
+                break came;
             }
-            timer.as_mut().poll(cx).map(|()| None)
-        });
-        match came.await {
+            looks -= 1;
+            tokio::task::yield_now().await;
+        };
+        let before = std::mem::replace(&mut self.now, self.epoch.elapsed());
+        self.is_brisk = self.now.saturating_sub(before) < BRISK;
+        match came {
             Some(Ok(0)) => Err(Ended::ByPeer),
             Some(came) => came.map(|_| ()).map_err(Ended::from),
             None => {
-                let now = self.now();
                 let mut seat = Seat {
                     device: &self.device,
                     local: self.local,
                     peer: self.peer,
                     session: self.number,
                 };
-                self.session.handle_timeout(now, &mut seat);
+                self.session.handle_timeout(self.now, &mut seat);
                 self.carry_out().await
             }
         }
@@ -241,14 +266,13 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
 
     /// Handles one frame.
     async fn take(&mut self, frame: &Frame) -> Result<(), Ended> {
-        let now = self.now();
         let mut seat = Seat {
             device: &self.device,
             local: self.local,
             peer: self.peer,
             session: self.number,
         };
-        self.session.handle_frame(frame, now, &mut seat);
+        self.session.handle_frame(frame, self.now, &mut seat);
         if let Some(place) = &mut self.place
             && self.session.is_registered()
         {
@@ -268,9 +292,16 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
                     reply_budget,
                     transport,
                 } => {
-                    let reply = self.router.handle(&request, reply_budget, transport).await;
-                    let now = self.now();
-                    self.session.reply(id, &reply, now);
+                    let mut handled = pin!(self.router.handle(&request, reply_budget, transport));
+                    let reply = match at_once(handled.as_mut()).await {
+                        Poll::Ready(reply) => reply,
+                        Poll::Pending => {
+                            let reply = handled.await;
+                            self.now = self.epoch.elapsed();
+                            reply
+                        }
+                    };
+                    self.session.reply(id, &reply, self.now);
                 }
                 Event::IoReady(id) => {
                     self.flush().await?;
@@ -297,16 +328,24 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
         if self.output.is_empty() {
             return Ok(());
         }
-        let bytes = self.output.take();
-        timeout(self.device.settings.write_timeout, self.stream.write_all(&bytes))
-            .await
-            .map_err(|_| Ended::SlowReader)?
-            .map_err(Ended::from)
+        let mut bytes = self.output.take();
+        // Nearly always the socket takes all at once: then no time is told.
+        if let Poll::Ready(written) = at_once(pin!(self.stream.write_buf(&mut bytes))).await {
+            written?;
+        }
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        let rest = self.stream.write_all(&bytes);
+        let written = timeout(self.device.settings.write_timeout, rest).await;
+        self.now = self.epoch.elapsed();
+        written.map_err(|_| Ended::SlowReader)?.map_err(Ended::from)
     }
+}
 
-    fn now(&self) -> Duration {
-        self.epoch.elapsed()
-    }
+/// What a future is without waiting.
+async fn at_once<F: Future>(mut future: Pin<&mut F>) -> Poll<F::Output> {
+    std::future::poll_fn(|cx| Poll::Ready(future.as_mut().poll(cx))).await
 }
 
 /// Says once why a connection ended: a peer's fault is not ours, so it is only worth a debug line.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use tokio::sync::Notify;
+use tokio_util::sync::CancellationToken;
 
 /// How many there may be.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -37,7 +37,7 @@ struct State {
 struct Client {
     peer: IpAddr,
     registered: bool,
-    leave: Arc<Notify>,
+    leave: CancellationToken,
 }
 
 /// What there is of one address.
@@ -53,7 +53,7 @@ pub(crate) struct Place {
     crowd: Arc<Crowd>,
     number: u64,
     registered: bool,
-    leave: Arc<Notify>,
+    leave: CancellationToken,
 }
 
 impl Crowd {
@@ -77,7 +77,7 @@ impl Crowd {
         }
         let number = state.next;
         state.next += 1;
-        let leave = Arc::new(Notify::new());
+        let leave = CancellationToken::new();
         let client = Client {
             peer,
             registered: false,
@@ -132,7 +132,7 @@ impl State {
             return false;
         };
         if let Some(client) = self.remove(number) {
-            client.leave.notify_one();
+            client.leave.cancel();
         }
         true
     }
@@ -171,7 +171,7 @@ impl Place {
     }
 
     /// Tells when the client has to go.
-    pub(crate) fn leave(&self) -> Arc<Notify> {
+    pub(crate) fn leave(&self) -> CancellationToken {
         self.leave.clone()
     }
 }

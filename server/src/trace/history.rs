@@ -13,7 +13,7 @@ pub(crate) const OF_SIGNAL: usize = 3;
 /// How long it is kept, s.
 const KEPT_SECONDS: f64 = 660.0;
 /// Memory for it, bytes.
-const BYTES: usize = 48 << 20;
+const BYTES: usize = 24 << 20;
 /// Columns of an axis that the page draws, the first ones.
 const OF_AXIS: usize = 4;
 /// The place of the command position, the acceleration and the actual position among them.
@@ -186,8 +186,9 @@ mod tests {
     #[test]
     fn groups_tell_value_least_and_greatest() {
         let machine = machine();
-        let mut history = History::new(&machine);
-        assert_eq!(history.every(), 16, "eleven minutes at 1 ms");
+        assert_eq!(History::new(&machine).every(), 32, "eleven minutes at 1 ms");
+        let mut history = History::within(&machine, 2 * BYTES);
+        assert_eq!(history.every(), 16, "in twice the room");
         for tick in 5..100 {
             history.append(&row(&machine, tick));
         }
@@ -212,7 +213,7 @@ mod tests {
     #[test]
     fn behind_a_gap_it_begins_again() {
         let machine = machine();
-        let mut history = History::new(&machine);
+        let mut history = History::within(&machine, 2 * BYTES);
         for tick in (0..64).chain(128..256) {
             history.append(&row(&machine, tick));
         }
@@ -228,7 +229,7 @@ mod tests {
         machine.period_ns = 32_000_000;
         assert_eq!(History::new(&machine).every(), 1);
         machine.period_ns = 250_000;
-        assert_eq!(History::new(&machine).every(), 64);
+        assert_eq!(History::new(&machine).every(), 128);
         assert_eq!(History::within(&machine, 12 << 20).every(), 256);
     }
 }

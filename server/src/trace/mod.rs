@@ -335,9 +335,9 @@ fn lock(inner: &Mutex<Inner>) -> MutexGuard<'_, Inner> {
 }
 
 /// What is kept at least, unless it takes too much memory.
-const KEPT: Duration = Duration::from_secs(60);
+const KEPT: Duration = Duration::from_secs(30);
 /// Memory for it, bytes.
-const KEPT_BYTES: usize = 128 << 20;
+const KEPT_BYTES: usize = 64 << 20;
 /// Rows of ticks for one row of a few ticks, in what is read at once: it is as many numbers and more.
 const PAST_SHARE: usize = 4;
 /// Traces at a time.

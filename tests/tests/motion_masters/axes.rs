@@ -41,7 +41,7 @@ fn near(is: f64, expected: f64, why: &str) {
 }
 
 /// Where a move of 100 is on the way of its master (§27.8), and its speed and acceleration by that way.
-fn planned(way: f64) -> [f64; 3] {
+pub(super) fn planned(way: f64) -> [f64; 3] {
     match way {
         way if way < 2.0 => [0.5 * way * way, way, 1.0],
         way if way < 50.0 => [2.0 + 2.0 * (way - 2.0), 2.0, 0.0],

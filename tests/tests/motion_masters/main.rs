@@ -8,6 +8,7 @@ mod axes;
 mod contours;
 mod events;
 mod followers;
+mod kinds;
 mod status;
 mod ways;
 

@@ -1,20 +1,17 @@
 //! Instructions that work on cam tags: what they need of them goes with the call into the tick, and what they write is
 //! written when they are done (spec/axis-and-data-types.md §3.9, §8.9).
 //!
-//! The elements of a CAM_PROFILE array are the segments of its profile, as far as their Status says that there is one;
-//! the last one is the last point. Not here: the mathematics (`arcline_cam`) and what a cam does.
+//! Not here: how cams and profiles stand in their tags ([`super::cam_tags`]), the mathematics (`arcline_cam`) and what a cam does.
 
 use std::sync::Arc;
 
 use arcline_instruction_set::predefined::cam_profile_status::{BEING_CALCULATED, CALCULATED, NOT_CALCULATED};
 use arcline_instruction_set::{Call, Detail, Flag, Mnemonic, MotionControl, MotionError, OperandIndex};
-use arcline_motion::cam::{CalculateError, Point, Profile, Segment, SegmentType};
+use arcline_motion::cam::{CalculateError, Profile};
 use arcline_motion::{Answer, Material};
 
-use arcline_tag::{DataType, Member};
-
+use super::cam_tags::{CAM, Place, SEGMENT};
 use super::shared::Kept;
-use super::structures::real;
 use super::{Image, TagId};
 
 /// What an instruction writes to tags when it is done.
@@ -30,16 +27,6 @@ enum Result_ {
     Answer(u32, Arc<Answer>),
     /// The same of MCTPO: six numbers for an array, and what is behind them for a DINT and an INT[4].
     Pose([u32; 3], Arc<Answer>),
-}
-
-/// Elements of an array of structures, from one of them to the end of the array.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
-    pub(super) id: TagId,
-    /// Byte of the first element.
-    pub(super) offset: usize,
-    /// Elements from there on.
-    pub(super) elements: usize,
 }
 
 /// Profiles of the tags that something is done with.
@@ -237,85 +224,6 @@ impl Image {
         self.profiles.calculated.iter().any(|other| other.overlaps(&place))
     }
 
-    /// The array that an operand names.
-    pub(super) fn array_of(&self, call: &Call, mnemonic: Mnemonic, name: &str, size: usize) -> Result<Place, Refusal> {
-        let at = operand(mnemonic, name);
-        let unknown = || MotionError::ParameterOutOfRange(OperandIndex(at as u8));
-        let tag = call.tag(at).ok_or_else(unknown)?;
-        let (id, offset) = (TagId(tag >> 16), (tag & 0xFFFF) as usize * 4);
-        let tag_type = &self.tag(id).ok_or_else(unknown)?.tag_type;
-        let elements = elements_from(&tag_type.data_type, tag_type.elements() as usize, offset, size);
-        match elements {
-            Some(elements) => Ok(Place { id, offset, elements }),
-            None => Err(unknown().into()),
-        }
-    }
-
-    fn points(&self, cam: Place, length: usize) -> Result<Vec<Point>, Refusal> {
-        let bytes = self.bytes(cam.id).get(cam.offset..).unwrap_or_default();
-        let mut points: Vec<Point> = Vec::with_capacity(length);
-        for (place, element) in bytes.chunks_exact(CAM).take(length).enumerate() {
-            let [x, y] = [0, 4].map(|at| real(element, at));
-            let kind = match i32::from_le_bytes(word(element, 8)) {
-                0 => SegmentType::Linear,
-                1 => SegmentType::Cubic,
-                _ => return Err(Refusal::element(MotionError::IllegalCamType, place)),
-            };
-            let rises = points.last().is_none_or(|last| x > last.x);
-            if !rises {
-                return Err(Refusal::element(MotionError::IllegalCamOrder, place));
-            }
-            points.push(Point { x, y, kind });
-        }
-        Ok(points)
-    }
-
-    fn status(&self, place: Place) -> i32 {
-        let bytes = self.bytes(place.id).get(place.offset..);
-        bytes.map_or(NOT_CALCULATED, |bytes| i32::from_le_bytes(word(bytes, 0)))
-    }
-
-    fn set_status(&mut self, place: Place, status: i32) {
-        self.put(place.id, place.offset, &status.to_le_bytes());
-    }
-
-    /// The profile that the bytes of these elements are.
-    fn stored(&self, place: Place) -> Option<Profile> {
-        let bytes = self.bytes(place.id).get(place.offset..)?;
-        let elements = bytes.chunks_exact(SEGMENT).take(place.elements).enumerate();
-        let segments = elements.map_while(|(at, element)| {
-            let status = i32::from_le_bytes(word(element, 0));
-            // The first one says how often the profile is used, and that it is calculated once more.
-            let is_one = status >= CALCULATED || (at == 0 && status == BEING_CALCULATED);
-            let number = |at: usize| f64::from_le_bytes(word(element, at));
-            is_one.then(|| Segment {
-                x: number(8),
-                y: number(16),
-                coefficients: [number(32), number(40), number(48)],
-                kind: match i32::from_le_bytes(word(element, 4)) {
-                    0 => SegmentType::Linear,
-                    _ => SegmentType::Cubic,
-                },
-            })
-        });
-        Profile::from_segments(segments.collect())
-    }
-
-    fn write_profile(&mut self, place: Place, profile: &Profile) {
-        let mut bytes = Vec::with_capacity(place.elements * SEGMENT);
-        for segment in profile.segments() {
-            bytes.extend(CALCULATED.to_le_bytes());
-            bytes.extend((segment.kind as i32).to_le_bytes());
-            let [a1, a2, a3] = segment.coefficients;
-            for number in [segment.x, segment.y, segment.y, a1, a2, a3] {
-                bytes.extend(number.to_le_bytes());
-            }
-        }
-        bytes.resize(place.elements * SEGMENT, 0);
-        self.put(place.id, place.offset, &bytes);
-        self.note_written(place.id, place.offset, bytes.len());
-    }
-
     fn write_number(&mut self, tag: u32, number: f64) {
         if let Some((id, offset, 1..)) = self.written_array(tag) {
             let bytes = (number as f32).to_le_bytes();
@@ -338,13 +246,6 @@ impl Image {
         {
             place.copy_from_slice(data);
         }
-    }
-}
-
-impl Place {
-    fn overlaps(&self, other: &Place) -> bool {
-        let end = |place: &Place| place.offset + place.elements * SEGMENT;
-        self.id == other.id && self.offset < end(other) && other.offset < end(self)
     }
 }
 
@@ -372,42 +273,10 @@ impl From<MotionError> for Refusal {
     }
 }
 
-/// How many structures of a size there are from a byte of an array on.
-fn elements_from(data_type: &DataType, elements: usize, offset: usize, size: usize) -> Option<usize> {
-    let DataType::Structure(template) = data_type else {
-        return None;
-    };
-    let own = data_type.size();
-    if own == size && offset.is_multiple_of(own) {
-        return elements.checked_sub(offset / own).filter(|left| *left > 0);
-    }
-    let inside = offset % own;
-    let holds = |member: &&Member| {
-        let from = member.offset as usize;
-        member.bit.is_none() && (from..from + member.size()).contains(&inside)
-    };
-    let member = template.members.iter().find(holds)?;
-    elements_from(
-        &member.data_type,
-        member.elements(),
-        inside - member.offset as usize,
-        size,
-    )
-}
-
 /// Place of an operand on the faceplate.
 pub(super) fn operand(mnemonic: Mnemonic, name: &str) -> usize {
     let operands = mnemonic.instruction().operands;
     operands.iter().position(|operand| operand.name == name).unwrap_or(0)
 }
 
-/// Bytes at a place; zeros behind the end.
-pub(super) fn word<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
-    bytes.get(at..).and_then(<[u8]>::first_chunk).copied().unwrap_or([0; N])
-}
-
 const CAM_PROFILE_OPERAND: &str = "Cam Profile";
-/// Bytes of a CAM.
-const CAM: usize = 12;
-/// Bytes of a CAM_PROFILE.
-const SEGMENT: usize = 56;

@@ -8,6 +8,7 @@
 //! All bytes are little-endian, offsets are bytes.
 
 mod calls;
+mod cam_tags;
 mod cams;
 mod controls;
 mod encode;

@@ -10,8 +10,10 @@ use arcline_instruction_set::{Call, Mnemonic, MotionError};
 use arcline_motion::{BitCompensation, CamElement, Input, Material, OUTPUT_BITS, OutputCam, OutputCamError};
 use arcline_tag::TagPath;
 
-use super::cams::{Place, Prepared, Refusal, operand, word};
+use super::cam_tags::Place;
+use super::cams::{Prepared, Refusal, operand};
 use super::shared::Kept;
+use super::structures::{real, word};
 use super::{Image, TagId};
 
 /// Output cams that the machine may still have.
@@ -125,10 +127,6 @@ fn compensation(bytes: &[u8]) -> BitCompensation {
 
 fn dint(bytes: &[u8], at: usize) -> i32 {
     i32::from_le_bytes(word(bytes, at))
-}
-
-fn real(bytes: &[u8], at: usize) -> f64 {
-    f64::from(f32::from_le_bytes(word(bytes, at)))
 }
 
 /// Where a word stands that an operand names.

@@ -11,7 +11,7 @@ use arcline_instruction_set::{Call, MotionError, OperandIndex};
 use arcline_motion::{Answer, Calculation, DynamicsData, Frame, Frames, PathData, PathMove};
 use arcline_tag::Template;
 
-use super::cams::{operand, word};
+use super::cams::operand;
 use super::{Image, TagId};
 
 impl Image {
@@ -118,4 +118,9 @@ impl Members<'_> {
 /// The REAL at a byte.
 pub(super) fn real(bytes: &[u8], at: usize) -> f64 {
     f64::from(f32::from_le_bytes(word(bytes, at)))
+}
+
+/// Bytes at a place; zeros behind the end.
+pub(super) fn word<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+    bytes.get(at..).and_then(<[u8]>::first_chunk).copied().unwrap_or([0; N])
 }

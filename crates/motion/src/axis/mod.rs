@@ -8,6 +8,7 @@ mod following;
 pub(crate) mod generator;
 pub(crate) mod homing;
 pub(crate) mod probes;
+mod redefine;
 mod sensor;
 pub(crate) mod sum;
 
@@ -22,7 +23,6 @@ use crate::follow::cam::Cam;
 use crate::follow::links::AxisLinks;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
 use crate::output::OutputCams;
-use crate::rotary;
 use average::Average;
 use camming::Cams;
 use faults::{Faults, Observed};
@@ -371,71 +371,10 @@ impl Axis {
         self.stale = true;
     }
 
-    /// Shifts every position so that the command is at one, to the last bit.
-    pub(crate) fn redefine_command(&mut self, position: f64) {
-        // What the first shift rounds off, the second one adds.
-        for _ in 0..2 {
-            self.redefine(position - self.command.position);
-        }
-    }
-
-    /// The same for the actual position.
-    pub(crate) fn redefine_actual(&mut self, position: f64) {
-        for _ in 0..2 {
-            self.redefine(position - self.drive.actual().position);
-        }
-    }
-
     fn stand_at(&mut self, position: f64) {
         self.after_stop = AfterStop::Hold;
         self.sum.place(position);
         self.command = standing(position);
-    }
-
-    /// Shifts every position by an offset: command, actual, and the ends of what runs. Nothing moves.
-    pub(crate) fn redefine(&mut self, offset: f64) {
-        if let Some(feeding) = &mut self.feeding {
-            feeding.redefine(offset);
-        }
-        self.sum.redefine(offset);
-        self.shift(offset);
-    }
-
-    /// Folds whole turns of a rotary axis away where what is shown stays the same: at rest, and in an endless jog.
-    pub(crate) fn fold(&mut self, clock: &Clock) {
-        // What is fed is of the nearest turn by itself.
-        let Some(unwind) = self.unwind.filter(|_| self.feeding.is_none()) else {
-            return;
-        };
-        let offset = if self.sum.is_idle() {
-            let position = self.command.position;
-            let shown = rotary::shown(position, unwind);
-            if shown != position {
-                self.sum.place(shown);
-            }
-            shown - position
-        } else {
-            self.sum.fold_jog(unwind, clock)
-        };
-        if offset != 0.0 {
-            self.shift(offset);
-        }
-    }
-
-    /// The drive goes along with a command whose positions were shifted.
-    fn shift(&mut self, offset: f64) {
-        self.drive.redefine(offset);
-        self.command = self.sum.command();
-        self.redefined += offset;
-        self.faults.redefined(self.drive.actual().position);
-    }
-
-    /// A position as the axis shows it: rotary ones within one turn.
-    pub(crate) fn shown(&self, position: f64) -> f64 {
-        match self.unwind {
-            Some(unwind) => rotary::shown(position, unwind),
-            None => position,
-        }
     }
 }
 

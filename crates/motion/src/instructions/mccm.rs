@@ -3,8 +3,9 @@
 use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
 use arcline_planner::geometry::{Arc, ArcError, CirclePoint, Dimension, Direction, Path};
 
-use super::moves::{self, INCREMENTAL, primary, target_point, unwinds};
+use super::moves::{self, INCREMENTAL};
 use super::place;
+use super::points::{self, primary, target_point, unwinds};
 use crate::control::Execution;
 use crate::motion::Motion;
 use crate::rotary::Turn;
@@ -51,7 +52,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         if incremental {
             verify_turns(motion, system, position, layout.position)?;
         } else {
-            moves::unwind(motion, system, &start, position, &mut end, layout.position)?;
+            points::unwind(motion, system, &start, position, &mut end, layout.position)?;
         }
         let values = primary(system, call, circle.circle_point);
         let point = |incremental: bool| {

@@ -3,7 +3,8 @@
 use arcline_instruction_set::{Call, MotionError};
 use arcline_planner::geometry::Path;
 
-use super::moves::{self, INCREMENTAL, primary, target_point};
+use super::moves::{self, INCREMENTAL};
+use super::points::{self, primary, target_point};
 use crate::control::Execution;
 use crate::motion::Motion;
 
@@ -14,7 +15,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         let values = primary(system, call, layout.position);
         let mut target = target_point(values, &start, incremental);
         if !incremental {
-            moves::unwind(motion, system, &start, values, &mut target, layout.position)?;
+            points::unwind(motion, system, &start, values, &mut target, layout.position)?;
         }
         Ok(Path::line(start, target))
     })

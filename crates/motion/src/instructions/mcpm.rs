@@ -11,6 +11,7 @@ use arcline_planner::{Ending, Momentum, Move, Parameter};
 
 use super::moves::{self, INCREMENTAL, MERGE_DISABLED};
 use super::programmed::{self, LockLayout};
+use super::{merging, points};
 use super::{no_target, place};
 use crate::control::Execution;
 use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, in_units, reference_speed};
@@ -118,7 +119,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     verify::axes_ready(system, &motion.axes)?;
     verify::not_homing(system, &motion.axes)?;
     verify::stoppable(system, &motion.axes, tags.dynamics.profile == S_CURVE)?;
-    let (start, shift) = (moves::start_point(motion, index), moves::queue_shift(motion, index));
+    let (start, shift) = (points::start_point(motion, index), points::queue_shift(motion, index));
     let way = Way::of(&tags.path, &(start + shift), &motion.heading(index));
     let (termination, ending) = termination(&tags.path, &system.description, &way)?;
     let maxima = Maxima::from(&system.description);
@@ -137,9 +138,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let mut parameter = Parameter::TIME;
     if let (Some(lead), Some(link)) = (lead, &link) {
         programmed::pace(link, lead.lock, false)?;
-        moves::verify_lead(motion, index, MERGE_DISABLED, lead, false)?;
+        merging::verify_lead(motion, index, MERGE_DISABLED, lead, false)?;
         pace = pace.on_the_way(link.nominal);
-        parameter = moves::parameter(motion, index, MERGE_DISABLED, lead, link);
+        parameter = merging::parameter(motion, index, MERGE_DISABLED, lead, link);
     }
     let pace = own.and(&pace);
     dynamics.keep_to(&pace);

@@ -34,6 +34,7 @@ mod mdcc;
 mod mdoc;
 mod mdr;
 mod mdw;
+mod merging;
 mod mgs;
 mod mgsd;
 mod mgsp;
@@ -42,6 +43,7 @@ mod moves;
 mod mrp;
 mod msf;
 mod mso;
+mod points;
 mod programmed;
 mod seconds;
 

@@ -1,24 +1,24 @@
 //! What MCLM and MCCM share: dynamics, termination, and the way into the queue.
+//!
+//! Not here: where moves begin and end ([`super::points`]), and what they are merged with or follow ([`super::merging`]).
 
-use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError};
 use arcline_planner::geometry::{Path, Point};
-use arcline_planner::profile::{Phase, State};
-use arcline_planner::{self as planner, Ending, Momentum, Move, Parameter};
+use arcline_planner::profile::Phase;
+use arcline_planner::{Ending, Momentum, Move, Parameter};
 
+use super::merging::{on_the_way, parameter, terminate, terminated, verify_lead};
 use super::place;
+use super::points::{command, queue_shift, start_point};
 use super::programmed::{self, DynamicsLayout};
 use crate::accepted::AcceptedMove;
-use crate::axis::Axis;
-use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::Maxima;
 use crate::events::{Events, Fit};
-use crate::follow::links::MasterLink;
 use crate::follow::reach::Pace;
 use crate::machine::{AxisLimits, CoordinateSystem, Corner};
 use crate::motion::Motion;
-use crate::rotary::Turn;
-use crate::system::{Activity, Lead, Planned, System, Termination, component};
+use crate::system::{Activity, Planned, System, Termination};
 use crate::verify;
 
 /// Places of the operands that every coordinated move has.
@@ -40,7 +40,7 @@ pub(super) const INCREMENTAL: i32 = 1;
 /// Merge: Disabled.
 pub(super) const MERGE_DISABLED: i32 = 0;
 /// Merge: All Motion.
-const MERGE_ALL: i32 = 2;
+pub(super) const MERGE_ALL: i32 = 2;
 /// Merge Speed: Current.
 const CURRENT: i32 = 1;
 
@@ -273,139 +273,6 @@ pub(super) fn launch(
     Ok(())
 }
 
-/// What is under way by time, by the way of a master.
-fn on_the_way(pace: &planner::Pace, momentum: &Momentum) -> Momentum {
-    let mut taken = Momentum {
-        velocity: Point::zeros(),
-        acceleration: Point::zeros(),
-    };
-    for place in 0..taken.velocity.len() {
-        let state = pace.on_the_way(State {
-            position: 0.0,
-            velocity: momentum.velocity[place],
-            acceleration: momentum.acceleration[place],
-        });
-        taken.velocity[place] = state.velocity;
-        taken.acceleration[place] = state.acceleration;
-    }
-    taken
-}
-
-/// Master driven moves that the new one would go on from, or wait with (98, 102). `idle`: it takes over what stands, and so does the
-/// master; then it may have another direction.
-pub(super) fn verify_lead(
-    motion: &Motion,
-    index: usize,
-    merge: i32,
-    lead: Lead,
-    idle: bool,
-) -> Result<(), MotionError> {
-    let system = &motion.systems[index];
-    if system.activity != Activity::Moving {
-        return Ok(());
-    }
-    let before = if merge == MERGE_DISABLED {
-        system.moves().last().filter(|last| last.ending != Ending::Stop)
-    } else {
-        system.moves().next()
-    };
-    let led = before.and_then(|before| before.data.lead);
-    if !idle && led.is_some_and(|led| led.lock.sense != lead.lock.sense) {
-        return Err(MotionError::MdscDirectionMismatch);
-    }
-    let waits = |other: &Move<Planned>| other.data.lead.is_some_and(|lead| lead.lock.position.is_some());
-    if lead.lock.position.is_some() && system.moves().any(waits) {
-        return Err(MotionError::MdscLockWhileMoving);
-    }
-    Ok(())
-}
-
-/// What a master driven move is a function of: the way of the move before it, or one that begins with it.
-pub(super) fn parameter(motion: &mut Motion, index: usize, merge: i32, lead: Lead, link: &MasterLink) -> Parameter {
-    let system = &motion.systems[index];
-    if merge == MERGE_DISABLED && system.activity == Activity::Moving && lead.lock.position.is_none() {
-        let led = |last: &&Move<Planned>| {
-            let before = last.data.lead;
-            before.is_some_and(|before| before.link == lead.link && before.lock.sense == lead.lock.sense)
-        };
-        if let Some(last) = system.moves().last().filter(led) {
-            return last.parameter;
-        }
-    }
-    motion.new_parameter(link)
-}
-
-/// What the axes do of which a merge makes the start of its move: of coordinated motion, or of all motion.
-fn terminated(motion: &Motion, index: usize, merge: i32) -> Momentum {
-    let quantity = |axis: &Axis| match merge {
-        MERGE_DISABLED => Default::default(),
-        // What a transform gives goes on.
-        MERGE_ALL => axis.sum.motion_of(|slot| !slot.is_of_transforms()),
-        _ => axis
-            .sum
-            .get(Slot::System)
-            .map(|generator| generator.now)
-            .unwrap_or_default(),
-    };
-    Momentum {
-        velocity: command(motion, index, |axis| quantity(axis).velocity),
-        acceleration: command(motion, index, |axis| quantity(axis).acceleration),
-    }
-}
-
-/// Ends what a merge takes over: the coordinated motion of this system and, for All Motion, what else moves its axes,
-/// the coordinated motion of other systems too. Axes that the new move does not take brake by themselves.
-fn terminate(motion: &mut Motion, index: usize, merge: i32) {
-    motion.cancel_pending(index);
-    motion.end_active(index);
-    motion.systems[index].planner.clear_active();
-    if motion.systems[index].contour.is_some() {
-        motion.retire_contour(index);
-        motion.rest_system(index);
-    }
-    motion.part_axes(index);
-    if merge != MERGE_ALL {
-        return;
-    }
-    for place in 0..motion.systems[index].description.linear().len() {
-        let axis = motion.systems[index].description.linear()[place];
-        motion.end_single_axis(axis, None);
-    }
-    for other in 0..motion.systems.len() {
-        if other != index && motion.systems[index].shared_axis(&motion.systems[other]).is_some() {
-            motion.abort_system_but(other, index);
-        }
-    }
-}
-
-/// A quantity of each axis of a coordinate system as a point.
-fn command(motion: &Motion, index: usize, quantity: impl Fn(&Axis) -> f64) -> Point {
-    let mut point = Point::zeros();
-    for (axis, coordinate) in motion.systems[index].description.linear().iter().zip(point.iter_mut()) {
-        *coordinate = motion.axes.get(usize::from(*axis)).map_or(0.0, &quantity);
-    }
-    point
-}
-
-/// What positions were redefined by since the queue of a coordinate system began.
-pub(super) fn queue_shift(motion: &Motion, index: usize) -> Point {
-    match motion.systems[index].activity {
-        Activity::Moving => command(motion, index, |axis| axis.sum.shift_of(Slot::System)),
-        _ => Point::zeros(),
-    }
-}
-
-/// The end of the last move in the queue, or where the axes are commanded to be.
-pub(super) fn start_point(motion: &Motion, index: usize) -> Point {
-    let system = &motion.systems[index];
-    let queued = if system.activity == Activity::Moving {
-        system.last_end()
-    } else {
-        None
-    };
-    queued.unwrap_or_else(|| command(motion, index, |axis| axis.command.position))
-}
-
 /// Step 11: the queue, a stop under way, another coordinate system that holds one of the axes.
 pub(super) fn verify_conflicts(motion: &Motion, index: usize, merge: i32) -> Result<(), MotionError> {
     let system = &motion.systems[index];
@@ -422,55 +289,6 @@ pub(super) fn verify_conflicts(motion: &Motion, index: usize, merge: i32) -> Res
             && let Some(place) = system.shared_axis(other)
         {
             return Err(MotionError::CoordinatedMotionInProcess(AxisIndex(place as u8)));
-        }
-    }
-    Ok(())
-}
-
-/// The operand's point, absolute or counted from the start; axes beyond the operand keep the start's.
-pub(super) fn target_point(values: &[f64], start: &Point, incremental: bool) -> Point {
-    let mut target = *start;
-    for (place, (coordinate, value)) in target.iter_mut().zip(values).enumerate() {
-        *coordinate = if incremental {
-            component(start, place) + value
-        } else {
-            *value
-        };
-    }
-    target
-}
-
-/// The elements of an array operand that belong to the axes of a coordinate system.
-pub(super) fn primary<'a>(system: &System, call: &'a Call, operand: usize) -> &'a [f64] {
-    let values = call.array(operand);
-    &values[..system.description.linear().len().min(values.len())]
-}
-
-/// The unwinds of the axes of a coordinate system, with their places; linear axes have none.
-pub(super) fn unwinds(motion: &Motion, system: &System) -> impl Iterator<Item = (usize, f64)> {
-    let axes = system.description.linear().iter().enumerate();
-    axes.filter_map(|(place, axis)| Some((place, motion.axes.get(usize::from(*axis))?.unwind?)))
-}
-
-/// Sets the ends of rotary axes to where absolute positions lie from the start: the sign is the direction, the magnitude
-/// the position within one turn (spec/coordinated-instructions.md §12.2).
-///
-/// # Errors
-/// `ParameterOutOfRange` (13) with the operand when a magnitude is beyond the unwind.
-pub(super) fn unwind(
-    motion: &Motion,
-    system: &System,
-    start: &Point,
-    values: &[f64],
-    target: &mut Point,
-    operand: usize,
-) -> Result<(), MotionError> {
-    for (place, unwind) in unwinds(motion, system) {
-        if let Some(position) = values.get(place) {
-            let turn = Turn::at(component(start, place), unwind);
-            target[place] = turn
-                .signed(*position)
-                .ok_or(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))?;
         }
     }
     Ok(())

@@ -23,6 +23,8 @@ pub(super) struct State {
     pub(super) holds: bool,
     /// When its duration is over.
     pub(super) off_at: Option<Instant>,
+    /// Its cam is over and left behind: positions do not count any more.
+    pub(super) passed: bool,
 }
 
 /// Something that happens to an element. At one place the range is left before it is entered again.
@@ -48,6 +50,11 @@ impl State {
     /// Whether the axis is in the range of the latch, and in that of the unlatch.
     pub(super) fn is_in(&self, latch: bool) -> bool {
         if latch { self.in_latch } else { self.in_unlatch }
+    }
+
+    /// Nothing of it is to come.
+    pub(super) fn is_over(&self) -> bool {
+        self.passed && self.off_at.is_none()
     }
 
     pub(super) fn happens(&mut self, element: &Element, what: Happens) -> Effect {

@@ -1,23 +1,28 @@
-//! One execution target of an axis: the output cam that is armed there, and the one that waits for its end.
+//! One execution target of an axis: the output cam that is armed there, the one that waits for its end, and what still goes on of
+//! the one before.
 //!
-//! Positions here are those of the axis without what it was redefined by; the cam's own begin at `zero` of them. Real-time:
-//! nothing allocates; an update is bounded by the elements of two cams. Units: position units, seconds.
+//! What instructions do to it is here, and the bits that come of it. Not here: where the axis goes ([`way`]), what happens to
+//! elements there ([`events`]), and what a cam leaves behind ([`tail`]). Positions are those of the axis without what it was
+//! redefined by; the cam's own begin at `zero` of them. Real-time: nothing allocates; an update is bounded by the elements of three
+//! cams. Units: position units, seconds.
 
 mod events;
+mod lane;
+mod tail;
+mod way;
 
 use std::sync::Arc;
 
 use arcline_drive::Motion as Point;
 use arcline_planner::{Clock, Instant};
 
-use super::course::Course;
-use super::element::{Happens, State};
-use super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS, OutputCam};
+use super::program::{Compensation, OUTPUT_BITS, OutputCam};
 use crate::control::Execution;
 use crate::follow::cam::{Lock, Mode};
 use crate::follow::gear::Reference;
-use events::instant;
 pub(super) use events::{Edge, MOST_EDGES};
+use lane::{ACTIVE, Lane, PENDING, TAIL};
+use tail::Left;
 
 /// An output cam that an instruction has brought.
 #[derive(Clone, Debug)]
@@ -68,22 +73,15 @@ enum Phase {
     /// Until the axis crosses the arm position.
     Waiting(Lock),
     Armed,
-    /// It is over, but for durations.
+    /// It is over, but for what goes on of it.
     Ending,
-}
-
-/// A cam with the states of its elements.
-#[derive(Clone, Debug)]
-struct Lane {
-    program: Option<Program>,
-    states: Vec<State>,
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct Target {
     phase: Phase,
-    /// The cam that is armed, and the pending one.
-    lanes: [Lane; 2],
+    /// The cam that is armed, the pending one, and the one before.
+    lanes: [Lane; 3],
     pub(crate) reference: Reference,
     entry: f64,
     output: Word,
@@ -91,6 +89,8 @@ pub(crate) struct Target {
     /// Where the cam's positions begin: the base and so many turns of a repeated cam.
     base: f64,
     turns: f64,
+    /// It took over from another one: forwards, or in reverse.
+    came_forward: Option<bool>,
     forward: bool,
     /// The axis as the states know it.
     last: Point,
@@ -99,69 +99,48 @@ pub(crate) struct Target {
     /// Bits that are latched, and since when.
     on: u32,
     since: [Instant; OUTPUT_BITS],
-    /// Durations of elements of cams that are over.
+    /// How the cam before was left, while edges of it are to come or durations run.
+    left: Option<Left>,
+    /// Durations of elements that nothing else is left of, and how their bits show.
     carried: [Option<Instant>; OUTPUT_BITS],
+    carried_as: [Compensation; OUTPUT_BITS],
+    /// The bits that are cams' now, as they were written last.
     written: Word,
+    /// Bits that are set as they were written last, also those of cams that are over.
+    set: u32,
     locked: bool,
+    /// The pending cam sets bits already.
+    leads: bool,
     in_transition: bool,
     /// For the length of a tick alone.
     ticks: Clock,
 }
 
-/// Most a piece of an update is cut into: at the arm position and at ends of cams.
-const MOST_CUTS: usize = 4;
-/// What of a cam's position is rounding: a share of its length.
-const ROUNDING: f64 = 1e-12;
-const ACTIVE: usize = 0;
-const PENDING: usize = 1;
-
-/// A way of the axis within an update, or a change of its speed at the beginning of one.
-struct Piece {
-    from: Point,
-    to: Point,
-    jumps: bool,
-    period: f64,
-}
-
-impl Piece {
-    /// The position of the axis, `delay` ahead.
-    fn course(&self, delay: f64) -> Course {
-        let [from, to] = [&self.from, &self.to].map(|point| {
-            let rate = point.velocity + delay * point.acceleration;
-            [point.position + delay * point.velocity, rate]
-        });
-        if self.jumps {
-            Course::step(from[0], to[0])
-        } else {
-            Course::new(from, to, self.period)
-        }
-    }
-}
-
 impl Target {
     pub(super) fn new(clock: &Clock) -> Self {
         let now = clock.now();
-        let lane = || Lane {
-            program: None,
-            states: Vec::with_capacity(MAX_OUTPUT_ELEMENTS),
-        };
         Target {
             phase: Phase::Free,
-            lanes: [lane(), lane()],
+            lanes: [Lane::new(), Lane::new(), Lane::new()],
             reference: Reference::Actual,
             entry: 0.0,
             output: Word::default(),
             input: None,
             base: 0.0,
             turns: 0.0,
+            came_forward: None,
             forward: true,
             last: Point::default(),
             began: Point::default(),
             on: 0,
             since: [now; OUTPUT_BITS],
+            left: None,
             carried: [None; OUTPUT_BITS],
+            carried_as: [Compensation::default(); OUTPUT_BITS],
             written: Word::default(),
+            set: 0,
             locked: false,
+            leads: false,
             in_transition: false,
             ticks: *clock,
         }
@@ -174,31 +153,34 @@ impl Target {
 
     pub(super) fn shown(&self) -> Shown {
         [
-            matches!(self.phase, Phase::Waiting(_) | Phase::Armed),
+            self.is_alive(),
             self.lanes[PENDING].program.is_some(),
             self.locked,
             self.in_transition,
         ]
     }
 
-    /// A cam in place of the one that is there. Returns whose it was.
+    /// A cam in place of the one that is there, whose durations run out where both have one output. Returns whose it was.
     pub(crate) fn begin(&mut self, program: Program, arming: &Arming, at: Point, clock: &Clock) -> Option<Execution> {
-        let before = self.lanes[ACTIVE].program.take().map(|program| program.execution);
-        let ended = before.filter(|_| matches!(self.phase, Phase::Waiting(_) | Phase::Armed));
+        let before = self.lanes[ACTIVE].program.as_ref().map(|program| program.execution);
+        let ended = before.filter(|_| self.is_alive());
+        if self.phase != Phase::Free && self.output.tag == arming.output.tag {
+            self.carry(ACTIVE);
+        } else {
+            self.forget();
+            self.set = 0;
+        }
         self.phase = Phase::Free;
         self.lanes[ACTIVE].load(program);
+        self.on &= self.held();
         self.entry = arming.entry;
         self.reference = arming.reference;
         self.output = arming.output;
         self.input = arming.input;
-        self.on = 0;
-        self.carried = [None; OUTPUT_BITS];
+        self.came_forward = None;
         self.written = Word::default();
-        (self.locked, self.in_transition) = (false, false);
         (self.last, self.began) = (at, at);
-        for lane in [ACTIVE, PENDING] {
-            self.enable(lane, clock.now());
-        }
+        self.enable_all(clock.now());
         self.phase = match arming.lock {
             Some(lock) => Phase::Waiting(lock),
             None => {
@@ -221,11 +203,13 @@ impl Target {
 
     /// Nothing is armed or waits any more; the bits stay as they are. Returns whose cams these were.
     pub(super) fn disarm(&mut self) -> [Option<Execution>; 2] {
-        let alive = matches!(self.phase, Phase::Waiting(_) | Phase::Armed);
-        let [active, pending] = &mut self.lanes;
+        let alive = self.is_alive();
+        self.forget();
+        let [active, pending, _] = &mut self.lanes;
         let ended = [active.take().filter(|_| alive), pending.take()];
         self.phase = Phase::Free;
-        (self.locked, self.in_transition) = (false, false);
+        self.written = Word::default();
+        (self.locked, self.leads, self.in_transition) = (false, false, false);
         ended
     }
 
@@ -242,248 +226,81 @@ impl Target {
             }
         }
         if changed && !self.is_idle() {
-            for lane in [ACTIVE, PENDING] {
-                self.enable(lane, clock.now());
-            }
+            self.enable_all(clock.now());
         }
     }
 
     /// The axis has come to where it is now.
     pub(super) fn look(&mut self, to: Point, clock: &Clock, edges: &mut Vec<Edge>) -> [Option<Execution>; 2] {
         let mut ended = [None; 2];
-        if self.phase == Phase::Ending && self.carried.iter().all(Option::is_none) {
-            self.lanes[ACTIVE].take();
-            self.phase = Phase::Free;
-            return ended;
-        }
-        let period = clock.period();
-        let pieces = [(self.last, self.began, true), (self.began, to, false)];
-        for (from, to, jumps) in pieces {
-            if jumps && (from == to || self.phase == Phase::Ending) {
-                continue;
+        if self.left.is_none() {
+            // Its last bits have been written.
+            self.lanes[TAIL].take();
+            if self.phase == Phase::Ending && self.carried.iter().all(Option::is_none) {
+                self.phase = Phase::Free;
+                return ended;
             }
-            let piece = Piece {
-                from,
-                to,
-                jumps,
-                period,
-            };
-            self.walk(&piece, clock, edges, &mut ended);
         }
-        self.last = to;
-        self.began = to;
+        self.go(to, clock, edges, &mut ended);
         self.settle(clock);
         ended
     }
 
-    /// The bits that it has written last and that are set.
+    /// Bits that it has set, also for cams that are over.
     pub(super) fn bits(&self) -> u32 {
-        self.written.bits
+        self.set
     }
 
-    /// The bits as they are now, if they are others than those that were written last.
+    /// The bits as they are now, if they are others than those that were written last. What is nobody's any more is written a last
+    /// time.
     pub(crate) fn write(&mut self, clock: &Clock) -> Option<Word> {
-        let word = self.word(clock);
-        let before = std::mem::replace(&mut self.written, word);
-        (word.mask != 0 && word != before).then_some(word)
-    }
-
-    fn word(&self, clock: &Clock) -> Word {
-        let mut word = Word {
+        let owned = self.owned();
+        let before = self.written;
+        let mask = owned | before.mask;
+        let word = Word {
             tag: self.output.tag,
-            ..Word::default()
+            mask,
+            bits: self.shown_bits(mask, clock),
         };
-        if matches!(self.phase, Phase::Free | Phase::Waiting(_)) {
-            return word;
-        }
-        let cams = self.lanes.each_ref().map(Lane::cam);
-        let lead = if self.in_transition { cams[PENDING] } else { None };
-        for cam in [cams[ACTIVE], lead].into_iter().flatten() {
-            for bit in (0..OUTPUT_BITS).filter(|bit| cam.mask & !word.mask & (1 << bit) != 0) {
-                let Compensation { inverted, pulses, .. } = cam.compensation[bit];
-                let mut on = self.on & (1 << bit) != 0;
-                if let Some((cycle, duty)) = pulses.filter(|_| on) {
-                    let cycles = self.since[bit].elapsed(clock) / cycle;
-                    on = cycles - cycles.floor() < duty;
-                }
-                word.bits |= u32::from(on != inverted) << bit;
-            }
-            word.mask |= cam.mask;
-        }
-        word
-    }
-
-    fn zero(&self) -> f64 {
-        let length = self.lanes[ACTIVE].cam().map_or(0.0, |cam| cam.end - cam.start);
-        self.base + self.turns * length
-    }
-
-    fn walk(&mut self, piece: &Piece, clock: &Clock, edges: &mut Vec<Edge>, ended: &mut [Option<Execution>; 2]) {
-        let way = piece.course(0.0);
-        if way.to != way.from {
-            self.forward = way.to > way.from;
-        }
-        let mut share = 0.0;
-        for _ in 0..MOST_CUTS {
-            match self.phase {
-                Phase::Free | Phase::Ending => return,
-                Phase::Waiting(lock) => {
-                    let Some(crossed) = lock.crossed(way.at(share), way.to) else {
-                        return;
-                    };
-                    share = way.share_of(crossed).max(share);
-                    let at = instant(piece, share, clock);
-                    self.arm(crossed, |delay| piece.course(delay).at(share), at);
-                    self.phase = Phase::Armed;
-                }
-                Phase::Armed => {
-                    let Some((until, place)) = self.exit(&way, share) else {
-                        self.run(piece, share, 1.0, clock, edges);
-                        return;
-                    };
-                    self.run(piece, share, until, clock, edges);
-                    share = until;
-                    let at = instant(piece, share, clock);
-                    let over = self.leave(place, at);
-                    if let Some(free) = ended.iter_mut().find(|ended| ended.is_none()) {
-                        *free = over;
-                    }
-                }
-            }
-        }
-    }
-
-    /// Where, on its way from a share on, the axis leaves a cam that ends there: the share, and the place.
-    fn exit(&self, way: &Course, share: f64) -> Option<(f64, f64)> {
-        let program = self.lanes[ACTIVE].program.as_ref()?;
-        if program.mode != Mode::Once && self.lanes[PENDING].program.is_none() {
-            return None;
-        }
-        let zero = self.zero();
-        let rounding = ROUNDING * (program.cam.end - program.cam.start);
-        let (start, end) = (zero + program.cam.start, zero + program.cam.end);
-        let beyond = |place: f64| place > end + rounding || place < start - rounding;
-        let here = way.at(share);
-        if beyond(here) {
-            // A persistent one was left long ago.
-            return Some((share, here));
-        }
-        if !beyond(way.to) {
-            return None;
-        }
-        let bound = if way.to > here { end } else { start };
-        Some((way.share_of(bound).max(share), bound))
-    }
-
-    /// The cam is armed where the axis is at a place. `ahead`: where it is with a delay.
-    fn arm(&mut self, place: f64, ahead: impl Fn(f64) -> f64, at: Instant) {
-        (self.base, self.turns) = (place - self.entry, 0.0);
-        for element in 0..self.lanes[ACTIVE].states.len() {
-            let Some((own, compensation)) = self.lanes[ACTIVE].element(element) else {
-                continue;
-            };
-            let window = self.window(ACTIVE, own, compensation);
-            let inside = [true, false].map(|latch| window.contains(ahead(compensation.delay(latch))));
-            self.correct(ACTIVE, element, inside, at);
-        }
-        self.arm_enabled(at);
-    }
-
-    /// The armed cam is over at a place; the pending one takes over. Returns whose is over.
-    fn leave(&mut self, place: f64, at: Instant) -> Option<Execution> {
-        let zero = self.zero();
-        for element in 0..self.lanes[ACTIVE].states.len() {
-            for what in [Happens::LatchLeft, Happens::UnlatchLeft] {
-                self.happens(ACTIVE, element, what, at);
-            }
-            // Durations go on without it.
-            let Some((own, _)) = self.lanes[ACTIVE].element(element) else {
-                continue;
-            };
-            let bit = usize::from(own.bit);
-            let state = &mut self.lanes[ACTIVE].states[element];
-            if let Some(off_at) = state.off_at.take() {
-                self.carried[bit] = Some(off_at);
-            }
-            state.holds = false;
-        }
-        let over = self.lanes[ACTIVE].program.as_ref().map(|program| program.execution);
-        if self.lanes[PENDING].program.is_none() {
-            self.phase = Phase::Ending;
-            return over;
-        }
-        let forward = self.lanes[ACTIVE].cam().is_none_or(|cam| place - zero >= cam.end);
-        self.lanes[ACTIVE].take();
-        self.lanes.swap(ACTIVE, PENDING);
-        let entry = self.lanes[ACTIVE]
-            .cam()
-            .map_or(0.0, |cam| if forward { cam.start } else { cam.end });
-        (self.base, self.turns) = (place - entry, 0.0);
-        self.arm_enabled(at);
-        over
-    }
-
-    /// What is true at the present tick: durations, whole turns, what is shown.
-    fn settle(&mut self, clock: &Clock) {
-        let now = clock.now();
-        self.expire(now, clock);
-        (self.locked, self.in_transition) = (false, false);
-        let Some(program) = self.lanes[ACTIVE].program.as_ref() else {
-            return;
+        self.written = Word {
+            mask: owned,
+            bits: word.bits & owned,
+            ..word
         };
-        if self.phase != Phase::Armed {
-            return;
+        self.output.bits = (self.output.bits & !mask) | word.bits;
+        self.set = (self.set & !mask) | word.bits;
+        let changed = mask & !before.mask != 0 || (word.bits ^ before.bits) & mask != 0;
+        changed.then_some(word)
+    }
+
+    /// The bits that cams set and clear now.
+    fn owned(&self) -> u32 {
+        let mask = |lane: usize| self.lanes[lane].cam().map_or(0, |cam| cam.mask);
+        let active = if self.phase == Phase::Armed { mask(ACTIVE) } else { 0 };
+        let pending = if self.leads { mask(PENDING) } else { 0 };
+        active | pending | self.tail()
+    }
+
+    /// Bits of a mask as they show.
+    fn shown_bits(&self, mask: u32, clock: &Clock) -> u32 {
+        let mut bits = 0;
+        for bit in (0..OUTPUT_BITS).filter(|bit| mask & (1 << bit) != 0) {
+            let of_cam = |cam: &&Arc<OutputCam>| cam.mask & (1 << bit) != 0;
+            let cams = [ACTIVE, TAIL, PENDING].map(|lane| self.lanes[lane].cam());
+            let cam = cams.into_iter().flatten().find(of_cam);
+            let Compensation { inverted, pulses, .. } = cam.map_or(self.carried_as[bit], |cam| cam.compensation[bit]);
+            let mut on = self.on & (1 << bit) != 0;
+            if let Some((cycle, duty)) = pulses.filter(|_| on) {
+                let cycles = self.since[bit].elapsed(clock) / cycle;
+                on = cycles - cycles.floor() < duty;
+            }
+            bits |= u32::from(on != inverted) << bit;
         }
-        let (cam, repeats) = (&program.cam, program.mode == Mode::Continuous);
-        let length = cam.end - cam.start;
-        let turns = ((self.last.position - self.zero() - cam.start) / length).floor();
-        if repeats && self.lanes[PENDING].program.is_none() {
-            self.turns += turns;
-        }
-        let place = self.last.position - self.zero();
-        self.locked = (cam.start..=cam.end).contains(&place);
-        let beyond = |compensation: &Compensation| {
-            [true, false].into_iter().any(|latch| {
-                let place = place + compensation.delay(latch) * self.last.velocity - compensation.offset;
-                if self.forward {
-                    place > cam.end
-                } else {
-                    place < cam.start
-                }
-            })
-        };
-        self.in_transition = self.lanes[PENDING].cam().is_some_and(|cam| {
-            (0..OUTPUT_BITS).any(|bit| cam.mask & (1 << bit) != 0 && beyond(&cam.compensation[bit]))
-        });
-    }
-}
-
-impl Lane {
-    fn load(&mut self, program: Program) {
-        self.states.clear();
-        self.states.resize(program.cam.elements.len(), State::default());
-        self.program = Some(program);
+        bits
     }
 
-    fn take(&mut self) -> Option<Execution> {
-        self.states.clear();
-        self.program.take().map(|program| program.execution)
-    }
-
-    fn cam(&self) -> Option<&Arc<OutputCam>> {
-        self.program.as_ref().map(|program| &program.cam)
-    }
-
-    /// An element with what compensates its bit.
-    fn element(&self, place: usize) -> Option<(&Element, &Compensation)> {
-        let cam = self.cam()?;
-        let element = cam.elements.get(place)?;
-        Some((element, &cam.compensation[usize::from(element.bit)]))
-    }
-}
-
-impl Compensation {
-    fn delay(&self, latch: bool) -> f64 {
-        if latch { self.latch_delay } else { self.unlatch_delay }
+    /// A cam is armed, or is going to be where the axis crosses its arm position.
+    fn is_alive(&self) -> bool {
+        matches!(self.phase, Phase::Waiting(_) | Phase::Armed)
     }
 }

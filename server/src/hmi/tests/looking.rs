@@ -232,7 +232,7 @@ async fn a_new_viewer_is_told_the_past() {
         assert_eq!(
             (&message[..4], &told["ok"]["every"]),
             (&b"ARC2"[..], &json!(1)),
-            "the newest minute is exact"
+            "the newest rows are exact"
         );
         let (first, signals, values) = decode(&message);
         assert_eq!((first, signals), (told["ok"]["first"].as_u64().expect("a tick"), 32));

@@ -1,15 +1,15 @@
-//! The events of an output cam's elements within an update, in their order, and what comes of them.
+//! The events of the elements of output cams within an update, in their order, and what comes of them.
 //!
-//! Not here: when a cam is armed and when it is over ([`super`]). Real-time: nothing allocates.
+//! Not here: when a cam is armed and when it is over ([`super::way`]). Real-time: nothing allocates.
 
 use arcline_planner::{Clock, Instant};
 
 use super::super::course::Course;
 use super::super::element::{Effect, Happens, State};
 use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS};
-use super::super::windows::Window;
-use super::{ACTIVE, Lane, PENDING, Phase, Piece, Program, Target};
-use crate::follow::cam::Mode;
+use super::super::windows::{Turns, Window};
+use super::way::Piece;
+use super::{ACTIVE, Lane, PENDING, Phase, TAIL, Target};
 
 /// An event within an update.
 #[derive(Clone, Copy, Debug)]
@@ -22,18 +22,18 @@ pub(in crate::output) struct Edge {
     element: usize,
 }
 
-/// Events of one update: each element enters and leaves two ranges.
-pub(in crate::output) const MOST_EDGES: usize = 2 * 4 * MAX_OUTPUT_ELEMENTS;
+/// Events of one update: each element of three cams enters and leaves two ranges.
+pub(in crate::output) const MOST_EDGES: usize = 3 * 4 * MAX_OUTPUT_ELEMENTS;
 
 impl Target {
     /// The events between two shares of an update.
     pub(super) fn run(&mut self, piece: &Piece, from: f64, until: f64, clock: &Clock, edges: &mut Vec<Edge>) {
         edges.clear();
-        for lane in [ACTIVE, PENDING] {
-            let Some(cam) = self.lanes[lane].cam().cloned() else {
-                continue;
-            };
-            for place in 0..cam.elements.len() {
+        for &lane in self.live() {
+            for place in 0..self.lanes[lane].states.len() {
+                if self.state(lane, place).passed {
+                    continue;
+                }
                 for latch in [true, false] {
                     let (course, window) = self.signal(piece, lane, place, latch);
                     let crossed = window.crossed(course.from, course.to);
@@ -72,8 +72,11 @@ impl Target {
             self.happens(edge.lane, edge.element, edge.what, at);
         }
         // What rounding has made of the ends.
-        for lane in [ACTIVE, PENDING] {
+        for &lane in self.live() {
             for place in 0..self.lanes[lane].states.len() {
+                if self.state(lane, place).passed {
+                    continue;
+                }
                 let at = instant(piece, until, clock);
                 let inside = [true, false].map(|latch| {
                     let (course, window) = self.signal(piece, lane, place, latch);
@@ -84,15 +87,19 @@ impl Target {
         }
     }
 
+    /// Places of the cams that go by where the axis is.
+    fn live(&self) -> &'static [usize] {
+        if self.phase == Phase::Armed {
+            &[ACTIVE, PENDING, TAIL]
+        } else {
+            &[TAIL]
+        }
+    }
+
     /// How the position of an axis that an element compares goes, in the positions of its lane, and with what it is compared.
-    pub(super) fn signal(&self, piece: &Piece, lane: usize, place: usize, latch: bool) -> (Course, Window) {
+    fn signal(&self, piece: &Piece, lane: usize, place: usize, latch: bool) -> (Course, Window) {
         let Some((element, compensation)) = self.lanes[lane].element(place) else {
-            let nowhere = Window {
-                left: 0.0,
-                right: 0.0,
-                cycle: None,
-            };
-            return (Course::step(0.0, 0.0), nowhere);
+            return (Course::step(0.0, 0.0), Window::NONE);
         };
         let delay = compensation.delay(latch);
         (piece.course(delay), self.window(lane, element, compensation))
@@ -101,28 +108,26 @@ impl Target {
     /// Where an element's range is, as a position of the axis.
     pub(super) fn window(&self, lane: usize, element: &Element, compensation: &Compensation) -> Window {
         let Some(cam) = self.lanes[lane].cam() else {
-            return Window {
-                left: 0.0,
-                right: 0.0,
-                cycle: None,
-            };
+            return Window::NONE;
         };
-        let mut shift = self.zero() + compensation.offset;
-        let repeats = |program: &Program| program.mode == Mode::Continuous && self.lanes[PENDING].program.is_none();
-        let repeats = self.lanes[ACTIVE].program.as_ref().is_some_and(repeats);
-        if lane == PENDING
-            && let Some(active) = self.lanes[ACTIVE].cam()
-        {
-            shift += if self.forward {
-                active.end - cam.start
-            } else {
-                active.start - cam.end
-            };
-        }
+        let (zero, turns) = match (lane, self.left, self.lanes[ACTIVE].cam()) {
+            (TAIL, Some(left), _) => (left.zero, left.turns),
+            (PENDING, _, Some(active)) => {
+                let behind = if self.forward {
+                    active.end - cam.start
+                } else {
+                    active.start - cam.end
+                };
+                (self.zero() + behind, Turns::ONE)
+            }
+            _ => (self.zero(), self.turns_of_active()),
+        };
+        let shift = zero + compensation.offset;
         Window {
             left: shift + element.left,
             right: shift + element.right,
-            cycle: (repeats && lane == ACTIVE).then_some(cam.end - cam.start),
+            cycle: cam.end - cam.start,
+            turns,
         }
     }
 
@@ -200,7 +205,7 @@ impl Target {
                 self.release(bit);
             }
         }
-        for lane in [ACTIVE, PENDING] {
+        for lane in [ACTIVE, PENDING, TAIL] {
             for place in 0..self.lanes[lane].states.len() {
                 let state = &mut self.lanes[lane].states[place];
                 if state.off_at.is_some_and(is_over) {
@@ -212,6 +217,13 @@ impl Target {
     }
 
     /// The enable bits as they are now.
+    pub(super) fn enable_all(&mut self, at: Instant) {
+        for lane in [ACTIVE, PENDING, TAIL] {
+            self.enable(lane, at);
+        }
+    }
+
+    /// The same for one cam.
     pub(super) fn enable(&mut self, lane: usize, at: Instant) {
         let own = self.written;
         let output = (self.output.bits & !own.mask) | (own.bits & own.mask);
@@ -221,6 +233,9 @@ impl Target {
             let Some((element, _)) = self.lanes[lane].element(place) else {
                 continue;
             };
+            if self.state(lane, place).is_over() {
+                continue;
+            }
             let element = *element;
             let word = if element.enable.of_output { output } else { input };
             let enabled = (word & (1 << element.enable.bit) != 0) != element.enable.inverted;

@@ -1,6 +1,9 @@
 //! MAOC and MDOC: which bits are set where the axis is, what arms and ends an output cam, and what is refused
 //! (spec/axis-and-data-types.md §5).
 
+mod ends;
+mod network;
+
 use arcline_instruction_set::Flag;
 use arcline_tests::bench::{Bench, OK};
 
@@ -33,6 +36,7 @@ fn machine(period_ms: f64) -> Bench {
         ("In", "DINT"),
         ("Cam", "OUTPUT_CAM[6]"),
         ("Next", "OUTPUT_CAM"),
+        ("Third", "OUTPUT_CAM"),
         ("Comp", "OUTPUT_COMPENSATION[4]"),
     ] {
         text += &format!("[[tag]]\nname = \"{name}\"\ntype = \"{kind}\"\n");
@@ -66,8 +70,8 @@ fn compensate(bench: &mut Bench, bit: usize, values: [f64; 6]) {
 }
 
 /// A bit that is on from one position to another.
-fn window(bit: u8, left: f64, right: f64) -> [f64; 8] {
-    [f64::from(bit), 1.0, 1.0, left, right, 0.0, 0.0, 0.0]
+const fn window(bit: u8, left: f64, right: f64) -> [f64; 8] {
+    [bit as f64, 1.0, 1.0, left, right, 0.0, 0.0, 0.0]
 }
 
 fn go(bench: &mut Bench, axis: &str, to: f64, dynamics: &str) {

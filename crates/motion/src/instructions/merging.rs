@@ -1,0 +1,122 @@
+//! What a coordinated move takes over when it is merged, and what a master driven one follows
+//! (spec/coordinated-instructions.md §6.2, §8.7).
+//!
+//! Not here: the path and the dynamics of the move ([`super::moves`]).
+
+use arcline_instruction_set::MotionError;
+use arcline_planner::geometry::Point;
+use arcline_planner::profile::State;
+use arcline_planner::{Ending, Momentum, Move, Pace, Parameter};
+
+use super::moves::{MERGE_ALL, MERGE_DISABLED};
+use super::points::command;
+use crate::axis::Axis;
+use crate::axis::sum::Slot;
+use crate::follow::links::MasterLink;
+use crate::motion::Motion;
+use crate::system::{Activity, Lead, Planned};
+
+/// What the axes do of which a merge makes the start of its move: of coordinated motion, or of all motion.
+pub(super) fn terminated(motion: &Motion, index: usize, merge: i32) -> Momentum {
+    let quantity = |axis: &Axis| match merge {
+        MERGE_DISABLED => Default::default(),
+        // What a transform gives goes on.
+        MERGE_ALL => axis.sum.motion_of(|slot| !slot.is_of_transforms()),
+        _ => axis
+            .sum
+            .get(Slot::System)
+            .map(|generator| generator.now)
+            .unwrap_or_default(),
+    };
+    Momentum {
+        velocity: command(motion, index, |axis| quantity(axis).velocity),
+        acceleration: command(motion, index, |axis| quantity(axis).acceleration),
+    }
+}
+
+/// Ends what a merge takes over: the coordinated motion of this system and, for All Motion, what else moves its axes,
+/// the coordinated motion of other systems too. Axes that the new move does not take brake by themselves.
+pub(super) fn terminate(motion: &mut Motion, index: usize, merge: i32) {
+    motion.cancel_pending(index);
+    motion.end_active(index);
+    motion.systems[index].planner.clear_active();
+    if motion.systems[index].contour.is_some() {
+        motion.retire_contour(index);
+        motion.rest_system(index);
+    }
+    motion.part_axes(index);
+    if merge != MERGE_ALL {
+        return;
+    }
+    for place in 0..motion.systems[index].description.linear().len() {
+        let axis = motion.systems[index].description.linear()[place];
+        motion.end_single_axis(axis, None);
+    }
+    for other in 0..motion.systems.len() {
+        if other != index && motion.systems[index].shared_axis(&motion.systems[other]).is_some() {
+            motion.abort_system_but(other, index);
+        }
+    }
+}
+
+/// What is under way by time, by the way of a master.
+pub(super) fn on_the_way(pace: &Pace, momentum: &Momentum) -> Momentum {
+    let mut taken = Momentum {
+        velocity: Point::zeros(),
+        acceleration: Point::zeros(),
+    };
+    for place in 0..taken.velocity.len() {
+        let state = pace.on_the_way(State {
+            position: 0.0,
+            velocity: momentum.velocity[place],
+            acceleration: momentum.acceleration[place],
+        });
+        taken.velocity[place] = state.velocity;
+        taken.acceleration[place] = state.acceleration;
+    }
+    taken
+}
+
+/// Master driven moves that the new one would go on from, or wait with (98, 102). `idle`: it takes over what stands, and so does the
+/// master; then it may have another direction.
+pub(super) fn verify_lead(
+    motion: &Motion,
+    index: usize,
+    merge: i32,
+    lead: Lead,
+    idle: bool,
+) -> Result<(), MotionError> {
+    let system = &motion.systems[index];
+    if system.activity != Activity::Moving {
+        return Ok(());
+    }
+    let before = if merge == MERGE_DISABLED {
+        system.moves().last().filter(|last| last.ending != Ending::Stop)
+    } else {
+        system.moves().next()
+    };
+    let led = before.and_then(|before| before.data.lead);
+    if !idle && led.is_some_and(|led| led.lock.sense != lead.lock.sense) {
+        return Err(MotionError::MdscDirectionMismatch);
+    }
+    let waits = |other: &Move<Planned>| other.data.lead.is_some_and(|lead| lead.lock.position.is_some());
+    if lead.lock.position.is_some() && system.moves().any(waits) {
+        return Err(MotionError::MdscLockWhileMoving);
+    }
+    Ok(())
+}
+
+/// What a master driven move is a function of: the way of the move before it, or one that begins with it.
+pub(super) fn parameter(motion: &mut Motion, index: usize, merge: i32, lead: Lead, link: &MasterLink) -> Parameter {
+    let system = &motion.systems[index];
+    if merge == MERGE_DISABLED && system.activity == Activity::Moving && lead.lock.position.is_none() {
+        let led = |last: &&Move<Planned>| {
+            let before = last.data.lead;
+            before.is_some_and(|before| before.link == lead.link && before.lock.sense == lead.lock.sense)
+        };
+        if let Some(last) = system.moves().last().filter(led) {
+            return last.parameter;
+        }
+    }
+    motion.new_parameter(link)
+}

@@ -1,0 +1,89 @@
+//! Where coordinated moves begin and end: points of a coordinate system out of axes and operands.
+//!
+//! Not here: paths between them. Units: position units.
+
+use arcline_instruction_set::{Call, MotionError, OperandIndex};
+use arcline_planner::geometry::Point;
+
+use crate::axis::Axis;
+use crate::axis::sum::Slot;
+use crate::motion::Motion;
+use crate::rotary::Turn;
+use crate::system::{Activity, System, component};
+
+/// A quantity of each axis of a coordinate system as a point.
+pub(super) fn command(motion: &Motion, index: usize, quantity: impl Fn(&Axis) -> f64) -> Point {
+    let mut point = Point::zeros();
+    for (axis, coordinate) in motion.systems[index].description.linear().iter().zip(point.iter_mut()) {
+        *coordinate = motion.axes.get(usize::from(*axis)).map_or(0.0, &quantity);
+    }
+    point
+}
+
+/// What positions were redefined by since the queue of a coordinate system began.
+pub(super) fn queue_shift(motion: &Motion, index: usize) -> Point {
+    match motion.systems[index].activity {
+        Activity::Moving => command(motion, index, |axis| axis.sum.shift_of(Slot::System)),
+        _ => Point::zeros(),
+    }
+}
+
+/// The end of the last move in the queue, or where the axes are commanded to be.
+pub(super) fn start_point(motion: &Motion, index: usize) -> Point {
+    let system = &motion.systems[index];
+    let queued = if system.activity == Activity::Moving {
+        system.last_end()
+    } else {
+        None
+    };
+    queued.unwrap_or_else(|| command(motion, index, |axis| axis.command.position))
+}
+
+/// The operand's point, absolute or counted from the start; axes beyond the operand keep the start's.
+pub(super) fn target_point(values: &[f64], start: &Point, incremental: bool) -> Point {
+    let mut target = *start;
+    for (place, (coordinate, value)) in target.iter_mut().zip(values).enumerate() {
+        *coordinate = if incremental {
+            component(start, place) + value
+        } else {
+            *value
+        };
+    }
+    target
+}
+
+/// The elements of an array operand that belong to the axes of a coordinate system.
+pub(super) fn primary<'a>(system: &System, call: &'a Call, operand: usize) -> &'a [f64] {
+    let values = call.array(operand);
+    &values[..system.description.linear().len().min(values.len())]
+}
+
+/// The unwinds of the axes of a coordinate system, with their places; linear axes have none.
+pub(super) fn unwinds(motion: &Motion, system: &System) -> impl Iterator<Item = (usize, f64)> {
+    let axes = system.description.linear().iter().enumerate();
+    axes.filter_map(|(place, axis)| Some((place, motion.axes.get(usize::from(*axis))?.unwind?)))
+}
+
+/// Sets the ends of rotary axes to where absolute positions lie from the start: the sign is the direction, the magnitude
+/// the position within one turn (spec/coordinated-instructions.md §12.2).
+///
+/// # Errors
+/// `ParameterOutOfRange` (13) with the operand when a magnitude is beyond the unwind.
+pub(super) fn unwind(
+    motion: &Motion,
+    system: &System,
+    start: &Point,
+    values: &[f64],
+    target: &mut Point,
+    operand: usize,
+) -> Result<(), MotionError> {
+    for (place, unwind) in unwinds(motion, system) {
+        if let Some(position) = values.get(place) {
+            let turn = Turn::at(component(start, place), unwind);
+            target[place] = turn
+                .signed(*position)
+                .ok_or(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))?;
+        }
+    }
+    Ok(())
+}

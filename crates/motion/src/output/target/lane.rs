@@ -1,0 +1,60 @@
+//! A cam of an execution target with the states of its elements.
+//!
+//! Not here: what happens to them ([`super::events`]). Nothing allocates behind [`Lane::new`].
+
+use std::sync::Arc;
+
+use super::super::element::State;
+use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OutputCam};
+use super::Program;
+use crate::control::Execution;
+
+/// Place of the cam that is armed.
+pub(super) const ACTIVE: usize = 0;
+/// Place of the one that waits for its end.
+pub(super) const PENDING: usize = 1;
+/// Place of the one before, of which some elements go on.
+pub(super) const TAIL: usize = 2;
+
+#[derive(Clone, Debug)]
+pub(super) struct Lane {
+    pub(super) program: Option<Program>,
+    pub(super) states: Vec<State>,
+}
+
+impl Lane {
+    pub(super) fn new() -> Self {
+        Lane {
+            program: None,
+            states: Vec::with_capacity(MAX_OUTPUT_ELEMENTS),
+        }
+    }
+
+    pub(super) fn load(&mut self, program: Program) {
+        self.states.clear();
+        self.states.resize(program.cam.elements.len(), State::default());
+        self.program = Some(program);
+    }
+
+    pub(super) fn take(&mut self) -> Option<Execution> {
+        self.states.clear();
+        self.program.take().map(|program| program.execution)
+    }
+
+    pub(super) fn cam(&self) -> Option<&Arc<OutputCam>> {
+        self.program.as_ref().map(|program| &program.cam)
+    }
+
+    /// An element with what compensates its bit.
+    pub(super) fn element(&self, place: usize) -> Option<(&Element, &Compensation)> {
+        let cam = self.cam()?;
+        let element = cam.elements.get(place)?;
+        Some((element, &cam.compensation[usize::from(element.bit)]))
+    }
+}
+
+impl Compensation {
+    pub(super) fn delay(&self, latch: bool) -> f64 {
+        if latch { self.latch_delay } else { self.unlatch_delay }
+    }
+}

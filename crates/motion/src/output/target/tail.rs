@@ -1,0 +1,160 @@
+//! What goes on of an output cam that is over: edges that lag behind its axis, and durations.
+//!
+//! An offset or a delay below 0 can put edges behind where the axis is. When it leaves the cam these are still to come: the elements
+//! stay until each of them has come past the end of the cam, or until the axis comes back to where it left. Durations run out in
+//! any case. Not here: what happens to elements ([`super::events`]). Real-time: nothing allocates.
+
+use arcline_planner::Instant;
+
+use super::super::element::Happens;
+use super::super::program::OUTPUT_BITS;
+use super::super::windows::Turns;
+use super::{ACTIVE, PENDING, Phase, TAIL, Target};
+use crate::control::Execution;
+
+/// How a cam was left.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Left {
+    /// Where its positions begin.
+    pub(super) zero: f64,
+    /// Of those that it was repeated in.
+    pub(super) turns: Turns,
+    forward: bool,
+    /// Where the axis left it.
+    place: f64,
+}
+
+impl Target {
+    /// The armed cam is over at a place; the pending one takes over. Returns whose is over.
+    pub(super) fn leave(&mut self, place: f64, at: Instant) -> Option<Execution> {
+        let zero = self.zero();
+        let middle = |start: f64, end: f64| 0.5 * (start + end);
+        let forward = self.lanes[ACTIVE]
+            .cam()
+            .is_none_or(|cam| place - zero > middle(cam.start, cam.end));
+        let left = Left {
+            zero,
+            turns: self.turns_of_active(),
+            forward,
+            place,
+        };
+        self.make_room(at);
+        let over = self.lanes[ACTIVE].program.as_ref().map(|program| program.execution);
+        self.lanes.swap(ACTIVE, TAIL);
+        self.left = Some(left);
+        if self.lanes[PENDING].program.is_none() {
+            self.phase = Phase::Ending;
+            return over;
+        }
+        self.lanes.swap(ACTIVE, PENDING);
+        let entry = self.lanes[ACTIVE]
+            .cam()
+            .map_or(0.0, |cam| if forward { cam.start } else { cam.end });
+        (self.base, self.turns) = (place - entry, 0.0);
+        self.came_forward = Some(forward);
+        self.arm_enabled(at);
+        over
+    }
+
+    /// Elements whose edges have all come are over where the axis is now.
+    pub(super) fn let_pass(&mut self, at: Instant) {
+        let Some(left) = self.left else { return };
+        let axis = self.last;
+        let is_back = (axis.position < left.place) == left.forward && axis.position != left.place;
+        let mut goes_on = false;
+        for place in 0..self.lanes[TAIL].states.len() {
+            let Some(cam) = self.lanes[TAIL].cam() else { break };
+            let compensation = &cam.compensation[usize::from(cam.elements[place].bit)];
+            let bound = left.zero + compensation.offset + if left.forward { cam.end } else { cam.start };
+            let is_beyond = [true, false].into_iter().all(|latch| {
+                let compared = axis.position + compensation.delay(latch) * axis.velocity;
+                (compared >= bound) == left.forward
+            });
+            if is_back || is_beyond {
+                self.pass(place, at);
+            }
+            goes_on |= !self.state(TAIL, place).is_over();
+        }
+        if !goes_on {
+            self.left = None;
+        }
+    }
+
+    /// Whether edges of a cam that is over are still to come.
+    pub(super) fn lags(&self) -> bool {
+        self.left.is_some() && self.lanes[TAIL].states.iter().any(|state| !state.passed)
+    }
+
+    /// The bits of what goes on.
+    pub(super) fn tail(&self) -> u32 {
+        let lane = &self.lanes[TAIL];
+        let elements = lane.states.iter().enumerate().filter(|(_, state)| !state.is_over());
+        let bits = elements.filter_map(|(place, _)| Some(1 << lane.element(place)?.0.bit));
+        bits.fold(self.carried_bits(), |all, bit: u32| all | bit)
+    }
+
+    /// Bits that something other than the armed cam holds.
+    pub(super) fn held(&self) -> u32 {
+        let mut bits = self.carried_bits();
+        for lane in [&self.lanes[PENDING], &self.lanes[TAIL]] {
+            for (place, _) in lane.states.iter().enumerate().filter(|(_, state)| state.holds) {
+                bits |= lane.element(place).map_or(0, |(element, _)| 1 << element.bit);
+            }
+        }
+        bits
+    }
+
+    /// Durations that are under way go on without the elements of a lane, and bits show as they did.
+    pub(super) fn carry(&mut self, lane: usize) {
+        for place in 0..self.lanes[lane].states.len() {
+            let Some((element, compensation)) = self.lanes[lane].element(place) else {
+                continue;
+            };
+            let bit = usize::from(element.bit);
+            self.carried_as[bit] = *compensation;
+            let state = &mut self.lanes[lane].states[place];
+            let Some(off_at) = state.off_at.take() else { continue };
+            state.holds = false;
+            let is_later = |other: &Instant| other.elapsed(&self.ticks) < off_at.elapsed(&self.ticks);
+            self.carried[bit] = self.carried[bit].filter(is_later).or(Some(off_at));
+        }
+    }
+
+    /// Nothing goes on.
+    pub(super) fn forget(&mut self) {
+        self.carried = [None; OUTPUT_BITS];
+        self.lanes[TAIL].take();
+        self.left = None;
+    }
+
+    /// The cam before the one that is over gives its place to that.
+    fn make_room(&mut self, at: Instant) {
+        for place in 0..self.lanes[TAIL].states.len() {
+            self.pass(place, at);
+        }
+        self.carry(TAIL);
+        self.lanes[TAIL].take();
+    }
+
+    /// An element is over, but for a duration. Bits that it does not hold by its position stay as they are.
+    fn pass(&mut self, place: usize, at: Instant) {
+        let state = self.state(TAIL, place);
+        if state.passed {
+            return;
+        }
+        if state.is_in(true) {
+            self.happens(TAIL, place, Happens::LatchLeft, at);
+        }
+        if state.is_in(false) || state.holds {
+            self.happens(TAIL, place, Happens::UnlatchLeft, at);
+        }
+        let state = &mut self.lanes[TAIL].states[place];
+        state.passed = true;
+        state.holds = state.off_at.is_some();
+    }
+
+    fn carried_bits(&self) -> u32 {
+        let bits = self.carried.iter().enumerate();
+        bits.fold(0, |all, (bit, carried)| all | u32::from(carried.is_some()) << bit)
+    }
+}

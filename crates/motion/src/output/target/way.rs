@@ -1,0 +1,223 @@
+//! Where the axis goes within an update: when a cam is armed, and when it is over.
+//!
+//! Not here: what happens to elements on the way ([`super::events`]). Real-time: nothing allocates; an update is cut into a bounded
+//! number of pieces.
+
+use arcline_drive::Motion as Point;
+use arcline_planner::{Clock, Instant};
+
+use super::super::course::Course;
+use super::super::program::{Compensation, OUTPUT_BITS};
+use super::super::windows::Turns;
+use super::events::instant;
+use super::{ACTIVE, Edge, PENDING, Phase, Target};
+use crate::control::Execution;
+use crate::follow::cam::Mode;
+
+/// Most a piece of an update is cut into: at the arm position and at ends of cams.
+const MOST_CUTS: usize = 4;
+/// What of a cam's position is rounding: a share of its length.
+const ROUNDING: f64 = 1e-12;
+
+/// A way of the axis within an update, or a change of its speed at the beginning of one.
+pub(super) struct Piece {
+    pub(super) from: Point,
+    pub(super) to: Point,
+    pub(super) jumps: bool,
+    pub(super) period: f64,
+}
+
+impl Piece {
+    /// The position of the axis, `delay` ahead.
+    pub(super) fn course(&self, delay: f64) -> Course {
+        let [from, to] = [&self.from, &self.to].map(|point| {
+            let rate = point.velocity + delay * point.acceleration;
+            [point.position + delay * point.velocity, rate]
+        });
+        if self.jumps {
+            Course::step(from[0], to[0])
+        } else {
+            Course::new(from, to, self.period)
+        }
+    }
+}
+
+impl Target {
+    /// The axis goes from where it was to where it is now. `ended`: whose cams end on the way.
+    pub(super) fn go(&mut self, to: Point, clock: &Clock, edges: &mut Vec<Edge>, ended: &mut [Option<Execution>; 2]) {
+        let period = clock.period();
+        let pieces = [(self.last, self.began, true), (self.began, to, false)];
+        for (from, to, jumps) in pieces {
+            if jumps && from == to {
+                continue;
+            }
+            let piece = Piece {
+                from,
+                to,
+                jumps,
+                period,
+            };
+            self.walk(&piece, clock, edges, ended);
+        }
+        self.last = to;
+        self.began = to;
+    }
+
+    /// Where the positions of the armed cam begin.
+    pub(super) fn zero(&self) -> f64 {
+        let length = self.lanes[ACTIVE].cam().map_or(0.0, |cam| cam.end - cam.start);
+        self.base + self.turns * length
+    }
+
+    /// Turns that are those of the armed cam: behind it comes the pending one, before it there was another.
+    pub(super) fn turns_of_active(&self) -> Turns {
+        let repeats = |mode: Mode| mode == Mode::Continuous;
+        if !self.lanes[ACTIVE]
+            .program
+            .as_ref()
+            .is_some_and(|program| repeats(program.mode))
+        {
+            return Turns::ONE;
+        }
+        let mut turns = Turns::ALL;
+        if self.lanes[PENDING].program.is_some() {
+            if self.forward {
+                turns.last = 0.0;
+            } else {
+                turns.first = 0.0;
+            }
+        }
+        match self.came_forward {
+            None => {}
+            Some(true) => turns.first = turns.first.max(-self.turns),
+            Some(false) => turns.last = turns.last.min(-self.turns),
+        }
+        turns
+    }
+
+    fn walk(&mut self, piece: &Piece, clock: &Clock, edges: &mut Vec<Edge>, ended: &mut [Option<Execution>; 2]) {
+        let way = piece.course(0.0);
+        if way.to != way.from {
+            self.forward = way.to > way.from;
+        }
+        let mut share = 0.0;
+        for _ in 0..MOST_CUTS {
+            match self.phase {
+                Phase::Free => return,
+                Phase::Ending => {
+                    self.run(piece, share, 1.0, clock, edges);
+                    return;
+                }
+                Phase::Waiting(lock) => {
+                    let Some(crossed) = lock.crossed(way.at(share), way.to) else {
+                        self.run(piece, share, 1.0, clock, edges);
+                        return;
+                    };
+                    let until = way.share_of(crossed).max(share);
+                    self.run(piece, share, until, clock, edges);
+                    share = until;
+                    let at = instant(piece, share, clock);
+                    self.arm(crossed, |delay| piece.course(delay).at(share), at);
+                    self.phase = Phase::Armed;
+                }
+                Phase::Armed => {
+                    let Some((until, place)) = self.exit(&way, share) else {
+                        self.run(piece, share, 1.0, clock, edges);
+                        return;
+                    };
+                    self.run(piece, share, until, clock, edges);
+                    share = until;
+                    let at = instant(piece, share, clock);
+                    let over = self.leave(place, at);
+                    if let Some(free) = ended.iter_mut().find(|ended| ended.is_none()) {
+                        *free = over;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where, on its way from a share on, the axis leaves a cam that ends there: the share, and the place.
+    fn exit(&self, way: &Course, share: f64) -> Option<(f64, f64)> {
+        let program = self.lanes[ACTIVE].program.as_ref()?;
+        if program.mode != Mode::Once && self.lanes[PENDING].program.is_none() {
+            return None;
+        }
+        let zero = self.zero();
+        let rounding = ROUNDING * (program.cam.end - program.cam.start);
+        let (start, end) = (zero + program.cam.start, zero + program.cam.end);
+        let beyond = |place: f64| place > end + rounding || place < start - rounding;
+        let here = way.at(share);
+        if beyond(here) {
+            // A persistent one was left long ago.
+            return Some((share, here));
+        }
+        if !beyond(way.to) {
+            return None;
+        }
+        let bound = if way.to > here { end } else { start };
+        Some((way.share_of(bound).max(share), bound))
+    }
+
+    /// The cam is armed where the axis is at a place. `ahead`: where it is with a delay.
+    pub(super) fn arm(&mut self, place: f64, ahead: impl Fn(f64) -> f64, at: Instant) {
+        (self.base, self.turns) = (place - self.entry, 0.0);
+        for element in 0..self.lanes[ACTIVE].states.len() {
+            let Some((own, compensation)) = self.lanes[ACTIVE].element(element) else {
+                continue;
+            };
+            let window = self.window(ACTIVE, own, compensation);
+            let inside = [true, false].map(|latch| window.contains(ahead(compensation.delay(latch))));
+            self.correct(ACTIVE, element, inside, at);
+        }
+        self.arm_enabled(at);
+    }
+
+    /// What is true at the present tick: durations, whole turns, what is shown.
+    pub(super) fn settle(&mut self, clock: &Clock) {
+        let now = clock.now();
+        self.expire(now, clock);
+        self.let_pass(now);
+        (self.locked, self.leads, self.in_transition) = (false, false, false);
+        let Some(program) = self.lanes[ACTIVE].program.as_ref() else {
+            return;
+        };
+        if self.phase != Phase::Armed {
+            return;
+        }
+        let (cam, repeats) = (&program.cam, program.mode == Mode::Continuous);
+        let length = cam.end - cam.start;
+        let from_base = self.last.position - self.base;
+        let is_behind = |forward: bool| {
+            if forward {
+                from_base < cam.start
+            } else {
+                from_base > cam.end
+            }
+        };
+        if self.came_forward.is_some_and(is_behind) {
+            // Back over where it took over: it is repeated there, too.
+            self.came_forward = None;
+        }
+        let turns = ((self.last.position - self.zero() - cam.start) / length).floor();
+        if repeats && self.lanes[PENDING].program.is_none() {
+            self.turns += turns;
+        }
+        let place = self.last.position - self.zero();
+        self.locked = (cam.start..=cam.end).contains(&place);
+        let beyond = |compensation: &Compensation| {
+            [true, false].into_iter().any(|latch| {
+                let place = place + compensation.delay(latch) * self.last.velocity - compensation.offset;
+                if self.forward {
+                    place > cam.end
+                } else {
+                    place < cam.start
+                }
+            })
+        };
+        self.leads = self.lanes[PENDING].cam().is_some_and(|cam| {
+            (0..OUTPUT_BITS).any(|bit| cam.mask & (1 << bit) != 0 && beyond(&cam.compensation[bit]))
+        });
+        self.in_transition = self.leads || self.lags();
+    }
+}
