@@ -53,6 +53,16 @@ impl Client {
         Ok(axes)
     }
 
+    /// How many axes a coordinate system has, by its instance: they count from 1 in the order of their tags.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`] when the server does not tell it; otherwise what the session meets.
+    pub async fn axis_count(&self, instance: u32) -> Result<usize, ClientError> {
+        let what = "the axes of a coordinate system";
+        let data = self.attribute(what, Object::CoordinateSystem, instance, AXES).await?;
+        Reader::new(&data).u16().map(usize::from).ok_or(CUT)
+    }
+
     async fn attribute(&self, what: &str, object: Object, instance: u32, id: u16) -> Result<Bytes, ClientError> {
         let path = Epath::attribute(object.class_code(), instance, id);
         let reply = self

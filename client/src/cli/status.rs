@@ -11,6 +11,8 @@ use super::{Failure, Output};
 
 /// Tag of the real-time thread.
 const REAL_TIME: &str = "RealTime";
+/// Axes of a coordinate system on a server that does not tell how many there are.
+const PRIMARY_AXES: usize = 3;
 /// Tag of the feed overrides.
 const FEED_OVERRIDE: &str = "FeedOverride";
 
@@ -86,6 +88,8 @@ pub(super) struct Looked {
     objects: Vec<(Tag, Kind)>,
     /// Every coordinate system, in the order of the feed overrides.
     systems: Vec<String>,
+    /// How many axes those that are looked at have.
+    axes: BTreeMap<String, usize>,
 }
 
 impl Looked {
@@ -114,9 +118,18 @@ impl Looked {
             .collect();
         let asked = |tag: &Tag| names.is_empty() || names.iter().any(|name| name.eq_ignore_ascii_case(&tag.name));
         let systems = all.iter().filter(|(_, kind)| *kind == Kind::System);
-        let systems = systems.map(|(tag, _)| tag.name.clone()).collect();
-        let objects = all.into_iter().filter(|(tag, _)| asked(tag)).collect();
-        Ok(Self { objects, systems })
+        let systems: Vec<String> = systems.map(|(tag, _)| tag.name.clone()).collect();
+        let objects: Vec<(Tag, Kind)> = all.into_iter().filter(|(tag, _)| asked(tag)).collect();
+        let mut axes = BTreeMap::new();
+        for (name, instance) in systems.iter().zip(1..) {
+            if objects.iter().any(|(tag, _)| tag.name == *name) {
+                match client.axis_count(instance).await {
+                    Err(error) if error.is_connection() => return Err(error.into()),
+                    count => axes.insert(name.clone(), count.unwrap_or(PRIMARY_AXES)),
+                };
+            }
+        }
+        Ok(Self { objects, systems, axes })
     }
 
     /// Reads them, as far as possible at the same moment.
@@ -132,7 +145,10 @@ impl Looked {
             let reading = reading?;
             shown.push(match kind {
                 Kind::Axis => axis(tag, &reading),
-                Kind::System => system(tag, &reading, overrides.get(&tag.name).copied()),
+                Kind::System => {
+                    let axes = self.axes.get(&tag.name).copied().unwrap_or(PRIMARY_AXES);
+                    system(tag, &reading, axes, overrides.get(&tag.name).copied())
+                }
                 Kind::Group => group(tag, &reading),
                 Kind::RealTime => real_time(tag, &reading),
             });
@@ -234,11 +250,13 @@ fn axis(tag: &Tag, reading: &Reading) -> Shown {
     }
 }
 
-fn system(tag: &Tag, reading: &Reading, percent: Option<f64>) -> Shown {
-    let position = reading
+fn system(tag: &Tag, reading: &Reading, axes: usize, percent: Option<f64>) -> Shown {
+    let mut position = reading
         .member("ActualPosition")
         .and_then(Reading::numbers)
         .unwrap_or_default();
+    // The others are unused and 0.
+    position.truncate(axes);
     let motion = words(
         reading,
         &[
@@ -265,8 +283,7 @@ fn system(tag: &Tag, reading: &Reading, percent: Option<f64>) -> Shown {
         Some(percent) if percent != 100.0 => state.push_str(&format!(", override {percent}%")),
         _ => {}
     }
-    // At most three axes; the others are unused and 0.
-    let shown: Vec<String> = position.iter().take(3).map(|axis| fixed(*axis)).collect();
+    let shown: Vec<String> = position.iter().map(|axis| fixed(*axis)).collect();
     let object = json!({
         "kind": "coordinate system", "name": tag.name, "position": position, "ready": reading.flag("ReadyStatus"),
         "state": state, "faults": faults.split_whitespace().collect::<Vec<_>>(), "override": percent,
