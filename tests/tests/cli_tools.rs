@@ -140,6 +140,21 @@ fn a_slip_is_answered_with_what_was_meant() {
 }
 
 #[test]
+fn a_coordinate_system_shows_its_own_axes() {
+    let server = Server::start();
+    let at = server.address();
+    let shown = arcline(at, &["status", "XY", "CS1"]).expect(0).stdout;
+    let positions: Vec<usize> = shown
+        .lines()
+        .skip(1)
+        .map(|line| line.matches("0.000").count())
+        .collect();
+    assert_eq!(positions, [3, 2], "{shown}");
+    let object = arcline(at, &["--json", "status", "XY"]).expect(0).objects();
+    assert_eq!(object[0]["position"].as_array().map(Vec::len), Some(2), "{object:?}");
+}
+
+#[test]
 fn a_status_bit_is_read_without_its_structure() {
     let server = Server::start();
     let at = server.address();
