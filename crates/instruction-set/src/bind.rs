@@ -61,7 +61,8 @@ pub fn bind(
         .iter()
         .enumerate()
         .filter(|(k, _)| Some(*k) != cam_type)
-        .map(|(_, value)| value);
+        .map(|(_, value)| value)
+        .peekable();
     let mut arguments = [Argument::None; MAX_OPERANDS];
     for place in instruction.given_operands() {
         let binder = Binder {
@@ -70,7 +71,16 @@ pub fn bind(
             directory,
         };
         let value = values.next().unwrap_or(&Given::Missing);
-        arguments[place] = binder.argument(&instruction.operands[place].kind, value)?;
+        let kind = &instruction.operands[place].kind;
+        // An array of one number arrives as that number. A REAL 0 is one where what is calculated of it has a place.
+        let is_array = matches!(kind, Kind::ArrayOrNone)
+            && *value == Given::Number(0.0)
+            && values.peek().is_some_and(|next| !is_none(next));
+        arguments[place] = if is_array {
+            binder.array(value)?
+        } else {
+            binder.argument(kind, value)?
+        };
     }
     Ok(Call {
         mnemonic,

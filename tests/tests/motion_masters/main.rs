@@ -9,6 +9,7 @@ mod contours;
 mod events;
 mod followers;
 mod kinds;
+mod network;
 mod status;
 mod ways;
 

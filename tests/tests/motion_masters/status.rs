@@ -198,3 +198,50 @@ fn what_waits_for_its_link_is_replaced_or_taken_up() {
     bench.run(20);
     assert_eq!(bench.call(&line("M2", 0.0, 1, 1, "0, 2")), (98, 0));
 }
+
+#[test]
+fn a_slave_in_motion_goes_over_to_another_master_without_a_step() {
+    let mut bench = linked();
+    // At 100 units/s behind A; 4 units per unit of B, which is half as fast, until it has slowed down to 2.
+    for (master, speed) in [("A", 50), ("B", 25)] {
+        execute(
+            &mut bench,
+            &format!(
+                "MAJ({master}, J{master}, 0, {speed}, 0, 20000, 0, 20000, 0, 0, 100, 100, 2, Disabled, Programmed);"
+            ),
+        );
+    }
+    execute(&mut bench, &line("M1", 400.0, 1, 0, "0, 1"));
+    bench.run(500);
+    execute(&mut bench, "MDCC(CS1, B, D2, Command, 0);");
+    bench.tick();
+    assert_eq!(
+        (bench.bits("D1").as_str(), bench.bits("D2").as_str()),
+        ("EN DN IP AC", "EN DN IP")
+    );
+    execute(&mut bench, &line("M2", 400.0, 1, 1, "0, 1"));
+    bench.tick();
+    assert_eq!(
+        (bench.bits("D1").as_str(), bench.bits("D2").as_str()),
+        ("EN DN", "EN DN IP AC")
+    );
+    assert_eq!(
+        (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
+        ("EN DN", "EN DN IP AC DECEL")
+    );
+    let mut before = 100.0;
+    while !bench.control("M2").has(Flag::TrackingMaster) {
+        let [_, speed, _] = bench.axis("X").command;
+        // 1 unit per master unit², at 25 master units/s: 0.625 units/s in an update.
+        assert!(speed <= before + 1e-9 && before - speed < 0.7, "{before} to {speed}");
+        before = speed;
+        bench.tick();
+    }
+    assert!(
+        (bench.axis("X").command[1] - 50.0).abs() < 1e-9,
+        "as fast as the other master says"
+    );
+    bench.until("M2", Flag::Pc);
+    assert_eq!(bench.position("X"), 400.0);
+    assert_eq!(bench.bits("D2"), "EN DN IP");
+}

@@ -334,6 +334,30 @@ fn names_become_objects_and_tags() {
     );
 }
 
+#[test]
+fn an_event_distance_of_one_number_is_an_array_where_its_answer_has_a_place() {
+    let (zero, one) = (Given::Number(0.0), Given::Array(vec![0.0]));
+    let name = |text: &str| Given::Name(text.to_owned());
+    #[rustfmt::skip]
+    let cases: &[(&str, Given, Given, &[f64])] = &[
+        ("an array",               one,                name("Results"),  &[0.0]),
+        ("as it arrives",          zero.clone(),       name("Results"),  &[0.0]),
+        ("nothing to calculate",   zero.clone(),       name("None"),     &[]),
+        ("no place",               zero,               Given::Integer(0), &[]),
+        ("the literal 0",          Given::Integer(0),  name("Results"),  &[]),
+        ("left out",               Given::Missing,     name("Results"),  &[]),
+        ("another number",         Given::Number(5.0), name("Results"),  &[5.0]),
+    ];
+    for (why, distance, answer, expected) in cases {
+        let mut operands = given(&with("MCLM", MCLM, &[(20, "_"), (21, "_")]));
+        let places = operands.len();
+        operands[places - 2] = distance.clone();
+        operands[places - 1] = answer.clone();
+        let call = bind(Mnemonic::Mclm, Some(0), ControlSlot(0), &operands, &Machine).expect("binds");
+        assert_eq!(call.array(20), *expected, "{why}");
+    }
+}
+
 fn any_given() -> impl Strategy<Value = Given> {
     prop_oneof![
         Just(Given::Missing),
