@@ -122,17 +122,19 @@ async fn follow(
     let mut taken = Taken::default();
     let mut from = 0;
     let mut interrupted = std::pin::pin!(wait::interrupted());
-    let mut told = false;
+    let (mut waited, mut told) = (false, false);
     loop {
         let read = client.read_trace(instance, from).await?;
         if read.rows.is_empty() {
             if read.state == TraceState::Ended {
                 return Ok(taken);
             }
-            if read.state == TraceState::Armed && !told {
+            // Told from the second look on: by then Ctrl-C is listened for.
+            if read.state == TraceState::Armed && waited && !told {
                 told = true;
                 output.note("waiting for the trigger");
             }
+            waited = true;
             tokio::select! {
                 () = tokio::time::sleep(POLL) => {}
                 // What has been recorded by then is still taken.
