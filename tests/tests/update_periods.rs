@@ -10,6 +10,7 @@ use std::path::Path;
 use std::process::Command;
 
 use arcline_tests::bench::{Bench, OK};
+use arcline_tests::random::Random;
 use arcline_tests::{follow, programs, workspace};
 
 /// Update periods in ms; common instants are those of the last.
@@ -211,44 +212,127 @@ const SEQUENCES: &[Sequence] = &[
     ]),
 ];
 
-/// Command positions of every axis every 4 ms, as long as something moves.
-fn sampled(period: f64, machine: fn(f64) -> Bench, steps: &[Step]) -> Vec<Vec<f64>> {
+/// Command positions of every axis every 4 ms, and what each step was answered.
+fn sampled(
+    period: f64,
+    machine: fn(f64) -> Bench,
+    steps: &[(u64, impl AsRef<str>)],
+) -> (Vec<Vec<f64>>, Vec<(i16, i8)>) {
     let mut bench = machine(period);
     let every = (PERIODS[2] / period).round() as u64;
-    let mut rows = Vec::new();
+    let (mut rows, mut answers) = (Vec::new(), Vec::new());
     for ms in (0..4000).step_by(PERIODS[2] as usize) {
         for (_, step) in steps.iter().filter(|(at, _)| *at == ms) {
+            let step = step.as_ref();
             match step.strip_prefix(OVERRIDE) {
                 Some(share) => bench.set_override("CS1", share.parse().expect("a share")),
-                None => assert_eq!(bench.call(step), OK, "{step} at {ms} ms, every {period} ms"),
+                None => answers.push(bench.call(step)),
             }
         }
         let axes = bench.snapshot().axes;
         rows.push(axes.iter().map(|axis| axis.command[0]).collect());
         bench.run(every);
     }
-    rows
+    (rows, answers)
+}
+
+/// Runs steps at every period: the same answers, and the same positions at common instants. The answers.
+fn compare(why: &str, machine: fn(f64) -> Bench, steps: &[(u64, impl AsRef<str>)]) -> Vec<(i16, i8)> {
+    assert!(
+        steps.iter().all(|(at, _)| at % 4 == 0),
+        "{why}: every period has these instants"
+    );
+    let [fine, plain, coarse] = PERIODS.map(|period| sampled(period, machine, steps));
+    assert!(fine.0.iter().any(|row| *row != fine.0[0]), "{why}: nothing moves");
+    for (other, period) in [(&plain, PERIODS[1]), (&coarse, PERIODS[2])] {
+        assert_eq!(fine.1, other.1, "{why}: every {} and {period} ms", PERIODS[0]);
+        for (row, (a, b)) in fine.0.iter().zip(&other.0).enumerate() {
+            let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let at = row as f64 * PERIODS[2];
+            assert!(
+                apart < 1e-9,
+                "{why}: {apart} apart at {at} ms, {} and {period} ms",
+                PERIODS[0]
+            );
+        }
+    }
+    fine.1
 }
 
 #[test]
 fn no_instruction_shows_the_update_period() {
     for (why, machine, steps) in SEQUENCES {
-        assert!(
-            steps.iter().all(|(at, _)| at % 4 == 0),
-            "{why}: every period has these instants"
-        );
-        let [fine, plain, coarse] = PERIODS.map(|period| sampled(period, *machine, steps));
-        assert!(fine.iter().any(|row| *row != fine[0]), "{why}: nothing moves");
-        for (other, period) in [(&plain, PERIODS[1]), (&coarse, PERIODS[2])] {
-            for (row, (a, b)) in fine.iter().zip(other).enumerate() {
-                let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                let at = row as f64 * PERIODS[2];
-                assert!(
-                    apart < 1e-9,
-                    "{why}: {apart} apart at {at} ms, {} and {period} ms",
-                    PERIODS[0]
+        let answers = compare(why, *machine, steps);
+        assert!(answers.iter().all(|answer| *answer == OK), "{why}: {answers:?}");
+    }
+}
+
+/// A random program: moves of every type, merges, changes of dynamics, pauses, stops, overrides, every few ms.
+fn random_program(seed: u64) -> Vec<(u64, String)> {
+    let mut random = Random(seed);
+    // Corners of types 4 and 5 show the period by definition: these types are for lines in one direction.
+    let in_line = random.below(3) == 0;
+    let types: &[u8] = if in_line {
+        &[0, 1, 2, 3, 4, 5, 6]
+    } else {
+        &[0, 1, 2, 3, 6]
+    };
+    let (mut steps, mut at, mut x, mut moves) = (Vec::new(), 0, 0.0, 0);
+    while at < 2400 {
+        let [speed, up, down] = [(20.0, 300.0), (500.0, 4000.0), (500.0, 4000.0)].map(|(a, b)| random.between(a, b));
+        let step = match random.below(10) {
+            0..=5 => {
+                moves += 1;
+                x += random.between(0.5, 30.0);
+                let (profile, jerk) = (random.below(2), random.between(10.0, 100.0));
+                let merge = if random.below(8) == 0 { 1 + random.below(2) } else { 0 };
+                let (kind, tolerance) = (random.one_of(types), random.between(0.1, 10.0));
+                let rest = format!(
+                    "{speed}, 0, {up}, 0, {down}, 0, {profile}, {jerk}, {jerk}, 2, {kind}, {merge}, {}, {tolerance}",
+                    random.below(2)
                 );
+                let [y, z] = [(); 2].map(|()| random.between(-40.0, 40.0));
+                match (in_line, random.below(3)) {
+                    (true, _) => format!("MCLM(CS1, M{moves}, 0, [{x}, 0, 0], {rest})"),
+                    (_, 0) => format!("MCCM(CS1, M{moves}, 1, [10, {y}, 5], Via, [{z}, 30, 20], 0, {rest})"),
+                    _ => format!("MCLM(CS1, M{moves}, 0, [{z}, {y}, {x}], {rest})"),
+                }
             }
+            6 | 7 => {
+                let speed = if random.below(5) == 0 { 0.0 } else { speed };
+                let change = |random: &mut Random| random.below(2);
+                format!(
+                    "MCCD(CS1, C{at}, 1, 1, {speed}, 0, {}, {up}, 0, {}, {down}, 0, {}, 40, {}, 70, 2, {})",
+                    change(&mut random),
+                    change(&mut random),
+                    change(&mut random),
+                    change(&mut random),
+                    change(&mut random),
+                )
+            }
+            8 => format!("{OVERRIDE}{}", random.between(0.0, 2.0)),
+            _ if random.below(3) == 0 => format!("MCS(CS1, S{at}, CoordinatedMove, Yes, {down}, 0)"),
+            _ => String::new(),
+        };
+        if !step.is_empty() {
+            steps.push((at, step));
         }
+        at += 4 * random.below(60);
+    }
+    steps.push((2600, format!("{OVERRIDE}1")));
+    steps.push((
+        2600,
+        "MCCD(CS1, C, 1, 1, 200, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1)".into(),
+    ));
+    steps
+}
+
+#[test]
+fn no_random_program_shows_the_update_period() {
+    let cases = std::env::var("ARCLINE_CASES").map_or(10, |cases| cases.parse().expect("a number"));
+    for seed in 0..cases {
+        let steps = random_program(seed);
+        let program: Vec<String> = steps.iter().map(|(at, step)| format!("{at} ms: {step}")).collect();
+        compare(&format!("seed {seed}:\n{}\n", program.join("\n")), plain, &steps);
     }
 }

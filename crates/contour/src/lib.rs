@@ -15,6 +15,7 @@ mod banded;
 mod course;
 mod ease;
 mod guess;
+mod meet;
 mod nodes;
 mod nominal;
 mod optimise;

@@ -14,6 +14,14 @@ use crate::setup::problem;
 use crate::share::Share;
 use crate::{AxisLimits, Bounds, ContourMove, Trajectory};
 
+/// What a section has come to.
+pub(crate) struct Solved {
+    pub(crate) trajectory: Trajectory,
+    pub(crate) nodes: Nodes,
+    /// The time of each node.
+    pub(crate) times: Vec<f64>,
+}
+
 /// Moves from rest to rest without a stop between them.
 pub(crate) struct Section<'a> {
     moves: &'a [ContourMove],
@@ -48,12 +56,29 @@ impl<'a> Section<'a> {
 
     /// From rest to rest; `None` where the result is not inside the tube and the limits.
     pub(crate) fn plan(&self, effort: Effort) -> Option<Trajectory> {
+        Some(self.finish(self.solve(effort)?))
+    }
+
+    /// As [`Section::plan`], with its nodes.
+    pub(crate) fn solve(&self, effort: Effort) -> Option<Solved> {
         let (free, stretches) = self.first_guess();
-        self.improve(nodes(&self.course, &stretches, &free, Smoothness::Trapezoid), effort)
+        let guess = nodes(&self.course, &stretches, &free, Smoothness::Trapezoid);
+        self.work(guess, effort, &rounds(self.smoothness, effort))
     }
 
     /// From a first guess to rest; `None` where the result is not inside the tube and the limits.
-    pub(crate) fn improve(&self, mut nodes: Nodes, effort: Effort) -> Option<Trajectory> {
+    pub(crate) fn improve(&self, nodes: Nodes, effort: Effort) -> Option<Trajectory> {
+        Some(self.finish(self.work(nodes, effort, &rounds(self.smoothness, effort))?))
+    }
+
+    /// From a guess that is nearly within its limits.
+    pub(crate) fn repair(&self, nodes: Nodes) -> Option<Trajectory> {
+        let rounds = rounds(self.smoothness, Effort::Full);
+        let last = &rounds[rounds.len() - REPAIRS..];
+        Some(self.finish(self.work(nodes, Effort::Full, last)?))
+    }
+
+    fn work(&self, mut nodes: Nodes, effort: Effort, rounds: &[Round]) -> Option<Solved> {
         let Section {
             course,
             bounds,
@@ -63,7 +88,6 @@ impl<'a> Section<'a> {
         } = self;
         let smoothness = *smoothness;
         let free: Vec<Bounds> = bounds.iter().map(Bounds::without_jerk).collect();
-        let rounds = rounds(smoothness, effort);
         let mut share = Share::new();
         let mut last: Option<(Trajectory, Vec<f64>)> = None;
         let mut warped = Smoothness::Trapezoid;
@@ -105,7 +129,11 @@ impl<'a> Section<'a> {
             }
             let worst = share.tighten(&trajectory, &nodes, course, tolerances);
             if round.last_one && worst <= 1.0 && excess <= 1.0 + ROUNDING {
-                return Some(self.finish(trajectory, &nodes, &times));
+                return Some(Solved {
+                    trajectory,
+                    nodes,
+                    times,
+                });
             }
             // The first repair is local; then the whole tube gives way.
             if index + REPAIRS > rounds.len() {
@@ -116,8 +144,13 @@ impl<'a> Section<'a> {
         None
     }
 
-    fn finish(&self, mut trajectory: Trajectory, nodes: &Nodes, times: &[f64]) -> Trajectory {
-        trajectory.move_ends = move_ends(self.moves, &self.course, nodes, times, trajectory.duration());
+    fn finish(&self, solved: Solved) -> Trajectory {
+        let Solved {
+            mut trajectory,
+            nodes,
+            times,
+        } = solved;
+        trajectory.move_ends = move_ends(self.moves, &self.course, &nodes, &times, trajectory.duration());
         trajectory.end = self.moves.last().map_or(trajectory.end, |last| last.path.end());
         trajectory
     }
@@ -127,7 +160,11 @@ impl<'a> Section<'a> {
         let stretches = round(&self.course, &self.tolerances, Smoothness::Trapezoid);
         let nodes = nodes(&self.course, &stretches, &self.bounds, self.smoothness);
         let (trajectory, times, _) = timed(&nodes, &self.bounds, &self.course, true);
-        self.finish(trajectory, &nodes, &times)
+        self.finish(Solved {
+            trajectory,
+            nodes,
+            times,
+        })
     }
 }
 

@@ -5,6 +5,7 @@
 
 use crate::course::nearest;
 use crate::guess::{Running, guess};
+use crate::meet::meet;
 use crate::plan::{Effort, SHORTEST, bounds, can_pass, plan_with, smoothness};
 use crate::rounding::Smoothness;
 use crate::section::Section;
@@ -189,7 +190,9 @@ impl Anew<'_> {
             leave: leave.max(splice + LEAST_FOLLOWED).min(running.duration()),
             piece: piece.min(section.course.pieces.len().checked_sub(1)?),
         };
-        let tail = section.improve(guess(&section, running_on), Effort::Full)?;
+        let tail = section
+            .improve(guess(&section, running_on), Effort::Full)
+            .or_else(|| self.met(&section, running_on, back))?;
         let mut whole = cut(running, now, splice, passed, here);
         whole.move_ends.extend(
             tail.move_ends[here - back..]
@@ -201,6 +204,31 @@ impl Anew<'_> {
             whole.append(plan_with(&moves[end..], limits, Effort::Full));
         }
         Some(whole)
+    }
+}
+
+impl Anew<'_> {
+    /// As a motion over the same moves that begins at rest earlier, where both are alike.
+    fn met(&self, section: &Section<'_>, running_on: Running<'_>, back: usize) -> Option<Trajectory> {
+        let &Anew {
+            running,
+            passed,
+            moves,
+            limits,
+            begin,
+            end,
+            ..
+        } = self;
+        let run_up = reach(&moves[back], limits, 1.0) + SETTLE;
+        let began = |k: usize| running.move_end((passed + k).checked_sub(1)?);
+        let from = (begin.min(back)..back)
+            .rev()
+            .find(|&k| began(k).is_none_or(|time| time <= running_on.splice - run_up))
+            .unwrap_or(begin.min(back));
+        let long = |m: &&ContourMove| m.path.length() > SHORTEST;
+        let before = moves[from..back].iter().filter(long).map(|m| m.path.length()).sum();
+        let fresh = Section::new(&moves[from..end], limits).solve(Effort::Full)?;
+        section.repair(meet(section, running_on, limits, &fresh, before)?)
     }
 }
 

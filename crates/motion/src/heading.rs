@@ -60,7 +60,7 @@ impl Motion {
         let queued = if system.activity == Activity::Moving {
             let active = system.planner.active().map(|running| running.motion.data.heading);
             let pending = system.planner.pending().map(|waiting| waiting.data.heading);
-            active.into_iter().chain(pending).flatten().last()
+            active.into_iter().chain(pending).flatten().next_back()
         } else {
             None
         };

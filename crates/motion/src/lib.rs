@@ -24,6 +24,7 @@ mod material;
 mod motion;
 mod output;
 mod path_data;
+mod pending;
 mod rotary;
 mod snapshot;
 mod status;

@@ -13,6 +13,7 @@ use crate::follow::guide::{Guide, LockTo};
 use crate::follow::links::Links;
 use crate::follow::reach::Pace;
 use crate::machine::{AxisLimits as Limits, Build, CoordinateSystem, Corner};
+use crate::pending::Pending;
 use crate::stop::Stop;
 
 /// When a move is complete (spec/coordinated-instructions.md §7.1).
@@ -68,6 +69,8 @@ pub(crate) struct System {
     /// The same of a robot with a wrist.
     pub(crate) wrist: Option<Result<OrientedRobot, GeometryError>>,
     pub(crate) planner: Planner<Planned>,
+    /// Of the moves that wait in it.
+    pub(crate) pending: Pending,
     /// In place of the planner where moves are travelled as planned contours, but for one that was merged: the planner
     /// travels that, and the moves here wait behind it.
     pub(crate) contour: Option<ContourQueue<Planned>>,
@@ -120,6 +123,7 @@ impl System {
                 Build::Wrist(wrist) => Some(OrientedRobot::new(wrist, &robot.parameters)),
             }),
             planner: Planner::new(description.queue_depth, corner_step),
+            pending: Pending::default(),
             description: description.clone(),
             activity: Activity::Idle,
             stop: None,

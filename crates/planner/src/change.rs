@@ -1,6 +1,6 @@
 //! What changes while a move is under way: its limits, and the share of the programmed speeds.
 //!
-//! Bounded, but for new limits of pending moves, which are looked at once each.
+//! Bounded. What pending moves are given stands in `sight`.
 
 use arcline_profile::{Limits, Profile, State, entry_speed, passing_speed};
 
@@ -15,7 +15,6 @@ impl<T: Copy> Planner<T> {
     /// present state, in two stages when the end can no longer be met (spec/motion-core.md §5). Rates with which a
     /// corner that the motion is to pass could no longer be met hold from there on only (§5.3).
     pub fn change_limits(&mut self, limits: Limits, clock: &Clock) {
-        self.queue.refresh();
         let limits = self.allowed(&limits);
         let Some(running) = &mut self.active else {
             return;

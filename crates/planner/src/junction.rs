@@ -182,6 +182,15 @@ impl Joint {
         Joint { shape, corner }
     }
 
+    /// Whether the path is followed from the one to the other without a rest.
+    pub(crate) fn is_passed(&self) -> bool {
+        match self.shape {
+            Shape::Overtake { .. } => true,
+            Shape::Pass { .. } => self.corner > 0.0,
+            Shape::Rest | Shape::Blend { .. } => false,
+        }
+    }
+
     /// Whether the first move is superposed on, or overtaken by, the second.
     pub(crate) fn blends(&self) -> bool {
         matches!(self.shape, Shape::Blend { .. } | Shape::Overtake { .. })

@@ -3,7 +3,8 @@
 //! A [`Move`] is a geometric path with the limits of its speed along it, and perhaps a turn of the orientation. A [`Planner`] holds the active
 //! move, the pending ones behind it, and evaluates the active one in closed form: nothing is integrated from
 //! tick to tick, so the trajectory is the same at every update period (spec/motion-core.md §1, §12). What lies
-//! between two moves stands in `junction`, how one becomes the next in `hand_over`, what the queue allows in `queue`.
+//! between two moves stands in `junction`, how one becomes the next in `hand_over`, what the queue allows in `queue`, how all of
+//! it is changed in `sight`.
 //!
 //! Not here: instructions, status bits, axes, drives, and anything that knows what a tick does. Units:
 //! position units, seconds; master units in place of seconds for moves that are functions of a master's way
@@ -18,14 +19,17 @@ mod hand_over;
 mod junction;
 mod look_ahead;
 mod merge;
+mod passage;
 mod planner;
 mod queue;
+mod sight;
 mod track;
 
 pub use clock::{Clock, Instant, Pace, ROUNDING};
 pub use contour::{ContourBatch, ContourPassage, ContourQueue, Extension, Installed};
 pub use junction::Ending;
-pub use planner::{Momentum, Move, Parameter, Passage, Planner, QueueFull, Reach, Running};
+pub use passage::{Passage, Reach};
+pub use planner::{Momentum, Move, Parameter, Planner, QueueFull, Running};
 pub use track::Sample;
 
 pub use arcline_contour as precise;

@@ -9,7 +9,7 @@ use crate::junction::{Ending, braking, is_along};
 use crate::merge::Within;
 use crate::queue::Queue;
 use crate::track::{Part, Residual, Sample, Track};
-use crate::{Clock, Instant, Pace, ROUNDING};
+use crate::{Clock, Instant, Pace};
 
 /// A path to travel and the limits along it. `T` is whatever the owner wants back with it.
 #[derive(Clone, Copy, Debug)]
@@ -82,26 +82,6 @@ pub struct Running<T> {
     pub(crate) stopped: bool,
 }
 
-/// A point on the way of the active move that lies at or before the present tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Passage {
-    /// The successor is to become active: [`Planner::hand_over`].
-    HandOver(Instant),
-    /// The programmed end is reached and nothing has taken over.
-    Reached(Instant),
-}
-
-/// When the active move comes to a point before its end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reach {
-    /// So long after it became active: seconds, or master units.
-    At(f64),
-    /// It was there before the present plan began.
-    Passed,
-    /// Not by the present plan: it is paused before.
-    Never,
-}
-
 /// Velocity and acceleration with which a merge begins.
 #[derive(Clone, Copy, Debug)]
 pub struct Momentum {
@@ -127,6 +107,8 @@ pub struct Planner<T> {
     pub(crate) hand_over_at: Option<f64>,
     /// Paths of cancelled moves along which a stop of the active one may have to go on.
     trail: VecDeque<Path>,
+    /// The path does not go on behind the trail.
+    trail_ends: bool,
     /// Counts the plans of active moves.
     pub(crate) plans: u32,
     /// What the active move may use of the limits of the axes, where these are kept.
@@ -147,6 +129,7 @@ impl<T: Copy> Planner<T> {
             depth,
             hand_over_at: None,
             trail: VecDeque::with_capacity(depth),
+            trail_ends: false,
             plans: 0,
             within: None,
         }
@@ -168,13 +151,13 @@ impl<T: Copy> Planner<T> {
     }
 
     /// The moves that wait, oldest first.
-    pub fn pending(&self) -> impl Iterator<Item = &Move<T>> {
+    pub fn pending(&self) -> impl DoubleEndedIterator<Item = &Move<T>> {
         self.queue.iter()
     }
 
-    /// The moves that wait, oldest first, to change; [`Planner::change_limits`] makes it take effect.
-    pub fn pending_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
-        self.queue.iter_mut()
+    /// The newest move that waits.
+    pub fn last_pending(&self) -> Option<&Move<T>> {
+        self.queue.back()
     }
 
     /// Whether every pending place is taken.
@@ -275,62 +258,6 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// The next point on the way that lies at or before the present tick.
-    pub fn passage(&self, clock: &Clock) -> Option<Passage> {
-        let running = self.active.as_ref()?;
-        let elapsed = running.track.start.elapsed(clock);
-        // A stop is over when it stands, to the last bit.
-        let rounding = if running.stopped { 0.0 } else { ROUNDING };
-        let instant = |seconds: f64| running.track.start.after(seconds.min(elapsed), clock);
-        if let Some(at) = self.hand_over_at
-            && elapsed >= at - rounding
-        {
-            return Some(Passage::HandOver(instant(at)));
-        }
-        if !running.track.profile.arrives() {
-            return None;
-        }
-        let end = self.end_of(running, clock);
-        (elapsed >= end - rounding).then(|| Passage::Reached(instant(end)))
-    }
-
-    /// When the distance to go of the active move falls to `distance`, at least 0, along its path. With 0, where its
-    /// successor is superposed, when that begins.
-    pub fn reaches(&self, distance: f64, clock: &Clock) -> Reach {
-        let Some(running) = &self.active else {
-            return Reach::Never;
-        };
-        let track = &running.track;
-        let since = running.begun.elapsed(clock) - track.start.elapsed(clock);
-        let at = |planned: f64| Reach::At((since + planned).max(0.0));
-        let length = running.motion.path.length();
-        if distance > length {
-            return Reach::At(0.0);
-        }
-        let arrives = track.profile.arrives();
-        if distance == 0.0 {
-            if let (Some(early), Ending::Blend { .. }) = (self.hand_over_at, running.motion.ending) {
-                return at(early);
-            }
-            if running.joined == 0 {
-                return if arrives {
-                    at(self.end_of(running, clock))
-                } else {
-                    Reach::Never
-                };
-            }
-        }
-        let place = track.offset + length - distance;
-        if place < track.profile.start().position {
-            return Reach::Passed;
-        }
-        match track.profile.time_at_position(place) {
-            Some(planned) => at(planned),
-            None if arrives => at(track.profile.duration()),
-            None => Reach::Never,
-        }
-    }
-
     /// Whether the active move stays at rest before its end, until its speed is changed.
     pub fn is_paused(&self) -> bool {
         self.active.is_some_and(|running| !running.track.profile.arrives())
@@ -341,17 +268,6 @@ impl<T: Copy> Planner<T> {
         self.plans
     }
 
-    /// When everything of the active move has come to its end, after the start of its track.
-    fn end_of(&self, running: &Running<T>, clock: &Clock) -> f64 {
-        let end = running.track.duration(clock);
-        match &self.tail {
-            Some(tail) if running.exit == 0.0 => {
-                end.max(tail.duration(clock) + running.track.start.elapsed(clock) - tail.start.elapsed(clock))
-            }
-            _ => end,
-        }
-    }
-
     /// Whether the active move goes over into its successor without rest.
     pub fn passes_on(&self) -> bool {
         self.active.is_some_and(|running| running.exit > 0.0) && self.queue.front().is_some()
@@ -359,23 +275,30 @@ impl<T: Copy> Planner<T> {
 
     /// Ends the active move and forgets it.
     pub fn clear_active(&mut self) -> Option<T> {
-        self.trail.clear();
+        self.clear_trail();
         self.tail = None;
         self.within = None;
         self.hand_over_at = None;
         self.active.take().map(|running| running.motion.data)
     }
 
-    /// Takes the oldest pending move out of the queue. Where the profile of the active one leads over it, its path is
-    /// kept for [`Planner::stop`].
+    /// Takes the oldest pending move out of the queue. Where the profile of the active one leads over it, or the speed was kept for
+    /// it, its path is kept for [`Planner::stop`].
     pub fn cancel_pending(&mut self) -> Option<T> {
         self.hand_over_at = None;
+        let passed = self.queue.is_passed_to();
         let cancelled = self.queue.pop()?;
-        let joined = self.active.map_or(0, |running| running.joined);
-        if self.trail.len() < joined {
+        let (joined, exit) = self.active.map_or((0, 0.0), |running| (running.joined, running.exit));
+        self.trail_ends |= self.trail.len() >= joined && !(exit > 0.0 && passed);
+        if !self.trail_ends {
             self.trail.push_back(cancelled.path);
         }
         Some(cancelled.data)
+    }
+
+    fn clear_trail(&mut self) {
+        self.trail.clear();
+        self.trail_ends = false;
     }
 
     /// Whether two moves are superposed at the present tick.
@@ -462,7 +385,7 @@ impl<T: Copy> Planner<T> {
 
     /// Begins a move on a track whose profile is still to be planned from `from`.
     pub(crate) fn begin(&mut self, motion: Move<T>, track: Track, from: State, blended: bool, clock: &Clock) {
-        self.trail.clear();
+        self.clear_trail();
         let mut running = Running {
             motion,
             track,

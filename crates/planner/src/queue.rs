@@ -6,7 +6,10 @@
 //!
 //! Every such place, a [`Bound`], keeps the speed from which all that lies behind it can be kept. A new move changes
 //! the bounds before it, backwards, until one of them stays as it was. What takes longer than a tick should is carried
-//! on later: bounds are then too low, never too high for what must be kept. Position units, seconds.
+//! on later: bounds are then too low, never too high for what must be kept.
+//!
+//! Where the dynamics of all pending moves change, none of them counts until it has its own change: they are *seen* one after the
+//! other (`sight`), and the queue ends, at rest, where the last of them does that is. Position units, seconds.
 
 use std::collections::VecDeque;
 
@@ -15,35 +18,38 @@ use arcline_profile::{Limits, entry_speed};
 
 use crate::junction::{Joint, Link};
 use crate::planner::Move;
+use crate::sight::Sight;
 
 /// Pending moves, oldest first, each known by its number.
 #[derive(Debug)]
 pub(crate) struct Queue<T> {
-    moves: VecDeque<Waiting<T>>,
+    pub(crate) moves: VecDeque<Waiting<T>>,
     /// Number of the oldest move.
-    first: u64,
+    pub(crate) first: u64,
+    /// What is seen of the moves.
+    pub(crate) sight: Sight,
     /// Slower moves within runs.
     slower: VecDeque<Bound>,
     /// Ends of runs.
     ends: VecDeque<Bound>,
-    carry: Option<Carry>,
+    pub(crate) carry: Option<Carry>,
     corner_step: Point,
     /// Share of the programmed speeds.
     rate: f64,
-    /// Limits of moves may have been changed.
-    touched: bool,
 }
 
 /// A pending move.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Waiting<T> {
     pub(crate) motion: Move<T>,
+    /// Changes of dynamics up to this number are in its limits.
+    pub(crate) has: u64,
     /// Where on its run it begins.
-    start: f64,
+    pub(crate) start: f64,
     /// Whether the move before it blends into it.
     blended: bool,
     /// The place before it.
-    joint: Joint,
+    pub(crate) joint: Joint,
 }
 
 /// A place that must not be passed faster than at a speed, with acceleration 0 if it is passed at that speed.
@@ -60,17 +66,17 @@ pub(crate) struct Bound {
 
 /// A backward pass that is not over.
 #[derive(Clone, Copy, Debug)]
-struct Carry {
+pub(crate) struct Carry {
     /// Bounds up to this number are still to be looked at.
-    next: u64,
-    /// Bounds up to this number are to be looked at even where the one behind them has not changed.
-    stale: u64,
+    pub(crate) next: u64,
+    /// Bounds up to this number are to be looked at even where the one behind them has not changed, but
+    pub(crate) stale: u64,
+    /// for those before this one.
+    pub(crate) least: u64,
 }
 
 /// Bounds that are looked at in one tick.
 const WORK: usize = 8;
-/// Bounds that are looked at at once when limits of moves have changed: those behind them are taken to be rests.
-const AT_ONCE: usize = 32;
 
 impl<T: Copy> Queue<T> {
     /// The only allocation.
@@ -78,12 +84,12 @@ impl<T: Copy> Queue<T> {
         Queue {
             moves: VecDeque::with_capacity(depth),
             first: 1,
+            sight: Sight::default(),
             slower: VecDeque::with_capacity(depth),
             ends: VecDeque::with_capacity(depth),
             carry: None,
             corner_step,
             rate: 1.0,
-            touched: false,
         }
     }
 
@@ -99,13 +105,13 @@ impl<T: Copy> Queue<T> {
         self.moves.back().map(|waiting| &waiting.motion)
     }
 
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &Move<T>> {
+    pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = &Move<T>> {
         self.moves.iter().map(|waiting| &waiting.motion)
     }
 
-    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
-        self.touched = true;
-        self.moves.iter_mut().map(|waiting| &mut waiting.motion)
+    /// Whether the path goes on to the oldest move: no rest before it, and nothing superposed.
+    pub(crate) fn is_passed_to(&self) -> bool {
+        self.moves.front().is_some_and(|waiting| waiting.joint.is_passed())
     }
 
     pub(crate) fn rate(&self) -> f64 {
@@ -119,13 +125,15 @@ impl<T: Copy> Queue<T> {
 
     /// Puts a move behind the last one. `active` is the move before the first, and where on its run that begins.
     pub(crate) fn push(&mut self, motion: Move<T>, active: Option<(&Move<T>, bool, f64)>) {
-        let next = self.first + self.moves.len() as u64;
+        let next = self.behind();
+        let seen = self.seen_to() == next;
         let before = match self.moves.back() {
             Some(last) => Some((&last.motion, last.blended, last.start)),
             None => active,
         };
         let mut waiting = Waiting {
             motion,
+            has: self.sight.changes,
             start: 0.0,
             blended: false,
             joint: Joint::FIRST,
@@ -136,18 +144,24 @@ impl<T: Copy> Queue<T> {
             let link = joint.link(&before.limits, &motion.limits);
             waiting.blended = joint.blends();
             waiting.joint = joint;
-            waiting.start = self.bind(next, end, link);
+            if seen {
+                waiting.start = self.bind(next, end, link);
+            }
         }
         self.moves.push_back(waiting);
-        let stale = self.carry.map_or(0, |carry| carry.next);
-        self.carry = Some(Carry { next, stale });
-        self.carry_on();
+        if seen {
+            self.sight.to = next + 1;
+            let (stale, least) = self.carry.map_or((0, 0), |carry| (carry.next, carry.least));
+            self.carry = Some(Carry { next, stale, least });
+            self.carry_on();
+        }
     }
 
     /// Takes the oldest move out.
     pub(crate) fn pop(&mut self) -> Option<Move<T>> {
         let waiting = self.moves.pop_front()?;
         self.first += 1;
+        self.sight.to = self.sight.to.max(self.first);
         for bounds in [&mut self.slower, &mut self.ends] {
             while bounds.front().is_some_and(|bound| bound.next < self.first) {
                 bounds.pop_front();
@@ -162,6 +176,7 @@ impl<T: Copy> Queue<T> {
         let Some(front) = self.moves.front() else {
             return 0.0;
         };
+        debug_assert!(self.seen_to() > self.first, "the successor has what it is owed");
         for bounds in [&mut self.slower, &mut self.ends] {
             while bounds.front().is_some_and(|bound| bound.next <= self.first) {
                 bounds.pop_front();
@@ -196,56 +211,54 @@ impl<T: Copy> Queue<T> {
         self.look_again(WORK);
     }
 
-    /// After [`Queue::iter_mut`]: finds runs and bounds anew. Grows with the queue, by some comparisons of limits for each
-    /// move.
-    pub(crate) fn refresh(&mut self) {
-        if !std::mem::take(&mut self.touched) {
-            return;
-        }
-        self.slower.clear();
-        self.ends.clear();
-        for place in 1..self.moves.len() {
-            let (before, here) = (&self.moves[place - 1], &self.moves[place]);
-            let link = here.joint.link(&before.motion.limits, &here.motion.limits);
-            let end = before.start + before.motion.path.length();
-            self.moves[place].start = self.bind(self.first + place as u64, end, link);
-        }
-        self.look_again(AT_ONCE);
-    }
-
     /// Goes on with a backward pass that was too long for one tick; whether there was anything to do. At most
     /// [`WORK`] bounds.
     pub(crate) fn carry_on(&mut self) -> bool {
-        self.look_at(WORK)
+        let any = self.carry.is_some();
+        self.look_at(WORK);
+        any
     }
 
-    fn look_at(&mut self, count: usize) -> bool {
+    /// Goes on with the backward pass, over so many bounds at most. How many it was.
+    pub(crate) fn look_at(&mut self, most: usize) -> usize {
         let Some(mut carry) = self.carry.take() else {
-            return false;
+            return 0;
         };
         let mut next = carry.next;
         let mut following = self.following(next);
-        for _ in 0..count {
+        for looked in 0..most {
             let Some(bound) = self.before(next) else {
-                return true;
+                return looked;
             };
             let speed = self.speed_at(&bound, following);
             following = (bound.at, speed);
             next = bound.next - 1;
             let unchanged = speed == bound.speed;
             self.set_speed(&bound, speed);
-            if unchanged && next > carry.stale {
+            if !unchanged {
+                continue;
+            }
+            if next > carry.stale {
                 if carry.stale == 0 {
-                    return true;
+                    return looked + 1;
                 }
                 next = carry.stale;
                 following = self.following(next);
+            } else if next < carry.least {
+                return looked + 1;
             }
         }
         carry.next = next;
         carry.stale = carry.stale.min(next);
         self.carry = Some(carry);
-        true
+        most
+    }
+
+    /// No bound is known any more.
+    pub(crate) fn forget_bounds(&mut self) {
+        self.slower.clear();
+        self.ends.clear();
+        self.carry = None;
     }
 
     /// Slower moves of the first run, in their order.
@@ -257,7 +270,7 @@ impl<T: Copy> Queue<T> {
     /// The end of the first run; `end` is that of the active move on it.
     pub(crate) fn run_end(&self, end: f64) -> Bound {
         self.ends.front().copied().unwrap_or_else(|| Bound {
-            next: self.first + self.moves.len() as u64,
+            next: self.seen_to(),
             at: self.end().unwrap_or(end),
             link: Link::Rest,
             speed: 0.0,
@@ -277,22 +290,21 @@ impl<T: Copy> Queue<T> {
     /// Bounds have to be computed anew: those of the nearest moves at once, as if the others stayed as they are.
     fn look_again(&mut self, count: usize) {
         let nearest = self.first + count as u64;
-        self.carry = Some(Carry {
-            next: nearest,
-            stale: nearest,
-        });
+        let all = |next: u64| Carry {
+            next,
+            stale: next,
+            least: 0,
+        };
+        self.carry = Some(all(nearest));
         self.look_at(count);
-        let last = self.first + self.moves.len() as u64;
+        let last = self.seen_to();
         // `nearest` is a number of moves, of which each has one bound at most.
-        self.carry = (last > nearest).then_some(Carry {
-            next: last,
-            stale: last,
-        });
+        self.carry = (last > nearest).then(|| all(last));
     }
 
     /// Adds the bound before a move, if there is one; `end` is that of the move before it on its run. Returns where on its run
     /// the move begins.
-    fn bind(&mut self, next: u64, end: f64, link: Link) -> f64 {
+    pub(crate) fn bind(&mut self, next: u64, end: f64, link: Link) -> f64 {
         let bound = Bound {
             next,
             at: end,
@@ -307,9 +319,11 @@ impl<T: Copy> Queue<T> {
         if link.ends_run() { 0.0 } else { end }
     }
 
-    /// Where the last move ends on its run.
+    /// Where the last move that is seen ends on its run.
     fn end(&self) -> Option<f64> {
-        self.moves.back().map(|last| last.start + last.motion.path.length())
+        let seen = (self.seen_to() - self.first) as usize;
+        let last = self.moves.get(seen.checked_sub(1)?)?;
+        Some(last.start + last.motion.path.length())
     }
 
     /// The last bound up to a number.

@@ -43,6 +43,21 @@ fn queue(limits: impl Fn(usize) -> Limits) -> (Planner<usize>, Clock) {
     (planner, clock)
 }
 
+/// A change of the limits of pending moves.
+type Change = fn(&mut Limits);
+
+/// Has the planner give moves what they are owed of some changes; how many got anything.
+fn give(changes: &[Change], how: impl FnOnce(&mut dyn FnMut(&mut Move<usize>, u64))) -> usize {
+    let mut given = 0;
+    how(&mut |motion, has| {
+        given += 1;
+        for change in &changes[has as usize..] {
+            change(&mut motion.limits);
+        }
+    });
+    given
+}
+
 /// Travels everything; the highest speed and the ticks it took.
 fn travel(
     planner: &mut Planner<usize>,
@@ -145,4 +160,94 @@ fn changes_anywhere_in_it_stay_on_the_path() {
             planner.set_rate(2.0, clock);
         }
     });
+}
+
+/// Travels 100 mm with changes of all moves at some ticks. `each` sees the speed of every tick and the limits of the active move.
+fn change_all(at: &[(u64, Change)], mut each: impl FnMut(u64, f64, &Move<usize>)) -> u64 {
+    let (mut planner, mut clock) = queue(|_| LIMITS);
+    let mut changes: Vec<Change> = Vec::new();
+    while planner.active().is_some() {
+        clock.tick += 1;
+        assert!(clock.tick < 100_000, "it does not end");
+        for _ in 0..64 {
+            let at = match planner.passage(&clock) {
+                None => break,
+                Some(Passage::HandOver(at) | Passage::Reached(at)) => at,
+            };
+            let given = give(&changes, |give| planner.give_next(give));
+            assert!(given <= 2, "{given} at once");
+            if planner.hand_over(at, &clock).is_none() {
+                planner.clear_active();
+                break;
+            }
+        }
+        if planner.owes() {
+            let given = give(&changes, |give| planner.give_on(&clock, give));
+            assert!(given <= 64, "{given} in one tick");
+        } else {
+            planner.look_on(&clock);
+        }
+        for (_, change) in at.iter().filter(|(tick, _)| *tick == clock.tick) {
+            let mut limits = planner.active().expect("it is under way").motion.limits;
+            change(&mut limits);
+            changes.push(*change);
+            assert_eq!(planner.owe(), changes.len() as u64);
+            let given = give(&changes, |give| planner.give_nearest(&limits, &clock, give));
+            assert!(given <= 256, "{given} at once");
+            planner.change_limits(limits, &clock);
+        }
+        if let (Some(sample), Some(active)) = (planner.sample(&clock), planner.active()) {
+            each(clock.tick, sample.along.velocity, &active.motion);
+        }
+    }
+    clock.tick
+}
+
+#[test]
+fn a_change_of_a_thousand_moves_is_given_over_many_ticks_and_looks_as_if_it_were_at_once() {
+    let slower: Change = |limits| limits.speed = 150.0;
+    // From 200 to 150 within 25 mm, and no slower than that until the end comes near.
+    let (mut least, mut last) = (f64::INFINITY, 200.0_f64);
+    change_all(&[(400, slower)], |tick, speed, motion| {
+        if tick >= 400 {
+            assert_eq!(motion.limits.speed, 150.0, "{tick}");
+        }
+        if (400..580).contains(&tick) {
+            assert!(speed <= last + 1e-9, "{speed} after {last} at {tick}");
+            (least, last) = (least.min(speed), speed);
+        }
+    });
+    assert!((least - 150.0).abs() < 1e-9, "{least}");
+}
+
+#[test]
+fn changes_that_overtake_each_other_in_a_deep_queue_all_come_to_every_move() {
+    let harder: Change = |limits| limits.deceleration *= 2.0;
+    let slower: Change = |limits| limits.speed -= 50.0;
+    // Each in the middle of the one before it.
+    let at = [(300, harder), (302, slower), (303, harder), (309, slower)];
+    let mut seen = 0;
+    change_all(&at, |tick, speed, motion| {
+        if tick >= 309 {
+            let expected = (100.0, 4000.0);
+            assert_eq!((motion.limits.speed, motion.limits.deceleration), expected, "{tick}");
+            seen += usize::from((speed - 100.0).abs() < 1e-9);
+        }
+    });
+    assert!(seen > 300, "{seen} ticks at the new speed");
+}
+
+#[test]
+fn a_pause_of_a_thousand_moves_takes_effect_at_once_and_is_ended_by_another_change() {
+    let pause: Change = |limits| limits.speed = 0.0;
+    let resume: Change = |limits| limits.speed = 120.0;
+    let mut paused = 0;
+    let ticks = change_all(&[(350, pause), (900, resume)], |tick, speed, _| {
+        // From 200 at 1000 and 20,000: 250 ms.
+        if (605..900).contains(&tick) {
+            assert_eq!(speed, 0.0, "{tick}");
+            paused += 1;
+        }
+    });
+    assert!(paused > 290 && ticks > 1300, "{paused} {ticks}");
 }

@@ -97,7 +97,7 @@ impl Motion {
     pub(crate) fn corner_pace(&self, system: usize, path: &Path, shift: &Vector) -> f64 {
         let planner = &self.systems[system].planner;
         let active = planner.active().map(|running| &running.motion);
-        let Some(last) = planner.pending().last().or(active) else {
+        let Some(last) = planner.last_pending().or(active) else {
             return f64::INFINITY;
         };
         let turn = path.start_tangent() - last.path.end_tangent();

@@ -66,13 +66,12 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         if let Some(contour) = &mut system.contour {
             change_queued(contour, usize::MAX, change)?;
         }
-        for waiting in system.planner.pending() {
-            change(&waiting.data)?;
+        for kind in system.pending_kinds().present() {
+            modes[usize::from(kind.driven)]?;
+            read[usize::from(kind.only_turns)].verify(kind.s_curve)?;
         }
-        for waiting in system.planner.pending_mut() {
-            waiting.data.dynamics = change(&waiting.data)?;
-            waiting.limits = waiting.data.dynamics.limits();
-        }
+        let clock = system.clock(&motion.clock);
+        system.change_pending(&read, &dynamics.limits(), &clock);
     }
     if let Some(active) = system.planner.active_data() {
         active.dynamics = dynamics;

@@ -43,6 +43,7 @@ mod moves;
 mod mrp;
 mod msf;
 mod mso;
+pub(crate) mod owed;
 mod points;
 mod programmed;
 mod seconds;

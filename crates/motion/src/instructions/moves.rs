@@ -238,7 +238,6 @@ pub(super) fn launch(
         let system = &mut motion.systems[index];
         let clock = system.clock(&motion.clock);
         system
-            .planner
             .enqueue(planned, &clock)
             .map_err(|_| MotionError::CoordinateSystemQueueFull)?;
         motion.accept(accepted_move);

@@ -267,7 +267,7 @@ pub(super) fn verify_reduction(speed: f64, limits: &Limits, way: f64) -> Result<
 /// Places of the operands that change how something moves: MCCD, MCD.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChangeLayout {
-    rates: Rates,
+    pub(super) rates: Rates,
     change_speed: usize,
     change_accel: usize,
     change_decel: usize,
@@ -341,13 +341,13 @@ impl ChangeLayout {
 
 /// What MCCD or MCD changes, in units.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Change {
-    speed: Option<f64>,
-    acceleration: Option<f64>,
-    deceleration: Option<f64>,
-    acceleration_jerk: Option<JerkRate>,
-    deceleration_jerk: Option<JerkRate>,
-    places: Rates,
+pub(crate) struct Change {
+    pub(super) speed: Option<f64>,
+    pub(super) acceleration: Option<f64>,
+    pub(super) deceleration: Option<f64>,
+    pub(super) acceleration_jerk: Option<JerkRate>,
+    pub(super) deceleration_jerk: Option<JerkRate>,
+    pub(super) places: Rates,
 }
 
 impl Change {
@@ -366,6 +366,27 @@ impl Change {
         jerks.deceleration = self.deceleration_jerk.unwrap_or(jerks.deceleration);
         self.places.verify(&dynamics)?;
         Ok(dynamics)
+    }
+
+    /// Whether [`Change::of`] can be made of any dynamics: what is not changed was accepted before, and a jerk in percent of
+    /// time is more than 0.
+    ///
+    /// # Errors
+    /// `ParameterOutOfRange` (13) where a percentage of a maximum is 0.
+    pub(super) fn verify(&self, s_curve: bool) -> Result<(), MotionError> {
+        let jerk = |jerk: Option<JerkRate>| match jerk {
+            Some(JerkRate::Units(jerk)) if s_curve => Some(jerk),
+            _ => None,
+        };
+        let places = &self.places;
+        let changed = [
+            (self.acceleration, places.accel_rate),
+            (self.deceleration, places.decel_rate),
+            (jerk(self.acceleration_jerk), places.accel_jerk),
+            (jerk(self.deceleration_jerk), places.decel_jerk),
+        ];
+        let mut changed = changed.into_iter().filter_map(|(value, place)| Some((value?, place)));
+        changed.try_for_each(|(value, place)| positive(value, place))
     }
 }
 

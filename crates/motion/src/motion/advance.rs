@@ -40,7 +40,7 @@ impl Motion {
             }
         }
         let clock = self.systems[index].clock(&self.clock);
-        self.systems[index].planner.look_on(&clock);
+        self.systems[index].look_on(&clock);
         if self.systems[index].is_busy() {
             self.sample_system(index);
         }
@@ -96,7 +96,7 @@ impl Motion {
             match self.promote(index, last.as_ref(), &next, moment) {
                 Ok(at) => {
                     let clock = self.systems[index].clock(&self.clock);
-                    self.systems[index].planner.hand_over(at, &clock);
+                    self.systems[index].hand_over(at, &clock);
                     let system = &mut self.systems[index];
                     system.shown_phase = Phase::Steady;
                     system.shown_tracking = false;
@@ -111,7 +111,7 @@ impl Motion {
                 }
                 Err(error) => {
                     self.controls.fail(next.data.execution, error, self.clock.tick);
-                    self.systems[index].planner.cancel_pending();
+                    self.systems[index].cancel_pending();
                     self.cancel_pending(index);
                 }
             }

@@ -28,6 +28,8 @@ struct Kind {
     changes: bool,
     /// Moves come while others are on their way.
     late: bool,
+    /// Hundreds of short moves: a change of all takes many ticks to come to the last one.
+    deep: bool,
 }
 
 const CONTOUR: Ending = Ending::Contour { constrained: true };
@@ -45,6 +47,7 @@ const PLAIN: Kind = Kind {
     endings: &[CONTOUR, NO_DECEL],
     changes: false,
     late: false,
+    deep: false,
 };
 
 #[rustfmt::skip]
@@ -63,6 +66,9 @@ const KINDS: &[Kind] = &[
     Kind { name: "changes", changes: true, ..PLAIN },
     Kind { name: "changes of rates", changes: true, rates: true, ..PLAIN },
     Kind { name: "changes, trapezoids", changes: true, s_curve: false, ..PLAIN },
+    Kind { name: "deep changes", changes: true, deep: true, ..PLAIN },
+    Kind { name: "deep changes of rates", changes: true, rates: true, deep: true, late: true, ..PLAIN },
+    Kind { name: "deep changes, corners", changes: true, corners: true, deep: true, endings: &[CONTOUR], ..PLAIN },
 ];
 
 struct Storm<'k> {
@@ -76,9 +82,32 @@ struct Storm<'k> {
     done: usize,
     /// Largest rates there have been.
     most: Limits,
+    /// The changes of all moves, in their order.
+    changes: Vec<Change>,
     last: Option<Sample>,
     /// Distance along the whole path.
     gone: f64,
+}
+
+/// A speed, and a factor of the rates.
+#[derive(Clone, Copy)]
+struct Change {
+    speed: f64,
+    up: f64,
+}
+
+impl Change {
+    fn apply(self, limits: &mut Limits) {
+        limits.speed = self.speed;
+        if limits.deceleration < MOST_RATE {
+            limits.acceleration *= self.up;
+            limits.deceleration *= self.up;
+            if let Some(jerk) = &mut limits.jerk {
+                jerk.deceleration *= self.up;
+                jerk.acceleration *= self.up;
+            }
+        }
+    }
 }
 
 fn largest(first: Limits, second: Limits) -> Limits {
@@ -98,8 +127,12 @@ impl<'k> Storm<'k> {
         let mut random = Random(seed);
         let mut from = Point::zeros();
         let mut direction = Point::from([2.0, 1.0, 0.0]).normalize();
-        let count = 12 + (40.0 * random.share()) as usize;
-        let scale = random.of(&[0.1, 1.0, 15.0]);
+        let mut count = 12 + (40.0 * random.share()) as usize;
+        let mut scale = random.of(&[0.1, 1.0, 15.0]);
+        if kind.deep {
+            count *= 15;
+            scale *= 0.1;
+        }
         let moves: Vec<Move<usize>> = (0..count)
             .map(|data| {
                 if kind.corners && random.share() < 0.4 {
@@ -156,6 +189,7 @@ impl<'k> Storm<'k> {
             sent: 0,
             done: 0,
             most,
+            changes: Vec::new(),
             last: None,
             gone: 0.0,
         }
@@ -187,31 +221,35 @@ impl<'k> Storm<'k> {
             let speed = 40.0 + 20.0 * (4.0 * self.random.share()).floor();
             let up = 1.0 + self.random.share();
             let all = self.random.share() < 0.5;
-            let change = |limits: &mut Limits| {
-                limits.speed = speed;
-                if limits.deceleration < MOST_RATE {
-                    limits.acceleration *= up;
-                    limits.deceleration *= up;
-                    if let Some(jerk) = &mut limits.jerk {
-                        jerk.deceleration *= up;
-                        jerk.acceleration *= up;
-                    }
-                }
-            };
+            let change = Change { speed, up };
             let Some(active) = self.planner.active_data().copied() else {
                 return;
             };
-            change(&mut self.moves[active].limits);
-            self.most = largest(self.most, self.moves[active].limits);
+            change.apply(&mut self.moves[active].limits);
+            let limits = self.moves[active].limits;
+            self.most = largest(self.most, limits);
             if all {
-                for waiting in self.planner.pending_mut() {
-                    change(&mut waiting.limits);
-                    self.moves[waiting.data].limits = waiting.limits;
-                    self.most = largest(self.most, waiting.limits);
-                }
+                assert_eq!(self.planner.owe(), self.changes.len() as u64 + 1);
+                self.changes.push(change);
+                let clock = self.clock;
+                self.give(256, |planner, give| planner.give_nearest(&limits, &clock, give));
             }
-            self.planner.change_limits(self.moves[active].limits, &self.clock);
+            self.planner.change_limits(limits, &self.clock);
         }
+    }
+
+    /// Has the planner give moves the changes that they are owed, to so many at most.
+    fn give(&mut self, most: usize, how: impl FnOnce(&mut Planner<usize>, &mut dyn FnMut(&mut Move<usize>, u64))) {
+        let mut given = 0;
+        how(&mut self.planner, &mut |motion, has| {
+            given += 1;
+            for change in &self.changes[has as usize..] {
+                change.apply(&mut motion.limits);
+            }
+            self.moves[motion.data].limits = motion.limits;
+            self.most = largest(self.most, motion.limits);
+        });
+        assert!(given <= most, "{given} moves were changed in one tick");
     }
 
     fn fail(&self, what: &str) -> ! {
@@ -239,12 +277,18 @@ impl<'k> Storm<'k> {
                 Some(Passage::HandOver(at) | Passage::Reached(at)) => at,
             };
             self.done += 1;
+            self.give(2, |planner, give| planner.give_next(give));
             if self.planner.hand_over(at, &self.clock).is_none() {
                 self.planner.clear_active();
                 break;
             }
         }
-        self.planner.look_on(&self.clock);
+        if self.planner.owes() {
+            let clock = self.clock;
+            self.give(64, |planner, give| planner.give_on(&clock, give));
+        } else {
+            self.planner.look_on(&self.clock);
+        }
         self.check();
     }
 

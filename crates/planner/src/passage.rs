@@ -1,0 +1,94 @@
+//! When the active move comes to its end, to the place where its successor takes over, and to points before it.
+
+use crate::junction::Ending;
+use crate::planner::{Planner, Running};
+use crate::{Clock, Instant, ROUNDING};
+
+/// A point on the way of the active move that lies at or before the present tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Passage {
+    /// The successor is to become active: [`Planner::hand_over`].
+    HandOver(Instant),
+    /// The programmed end is reached and nothing has taken over.
+    Reached(Instant),
+}
+
+/// When the active move comes to a point before its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reach {
+    /// So long after it became active: seconds, or master units.
+    At(f64),
+    /// It was there before the present plan began.
+    Passed,
+    /// Not by the present plan: it is paused before.
+    Never,
+}
+
+impl<T: Copy> Planner<T> {
+    /// The next point on the way that lies at or before the present tick.
+    pub fn passage(&self, clock: &Clock) -> Option<Passage> {
+        let running = self.active.as_ref()?;
+        let elapsed = running.track.start.elapsed(clock);
+        // A stop is over when it stands, to the last bit.
+        let rounding = if running.stopped { 0.0 } else { ROUNDING };
+        let instant = |seconds: f64| running.track.start.after(seconds.min(elapsed), clock);
+        if let Some(at) = self.hand_over_at
+            && elapsed >= at - rounding
+        {
+            return Some(Passage::HandOver(instant(at)));
+        }
+        if !running.track.profile.arrives() {
+            return None;
+        }
+        let end = self.end_of(running, clock);
+        (elapsed >= end - rounding).then(|| Passage::Reached(instant(end)))
+    }
+
+    /// When the distance to go of the active move falls to `distance`, at least 0, along its path. With 0, where its
+    /// successor is superposed, when that begins.
+    pub fn reaches(&self, distance: f64, clock: &Clock) -> Reach {
+        let Some(running) = &self.active else {
+            return Reach::Never;
+        };
+        let track = &running.track;
+        let since = running.begun.elapsed(clock) - track.start.elapsed(clock);
+        let at = |planned: f64| Reach::At((since + planned).max(0.0));
+        let length = running.motion.path.length();
+        if distance > length {
+            return Reach::At(0.0);
+        }
+        let arrives = track.profile.arrives();
+        if distance == 0.0 {
+            if let (Some(early), Ending::Blend { .. }) = (self.hand_over_at, running.motion.ending) {
+                return at(early);
+            }
+            if running.joined == 0 {
+                return if arrives {
+                    at(self.end_of(running, clock))
+                } else {
+                    Reach::Never
+                };
+            }
+        }
+        let place = track.offset + length - distance;
+        if place < track.profile.start().position {
+            return Reach::Passed;
+        }
+        match track.profile.time_at_position(place) {
+            Some(planned) => at(planned),
+            None if arrives => at(track.profile.duration()),
+            None => Reach::Never,
+        }
+    }
+
+    /// When everything of the active move has come to its end, after the start of its track.
+    fn end_of(&self, running: &Running<T>, clock: &Clock) -> f64 {
+        let end = running.track.duration(clock);
+        match &self.tail {
+            Some(tail) if running.exit == 0.0 => {
+                end.max(tail.duration(clock) + running.track.start.elapsed(clock) - tail.start.elapsed(clock))
+            }
+            _ => end,
+        }
+    }
+}
