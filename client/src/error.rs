@@ -7,7 +7,7 @@ use arcline_proto::client as session;
 
 use arcline_instruction_set::{BindError, Flag, Mnemonic, MotionControl, Object, UnknownMnemonic, describe};
 use arcline_proto::cip::CipStatus;
-use arcline_tag::{Elementary, PathError};
+use arcline_tag::{Elementary, PathError, nearest};
 
 /// Why a request gave no result.
 #[derive(Debug, thiserror::Error)]
@@ -123,12 +123,14 @@ pub enum ClientError {
     #[error(transparent)]
     Operand(#[from] BindError),
     /// An operand name that the instruction does not have.
-    #[error("{mnemonic} has no operand {name:?}")]
+    #[error("{mnemonic} has no operand {name:?}{}", suggest(.suggestion))]
     UnknownOperand {
         /// The instruction.
         mnemonic: Mnemonic,
         /// The name.
         name: String,
+        /// The nearest operand.
+        suggestion: Option<String>,
     },
     /// A name that is no instruction.
     #[error(transparent)]
@@ -149,6 +151,23 @@ impl ClientError {
         match self {
             Self::Motion { err, exerr, .. } => Some((*err, *exerr)),
             _ => None,
+        }
+    }
+
+    /// There is no tag of a name; `known` are those there are.
+    pub fn unknown_tag<S: AsRef<str>>(name: &str, known: impl IntoIterator<Item = S>) -> Self {
+        Self::UnknownTag {
+            name: name.to_owned(),
+            suggestion: nearest(name, known),
+        }
+    }
+
+    /// There is no object of a kind and name; `known` are those there are.
+    pub fn unknown_object<S: AsRef<str>>(object: Object, name: &str, known: impl IntoIterator<Item = S>) -> Self {
+        Self::UnknownObject {
+            object,
+            name: name.to_owned(),
+            suggestion: nearest(name, known),
         }
     }
 
@@ -193,16 +212,4 @@ fn suggest(suggestion: &Option<String>) -> String {
         .as_ref()
         .map(|name| format!(", did you mean {name:?}?"))
         .unwrap_or_default()
-}
-
-/// The candidate nearest to a name, when it is near enough to be a slip.
-pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    const NEAR: f64 = 0.75;
-    let name: String = name.chars().take(60).collect::<String>().to_ascii_lowercase();
-    candidates
-        .into_iter()
-        .map(|candidate| (strsim::jaro_winkler(&name, &candidate.to_ascii_lowercase()), candidate))
-        .filter(|(similarity, _)| *similarity >= NEAR)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate.to_owned())
 }

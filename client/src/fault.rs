@@ -6,7 +6,7 @@ use arcline_proto::epath::Epath;
 use arcline_tag::Value;
 use bytes::Bytes;
 
-use crate::{Client, ClientError, Reading, nearest};
+use crate::{Client, ClientError, Reading};
 
 /// Attribute of an axis: the causes of faults that are injected, UDINT.
 const INJECTED: u16 = 9;
@@ -17,7 +17,7 @@ impl Client {
     /// The causes of faults that are injected into an axis.
     ///
     /// # Errors
-    /// [`ClientError::UnknownTag`] when there is no such axis; [`ClientError::Refused`] when the server has no injection.
+    /// [`ClientError::UnknownObject`] when there is no such axis; [`ClientError::Refused`] when the server has no injection.
     pub async fn injected_faults(&self, axis: &str) -> Result<FaultSet, ClientError> {
         self.fault_attribute(axis, INJECTED).await
     }
@@ -61,15 +61,8 @@ impl Client {
         Ok(FaultSet::from_bits(u32::from_le_bytes(*value)))
     }
 
-    /// Axes are instances from 1, in the order of their tags.
     async fn axis_path(&self, axis: &str, attribute: u16) -> Result<Epath, ClientError> {
-        let axes = self.objects(Object::Axis).await?;
-        let place = axes.iter().position(|name| name.eq_ignore_ascii_case(axis));
-        let place = place.ok_or_else(|| ClientError::UnknownTag {
-            name: axis.to_owned(),
-            suggestion: nearest(axis, axes.iter().map(String::as_str)),
-        })?;
-        let instance = u32::try_from(place).unwrap_or(u32::MAX).saturating_add(1);
+        let instance = self.instance(Object::Axis, axis).await?;
         Ok(Epath::attribute(Object::Axis.class_code(), instance, attribute))
     }
 }

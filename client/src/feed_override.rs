@@ -5,7 +5,7 @@ use arcline_proto::cip::service;
 use arcline_proto::epath::Epath;
 use bytes::Bytes;
 
-use crate::{Client, ClientError, nearest};
+use crate::{Client, ClientError};
 
 /// Attribute of a coordinate system: its feed override, REAL, percent.
 const FEED_OVERRIDE: u16 = 10;
@@ -16,7 +16,7 @@ impl Client {
     /// The feed override of a coordinate system, in percent: 100 as programmed, 0 holds its moves.
     ///
     /// # Errors
-    /// [`ClientError::UnknownTag`] when there is no such coordinate system; [`ClientError::Refused`] when the server
+    /// [`ClientError::UnknownObject`] when there is no such coordinate system; [`ClientError::Refused`] when the server
     /// has no overrides.
     pub async fn feed_override(&self, system: &str) -> Result<f64, ClientError> {
         self.override_attribute(system, FEED_OVERRIDE).await
@@ -60,15 +60,8 @@ impl Client {
         Ok(f32::from_le_bytes(*value).into())
     }
 
-    /// Coordinate systems are instances from 1, in the order of their tags.
     async fn override_path(&self, system: &str, attribute: u16) -> Result<Epath, ClientError> {
-        let systems = self.objects(Object::CoordinateSystem).await?;
-        let place = systems.iter().position(|name| name.eq_ignore_ascii_case(system));
-        let place = place.ok_or_else(|| ClientError::UnknownTag {
-            name: system.to_owned(),
-            suggestion: nearest(system, systems.iter().map(String::as_str)),
-        })?;
-        let instance = u32::try_from(place).unwrap_or(u32::MAX).saturating_add(1);
+        let instance = self.instance(Object::CoordinateSystem, system).await?;
         Ok(Epath::attribute(
             Object::CoordinateSystem.class_code(),
             instance,

@@ -43,6 +43,7 @@ mod discover;
 mod error;
 mod fault;
 mod feed_override;
+mod fetch;
 mod input;
 mod link;
 mod machine;
@@ -57,11 +58,11 @@ mod write;
 
 pub use arcline_instruction_set::{FaultKind, FaultSet, Flag, Given, Mnemonic, MotionControl, Object};
 pub use arcline_proto::identity::Identity;
-pub use arcline_tag::{Elementary, TagType, Value};
+pub use arcline_tag::{Elementary, TagType, Value, nearest};
 
 pub use client::{Client, DEFAULT_PORT, Options};
 pub use discover::{Discovered, discover};
-pub use error::{ClientError, nearest};
+pub use error::ClientError;
 pub use fault::shown_faults;
 pub use input::Input;
 pub use machine::SystemAxis;

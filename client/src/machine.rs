@@ -7,7 +7,7 @@ use arcline_proto::cip::service;
 use arcline_proto::epath::Epath;
 use arcline_proto::wire::Reader;
 
-use crate::{Client, ClientError, nearest};
+use crate::{Client, ClientError};
 
 /// Attribute of a coordinate system: `n UINT, instance of the axis UINT × n`.
 const AXES: u16 = 2;
@@ -30,15 +30,8 @@ impl Client {
     /// [`ClientError::UnknownObject`]; [`ClientError::Refused`] when the server does not tell it; otherwise what the
     /// session meets.
     pub async fn axes_of(&self, system: &str) -> Result<Vec<SystemAxis>, ClientError> {
-        let systems = self.objects(Object::CoordinateSystem).await?;
-        let place = systems.iter().position(|name| name.eq_ignore_ascii_case(system));
-        let place = place.ok_or_else(|| ClientError::UnknownObject {
-            object: Object::CoordinateSystem,
-            name: system.to_owned(),
-            suggestion: nearest(system, systems.iter().map(String::as_str)),
-        })?;
+        let instance = self.instance(Object::CoordinateSystem, system).await?;
         let names = self.objects(Object::Axis).await?;
-        let instance = u32::try_from(place + 1).unwrap_or(u32::MAX);
         let data = self.attribute(system, Object::CoordinateSystem, instance, AXES).await?;
         let mut reader = Reader::new(&data);
         let count = reader.u16().ok_or(CUT)?;
@@ -58,6 +51,16 @@ impl Client {
             });
         }
         Ok(axes)
+    }
+
+    /// How many axes a coordinate system has, by its instance: they count from 1 in the order of their tags.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`] when the server does not tell it; otherwise what the session meets.
+    pub async fn axis_count(&self, instance: u32) -> Result<usize, ClientError> {
+        let what = "the axes of a coordinate system";
+        let data = self.attribute(what, Object::CoordinateSystem, instance, AXES).await?;
+        Reader::new(&data).u16().map(usize::from).ok_or(CUT)
     }
 
     async fn attribute(&self, what: &str, object: Object, instance: u32, id: u16) -> Result<Bytes, ClientError> {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use bytes::{Bytes, BytesMut};
 use tokio::time::Instant;
 
-use arcline_instruction_set::{BindError, Flag, Given, Kind, Mnemonic, MotionControl, OperandIndex};
+use arcline_instruction_set::{BindError, Flag, Given, Kind, Mnemonic, MotionControl, Operand, OperandIndex};
 use arcline_proto::cip::{CipStatus, Reply, service};
 use arcline_proto::epath::Epath;
 use arcline_proto::logix::{Typed, encode_operands};
@@ -82,6 +82,7 @@ impl Operands {
         let unknown = || ClientError::UnknownOperand {
             mnemonic: self.mnemonic,
             name: name.to_owned(),
+            suggestion: crate::nearest(name, instruction.operands.iter().map(Operand::member)),
         };
         let place = instruction.operand(name).ok_or_else(unknown)?;
         let index = instruction
@@ -209,12 +210,7 @@ impl Client {
             },
             (general, _) if general == CipStatus::PATH_DESTINATION_UNKNOWN.general() => {
                 let names = self.objects(object).await.unwrap_or_default();
-                let suggestion = crate::nearest(target, names.iter().map(String::as_str));
-                ClientError::UnknownObject {
-                    object,
-                    name: target.to_owned(),
-                    suggestion,
-                }
+                ClientError::unknown_object(object, target, names)
             }
             _ => ClientError::refused(format!("{mnemonic} on {target}"), reply.status),
         }

@@ -7,12 +7,12 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use arcline_instruction_set::{Flag, Mnemonic, Object};
+use arcline_instruction_set::{Flag, Mnemonic, Object, locate};
 use arcline_proto::cip::CipStatus;
 use arcline_structured_text::{
     Answer, BoundCall, Interpreter, Names, Program, Request, RuntimeError, SyntaxError, unmade_control,
 };
-use arcline_tag::{DataType, TagPath, Value};
+use arcline_tag::{DataType, PathError, TagPath, Value};
 
 use crate::tags::TagTable;
 use crate::{Client, ClientError, Execution, Input};
@@ -363,9 +363,9 @@ impl Names for Known<'_> {
         self.0.tag(name).and_then(|tag| tag.object()) == Some(object)
     }
 
-    fn is_tag(&self, path: &TagPath) -> bool {
-        let tag = path.full_name().and_then(|name| self.0.tag(&name));
-        tag.is_some_and(|tag| tag.tag_type.locate(path.scope().2).is_ok())
+    fn locate(&self, path: &TagPath) -> Option<Result<(), PathError>> {
+        let tag = self.0.tag(&path.full_name()?)?;
+        Some(locate(&tag.tag_type, path.scope().2).map(drop))
     }
 
     fn objects(&self, object: Object) -> Vec<String> {

@@ -3,6 +3,7 @@
 
 use bytes::{Bytes, BytesMut};
 
+use arcline_instruction_set::locate;
 use arcline_proto::cip::{CipStatus, Reply, Request, class, join_multiple, service, split_multiple_replies};
 use arcline_proto::epath::Epath;
 use arcline_proto::logix::{ReadReply, ReadTag, WireType};
@@ -39,7 +40,7 @@ impl Place {
         let wrong = |error| ClientError::path(text, error);
         let Location {
             data_type, elements, ..
-        } = tag_type.locate(path.scope().2).map_err(wrong)?;
+        } = locate(tag_type, path.scope().2).map_err(wrong)?;
         let (wire, bit) = Epath::from_tag(path);
         let array = if bit.is_none() && is_array(path, tag_type).map_err(wrong)? {
             let claimed = elements as usize;
@@ -113,7 +114,7 @@ impl Place {
 fn is_array(path: &TagPath, tag_type: &TagType) -> Result<bool, arcline_tag::PathError> {
     match path.scope().2.split_last() {
         Some((PathSegment::Symbol(name), front)) => {
-            let parent = tag_type.locate(front)?;
+            let parent = locate(tag_type, front)?;
             Ok(match &parent.data_type {
                 DataType::Structure(template) => template.member(name).is_some_and(|member| member.dimension > 0),
                 DataType::Elementary(_) => false,

@@ -1,27 +1,22 @@
-//! The server's tags and their types: browsing and templates (spec/ethernet-ip.md §10, §11).
+//! The server's tags: browsing, creating, deleting (spec/ethernet-ip.md §10). Their types are fetched by `fetch`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use bytes::{Bytes, BytesMut};
+use bytes::Bytes;
 
 use arcline_instruction_set::Object;
-use arcline_proto::cip::{CipStatus, class, encode_attribute_ids, service};
+use arcline_proto::cip::{class, encode_attribute_ids, service};
 use arcline_proto::epath::{Epath, Segment};
-use arcline_proto::logix::{CreateSymbol, ReadTemplate, Symbol, TemplateAttributes};
-use arcline_tag::{DataType, TagType, Template, string_template};
+use arcline_proto::logix::{CreateSymbol, Symbol};
+use arcline_tag::{DataType, TagType, Template};
 
-use crate::error::nearest;
 use crate::reading::type_name;
-use crate::template::{self, Definition};
+use crate::template;
 use crate::{Client, ClientError};
 
 /// Most tags that are listed.
 const MAX_TAGS: usize = 65_535;
-/// Most templates that are fetched.
-const MAX_TEMPLATES: usize = 512;
-/// Longest template definition, bytes.
-const MAX_DEFINITION: u32 = 256 * 1024;
 /// Symbol attributes that are asked for: name, type, dimensions, access.
 const ATTRIBUTES: [u16; 4] = [1, 2, 8, 10];
 /// Bit 12 of a symbol type: not for users.
@@ -171,11 +166,7 @@ impl Client {
             self.refresh_symbols().await?
         };
         let Some(symbol) = table.symbols.get(&name.to_ascii_lowercase()) else {
-            let suggestion = nearest(name, table.names());
-            return Err(ClientError::UnknownTag {
-                name: name.to_owned(),
-                suggestion,
-            });
+            return Err(ClientError::unknown_tag(name, table.names()));
         };
         if let Some(tag) = table.tag(name) {
             return Ok(tag);
@@ -205,6 +196,17 @@ impl Client {
             .filter(|tag| tag.object() == Some(object))
             .map(|tag| tag.name)
             .collect())
+    }
+
+    /// The instance of an object in its class: they count from 1, in the order of their tags.
+    ///
+    /// # Errors
+    /// [`ClientError::UnknownObject`] with the nearest name there is; otherwise as [`Client::browse`].
+    pub(crate) async fn instance(&self, object: Object, name: &str) -> Result<u32, ClientError> {
+        let names = self.objects(object).await?;
+        let place = names.iter().position(|known| known.eq_ignore_ascii_case(name));
+        let place = place.ok_or_else(|| ClientError::unknown_object(object, name, &names))?;
+        Ok(u32::try_from(place).unwrap_or(u32::MAX).saturating_add(1))
     }
 
     /// Creates a plain tag, in a program's scope when its name begins with `Program:Main.`; `data_type` is written as in a
@@ -297,89 +299,6 @@ impl Client {
                 .ok_or(STUCK)?;
         }
     }
-
-    /// Fetches a template and those within it.
-    async fn fetch_template(
-        &self,
-        instance: u16,
-        templates: &mut BTreeMap<u16, Arc<Template>>,
-    ) -> Result<(), ClientError> {
-        templates
-            .entry(arcline_tag::STRING_INSTANCE)
-            .or_insert_with(string_template);
-        let mut fetched: BTreeMap<u16, (TemplateAttributes, Definition)> = BTreeMap::new();
-        let mut wanted = vec![instance];
-        while let Some(instance) = wanted.pop() {
-            if templates.contains_key(&instance) || fetched.contains_key(&instance) {
-                continue;
-            }
-            if templates.len() + fetched.len() >= MAX_TEMPLATES {
-                let claimed = MAX_TEMPLATES + 1;
-                return Err(ClientError::TooLarge {
-                    what: "the number of types",
-                    claimed,
-                    limit: MAX_TEMPLATES,
-                });
-            }
-            let (attributes, definition) = self.fetch_definition(instance).await?;
-            wanted.extend(definition.nested());
-            fetched.insert(instance, (attributes, definition));
-        }
-        // Innermost first; what is left over contains itself.
-        while !fetched.is_empty() {
-            let ready = fetched
-                .iter()
-                .find(|(_, (_, d))| d.nested().all(|inner| templates.contains_key(&inner)));
-            let ready = ready.map(|(instance, _)| *instance);
-            let found = ready.and_then(|instance| Some((instance, fetched.remove(&instance)?)));
-            let (instance, (attributes, definition)) = found.ok_or(BAD_TEMPLATE)?;
-            let built = definition.build(instance, attributes, |inner| templates.get(&inner).cloned());
-            templates.insert(instance, built.ok_or(BAD_TEMPLATE)?);
-        }
-        Ok(())
-    }
-
-    async fn fetch_definition(&self, instance: u16) -> Result<(TemplateAttributes, Definition), ClientError> {
-        let path = Epath::object(class::TEMPLATE, instance.into());
-        let ids = encode_attribute_ids(&TemplateAttributes::IDS);
-        let reply = self
-            .ask("a type", service::GET_ATTRIBUTE_LIST, path.clone(), ids)
-            .await?;
-        let attributes = TemplateAttributes::decode(&reply.data).ok_or(BAD_TEMPLATE)?;
-        // Spec/ethernet-ip.md §11: clients read up to 4N − 16 bytes.
-        let length = attributes.definition_words.saturating_mul(4).saturating_sub(16);
-        if length > MAX_DEFINITION {
-            let (claimed, limit) = (length as usize, MAX_DEFINITION as usize);
-            return Err(ClientError::TooLarge {
-                what: "a type's definition",
-                claimed,
-                limit,
-            });
-        }
-        let bytes = self.read_definition(&path, length).await?;
-        let definition = Definition::decode(&bytes, attributes.members).ok_or(BAD_TEMPLATE)?;
-        Ok((attributes, definition))
-    }
-
-    async fn read_definition(&self, path: &Epath, length: u32) -> Result<Bytes, ClientError> {
-        let mut bytes = BytesMut::new();
-        while bytes.len() < length as usize {
-            let offset = bytes.len() as u32;
-            let part = u16::try_from(length - offset).unwrap_or(u16::MAX);
-            let data = ReadTemplate { offset, bytes: part }.to_bytes();
-            let reply = self
-                .ask("a type's definition", service::READ_TAG, path.clone(), data)
-                .await?;
-            if reply.data.len() > usize::from(part) {
-                return Err(BAD_TEMPLATE);
-            }
-            bytes.extend_from_slice(&reply.data);
-            if reply.data.is_empty() || reply.status.is(CipStatus::SUCCESS) && reply.data.len() < usize::from(part) {
-                break;
-            }
-        }
-        Ok(bytes.freeze())
-    }
 }
 
 /// The path of a symbol, behind its program if its name has one, and the name in that scope.
@@ -408,9 +327,6 @@ fn check_count(claimed: usize) -> Result<(), ClientError> {
     Ok(())
 }
 
-const BAD_TEMPLATE: ClientError = ClientError::Malformed {
-    what: "a type's definition makes no sense",
-};
 const STUCK: ClientError = ClientError::Malformed {
     what: "the tag list does not go on",
 };

@@ -6,12 +6,12 @@ use std::time::Duration;
 
 use bytes::{BufMut, Bytes, BytesMut};
 
-use arcline_instruction_set::Flag;
+use arcline_instruction_set::{Flag, Mnemonic};
 use arcline_proto::cip::{CipStatus, Request, service};
 use arcline_proto::epath::Epath;
 use arcline_proto::wire::Reader;
 
-use crate::{Client, ClientError, nearest};
+use crate::{Client, ClientError};
 
 const CLASS: u16 = 0x0304;
 /// Class attribute: coarse update period, UDINT ns.
@@ -174,14 +174,28 @@ impl Client {
         let name = match &request.trigger {
             Trigger::Rises { signal, .. } | Trigger::Falls { signal, .. } if place == TRIGGER_PLACE => signal,
             Trigger::True { signal } | Trigger::False { signal } if place == TRIGGER_PLACE => signal,
-            Trigger::Instruction { name, .. } if place == TRIGGER_PLACE => name,
+            Trigger::Instruction { name, .. } if place == TRIGGER_PLACE => {
+                return Err(ClientError::unknown_tag(
+                    name,
+                    self.instruction_names().await.unwrap_or_default(),
+                ));
+            }
             _ => request.signals.get(usize::from(place)).ok_or(CUT)?,
         };
         let known = self.trace_signals().await.unwrap_or_default();
-        Err(ClientError::UnknownTag {
-            name: name.clone(),
-            suggestion: nearest(name, known.iter().map(String::as_str)),
-        })
+        Err(ClientError::unknown_tag(name, known))
+    }
+
+    /// What can stand for an instruction in a trigger: motion control tags, instruction tags, mnemonics. A motion control tag
+    /// that its first execution will make can too, and is not among them.
+    ///
+    /// # Errors
+    /// As [`Client::browse`].
+    pub async fn instruction_names(&self) -> Result<Vec<String>, ClientError> {
+        let tags = self.browse().await?.into_iter();
+        let of_type = |name: &str| name == "MOTION_INSTRUCTION" || name.parse::<Mnemonic>().is_ok();
+        let tags = tags.filter(|tag| of_type(&tag.type_name())).map(|tag| tag.name);
+        Ok(tags.chain(Mnemonic::ALL.iter().map(ToString::to_string)).collect())
     }
 
     /// The rows of a trace from a tick on, as many as one reply holds; `from` 0 is its beginning.

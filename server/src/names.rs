@@ -1,9 +1,9 @@
 //! The names of a machine's tags, for the check of Structured Text.
 
-use arcline_controller::image::Image;
+use arcline_controller::image::{Image, ReadError};
 use arcline_instruction_set::{Directory as _, Object};
 use arcline_structured_text::Names;
-use arcline_tag::TagPath;
+use arcline_tag::{PathError, TagPath};
 
 /// The names of an image, for the check of a program.
 #[derive(Debug)]
@@ -14,8 +14,12 @@ impl Names for ImageNames<'_> {
         self.0.object(object, name).is_some()
     }
 
-    fn is_tag(&self, path: &TagPath) -> bool {
-        self.0.locate(path).is_ok()
+    fn locate(&self, path: &TagPath) -> Option<Result<(), PathError>> {
+        match self.0.locate(path) {
+            Err(ReadError::NoSuchTag { .. }) => None,
+            Err(ReadError::Path(error)) => Some(Err(error)),
+            Ok(_) | Err(ReadError::NotAValue { .. }) => Some(Ok(())),
+        }
     }
 
     fn objects(&self, object: Object) -> Vec<String> {

@@ -12,6 +12,9 @@ const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-ru
 const DESKTOP = { width: 1360, height: 850 };
 const PHONE = { width: 390, height: 844 };
 
+/** The views of the page, in the order of their list. */
+export const VIEWS = ["machine", "path", "trends", "drive", "program", "tags", "events"];
+
 /** How long a condition may take; far more than it needs, for machines that are busy. */
 export const PATIENCE = 20_000;
 
@@ -27,6 +30,8 @@ export async function open(browser, url, view, { scheme = "light", phone = false
   page.setDefaultTimeout(PATIENCE);
   page.faults = [];
   page.on("pageerror", (error) => page.faults.push(error.stack ?? error.message));
+  // The page asks nobody but its server.
+  page.on("request", (request) => /^(https?|wss?):/.test(request.url()) && new URL(request.url()).host !== new URL(url).host && page.faults.push(`asked ${request.url()}`));
   page.on("console", (message) => message.type() === "error" && page.faults.push(`${message.text()} ${message.location().url}`));
   await page.goto(`${url}/#/${view}`);
   await page.locator("html[data-connection=open]").waitFor({ state: "attached" });
@@ -78,6 +83,17 @@ export async function ready(page, line) {
   await until(page, `the line ${line}`, (text) => document.querySelector(".form .line code")?.textContent.replaceAll(" ", "").includes(text), line.replaceAll(" ", ""));
   await page.locator(".form[data-ready=true]").waitFor();
 }
+
+/** A number as the page shows it. */
+export const shown = (text) => Number(text.replace("\u2212", "-"));
+
+/** The actual position of an axis in the view "Drive". */
+export const actual = (page, axis) => page.locator(`.jog-row[aria-label="Axis ${axis}"] output`).textContent().then(shown);
+
+/** Waits until an axis is at a place, in the view "Drive". */
+export const arrived = (page, axis, place) =>
+  until(page, `${axis} at ${place}`, ([name, wanted]) =>
+    Math.abs(Number(document.querySelector(`.jog-row[aria-label="Axis ${name}"] output`)?.textContent.replace("\u2212", "-")) - wanted) < 0.02, [axis, place]);
 
 /**
  * Waits until a canvas has at least `least` pixels of a colour of the style sheet; gives how many, and the box around

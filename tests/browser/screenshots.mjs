@@ -3,9 +3,8 @@
 
 import assert from "node:assert/strict";
 import { mkdir } from "node:fs/promises";
-import { go, open, operand, positions, ready, take, until } from "./browser.mjs";
+import { VIEWS, go, open, operand, positions, ready, take, until } from "./browser.mjs";
 
-const VIEWS = ["machine", "path", "trends", "drive", "program", "tags", "events"];
 /** Text on its ground (WCAG 2.1, 1.4.3), and text that is large. */
 const CONTRAST = 4.5;
 const LARGE = 3;

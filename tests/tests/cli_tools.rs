@@ -72,6 +72,99 @@ fn an_error_is_explained() {
 }
 
 #[test]
+fn a_slip_is_answered_with_what_was_meant() {
+    let server = Server::start();
+    let at = server.address();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let (out, part) = (path("t.csv"), path("part.ngc"));
+    std::fs::write(&part, "G0 X1\n").expect("the folder is writable");
+    #[rustfmt::skip]
+    let cases: &[(&str, &[&str], &str)] = &[
+        ("a tag",                       &["read", "Mvoe1"],                                             "Move1"),
+        ("a member",                    &["read", "X.ActualPositon"],                                   "ActualPosition"),
+        ("a member of a member",        &["read", "Move1.MotionControl.ERRR"],                          "ERR"),
+        ("a tag that is written",       &["write", "Mvoe1.Speed", "5"],                                 "Move1"),
+        ("a member that is written",    &["write", "Move1.Sped", "5"],                                  "Speed"),
+        ("a tag that is deleted",       &["tags", "delete", "Mvoe1"],                                   "Move1"),
+        ("what is shown",               &["status", "CSS1"],                                            "CS1"),
+        ("what is watched",             &["watch", "CSS1"],                                             "CS1"),
+        ("a signal",                    &["trace", "X.ActualPositon", "--for", "1", "-o", &out],        "X.ActualPosition"),
+        ("what is traced",              &["trace", "CSS1", "--for", "1", "-o", &out],                   "CS1"),
+        ("a trigger's signal",          &["trace", "X", "--for", "1", "--trigger", "X.CommandPositon>=1", "-o", &out], "X.CommandPosition"),
+        ("an instruction",              &["exec", "MCML(CS1, M1)"],                                     "MCLM"),
+        ("its coordinate system",       &["exec", "MCLM(CSS1, M1, 0, [1, 2, 3])"],                      "CS1"),
+        ("its word",                    &["exec", "MCLM(CS1, M1, Absolte, [1, 2, 3])"],                 "Absolute"),
+        ("its tag",                     &["exec", "MCLM(CS1, M1, 0, Mvoe1.Position)"],                  "Move1"),
+        ("the member of its tag",       &["exec", "MCLM(CS1, M1, 0, Move1.Positon)"],                   "Position"),
+        ("another object of it",        &["exec", "MAG(Y, XX, M1, Same, 1, 1, 1, Actual, Real, Disabled)"], "X"),
+        ("the end of a line",           &["move", "CSS1", "1,2,3"],                                     "CS1"),
+        ("the end of an arc",           &["arc", "XYY", "1,2", "--via", "1,1"],                         "XY"),
+        ("a change",                    &["change", "CSS1", "--speed", "20%"],                          "CS1"),
+        ("an override",                 &["override", "CSS1", "50%"],                                   "CS1"),
+        ("a hold",                      &["hold", "CSS1"],                                              "CS1"),
+        ("its end",                     &["resume", "CSS1"],                                            "CS1"),
+        ("a stop",                      &["stop", "CSS1"],                                              "CS1"),
+        ("G-code",                      &["gcode", &part, "CSS1"],                                      "CS1"),
+        ("G-code without a machine",    &["gcode", &part, "CSS1", "--simulate"],                        "CS1"),
+        ("a move of an axis",           &["move-axis", "XX", "5"],                                      "X"),
+        ("a jog",                       &["jog", "XX", "5"],                                            "X"),
+        ("homing",                      &["home", "XX"],                                                "X"),
+        ("a servo",                     &["servo", "off", "XX"],                                        "X"),
+        ("a fault",                     &["fault", "inject", "XX", "overcurrent"],                      "X"),
+        ("faults that are listed",      &["fault", "list", "XX"],                                       "X"),
+    ];
+    for (why, arguments, meant) in cases {
+        let refused = arcline(at, arguments).expect(2);
+        let answers = [format!("did you mean \"{meant}\"?"), format!("did you mean `{meant}`?")];
+        assert!(
+            answers.iter().any(|answer| refused.stderr.contains(answer)),
+            "{why}: {arguments:?}: {refused:?}"
+        );
+    }
+    // A motion control tag may be made yet, so a trigger waits for it: told, and ended by Ctrl-C.
+    let waiting = command(at, &["trace", "X", "--for", "1", "--trigger", "Mvoe1:AC", "-o", &out]);
+    let talk = [("did you mean \"Move1\"?", ""), ("waiting for the trigger", "\u{3}")];
+    let told = at_a_terminal(&waiting, &talk);
+    assert!(told.code == Some(0) && told.stdout.contains("0 rows"), "{told:?}");
+    // A list without a row is no error; what is there and is not meant is told as what it is.
+    let none = arcline(at, &["tags", "Mvoe1"]).expect(0);
+    assert_eq!(
+        (none.stdout.as_str(), none.stderr.as_str()),
+        ("", "no tag matches \"Mvoe1\", did you mean \"Move1\"?\n")
+    );
+    for arguments in [&["status", "Move1"][..], &["trace", "Move1", "--for", "1", "-o", &out]] {
+        let told = arcline(at, arguments).expect(2).stderr;
+        assert!(told.contains("Move1 has the type MCLM, expected an axis"), "{told}");
+    }
+}
+
+#[test]
+fn a_coordinate_system_shows_its_own_axes() {
+    let server = Server::start();
+    let at = server.address();
+    let shown = arcline(at, &["status", "XY", "CS1"]).expect(0).stdout;
+    let positions: Vec<usize> = shown
+        .lines()
+        .skip(1)
+        .map(|line| line.matches("0.000").count())
+        .collect();
+    assert_eq!(positions, [3, 2], "{shown}");
+    let object = arcline(at, &["--json", "status", "XY"]).expect(0).objects();
+    assert_eq!(object[0]["position"].as_array().map(Vec::len), Some(2), "{object:?}");
+}
+
+#[test]
+fn a_status_bit_is_read_without_its_structure() {
+    let server = Server::start();
+    let at = server.address();
+    assert_eq!(arcline(at, &["read", "Move1.PC"]).expect(0).stdout, "false\n");
+    let program = "Move1.Position[0] := 5; Move1.EnableIn := TRUE; WAIT(Move1.PC); Move1.EnableIn := FALSE;";
+    let _ = with_input(command(at, &["shell"]), &format!("{program}\n")).expect(0);
+    assert_eq!(read_numbers(at, &["X.CommandPosition"]), [5.0]);
+}
+
+#[test]
 fn piped_watching_gives_a_line_for_each_change() {
     let server = Server::start();
     let at = server.address();
@@ -116,7 +209,7 @@ fn the_shell_runs_what_is_piped_in() {
     let outcome = with_input(command(at, &["shell"]), lines).expect(0);
     for expected in [
         "MCLM CS1: EN DN PC",
-        "line: 1 instructions executed",
+        "line: 1 instruction executed",
         "\"value\":20.0",
         "ERR 43 Coordinate System Queue Full",
     ] {

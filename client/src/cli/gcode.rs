@@ -9,6 +9,7 @@ use arcline_client::{Client, Event, Object, ProgramError, Runner};
 use arcline_gcode::{Motion, Options, Program, StructuredText};
 
 use super::args::{Gcode, Unit};
+use super::output::counted;
 use super::wait::{self, Stopping};
 use super::{Failure, Output};
 
@@ -31,7 +32,7 @@ pub(crate) fn alone(command: &Gcode, output: &Output) -> Result<(), Failure> {
             std::fs::write(target, &made.text).map_err(|source| Failure::at(target, source))?;
             let (shown, count) = (target.display().to_string(), program.steps.len());
             output.result(
-                format!("{shown}: {count} statements"),
+                format!("{shown}: {}", counted(count, "statement")),
                 || json!({"program": shown, "statements": count}),
             );
         }
@@ -76,7 +77,7 @@ pub(crate) async fn run(client: &Client, command: &Gcode, output: &Output) -> Re
     ran?;
     let (shown, count) = (command.file.display().to_string(), moves(&program));
     output.result(
-        format!("{shown}: {count} moves"),
+        format!("{shown}: {}", counted(count, "move")),
         || json!({"program": shown, "moves": count}),
     );
     Ok(())
@@ -152,8 +153,9 @@ fn simulate(command: &Gcode, program: &Program, made: &StructuredText, output: &
     let seconds = seconds.unwrap_or_default();
     let (shown, moves) = (command.file.display().to_string(), moves(program));
     let (lines, arcs) = (count(program, false), count(program, true));
+    let [all, straight, round] = [(moves, "move"), (lines, "line"), (arcs, "arc")].map(|(n, noun)| counted(n, noun));
     output.result(
-        format!("{shown}: {moves} moves ({lines} lines, {arcs} arcs) in {seconds:.3} s"),
+        format!("{shown}: {all} ({straight}, {round}) in {seconds:.3} s"),
         || json!({"program": shown, "moves": moves, "lines": lines, "arcs": arcs, "seconds": seconds}),
     );
     Ok(())

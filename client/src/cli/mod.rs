@@ -72,6 +72,13 @@ pub(crate) enum Failure {
     /// The arguments of a line of the shell, as clap tells it.
     #[error("{0}")]
     Usage(String),
+    /// A tag of another type than the command is about.
+    #[error("{name} has the type {type_name}, expected {expected}")]
+    WrongType {
+        name: String,
+        type_name: String,
+        expected: &'static str,
+    },
     #[error("{axis} cannot have the fault {fault}: it has no drive")]
     NoSuchFault { axis: String, fault: &'static str },
     /// What has been done about it has been told already.
@@ -105,7 +112,7 @@ impl Failure {
             } => 1,
             Self::Gcode { .. } | Self::Move { .. } | Self::Plot { .. } => 2,
             Self::Simulate { code, .. } => *code,
-            Self::NoSuchError { .. } | Self::Terminal(_) | Self::Usage(_) => 2,
+            Self::NoSuchError { .. } | Self::Terminal(_) | Self::Usage(_) | Self::WrongType { .. } => 2,
             Self::Program(ProgramError::Runtime(_)) | Self::Several { .. } => 1,
             Self::Interrupted => 130,
             Self::Told { code } => *code,

@@ -94,6 +94,12 @@ impl Output {
     }
 }
 
+/// `1 move`, `2 moves`.
+pub(crate) fn counted(count: impl TryInto<u64>, noun: &str) -> String {
+    let count = count.try_into().unwrap_or(u64::MAX);
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
 /// Columns as wide as their widest cell; numbers to the right.
 pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
@@ -130,7 +136,13 @@ pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::table;
+    use super::{counted, table};
+
+    #[test]
+    fn nouns_follow_their_number() {
+        let counts = [0_usize, 1, 24].map(|count| counted(count, "instruction"));
+        assert_eq!(counts, ["0 instructions", "1 instruction", "24 instructions"]);
+    }
 
     #[test]
     fn tables_are_aligned() {

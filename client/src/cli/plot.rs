@@ -7,6 +7,7 @@ use serde_json::json;
 use arcline_plot::{Mark, Options, PlotError, Trace, png, svg};
 
 use super::args::Plot;
+use super::output::counted;
 use super::{Failure, Output};
 
 /// `plot`.
@@ -52,7 +53,7 @@ pub(crate) fn plot(command: &Plot, output: &Output) -> Result<(), Failure> {
     let shown = target.display().to_string();
     let rows = columns.time.len();
     output.result(
-        format!("{shown}: {rows} rows drawn"),
+        format!("{shown}: {} drawn", counted(rows, "row")),
         || json!({"picture": shown, "rows": rows}),
     );
     Ok(())

@@ -5,6 +5,7 @@ use serde_json::json;
 use arcline_client::{Client, Event, OnError, Runner};
 
 use super::args::{Exec, Run};
+use super::output::counted;
 use super::wait::{self, Course, Stopping};
 use super::{Failure, Output, moves};
 
@@ -128,7 +129,7 @@ pub(crate) async fn to_its_end(
         }
     }
     output.result(
-        format!("{name}: {executed} instructions executed, {erred} erred"),
+        format!("{name}: {} executed, {erred} erred", counted(executed, "instruction")),
         || json!({"program": name, "executed": executed, "erred": erred}),
     );
     if erred > 0 {

@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value as Json, json};
 
-use arcline_client::{Client, ClientError, Object, Reading, Tag, nearest};
+use arcline_client::{Client, ClientError, Object, Reading, Tag};
 
 use super::output::table;
 use super::{Failure, Output};
 
 /// Tag of the real-time thread.
 const REAL_TIME: &str = "RealTime";
+/// Axes of a coordinate system on a server that does not tell how many there are.
+const PRIMARY_AXES: usize = 3;
 /// Tag of the feed overrides.
 const FEED_OVERRIDE: &str = "FeedOverride";
 
@@ -86,31 +88,48 @@ pub(super) struct Looked {
     objects: Vec<(Tag, Kind)>,
     /// Every coordinate system, in the order of the feed overrides.
     systems: Vec<String>,
+    /// How many axes those that are looked at have.
+    axes: BTreeMap<String, usize>,
 }
 
 impl Looked {
     /// Those of these names, case ignored; all that there are when no name is given.
     pub(super) async fn at(client: &Client, names: &[String]) -> Result<Self, Failure> {
         let tags = client.browse().await?;
+        for name in names {
+            match tags.iter().find(|tag| tag.name.eq_ignore_ascii_case(name)) {
+                Some(tag) if kind(tag).is_some() => {}
+                Some(tag) => {
+                    return Err(Failure::WrongType {
+                        name: tag.name.clone(),
+                        type_name: tag.type_name(),
+                        expected: "an axis, a coordinate system or the motion group; `arcline read` shows any tag",
+                    });
+                }
+                None => {
+                    let shown = tags.iter().filter(|tag| kind(tag).is_some());
+                    return Err(ClientError::unknown_tag(name, shown.map(|tag| &tag.name)).into());
+                }
+            }
+        }
         let all: Vec<(Tag, Kind)> = tags
             .into_iter()
             .filter_map(|tag| kind(&tag).map(|kind| (tag, kind)))
             .collect();
-        for name in names {
-            if !all.iter().any(|(tag, _)| tag.name.eq_ignore_ascii_case(name)) {
-                let suggestion = nearest(name, all.iter().map(|(tag, _)| tag.name.as_str()));
-                return Err(ClientError::UnknownTag {
-                    name: name.clone(),
-                    suggestion,
-                }
-                .into());
-            }
-        }
         let asked = |tag: &Tag| names.is_empty() || names.iter().any(|name| name.eq_ignore_ascii_case(&tag.name));
         let systems = all.iter().filter(|(_, kind)| *kind == Kind::System);
-        let systems = systems.map(|(tag, _)| tag.name.clone()).collect();
-        let objects = all.into_iter().filter(|(tag, _)| asked(tag)).collect();
-        Ok(Self { objects, systems })
+        let systems: Vec<String> = systems.map(|(tag, _)| tag.name.clone()).collect();
+        let objects: Vec<(Tag, Kind)> = all.into_iter().filter(|(tag, _)| asked(tag)).collect();
+        let mut axes = BTreeMap::new();
+        for (name, instance) in systems.iter().zip(1..) {
+            if objects.iter().any(|(tag, _)| tag.name == *name) {
+                match client.axis_count(instance).await {
+                    Err(error) if error.is_connection() => return Err(error.into()),
+                    count => axes.insert(name.clone(), count.unwrap_or(PRIMARY_AXES)),
+                };
+            }
+        }
+        Ok(Self { objects, systems, axes })
     }
 
     /// Reads them, as far as possible at the same moment.
@@ -126,7 +145,10 @@ impl Looked {
             let reading = reading?;
             shown.push(match kind {
                 Kind::Axis => axis(tag, &reading),
-                Kind::System => system(tag, &reading, overrides.get(&tag.name).copied()),
+                Kind::System => {
+                    let axes = self.axes.get(&tag.name).copied().unwrap_or(PRIMARY_AXES);
+                    system(tag, &reading, axes, overrides.get(&tag.name).copied())
+                }
                 Kind::Group => group(tag, &reading),
                 Kind::RealTime => real_time(tag, &reading),
             });
@@ -228,11 +250,13 @@ fn axis(tag: &Tag, reading: &Reading) -> Shown {
     }
 }
 
-fn system(tag: &Tag, reading: &Reading, percent: Option<f64>) -> Shown {
-    let position = reading
+fn system(tag: &Tag, reading: &Reading, axes: usize, percent: Option<f64>) -> Shown {
+    let mut position = reading
         .member("ActualPosition")
         .and_then(Reading::numbers)
         .unwrap_or_default();
+    // The others are unused and 0.
+    position.truncate(axes);
     let motion = words(
         reading,
         &[
@@ -259,8 +283,7 @@ fn system(tag: &Tag, reading: &Reading, percent: Option<f64>) -> Shown {
         Some(percent) if percent != 100.0 => state.push_str(&format!(", override {percent}%")),
         _ => {}
     }
-    // At most three axes; the others are unused and 0.
-    let shown: Vec<String> = position.iter().take(3).map(|axis| fixed(*axis)).collect();
+    let shown: Vec<String> = position.iter().map(|axis| fixed(*axis)).collect();
     let object = json!({
         "kind": "coordinate system", "name": tag.name, "position": position, "ready": reading.flag("ReadyStatus"),
         "state": state, "faults": faults.split_whitespace().collect::<Vec<_>>(), "override": percent,

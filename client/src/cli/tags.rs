@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use arcline_client::{Access, Client, Input, Reading};
+use arcline_client::{Access, Client, Input, Reading, nearest};
 
 use super::args::{CreateTag, DeleteTag, TagAccess, Tags, TagsChange, Write};
 use super::output::table;
@@ -62,7 +62,11 @@ async fn list(client: &Client, pattern: Option<&str>, output: &Output) -> Result
         }
         rows.push(vec![tag.name.clone(), tag.type_name(), access.to_owned()]);
     }
-    if !output.is_json() {
+    if let Some(pattern) = pattern.filter(|_| rows.is_empty()) {
+        let near = nearest(pattern, tags.iter().map(|tag| &tag.name));
+        let near = near.map(|near| format!(", did you mean {near:?}?")).unwrap_or_default();
+        output.note(&format!("no tag matches {pattern:?}{near}"));
+    } else if !output.is_json() {
         output.result(table(&["tag", "type", "access"], &rows), || json!(null));
     }
     Ok(())

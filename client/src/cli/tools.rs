@@ -9,6 +9,7 @@ use arcline_client::{Client, ClientError, Mnemonic, nearest};
 use arcline_instruction_set::{FAULTS, explain as explain_error};
 
 use super::args::{self, Completions, Explain, Man, Subject};
+use super::output::counted;
 use super::{Failure, Output};
 
 /// `explain`: connects only when the subject is a tag of the server.
@@ -128,7 +129,7 @@ pub(crate) fn man(command: &Man, output: &Output) -> Result<(), Failure> {
     }
     let shown = folder.display().to_string();
     output.result(
-        format!("{shown}: {count} pages"),
+        format!("{shown}: {}", counted(count, "page")),
         || json!({"folder": shown, "pages": count}),
     );
     Ok(())

@@ -7,9 +7,10 @@ use std::time::Duration;
 
 use serde_json::json;
 
-use arcline_client::{Client, ClientError, Object, TraceRequest, TraceState, nearest};
+use arcline_client::{Client, ClientError, Object, TraceRequest, TraceState, Trigger, nearest};
 
 use super::args::Trace;
+use super::output::counted;
 use super::{Failure, Output, wait};
 use csv::Csv;
 use mcap::Mcap;
@@ -60,6 +61,7 @@ pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> 
     } else {
         Sink::Csv(Csv::create(&command.output, &request.signals, period).map_err(at)?)
     };
+    tell_unmade(client, &request.trigger, output).await?;
     let instance = client.start_trace(&request).await?;
     let result = follow(client, instance, &mut sink, command, output).await;
     // It would be forgotten in a minute anyway.
@@ -74,12 +76,32 @@ pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> 
     let gap = if missing == 0 {
         "no gap".to_owned()
     } else {
-        format!("{missing} ticks missing")
+        format!("{} missing", counted(missing, "tick"))
     };
     output.result(
-        format!("{shown}: {rows} rows of {width} signals, {gap}"),
+        format!(
+            "{shown}: {} of {}, {gap}",
+            counted(rows, "row"),
+            counted(width, "signal")
+        ),
         || json!({"trace": shown, "rows": rows, "signals": request.signals, "missing": missing}),
     );
+    Ok(())
+}
+
+/// Says so when a trigger waits for a motion control tag that nothing has made yet: it may be a slip.
+async fn tell_unmade(client: &Client, trigger: &Trigger, output: &Output) -> Result<(), Failure> {
+    let Trigger::Instruction { name, .. } = trigger else {
+        return Ok(());
+    };
+    let known = client.instruction_names().await?;
+    if !known.iter().any(|known| known.eq_ignore_ascii_case(name)) {
+        let near = nearest(name, &known).map(|near| format!(", did you mean {near:?}?"));
+        output.note(&format!(
+            "no instruction has made {name:?} yet{}",
+            near.unwrap_or_default()
+        ));
+    }
     Ok(())
 }
 
@@ -102,17 +124,19 @@ async fn follow(
     let mut taken = Taken::default();
     let mut from = 0;
     let mut interrupted = std::pin::pin!(wait::interrupted());
-    let mut told = false;
+    let (mut waited, mut told) = (false, false);
     loop {
         let read = client.read_trace(instance, from).await?;
         if read.rows.is_empty() {
             if read.state == TraceState::Ended {
                 return Ok(taken);
             }
-            if read.state == TraceState::Armed && !told {
+            // Told from the second look on: by then Ctrl-C is listened for.
+            if read.state == TraceState::Armed && waited && !told {
                 told = true;
                 output.note("waiting for the trigger");
             }
+            waited = true;
             tokio::select! {
                 () = tokio::time::sleep(POLL) => {}
                 // What has been recorded by then is still taken.
@@ -169,10 +193,15 @@ async fn signals(client: &Client, names: &[String]) -> Result<Vec<String>, Failu
                     .filter(|signal| known.contains(signal)),
             );
         } else {
-            let known = axes.iter().chain(&systems).map(String::as_str);
-            let suggestion = nearest(name, known);
-            let name = name.clone();
-            return Err(ClientError::UnknownTag { name, suggestion }.into());
+            return Err(match client.tag(name).await {
+                Ok(tag) => Failure::WrongType {
+                    type_name: tag.type_name(),
+                    name: tag.name,
+                    expected: "an axis, a coordinate system, or a signal of one such as X.ActualPosition",
+                },
+                Err(error) if error.is_connection() => error.into(),
+                Err(_) => ClientError::unknown_tag(name, axes.iter().chain(&systems)).into(),
+            });
         }
     }
     Ok(signals)

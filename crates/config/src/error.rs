@@ -120,14 +120,3 @@ fn suggest(suggestion: &Option<String>) -> String {
         .map(|word| format!(" (did you mean `{word}`?)"))
         .unwrap_or_default()
 }
-
-/// The candidate nearest to a word, when it is near enough to be a slip.
-pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    let word = word.to_ascii_lowercase();
-    candidates
-        .into_iter()
-        .map(|candidate| (strsim::jaro_winkler(&word, &candidate.to_ascii_lowercase()), candidate))
-        .filter(|(similarity, _)| *similarity >= 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate.to_owned())
-}

@@ -2,10 +2,11 @@
 
 use std::ops::{Range, RangeInclusive};
 
+use arcline_tag::nearest;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{ConfigError, Problem, nearest};
+use crate::error::{ConfigError, Problem};
 
 /// The file, for turning offsets into lines.
 #[derive(Clone, Copy)]

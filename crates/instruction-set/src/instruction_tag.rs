@@ -6,8 +6,8 @@
 use std::sync::{Arc, LazyLock};
 
 use arcline_tag::{
-    DataType, Elementary, Member, STRING_SIZE, Template, TemplateBuilder, Value, string_template, string_text,
-    write_string,
+    DataType, Elementary, Location, Member, PathError, PathSegment, STRING_SIZE, TagType, Template, TemplateBuilder,
+    Value, string_template, string_text, write_string,
 };
 
 use crate::instruction::{ArrayRule, Kind};
@@ -15,6 +15,9 @@ use crate::{Given, Instruction, MAX_ELEMENTS, Mnemonic, Operand, predefined};
 
 /// Template instance of the first instruction's tag type; the others follow in the order of [`Mnemonic::ALL`].
 const FIRST_INSTANCE: u16 = 0x100;
+
+/// The member that is the instruction's MOTION_INSTRUCTION.
+const MOTION_CONTROL: &str = "MotionControl";
 
 /// Elements of an Event Distance member.
 const EVENT_ELEMENTS: u16 = 4;
@@ -28,6 +31,29 @@ pub fn instruction_tag_template(mnemonic: Mnemonic) -> Arc<Template> {
             .collect()
     });
     TEMPLATES[mnemonic as usize].clone()
+}
+
+/// Where the segments behind a tag's name lead. A status bit of an instruction tag is found without naming `MotionControl`:
+/// `PC` is `MotionControl.PC`. Of other tags it is [`TagType::locate`].
+///
+/// # Errors
+/// Names the member, index or bit that does not exist.
+pub fn locate<S: AsRef<str>>(tag_type: &TagType, rest: &[PathSegment<S>]) -> Result<Location, PathError> {
+    tag_type.locate(rest).or_else(|error| {
+        if !matches!(error, PathError::NoSuchMember { .. }) || !is_instruction(tag_type) {
+            return Err(error);
+        }
+        let control = std::iter::once(PathSegment::Symbol(MOTION_CONTROL));
+        let inner: Vec<_> = control.chain(rest.iter().map(PathSegment::borrowed)).collect();
+        tag_type.locate(&inner).map_err(|_| error)
+    })
+}
+
+fn is_instruction(tag_type: &TagType) -> bool {
+    match &tag_type.data_type {
+        DataType::Structure(template) => tag_type.rank() == 0 && template.name.parse::<Mnemonic>().is_ok(),
+        DataType::Elementary(_) => false,
+    }
 }
 
 /// The first bytes of such a tag: a full-speed S-curve, no target.
@@ -110,7 +136,7 @@ fn build(instruction: &Instruction) -> Arc<Template> {
     if instruction.has_target() {
         builder = builder.member(instruction.object.member(), string_template());
     }
-    builder = builder.member("MotionControl", predefined::motion_instruction());
+    builder = builder.member(MOTION_CONTROL, predefined::motion_instruction());
     for operand in instruction.given_operands().map(|place| &instruction.operands[place]) {
         let name = operand.member();
         builder = match operand.kind {
@@ -197,6 +223,30 @@ mod tests {
                 "{mnemonic} {name}"
             );
         }
+    }
+
+    #[test]
+    fn status_bits_are_found_without_their_structure() {
+        let of = |tag_type: &TagType, path: &str| {
+            let path: arcline_tag::TagPath = path.parse().expect("a path");
+            locate(tag_type, path.rest()).map_err(|error| error.to_string())
+        };
+        let tag = TagType::scalar(instruction_tag_template(Mnemonic::Mclm));
+        for name in ["PC", "pc", "ERR", "FLAGS.3"] {
+            let (short, long) = (
+                of(&tag, &format!("T.{name}")),
+                of(&tag, &format!("T.MotionControl.{name}")),
+            );
+            assert_eq!(short, long, "{name}");
+            assert!(short.is_ok(), "{name}: {short:?}");
+        }
+        let slip = "MCLM has no member \"Sped\", did you mean \"Speed\"?";
+        assert_eq!(of(&tag, "T.Sped"), Err(slip.to_owned()));
+        assert!(of(&tag, "T.Position.PC").is_err(), "only of the tag itself");
+        assert!(
+            of(&TagType::scalar(predefined::axis_virtual()), "T.PC").is_err(),
+            "only of an instruction"
+        );
     }
 
     #[test]

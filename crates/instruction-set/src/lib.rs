@@ -34,7 +34,7 @@ pub use instruction::{
     ArrayRule, Axes, Condition, FIRST_SERVICE, Instruction, Kind, Object, Operand, Range, Timing, by_service, services,
 };
 pub use instruction_tag::{
-    instruction_tag_defaults, instruction_tag_given, instruction_tag_target, instruction_tag_template,
+    instruction_tag_defaults, instruction_tag_given, instruction_tag_target, instruction_tag_template, locate,
     set_instruction_tag_target,
 };
 pub use mnemonic::{Mnemonic, UnknownMnemonic};

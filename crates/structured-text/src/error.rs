@@ -156,23 +156,6 @@ pub(crate) fn suggest(suggestion: &Option<String>) -> String {
         .unwrap_or_default()
 }
 
-/// The candidate nearest to a word, when it is near enough to be a slip.
-pub(crate) fn nearest<S: AsRef<str>>(word: &str, candidates: impl IntoIterator<Item = S>) -> Option<String> {
-    // A slip of the pen is short; no need to compare a text of kilobytes.
-    let word: String = word.chars().take(60).collect::<String>().to_ascii_lowercase();
-    candidates
-        .into_iter()
-        .map(|candidate| {
-            (
-                strsim::jaro_winkler(&word, &candidate.as_ref().to_ascii_lowercase()),
-                candidate,
-            )
-        })
-        .filter(|(similarity, _)| *similarity >= 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate.as_ref().to_owned())
-}
-
 /// A program that cannot go on.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[error("line {line}: {problem}")]

@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use arcline_instruction_set::{Mnemonic, Object, predefined};
-use arcline_tag::{DataType, TagPath, TagType, Value};
+use arcline_tag::{DataType, Location, PathError, TagPath, TagType, Value, nearest};
 
 use crate::code::{Meaning, Op, Path, Use};
-use crate::error::{SyntaxError, SyntaxProblem, nearest};
+use crate::error::{SyntaxError, SyntaxProblem};
 use crate::parser::{self, unknown_word};
 
 /// A program: instruction calls, assignments, conditions and loops, ready to run
@@ -56,8 +56,9 @@ pub trait Names {
     /// Whether there is an object of that sort and name.
     fn is_object(&self, object: Object, name: &str) -> bool;
 
-    /// Whether the path leads to a tag or a part of one.
-    fn is_tag(&self, path: &TagPath) -> bool;
+    /// Whether the path leads to a tag or a part of one: `None` when there is no such tag, an error when it has no such
+    /// part.
+    fn locate(&self, path: &TagPath) -> Option<Result<(), PathError>>;
 
     /// The objects of a sort, for "did you mean".
     fn objects(&self, object: Object) -> Vec<String> {
@@ -141,7 +142,7 @@ impl Program {
             let Some(name) = path.plain_name().map(str::to_ascii_lowercase) else {
                 continue;
             };
-            if variables.contains_key(&name) || controls.contains(&name) || names.is_tag(&path.sample()) {
+            if variables.contains_key(&name) || controls.contains(&name) || is_tag(names, &path.sample()) {
                 continue;
             }
             variables.insert(name, self.variables);
@@ -179,11 +180,14 @@ impl Program {
             Meaning::Read(path) | Meaning::Assigned(path) => (&self.paths[*path as usize], true),
         };
         let sample = path.sample();
-        if may_be_variable && path.variable.is_some() || names.is_tag(&sample) || is_control(&sample, controls) {
+        if may_be_variable && path.variable.is_some() || is_tag(names, &sample) || is_control(&sample, controls) {
             return Ok(());
         }
         if let Some(word) = &one.word {
             return Err(unknown_word(&self.text, word, names.tags().into_iter()));
+        }
+        if let Some(no_part) = missing_part(names, &sample, controls) {
+            return error(SyntaxProblem::Path { error: no_part });
         }
         let variables = self.paths.iter().filter(|path| path.variable.is_some());
         let variables = variables.filter_map(|path| path.plain_name().map(str::to_owned));
@@ -193,7 +197,7 @@ impl Program {
             .chain(variables)
             .chain(self.control_tags().map(str::to_owned));
         let suggestion = nearest(sample.tag().unwrap_or_default(), known)
-            // The tag is there, its member is not: its own name would be no help.
+            // A motion control tag that is there once the program runs: its own name would be no help.
             .filter(|name| !sample.tag().is_some_and(|tag| tag.eq_ignore_ascii_case(name)));
         error(SyntaxProblem::UnknownTag {
             path: sample.to_string(),
@@ -202,19 +206,39 @@ impl Program {
     }
 }
 
-/// Whether the path leads to a member of a motion control tag that the program makes.
-fn is_control(path: &TagPath, controls: &BTreeSet<String>) -> bool {
+/// Whether the path leads to a tag or a part of one.
+fn is_tag(names: &dyn Names, path: &TagPath) -> bool {
+    matches!(names.locate(path), Some(Ok(())))
+}
+
+/// Whether the path begins with a motion control tag that the program makes.
+fn is_of_control(path: &TagPath, controls: &BTreeSet<String>) -> bool {
     path.tag()
         .is_some_and(|tag| controls.contains(&tag.to_ascii_lowercase()))
-        && unmade_control(path).is_some()
+}
+
+/// Whether the path leads to a member of a motion control tag that the program makes.
+fn is_control(path: &TagPath, controls: &BTreeSet<String>) -> bool {
+    is_of_control(path, controls) && unmade_control(path).is_some()
+}
+
+/// What a tag that is there, or will be, lacks of a path into it.
+fn missing_part(names: &dyn Names, path: &TagPath, controls: &BTreeSet<String>) -> Option<PathError> {
+    match names.locate(path) {
+        Some(found) => found.err(),
+        None if is_of_control(path, controls) => in_control(path).err(),
+        None => None,
+    }
+}
+
+fn in_control(path: &TagPath) -> Result<Location, PathError> {
+    TagType::scalar(predefined::motion_instruction()).locate(path.rest())
 }
 
 /// What a member of a motion control tag reads as that no execution has made yet: the zero of its type. `None` when
 /// a MOTION_INSTRUCTION has no such member.
 pub fn unmade_control(path: &TagPath) -> Option<Value> {
-    let place = TagType::scalar(predefined::motion_instruction())
-        .locate(path.rest())
-        .ok()?;
+    let place = in_control(path).ok()?;
     match place.data_type {
         DataType::Elementary(_) if place.bit.is_some() => Some(Value::Bool(false)),
         DataType::Elementary(elementary) => Some(Value::from_f64(elementary, 0.0)),

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use arcline_instruction_set::{Given, Object};
-use arcline_tag::{TagPath, Value};
+use arcline_instruction_set::{Given, Object, predefined};
+use arcline_tag::{PathError, TagPath, TagType, Value};
 
 use crate::{Answer, Interpreter, Names, Program, Request, RuntimeProblem, STATEMENTS_PER_TICK};
 
@@ -18,10 +18,18 @@ impl Names for Machine {
             .any(|known| known.eq_ignore_ascii_case(name))
     }
 
-    fn is_tag(&self, path: &TagPath) -> bool {
-        self.tags()
+    fn locate(&self, path: &TagPath) -> Option<Result<(), PathError>> {
+        let tag = path.tag()?;
+        // X is an axis; of the others any part will do.
+        if tag.eq_ignore_ascii_case("X") {
+            let axis = TagType::scalar(predefined::axis_cip_drive());
+            return Some(axis.locate(path.rest()).map(drop));
+        }
+        let known = self.tags();
+        known
             .iter()
-            .any(|known| path.tag().is_some_and(|tag| tag.eq_ignore_ascii_case(known)))
+            .any(|known| tag.eq_ignore_ascii_case(known))
+            .then_some(Ok(()))
     }
 
     fn objects(&self, object: Object) -> Vec<String> {
@@ -198,7 +206,9 @@ fn errors_have_a_place() {
         ("no such word", "MCS(CS1, S1, Al);", "line 1, column 14: operand 2 (Stop Type) has no word `Al`, did you mean `All`?"),
         ("a percentage of nothing", "MCS(CS1, S1, All, Yes, 1, %ofNothing);", "line 1, column 27: operand 5 (Decel Units) has no word `%ofNothing`"),
         ("no such tag", "Count := Recip + 1;", "line 1, column 10: there is no tag `Recip`, did you mean `Recipe`?"),
-        ("no such member", "MSO(X, M1); WAIT(M1.PX);", "line 1, column 18: there is no tag `M1.PX`"),
+        ("no such member", "MSO(X, M1); WAIT(M1.PX);", "line 1, column 18: MOTION_INSTRUCTION has no member \"PX\""),
+        ("a slip in a member", "Count := X.ActualPositon;", "line 1, column 10: AXIS_CIP_DRIVE has no member \"ActualPositon\", did you mean \"ActualPosition\"?"),
+        ("a slip in a control's member", "MSO(X, M1); WAIT(M1.Stat = 0);", "line 1, column 18: MOTION_INSTRUCTION has no member \"Stat\", did you mean \"STATE\"?"),
         ("a variable that nothing assigns", "Count := i;", "line 1, column 10: there is no tag `i`"),
         ("too many operands", "MSO(X, M1, 1);", "line 1, column 12: MSO has 2 operands, this is one too many"),
         ("a comment without end", "a := 1; (* b", "line 1, column 9: the comment that begins here has no end, expected `*)`"),
@@ -319,8 +329,8 @@ fn the_seeds_lines() {
         fn is_object(&self, _: Object, _: &str) -> bool {
             true
         }
-        fn is_tag(&self, path: &TagPath) -> bool {
-            path.tag().is_some_and(|tag| tag.to_ascii_lowercase().starts_with("my"))
+        fn locate(&self, path: &TagPath) -> Option<Result<(), PathError>> {
+            path.tag()?.to_ascii_lowercase().starts_with("my").then_some(Ok(()))
         }
     }
     let lines = [

@@ -7,12 +7,14 @@
 #![forbid(unsafe_code)]
 
 mod elementary;
+mod nearest;
 mod path;
 mod tag_type;
 mod template;
 mod value;
 
 pub use elementary::Elementary;
+pub use nearest::nearest;
 pub use path::{PathError, PathSegment, TagPath, program_name, scope, split};
 pub use tag_type::{Location, TagType};
 pub use template::{

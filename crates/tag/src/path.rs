@@ -5,6 +5,9 @@
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
+
+use crate::{Template, nearest};
 
 /// One step of a tag path. Names are `&str` where they are only followed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash)]
@@ -129,12 +132,12 @@ pub enum PathError {
         position: usize,
     },
     /// A structure has no member of that name.
-    #[error("{structure} has no member {member:?}")]
+    #[error("{} has no member {member:?}{}", .structure.name, did_you_mean(.member, .structure))]
     NoSuchMember {
         /// Name that was looked for.
         member: String,
         /// Type that was looked in.
-        structure: String,
+        structure: Arc<Template>,
     },
     /// A member name behind something that is no structure, or behind an array without index.
     #[error("{member:?} cannot be a member of {of}")]
@@ -174,6 +177,28 @@ pub enum PathError {
         /// The type.
         of: String,
     },
+}
+
+impl PathError {
+    /// The member that was probably meant by one that is not there. Looked for when it is asked for, since a path that
+    /// leads nowhere may be one of many tries.
+    pub fn suggestion(&self) -> Option<String> {
+        match self {
+            Self::NoSuchMember { member, structure } => nearest_member(member, structure),
+            _ => None,
+        }
+    }
+}
+
+fn nearest_member(member: &str, structure: &Template) -> Option<String> {
+    let shown = structure.members.iter().filter(|member| !member.hidden);
+    nearest(member, shown.map(|member| member.name.as_str()))
+}
+
+fn did_you_mean(member: &str, structure: &Template) -> String {
+    nearest_member(member, structure)
+        .map(|near| format!(", did you mean {near:?}?"))
+        .unwrap_or_default()
 }
 
 impl FromStr for TagPath {

@@ -121,7 +121,7 @@ impl TagType {
                     let Some(member) = template.member(name) else {
                         return Err(PathError::NoSuchMember {
                             member: name.to_owned(),
-                            structure: template.name.clone(),
+                            structure: template.clone(),
                         });
                     };
                     offset += member.offset as usize;
@@ -254,6 +254,8 @@ mod tests {
             ("M[2]",          "index 2 is out of range, the array has 2 elements"),
             ("M.Id",          "\"Id\" cannot be a member of Outer"),
             ("M[0].Nothing",  "Outer has no member \"Nothing\""),
+            ("M[0].cels",     "Outer has no member \"cels\", did you mean \"Cells\"?"),
+            ("M[0].Cells[0].Conut", "Inner has no member \"Conut\", did you mean \"Count\"?"),
             ("M[0].Id[0]",    "INT is not an array"),
             ("M[0].Id.16",    "INT has no bit 16"),
             ("M[0].Id.1.1",   "INT has no bit 1"),

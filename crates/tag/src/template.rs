@@ -8,7 +8,7 @@ use std::sync::{Arc, LazyLock};
 use crate::Elementary;
 
 /// An elementary type or a structure.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub enum DataType {
     /// One of the elementary CIP types.
     Elementary(Elementary),
@@ -65,7 +65,7 @@ impl From<Arc<Template>> for DataType {
 }
 
 /// A structure type as clients see it.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Template {
     /// Type name, without the `;n` of user types.
     pub name: String,
@@ -80,7 +80,7 @@ pub struct Template {
 }
 
 /// A member of a structure.
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Member {
     /// Name, matched without case.
     pub name: String,

@@ -84,7 +84,7 @@ export class Events {
         h("time", {}, `+${duration(step.time_s - life.began)}`),
         (step.set ?? []).map((bit) => h("span.chip.set", {}, bit)), (step.clear ?? []).map((bit) => h("span.chip.clear", { title: `${bit} cleared` }, bit)),
         h("small", {}, `tick ${step.tick}`)))),
-      h("p.life-by", {}, life.viewer ? `By ${life.viewer}. ` : "",
+      h("p.life-by", {}, life.viewer && h("span", {}, `By ${life.viewer}`),
         h("button", { type: "button", onclick: () => this.#moment(life) }, icon("trends"), "Show this moment")));
     return h(`li.life.${kind}`, {}, details);
   }

@@ -91,7 +91,9 @@ export class Machine {
     text(row.error, fixed(status.error, 4));
     text(row.velocity, fixed(status.velocity, 2));
     property(row.bar, "--share", share(status.velocity, axis.max_speed));
-    text(row.state, status.state);
+    text(row.state, standing(status));
+    const title = `CIP axis state: ${status.state}`;
+    if (row.state.title !== title) row.state.title = title;
     state(row.state, "kind", status.faults.length ? "bad" : status.moving ? "busy" : "calm");
     text(row.homed, status.homed ? "Homed" : "Not homed");
     state(row.homed, "kind", status.homed ? "calm" : "warn");
@@ -126,6 +128,12 @@ export class Machine {
     state(part.driver, "kind", driver === store.viewer && driver !== null ? "mine" : "calm");
     chips(part.bits, status.bits, "chip", "No status bit is set");
   }
+}
+
+/** What an axis does; a drive that runs may stand still. */
+function standing({ state, moving }) {
+  if (state !== "Running") return state;
+  return moving ? "Moving" : "At rest";
 }
 
 function share(value, most) {

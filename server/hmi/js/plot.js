@@ -7,6 +7,8 @@ import { clock, decimals, duration, fixed, niceStep, short } from "./format.js";
 export const MARGIN = { left: 62, right: 12, top: 6, bottom: 22, gap: 8 };
 
 const TITLE = 17;
+/** Least height of a step between two numbers at the left. */
+const LABEL = 24;
 
 /** Where each lane is: `{top, height}` in pixels. */
 export function places(count, height) {
@@ -112,7 +114,7 @@ function drawLane(context, width, lane, columns, { top, tall, from, to }, colour
   const [low, high] = lane.range;
   const y = (value) => top + tall - ((value - low) / (high - low)) * tall;
   const right = width - MARGIN.right;
-  const step = niceStep(((high - low) * 30) / Math.max(tall, 1));
+  const step = niceStep(((high - low) * LABEL) / Math.max(tall, 1));
   const places = decimals(step);
   context.font = `11px ${colours.font}`;
   context.textAlign = "right";

@@ -29,7 +29,7 @@ export class Tags {
     this.element = h("section.view.tags", { "aria-label": this.title },
       h("div.panel.tag-list", {}, h("div.row", {}, h("h2", {}, "Tags"), this.search, this.count),
         h("div.scroll", {}, h("table", {}, head("", "Name", "Type", "Access", ""), this.table), this.more)),
-      h("div.panel.watch-list", {}, h("div.row", {}, h("h2", {}, "Watched"), h("span.spring"), this.add, h("button", { type: "button", onclick: () => this.#add() }, "Watch")),
+      h("div.panel.watch-list", {}, h("div.row", {}, h("h2", {}, "Watched"), this.add, h("button", { type: "button", onclick: () => this.#add() }, "Watch")),
         this.empty, h("div.scroll", {}, h("table", {}, head("Name", "Value", "Write", ""), this.watch))));
     app.store.addEventListener("values", ({ detail }) => this.#values(detail.values));
     app.connection.addEventListener("open", () => this.#watchAll());

@@ -10,6 +10,7 @@ mod drive;
 mod events;
 mod frames;
 mod instructions;
+mod jog;
 mod line;
 mod machine;
 mod message;
@@ -36,7 +37,8 @@ use tokio::sync::{Semaphore, broadcast, watch};
 
 use crate::plant::Plant;
 use assets::Assets;
-use drive::{Jogs, Origins};
+use drive::Origins;
+use jog::Jogs;
 use program::Programs;
 use rights::Rights;
 use status::Status;
@@ -120,7 +122,7 @@ impl Hmi {
     pub async fn serve(self) {
         let statuses = status::produce(self.shared.clone());
         let samples = frames::produce(self.shared.clone());
-        let dead_man = drive::watch(self.shared.clone());
+        let dead_man = jog::watch(self.shared.clone());
         let events = events::produce(self.shared.clone());
         let connections = serve::accept(self.listener, self.shared);
         tokio::join!(dead_man, statuses, samples, events, connections);

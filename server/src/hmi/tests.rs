@@ -356,6 +356,7 @@ async fn the_state_is_pushed() {
     assert!(second["tick"].as_u64() > first["tick"].as_u64(), "{first} {second}");
 }
 
+mod costs;
 mod driving;
 mod looking;
 mod previews;

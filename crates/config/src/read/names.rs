@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 pub use arcline_controller::image::is_tag_name as is_name;
+use arcline_tag::nearest;
 
-use crate::error::{ConfigError, Problem, nearest};
+use crate::error::{ConfigError, Problem};
 use crate::section::{Placed, Section};
 
 /// The names in use, in lower case, with the line of each.

@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use arcline_controller::image::{Access, MAX_PLAIN_TAGS};
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::{Mnemonic, Object};
-use arcline_tag::{Elementary, PathSegment, TagPath, TagType};
+use arcline_tag::{Elementary, PathSegment, TagPath, TagType, nearest};
 
 use super::names::{NAME, Taken, is_name, required_name, unknown_name};
 use super::types::{TAG_TYPE, Types};
 use super::value::encode;
-use crate::error::{ConfigError, Problem, nearest};
+use crate::error::{ConfigError, Problem};
 use crate::section::{Placed, Section};
 use crate::{InstructionTag, PlainTag};
 
@@ -166,9 +166,8 @@ fn alias(section: &Section<'_>, program: Option<&str>, tags: &[PlainTag]) -> Res
         let known = tags.iter().map(|tag| tag.name.as_str());
         return Err(unknown_name(section, &given, "tag above", known));
     };
-    let Ok(place) = base.tag_type.locate(rest) else {
-        return Err(section.refuse(&given, ALIAS, None));
-    };
+    let place = base.tag_type.locate(rest);
+    let place = place.map_err(|error| section.refuse(&given, ALIAS, error.suggestion()))?;
     let tag_type = match (place.bit, rest.is_empty()) {
         (Some(_), _) => TagType::scalar(Elementary::Bool),
         (None, true) => base.tag_type.clone(),

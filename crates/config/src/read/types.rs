@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use arcline_controller::image::MAX_PLAIN_BYTES;
 use arcline_instruction_set::predefined;
-use arcline_tag::{DataType, Elementary, TagType, Template, TemplateBuilder, string_template};
+use arcline_tag::{DataType, Elementary, TagType, Template, TemplateBuilder, nearest, string_template};
 
 use super::names::{NAME, is_name};
-use crate::error::{ConfigError, Problem, nearest};
+use crate::error::{ConfigError, Problem};
 use crate::section::{Placed, Section};
 
 /// The structure types of a configuration, by name in lower case.

@@ -2,7 +2,7 @@
 
 use arcline_tag::{DataType, Location, PathError, PathSegment, TagPath, Value, scope};
 
-use super::{Image, MOTION_CONTROL, ReadError, Tag, TagId, TagKind};
+use super::{Image, ReadError, Tag, TagId, TagKind};
 
 impl Image {
     /// Where a path leads. A status bit of an instruction tag is found without naming `MotionControl`:
@@ -38,15 +38,9 @@ impl Image {
         tag: &Tag,
         rest: &[PathSegment<S>],
     ) -> Result<(TagId, Location), PathError> {
-        let found = tag.tag_type.locate(rest);
-        let mut place = match (found, tag.kind) {
-            (Err(error @ PathError::NoSuchMember { .. }), TagKind::Instruction(_)) => {
-                let mut inner = vec![PathSegment::Symbol(MOTION_CONTROL)];
-                inner.extend(rest.iter().map(PathSegment::borrowed));
-                tag.tag_type.locate(&inner).map_err(|_| error)?
-            }
-            (_, TagKind::Program(_)) => return Err(PathError::Empty),
-            (found, _) => found?,
+        let mut place = match tag.kind {
+            TagKind::Program(_) => return Err(PathError::Empty),
+            _ => arcline_instruction_set::locate(&tag.tag_type, rest)?,
         };
         let TagKind::Alias(alias) = tag.kind else {
             return Ok((tag.id, place));

@@ -2,12 +2,12 @@
 //! instruction when it executes.
 
 use arcline_instruction_set::{Kind as OperandKind, MAPC_CAM_TYPE, Mnemonic, Object, Words};
-use arcline_tag::PathSegment;
+use arcline_tag::{PathSegment, nearest};
 
 use super::expression::Shape;
 use super::{Parser, place_of};
 use crate::code::{Meaning, Op, Part, WordPlace};
-use crate::error::{SyntaxError, SyntaxProblem, nearest};
+use crate::error::{SyntaxError, SyntaxProblem};
 use crate::lexer::{Kind, Token};
 use crate::program::{CallStatement, OperandText};
 
