@@ -211,23 +211,18 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
         }
         self.input.reserve(READ);
         let mut read = pin!(self.stream.read_buf(&mut self.input));
-        let mut looks = if self.is_brisk { LOOKS } else { 0 };
-        let came = loop {
-            let came = std::future::poll_fn(|cx| {
-                if let Poll::Ready(came) = read.as_mut().poll(cx) {
-                    return Poll::Ready(Some(came));
-                }
-                if looks > 0 {
-                    return Poll::Ready(None);
-                }
-                timer.as_mut().poll(cx).map(|()| None)
-            })
-            .await;
-            if came.is_some() || looks == 0 {
-                break came;
+        let looks = if self.is_brisk { LOOKS } else { 0 };
+        let came = match look(read.as_mut(), looks).await {
+            Some(came) => Some(came),
+            None => {
+                std::future::poll_fn(|cx| {
+                    if let Poll::Ready(came) = read.as_mut().poll(cx) {
+                        return Poll::Ready(Some(came));
+                    }
+                    timer.as_mut().poll(cx).map(|()| None)
+                })
+                .await
             }
-            looks -= 1;
-            tokio::task::yield_now().await;
         };
         let before = std::mem::replace(&mut self.now, self.epoch.elapsed());
         self.is_brisk = self.now.saturating_sub(before) < BRISK;
@@ -346,6 +341,17 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
 /// What a future is without waiting.
 async fn at_once<F: Future>(mut future: Pin<&mut F>) -> Poll<F::Output> {
     std::future::poll_fn(|cx| Poll::Ready(future.as_mut().poll(cx))).await
+}
+
+/// What a future is within so many looks, between which everything else has its turn.
+async fn look<F: Future>(mut future: Pin<&mut F>, times: u32) -> Option<F::Output> {
+    for _ in 0..times {
+        if let Poll::Ready(output) = at_once(future.as_mut()).await {
+            return Some(output);
+        }
+        tokio::task::yield_now().await;
+    }
+    None
 }
 
 /// Says once why a connection ended: a peer's fault is not ours, so it is only worth a debug line.
