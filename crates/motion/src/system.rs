@@ -201,16 +201,19 @@ impl System {
     /// Where the active move is at the present tick, by time, and its speed by what it is a function of.
     pub(crate) fn sample(&self, time: &Clock) -> Option<(Sample, f64)> {
         let contour = self.contour_in_force();
-        let sample = match contour {
+        let mut sample = match contour {
             Some(contour) => contour.sample(&self.contour_clock(time)),
             None => self.planner.sample(&self.clock(time)),
         }?;
         let planned = sample.along.velocity;
-        let sample = match &self.guide {
-            Some(guide) if contour.is_some() => self.contour_pace(guide).sample(sample),
-            Some(guide) => guide.pace().sample(sample),
-            None => sample,
-        };
+        if let Some(guide) = &self.guide {
+            let pace = if contour.is_some() {
+                self.contour_pace(guide)
+            } else {
+                guide.pace()
+            };
+            sample = pace.sample(sample);
+        }
         Some((sample, planned))
     }
 

@@ -203,8 +203,8 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
     async fn wait(&mut self, mut timer: Pin<&mut Sleep>) -> Result<(), Ended> {
         self.session.set_inactivity(self.device.inactivity());
         // A client may set another inactivity time-out: that is looked at now and then.
-        let look = self.now + LOOK;
-        let due = self.epoch + self.session.poll_timeout().map_or(look, |time| time.min(look));
+        let next = self.now + LOOK;
+        let due = self.epoch + self.session.poll_timeout().map_or(next, |time| time.min(next));
         // To wind the timer costs more than to wake up in vain: only when it would be too late, or has run down.
         if due < timer.deadline() || timer.is_elapsed() {
             timer.as_mut().reset(due);

@@ -10,8 +10,8 @@ pub(crate) struct Average {
     next: usize,
     /// Length of the timebase in whole updates, seconds.
     timebase: f64,
-    /// Units/s.
-    pub(crate) velocity: f64,
+    /// How far the axis has come within it.
+    way: f64,
 }
 
 impl Average {
@@ -22,16 +22,24 @@ impl Average {
             positions: vec![position; updates as usize].into_boxed_slice(),
             next: 0,
             timebase: updates * period,
-            velocity: 0.0,
+            way: 0.0,
         }
     }
 
     /// Takes the position of the next update. Real-time.
     pub(crate) fn take(&mut self, position: f64) {
         if let Some(oldest) = self.positions.get_mut(self.next) {
-            self.velocity = (position - std::mem::replace(oldest, position)) / self.timebase;
-            self.next = (self.next + 1) % self.positions.len();
+            self.way = position - std::mem::replace(oldest, position);
+            self.next += 1;
+            if self.next == self.positions.len() {
+                self.next = 0;
+            }
         }
+    }
+
+    /// Units/s. A division that only those pay who look.
+    pub(crate) fn velocity(&self) -> f64 {
+        self.way / self.timebase
     }
 }
 
@@ -48,7 +56,7 @@ mod tests {
                 updates += 1.0;
                 average.take(3.0 + 10.0 * updates * period);
                 let expected = 10.0 * (updates * period / 0.25).min(1.0);
-                assert!((average.velocity - expected).abs() < 1e-9, "{period} {updates}");
+                assert!((average.velocity() - expected).abs() < 1e-9, "{period} {updates}");
             }
         }
     }

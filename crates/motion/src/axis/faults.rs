@@ -115,10 +115,11 @@ impl Faults {
         }
         self.causes = causes;
         self.found = found;
-        let raised = found
-            .union(self.injected)
-            .kinds()
-            .map(|kind| (kind, self.actions.of(kind)));
+        let raised = found.union(self.injected);
+        if raised.is_empty() {
+            return None;
+        }
+        let raised = raised.kinds().map(|kind| (kind, self.actions.of(kind)));
         let raised = raised.filter(|(_, action)| *action >= ExceptionAction::FaultStatusOnly);
         let mut strongest = None;
         for (kind, action) in raised {

@@ -126,9 +126,13 @@ impl Sum {
 
     /// Every generator under way, with its kind.
     pub(crate) fn active(&self) -> impl Iterator<Item = (Slot, &Generator)> {
-        Slot::ALL
-            .into_iter()
-            .filter_map(|slot| self.get(slot).map(|generator| (slot, generator)))
+        let mut left = self.active;
+        std::iter::from_fn(move || {
+            let slot = *Slot::ALL.get(left.trailing_zeros() as usize)?;
+            left &= left - 1;
+            Some(slot)
+        })
+        .filter_map(|slot| self.get(slot).map(|generator| (slot, generator)))
     }
 
     /// Begins a generator in place of the one of its kind. Its frame shows the present command at this instant,
@@ -245,7 +249,13 @@ impl Sum {
     pub(crate) fn seen_from(&self, slot: Slot, position: Option<f64>) -> Option<f64> {
         let generator = self.get(slot)?;
         let mut others = generator.shift;
-        for (other, (now, then)) in self.displacements().iter().zip(generator.others).enumerate() {
+        // Alone, as nearly always, an axis has only what has been.
+        let now = if self.active == slot.bit() {
+            self.displaced
+        } else {
+            self.displacements()
+        };
+        for (other, (now, then)) in now.iter().zip(generator.others).enumerate() {
             if other != slot as usize {
                 others += now - then;
             }

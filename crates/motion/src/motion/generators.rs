@@ -178,7 +178,8 @@ impl Motion {
             if slot == Slot::Home && is_driven_home {
                 continue;
             }
-            if slot == Slot::MasterOffset && self.axes[at].cam(Slot::PositionCam).is_none() {
+            let state = &self.axes[at];
+            if slot == Slot::MasterOffset && state.sum.is_active(slot) && state.cam(Slot::PositionCam).is_none() {
                 // What it is an offset of is over.
                 self.end_generator(axis, slot);
                 continue;
