@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use arcline_tests::{fixture, programs};
 
-/// Without and with a trace, on the default configuration at 1 ms, on one core.
-const TIMES_REAL_TIME: [f64; 2] = [2000.0, 200.0];
+/// With and without a trace, on the default configuration at 1 ms, on one core.
+const TIMES_REAL_TIME: [f64; 2] = [200.0, 2000.0];
 
 /// The ten-minute program in a folder of its own; in a debug build its first twentieth.
 fn program(folder: &Path) -> PathBuf {
@@ -63,19 +63,13 @@ fn two_runs_give_the_same_bytes() {
 
 #[test]
 fn faster_than_real_time() {
-    // The least of several runs: the machine may be busy with something else.
-    const TRIES: usize = 12;
+    // The least of several runs, and of many while it is not reached: the machine may be busy with something else.
+    const TRIES: usize = 60;
     let folder = tempfile::tempdir().expect("a temporary folder");
     let program = program(folder.path());
     let trace = folder.path().join("trace.csv");
     let with_trace = [Path::new("--trace"), &trace];
-    let runs: [&[&Path]; 2] = [&[], &with_trace];
-    let best = runs.map(|arguments| {
-        (0..TRIES)
-            .map(|_| simulate(&program, arguments))
-            .min()
-            .unwrap_or_default()
-    });
+    simulate(&program, &with_trace);
     // One row for each tick of 1 ms, and the header.
     let rows = fs::read(&trace)
         .expect("simulate has written it")
@@ -83,10 +77,15 @@ fn faster_than_real_time() {
         .filter(|byte| **byte == b'\n')
         .count();
     let simulated = (rows - 1) as f64 * 1e-3;
-    for (name, took, least) in [
-        ("no trace", best[0], TIMES_REAL_TIME[0]),
-        ("a trace", best[1], TIMES_REAL_TIME[1]),
-    ] {
+    let runs: [(&str, &[&Path]); 2] = [("a trace", &with_trace), ("no trace", &[])];
+    for ((name, arguments), least) in runs.into_iter().zip(TIMES_REAL_TIME) {
+        let mut took = Duration::MAX;
+        for _ in 0..TRIES {
+            took = took.min(simulate(&program, arguments));
+            if cfg!(debug_assertions) || simulated / took.as_secs_f64() > least {
+                break;
+            }
+        }
         let times = simulated / took.as_secs_f64();
         println!("{simulated:.1} s simulated in {took:?} with {name}: {times:.0} times real time");
         // A debug build is measured, not judged.
