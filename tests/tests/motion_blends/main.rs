@@ -88,22 +88,31 @@ fn blended_cycles_save_exactly_the_overlap() {
     }
 }
 
+/// Bits of a coordinate system that tell that a move waits.
+const WAITING: u32 = cms::MOVE_PENDING_STATUS | cms::MOVE_PENDING_QUEUE_FULL_STATUS;
+/// The same, and that two moves overlap.
+const SEEN: u32 = WAITING | cms::MOVE_TRANSITION_STATUS;
+
+/// Two lines, at the first transition point: the first is under way, the second waits.
+fn at_the_first_transition_point(termination: &str) -> Bench {
+    let mut bench = Bench::new();
+    bench.execute(&line("M1", 100.0, 0.0, S_CURVE, termination));
+    bench.execute(&line("M2", 100.0, 100.0, S_CURVE, "1"));
+    bench.run(250);
+    assert_eq!(
+        (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
+        ("EN DN IP AC", "EN DN IP"),
+        "TP1"
+    );
+    assert_eq!(bench.system("XY").motion_status & SEEN, WAITING);
+    bench
+}
+
 #[test]
 fn bits_at_the_transition_points_of_a_stop() {
     // Types 4 and 5 show the same bits; the corner is then passed at a speed: each axis may change its own by 10000 · 1 ms.
     for (termination, speed) in [("0", 0.0), ("1", 0.0), ("4", 10.0), ("5", 10.0)] {
-        let mut bench = Bench::new();
-        bench.execute(&line("M1", 100.0, 0.0, S_CURVE, termination));
-        bench.execute(&line("M2", 100.0, 100.0, S_CURVE, "1"));
-        let waiting = cms::MOVE_PENDING_STATUS | cms::MOVE_PENDING_QUEUE_FULL_STATUS;
-        let seen = waiting | cms::MOVE_TRANSITION_STATUS;
-        bench.run(250);
-        assert_eq!(
-            (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
-            ("EN DN IP AC", "EN DN IP"),
-            "TP1"
-        );
-        assert_eq!(bench.system("XY").motion_status & seen, waiting);
+        let mut bench = at_the_first_transition_point(termination);
         let mut least = f64::INFINITY;
         while !bench.control("M1").has(Flag::Pc) {
             bench.tick();
@@ -124,7 +133,7 @@ fn bits_at_the_transition_points_of_a_stop() {
         );
         bench.run(220);
         assert_eq!(bench.bits("M1"), "EN DN PC");
-        assert_eq!(bench.system("XY").motion_status & seen, 0);
+        assert_eq!(bench.system("XY").motion_status & SEEN, 0);
         bench.until("M2", Flag::Pc);
         assert_eq!(
             (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
@@ -137,24 +146,13 @@ fn bits_at_the_transition_points_of_a_stop() {
 #[test]
 fn bits_at_the_transition_points_of_a_blend() {
     for termination in ["2", "3", "6, 0, 0, 5"] {
-        let mut bench = Bench::new();
-        bench.execute(&line("M1", 100.0, 0.0, S_CURVE, termination));
-        bench.execute(&line("M2", 100.0, 100.0, S_CURVE, "1"));
-        let waiting = cms::MOVE_PENDING_STATUS | cms::MOVE_PENDING_QUEUE_FULL_STATUS;
-        let seen = waiting | cms::MOVE_TRANSITION_STATUS;
-        bench.run(250);
-        assert_eq!(
-            (bench.bits("M1").as_str(), bench.bits("M2").as_str()),
-            ("EN DN IP AC", "EN DN IP"),
-            "TP1"
-        );
-        assert_eq!(bench.system("XY").motion_status & seen, waiting);
+        let mut bench = at_the_first_transition_point(termination);
         bench.until("M1", Flag::Pc);
         assert!(bench.position("X") < 100.0, "the blend begins before the end point");
         assert_eq!(bench.bits("M1"), "EN DN PC", "TP2");
         assert!(bench.bits("M2").starts_with("EN DN IP AC"));
         let status = bench.system("XY").motion_status;
-        assert_eq!(status & seen, cms::MOVE_TRANSITION_STATUS);
+        assert_eq!(status & SEEN, cms::MOVE_TRANSITION_STATUS);
         assert_eq!(
             status & (cms::ACCEL_STATUS | cms::DECEL_STATUS),
             0,

@@ -252,6 +252,9 @@ impl Axis {
 
     /// Ends a generator where it is; its speed is gone at once.
     pub(crate) fn end(&mut self, slot: Slot) -> Option<Generator> {
+        if !self.sum.is_active(slot) {
+            return None;
+        }
         if slot == Slot::MasterOffset {
             self.note_offset(false);
         }

@@ -178,8 +178,7 @@ impl Motion {
             if slot == Slot::Home && is_driven_home {
                 continue;
             }
-            let state = &self.axes[at];
-            if slot == Slot::MasterOffset && state.sum.is_active(slot) && state.cam(Slot::PositionCam).is_none() {
+            if slot == Slot::MasterOffset && self.axes[at].cam(Slot::PositionCam).is_none() {
                 // What it is an offset of is over.
                 self.end_generator(axis, slot);
                 continue;
