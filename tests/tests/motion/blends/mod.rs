@@ -1,6 +1,5 @@
 //! Where one move becomes the next: termination types, merges, changes and stops in between
 //! (spec/coordinated-instructions.md §6, §7, §27; motion-core.md §6).
-#![allow(missing_docs)]
 
 mod changes;
 mod merges;

@@ -1,6 +1,5 @@
 //! Streams of moves on planned contours: a trajectory is extended while it is travelled, so that nothing stops at the end of
 //! a window.
-#![allow(missing_docs)]
 
 use arcline_instruction_set::Flag;
 use arcline_tests::bench::{Bench, OK};

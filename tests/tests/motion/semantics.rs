@@ -1,5 +1,4 @@
 //! What instructions do, tick by tick, as spec/coordinated-instructions.md and axis-and-data-types.md tell.
-#![allow(missing_docs)]
 
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::{

@@ -3,7 +3,6 @@
 //!
 //! A scenario is a machine at rest and what is executed at which tick. A row names a bit and the ticks at which it
 //! changes: the first is that of the first snapshot that shows the change.
-#![allow(missing_docs)]
 
 use std::collections::BTreeSet;
 

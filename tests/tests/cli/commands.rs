@@ -1,4 +1,4 @@
-//! The command line from one end to the other: `arcline` against a real `arcline-server`.
+//! Commands of `arcline` against a real `arcline-server`: every one, and what they say to mistakes.
 
 use std::io::{Read, Write};
 use std::net::TcpListener;

@@ -1,5 +1,4 @@
 //! Coordinate systems with `corner = "precise"` or `axis_limits = "enforce"`: their moves are planned as contours.
-#![allow(missing_docs)]
 
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status as cms;

@@ -1,5 +1,4 @@
 //! The feed override of a coordinate system: speed without a step, never off the path, hold and resume.
-#![allow(missing_docs)]
 
 use arcline_instruction_set::Flag;
 use arcline_tests::bench::{Bench, OK};

@@ -1,0 +1,48 @@
+//! What a packet costs the server without the system's part of it: bytes in, bytes out, on one thread.
+
+use std::time::Instant;
+
+use arcline_proto::cip::{class, join_multiple};
+
+use super::*;
+
+/// Reads in a packet.
+const TAGS: usize = 100;
+
+/// How many packets are asked: `ARCLINE_PACKETS`, otherwise a few. A release build says the time of one.
+fn packets() -> u32 {
+    let given = std::env::var("ARCLINE_PACKETS").ok();
+    given.and_then(|text| text.parse().ok()).unwrap_or(20)
+}
+
+#[tokio::test]
+async fn a_packet_of_100_tags_is_answered_whole() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    let connected = client.open(4000, 1).await;
+    let reads: Vec<Request> = (0..TAGS).map(|number| read(&format!("Dints[{number}]"), 1)).collect();
+    let packet = Request::new(
+        service::MULTIPLE_SERVICE_PACKET,
+        Epath::object(class::MESSAGE_ROUTER, 1),
+        join_multiple(&reads).expect("short paths"),
+    );
+    let message = packet.to_bytes().expect("a short path");
+    let mut took = Duration::ZERO;
+    for sequence in (1..=u16::MAX).cycle().take(packets() as usize) {
+        let data = Packet::connected(connected.id, sequence, &message).to_bytes();
+        let frame = Frame::request(Command::SEND_UNIT_DATA, client.session, CONTEXT, data).to_bytes();
+        let began = Instant::now();
+        client.send(&frame).await;
+        let reply = client.frame().await.expect("an answer");
+        took += began.elapsed();
+        let (_, _, reply) = Packet::decode(&reply.data)
+            .expect("a packet")
+            .connected_message()
+            .expect("class 3");
+        let reply = Reply::decode(&reply).expect("a reply");
+        assert!(reply.status.is_success(), "{}", reply.status);
+        // Count, offsets, and of each reply its head, the type and the value.
+        assert_eq!(reply.data.len(), 2 + TAGS * (2 + 4 + 2 + 4));
+    }
+    println!("{TAGS} tags: {:.1} µs", took.as_secs_f64() * 1e6 / f64::from(packets()));
+}

@@ -1,0 +1,8 @@
+//! The command line from one end to the other: `arcline` and `arcline-server` as a user starts them.
+
+mod commands;
+mod faults;
+mod gcode;
+mod lost;
+mod tools;
+mod trace;

@@ -1,0 +1,26 @@
+//! What instructions do, one program of tests for all of them: each module is a family of instructions or a property of the
+//! machine, on the virtual clock.
+
+mod axes;
+mod blends;
+mod cams;
+mod contours;
+mod error_codes;
+mod faults;
+mod feed_override;
+mod gears;
+mod group;
+mod home;
+mod masters;
+mod moves;
+mod outputs;
+mod probes;
+mod robots;
+mod semantics;
+mod simulated_drive;
+mod splices;
+mod state_matrix;
+mod status_bits;
+mod stop_table;
+mod transforms;
+mod update_periods;
