@@ -15,6 +15,7 @@ use arcline_proto::encap::{Command, Frame, FrameDecoder, MAX_DATA, RegisterSessi
 use arcline_proto::epath::{Epath, Segment};
 use arcline_proto::io::Datagram;
 use bytes::{Bytes, BytesMut};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 /// The longest wait for a reply.
 const REPLY: Duration = Duration::from_secs(20);
@@ -265,9 +266,19 @@ impl Connection {
             }
             match self.take() {
                 Some(arrival) => arrivals.push(arrival),
-                None => std::thread::sleep(PAUSE),
+                None => self.wait(next.min(began + time).saturating_duration_since(now)),
             }
         }
+    }
+
+    /// Sleeps until a datagram has come, or for a time.
+    fn wait(&self, time: Duration) {
+        let timeout = Timespec {
+            tv_sec: time.as_secs().try_into().unwrap_or(i64::MAX),
+            tv_nsec: time.subsec_nanos().into(),
+        };
+        // A signal ends it early: the caller looks again.
+        let _ = poll(&mut [PollFd::new(&self.socket, PollFlags::IN)], Some(&timeout));
     }
 
     /// The next datagram, if one has come.
@@ -302,6 +313,3 @@ fn key(serial: u16) -> ConnectionKey {
         originator: std::process::id(),
     }
 }
-
-/// Between two looks at the socket: short beside the shortest interval.
-const PAUSE: Duration = Duration::from_micros(50);
