@@ -13,6 +13,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+pub mod bare;
 pub mod bench;
 pub mod browser;
 pub mod capture;

@@ -6,10 +6,10 @@
 use std::net::{Ipv4Addr, UdpSocket};
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use arcline_proto::cip::CipStatus;
+use arcline_tests::bare::Bare;
 use arcline_tests::capture::Capture;
 use arcline_tests::scanner::{Arrival, Sent, Session, Wanted};
 use arcline_tests::server::Server;
@@ -79,38 +79,6 @@ const PAUSE: Duration = Duration::from_millis(50);
 /// Runs of which one must be without such a pause.
 const TRIES: usize = 5;
 
-/// What a thread of the same priority that only sleeps from slot to slot makes of it on the same machine in the same time: how many
-/// slots it left out, and how late it was in the others, sorted, µs.
-struct Bare {
-    left_out: usize,
-    late: Vec<f64>,
-}
-
-impl Bare {
-    fn beside(time: Duration, rpi: u32) -> JoinHandle<Self> {
-        std::thread::spawn(move || {
-            let _ = arcline_realtime::prepare_beside_tick();
-            let interval = Duration::from_micros(rpi.into());
-            let began = Instant::now();
-            let mut bare = Self {
-                left_out: 0,
-                late: Vec::new(),
-            };
-            let mut due = began + interval;
-            while due < began + time {
-                std::thread::sleep(due.saturating_duration_since(Instant::now()));
-                let late = due.elapsed();
-                let missed = (late.as_nanos() / interval.as_nanos()) as u32;
-                bare.left_out += missed as usize;
-                bare.late.push((late - interval * missed).as_secs_f64() * 1e6);
-                due += interval * (missed + 1);
-            }
-            bare.late.sort_by(f64::total_cmp);
-            bare
-        })
-    }
-}
-
 /// Exchanges data for a time on a connection of its own; again, when the machine did not let the scanner look at its
 /// socket. One test at a time: their threads come before all others.
 fn exchanged(session: &mut Session, wanted: Wanted, time: Duration, output: &[u8]) -> Option<(Vec<Arrival>, Bare)> {
@@ -129,7 +97,7 @@ fn exchanged(session: &mut Session, wanted: Wanted, time: Duration, output: &[u8
             }
         });
         assert_eq!(connection.confirmed, [wanted.rpi; 2]);
-        let bare = Bare::beside(time, wanted.rpi);
+        let bare = Bare::beside(time, Duration::from_micros(wanted.rpi.into()));
         let arrivals = connection.exchange(time, output);
         let bare = bare.join().expect("it does not panic");
         if connection.longest_pause < PAUSE {
@@ -218,7 +186,7 @@ fn assert_kept((arrivals, bare): &(Vec<Arrival>, Bare), time: Duration, rpi: u32
         "it drifts: half of it is {drift} intervals off the schedule"
     );
     let p99 = percentile(&deviations, 0.99) * f64::from(rpi);
-    let machine = percentile(&bare.late, 0.99);
+    let machine = bare.percentile(0.99);
     println!(
         "{rpi} µs: {} slots left out, 99 of 100 datagrams within {p99:.0} µs of the schedule; a thread that only sleeps left out {} and was \
          within {machine:.0} µs",

@@ -1,0 +1,52 @@
+//! What the machine itself makes of a schedule: a thread that only sleeps from slot to slot, beside whatever is measured.
+
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// How a thread that is preferred where the system allows that, and only sleeps, kept a schedule.
+#[derive(Debug, Default)]
+pub struct Bare {
+    /// Slots that it slept through.
+    pub left_out: usize,
+    /// How late it was in the others, sorted, µs.
+    late: Vec<f64>,
+}
+
+impl Bare {
+    /// Keeps a schedule for a time, on a thread of its own.
+    #[must_use]
+    pub fn beside(time: Duration, interval: Duration) -> JoinHandle<Self> {
+        std::thread::spawn(move || {
+            let _ = arcline_realtime::prepare_beside_tick();
+            let began = Instant::now();
+            let mut bare = Self::default();
+            let mut due = began + interval;
+            while due < began + time {
+                std::thread::sleep(due.saturating_duration_since(Instant::now()));
+                let late = due.elapsed();
+                let missed = (late.as_nanos() / interval.as_nanos().max(1)) as u32;
+                bare.left_out += missed as usize;
+                bare.late.push((late - interval * missed).as_secs_f64() * 1e6);
+                due += interval * (missed + 1);
+            }
+            bare.late.sort_by(f64::total_cmp);
+            bare
+        })
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn and(mut self, other: Self) -> Self {
+        self.left_out += other.left_out;
+        self.late.extend(other.late);
+        self.late.sort_by(f64::total_cmp);
+        self
+    }
+
+    /// The lateness that so large a share of the slots stayed within, µs.
+    #[must_use]
+    pub fn percentile(&self, share: f64) -> f64 {
+        let place = (self.late.len().saturating_sub(1) as f64 * share) as usize;
+        self.late.get(place).copied().unwrap_or_default()
+    }
+}
