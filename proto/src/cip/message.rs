@@ -56,6 +56,11 @@ impl Request {
     /// 0x13 for a message without path size, 0x26 for a path beyond the message, 0x04 for a path that is not understood,
     /// 0x08 for a service code with the reply bit.
     pub fn decode(message: &Bytes) -> Result<Self, RequestError> {
+        Self::read(message, message)
+    }
+
+    /// Reads a message that is a part of `bytes`.
+    pub(super) fn read(message: &[u8], bytes: &Bytes) -> Result<Self, RequestError> {
         let mut reader = Reader::new(message);
         let service = reader.u8().unwrap_or_default();
         let fail = |status| RequestError {
@@ -66,11 +71,11 @@ impl Request {
         if service & service::REPLY != 0 {
             return Err(fail(CipStatus::SERVICE_NOT_SUPPORTED));
         }
-        let path = Epath::read(words, &mut reader, message).map_err(|error| fail(error.status()))?;
+        let path = Epath::read(words, &mut reader, bytes).map_err(|error| fail(error.status()))?;
         Ok(Self {
             service,
             path,
-            data: message.slice_ref(reader.rest()),
+            data: bytes.slice_ref(reader.rest()),
         })
     }
 

@@ -24,7 +24,8 @@ pub fn split_multiple(data: &Bytes) -> Result<Vec<Result<Request, RequestError>>
     let ends = offsets.iter().skip(1).copied().chain([data.len()]);
     let mut requests = Vec::with_capacity(offsets.len());
     for (start, end) in offsets.iter().zip(ends) {
-        requests.push(Request::decode(&data.slice(*start..end)).and_then(refuse_nesting));
+        let message = data.get(*start..end).unwrap_or_default();
+        requests.push(Request::read(message, data).and_then(refuse_nesting));
     }
     Ok(requests)
 }

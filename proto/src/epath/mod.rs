@@ -19,6 +19,9 @@ pub use target::{MAX_SYMBOLS, Target};
 /// The longest path a length byte can announce.
 pub const MAX_WORDS: usize = 255;
 
+/// Segments of most paths: a name and an element, or class and instance.
+const TYPICAL: usize = 2;
+
 /// A path that cannot be understood.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum PathError {
@@ -118,8 +121,13 @@ impl Epath {
         if bytes.len() > 2 * MAX_WORDS {
             return Err(PathError::TooDeep { limit: MAX_WORDS });
         }
-        let mut reader = Reader::new(bytes);
-        let mut segments = Vec::new();
+        Self::read_all(bytes, bytes)
+    }
+
+    /// Reads all of `path`, which is a part of `bytes`.
+    fn read_all(path: &[u8], bytes: &Bytes) -> Result<Self, PathError> {
+        let mut reader = Reader::new(path);
+        let mut segments = Vec::with_capacity(TYPICAL);
         while let Some(kind) = reader.u8() {
             let segment = decode_segment(kind, &mut reader, bytes)?;
             segments.push(segment.ok_or(PathError::Truncated { kind })?);
@@ -165,7 +173,7 @@ impl Epath {
         let claimed = 2 * usize::from(words);
         let present = reader.remaining();
         let path = reader.take(claimed).ok_or(PathError::Size { claimed, present })?;
-        Self::decode(&bytes.slice_ref(path))
+        Self::read_all(path, bytes)
     }
 
     /// The path's length in words, and its bytes.
