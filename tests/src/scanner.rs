@@ -266,7 +266,12 @@ impl Connection {
             }
             match self.take() {
                 Some(arrival) => arrivals.push(arrival),
-                None => self.wait(next.min(began + time).saturating_duration_since(now)),
+                None => {
+                    let until = next.min(began + time);
+                    self.wait(until.saturating_duration_since(now));
+                    // To sleep until then is no pause; to sleep longer is.
+                    looked = Instant::now().min(until);
+                }
             }
         }
     }
