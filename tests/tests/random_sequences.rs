@@ -1,7 +1,7 @@
 //! Random sequences of lines and arcs with random termination types, merges, changes and stops: every one is a
 //! Structured Text program that its seed reproduces and that is printed when it fails.
 //!
-//! `ARCLINE_CASES` sets how many are run (100 unless told).
+//! `ARCLINE_CASES` sets how many are run (300 unless told).
 #![allow(missing_docs)]
 
 use std::collections::BTreeMap;
@@ -239,7 +239,7 @@ fn sequence(sequence: &mut Sequence) {
 
 #[test]
 fn random_sequences_are_continuous_and_every_instruction_ends_once() {
-    let cases = std::env::var("ARCLINE_CASES").map_or(100, |cases| cases.parse().expect("a number"));
+    let cases = std::env::var("ARCLINE_CASES").map_or(300, |cases| cases.parse().expect("a number"));
     for seed in 0..cases {
         let mut one = Sequence::new(seed);
         let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| sequence(&mut one)));
@@ -249,7 +249,7 @@ fn random_sequences_are_continuous_and_every_instruction_ends_once() {
 
 #[test]
 fn overrides_at_any_tick_leave_random_sequences_continuous() {
-    let cases = std::env::var("ARCLINE_CASES").map_or(30, |cases| cases.parse().expect("a number"));
+    let cases = std::env::var("ARCLINE_CASES").map_or(60, |cases| cases.parse().expect("a number"));
     for seed in 0..cases {
         let mut one = Sequence::under_overrides(seed);
         let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| sequence(&mut one)));

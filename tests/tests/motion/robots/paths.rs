@@ -452,7 +452,7 @@ fn a_master_drives_both_parts() {
 /// Both parts end exactly and together, within their limits, at every update period alike.
 #[test]
 fn any_two_path_moves() {
-    let cases = std::env::var("ARCLINE_PATH_CASES").map_or(3, |text| text.parse().expect("a number of cases"));
+    let cases = std::env::var("ARCLINE_PATH_CASES").map_or(6, |text| text.parse().expect("a number of cases"));
     for seed in 0..cases {
         let mut random = Random(seed);
         let points = [(); 2].map(|()| {
