@@ -44,9 +44,20 @@ impl Bare {
     }
 
     /// The lateness that so large a share of the slots stayed within, µs.
+    ///
+    /// # Panics
+    /// When there was not even one slot.
     #[must_use]
     pub fn percentile(&self, share: f64) -> f64 {
-        let place = (self.late.len().saturating_sub(1) as f64 * share) as usize;
-        self.late.get(place).copied().unwrap_or_default()
+        percentile(&self.late, share)
     }
+}
+
+/// What so large a share of sorted values does not exceed.
+///
+/// # Panics
+/// When there are none.
+#[must_use]
+pub fn percentile(sorted: &[f64], share: f64) -> f64 {
+    sorted[((sorted.len() - 1) as f64 * share) as usize]
 }

@@ -278,10 +278,7 @@ impl Connection {
 
     /// Sleeps until a datagram has come, or for a time.
     fn wait(&self, time: Duration) {
-        let timeout = Timespec {
-            tv_sec: time.as_secs().try_into().unwrap_or(i64::MAX),
-            tv_nsec: time.subsec_nanos().into(),
-        };
+        let timeout = Timespec::try_from(time).expect("a short time");
         // A signal ends it early: the caller looks again.
         let _ = poll(&mut [PollFd::new(&self.socket, PollFlags::IN)], Some(&timeout));
     }

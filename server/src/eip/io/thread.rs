@@ -182,17 +182,14 @@ impl Worker {
     }
 
     fn sleep(&self) {
-        let left = self.until_due();
-        let timeout = Timespec {
-            tv_sec: left.as_secs().try_into().unwrap_or(i64::MAX),
-            tv_nsec: left.subsec_nanos().into(),
-        };
+        // Too long for the system is for ever.
+        let timeout = Timespec::try_from(self.until_due()).ok();
         let mut fds = [
             PollFd::new(&self.io.socket, PollFlags::IN),
             PollFd::new(&self.io.wake, PollFlags::IN),
         ];
         // A signal ends it early: what is due is looked at again.
-        let _ = poll(&mut fds, Some(&timeout));
+        let _ = poll(&mut fds, timeout.as_ref());
         let woken = fds.get(1).is_some_and(|fd| !fd.revents().is_empty());
         if woken {
             let mut count = [0; 8];

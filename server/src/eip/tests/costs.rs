@@ -19,7 +19,7 @@ fn packets() -> u32 {
 async fn a_packet_of_100_tags_is_answered_whole() {
     let bench = Bench::new();
     let mut client = bench.client().await;
-    let connected = client.open(4000, 1).await;
+    let mut connected = client.open(4000, 1).await;
     let reads: Vec<Request> = (0..TAGS).map(|number| read(&format!("Dints[{number}]"), 1)).collect();
     let packet = Request::new(
         service::MULTIPLE_SERVICE_PACKET,
@@ -28,21 +28,17 @@ async fn a_packet_of_100_tags_is_answered_whole() {
     );
     let message = packet.to_bytes().expect("a short path");
     let mut took = Duration::ZERO;
-    for sequence in (1..=u16::MAX).cycle().take(packets() as usize) {
-        let data = Packet::connected(connected.id, sequence, &message).to_bytes();
-        let frame = Frame::request(Command::SEND_UNIT_DATA, client.session, CONTEXT, data).to_bytes();
+    let packets = packets();
+    for _ in 0..packets {
+        connected.sequence = connected.sequence.wrapping_add(1);
+        let data = Packet::connected(connected.id, connected.sequence, &message).to_bytes();
         let began = Instant::now();
-        client.send(&frame).await;
-        let reply = client.frame().await.expect("an answer");
+        let frame = client.exchange(Command::SEND_UNIT_DATA, data).await;
         took += began.elapsed();
-        let (_, _, reply) = Packet::decode(&reply.data)
-            .expect("a packet")
-            .connected_message()
-            .expect("class 3");
-        let reply = Reply::decode(&reply).expect("a reply");
+        let reply = connected_reply(&frame, &connected);
         assert!(reply.status.is_success(), "{}", reply.status);
         // Count, offsets, and of each reply its head, the type and the value.
         assert_eq!(reply.data.len(), 2 + TAGS * (2 + 4 + 2 + 4));
     }
-    println!("{TAGS} tags: {:.1} µs", took.as_secs_f64() * 1e6 / f64::from(packets()));
+    println!("{TAGS} tags: {:.1} µs", took.as_secs_f64() * 1e6 / f64::from(packets));
 }

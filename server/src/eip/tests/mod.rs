@@ -287,12 +287,7 @@ impl Client {
         let message = request.to_bytes().expect("a short path");
         let packet = Packet::connected(connected.id, connected.sequence, &message);
         let frame = self.exchange(Command::SEND_UNIT_DATA, packet.to_bytes()).await;
-        let (_, sequence, message) = Packet::decode(&frame.data)
-            .expect("a packet")
-            .connected_message()
-            .expect("class 3");
-        assert_eq!(sequence, connected.sequence);
-        Reply::decode(&message).expect("a reply")
+        connected_reply(&frame, connected)
     }
 
     pub(super) async fn read(&mut self, tag: &str) -> ReadReply {
@@ -304,6 +299,16 @@ impl Client {
     pub(super) async fn write(&mut self, tag: &str, data_type: WireType, data: &[u8]) -> CipStatus {
         self.ask(&write(tag, data_type, 1, data)).await.status
     }
+}
+
+/// The reply in a frame to the last message of a connection.
+pub(super) fn connected_reply(frame: &Frame, connected: &Connected) -> Reply {
+    let (_, sequence, message) = Packet::decode(&frame.data)
+        .expect("a packet")
+        .connected_message()
+        .expect("class 3");
+    assert_eq!(sequence, connected.sequence);
+    Reply::decode(&message).expect("a reply")
 }
 
 pub(super) fn path(tag: &str) -> Epath {
