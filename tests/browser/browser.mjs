@@ -97,20 +97,29 @@ export const arrived = (page, axis, place) =>
 
 /**
  * Waits until a canvas has at least `least` pixels of a colour of the style sheet; gives how many, and the box around
- * them in pixels of the style sheet. What is drawn is drawn finely, so a pixel may differ a little.
+ * them in pixels of the canvas. A pixel counts when it is the ground with `share` of the colour over it or more: what
+ * is drawn is drawn finely, and a trail fades.
  */
-export async function pixels(page, canvas, property, least) {
-  const found = await until(page, `${least} pixels of ${property} in ${canvas}`, ([selector, name, enough]) => {
+export async function pixels(page, canvas, property, least, share = 0.9) {
+  const found = await until(page, `${least} pixels of ${property} in ${canvas}`, ([selector, name, enough, part]) => {
     const element = document.querySelector(selector);
     const probe = document.createElement("canvas").getContext("2d");
-    probe.fillStyle = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-    probe.fillRect(0, 0, 1, 1);
-    const wanted = probe.getImageData(0, 0, 1, 1).data;
+    const colour = (of) => {
+      probe.fillStyle = getComputedStyle(document.documentElement).getPropertyValue(of).trim();
+      probe.fillRect(0, 0, 1, 1);
+      return [...probe.getImageData(0, 0, 1, 1).data.subarray(0, 3)];
+    };
+    const ground = colour("--canvas");
+    const over = colour(name).map((value, k) => value - ground[k]);
+    const square = over.reduce((sum, value) => sum + value * value, 0);
     const { width, height } = element;
     const { data } = element.getContext("2d").getImageData(0, 0, width, height);
     const box = { count: 0, left: width, right: -1, top: height, bottom: -1 };
     for (let at = 0; at < data.length; at += 4) {
-      if (Math.abs(data[at] - wanted[0]) + Math.abs(data[at + 1] - wanted[1]) + Math.abs(data[at + 2] - wanted[2]) > 60) continue;
+      const [red, green, blue] = [data[at] - ground[0], data[at + 1] - ground[1], data[at + 2] - ground[2]];
+      const has = (red * over[0] + green * over[1] + blue * over[2]) / square;
+      if (has < part || has > 1.1) continue;
+      if (Math.abs(red - has * over[0]) + Math.abs(green - has * over[1]) + Math.abs(blue - has * over[2]) > 20) continue;
       const [x, y] = [(at / 4) % width, Math.floor(at / 4 / width)];
       box.count += 1;
       box.left = Math.min(box.left, x);
@@ -119,7 +128,7 @@ export async function pixels(page, canvas, property, least) {
       box.bottom = Math.max(box.bottom, y);
     }
     return box.count >= enough && box;
-  }, [canvas, property, least]);
+  }, [canvas, property, least, share]);
   return found.jsonValue();
 }
 

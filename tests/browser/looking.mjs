@@ -7,6 +7,9 @@ import { PATIENCE, VIEWS, actual, arrived, close, go, open, operand, pixels, pos
 const PATH = ".view.path .path-canvas canvas";
 const PREVIEW = ".preview-panel canvas";
 
+/** What the oldest part of a trail keeps of its colour, where it was passed twice. */
+const FADED = 0.4;
+
 /** A preview, then the programmed path, then the trail are drawn where they belong. */
 export async function a_path_is_drawn({ browser, url }) {
   const page = await open(browser, url, "drive");
@@ -45,20 +48,29 @@ export async function a_robots_tool_is_drawn({ browser, url }) {
     await page.getByLabel("Coordinate system", { exact: true }).selectOption(system);
     await page.getByRole("button", { name: "Top", exact: true }).click();
     await page.getByRole("button", { name: "Fit" }).click();
-    await expectLine(page, PATH, "--trail", 2, `the tool of ${system}`);
+    await expectLine(page, PATH, "--trail", 2, `the tool of ${system}`, FADED);
   }
   await until(page, "where the tool is", () => [...document.querySelectorAll(".dro > div")].some((row) =>
     row.querySelector(".dro-axis")?.textContent === "X1" && Math.abs(Number(row.querySelector("output").textContent) - 60) < 0.01));
   await close(page);
 }
 
-/** A straight line of a colour, so many times as wide as it is high. */
-async function expectLine(page, canvas, property, ratio, what) {
-  const { left, right, top, bottom, count } = await pixels(page, canvas, property, 40);
-  const [wide, tall] = [right - left, bottom - top];
-  assert.ok(wide > 60, `${what} is ${wide} pixels wide`);
-  assert.ok(Math.abs(wide / tall - ratio) < 0.25 * ratio, `${what} is ${wide} by ${tall} pixels, not ${ratio} to 1`);
-  assert.ok(count >= wide * 0.5, `${what} has ${count} pixels for a width of ${wide}`);
+/** Waits for a straight line of a colour, so many times as wide as it is high, with a pixel in every column. */
+async function expectLine(page, canvas, property, ratio, what, share) {
+  await becomes(() => pixels(page, canvas, property, 40, share), `${what} is a line, ${ratio} to 1`, ({ left, right, top, bottom, count }) => {
+    const [wide, tall] = [right - left, bottom - top];
+    return wide > 60 && Math.abs(wide / tall - ratio) < 0.1 * ratio && count > wide;
+  });
+}
+
+/** Waits until what is measured is as it should be, and gives it. */
+async function becomes(measure, what, is) {
+  for (const deadline = Date.now() + PATIENCE; ;) {
+    const now = await measure();
+    if (is(now)) return now;
+    assert.ok(Date.now() < deadline, `${what}: ${JSON.stringify(now)}`);
+    await new Promise((done) => setTimeout(done, 100));
+  }
 }
 
 /** The picture in space is turned by a drag, scaled by the wheel, and fitted by a key; from above it is a drawing to scale. */
@@ -73,15 +85,6 @@ export async function the_picture_turns_and_scales({ browser, url }) {
   const canvas = page.locator(PATH);
   // The sign of the directions has the colour of the path too, so it counts in space: how much there is, not how wide.
   const drawn = () => pixels(page, PATH, "--path", 40);
-  /** Waits until the picture is as it should be. */
-  const becomes = async (what, is) => {
-    for (const deadline = Date.now() + PATIENCE; ;) {
-      const now = await drawn();
-      if (is(now)) return now;
-      assert.ok(Date.now() < deadline, `${what}: ${JSON.stringify(now)}`);
-      await new Promise((done) => setTimeout(done, 100));
-    }
-  };
   await page.getByRole("button", { name: "Fit" }).click();
   const fitted = await drawn();
   const { x, y, width, height } = await canvas.boundingBox();
@@ -90,13 +93,13 @@ export async function the_picture_turns_and_scales({ browser, url }) {
   await page.mouse.down();
   await page.mouse.move(middle + 120, level + 30, { steps: 4 });
   await page.mouse.up();
-  const turned = await becomes("a drag turns it", ({ right, top }) => Math.abs(right - fitted.right) + Math.abs(top - fitted.top) > 20);
+  const turned = await becomes(drawn, "a drag turns it", ({ right, top }) => Math.abs(right - fitted.right) + Math.abs(top - fitted.top) > 20);
   await page.mouse.wheel(0, 400);
-  const smaller = await becomes("the wheel scales it", ({ count }) => count < 0.8 * turned.count);
+  const smaller = await becomes(drawn, "the wheel scales it", ({ count }) => count < 0.8 * turned.count);
   await canvas.press("f");
-  await becomes("F fits it", ({ count }) => count > 1.2 * smaller.count);
+  await becomes(drawn, "F fits it", ({ count }) => count > 1.2 * smaller.count);
   await page.getByRole("button", { name: "Top", exact: true }).click();
-  await becomes("from above it is to scale", ({ left, right, top, bottom }) => Math.abs((right - left) / (bottom - top) - 2) < 0.3);
+  await becomes(drawn, "from above it is to scale", ({ left, right, top, bottom }) => Math.abs((right - left) / (bottom - top) - 2) < 0.3);
   await page.keyboard.press("Escape");
   await close(page);
 }
