@@ -243,7 +243,11 @@ fn two_milliseconds_without_loss_and_nothing_malformed() {
         };
         assert!(session.open(wanted, socket()).is_ok(), "{sent:?}");
     }
-    assert!(listener.exchange(Duration::from_millis(55), &[]).len() >= 5);
+    let mut heard = 0;
+    eventually("five datagrams for the listener", Duration::from_secs(20), || {
+        heard += listener.exchange(Duration::from_millis(10), &[]).len();
+        (heard >= 5).then_some(())
+    });
     assert!(session.close(1).is_success());
     assert_eq!(session.close(1), CipStatus::connection(0x0107));
 
@@ -272,8 +276,9 @@ fn one_millisecond_is_kept_on_an_absolute_schedule() {
 fn longer_intervals_are_kept_too() {
     let server = server();
     let mut session = Session::connect(server.address());
+    // Long beside what a stalled machine may sleep through.
+    let time = Duration::from_secs(2);
     for (serial, rpi) in (1..).zip([5000, 10_000, 100_000]) {
-        let time = Duration::from_micros(u64::from(rpi) * 15);
         let Some(kept) = exchanged(&mut session, input_only(serial, rpi), time, &[]) else {
             return;
         };
