@@ -1,6 +1,9 @@
 // A parallel projection that is turned, moved and scaled. Pixels of the style sheet, y downwards; the world in position units.
 
 const RIGHT_ANGLE = Math.PI / 2;
+/** Between a picture that is fitted and the edges of its place, and what covers a part of it. */
+const MARGIN = 56;
+const CLEAR = 12;
 
 /** The fixed looks: turn about the vertical and height of the eye, in radians. */
 export const LOOKS = {
@@ -74,8 +77,20 @@ export class Camera {
     return real;
   }
 
-  /** Shows a box `[[min…], [max…]]` whole. */
-  fit([low, high], margin = 56) {
+  /** Shows a box `[[min…], [max…]]` whole; below what covers the top of the picture, where that would hide a corner of it. */
+  fit(box, covers = []) {
+    this.#fit(box, 0);
+    if (!covers.length) return;
+    const project = this.projection();
+    const hidden = corners(box).some((corner) => {
+      const [x, y] = project(...corner);
+      return covers.some(({ left, right, bottom }) => x > left - CLEAR && x < right + CLEAR && y < bottom + CLEAR);
+    });
+    if (hidden) this.#fit(box, Math.max(...covers.map(({ bottom }) => bottom)) - MARGIN + CLEAR);
+  }
+
+  /** Shows a box whole, with so many pixels at the top free beside the margin. */
+  #fit([low, high], top) {
     const { right, up } = this.axes();
     let [wide, tall] = [0, 0];
     for (let k = 0; k < 3; k++) {
@@ -83,9 +98,10 @@ export class Camera {
       tall += Math.abs(up[k]) * (high[k] - low[k]);
       this.centre[k] = (low[k] + high[k]) / 2;
     }
-    const across = Math.max(this.width - 2 * margin, 20) / Math.max(wide, 1e-9);
-    const along = Math.max(this.tall - 2 * margin, 20) / Math.max(tall, 1e-9);
+    const across = Math.max(this.width - 2 * MARGIN, 20) / Math.max(wide, 1e-9);
+    const along = Math.max(this.tall - 2 * MARGIN - top, 20) / Math.max(tall, 1e-9);
     this.scale = Math.min(across, along);
+    this.pan(0, top / 2);
   }
 
   /** Whether the look is along an axis, so that it is a drawing in two dimensions. */
@@ -95,4 +111,9 @@ export class Camera {
     if (level && Math.abs(this.height) < 1e-6) return Math.abs(Math.sin(this.turn)) < 0.5 ? "front" : "side";
     return null;
   }
+}
+
+/** The eight corners of a box. */
+function corners([low, high]) {
+  return [0, 1, 2, 3, 4, 5, 6, 7].map((which) => low.map((value, k) => ((which >> k) & 1 ? high[k] : value)));
 }

@@ -21,13 +21,16 @@ export class Path {
     this.looks = segmented("Look", LOOKS, "space", (look) => this.canvas.look(look));
     const trail = segmented("Length of the trail", TRAILS, 20, (seconds) => (this.canvas.trailSeconds = seconds));
     this.readout = h("div.dro", { "aria-label": "Positions" });
+    this.legend = this.#legend();
+    this.canvas.covers = () => [this.readout, this.legend].filter((over) => over.offsetWidth > 0).map((over) =>
+      ({ left: over.offsetLeft, right: over.offsetLeft + over.offsetWidth, bottom: over.offsetTop + over.offsetHeight }));
     this.old = h("p.moment-note", { hidden: true }, "An earlier moment is shown.");
     this.timebar = new Timebar(app, () => [app.moment.shown - this.canvas.trailSeconds / app.samples.period, app.moment.shown]);
     this.element = h("section.view.path", { "aria-label": this.title },
       h("div.toolbar", {}, this.choice, this.looks.element, trail.element, this.#layers(), h("span.spring"),
         h("button", { type: "button", onclick: () => this.canvas.fit() }, icon("fit"), "Fit"),
         h("button", { type: "button", onclick: () => app.setPreview(null), title: "Remove the preview" }, "Clear preview")),
-      h("div.path-stage", {}, host, this.readout, this.old, this.#legend()),
+      h("div.path-stage", {}, host, this.readout, this.old, this.legend),
       this.timebar.element);
     app.addEventListener("preview", () => this.#preview());
     app.moment.addEventListener("change", () => {

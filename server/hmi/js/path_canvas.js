@@ -20,6 +20,8 @@ export class PathCanvas {
   preview = null;
   /** Length of the trail in seconds. */
   trailSeconds = 20;
+  /** Gives what lies over the top of the picture: `{left, right, bottom}` in its pixels. */
+  covers = () => [];
   /** What is drawn. */
   layers = { path: true, trail: true, tolerance: true };
   #untouched = true;
@@ -65,7 +67,7 @@ export class PathCanvas {
     this.#points = this.#trail();
     const box = this.#box();
     this.#fitted = this.#place() && box;
-    this.camera.fit(box);
+    this.camera.fit(box, this.covers());
     this.#untouched = true;
     this.stage.touch();
   }
@@ -226,7 +228,7 @@ export class PathCanvas {
     if (this.#fitted && !outside) return;
     const box = [low.map((value, k) => Math.min(value, left[k])), high.map((value, k) => Math.max(value, right[k]))];
     this.#fitted = this.#place() && box;
-    this.camera.fit(box);
+    this.camera.fit(box, this.covers());
   }
 
   #drawTrail(context, project, colours) {
