@@ -48,16 +48,23 @@ export async function a_robots_tool_is_drawn({ browser, url }) {
     await page.getByLabel("Coordinate system", { exact: true }).selectOption(system);
     await page.getByRole("button", { name: "Top", exact: true }).click();
     await page.getByRole("button", { name: "Fit" }).click();
-    await expectLine(page, PATH, "--trail", 2, `the tool of ${system}`, FADED);
+    const { top } = await expectLine(page, PATH, "--trail", 2, `the tool of ${system}`, FADED);
+    assert.ok(top > (await below(page, ".legend")), "what is fitted is not under the legend");
   }
   await until(page, "where the tool is", () => [...document.querySelectorAll(".dro > div")].some((row) =>
     row.querySelector(".dro-axis")?.textContent === "X1" && Math.abs(Number(row.querySelector("output").textContent) - 60) < 0.01));
   await close(page);
 }
 
+/** Where an element over the path ends, in pixels of the canvas. */
+const below = async (page, over) => {
+  const [{ y, height }, canvas] = [await page.locator(over).boundingBox(), await page.locator(PATH).boundingBox()];
+  return y + height - canvas.y;
+};
+
 /** Waits for a straight line of a colour, so many times as wide as it is high, with a pixel in every column. */
 async function expectLine(page, canvas, property, ratio, what, share) {
-  await becomes(() => pixels(page, canvas, property, 40, share), `${what} is a line, ${ratio} to 1`, ({ left, right, top, bottom, count }) => {
+  return becomes(() => pixels(page, canvas, property, 40, share), `${what} is a line, ${ratio} to 1`, ({ left, right, top, bottom, count }) => {
     const [wide, tall] = [right - left, bottom - top];
     return wide > 60 && Math.abs(wide / tall - ratio) < 0.1 * ratio && count > wide;
   });
