@@ -11,8 +11,8 @@ use arcline_tag::{Elementary, Value};
 pub enum Input {
     /// A truth value: 0 or 1 for numbers.
     Bool(bool),
-    /// A whole number.
-    Integer(i64),
+    /// A whole number, wide enough for LINT and ULINT.
+    Integer(i128),
     /// A number; integers take it rounded half to even.
     Number(f64),
     /// A text, for a STRING.
@@ -27,22 +27,22 @@ impl Input {
         match self {
             Self::Bool(truth) => Some(Value::Bool(*truth).convert(to)),
             Self::Integer(number) if to == Elementary::Bool => Some(Value::Bool(*number != 0)),
-            Self::Integer(number) => {
-                let value = Value::from_i64(to, *number);
-                (to.is_real() || value.to_integer() == Some(*number) || as_bits(to, *number)).then_some(value)
-            }
+            Self::Integer(number) => match (i64::try_from(*number), u64::try_from(*number), to) {
+                (_, Ok(number), Elementary::Ulint) => Some(Value::Ulint(number)),
+                (_, Ok(number), Elementary::Lword) => Some(Value::Lword(number)),
+                _ if to.is_real() => Some(Value::from_f64(to, *number as f64)),
+                (Ok(number), _, _) => {
+                    Some(Value::from_i64(to, number)).filter(|value| value.to_integer() == Some(number))
+                }
+                _ => None,
+            },
             Self::Number(number) if to.is_real() || to == Elementary::Bool => Some(Value::from_f64(to, *number)),
             Self::Number(number) => Value::Lreal(*number)
                 .to_integer()
-                .and_then(|n| Self::Integer(n).convert(to)),
+                .and_then(|n| Self::Integer(n.into()).convert(to)),
             Self::Text(_) | Self::Array(_) => None,
         }
     }
-}
-
-/// 64-bit unsigned types hold what an `i64` cannot tell; smaller ones are compared after conversion.
-fn as_bits(to: Elementary, number: i64) -> bool {
-    matches!(to, Elementary::Ulint | Elementary::Lword) && number >= 0
 }
 
 impl fmt::Display for Input {
@@ -80,7 +80,7 @@ fn parse(text: &str) -> Input {
     }
     let hex = text
         .strip_prefix("0x")
-        .and_then(|digits| i64::from_str_radix(digits, 16).ok());
+        .and_then(|digits| i128::from_str_radix(digits, 16).ok());
     if let Some(number) = hex.or_else(|| text.parse().ok()) {
         return Input::Integer(number);
     }
@@ -121,7 +121,13 @@ impl From<f64> for Input {
 
 impl From<i64> for Input {
     fn from(number: i64) -> Self {
-        Self::Integer(number)
+        Self::Integer(number.into())
+    }
+}
+
+impl From<u64> for Input {
+    fn from(number: u64) -> Self {
+        Self::Integer(number.into())
     }
 }
 
@@ -147,8 +153,8 @@ impl From<Value> for Input {
     fn from(value: Value) -> Self {
         match value {
             Value::Bool(truth) => Self::Bool(truth),
-            Value::Real(_) | Value::Lreal(_) => Self::Number(value.as_f64()),
-            integer => integer.to_integer().map_or(Self::Number(value.as_f64()), Self::Integer),
+            Value::Ulint(number) | Value::Lword(number) => number.into(),
+            integer => integer.to_integer().map_or(Self::Number(value.as_f64()), Self::from),
         }
     }
 }
@@ -159,7 +165,7 @@ mod tests {
 
     #[test]
     fn texts_become_values() {
-        let array = |numbers: &[i64]| Input::Array(numbers.iter().map(|n| Input::Integer(*n)).collect());
+        let array = |numbers: &[i128]| Input::Array(numbers.iter().map(|n| Input::Integer(*n)).collect());
         #[rustfmt::skip]
         let cases = [
             ("true", Input::Bool(true)), ("FALSE", Input::Bool(false)), ("12", Input::Integer(12)),
@@ -187,7 +193,10 @@ mod tests {
             ("a truth value",          Input::Integer(2),  Elementary::Bool,   Some(Value::Bool(true))),
             ("a bool as a number",     Input::Bool(true),  Elementary::Dint,   Some(Value::Dint(1))),
             ("a text is no number",    Input::from("1"),   Elementary::Dint,   None),
-            ("64 bits",                Input::Integer(i64::MAX), Elementary::Ulint, Some(Value::Ulint(i64::MAX as u64))),
+            ("64 bits",                Input::Integer(u64::MAX.into()), Elementary::Ulint, Some(Value::Ulint(u64::MAX))),
+            ("65 bits",                Input::Integer(1 << 64), Elementary::Ulint, None),
+            ("negative into 64 bits",  Input::Integer(-1), Elementary::Ulint, None),
+            ("one too many for LINT",  Input::Integer(1 << 63), Elementary::Lint, None),
         ];
         for (why, given, to, value) in cases {
             assert_eq!(given.convert(to), value, "{why}");

@@ -95,7 +95,7 @@ impl<'a, 't> Importer<'a, 't> {
                 self.config.insert("server".into(), Value::Table(server));
             }
         }
-        let mut types = Types::default();
+        let mut types = Types::new();
         for list in children(controller, "DataTypes") {
             self.source.check(list);
             self.data_types(list, &mut types)?;

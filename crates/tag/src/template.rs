@@ -281,6 +281,14 @@ impl TemplateBuilder {
         self.push(member)
     }
 
+    /// Hides the member that was added last.
+    pub fn hide(mut self) -> Self {
+        if let Some(member) = self.template.members.last_mut() {
+            member.hidden = true;
+        }
+        self
+    }
+
     /// Fixes the size in bytes instead of rounding it up to the alignment.
     pub fn size(mut self, size: u32) -> Self {
         self.size = Some(size);

@@ -85,14 +85,14 @@ pub(super) fn plain_tags(root: &Section<'_>, types: &Types, names: &mut Taken) -
         };
         let name = required_name(&section, "name", scope)?;
         let alias = alias(&section, program.as_deref(), &tags)?;
-        let tag_type = match (&alias, section.string("type", TAG_TYPE)?) {
+        let tag_type = match (&alias, section.string("type", &TAG_TYPE)?) {
             (Some(alias), None) => alias.tag_type.clone(),
             (Some(_), Some(_)) => {
                 let reason = "an alias has the type of what it stands for";
                 return Err(section.refuse_key("type", Problem::Conflict { other: "alias", reason }));
             }
-            (None, None) => return Err(section.missing("type", TAG_TYPE)),
-            (None, Some(word)) => types.parse(&section, &word, TAG_TYPE)?,
+            (None, None) => return Err(section.missing("type", &TAG_TYPE)),
+            (None, Some(word)) => types.parse(&section, &word, &TAG_TYPE)?,
         };
         if alias.is_none() {
             total += tag_type.size();

@@ -1,7 +1,7 @@
 //! Types of plain tags: `[[data_type]]` tables, and how a type is written: `REAL`, `DINT[2,3]`, `Recipe[16]`.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use arcline_controller::image::MAX_PLAIN_BYTES;
 use arcline_instruction_set::predefined;
@@ -72,9 +72,9 @@ impl Types {
                 return Err(member.refuse(&name, "a name that no other member has", None));
             }
             let word = member
-                .string("type", MEMBER_TYPE)?
-                .ok_or_else(|| member.missing("type", MEMBER_TYPE))?;
-            let member_type = self.parse(member, &word, MEMBER_TYPE)?;
+                .string("type", &MEMBER_TYPE)?
+                .ok_or_else(|| member.missing("type", &MEMBER_TYPE))?;
+            let member_type = self.parse(member, &word, &MEMBER_TYPE)?;
             let elements = u16::try_from(member_type.elements());
             let (1 | 0, Ok(elements)) = (member_type.rank(), elements) else {
                 return Err(member.refuse(&word, "a scalar or an array of one dimension", None));
@@ -182,14 +182,30 @@ const FIRST_INSTANCE: u16 = 0x200;
 
 pub(super) const DATA_TYPE: &[&str] = &["name", "members"];
 pub(super) const MEMBER: &[&str] = &["name", "type"];
-/// Types that need no `[[data_type]]`.
+/// The elementary types of tags, and STRING.
 pub const ELEMENTARY: &[&str] = &[
-    "BOOL", "SINT", "INT", "DINT", "LINT", "USINT", "UINT", "UDINT", "REAL", "LREAL", "STRING",
+    "BOOL", "SINT", "INT", "DINT", "LINT", "USINT", "UINT", "UDINT", "ULINT", "REAL", "LREAL", "STRING",
 ];
 
 const MEMBERS: &str = "a list of tables such as { name = \"Speed\", type = \"REAL\" }";
 const TOO_LARGE: &str = "a type of at most 2 MiB";
-const MEMBER_TYPE: &str = "BOOL, SINT, INT, DINT, LINT, USINT, UINT, UDINT, REAL, LREAL, STRING, CAM, CAM_PROFILE, OUTPUT_CAM, \
-     OUTPUT_COMPENSATION, POSITION_DATA, PATH_DATA, DYNAMICS_DATA or a [[data_type]] above, or an array of 1 to 65535 of them such as REAL[16]";
-pub(super) const TAG_TYPE: &str = "BOOL, SINT, INT, DINT, LINT, USINT, UINT, UDINT, REAL, LREAL, STRING, CAM, CAM_PROFILE, OUTPUT_CAM, \
-     OUTPUT_COMPENSATION, POSITION_DATA, PATH_DATA, DYNAMICS_DATA or a [[data_type]], or an array of 1 to 65535 of them in each of up to three dimensions such as REAL[16] or DINT[2,3]";
+static MEMBER_TYPE: LazyLock<String> = LazyLock::new(|| {
+    format!(
+        "{} or a [[data_type]] above, or an array of 1 to 65535 of them such as REAL[16]",
+        words()
+    )
+});
+pub(super) static TAG_TYPE: LazyLock<String> = LazyLock::new(|| {
+    format!(
+        "{} or a [[data_type]], or an array of 1 to 65535 of them in each of up to three dimensions such as REAL[16] or DINT[2,3]",
+        words()
+    )
+});
+
+/// The types that need no `[[data_type]]`, for people.
+fn words() -> String {
+    let predefined = predefined::for_tags();
+    let predefined = predefined.iter().map(|template| template.name.as_str());
+    let words: Vec<&str> = ELEMENTARY.iter().copied().chain(predefined).collect();
+    words.join(", ")
+}

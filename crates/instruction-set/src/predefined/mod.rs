@@ -1,7 +1,8 @@
 //! The predefined types: what a motion tag looks like to a client
 //! (spec/axis-and-data-types.md §8, Appendix A).
 //!
-//! The layouts are data, one line a member: offset, type, name, then `bit:name` for the BOOLs that overlay it.
+//! The layouts are data, one line a member: offset, type, name (in parentheses: not shown), then
+//! `bit:name` for the BOOLs that overlay it.
 //! Template instances are fixed, so handles and ids are the same in every run. User types, such as those of
 //! instruction tags, have instances 0x100 to 0xEFF; these have others.
 
@@ -54,6 +55,12 @@ predefined! {
     path_data "PATH_DATA" 0xF0C 68;
     /// DYNAMICS_DATA, 44 bytes: how fast it leads there, for MCPM (§23.2).
     dynamics_data "DYNAMICS_DATA" 0xF0D 44;
+    /// TIMER, 12 bytes: what a timer of a program holds, for clients that read one. Nothing counts in it.
+    timer "TIMER" 0xF83 12;
+    /// COUNTER, 12 bytes: as TIMER.
+    counter "COUNTER" 0xF82 12;
+    /// CONTROL, 12 bytes: place in an array that an instruction of a program works on; as TIMER.
+    control "CONTROL" 0xF81 12;
     /// REAL_TIME, 248 bytes, a type of our own: the health of the real-time thread.
     ///
     /// Lateness is how long after its time a tick began, Compute how long it took; both in µs. Bucket 0 of a
@@ -62,9 +69,9 @@ predefined! {
     real_time "REAL_TIME" 0xF06 248;
 }
 
-/// The predefined type of that name that plain tags can have, case ignored.
-pub fn of_tags(name: &str) -> Option<Arc<Template>> {
-    let types = [
+/// The predefined types that plain tags can have, besides STRING.
+pub fn for_tags() -> Vec<Arc<Template>> {
+    vec![
         cam(),
         cam_profile(),
         output_cam(),
@@ -72,8 +79,15 @@ pub fn of_tags(name: &str) -> Option<Arc<Template>> {
         position_data(),
         path_data(),
         dynamics_data(),
-    ];
-    types
+        timer(),
+        counter(),
+        control(),
+    ]
+}
+
+/// The predefined type of that name that plain tags can have, case ignored.
+pub fn of_tags(name: &str) -> Option<Arc<Template>> {
+    for_tags()
         .into_iter()
         .find(|template| template.name.eq_ignore_ascii_case(name))
 }
@@ -102,8 +116,14 @@ pub const fn histogram_bucket(nanoseconds: u64) -> usize {
     }
 }
 
+/// From here on instances are those of a real controller, whose handles are the same numbers.
+const CONTROLLERS_OWN: u16 = 0xF80;
+
 fn parse(name: &str, instance: u16, size: u32, layout: &str) -> Arc<Template> {
-    let builder = TemplateBuilder::new(name, instance).size(size);
+    let mut builder = TemplateBuilder::new(name, instance).size(size);
+    if instance >= CONTROLLERS_OWN {
+        builder = builder.handle(instance);
+    }
     layout
         .lines()
         .try_fold(builder, member)
@@ -121,7 +141,12 @@ fn member(builder: TemplateBuilder, line: &str) -> Option<TemplateBuilder> {
         }
         scalar => (scalar, 0),
     };
-    let mut builder = builder.member_at(words.next()?, Elementary::from_name(kind)?, dimension, offset);
+    let word = words.next()?;
+    let name = word.trim_start_matches('(').trim_end_matches(')');
+    let mut builder = builder.member_at(name, Elementary::from_name(kind)?, dimension, offset);
+    if name != word {
+        builder = builder.hide();
+    }
     for bit in words {
         let (bit, name) = bit.split_once(':')?;
         builder = builder.bit_at(name, offset, bit.parse().ok()?);
@@ -154,6 +179,9 @@ mod tests {
             (axis_virtual(),        75,  132,  "CommandAcceleration",    128, None),
             (position_data(),       7,   28,   "Rz",                     24,  None),
             (path_data(),           8,   68,   "TurnsCounters",          48,  None),
+            (timer(),               6,   12,   "DN",                     3,   Some(5)),
+            (counter(),             8,   12,   "ACC",                    8,   None),
+            (control(),             11,  12,   "FD",                     3,   Some(0)),
             (dynamics_data(),       11,  44,   "OrientationDeceleration", 40, None),
             (real_time(),           17,  248,  "Pinned",                 236, Some(2)),
         ];
@@ -169,6 +197,21 @@ mod tests {
                 .or_else(|| template.member(&name.replace("FL", "")));
             let member = member.unwrap_or_else(|| panic!("{} {name}", template.name));
             assert_eq!((member.offset, member.bit), (offset, bit), "{} {name}", template.name);
+        }
+    }
+
+    #[test]
+    fn handles_of_program_types_are_those_that_clients_know() {
+        // Of gologix (lgxtypes) and of what pycomm3 reads from controllers.
+        for (template, handle) in [(timer(), 0x0F83), (counter(), 0x0F82), (control(), 0x0F81)] {
+            assert_eq!(
+                (template.handle, template.instance),
+                (handle, handle),
+                "{}",
+                template.name
+            );
+            let host = template.member("Control").expect("the word that holds its bits");
+            assert!(host.hidden, "Studio does not show it");
         }
     }
 

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use arcline_config::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, is_name};
-use arcline_tag::Elementary;
+use arcline_instruction_set::predefined;
+use arcline_tag::{DataType, Elementary};
 use roxmltree::Node;
 use toml::{Table, Value};
 
@@ -16,7 +17,7 @@ use crate::{L5xError, Reason};
 pub(super) enum Kind {
     Elementary(Elementary),
     Text,
-    /// A structure of the project, by its name in lower case.
+    /// A structure of the project or a predefined one, by its name in lower case.
     Structure(String),
 }
 
@@ -37,10 +38,31 @@ pub(super) struct Structure {
 }
 
 /// The structure types, by name in lower case.
-#[derive(Default)]
 pub(super) struct Types(BTreeMap<String, Structure>);
 
 impl Types {
+    /// Those that are predefined.
+    pub(super) fn new() -> Self {
+        let structures = predefined::for_tags().into_iter().map(|template| {
+            let members = template.members.iter().filter(|member| !member.hidden);
+            let members = members.filter_map(|member| match member.data_type {
+                DataType::Elementary(kind) => Some(Member {
+                    name: member.name.clone(),
+                    kind: Kind::Elementary(kind),
+                    dimension: member.dimension.into(),
+                }),
+                DataType::Structure(_) => None,
+            });
+            let structure = Structure {
+                name: template.name.clone(),
+                members: members.collect(),
+                size: template.size.into(),
+            };
+            (template.name.to_ascii_lowercase(), structure)
+        });
+        Self(structures.collect())
+    }
+
     pub(super) fn structure(&self, name: &str) -> Option<&Structure> {
         self.0.get(name)
     }
@@ -91,8 +113,10 @@ impl<'a, 't> Importer<'a, 't> {
             let name = self.source.required(node, "Name", "the type's name")?;
             self.source.check(node);
             let known = ELEMENTARY.iter().any(|known| known.eq_ignore_ascii_case(name));
-            let predefined = arcline_instruction_set::predefined::all();
-            let taken = known || predefined.iter().any(|known| known.name.eq_ignore_ascii_case(name));
+            let taken = known
+                || predefined::all()
+                    .iter()
+                    .any(|known| known.name.eq_ignore_ascii_case(name));
             if taken || !is_name(name) || order.len() >= MAX_TYPES {
                 self.source.report(node, Reason::NoCounterpart);
                 continue;

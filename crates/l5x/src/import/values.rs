@@ -9,6 +9,9 @@ use super::types::{Kind, Member, Types};
 use crate::document::{child, children, shortened};
 use crate::{L5xError, Problem, Reason, text};
 
+/// In lower case.
+const CAM_PROFILE: &str = "cam_profile";
+
 impl<'a, 't> Importer<'a, 't> {
     /// The first value of a tag; `None`: zeros, or none that is understood.
     pub(super) fn first_value(
@@ -125,6 +128,9 @@ impl<'a, 't> Importer<'a, 't> {
                 None => Ok(Value::String(String::new())),
             };
         };
+        if key == CAM_PROFILE {
+            return Ok(self.cam_profile(node));
+        }
         let mut table = Table::new();
         let members: &[Member] = types.structure(key).map_or(&[], |structure| &structure.members);
         for child in node.children().filter(Node::is_element) {
@@ -153,6 +159,18 @@ impl<'a, 't> Importer<'a, 't> {
             }
         }
         Ok(Value::Table(table))
+    }
+
+    /// Of a calculated profile the export shows the Status only: an empty one takes its place.
+    fn cam_profile(&mut self, node: Node<'a, 't>) -> Value {
+        for member in node.children().filter(Node::is_element) {
+            self.source.check(member);
+            if member.attribute("Name") == Some("Status") && member.attribute("Value") != Some("0") {
+                let words = "a calculated cam profile becomes an empty one, which MCCP fills";
+                self.source.report_attribute(member, "Value", Reason::Changed(words));
+            }
+        }
+        Value::Table(Table::new())
     }
 
     /// A text in quotes: of STRING, or of a structure with LEN and DATA.

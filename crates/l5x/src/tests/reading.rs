@@ -122,7 +122,7 @@ fn types_tags_values_and_aliases() {
         r#"<DataTypes>
         <DataType Name="Outer" Family="NoFamily" Class="User"><Members>
             <Member Name="In" DataType="Inner" Dimension="2" Radix="NullType" Hidden="false"/>
-            <Member Name="T" DataType="TIMER" Dimension="0" Radix="NullType" Hidden="false"/></Members></DataType>
+            <Member Name="T" DataType="MESSAGE" Dimension="0" Radix="NullType" Hidden="false"/></Members></DataType>
         <DataType Name="Inner" Family="NoFamily" Class="User"><Members>
             <Member Name="ZZZZZZZZZZInner0" DataType="SINT" Dimension="0" Radix="Decimal" Hidden="true"/>
             <Member Name="On" DataType="BIT" Dimension="0" Radix="Decimal" Hidden="false" Target="ZZZZZZZZZZInner0" BitNumber="0"/>
@@ -145,7 +145,7 @@ fn types_tags_values_and_aliases() {
             <Data Format="Decorated"><DataValue DataType="INT" Radix="Hex" Value="16#ffff"/></Data></Tag>
         <Tag Name="Text" TagType="Base" DataType="STRING"><Data Format="String" Length="5"><![CDATA['a$'b$N$41']]></Data></Tag>
         <Tag Name="Own" TagType="Base" DataType="Str10"><Data Format="String" Length="2"><![CDATA['ok']]></Data></Tag>
-        <Tag Name="Count" TagType="Base" DataType="COUNTER"/><Tag Name="Secret" TagType="Base" DataType="DINT" ExternalAccess="None"/>
+        <Tag Name="Count" TagType="Base" DataType="ALARM_ANALOG"/><Tag Name="Secret" TagType="Base" DataType="DINT" ExternalAccess="None"/>
         <Tag Name="Old" TagType="Base" DataType="DINT"><Data>01 00 00 00</Data></Tag>
         </Tags><Programs><Program Name="Main" Type="Normal"><Tags>
         <Tag Name="Near" TagType="Alias" AliasFor="Hex.3"/><Tag Name="Hex" TagType="Base" DataType="DINT" Dimensions="2,1"/>
@@ -224,7 +224,7 @@ alias = "Program:Main.Hex.3"
         "2 × Controller/Programs/Program/Routines/Routine: no counterpart in Arcline",
         "1 × Controller/Programs/Program/Tags/Tag: no counterpart in Arcline",
         "2 × Controller/Tags/Tag: no counterpart in Arcline",
-        "1 × Controller/Tags/Tag[COUNTER]: no counterpart in Arcline",
+        "1 × Controller/Tags/Tag[ALARM_ANALOG]: no counterpart in Arcline",
         "1 × Controller/Tags/Tag[DINT]: no counterpart in Arcline",
         "1 × Controller/Tags/Tag[Outer]/Description: no counterpart in Arcline",
         "1 × Controller/DataTypes/DataType: changed: a string type becomes a structure of LEN and DATA",
@@ -319,6 +319,62 @@ fn every_key_of_the_mapping_is_one_of_a_configuration() {
 }
 
 /// `UPDATE_EXPECT=1` writes the page's table.
+/// As Studio writes them: the word that holds the bits is not among the members, and of a profile there is the Status only.
+#[test]
+fn predefined_types_of_programs() {
+    let import = read(
+        r#"<DataTypes><DataType Name="Step" Family="NoFamily" Class="User"><Members>
+            <Member Name="Dwell" DataType="TIMER" Dimension="2" Radix="NullType" Hidden="false" ExternalAccess="Read/Write"/>
+            <Member Name="Total" DataType="ULINT" Dimension="0" Radix="Decimal" Hidden="false" ExternalAccess="Read/Write"/>
+        </Members></DataType></DataTypes><Tags>
+        <Tag Name="Wait" TagType="Base" DataType="TIMER" Constant="false" ExternalAccess="Read/Write">
+            <Data Format="L5K"><![CDATA[[-2147483648,500,20]]]></Data><Data Format="Decorated"><Structure DataType="TIMER">
+            <DataValueMember Name="PRE" DataType="DINT" Radix="Decimal" Value="500"/>
+            <DataValueMember Name="ACC" DataType="DINT" Radix="Decimal" Value="20"/>
+            <DataValueMember Name="EN" DataType="BOOL" Value="1"/><DataValueMember Name="TT" DataType="BOOL" Value="0"/>
+            <DataValueMember Name="DN" DataType="BOOL" Value="0"/></Structure></Data></Tag>
+        <Tag Name="Steps" TagType="Base" DataType="Step" Dimensions="3" Constant="false" ExternalAccess="Read/Write"/>
+        <Tag Name="Points" TagType="Base" DataType="CAM" Dimensions="1" Constant="false" ExternalAccess="Read/Write">
+            <Data Format="Decorated"><Array DataType="CAM" Dimensions="1"><Element Index="[0]"><Structure DataType="CAM">
+            <DataValueMember Name="Master" DataType="REAL" Radix="Float" Value="1.5"/>
+            <DataValueMember Name="Slave" DataType="REAL" Radix="Float" Value="0.0"/>
+            <DataValueMember Name="SegmentType" DataType="DINT" Radix="Decimal" Value="1"/></Structure></Element></Array></Data></Tag>
+        <Tag Name="Profile" TagType="Base" DataType="CAM_PROFILE" Dimensions="1" Constant="false" ExternalAccess="Read/Write">
+            <Data Format="Decorated"><Array DataType="CAM_PROFILE" Dimensions="1"><Element Index="[0]"><Structure DataType="CAM_PROFILE">
+            <DataValueMember Name="Status" DataType="DINT" Radix="Decimal" Value="2"/></Structure></Element></Array></Data></Tag></Tags>"#,
+    );
+    let text = arcline_config::format(&import.config);
+    let expected = r#"[server]
+name = "Cell"
+
+[[data_type]]
+name = "Step"
+members = [{ name = "Dwell", type = "TIMER[2]" }, { name = "Total", type = "ULINT" }]
+
+[[tag]]
+name = "Wait"
+type = "TIMER"
+value = { ACC = 20, EN = true, PRE = 500 }
+
+[[tag]]
+name = "Steps"
+type = "Step[3]"
+
+[[tag]]
+name = "Points"
+type = "CAM[1]"
+value = [{ Master = 1.5, SegmentType = 1 }]
+
+[[tag]]
+name = "Profile"
+type = "CAM_PROFILE[1]"
+"#;
+    assert_eq!(text, expected);
+    let profile = "1 × Controller/Tags/Tag[CAM_PROFILE]/Data/Array/Element/Structure/DataValueMember/@Value: changed: a calculated cam \
+        profile becomes an empty one, which MCCP fills";
+    assert_eq!(reported(&import), [profile]);
+}
+
 #[test]
 fn the_page_shows_the_mapping() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/L5X.md");

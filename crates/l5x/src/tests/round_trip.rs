@@ -142,6 +142,32 @@ fn what_l5x_has_no_place_for() {
         [[tag]]
         name = "A2"
         alias = "Z[0].Inner[1].Many[1]"
+        [[data_type]]
+        name = "Step"
+        members = [{ name = "Dwell", type = "TIMER" }, { name = "Place", type = "POSITION_DATA" }]
+        [[tag]]
+        name = "Step"
+        type = "Step"
+        value = { Dwell = { PRE = 5, TT = true }, Place = { Rz = 90.0 } }
+        [[tag]]
+        name = "Parts"
+        type = "COUNTER[2]"
+        value = [{ PRE = 7, CU = true, UN = true }, { ACC = -7 }]
+        [[tag]]
+        name = "Find"
+        type = "CONTROL"
+        value = { LEN = 10, FD = true, EN = true }
+        [[tag]]
+        name = "Wide"
+        type = "ULINT[2]"
+        value = [0, 9223372036854775807]
+        [[tag]]
+        name = "Points"
+        type = "CAM[2]"
+        value = [{ Master = 0.0, Slave = 1.0, SegmentType = 1 }, { Master = 2.0 }]
+        [[tag]]
+        name = "Edges"
+        type = "OUTPUT_CAM[2]"
         [[tag]]
         name = "A3"
         program = "Other"
@@ -169,14 +195,15 @@ fn scalar_value(kind: usize) -> BoxedStrategy<String> {
             .prop_filter("finite", |x| x.is_finite())
             .prop_map(|x| format!("{x:?}"))
             .boxed(),
+        10 => (0..=i64::MAX).prop_map(|n| n.to_string()).boxed(),
         _ => "[ -~äß]{0,20}"
             .prop_map(|text| toml::Value::String(text).to_string())
             .boxed(),
     }
 }
 
-const WORDS: [&str; 11] = [
-    "BOOL", "SINT", "INT", "DINT", "LINT", "USINT", "UINT", "UDINT", "REAL", "LREAL", "STRING",
+const WORDS: [&str; 12] = [
+    "BOOL", "SINT", "INT", "DINT", "LINT", "USINT", "UINT", "UDINT", "REAL", "LREAL", "ULINT", "STRING",
 ];
 
 fn tag(place: usize) -> impl Strategy<Value = String> {
