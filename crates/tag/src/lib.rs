@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod elementary;
+mod handle;
 mod nearest;
 mod path;
 mod tag_type;

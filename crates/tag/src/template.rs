@@ -5,7 +5,7 @@
 
 use std::sync::{Arc, LazyLock};
 
-use crate::Elementary;
+use crate::{Elementary, handle};
 
 /// An elementary type or a structure.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -171,37 +171,6 @@ impl Template {
             .map(|member| member.data_type.alignment())
             .fold(4, u32::max)
     }
-
-    /// CRC-16 (reflected 0xA001, from 0) over the member types and offsets as text.
-    fn computed_handle(&self) -> u16 {
-        let mut crc = 0u16;
-        let mut feed = |text: &str| {
-            for byte in text.bytes() {
-                crc ^= u16::from(byte);
-                for _ in 0..8 {
-                    crc = if crc & 1 == 0 { crc >> 1 } else { (crc >> 1) ^ 0xA001 };
-                }
-            }
-        };
-        for member in &self.members {
-            feed(member.data_type.name());
-            if let DataType::Structure(template) = &member.data_type {
-                feed(&format!("#{:04X}", template.handle));
-            }
-            feed(&format!(
-                "[{}]@{}.{};",
-                member.dimension,
-                member.offset,
-                member.bit.unwrap_or(0)
-            ));
-        }
-        // 0 reads as "no handle" and 0x0FCE makes clients take the structure for a STRING.
-        if crc == 0 || crc == STRING_HANDLE {
-            crc ^ 0x8000
-        } else {
-            crc
-        }
-    }
 }
 
 /// Builds a [`Template`] member by member: at natural alignment, or at given offsets for predefined types.
@@ -307,7 +276,7 @@ impl TemplateBuilder {
         template.size = self
             .size
             .unwrap_or_else(|| self.end.next_multiple_of(template.alignment()));
-        template.handle = self.handle.unwrap_or_else(|| template.computed_handle());
+        template.handle = self.handle.unwrap_or_else(|| handle::handle(&template));
         Arc::new(template)
     }
 

@@ -137,13 +137,15 @@ impl MultipleReplies {
         self.room + REPLY_HEAD
     }
 
-    /// Adds the next reply. One that does not fit is answered in place with 0x06 and no data, as controllers do. More
-    /// replies than requests are ignored.
+    /// Adds the next reply. One that does not fit, or says so itself (0x11), is answered in place with 0x06 and no data, as
+    /// controllers do: libplctag then asks for it in another packet, and gives up the tag at 0x11. Only the first, which had
+    /// all the room there is, keeps its 0x11. More replies than requests are ignored.
     pub fn push(&mut self, reply: &Reply) {
         if self.pushed == self.expected {
             return;
         }
-        if reply.len() > self.budget() {
+        let refused = self.pushed > 0 && reply.status.is(CipStatus::REPLY_TOO_LARGE);
+        if refused || reply.len() > self.budget() {
             return self.append(&Reply::error(reply.service, CipStatus::PARTIAL_TRANSFER));
         }
         self.append(reply);

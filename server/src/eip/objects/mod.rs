@@ -278,15 +278,17 @@ pub(crate) fn serve_named(
     let Some(tag) = memory.image().find(name) else {
         return refuse(unknown());
     };
-    if target.symbols.len() > 1 {
-        return refuse(CipStatus::SERVICE_NOT_SUPPORTED);
-    }
     let (class, instance) = match tag.kind {
         TagKind::MotionGroup => (Object::MotionGroup.class_code(), 1),
         TagKind::Axis(place) => (Object::Axis.class_code(), u32::from(place) + 1),
         TagKind::CoordinateSystem(place) => (Object::CoordinateSystem.class_code(), u32::from(place) + 1),
+        // As a controller does: rust-ethernet-ip takes an answer for a layout that no controller has, and browses after a refusal.
+        _ if request.service == service::GET_ATTRIBUTE_LIST => return refuse(CipStatus::PATH_SEGMENT_ERROR.with(0)),
         _ => (class::SYMBOL, tag.id.0),
     };
+    if target.symbols.len() > 1 {
+        return refuse(CipStatus::SERVICE_NOT_SUPPORTED);
+    }
     let target = Target {
         class: Some(class),
         instance: Some(instance),

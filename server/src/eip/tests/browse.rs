@@ -122,6 +122,10 @@ async fn objects_answer_for_themselves() {
         let path = Epath(vec![Segment::Symbol(name.into()), Segment::Attribute(attribute)]);
         Request::new(code, path, vec![1, 0])
     };
+    let list_of = |name| {
+        let ids = &[2, 0, 1, 0, 2, 0];
+        Request::new(service::GET_ATTRIBUTE_LIST, Epath::symbol(name), &ids[..])
+    };
     let set = |class, attribute, data: &'static [u8]| {
         Request::new(
             service::SET_ATTRIBUTE_SINGLE,
@@ -159,6 +163,9 @@ async fn objects_answer_for_themselves() {
         ("a tag's type by name",      of_name(service::GET_ATTRIBUTE_SINGLE, "aDint", 2), (0, 0), Some(&[0xC4, 0])),
         ("an axis's units by name",   of_name(service::GET_ATTRIBUTE_SINGLE, "x", 8), (0, 0), Some(b"\x02mm")),
         ("an attribute nobody has",   of_name(service::GET_ATTRIBUTE_SINGLE, "aDint", 99), (0x14, 0), None),
+        ("rust-ethernet-ip browses",  list_of("aDint"),    (0x04, 0), None),
+        ("in a program's scope too",  list_of("Program:Main.Count"), (0x04, 0), None),
+        ("an axis's list by name",    list_of("x"),        (0, 0),    None),
         ("an attribute is no tag",    of_name(service::READ_TAG, "aDint", 2), (0x04, 0), None),
         ("an execution never made",   all(0x303, 1),       (0x16, 0), None),
         ("executions",                single(0x303, 0, 3), (0, 0),    Some(&[0, 0])),

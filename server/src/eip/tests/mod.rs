@@ -10,6 +10,7 @@ mod objects;
 mod pitfalls;
 mod published;
 mod sessions;
+mod stock_clients;
 mod tag_face;
 mod tag_services;
 mod tag_table;

@@ -245,8 +245,12 @@ async fn a_packet_answers_each_of_its_requests_within_the_connection() {
     let general: Vec<u8> = replies.iter().map(|reply| reply.status.general()).collect();
     assert_eq!(
         general,
-        [0, 0, 0x05, 0x08, 0, 0x06, 0x11],
-        "what does not fit is cut or refused in its place"
+        [0, 0, 0x05, 0x08, 0, 0x06, 0x06],
+        "what does not fit is cut in its place"
+    );
+    assert!(
+        replies[6].data.is_empty(),
+        "libplctag asks again for what a packet has no room for at all"
     );
     assert_eq!(
         &replies[1].data[2..],

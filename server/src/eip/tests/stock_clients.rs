@@ -1,0 +1,73 @@
+//! What single stock clients send that others do not, byte by byte, each a test named after its client. Those that
+//! `tests/tests/interop.rs` runs against a whole server are not here.
+
+use arcline_proto::cip::{join_multiple, split_multiple_replies};
+
+use super::*;
+
+/// A message as it was captured.
+fn message(bytes: &[u8]) -> Request {
+    Request::decode(&Bytes::copy_from_slice(bytes)).expect("a request")
+}
+
+#[tokio::test]
+async fn gologix_writes_a_structure_by_the_handle_that_it_computed() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    // Its names are in lower case. 0x3382 is the CRC of "Point,REAL[2],SINT,SINT"; it has never asked for the template.
+    let head = b"\x4D\x0A\x91\x06routes\x28\x01\x91\x06points\x28\x01\xA0\x02\x82\x33\x01\x00";
+    let point = [0, 0, 0xC0, 0x3F, 0, 0, 0x20, 0xC0, 1, 7, 0, 0];
+    let reply = client.ask(&message(&[&head[..], &point].concat())).await;
+    assert_eq!(&reply.to_bytes()[..], b"\xCD\0\0\0");
+    assert_eq!(&client.read("Routes[1].Points[1].At[1]").await.data[..], &point[4..8]);
+    assert_eq!(&client.read("Routes[1].Points[1].Id").await.data[..], [7]);
+}
+
+#[tokio::test]
+async fn libplctag_asks_again_for_what_a_full_packet_has_no_room_for() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    let mut connected = client.open(4002, 1).await;
+    // Thirty tags of 33 elements: their replies are 4,140 bytes.
+    let tag = |start: u8, offset: u8| {
+        let path = [b"\x52\x05\x91\x05Dints\x00\x28", &[start][..]].concat();
+        message(&[&path[..], &[33, 0, offset, 0, 0, 0]].concat())
+    };
+    let packet = |requests: &[Request]| {
+        let data = join_multiple(requests).expect("short paths");
+        Request::new(service::MULTIPLE_SERVICE_PACKET, Epath::object(2, 1), data)
+    };
+    let tags: Vec<Request> = (0..30).map(|start| tag(start, 0)).collect();
+    let reply = client.ask_connected(&mut connected, &packet(&tags)).await;
+    assert_eq!(reply.status.general(), 0x1E);
+    let replies = split_multiple_replies(&reply.data).expect("replies");
+    let (whole, cut) = replies.split_at(28);
+    assert!(whole.iter().all(|reply| reply.status.is_success()));
+    assert_eq!(&cut[0].to_bytes()[..6], b"\xD2\0\x06\0\xC4\0");
+    assert_eq!(
+        &cut[1].to_bytes()[..],
+        b"\xD2\0\x06\0",
+        "0x11 would be the end of that tag"
+    );
+    let got = u8::try_from(cut[0].data.len() - 2).expect("less than one tag");
+    let rest = packet(&[tag(28, got), tag(29, 0)]);
+    let reply = client.ask_connected(&mut connected, &rest).await;
+    let replies = split_multiple_replies(&reply.data).expect("replies");
+    let lengths: Vec<usize> = replies.iter().map(|reply| reply.data.len() - 2).collect();
+    assert_eq!(lengths, [33 * 4 - usize::from(got), 33 * 4]);
+}
+
+#[tokio::test]
+async fn rust_ethernet_ip_is_refused_attributes_by_name_and_browses() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    for path in [
+        &b"\x03\x04\x91\x05aDint\x00"[..],
+        b"\x03\x04\x91\x06Routes",
+        b"\x03\x05\x91\x06Routes\x28\x01",
+        b"\x03\x0B\x91\x0CProgram:Main\x91\x05Count\x00",
+    ] {
+        let reply = client.ask(&message(&[path, &[2, 0, 1, 0, 2, 0]].concat())).await;
+        assert_eq!(&reply.to_bytes()[..], b"\x83\0\x04\x01\0\0", "{path:?}");
+    }
+}
