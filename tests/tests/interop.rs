@@ -19,6 +19,11 @@ fn cpppo_works_unmodified() {
 }
 
 #[test]
+fn ethernet_ip_works_unmodified() {
+    node("ethernet_ip.js");
+}
+
+#[test]
 fn libplctag_works_unmodified() {
     libplctag();
 }
