@@ -24,6 +24,11 @@ fn ethernet_ip_works_unmodified() {
 }
 
 #[test]
+fn the_scanner_of_ethernetip_works_unmodified() {
+    python_io("ethernetip", "ethernetip_io.py");
+}
+
+#[test]
 fn libplctag_works_unmodified() {
     libplctag();
 }
