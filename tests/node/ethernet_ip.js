@@ -1,7 +1,7 @@
 // Drives an Arcline server with an unmodified ethernet-ip: node ethernet_ip.js ADDRESS. Its port is always 44818.
 //
-// It does not browse, knows BOOL, SINT, INT, DINT and REAL, and sends everything unconnected over a route. It takes a
-// segment for one reply, so a read and a write must not be under way together: a real controller has to be as slow.
+// It does not browse, knows BOOL, SINT, INT, DINT and REAL, and sends everything unconnected over a route. It takes what
+// comes at once for one reply and loses the second of two, so nothing here asks before it has its answer.
 "use strict";
 
 const assert = require("assert");
