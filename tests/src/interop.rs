@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::net::SocketAddr;
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
 
 use crate::capture::Capture;
 use crate::libplctag::Libplctag;
@@ -36,6 +37,7 @@ pub fn python_io(client: &str, script: &str) {
         Ok(python) => python,
         Err(why) => return crate::not_run(script, &why),
     };
+    let _turn = IO_PORT.lock().unwrap_or_else(PoisonError::into_inner);
     crate::eventually("UDP port 2222 is free", IO_PORT_FREE, || {
         std::net::UdpSocket::bind(IO_ADDRESS).ok().map(drop)
     });
@@ -51,7 +53,9 @@ pub fn python_io(client: &str, script: &str) {
 
 /// Where implicit I/O is.
 const IO_ADDRESS: &str = "127.0.0.1:2222";
-/// How long another test may have it.
+/// Whose turn it is, of the tests of one program.
+static IO_PORT: Mutex<()> = Mutex::new(());
+/// How long another program may have it.
 const IO_PORT_FREE: std::time::Duration = std::time::Duration::from_secs(60);
 
 /// Runs `tests/node/SCRIPT ADDRESS`. Its client knows no port but 44818, so the server has an address of its own.

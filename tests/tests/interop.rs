@@ -19,6 +19,16 @@ fn cpppo_works_unmodified() {
 }
 
 #[test]
+fn ethernet_ip_works_unmodified() {
+    node("ethernet_ip.js");
+}
+
+#[test]
+fn the_scanner_of_ethernetip_works_unmodified() {
+    python_io("ethernetip", "ethernetip_io.py");
+}
+
+#[test]
 fn libplctag_works_unmodified() {
     libplctag();
 }

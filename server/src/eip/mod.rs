@@ -10,6 +10,7 @@
 //! first, then the rising edges of `EnableIn` are executed, then it is answered.
 
 mod adapter;
+mod calendar;
 mod connection;
 mod crowd;
 mod datagram;

@@ -26,6 +26,11 @@ impl Class for ConnectionManager<'_> {
         Extent::dense(1, LOSS)
     }
 
+    /// As in CIP Vol. 1, 3-5: without the number of instances.
+    fn class_all(&self) -> &'static [u16] {
+        &[1, 2, 6, 7]
+    }
+
     fn attribute(&self, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
         if id == LOSS {
             let loss = self.device.loss(self.owner);

@@ -13,6 +13,11 @@ impl Class for Identity<'_> {
         Extent::dense(1, 10)
     }
 
+    /// As in CIP Vol. 1, 5A-2: without the number of instances.
+    fn class_all(&self) -> &'static [u16] {
+        &[1, 2, 6, 7]
+    }
+
     fn attribute(&self, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
         self.0.attribute(id)
     }
