@@ -129,7 +129,7 @@ async fn holds(client: &Client, kept: &Axis, why: &str) {
 }
 
 fn table(number: i64) -> Input {
-    Input::Array(vec![Input::Integer(number); ELEMENTS])
+    Input::Array(vec![Input::from(number); ELEMENTS])
 }
 
 /// What a writer has sent, and what was acknowledged.

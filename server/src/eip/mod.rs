@@ -10,7 +10,6 @@
 //! first, then the rising edges of `EnableIn` are executed, then it is answered.
 
 mod adapter;
-mod calendar;
 mod connection;
 mod crowd;
 mod datagram;

@@ -1,7 +1,6 @@
 //! The face over in-memory streams and real sockets, with the controller's real thread behind it.
 
 mod browse;
-mod clients;
 mod costs;
 mod hostile;
 mod io;
