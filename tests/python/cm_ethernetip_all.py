@@ -11,7 +11,7 @@ host, port = sys.argv[1].split(":")
 
 TYPES = [("ABool", 0xC1, b"\1"), ("ASint", 0xC2, b"\x80"), ("AnInt", 0xC3, b"\0\x80"), ("ADint", 0xC4, b"\0\0\0\x80"),
          ("ALint", 0xC5, b"\0" * 7 + b"\x80"), ("AUsint", 0xC6, b"\xff"), ("AUint", 0xC7, b"\xff\xff"),
-         ("AUdint", 0xC8, b"\xff" * 4), ("AReal", 0xCA, struct.pack("<f", 1.5)), ("AnLreal", 0xCB, struct.pack("<d", 0.1))]
+         ("AUdint", 0xC8, b"\xff" * 4), ("AUlint", 0xC9, b"\xff" * 8), ("AReal", 0xCA, struct.pack("<f", 1.5)), ("AnLreal", 0xCB, struct.pack("<d", 0.1))]
 
 
 async def values(plc):

@@ -11,7 +11,8 @@ host, port = sys.argv[1].split(":")
 TAGS = [
     ("ABool", "(BOOL)1", [1]), ("ASint", "(SINT)-128", [-128]), ("AnInt", "(INT)-32768", [-32768]),
     ("ADint", "(DINT)-2147483648", [-2147483648]), ("ALint", "(LINT)-9", [-9]), ("AUsint", "(USINT)255", [255]),
-    ("AUint", "(UINT)65535", [65535]), ("AUdint", "(UDINT)4294967295", [4294967295]), ("AReal", "(REAL)1.5", [1.5]),
+    ("AUint", "(UINT)65535", [65535]), ("AUdint", "(UDINT)4294967295", [4294967295]),
+    ("AUlint", "(ULINT)18446744073709551615", [18446744073709551615]), ("AReal", "(REAL)1.5", [1.5]),
     ("AnLreal", "(LREAL)0.1", [0.1]),
     # Elements, members, other scopes.
     ("Dints[2-4]", "(DINT)1,-2,3", [1, -2, 3]), ("Ints[0-6]", "(INT)1,2,3,4,5,6,7", [1, 2, 3, 4, 5, 6, 7]),

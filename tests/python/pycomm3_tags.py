@@ -56,6 +56,14 @@ with LogixDriver(server) as plc:
     holds("one BOOL of an array", plc.write("Bools[37]", True))
     equal("only that one", plc.read("Bools[32]{32}").value, [i == 5 for i in range(32)])
 
+    # Types of programs, which it knows itself.
+    equal("a TIMER", plc.read("Dwell").value, {"PRE": 500, "ACC": 20, "EN": True, "TT": False, "DN": False})
+    holds("write a TIMER", plc.write("Dwell", {"PRE": 700, "ACC": 0, "EN": False, "TT": True, "DN": True}))
+    equal("its bits", [plc.read(f"Dwell.{bit}").value for bit in ("EN", "TT", "DN", "PRE")], [False, True, True, 700])
+    holds("a member of a COUNTER", plc.write("Parts[1].CU", True))
+    equal("that COUNTER", plc.read("Parts[1]").value,
+          {"PRE": 0, "ACC": 0, "CU": True, "CD": False, "DN": False, "OV": False, "UN": False})
+
     # Structures.
     for tag, value in [("AMixed", MIXED), ("APoint", POINT), ("ARoute", ROUTE), ("Routes[2]", ROUTE),
                        ("Routes[2].Points[1]", dict(POINT, Id=77)), ("PointGrid[1,0]", POINT),

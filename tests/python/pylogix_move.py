@@ -10,8 +10,8 @@ host, port = sys.argv[1].split(":")
 
 PLAIN = [
     ("ABool", True), ("ASint", -128), ("AnInt", -32768), ("ADint", -2147483648), ("ALint", -9223372036854775808),
-    ("AUsint", 255), ("AUint", 65535), ("AUdint", 4294967295), ("AReal", 1.5), ("AnLreal", 0.1),
-    ("AString", "feed rate"),
+    ("AUsint", 255), ("AUint", 65535), ("AUdint", 4294967295), ("AUlint", 18446744073709551615),
+    ("AReal", 1.5), ("AnLreal", 0.1), ("AString", "feed rate"),
 ]
 
 

@@ -103,6 +103,7 @@ fn types(plc: &Plc) {
     plc.write("AUsint", 1, &[0xFF]);
     plc.write("AUint", 1, &[0xFF; 2]);
     plc.write("AUdint", 1, &[0xFF; 4]);
+    plc.write("AUlint", 1, &[0xFF; 8]);
     plc.write("AReal", 1, &1.5_f32.to_le_bytes());
     plc.write("AnLreal", 1, &0.1_f64.to_le_bytes());
 
