@@ -26,16 +26,7 @@ impl Input {
     pub(crate) fn convert(&self, to: Elementary) -> Option<Value> {
         match self {
             Self::Bool(truth) => Some(Value::Bool(*truth).convert(to)),
-            Self::Integer(number) if to == Elementary::Bool => Some(Value::Bool(*number != 0)),
-            Self::Integer(number) => match (i64::try_from(*number), u64::try_from(*number), to) {
-                (_, Ok(number), Elementary::Ulint) => Some(Value::Ulint(number)),
-                (_, Ok(number), Elementary::Lword) => Some(Value::Lword(number)),
-                _ if to.is_real() => Some(Value::from_f64(to, *number as f64)),
-                (Ok(number), _, _) => {
-                    Some(Value::from_i64(to, number)).filter(|value| value.to_integer() == Some(number))
-                }
-                _ => None,
-            },
+            Self::Integer(number) => Value::from_whole(to, *number),
             Self::Number(number) if to.is_real() || to == Elementary::Bool => Some(Value::from_f64(to, *number)),
             Self::Number(number) => Value::Lreal(*number)
                 .to_integer()
@@ -153,8 +144,7 @@ impl From<Value> for Input {
     fn from(value: Value) -> Self {
         match value {
             Value::Bool(truth) => Self::Bool(truth),
-            Value::Ulint(number) | Value::Lword(number) => number.into(),
-            integer => integer.to_integer().map_or(Self::Number(value.as_f64()), Self::from),
+            integer => integer.to_whole().map_or(Self::Number(value.as_f64()), Self::Integer),
         }
     }
 }

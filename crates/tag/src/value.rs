@@ -144,6 +144,30 @@ impl Value {
         }
     }
 
+    /// A whole number as a type, nothing cut; `None` when it does not fit. A BOOL is true unless it is 0, and reals take the nearest
+    /// value.
+    pub fn from_whole(elementary: Elementary, number: i128) -> Option<Value> {
+        match (elementary, i64::try_from(number), u64::try_from(number)) {
+            (Elementary::Bool, ..) => Some(Self::Bool(number != 0)),
+            (Elementary::Real | Elementary::Lreal, ..) => Some(Self::from_f64(elementary, number as f64)),
+            (Elementary::Ulint, _, Ok(number)) => Some(Self::Ulint(number)),
+            (Elementary::Lword, _, Ok(number)) => Some(Self::Lword(number)),
+            (_, Ok(number), _) => {
+                Some(Self::from_i64(elementary, number)).filter(|value| value.to_integer() == Some(number))
+            }
+            _ => None,
+        }
+    }
+
+    /// The number as a whole one, nothing lost; `None` for reals.
+    pub fn to_whole(self) -> Option<i128> {
+        match self {
+            Self::Real(_) | Self::Lreal(_) => None,
+            Self::Ulint(v) | Self::Lword(v) => Some(v.into()),
+            other => other.to_integer().map(i128::from),
+        }
+    }
+
     /// Converts a value to another type by the same rules, integers without a detour over a float.
     pub fn convert(self, to: Elementary) -> Value {
         match self {

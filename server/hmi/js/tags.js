@@ -154,6 +154,8 @@ export class Tags {
 /** A typed value: a number, true or false, a list or structure as JSON, otherwise text. */
 function typed(source) {
   const plainText = source.trim();
+  // A number of the browser would lose the last digits of a LINT.
+  if (/^[+-]?\d+$/.test(plainText) && !Number.isSafeInteger(Number(plainText))) return plainText;
   try {
     return JSON.parse(plainText);
   } catch {

@@ -3,7 +3,7 @@
 use arcline_controller::image::{Access, Edge, Image, Tag, TagKind, WriteError};
 use arcline_instruction_set::instruction_tag_target;
 use arcline_tag::{
-    DataType, Location, PathSegment, STRING_INSTANCE, TagPath, Template, Value, string_text, write_string,
+    DataType, Elementary, PathSegment, STRING_INSTANCE, TagPath, Template, Value, string_text, write_string,
 };
 use serde_json::{Map, Value as Json, json};
 
@@ -173,13 +173,17 @@ fn is_string(template: &Template) -> bool {
     template.instance == STRING_INSTANCE
 }
 
-/// A number as JSON; what JSON has no number for as text.
+/// Up to here a browser's numbers tell whole ones apart.
+const EXACT: u128 = 1 << 53;
+
+/// A number as JSON; what JSON has no number for, or a browser none that is exact, as text.
 fn number(value: Value) -> Json {
     match value {
         Value::Bool(on) => on.into(),
         Value::Real(real) if real.is_finite() => shortest(real),
-        value => match value.to_integer() {
-            Some(integer) => integer.into(),
+        value => match value.to_whole() {
+            Some(whole) if whole.unsigned_abs() <= EXACT => (whole as i64).into(),
+            Some(whole) => whole.to_string().into(),
             None if value.as_f64().is_finite() => value.as_f64().into(),
             None => value.as_f64().to_string().into(),
         },
@@ -226,36 +230,45 @@ fn is_member(path: &TagPath, name: &str) -> bool {
 fn put(image: &mut Image, path: &TagPath, value: &Json) -> Result<Option<Edge>, Refusal> {
     let refuse = |error: WriteError| Refusal::new(error.to_string());
     let (id, place) = image.locate(path).map_err(|error| Refusal::new(error.to_string()))?;
-    match value {
-        Json::Bool(on) => image.write_value(path, Value::Bool(*on)).map_err(refuse),
-        Json::Number(number) => {
-            let value = match number.as_i64() {
-                Some(integer) => Value::Lint(integer),
-                None => Value::Lreal(number.as_f64().unwrap_or(f64::NAN)),
-            };
-            image.write_value(path, value).map_err(refuse)
+    match (value, &place.data_type) {
+        (Json::Bool(on), _) => image.write_value(path, Value::Bool(*on)).map_err(refuse),
+        (Json::Number(_) | Json::String(_), DataType::Elementary(kind)) => {
+            let kind = if place.bit.is_some() { Elementary::Bool } else { *kind };
+            let given = typed(kind, value);
+            let given = given.ok_or_else(|| Refusal::new(format!("{path} is {kind}, {value} does not fit")))?;
+            image.write_value(path, given).map_err(refuse)
         }
-        Json::String(text) => {
-            let Location {
-                data_type: DataType::Structure(template),
-                offset,
-                ..
-            } = place
-            else {
-                return Err(Refusal::new(format!("{path} is no STRING, expected a number")));
-            };
-            if !is_string(&template) {
-                return Err(Refusal::new(format!(
-                    "{path} is a {}, expected one of its members",
-                    template.name
-                )));
-            }
+        (Json::String(text), DataType::Structure(template)) if is_string(template) => {
             let mut bytes = vec![0; template.size as usize];
             write_string(&mut bytes, text).ok_or_else(|| Refusal::new("the text is longer than a STRING"))?;
-            image.write(id, offset, &bytes).map_err(refuse)
+            image.write(id, place.offset, &bytes).map_err(refuse)
+        }
+        (Json::Number(_), DataType::Structure(template)) if is_string(template) => {
+            Err(Refusal::new(format!("{path} is a STRING, expected a text in quotes")))
+        }
+        (Json::Number(_) | Json::String(_), DataType::Structure(template)) => {
+            let name = &template.name;
+            Err(Refusal::new(format!("{path} is a {name}, expected one of its members")))
         }
         _ => Err(Refusal::new("expected a number, true, false or a text")),
     }
+}
+
+/// What was given as a type; `None` when it does not fit. Text is a whole number that the browser could not keep; integers
+/// take other numbers rounded half to even.
+fn typed(kind: Elementary, given: &Json) -> Option<Value> {
+    let whole = match given {
+        Json::String(text) => text.parse().ok(),
+        given => given.as_i64().map(i128::from).or(given.as_u64().map(i128::from)),
+    };
+    if let Some(whole) = whole {
+        return Value::from_whole(kind, whole);
+    }
+    let number = given.as_f64()?;
+    if kind.is_real() || kind == Elementary::Bool {
+        return Some(Value::from_f64(kind, number));
+    }
+    Value::from_whole(kind, Value::Lreal(number).to_integer()?.into())
 }
 
 #[cfg(test)]

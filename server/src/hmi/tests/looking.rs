@@ -90,6 +90,46 @@ async fn tags_are_listed_read_watched_and_written() {
 }
 
 #[tokio::test]
+async fn what_is_written_fits_its_type_exactly() {
+    let tags = ["SINT", "LINT", "ULINT", "REAL", "STRING", "TIMER"];
+    let tags = tags.map(|kind| format!("\n[[tag]]\nname = \"A{kind}\"\ntype = \"{kind}\"\n"));
+    let bench = Bench::with(&(arcline_config::DEFAULT.to_owned() + &tags.concat())).await;
+    let mut viewer = bench.viewer().await;
+    #[rustfmt::skip]
+    let cases = [
+        // tag,             written,                         then it is
+        ("ASINT",           json!(-128),                     Ok(json!(-128))),
+        ("ASINT",           json!(2.5),                      Ok(json!(2))),
+        ("ASINT",           json!(128),                      Err("ASINT is SINT, 128 does not fit")),
+        ("ASINT",           json!(1e300),                    Err("ASINT is SINT, 1e+300 does not fit")),
+        ("ASINT",           json!("one"),                    Err("ASINT is SINT, \"one\" does not fit")),
+        ("ASINT.7",         json!(1),                        Ok(json!(true))),
+        ("ALINT",           json!("-9223372036854775807"),   Ok(json!("-9223372036854775807"))),
+        ("ALINT",           json!("9223372036854775808"),    Err("ALINT is LINT, \"9223372036854775808\" does not fit")),
+        ("ALINT",           json!(9007199254740992_i64),     Ok(json!(9007199254740992_i64))),
+        ("AULINT",          json!("18446744073709551615"),   Ok(json!("18446744073709551615"))),
+        ("AULINT",          json!(u64::MAX - 1),             Ok(json!("18446744073709551614"))),
+        ("AULINT",          json!(-1),                       Err("AULINT is ULINT, -1 does not fit")),
+        ("AREAL",           json!(0.1),                      Ok(json!(0.1))),
+        ("ASTRING",         json!("9223372036854775808"),    Ok(json!("9223372036854775808"))),
+        ("ASTRING",         json!(5),                        Err("ASTRING is a STRING, expected a text in quotes")),
+        ("ATIMER",          json!(5),                        Err("ATIMER is a TIMER, expected one of its members")),
+        ("ATIMER.DN",       json!(true),                     Ok(json!(true))),
+    ];
+    for (tag, value, expected) in cases {
+        let written = viewer.ask(json!({"do": "write", "tag": tag, "value": value})).await;
+        match expected {
+            Ok(expected) => {
+                assert_eq!(written, Ok(json!({})), "{tag} := {value}");
+                let read = viewer.ask(json!({"do": "read", "names": [tag]})).await.expect("values");
+                assert_eq!(read["values"][tag], expected, "{tag} := {value}");
+            }
+            Err(why) => assert!(written.expect_err(tag).to_string().contains(why), "{tag} := {value}"),
+        }
+    }
+}
+
+#[tokio::test]
 async fn an_instruction_tag_moves_with_the_right() {
     let bench = Bench::start().await;
     let mut viewer = bench.viewer().await;
