@@ -4,7 +4,7 @@ use arcline_tag::Elementary;
 
 /// A whole number as an attribute `Value` has it: `-1`, `16#ffff_ffff`, `2#0000_0001`, `8#377`, `'$00A'`. Other radices than
 /// ten are the bits of the type.
-pub(crate) fn integer(kind: Elementary, text: &str) -> Option<i64> {
+pub(crate) fn integer(kind: Elementary, text: &str) -> Option<i128> {
     let text = text.trim();
     let bits = 8 * kind.size() as u32;
     let signed = matches!(
@@ -17,9 +17,9 @@ pub(crate) fn integer(kind: Elementary, text: &str) -> Option<i64> {
         }
         let shift = 64 - bits;
         if signed {
-            Some(((raw << shift) as i64) >> shift)
+            Some(i128::from(((raw << shift) as i64) >> shift))
         } else {
-            i64::try_from(raw).ok()
+            Some(i128::from(raw))
         }
     };
     if text.starts_with('\'') {
@@ -31,13 +31,13 @@ pub(crate) fn integer(kind: Elementary, text: &str) -> Option<i64> {
         let radix: u32 = radix.parse().ok().filter(|radix| [2, 8, 16].contains(radix))?;
         return of_bits(u64::from_str_radix(&digits.replace('_', ""), radix).ok()?);
     }
-    let number: i64 = text.parse().ok()?;
+    let number: i128 = text.parse().ok()?;
     let range = if signed {
         -(1i128 << (bits - 1))..1 << (bits - 1)
     } else {
         0..1i128 << bits
     };
-    range.contains(&i128::from(number)).then_some(number)
+    range.contains(&number).then_some(number)
 }
 
 /// A real: `1.5`, `1.0e-003`, and `1.#INF`, `-1.#INF`, `1.#QNAN` and `1.$`, which is any of them in older files.

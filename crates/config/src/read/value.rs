@@ -110,9 +110,7 @@ fn number(kind: Elementary, value: &DeValue<'_>) -> Option<Value> {
     match value {
         DeValue::Integer(integer) => {
             let whole = i64::from_str_radix(integer.as_str(), integer.radix()).ok()?;
-            let value = Value::from_i64(kind, whole);
-            let exact = matches!(kind, Elementary::Real | Elementary::Lreal) || value.to_integer() == Some(whole);
-            exact.then_some(value)
+            Value::from_whole(kind, whole.into())
         }
         DeValue::Float(float) if matches!(kind, Elementary::Real | Elementary::Lreal) => {
             let number: f64 = float.as_str().parse().ok()?;

@@ -121,7 +121,7 @@ fn number(kind: Elementary, bytes: &[u8]) -> String {
     match Value::read(kind, bytes) {
         Some(Value::Real(number)) => text::write_real(number.to_string().parse().unwrap_or(f64::from(number))),
         Some(Value::Lreal(number)) => text::write_real(number),
-        Some(value) => value.to_integer().unwrap_or(0).to_string(),
+        Some(value) => value.to_whole().unwrap_or(0).to_string(),
         None => "0".to_owned(),
     }
 }

@@ -107,10 +107,15 @@ impl<'a, 't> Importer<'a, 't> {
                     self.source.report_attribute(node, "Value", Reason::Changed(words));
                     return Ok(Value::Integer(0));
                 }
-                (
-                    text::integer(kind, word).map(Value::Integer),
-                    "a whole number that the type holds",
-                )
+                let value = text::integer(kind, word).map(|whole| match i64::try_from(whole) {
+                    Ok(whole) => Value::Integer(whole),
+                    Err(_) => {
+                        let words = "a ULINT of 2^63 or more, for which TOML has no number, becomes 0";
+                        self.source.report_attribute(node, "Value", Reason::Changed(words));
+                        Value::Integer(0)
+                    }
+                });
+                (value, "a whole number that the type holds")
             }
         };
         value.ok_or_else(|| self.source.wrong(node, "Value", expected))

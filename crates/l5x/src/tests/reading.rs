@@ -334,6 +334,8 @@ fn predefined_types_of_programs() {
             <DataValueMember Name="EN" DataType="BOOL" Value="1"/><DataValueMember Name="TT" DataType="BOOL" Value="0"/>
             <DataValueMember Name="DN" DataType="BOOL" Value="0"/></Structure></Data></Tag>
         <Tag Name="Steps" TagType="Base" DataType="Step" Dimensions="3" Constant="false" ExternalAccess="Read/Write"/>
+        <Tag Name="Wide" TagType="Base" DataType="ULINT" Radix="Decimal" Constant="false" ExternalAccess="Read/Write">
+            <Data Format="Decorated"><DataValue DataType="ULINT" Radix="Decimal" Value="18446744073709551615"/></Data></Tag>
         <Tag Name="Points" TagType="Base" DataType="CAM" Dimensions="1" Constant="false" ExternalAccess="Read/Write">
             <Data Format="Decorated"><Array DataType="CAM" Dimensions="1"><Element Index="[0]"><Structure DataType="CAM">
             <DataValueMember Name="Master" DataType="REAL" Radix="Float" Value="1.5"/>
@@ -361,6 +363,10 @@ name = "Steps"
 type = "Step[3]"
 
 [[tag]]
+name = "Wide"
+type = "ULINT"
+
+[[tag]]
 name = "Points"
 type = "CAM[1]"
 value = [{ Master = 1.5, SegmentType = 1 }]
@@ -372,7 +378,9 @@ type = "CAM_PROFILE[1]"
     assert_eq!(text, expected);
     let profile = "1 × Controller/Tags/Tag[CAM_PROFILE]/Data/Array/Element/Structure/DataValueMember/@Value: changed: a calculated cam \
         profile becomes an empty one, which MCCP fills";
-    assert_eq!(reported(&import), [profile]);
+    let wide = "1 × Controller/Tags/Tag[ULINT]/Data/DataValue/@Value: changed: a ULINT of 2^63 or more, for which TOML has no number, \
+        becomes 0";
+    assert_eq!(reported(&import), [wide, profile]);
 }
 
 #[test]
