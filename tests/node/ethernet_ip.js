@@ -7,22 +7,12 @@
 const assert = require("assert");
 const path = require("path");
 const { createRequire } = require("module");
+const { equal, refused, run } = require("./checks.js");
 // The packages are in a folder of their own, which is the working directory.
 const { Controller, Tag, TagGroup, EthernetIP } = createRequire(path.join(process.cwd(), "x.js"))("ethernet-ip");
 
 const address = process.argv[2];
 const { SINT, INT, DINT, REAL, BOOL, BIT_STRING } = EthernetIP.CIP.DataTypes.Types;
-
-function equal(what, found, expected) {
-    assert.deepStrictEqual(found, expected, what);
-    console.log(`ok  ${what}`);
-}
-
-async function refused(what, promise, general) {
-    const why = await promise.then(() => null, (error) => error);
-    assert.strictEqual(why && why.generalStatusCode, general, `${what}: ${JSON.stringify(why)}`);
-    console.log(`ok  ${what}`);
-}
 
 async function eventually(what, look) {
     const deadline = Date.now() + 20000;
@@ -131,12 +121,6 @@ async function main() {
     await clock(plc);
     plc.destroy();
     await new Promise((resolve) => plc.once("close", resolve));
-    console.log("ethernet-ip: all as expected");
-    process.exit(0);
 }
 
-setTimeout(() => { console.error("FAILED: has not ended within 110 s"); process.exit(1); }, 110000).unref();
-main().catch((error) => {
-    console.error("FAILED", error);
-    process.exit(1);
-});
+run("ethernet-ip", main);

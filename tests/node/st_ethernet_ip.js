@@ -4,22 +4,12 @@
 const assert = require("assert");
 const path = require("path");
 const { createRequire } = require("module");
+const { equal, refused, run } = require("./checks.js");
 // The packages are in a folder of their own, which is the working directory.
 const { Controller, Tag, Structure, EthernetIP } = createRequire(path.join(process.cwd(), "x.js"))("st-ethernet-ip");
 
 const address = process.argv[2];
 const { SINT, INT, DINT, LINT, REAL, BOOL, USINT, UINT, BIT_STRING } = EthernetIP.CIP.DataTypes.Types;
-
-function equal(what, found, expected) {
-    assert.deepStrictEqual(found, expected, what);
-    console.log(`ok  ${what}`);
-}
-
-async function refused(what, promise, general) {
-    const why = await promise.then(() => null, (error) => error);
-    assert.strictEqual(why && why.generalStatusCode, general, `${what}: ${JSON.stringify(why)}`);
-    console.log(`ok  ${what}`);
-}
 
 async function write(plc, tag, value, size) {
     tag.value = value;
@@ -199,12 +189,6 @@ async function main() {
         await service(plc);
         await plc.disconnect();
     }
-    console.log("st-ethernet-ip: all as expected");
-    process.exit(0);
 }
 
-setTimeout(() => { console.error("FAILED: has not ended within 110 s"); process.exit(1); }, 110000).unref();
-main().catch((error) => {
-    console.error("FAILED", error);
-    process.exit(1);
-});
+run("st-ethernet-ip", main);
