@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use arcline_proto::cip::CipStatus;
 use arcline_tests::bare::{Bare, percentile};
 use arcline_tests::capture::Capture;
-use arcline_tests::scanner::{Arrival, Sent, Session, Wanted};
+use arcline_tests::scanner::{Arrival, Connection, Sent, Session, Wanted};
 use arcline_tests::server::Server;
 use arcline_tests::{eventually, not_run};
 
@@ -49,7 +49,7 @@ fn owner(serial: u16, rpi: u32) -> Wanted {
         points: [150, 100],
         sizes: [OUTPUT, INPUT],
         rpi,
-        multiplier: 6,
+        multiplier: 7,
         sent: Sent::Alone,
     }
 }
@@ -76,39 +76,62 @@ fn status(arrival: &Arrival) -> u32 {
 
 /// Longer, and the socket may overflow: what is lost then is the scanner's fault, or the machine's.
 const PAUSE: Duration = Duration::from_millis(50);
-/// Runs of which one must be without such a pause.
+/// The shortest interval that is confirmed under any load, and some, µs (docs/IO.md).
+const CONFIRMED: u32 = 40_000;
+/// Runs of which one must be without such a pause, and keep the interval.
 const TRIES: usize = 5;
 
-/// Exchanges data for a time on a connection of its own; again, when the machine did not let the scanner look at its
-/// socket. One test at a time: their threads come before all others.
-fn exchanged(session: &mut Session, wanted: Wanted, time: Duration, output: &[u8]) -> Option<(Vec<Arrival>, Bare)> {
+/// A connection with the server's consent: one that the machine kept from its times confirms no interval that short before it
+/// has seen better ones.
+fn opened(session: &mut Session, wanted: Wanted) -> Connection {
+    let unconfirmed = CipStatus::connection(0x0111);
+    eventually("a confirmed interval", Duration::from_secs(60), || {
+        let answer = session.open(wanted, socket());
+        assert!(
+            answer.as_ref().err().is_none_or(|status| *status == unconfirmed),
+            "{wanted:?}: {:?}",
+            answer.err()
+        );
+        answer.ok()
+    })
+}
+
+/// Exchanges data for a time on a connection of its own, and holds what came to the interval; again, when the machine did not
+/// let the scanner look at its socket, or stalled the server, but not where a run of its own was asked for. One test at a time:
+/// their threads come before all others.
+fn exchanged(
+    session: &mut Session,
+    wanted: Wanted,
+    time: Duration,
+    output: &[u8],
+) -> Option<(Connection, Vec<Arrival>)> {
     static ALONE: Mutex<()> = Mutex::new(());
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut wrong = None;
     for _ in 0..TRIES {
-        // A server that was kept from its times confirms nothing that short before it has seen better ones.
-        let refused = CipStatus::connection(0x0111);
-        let mut connection = eventually("a confirmed interval", Duration::from_secs(60), || {
-            match session.open(wanted, socket()) {
-                Ok(connection) => Some(connection),
-                Err(status) => {
-                    assert_eq!(status, refused);
-                    None
-                }
-            }
-        });
+        let mut connection = opened(session, wanted);
         assert_eq!(connection.confirmed, [wanted.rpi; 2]);
         let bare = Bare::beside(time, Duration::from_micros(wanted.rpi.into()));
         let arrivals = connection.exchange(time, output);
         let bare = bare.join().expect("it does not panic");
         if connection.longest_pause < PAUSE {
-            return Some((arrivals, bare));
+            match kept(&arrivals, &bare, time, wanted.rpi) {
+                Ok(()) => return Some((connection, arrivals)),
+                Err(why) if alone() => panic!("{why}"),
+                Err(why) => {
+                    println!("{why}");
+                    wrong = Some(why);
+                }
+            }
+        } else {
+            println!(
+                "the scanner was kept from its socket for {:?}",
+                connection.longest_pause
+            );
         }
-        println!(
-            "the scanner was kept from its socket for {:?}",
-            connection.longest_pause
-        );
         assert!(session.close(wanted.serial).is_success());
     }
+    assert_eq!(wrong, None, "in none of {TRIES} runs");
     not_run("the interval of implicit I/O", "the machine is too busy for a scanner");
     None
 }
@@ -160,8 +183,16 @@ fn intervals(arrivals: &[Arrival]) -> Vec<f64> {
     intervals
 }
 
-/// What came in a time, without loss, at the interval, without drift.
-fn assert_kept((arrivals, bare): &(Vec<Arrival>, Bare), time: Duration, rpi: u32) {
+/// Whether a run of its own was asked for: elsewhere tests run beside this one, and the scanner itself is late.
+fn alone() -> bool {
+    std::env::var_os("ARCLINE_IO_SECONDS").is_some()
+}
+
+/// Whether what came in a time came at the interval, without drift.
+///
+/// # Panics
+/// When something is lost, or comes twice or too often.
+fn kept(arrivals: &[Arrival], bare: &Bare, time: Duration, rpi: u32) -> Result<(), String> {
     assert_gapless(arrivals);
     let expected = (time.as_micros() / u128::from(rpi)) as usize;
     let came = arrivals.len();
@@ -185,16 +216,18 @@ fn assert_kept((arrivals, bare): &(Vec<Arrival>, Bare), time: Duration, rpi: u32
         bare.left_out
     );
     assert!(came <= expected + 1, "{came} of {expected}: nothing comes too often");
-    // A machine that stalls leaves out slots, and lateness of several intervals hides their schedule (that it does not drift is
-    // `pitfalls` of the server, on a virtual clock). How many come, and when, is judged where a run of its own asks for it.
-    let alone = std::env::var_os("ARCLINE_IO_SECONDS").is_some();
-    let least = if alone { 0.9 } else { 0.5 };
-    assert!(came as f64 >= least * expected as f64, "{came} of {expected}");
-    assert!(
-        drift < 0.2 || !alone && rpi < 5000,
-        "it drifts: half of it is {drift} intervals off the schedule"
-    );
-    assert!(p99 < 250.0 || !alone, "{p99} µs off the schedule");
+    // A busy machine may leave out some, beside those that nobody could have been in time for.
+    let excused = if alone() { 0 } else { bare.left_out };
+    if (came + excused) * 10 < expected * 9 {
+        return Err(format!("{came} of {expected}, {excused} excused"));
+    }
+    if drift >= 0.2 {
+        return Err(format!("it drifts: half of it is {drift} intervals off the schedule"));
+    }
+    if alone() && p99 >= 250.0 {
+        return Err(format!("{p99} µs off the schedule"));
+    }
+    Ok(())
 }
 
 #[test]
@@ -203,46 +236,42 @@ fn two_milliseconds_without_loss_and_nothing_malformed() {
     let capture = Capture::with_io(server.address());
     let mut session = Session::connect(server.address());
     let time = Duration::from_secs(seconds());
-    let Some(kept) = exchanged(&mut session, owner(1, 2000), time, &[0; OUTPUT as usize]) else {
+    let output = [0; OUTPUT as usize];
+    let Some((mut owning, arrivals)) = exchanged(&mut session, owner(1, 2000), time, &output) else {
         return;
     };
-    assert_kept(&kept, time, 2000);
-    let (arrivals, _) = kept;
     assert_eq!(arrivals[0].sequence, 1, "the first one");
     assert_eq!(status(arrivals.last().expect("some")), OWNED | RUN);
 
-    // All kinds of refusals and connections for the dissectors; at an interval that is kept under any load, as one that was not kept
-    // would be the first refusal.
+    // All kinds of refusals and connections for the dissectors, at an interval that is confirmed under any load: one that is not would
+    // be the first refusal.
     assert_eq!(
-        session.open(owner(2, 100_000), socket()).err(),
+        session.open(owner(2, CONFIRMED), socket()).err(),
         Some(CipStatus::connection(0x0106))
     );
     let wrong = Wanted {
         sizes: [OUTPUT, INPUT + 4],
-        ..owner(2, 100_000)
+        ..owner(2, CONFIRMED)
     };
     let size = CipStatus::connection(0x0127);
     assert!(session.open(wrong, socket()).is_err_and(|status| status.is(size)));
     let fast = session.open(input_only(2, 999), socket()).err();
     assert_eq!(fast, Some(CipStatus::connection(0x0111)));
-    let mut listener = session
-        .open(
-            Wanted {
-                points: [255, 100],
-                ..input_only(2, 10_000)
-            },
-            socket(),
-        )
-        .expect("there is something to hear");
+    let listening = Wanted {
+        points: [255, 100],
+        ..input_only(2, CONFIRMED)
+    };
+    let mut listener = session.open(listening, socket()).expect("there is something to hear");
     for (serial, sent) in [(3, Sent::ToGroup), (4, Sent::ToGroupOnChange), (5, Sent::ToGroup)] {
         let wanted = Wanted {
             sent,
-            ..input_only(serial, 10_000)
+            ..input_only(serial, CONFIRMED)
         };
         assert!(session.open(wanted, socket()).is_ok(), "{sent:?}");
     }
     let mut heard = 0;
     eventually("five datagrams for the listener", Duration::from_secs(20), || {
+        owning.send(&output);
         heard += listener.exchange(Duration::from_millis(10), &[]).len();
         (heard >= 5).then_some(())
     });
@@ -264,10 +293,7 @@ fn one_millisecond_is_kept_on_an_absolute_schedule() {
     let server = server();
     let mut session = Session::connect(server.address());
     let time = Duration::from_secs(seconds());
-    let Some(kept) = exchanged(&mut session, input_only(1, 1000), time, &[]) else {
-        return;
-    };
-    assert_kept(&kept, time, 1000);
+    exchanged(&mut session, input_only(1, 1000), time, &[]);
 }
 
 #[test]
@@ -277,10 +303,7 @@ fn longer_intervals_are_kept_too() {
     // Long beside what a stalled machine may sleep through.
     let time = Duration::from_secs(2);
     for (serial, rpi) in (1..).zip([5000, 10_000, 100_000]) {
-        let Some(kept) = exchanged(&mut session, input_only(serial, rpi), time, &[]) else {
-            return;
-        };
-        assert_kept(&kept, time, rpi);
+        exchanged(&mut session, input_only(serial, rpi), time, &[]);
     }
 }
 
@@ -288,14 +311,14 @@ fn longer_intervals_are_kept_too() {
 fn a_scanner_that_dies_is_timed_out_and_another_takes_over() {
     let server = server();
     let mut session = Session::connect(server.address());
-    let mut witness = session.open(input_only(1, 1000), socket()).expect("it opens");
+    let mut witness = opened(&mut session, input_only(1, 1000));
     let mut owner_session = Session::connect(server.address());
     // 10 ms times 32.
     let dying = Wanted {
         multiplier: 3,
         ..owner(2, 10_000)
     };
-    let mut dying = owner_session.open(dying, socket()).expect("it opens");
+    let mut dying = opened(&mut owner_session, dying);
     dying.send(&[0; OUTPUT as usize]);
     let began = Instant::now();
     drop((dying, owner_session));
@@ -320,14 +343,15 @@ fn a_scanner_that_dies_is_timed_out_and_another_takes_over() {
     println!("timed out after {released:?}, 320 ms were agreed");
     assert!(released >= Duration::from_millis(320), "too early: {released:?}");
     assert!(released < Duration::from_millis(2000), "too late: {released:?}");
-    assert!(session.open(owner(3, 10_000), socket()).is_ok(), "the outputs are free");
+    // Outputs that were not free would be refused with 0x0106.
+    opened(&mut session, owner(3, 10_000));
 }
 
 #[test]
 fn the_default_port_is_free_beside_another_tcp_port() {
     let server = Server::start();
     let mut session = Session::connect(server.address());
-    let mut connection = session.open(input_only(1, 5000), socket()).expect("it opens");
+    let mut connection = opened(&mut session, input_only(1, 5000));
     let arrivals = connection.exchange(Duration::from_millis(100), &[]);
     assert!(!arrivals.is_empty());
     assert_gapless(&arrivals);

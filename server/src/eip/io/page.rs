@@ -96,7 +96,7 @@ second word. An electronic key, a port segment `01 00` and a configuration of no
   the RPI sends, with the sequence count of before. `Tick` is no change. The application trigger is refused with 0x011D.
 - The RPI is 1 ms or more, and kept as it is confirmed, on an absolute schedule; a shorter one is refused with 0x0111. Where more than
   one datagram of a hundred leaves late, because the machine grants no priority or is too busy, the shortest RPI that is
-  confirmed doubles each second until they are in time. The first
+  confirmed doubles each second until they are in time, up to 32 ms. The first
   datagram leaves right after the reply of the Forward Open. Data is of the newest tick, so that an RPI below the coarse
   update period repeats some.
 - A connection from which nothing is heard for its RPI times its multiplier (the first time at least 10 s) is ended without a
