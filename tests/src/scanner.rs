@@ -2,7 +2,7 @@
 //!
 //! It knows the wire, by `arcline-proto`, and nothing of what the assemblies mean. Sizes are those of the data.
 
-use std::io::{Read, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::net::{IpAddr, SocketAddr, SocketAddrV4, TcpStream, UdpSocket};
 use std::time::{Duration, Instant};
 
@@ -109,7 +109,11 @@ impl Session {
             if let Some(frame) = FrameDecoder::new(MAX_DATA).decode(&mut self.buf).expect("a frame") {
                 return frame;
             }
-            let length = self.stream.read(&mut piece).expect("an answer in time");
+            let length = match self.stream.read(&mut piece) {
+                // A machine that was halted ends a wait with a limit.
+                Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+                answer => answer.expect("an answer in time"),
+            };
             assert!(length > 0, "the server closed the connection");
             self.buf.extend_from_slice(&piece[..length]);
         }

@@ -14,6 +14,7 @@ use arcline_tests::capture::Capture;
 use arcline_tests::scanner::{Arrival, Connection, Sent, Session, Wanted};
 use arcline_tests::server::Server;
 use arcline_tests::{eventually, not_run};
+use rustix::net::sockopt::set_socket_recv_buffer_size;
 
 /// Of the default machine: four coordinate systems, seven axes (docs/IO.md).
 const INPUT: u16 = 12 + 4 * 24 + 7 * 20;
@@ -37,10 +38,14 @@ fn server() -> Server {
     Server::start_at(&format!("{address}:0"), &["--config", file])
 }
 
-/// A socket, and a thread that looks at it in time where the system allows that.
+/// A socket that holds what comes in [`PAUSE`] at the shortest interval, and a thread that looks at it in time where the system
+/// allows that.
 fn socket() -> UdpSocket {
     let _ = arcline_realtime::prepare_beside_tick();
-    UdpSocket::bind("0.0.0.0:0").expect("a free port")
+    let socket = UdpSocket::bind("0.0.0.0:0").expect("a free port");
+    // Linux gives as much as it grants, and that twice.
+    set_socket_recv_buffer_size(&socket, 1 << 20).expect("a socket");
+    socket
 }
 
 fn owner(serial: u16, rpi: u32) -> Wanted {
@@ -75,7 +80,7 @@ fn status(arrival: &Arrival) -> u32 {
 }
 
 /// Longer, and the socket may overflow: what is lost then is the scanner's fault, or the machine's.
-const PAUSE: Duration = Duration::from_millis(50);
+const PAUSE: Duration = Duration::from_millis(250);
 /// The shortest interval that is confirmed under any load, and some, µs (docs/IO.md).
 const CONFIRMED: u32 = 40_000;
 /// Runs of which one must be without such a pause, and keep the interval.
