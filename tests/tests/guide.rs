@@ -104,6 +104,8 @@ fn run(page: &str) {
             };
             command.args(arguments).current_dir(folder.path()).stdin(Stdio::null());
             command.env("ARCLINE_SERVER_PROGRAM", programs::arcline_server());
+            // No page shows the warning of a machine that grants no priority.
+            command.env("RUST_LOG", "error");
             if let Some(server) = &server {
                 command.env("ARCLINE_SERVER", server.address().to_string());
             }
