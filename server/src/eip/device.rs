@@ -338,13 +338,16 @@ impl Host for Seat<'_> {
             Some(io) => {
                 let local = *self.local.ip();
                 let group = Adapter::of(&self.device.settings.system, local).first_multicast();
-                io.open(open, self.peer, local, group, || device.random())
+                io.open(open, self.peer, local, group, self.device, || device.random())
             }
             None => device.open_io(open),
         }
     }
 
     fn close_io(&mut self, key: ConnectionKey) -> bool {
-        self.device.io.as_ref().is_some_and(|io| io.close(key, self.peer))
+        self.device
+            .io
+            .as_ref()
+            .is_some_and(|io| io.close(key, self.peer, self.device))
     }
 }

@@ -19,10 +19,10 @@ use std::time::{Duration, Instant};
 use arcline_config::IoLoss;
 use arcline_controller::machine::Machine;
 use arcline_proto::cip::CipStatus;
-use arcline_proto::connection::ConnectionKey;
+use arcline_proto::connection::{ConnectionKey, Count};
 use arcline_proto::cpf::ConnectionId;
-use arcline_proto::io::{Assemblies, IoConnections, IoSettings, Originator, Ownership};
-use arcline_proto::session::{IoOpen, IoOpened};
+use arcline_proto::io::{Assemblies, Ended, IoConnections, IoEvent, IoSettings, Originator, Ownership};
+use arcline_proto::session::{Host, IoOpen, IoOpened};
 use bytes::{Bytes, BytesMut};
 use rustix::event::{EventfdFlags, eventfd};
 use rustix::fd::OwnedFd;
@@ -31,6 +31,7 @@ use tracing::{debug, warn};
 
 use self::layout::{Head, status};
 use self::outputs::Outputs;
+use crate::eip::device::Device;
 use crate::plant::Plant;
 
 pub use page::io_page;
@@ -184,6 +185,7 @@ impl Io {
         peer: IpAddr,
         local: Ipv4Addr,
         group: Ipv4Addr,
+        device: &Device,
         random: impl FnMut() -> Option<u32>,
     ) -> Result<IoOpened, CipStatus> {
         let originator = Originator {
@@ -194,6 +196,8 @@ impl Io {
         let (opened, group) = {
             let mut connections = lock(&self.connections);
             let opened = connections.open(open.open, open.application, originator, self.now(), random);
+            // A watchdog may have expired meanwhile.
+            carry_out(device, &mut connections);
             let id = opened.as_ref().ok().map(|reply| reply.o_to_t_id);
             (opened, id.and_then(|id| connections.group(id)))
         };
@@ -204,7 +208,7 @@ impl Io {
             }
             _ => None,
         };
-        // A watchdog may have expired meanwhile, and a new one began.
+        // A new watchdog began.
         self.wake();
         let own = match self.local.ip() {
             IpAddr::V4(ip) if ip != local => ip,
@@ -234,8 +238,13 @@ impl Io {
     }
 
     /// Closes a connection that was opened from the same address.
-    pub(crate) fn close(&self, key: ConnectionKey, peer: IpAddr) -> bool {
-        let closed = lock(&self.connections).close(key, peer).is_ok();
+    pub(crate) fn close(&self, key: ConnectionKey, peer: IpAddr, device: &Device) -> bool {
+        let closed = {
+            let mut connections = lock(&self.connections);
+            let closed = connections.close(key, peer).is_ok();
+            carry_out(device, &mut connections);
+            closed
+        };
         self.wake();
         closed
     }
@@ -247,6 +256,36 @@ impl Io {
     fn wake(&self) {
         // Only a full counter refuses, and then the thread is awake.
         let _ = rustix::io::write(&self.wake, &1_u64.to_ne_bytes());
+    }
+}
+
+/// Does what has happened on the connections, in its order and before their lock is given back: who sees that the outputs are lost,
+/// by a reply or by opening a connection of its own, sees what that did, and nothing that it begins then is stopped by it.
+fn carry_out(device: &Device, connections: &mut IoConnections) {
+    let (plant, exchange) = (&device.plant, device.exchange());
+    while let Some(event) = connections.poll_event() {
+        match event {
+            IoEvent::Outputs(data) => exchange.apply(&data, plant),
+            IoEvent::Idle => exchange.lose("their owner has gone idle", plant),
+            IoEvent::Ended {
+                application,
+                cause,
+                outputs_lost,
+                ..
+            } => {
+                debug!(?application, ?cause, "I/O connection ended");
+                if cause == Ended::TimedOut {
+                    (&*device).count(Count::ConnectionTimeouts);
+                }
+                if outputs_lost {
+                    let why = match cause {
+                        Ended::TimedOut => "their owner was silent for too long",
+                        Ended::Closed | Ended::NothingToHear => "their owner has closed its connection",
+                    };
+                    exchange.lose(why, plant);
+                }
+            }
+        }
     }
 }
 

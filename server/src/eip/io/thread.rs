@@ -10,16 +10,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use arcline_proto::connection::Count;
-use arcline_proto::io::{Ended, IoConnections, IoEvent};
-use arcline_proto::session::Host;
 use arcline_realtime::prepare_beside_tick;
 use bytes::BytesMut;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use tracing::{debug, error};
 
 use super::punctuality::Punctuality;
-use super::{Io, lock};
+use super::{Io, carry_out, lock};
 use crate::eip::device::Device;
 
 /// Datagrams that are taken before what is due is done.
@@ -109,7 +106,7 @@ impl Worker {
             if !connections.handle_datagram(datagram, from, now) {
                 continue;
             }
-            self.carry_out(&mut connections);
+            carry_out(&self.device, &mut connections);
         }
         true
     }
@@ -118,7 +115,7 @@ impl Worker {
     fn do_what_is_due(&self, input: &mut BytesMut, out: &mut BytesMut, punctuality: &mut Punctuality) {
         let mut connections = lock(&self.io.connections);
         connections.handle_timeout(self.io.now());
-        self.carry_out(&mut connections);
+        carry_out(&self.device, &mut connections);
         let now = self.io.now();
         if let Some(floor) = punctuality.look(now) {
             debug!(floor, "the shortest interval that is confirmed, µs");
@@ -144,34 +141,6 @@ impl Worker {
             }
             if let Err(error) = self.io.socket.send_to(out, to) {
                 debug!(%error, %to, "I/O send");
-            }
-        }
-    }
-
-    fn carry_out(&self, connections: &mut IoConnections) {
-        let (plant, exchange) = (&self.device.plant, self.device.exchange());
-        while let Some(event) = connections.poll_event() {
-            match event {
-                IoEvent::Outputs(data) => exchange.apply(&data, plant),
-                IoEvent::Idle => exchange.lose("their owner has gone idle", plant),
-                IoEvent::Ended {
-                    application,
-                    cause,
-                    outputs_lost,
-                    ..
-                } => {
-                    debug!(?application, ?cause, "I/O connection ended");
-                    if cause == Ended::TimedOut {
-                        (&*self.device).count(Count::ConnectionTimeouts);
-                    }
-                    if outputs_lost {
-                        let why = match cause {
-                            Ended::TimedOut => "their owner was silent for too long",
-                            Ended::Closed | Ended::NothingToHear => "their owner has closed its connection",
-                        };
-                        exchange.lose(why, plant);
-                    }
-                }
             }
         }
     }

@@ -381,12 +381,18 @@ async fn lost_outputs_do_what_is_configured() {
                 "close" => assert!(client.close_io(1).await.is_success()),
                 _ => scanner.send_output(false, command::HOLD, [0.0; 4]).await,
             }
+            // Who is told that it is closed, or looks, sees that the outputs are lost: nothing of theirs comes later.
+            let io = bench.device.io().expect("I/O");
+            let zeros = vec![0; usize::from(OUTPUT_SIZE)];
+            if way == "close" {
+                let seen = (io.ownership(), bench.device.exchange().output());
+                assert_eq!(seen, (Ownership::Free, zeros.clone().into()), "{reaction:?}");
+            }
             let ownership = if way == "idle" {
                 Ownership::Idle
             } else {
                 Ownership::Free
             };
-            let io = bench.device.io().expect("I/O");
             let look = async {
                 while io.ownership() != ownership {
                     tokio::time::sleep(Duration::from_millis(1)).await;
@@ -396,7 +402,7 @@ async fn lost_outputs_do_what_is_configured() {
             bench.until_snapshot(&format!("{reaction:?} after {way}"), check).await;
             let timeouts = bench.counted(Count::ConnectionTimeouts);
             assert_eq!(timeouts, u16::from(way == "silence"), "{reaction:?} after {way}");
-            assert_eq!(bench.device.exchange().output(), vec![0; usize::from(OUTPUT_SIZE)]);
+            assert_eq!(bench.device.exchange().output(), zeros);
         }
     }
 }
