@@ -103,22 +103,22 @@ impl<'a, 't> Importer<'a, 't> {
             (kind, Some(word)) if kind.is_real() => (text::real(word).map(Value::Float), "a number"),
             (kind, Some(word)) => {
                 if word.contains("DT#") || word.contains("T#") {
-                    let words = "a value in a radix of time becomes 0";
-                    self.source.report_attribute(node, "Value", Reason::Changed(words));
-                    return Ok(Value::Integer(0));
+                    return Ok(self.zero(node, "a value in a radix of time becomes 0"));
                 }
                 let value = text::integer(kind, word).map(|whole| match i64::try_from(whole) {
                     Ok(whole) => Value::Integer(whole),
-                    Err(_) => {
-                        let words = "a ULINT of 2^63 or more, for which TOML has no number, becomes 0";
-                        self.source.report_attribute(node, "Value", Reason::Changed(words));
-                        Value::Integer(0)
-                    }
+                    Err(_) => self.zero(node, "a ULINT of 2^63 or more, for which TOML has no number, becomes 0"),
                 });
                 (value, "a whole number that the type holds")
             }
         };
         value.ok_or_else(|| self.source.wrong(node, "Value", expected))
+    }
+
+    /// In place of a value that cannot be kept, which is reported.
+    fn zero(&mut self, node: Node<'a, 't>, words: &'static str) -> Value {
+        self.source.report_attribute(node, "Value", Reason::Changed(words));
+        Value::Integer(0)
     }
 
     /// The members of a structure; those that are not there are 0.
