@@ -222,7 +222,8 @@ impl Drop for Server {
 }
 
 /// The lines of a log that are not about the priority that a machine grants to some users and not to others.
-fn said(log: &str) -> String {
+#[must_use]
+pub fn said(log: &str) -> String {
     log.split_inclusive('\n')
         .filter(|line| !line.contains(" arcline_realtime::thread: ticks may come late"))
         .collect()

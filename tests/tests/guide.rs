@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 
 use arcline_tests::programs;
 use arcline_tests::python::Python;
-use arcline_tests::server::Server;
+use arcline_tests::server::{Server, said};
 
 #[test]
 fn the_first_move() {
@@ -104,8 +104,6 @@ fn run(page: &str) {
             };
             command.args(arguments).current_dir(folder.path()).stdin(Stdio::null());
             command.env("ARCLINE_SERVER_PROGRAM", programs::arcline_server());
-            // No page shows the warning of a machine that grants no priority.
-            command.env("RUST_LOG", "error");
             if let Some(server) = &server {
                 command.env("ARCLINE_SERVER", server.address().to_string());
             }
@@ -113,7 +111,7 @@ fn run(page: &str) {
                 .output()
                 .unwrap_or_else(|error| panic!("{page}: {line}: {error}"));
             let printed = [output.stdout, output.stderr].concat();
-            let printed = String::from_utf8_lossy(&printed);
+            let printed = said(&String::from_utf8_lossy(&printed));
             assert!(
                 is_like(&printed, shown),
                 "{page}: {line}\nprinted:\n{printed}\nshown:\n{shown}"
