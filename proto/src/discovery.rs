@@ -26,9 +26,12 @@ pub struct Answer {
 
 /// Answers a datagram that arrived on `local` (never 0.0.0.0). `None`: silence, also for everything that UDP does not
 /// offer and for every malformed datagram.
+///
+/// A request has no data (CIP Vol. 2, 2-4.2 to 2-4.5); a reply always has some. A datagram with data is never answered, so two
+/// devices cannot answer each other's replies for ever, even when the sender's address is forged.
 pub fn answer(datagram: &[u8], identity: &Identity, capability: u16, local: SocketAddrV4) -> Option<Answer> {
     let request = FrameDecoder::default().decode_datagram(datagram)?;
-    if request.header.status != EncapStatus::SUCCESS || request.header.options != 0 {
+    if request.header.status != EncapStatus::SUCCESS || request.header.options != 0 || !request.data.is_empty() {
         return None;
     }
     let data = list_reply(request.header.command, identity, capability, local)?;

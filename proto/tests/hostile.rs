@@ -242,6 +242,22 @@ fn hostile_counts_and_nesting() {
     }
 }
 
+/// Two devices that answer each other's replies never stop: a datagram with a forged sender began it.
+#[test]
+fn a_reply_is_never_answered() {
+    let identity = Identity::new("Arcline", 1);
+    let local = "127.0.0.1:44818".parse().unwrap();
+    for command in [Command::LIST_IDENTITY, Command::LIST_SERVICES, Command::LIST_INTERFACES] {
+        let request = Frame::request(command, SessionHandle(0), [0; 8], Bytes::new()).to_bytes();
+        let reply = discovery::answer(&request, &identity, 0x120, local).unwrap().frame;
+        assert_eq!(
+            discovery::answer(&reply.to_bytes(), &identity, 0x120, local),
+            None,
+            "{command:?}"
+        );
+    }
+}
+
 #[test]
 fn identity_over_udp_cut_at_every_byte() {
     let identity = Identity::new("A name that is longer than thirty-two bytes", 1);

@@ -386,7 +386,7 @@ fn datagrams_cut_at_every_byte() {
 fn what_a_forward_open_may_ask_for() {
     type Change = fn(&mut ForwardOpen);
     #[rustfmt::skip]
-    let cases: [(&str, Change, Result<(), CipStatus>); 39] = [
+    let cases: [(&str, Change, Result<(), CipStatus>); 43] = [
         ("as it should be",               |_| {},                                                    Ok(())),
         ("class 0: no sequence count",    |o| { o.transport = 0; o.o_to_t.size = 36; o.t_to_o.size = 32; }, Ok(())),
         ("server direction",              |o| o.transport = 0x81,                                    Ok(())),
@@ -399,7 +399,11 @@ fn what_a_forward_open_may_ask_for() {
         ("faster in",                     |o| o.t_to_o_rpi = 999,                                    Err(connection(0x0111))),
         ("faster out",                    |o| o.o_to_t_rpi = 999,                                    Err(connection(0x0111))),
         ("never",                         |o| o.o_to_t_rpi = 0,                                      Err(connection(0x0111))),
-        ("slowest",                       |o| { o.o_to_t_rpi = u32::MAX; o.t_to_o_rpi = u32::MAX; o.multiplier = 7; }, Ok(())),
+        ("slowest",                       |o| { o.o_to_t_rpi = 10_000_000; o.t_to_o_rpi = 10_000_000; }, Ok(())),
+        ("slower out",                    |o| o.o_to_t_rpi = 10_000_001,                             Err(connection(0x0111))),
+        ("slower in",                     |o| o.t_to_o_rpi = u32::MAX,                               Err(connection(0x0111))),
+        ("a watchdog of a minute",        |o| { o.o_to_t_rpi = 3_750_000; o.multiplier = 2; },       Ok(())),
+        ("a watchdog of more",            |o| { o.o_to_t_rpi = 3_750_001; o.multiplier = 2; },       Err(connection(0x0133))),
         ("multicast out",                 |o| o.o_to_t.connection_type = ConnectionType::Multicast,  Err(connection(0x0123))),
         ("null out",                      |o| o.o_to_t.connection_type = ConnectionType::Null,       Err(connection(0x0123))),
         ("null in",                       |o| o.t_to_o.connection_type = ConnectionType::Null,       Err(connection(0x0124))),
@@ -538,6 +542,23 @@ fn the_watchdog_is_exact() {
     bench.run(&owner(1));
     assert_eq!(bench.events().len(), 2);
     assert_eq!(bench.io.len(), 1);
+}
+
+/// A Forward Open whose originator sends nothing holds its place for 10 s, whatever its watchdog is.
+#[test]
+fn a_silent_originator_frees_its_place() {
+    let mut bench = Bench::new();
+    let slow = ForwardOpen {
+        o_to_t_rpi: 100_000,
+        multiplier: 7,
+        ..owner(1)
+    };
+    bench.run(&slow);
+    bench.now = ms(9_999);
+    bench.io.handle_timeout(bench.now);
+    assert_eq!(bench.open(&owner(2)), Err(connection(0x0106)));
+    bench.now = ms(10_000);
+    assert!(bench.open(&owner(2)).is_ok());
 }
 
 #[test]

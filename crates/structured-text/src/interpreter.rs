@@ -11,6 +11,10 @@ use crate::program::Program;
 /// so that `WHILE TRUE DO END_WHILE;` hangs nothing.
 pub const STATEMENTS_PER_TICK: u32 = 100_000;
 
+/// Operations of expressions and statements within one tick: the statement that exceeds them is the last one of the tick. An
+/// expression may be long, so that the number of statements alone does not bound the time that a tick computes.
+pub const OPERATIONS_PER_TICK: u32 = 1_000_000;
+
 /// What the program wants next.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Request {
@@ -78,8 +82,31 @@ pub struct Interpreter {
     given: Vec<Given>,
     variables: Vec<Cell>,
     line: u32,
-    left: u32,
+    budget: Budget,
     pending: Pending,
+}
+
+/// What a program may still do within the present tick.
+#[derive(Clone, Copy, Debug)]
+struct Budget {
+    statements: u32,
+    operations: u32,
+}
+
+impl Budget {
+    const TICK: Budget = Budget {
+        statements: STATEMENTS_PER_TICK,
+        operations: OPERATIONS_PER_TICK,
+    };
+
+    /// Takes a statement from the budget, unless there is none left.
+    fn statement(&mut self) -> bool {
+        if self.statements == 0 || self.operations == 0 {
+            return false;
+        }
+        self.statements -= 1;
+        true
+    }
 }
 
 /// What the driver was asked for last.
@@ -115,7 +142,7 @@ impl Interpreter {
             given: Vec::new(),
             variables,
             line: 1,
-            left: STATEMENTS_PER_TICK,
+            budget: Budget::TICK,
             pending: Pending::Start,
         }
     }
@@ -168,7 +195,7 @@ impl Interpreter {
                 Ok(None)
             }
             (Pending::Time, Answer::Done) => {
-                self.left = STATEMENTS_PER_TICK;
+                self.budget = Budget::TICK;
                 Ok(None)
             }
             (Pending::Call(call), Answer::QueueFull) => {
@@ -176,7 +203,7 @@ impl Interpreter {
                 Ok(Some(Request::NextTick))
             }
             (Pending::Again(call), Answer::Done) => {
-                self.left = STATEMENTS_PER_TICK;
+                self.budget = Budget::TICK;
                 self.pending = Pending::Call(call.clone());
                 Ok(Some(Request::Call(call)))
             }
@@ -190,13 +217,13 @@ impl Interpreter {
         loop {
             let op = self.program.ops.get(self.at).copied().unwrap_or(Op::End);
             self.at += 1;
+            self.budget.operations = self.budget.operations.saturating_sub(1);
             match op {
                 Op::Statement(line) => {
                     self.line = line;
-                    if self.left == 0 {
+                    if !self.budget.statement() {
                         return Ok(self.ask(Pending::Time, Request::NextTick));
                     }
-                    self.left -= 1;
                 }
                 Op::Number(number) => self.stack.push(Cell::Number(number)),
                 Op::Bool(truth) => self.stack.push(Cell::Bool(truth)),

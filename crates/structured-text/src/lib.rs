@@ -24,7 +24,7 @@ mod parser;
 mod program;
 
 pub use error::{RuntimeError, RuntimeProblem, SyntaxError, SyntaxProblem};
-pub use interpreter::{Answer, BoundCall, Interpreter, Request, STATEMENTS_PER_TICK};
+pub use interpreter::{Answer, BoundCall, Interpreter, OPERATIONS_PER_TICK, Request, STATEMENTS_PER_TICK};
 pub use program::{CallStatement, Names, OperandText, Program, unmade_control};
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use arcline_instruction_set::{Given, Object, predefined};
 use arcline_tag::{PathError, TagPath, TagType, Value};
 
-use crate::{Answer, Interpreter, Names, Program, Request, RuntimeProblem, STATEMENTS_PER_TICK};
+use crate::{Answer, Interpreter, Names, OPERATIONS_PER_TICK, Program, Request, RuntimeProblem, STATEMENTS_PER_TICK};
 
 /// The names of the embedded default configuration, and a few tags.
 struct Machine;
@@ -261,6 +261,26 @@ fn a_loop_without_wait_hangs_nothing() {
     assert_eq!(interpreter.resume(Answer::Start), Ok(Request::NextTick));
     assert_eq!(interpreter.resume(Answer::Done), Ok(Request::NextTick));
     const { assert!(STATEMENTS_PER_TICK >= 10_000) };
+}
+
+/// A statement counts once however long its expression is; its operations are counted too.
+#[test]
+fn a_loop_of_long_expressions_goes_on_in_the_next_tick() {
+    let sum = "1+".repeat(5000);
+    let mut program = Program::parse(&format!("WHILE TRUE DO Count := {sum}1; END_WHILE;")).expect("a loop");
+    program.check(&Machine).expect("known names");
+    let mut interpreter = Interpreter::new(program);
+    let mut answer = Answer::Start;
+    for tick in 0..3 {
+        let mut turns = 0;
+        while let Request::Write(..) = interpreter.resume(answer).expect("it runs") {
+            answer = Answer::Done;
+            turns += 1;
+            assert!(turns * 10_000 <= OPERATIONS_PER_TICK + 10_000, "tick {tick}");
+        }
+        assert!(turns * 10_000 > OPERATIONS_PER_TICK / 2, "tick {tick}");
+        answer = Answer::Done;
+    }
 }
 
 #[test]

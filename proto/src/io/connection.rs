@@ -11,7 +11,13 @@ use super::datagram::Datagram;
 use crate::connection::{ConnectionKey, ForwardOpen, ForwardOpenReply};
 use crate::cpf::ConnectionId;
 
-/// The longest time to the first datagram of a connection is at least this.
+/// The longest requested packet interval, microseconds: an originator sends its first datagram within one.
+pub(super) const MAX_INTERVAL: u32 = 10_000_000;
+/// The longest watchdog, requested packet interval times multiplier: for so long an originator that has ended without a Forward
+/// Close can hold its place.
+pub(super) const MAX_TIMEOUT: Duration = Duration::from_secs(60);
+/// The time that an originator has for its first datagram, whatever its watchdog is: a Forward Open whose originator never sends
+/// holds its place no longer.
 const FIRST_DATAGRAM: Duration = Duration::from_secs(10);
 
 /// What the owner last said.
@@ -63,7 +69,7 @@ pub(super) struct IoConnection {
 }
 
 impl IoConnection {
-    /// As the originator asks for; its multiplier code is at most 7 and its intervals are not 0. It consumes `production`,
+    /// As the originator asks for; its multiplier code is at most 7 and its intervals are between 1 and [`MAX_INTERVAL`]. It consumes `production`,
     /// whose datagrams have `t_to_o_id`.
     pub(super) fn new(
         open: &ForwardOpen,
@@ -73,7 +79,7 @@ impl IoConnection {
         (production, t_to_o_id): (u64, ConnectionId),
         now: Duration,
     ) -> Self {
-        let timeout = Duration::from_micros(u64::from(open.o_to_t_rpi) << (open.multiplier + 2));
+        let timeout = timeout(open);
         Self {
             key: open.key,
             wanted,
@@ -84,7 +90,7 @@ impl IoConnection {
             o_to_t_api: open.o_to_t_rpi,
             t_to_o_api: open.t_to_o_rpi,
             timeout,
-            deadline: now + timeout.max(FIRST_DATAGRAM),
+            deadline: now + FIRST_DATAGRAM,
             received: None,
             new_data: None,
             mode: Mode::Silent,
@@ -139,6 +145,11 @@ impl IoConnection {
     pub(super) fn learns_port(&mut self) -> bool {
         self.received.is_some() && std::mem::take(&mut self.learns_port)
     }
+}
+
+/// The watchdog that a Forward Open asks for; its multiplier code is at most 7.
+pub(super) fn timeout(open: &ForwardOpen) -> Duration {
+    Duration::from_micros(u64::from(open.o_to_t_rpi) << (open.multiplier + 2))
 }
 
 /// Connected data taken apart.

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use super::IO_PORT;
 use super::application::{Application, Assemblies, Wanted};
-use super::connection::{Arrival, IoConnection, Mode};
+use super::connection::{Arrival, IoConnection, MAX_INTERVAL, MAX_TIMEOUT, Mode, timeout};
 use super::datagram::Datagram;
 use super::production::Production;
 use crate::cip::CipStatus;
@@ -169,8 +169,12 @@ impl IoConnections {
         if wanted.multicast && originator.group.is_none() {
             return fail(extended::TYPE_T_TO_O);
         }
-        if open.o_to_t_rpi.min(open.t_to_o_rpi) < self.settings.min_interval.max(1) {
+        let intervals = self.settings.min_interval.max(1)..=MAX_INTERVAL;
+        if !intervals.contains(&open.o_to_t_rpi) || !intervals.contains(&open.t_to_o_rpi) {
             return fail(extended::RPI_UNSUPPORTED);
+        }
+        if timeout(open) > MAX_TIMEOUT {
+            return fail(extended::TIMEOUT_MULTIPLIER);
         }
         match wanted.application {
             Application::ExclusiveOwner if self.outputs() != Ownership::Free => {

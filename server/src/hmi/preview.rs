@@ -23,10 +23,8 @@ use crate::simulate::{End, Observer, Options, Runner};
 
 /// Longest simulated time, s.
 const LONGEST: f64 = 3600.0;
-/// Longest real time.
+/// Longest real time of a simulation, but for what one tick of it takes.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Ticks between two looks at the real time.
-const LOOK: u64 = 4096;
 /// Points of a path, at most.
 const POINTS: usize = 2000;
 /// Events that are told.
@@ -53,14 +51,15 @@ impl Shared {
         let turn = self.simulations.clone().acquire_owned().await;
         let shared = self.clone();
         let simulated = tokio::task::spawn_blocking(move || {
-            let told = shared.simulate_here(program);
+            let told = shared.simulate_here(program, PATIENCE);
             drop(turn);
             told
         });
         simulated.await.map_err(|_| Refusal::new("the simulation failed"))?
     }
 
-    fn simulate_here(&self, program: Program) -> Result<Value, Refusal> {
+    /// The same on this thread, for at most about `patience` of real time.
+    pub(super) fn simulate_here(&self, program: Program, patience: Duration) -> Result<Value, Refusal> {
         let (machine, image) = self
             .plant
             .with_state(|image, snapshot, moves| (present(self.plant.machine(), snapshot, moves), image.clone()));
@@ -69,7 +68,7 @@ impl Shared {
             keep_going: false,
             queue_full: QueueFull::Wait,
         };
-        let mut seen = Seen::new(&machine);
+        let mut seen = Seen::new(&machine, patience);
         let mut runner = Runner::new(&machine, image, Interpreter::new(program), options);
         runner.take_overrides();
         let end = runner.run(&mut seen);
@@ -83,7 +82,7 @@ impl Shared {
             End::TooLong(seconds) => Ok(seen.told(&machine, Some(format!("not at its end after {seconds} s")))),
             End::Left => Ok(seen.told(
                 &machine,
-                Some(format!("not at its end after {} s of computing", PATIENCE.as_secs())),
+                Some(format!("not at its end after {} s of computing", patience.as_secs())),
             )),
         }
     }
@@ -117,6 +116,8 @@ fn present(machine: &Machine, snapshot: &Snapshot, moves: &LiveMoves) -> Machine
 /// What a simulation has shown.
 struct Seen {
     began: Instant,
+    /// Real time that it may take.
+    patience: Duration,
     tick: u64,
     period: f64,
     axes: Vec<Peaks>,
@@ -147,9 +148,10 @@ struct Trail {
 }
 
 impl Seen {
-    fn new(machine: &Machine) -> Self {
+    fn new(machine: &Machine, patience: Duration) -> Self {
         Seen {
             began: Instant::now(),
+            patience,
             tick: 0,
             period: machine.period(),
             axes: machine.axes.iter().map(|_| Peaks::default()).collect(),
@@ -275,7 +277,8 @@ impl Observer for Seen {
             });
             trail.add(tick, now);
         }
-        !tick.is_multiple_of(LOOK) || self.began.elapsed() < PATIENCE
+        // In each tick, since the program may compute for many milliseconds of real time within one.
+        self.began.elapsed() < self.patience
     }
 
     fn event(&mut self, event: &Event, time: f64, image: &Image) {

@@ -30,6 +30,7 @@ struct Bench {
     plant: Plant,
     /// One for each simulation that may run.
     simulations: Arc<Semaphore>,
+    shared: Arc<super::Shared>,
     serving: JoinHandle<()>,
     _tick: Handle,
 }
@@ -55,6 +56,7 @@ impl Bench {
             address: hmi.local_addr(),
             plant,
             simulations: hmi.shared.simulations.clone(),
+            shared: hmi.shared.clone(),
             serving: tokio::spawn(hmi.serve()),
             _tick: tick,
         }

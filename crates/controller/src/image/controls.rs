@@ -1,6 +1,6 @@
 //! Motion control tags: which slot of the controller shows where, and what a slot shows.
 
-use arcline_instruction_set::{ControlSlot, MotionControl, predefined};
+use arcline_instruction_set::{ControlSlot, Flag, MotionControl, predefined};
 use arcline_tag::TagType;
 
 use super::{ControlError, Image, MOTION_CONTROL, TagId, TagKind, is_tag_name};
@@ -10,10 +10,14 @@ impl Image {
     /// The slot of a motion control tag; a name that is not known yet becomes a MOTION_INSTRUCTION tag. The name
     /// of an instruction tag, or of its member `MotionControl`, is the slot of that member.
     ///
+    /// When every slot is in use, the new tag takes the place of the motion control tag that has not been named by an instruction
+    /// for the longest time and whose own instruction has ended; tags of instructions in process stay.
+    ///
     /// # Errors
-    /// A name of something else, a name that cannot be a tag's, or no slot left.
+    /// A name of something else, a name that cannot be a tag's, or every slot has an instruction in process.
     pub fn control_slot(&mut self, name: &str) -> Result<ControlSlot, ControlError> {
         if let Some(slot) = self.known_control(name)? {
+            self.note_use(slot);
             return Ok(slot);
         }
         if !is_tag_name(name) {
@@ -21,14 +25,40 @@ impl Image {
                 name: name.chars().take(MAX_NAME).collect(),
             });
         }
-        let slot = self.free_slot().ok_or(ControlError::NoRoom)?;
+        let slot = match self.free_slot() {
+            Some(slot) => slot,
+            None => self.reclaim_slot().ok_or(ControlError::NoRoom)?,
+        };
         let id = self.add(
             name,
             TagType::scalar(predefined::motion_instruction()),
             TagKind::MotionControl(slot),
         );
         self.use_slot(slot, id, 0);
+        self.note_use(slot);
         Ok(slot)
+    }
+
+    /// Removes the idle motion control tag whose last use is the oldest. Its slot is free then.
+    fn reclaim_slot(&mut self) -> Option<ControlSlot> {
+        let idle = self.tags.iter().filter_map(|tag| match tag.kind {
+            TagKind::MotionControl(slot) if !is_in_process(&self.control(slot)) => Some((slot, tag.id)),
+            _ => None,
+        });
+        let last_use = |slot: ControlSlot| self.last_uses.get(slot.0 as usize).copied().unwrap_or_default();
+        let (slot, id) = idle.min_by_key(|(slot, _)| last_use(*slot))?;
+        self.remove(id);
+        Some(slot)
+    }
+
+    /// Notes that an instruction names a slot.
+    fn note_use(&mut self, slot: ControlSlot) {
+        self.uses += 1;
+        let place = slot.0 as usize;
+        if self.last_uses.len() <= place {
+            self.last_uses.resize(place + 1, 0);
+        }
+        self.last_uses[place] = self.uses;
     }
 
     /// The slot of a motion control tag that exists.
@@ -94,6 +124,12 @@ impl Image {
             None => self.controls.push((id, offset)),
         }
     }
+}
+
+/// Whether the instruction of a tag goes on, or is not answered yet.
+fn is_in_process(control: &MotionControl) -> bool {
+    let answered = control.has(Flag::Dn) || control.has(Flag::Er);
+    control.has(Flag::Ip) || control.has(Flag::En) && !answered
 }
 
 /// Of a name that is none, what is shown, characters.

@@ -38,7 +38,7 @@ use arcline_tag::{DataType, Elementary, TagType, Template, write_string};
 use crate::machine::Machine;
 use crate::{Event, Snapshot, UNNAMED};
 
-use shared::{Memory, Shared};
+use shared::{Kept, Memory, Shared};
 
 pub use cams::Staged;
 pub use error::{ControlError, ReadError, WriteError};
@@ -59,6 +59,10 @@ pub struct Image {
     templates: Shared<BTreeMap<u16, Arc<Template>>>,
     /// Where the MOTION_INSTRUCTION of a slot stands: tag and offset.
     controls: Shared<Vec<(TagId, usize)>>,
+    /// How often instructions have named a motion control tag.
+    uses: u64,
+    /// Of each slot, the value of `uses` when it was last named; 0: never.
+    last_uses: Kept<u64>,
     encoder: Shared<encode::Encoder>,
     /// How the table of tags has changed.
     table: Shared<table::Table>,
@@ -90,6 +94,8 @@ impl Image {
             programs: Shared::default(),
             templates: Shared::default(),
             controls: Shared::default(),
+            uses: 0,
+            last_uses: Kept::default(),
             encoder: Shared::new(encode::Encoder::new(machine)),
             table: Shared::default(),
             snapshot_tick: 0,

@@ -353,7 +353,7 @@ impl Image {
         })
     }
 
-    fn remove(&mut self, id: TagId) {
+    pub(super) fn remove(&mut self, id: TagId) {
         let Some(place) = self.place(id) else { return };
         let tag = self.tags.remove(place);
         self.bytes.remove(place);
@@ -361,11 +361,16 @@ impl Image {
             .program
             .and_then(|place| self.programs.get(usize::from(place)).cloned());
         self.names.remove(program.as_deref(), &tag.name, id);
-        if let TagKind::Instruction(kind) = tag.kind
-            && let Some(control) = self.controls.get_mut(kind.control.0 as usize)
+        let slot = match tag.kind {
+            TagKind::Instruction(kind) => Some(kind.control),
+            TagKind::MotionControl(slot) => Some(slot),
+            _ => None,
+        };
+        if let Some(slot) = slot
+            && let Some(control) = self.controls.get_mut(slot.0 as usize)
         {
             *control = (NOBODY, 0);
-            self.table.spare_slots.push(kind.control.0);
+            self.table.spare_slots.push(slot.0);
         }
         self.table.created.remove(&id);
         self.table.changes = self.table.changes.wrapping_add(1);

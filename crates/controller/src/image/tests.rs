@@ -7,7 +7,7 @@ use arcline_tag::{Elementary, TagPath, Value};
 
 use super::*;
 use crate::machine::{Axis, AxisKind, CoordinateSystem, Drive, ExceptionActions, ProgrammedStopMode, Start};
-use crate::{AxisSnapshot, Ticket};
+use crate::{AxisSnapshot, CONTROL_SLOTS, Ticket};
 
 fn axis(name: &str, kind: AxisKind) -> Axis {
     Axis {
@@ -213,9 +213,50 @@ fn motion_controls_are_found_or_made() {
         assert!(image.control_slot(name).is_err(), "{name:?}");
     }
     assert_eq!(image.tags().len(), tags);
-    while image.control_slot(&format!("N{}", image.tags().len())).is_ok() {}
+}
+
+/// Motion control tags that instructions make are bounded, but a new name is refused only when an instruction of every other one
+/// is in process.
+#[test]
+fn an_idle_motion_control_tag_makes_room() {
+    let mut image = image();
+    let set = |image: &mut Image, name: &str, flags: &[Flag]| {
+        let slot = image.control_slot(name).expect("a slot");
+        let mut control = MotionControl::default();
+        flags.iter().for_each(|flag| control.set(*flag));
+        image.set_control(slot, control);
+    };
+    set(&mut image, "Moving", &[Flag::En, Flag::Dn, Flag::Ip]);
+    set(&mut image, "Sent", &[Flag::En]);
+    set(&mut image, "Used", &[Flag::Dn, Flag::Pc]);
+    set(&mut image, "Refused", &[Flag::En, Flag::Er]);
+    let mut made = 4;
+    while image.find("Used").is_some() && image.find("Refused").is_some() {
+        // Named by an instruction over and over.
+        image.control_slot("Used").expect("its slot");
+        image.control_slot(&format!("N{made}")).expect("a slot");
+        made += 1;
+        assert!(made < 2 * CONTROL_SLOTS, "no tag makes room");
+    }
+    assert!(made > CONTROL_SLOTS - 20, "{made}: only when no slot is free");
+    // The tag that no instruction has named for the longest time has gone.
+    assert!(image.find("Refused").is_none());
+    for name in ["Moving", "Sent", "Used", "N4"] {
+        assert!(image.find(name).is_some(), "{name}");
+    }
+    // The next one is N4; its slot is that of the new tag, which shows nothing yet.
+    let slot = image.known_control("N4").expect("a motion control tag");
+    assert_eq!(image.control_slot("Another").ok(), slot);
+    assert!(image.find("N4").is_none());
+    assert_eq!(image.control(slot.expect("its slot")), MotionControl::default());
+    let all: Vec<String> = image.tags().iter().map(|tag| tag.name.clone()).collect();
+    for name in all {
+        if image.known_control(&name).is_ok_and(|slot| slot.is_some()) {
+            set(&mut image, &name, &[Flag::Ip]);
+        }
+    }
     assert_eq!(image.control_slot("OneMore"), Err(ControlError::NoRoom));
-    assert_eq!(image.control_slot("M1"), Ok(made), "what is there stays");
+    assert!(image.control_slot("Moving").is_ok(), "what is there stays");
 }
 
 #[test]

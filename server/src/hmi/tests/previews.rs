@@ -47,6 +47,25 @@ async fn a_preview_shows_path_duration_and_peaks() {
     assert_eq!(moved, 0.0, "nothing moved");
 }
 
+/// A program that only computes uses up the real time of a dry run, not more.
+#[tokio::test]
+async fn a_dry_run_that_computes_without_end_keeps_its_limit() {
+    let bench = Bench::start().await;
+    let sum = "1+".repeat(50_000);
+    let program = bench
+        .shared
+        .checked(&format!("WHILE TRUE DO n := {sum}1; END_WHILE;"))
+        .expect("a loop");
+    let began = std::time::Instant::now();
+    let told = bench
+        .shared
+        .simulate_here(program, Duration::from_secs(1))
+        .expect("it began");
+    assert_eq!(told["limit"]["text"], "not at its end after 1 s of computing");
+    // One tick computes for some 0.1 s.
+    assert!(began.elapsed() < SOON, "{:?}", began.elapsed());
+}
+
 #[tokio::test]
 async fn a_preview_of_a_robot_shows_its_tool() {
     let bench = Bench::with(ROBOT).await;

@@ -118,6 +118,21 @@ async fn it_steps_pauses_and_ends() {
     viewer.program("ended").await;
 }
 
+/// A program that only computes ends when a viewer says so, however long its expressions are.
+#[tokio::test]
+async fn a_program_that_computes_without_end_ends() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    let sum = "1+".repeat(50_000);
+    viewer
+        .run(&format!("WHILE TRUE DO n := {sum}1; END_WHILE;"))
+        .await
+        .expect("it runs");
+    viewer.program("running").await;
+    viewer.ask(json!({"do": "end"})).await.expect("it ends");
+    viewer.program("ended").await;
+}
+
 #[tokio::test]
 async fn a_stop_and_the_end_of_its_viewer_end_it() {
     let bench = Bench::start().await;
