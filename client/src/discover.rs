@@ -1,4 +1,4 @@
-//! Finds servers by ListIdentity over UDP (spec/ethernet-ip.md §2).
+//! Finds servers by ListIdentity over UDP.
 
 use std::net::{SocketAddr, SocketAddrV4};
 use std::time::Duration;

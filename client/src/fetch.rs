@@ -1,4 +1,4 @@
-//! Fetches the types of tags that are structures, with those within them (spec/ethernet-ip.md §11). What their bytes mean is
+//! Fetches the types of tags that are structures, with those within them. What their bytes mean is
 //! `template`'s.
 
 use std::collections::BTreeMap;

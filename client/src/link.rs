@@ -21,9 +21,9 @@ use arcline_proto::identity::{Identity, VENDOR_ID};
 
 use crate::ClientError;
 
-/// A router message outside a connection fits this, bytes (spec/ethernet-ip.md §18).
+/// A router message outside a connection fits this, bytes.
 const UNCONNECTED_BUDGET: usize = 504;
-/// Size asked of a Forward Open when the large one is refused (spec/ethernet-ip.md §7.2).
+/// Size asked of a Forward Open when the large one is refused.
 const SMALL_CONNECTION: u16 = 500;
 /// Code of the multiplier 512: the watchdog is about 17 minutes.
 const LONGEST_MULTIPLIER: u8 = 7;

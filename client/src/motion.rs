@@ -1,4 +1,4 @@
-//! Motion instructions as CIP services, and their status (spec/contract.md §4).
+//! Motion instructions as CIP services, and their status.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ use arcline_tag::{Elementary, Value};
 
 use crate::{Client, ClientError};
 
-/// Class of the executed instructions (spec/contract.md §4).
+/// Class of the executed instructions.
 const MOTION_INSTRUCTION: u16 = 0x0303;
 /// Time between two looks at an instruction's status.
 const POLL: Duration = Duration::from_millis(5);
@@ -49,7 +49,7 @@ pub struct Operands {
 }
 
 impl Operands {
-    /// The first values of an instruction tag (spec/contract.md §3): for moves a full-speed S-curve.
+    /// The first values of an instruction tag: for moves a full-speed S-curve.
     ///
     /// ```
     /// use arcline_client::{Mnemonic, Operands};

@@ -1,4 +1,4 @@
-//! Runs Structured Text against a live server: one instruction, or a whole program (spec/contract.md §1).
+//! Runs Structured Text against a live server: one instruction, or a whole program.
 //!
 //! The interpreter says what it wants, this module asks the server for it. A tick of the program is about the server's
 //! coarse update period; unlike in the simulator the machine goes on meanwhile, so statements of one tick are not

@@ -1,5 +1,4 @@
-//! Reading tags: scalars, arrays, structures, strings, bits; in fragments where one reply does not hold them
-//! (spec/ethernet-ip.md §9).
+//! Reading tags: scalars, arrays, structures, strings, bits; in fragments where one reply does not hold them.
 
 use bytes::{Bytes, BytesMut};
 

@@ -1,4 +1,4 @@
-//! The server's tags: browsing, creating, deleting (spec/ethernet-ip.md §10). Their types are fetched by `fetch`.
+//! The server's tags: browsing, creating, deleting. Their types are fetched by `fetch`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

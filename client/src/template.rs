@@ -1,4 +1,4 @@
-//! Reads the definition of a structure as a server sends it (spec/ethernet-ip.md §11): the other direction of
+//! Reads the definition of a structure as a server sends it: the other direction of
 //! [`arcline_tag::Template::definition`].
 //!
 //! Bytes in, members out; who fetches the definitions of nested structures is the caller's matter.

@@ -1,4 +1,4 @@
-//! Writing tags: the tag's type decides what is sent; what does not fit is refused here (spec/ethernet-ip.md §9).
+//! Writing tags: the tag's type decides what is sent; what does not fit is refused here.
 
 use bytes::Bytes;
 

@@ -28,7 +28,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     eprint!(
-        "{file}: {} things are not in the configuration as they stand there\n{}",
+        "{file}: {} items were left out or changed\n{}",
         import.report.count(),
         import.report
     );

@@ -112,7 +112,7 @@ impl Plant {
         let (link, handle) = arcline_realtime::spawn(&project.machine, Options::default())?;
         let plant = Plant::with(project, link, image, watch);
         if let Err(error) = plant.trace().spawn() {
-            tracing::warn!(%error, "no thread for traces: they have rows only while somebody asks");
+            tracing::warn!(%error, "no thread for traces: rows are kept only while a client reads them");
         }
         tokio::spawn(pump(Arc::downgrade(&plant.0)));
         Ok((plant, handle))

@@ -162,11 +162,13 @@ impl Taken {
         let file = file.display();
         if !self.left.is_empty() {
             let left = self.left.join(", ");
-            tracing::warn!("{file}: not in this configuration, or not of that type, and so not taken over: {left}");
+            tracing::warn!(
+                "{file}: values not used, since the configuration has no such tag or axis of that type: {left}"
+            );
         }
         if !self.moving.is_empty() {
             let moving = self.moving.join(", ");
-            tracing::warn!("{file}: moving when the server ended, and so not homed: {moving}");
+            tracing::warn!("{file}: not homed, since these axes were moving when the server ended: {moving}");
         }
     }
 }

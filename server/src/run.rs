@@ -119,26 +119,26 @@ async fn serve(
     Ok((plant, handle))
 }
 
-/// SIGHUP: takes over the tags and types of the configuration file as it is now, or says why not. What came of it is a
-/// warning, so that it is seen whatever the log is set to.
+/// SIGHUP: takes over the tags and types of the configuration file as it is now, or logs the reason. The result is a
+/// warning, so that the default log level shows it.
 async fn reload(plant: &Plant, config: Option<&Path>, configured: &mut Project) {
     let Some(file) = config else {
-        tracing::warn!("SIGHUP: nothing is reloaded, the server runs without --config");
+        tracing::warn!("SIGHUP: nothing was reloaded, since the server runs without --config");
         return;
     };
     let new = match project(Some(file)) {
         Ok(new) => new,
         Err(failure) => {
-            tracing::error!("SIGHUP: nothing has changed: {failure}");
+            tracing::error!("Reload refused: {failure}");
             return;
         }
     };
     match plant.reload(configured, &new).await {
         Ok(()) => {
             *configured = new;
-            tracing::warn!("SIGHUP: {} was taken over", file.display());
+            tracing::warn!("Reloaded {}", file.display());
         }
-        Err(error) => tracing::error!("SIGHUP: nothing has changed: {}: {error}", file.display()),
+        Err(error) => tracing::error!("{}: {error}", file.display()),
     }
 }
 

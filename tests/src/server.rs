@@ -225,7 +225,7 @@ impl Drop for Server {
 #[must_use]
 pub fn said(log: &str) -> String {
     log.split_inclusive('\n')
-        .filter(|line| !line.contains(" arcline_realtime::thread: ticks may come late"))
+        .filter(|line| !line.contains(" arcline_realtime::thread: no real-time priority"))
         .collect()
 }
 

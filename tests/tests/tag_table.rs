@@ -71,14 +71,14 @@ fn sighup_takes_over_the_tags_of_the_file_or_says_why_not() {
             configuration("[[tag]]\nname = \"New\"\ntype = \"NOTHING\"\n"),
             "NOTHING",
         ),
-        (slow, "needs a restart: axis X changed"),
+        (slow, "axis X changed, which needs a restart"),
     ] {
         fs::write(&file, wrong).expect("a file");
         server.hang_up();
         eventually(told, SOON, || {
             let log = server.log();
             log.lines()
-                .any(|line| line.contains("nothing has changed") && line.contains(told))
+                .any(|line| line.contains("Reload refused") && line.contains(told))
                 .then_some(())
         });
         assert_eq!(read_numbers(at, &["New", "Kept"]), [2.5, 5.0]);

@@ -13,7 +13,7 @@
 //! | `G20` `G21` | inches, millimetres |
 //! | `G61` `G61.1` `G64 [P]` | the exact path, the exact path with a stop at each end, corners rounded within `P` |
 //! | `G90` `G91`, `G90.1` `G91.1` | end points, and centres, absolute or incremental |
-//! | `G40` `G49` `G54` `G80` `G94` | what is so anyway: no compensation, no offset, no cycle, feed per minute |
+//! | `G40` `G49` `G54` `G80` `G94` | accepted without effect, since it is always so: no compensation, no offset, no cycle, feed per minute |
 //! | `M2` `M30` `%` `N` `( )` `;` | the end, the frame, line numbers, comments |
 //!
 //! ```

@@ -150,7 +150,7 @@ const fn speed() -> Operand {
     number(
         "Speed",
         Range::NotNegative,
-        "in Speed Units; 0 waits for a change of dynamics",
+        "in Speed Units; 0: the move waits until MCCD or MCD gives it a speed",
     )
     .first(FULL_SCALE)
 }
@@ -277,7 +277,7 @@ instructions! {
     "Clears all faults of the axis and takes it out of shutdown; the servo stays off.": [axis(), motion_control()];
 
     MAFR = Mafr on Axis, Message, EN_DN_ER, Axes::ANY,
-    "Clears the motion faults of the axis.": [axis(), motion_control()];
+    "Clears the faults of the axis.": [axis(), motion_control()];
 
     MAS = Mas on Axis, Process, EN_DN_ER_IP_PC, Axes::ANY,
     "Stops one kind of motion of the axis, or all of it.": [

@@ -232,8 +232,8 @@ that is still there faults again at the next update; MCSR then errs with 20 and 
 
 ## Soft travel
 
-Limits hold for a homed axis. Leaving them is a fault, and so is moving further out beyond them; standing beyond one or moving back
-is none. Beyond one whose action stops the axis, an instruction that would move it further out errs with 9.
+Limits hold for a homed axis. An axis that passes a limit has a fault, and so has one that moves further out beyond a limit. An axis that stands
+beyond a limit or moves back has none. Beyond one whose action stops the axis, an instruction that would move it further out errs with 9.
 
 ## Injection
 

@@ -225,7 +225,7 @@ motion_errors! {
     10 MasterAxisConflict "Master Axis Conflict" "Master and slave are the same axis, or the link would close a loop." "Choose another master axis.";
     11 AxisNotConfigured(Culprit) "Axis Not Configured" "The axis does not exist, has no drive, or is in no group; -1: the coordinate system could not set it up." "Check the name of the target and the configuration.";
     12 ServoMessageFailure(Detail SERVO_MESSAGE) "Servo Message Failure" "The drive refused a message." "Look at the state of the drive.";
-    13 ParameterOutOfRange(OperandIndex) "Parameter Out Of Range" "The operand is out of its range." "Correct the operand that EXERR counts from 0.";
+    13 ParameterOutOfRange(OperandIndex) "Parameter Out Of Range" "The operand is out of its range." "Correct the operand whose number is EXERR (counted from 0).";
     14 TuneProcess "Tune Process Error" "Tuning runs or failed." "Wait for the end of tuning.";
     15 TestProcess "Test Process Error" "The hookup test runs or failed." "Wait for the end of the test.";
     16 HomeInProcess(AxisIndex) "Home In Process Error" "Homing runs." "Wait for the end of homing, or stop it.";

@@ -83,7 +83,7 @@ pub static FAULTS: [Fault; FaultKind::COUNT] = [
     fault(FaultKind::Drive, "drive", FaultWord::Cip, 62, ExceptionAction::StopDrive, false,
         "The drive faults without telling more (ControllerInitiatedFault)."),
     fault(FaultKind::Overcurrent, "overcurrent", FaultWord::Cip, 1, ExceptionAction::StopDrive, false,
-        "The motor takes more current than it may."),
+        "The motor takes more current than its limit."),
     fault(FaultKind::Overspeed, "overspeed", FaultWord::Cip, 3, ExceptionAction::StopDrive, false,
         "The motor is faster than its factory limit."),
     fault(FaultKind::OvertravelPositive, "overtravel_positive", FaultWord::Cip, 50, ExceptionAction::StopDrive, false,

@@ -16,7 +16,7 @@ pub enum Object {
 }
 
 impl Object {
-    /// Its CIP class (spec/contract.md §4).
+    /// Its CIP class.
     pub const fn class_code(self) -> u16 {
         match self {
             Self::MotionGroup => 0x0300,
@@ -60,7 +60,7 @@ impl std::fmt::Display for Object {
     }
 }
 
-/// When DN comes (spec/axis-and-data-types.md §1.1).
+/// When DN comes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Timing {
     /// In the same scan.
@@ -129,7 +129,7 @@ impl Instruction {
             .position(|operand| crate::normalized(operand.name).replace('/', "") == name)
     }
 
-    /// CIP class and service that execute it (spec/contract.md §4).
+    /// CIP class and service that execute it.
     pub fn service(&self) -> (u16, u8) {
         let place = services(self.object)
             .iter()
@@ -172,7 +172,7 @@ pub struct Operand {
     pub kind: Kind,
     /// When the range is looked at.
     pub condition: Condition,
-    /// First value in an instruction tag (spec/contract.md §3): a full-speed S-curve. Not the value of an
+    /// First value in an instruction tag: a full-speed S-curve. Not the value of an
     /// operand that is left out, which is always [`Operand::OMITTED`].
     pub initial: f32,
     /// Unit and meaning.
@@ -235,7 +235,7 @@ pub enum Range {
 }
 
 impl Range {
-    /// Jerk Units that are a percentage of time: a jerk in them is at most 100 (spec/coordinated-instructions.md §4.6).
+    /// Jerk Units that are a percentage of time: a jerk in them is at most 100.
     pub const PERCENT_OF_TIME: [i32; 2] = [2, 6];
 }
 

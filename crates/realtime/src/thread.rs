@@ -116,7 +116,7 @@ pub fn spawn(machine: &Machine, options: Options) -> Result<(Link, Handle), Spaw
     if !report.shortfalls.is_empty() {
         let shortfalls: Vec<String> = report.shortfalls.iter().map(ToString::to_string).collect();
         tracing::warn!(
-            "ticks may come late, the system did not grant: {}. The tag RealTime shows how late",
+            "no real-time priority, the system did not grant {}: ticks may be late. See the tag RealTime. Harmless in tests",
             shortfalls.join(", ")
         );
     }

@@ -10,16 +10,16 @@ use crate::retained::NotKept;
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum ReloadError {
     /// Parts of it that are read at the start only.
-    #[error("it needs a restart: {} changed", .parts.join(", "))]
+    #[error("Reload refused: {} changed, which needs a restart", .parts.join(", "))]
     NeedsRestart {
         /// What has changed, such as `axis X`.
         parts: Vec<String>,
     },
     /// Its tags cannot stand beside those there are.
-    #[error(transparent)]
+    #[error("Reload refused: {0}")]
     Table(#[from] TableError),
     /// It was taken over, but is not in the file of the retained state.
-    #[error("its tags were taken over, but {NotKept}")]
+    #[error("its tags were reloaded, but {NotKept}")]
     NotKept,
 }
 

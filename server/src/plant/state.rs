@@ -201,7 +201,7 @@ impl State {
             if lost > self.lost {
                 tracing::warn!(
                     lost = lost - self.lost,
-                    "status changes were lost, too many came within one tick"
+                    "status changes were lost: there were too many within one tick"
                 );
                 self.lost = lost;
             }

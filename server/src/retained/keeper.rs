@@ -260,7 +260,7 @@ impl Writer {
         self.due = Instant::now() + PAUSE;
         tracing::error!(
             %error,
-            "{}: {what}; what is written from now on is refused, until it can be kept again",
+            "{}: {what}; writes of plain tags are refused until it can be written again",
             self.store.path().display()
         );
     }

@@ -37,8 +37,8 @@ fn an_error_is_explained() {
         told,
         "ERR 13 Parameter Out Of Range, operand 4 (Speed)\n\
          cause   The operand is out of its range.\n        \
-         Operand 4 of MCLM is Speed: number, 0 or more (in Speed Units; 0 waits for a change of dynamics).\n\
-         remedy  Correct the operand that EXERR counts from 0.\n"
+         Operand 4 of MCLM is Speed: number, 0 or more (in Speed Units; 0: the move waits until MCCD or MCD gives it a speed).\n\
+         remedy  Correct the operand whose number is EXERR (counted from 0).\n"
     );
     // The newest error of a tag; the type of an instruction tag tells the instruction.
     assert_eq!(arcline(at, &["explain", "Move1"]).expect(0).stdout, "Move1: no error\n");
@@ -65,7 +65,7 @@ fn an_error_is_explained() {
         arcline(nobody, &["explain", "overcurrent"])
             .expect(0)
             .stdout
-            .contains("more current than it may")
+            .contains("more current than its limit")
     );
     let _ = arcline(nobody, &["explain", "61/17"]).expect(0);
     let _ = arcline(nobody, &["explain", "Move1"]).expect(3);

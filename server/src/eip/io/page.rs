@@ -99,8 +99,9 @@ second word. An electronic key, a port segment `01 00` and a configuration of no
   confirmed doubles each second until they are in time, up to 32 ms. The first
   datagram leaves right after the reply of the Forward Open. Data is of the newest tick, so that an RPI below the coarse
   update period repeats some.
-- A connection from which nothing is heard for its RPI times its multiplier (the first time at least 10 s) is ended without a
-  word. It outlives the TCP connection that opened it. Only the address that opened it may close it and send on it.
+- The RPI is at most 10 s (otherwise 0x0111), and RPI times multiplier at most 60 s (otherwise 0x0133). The server ends a connection
+  whose originator sends nothing for RPI times multiplier, or sends no first datagram within 10 s; it sends no Forward Close. The
+  connection outlives the TCP connection that opened it. Only the address that opened it may close it and send on it.
 - There are at most 64 connections.
 
 An owner is *in run* while bit 0 of its run/idle header is 1. When it goes idle, is silent for too long, or closes its connection,

@@ -368,7 +368,7 @@ async fn what_needs_a_restart_is_named_and_changes_nothing() {
     let refused = plant.reload(&before, &other).await.expect_err("it needs a restart");
     assert_eq!(
         refused.to_string(),
-        "it needs a restart: [server], [motion_group], axis Y, coordinate system CS1 changed"
+        "Reload refused: [server], [motion_group], axis Y, coordinate system CS1 changed, which needs a restart"
     );
     assert!(matches!(refused, ReloadError::NeedsRestart { .. }));
     // A name that something else has.
@@ -380,7 +380,7 @@ async fn what_needs_a_restart_is_named_and_changes_nothing() {
     let seen_then = changes(&mut client).await;
     assert_ne!(seen, seen_then);
     let refused = plant.reload(&before, &taken).await.expect_err("a motion control tag");
-    assert_eq!(refused.to_string(), "there is a tag M1 already");
+    assert_eq!(refused.to_string(), "Reload refused: there is a tag M1 already");
     assert_eq!(changes(&mut client).await, seen_then);
     assert_eq!(client.read("Stays.B").await.data.len(), 4);
 }
