@@ -60,9 +60,13 @@ impl Shared {
         self.rights().check(machine, viewer, thing).map_err(|held| match held {
             Some(Held { by, .. }) => Refusal {
                 holder: Some(by.as_str().into()),
-                ..Refusal::new(format!("{by} drives {name}: take it first"))
+                control: Some(name.into()),
+                ..Refusal::new(format!("You do not have control of {name}: {by} has it."))
             },
-            None => Refusal::new(format!("nobody drives {name}: take it first")),
+            None => Refusal {
+                control: Some(name.into()),
+                ..Refusal::new(format!("You do not have control of {name}."))
+            },
         })
     }
 
@@ -264,5 +268,5 @@ fn referenced(image: &Image, mnemonic: Mnemonic, name: &str) -> Option<u16> {
 
 fn no_object(name: &str) -> Refusal {
     let name: String = name.chars().take(60).collect();
-    Refusal::new(format!("there is no {name:?} to drive"))
+    Refusal::new(format!("there is no axis, coordinate system or group {name:?}"))
 }

@@ -112,9 +112,12 @@ pub(super) struct Refusal {
     /// The operand at fault.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) member: Option<Box<str>>,
-    /// Who has the right that was missing.
+    /// The viewer that has the control that was missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) holder: Option<Box<str>>,
+    /// The object whose control was missing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) control: Option<Box<str>>,
 }
 
 impl Refusal {

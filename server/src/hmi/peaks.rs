@@ -3,8 +3,6 @@
 //! The jerk of a tick is the change of acceleration over it. It counts against Maximum Acceleration Jerk and Maximum
 //! Deceleration Jerk, as in Logix, only for S-curves: a trapezoid steps, and no maximum is meant for that.
 
-use std::fmt;
-
 use arcline_controller::machine::{Axis, Travel};
 use arcline_instruction_set::{Call, enumerations};
 
@@ -74,15 +72,43 @@ pub(super) enum Exceeded {
     Travel { is: f64, travel: Travel },
 }
 
-impl fmt::Display for Exceeded {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Speed { is, limit } => write!(f, "speed {is:.6} above {limit}"),
-            Self::Acceleration { is, limit } => write!(f, "acceleration {is:.6} above {limit}"),
-            Self::Deceleration { is, limit } => write!(f, "deceleration {is:.6} above {limit}"),
-            Self::Jerk { is, limit } => write!(f, "jerk {is:.6} above {limit}"),
-            Self::Travel { is, travel } => write!(f, "position {is:.6} outside {} to {}", travel.min, travel.max),
+impl Exceeded {
+    /// The peak and its limit for a reader, in the units of the axis: `jerk 59438.1 mm/s³, maximum 42666.7 mm/s³`.
+    pub(super) fn text(&self, units: &str) -> String {
+        let rate = |what: &str, is: f64, limit: f64, per: &str| {
+            let (is, limit) = apart(is.abs(), limit);
+            format!("{what} {is} {units}/{per}, maximum {limit} {units}/{per}")
+        };
+        match *self {
+            Self::Speed { is, limit } => rate("speed", is, limit, "s"),
+            Self::Acceleration { is, limit } => rate("acceleration", is, limit, "s²"),
+            Self::Deceleration { is, limit } => rate("deceleration", is, limit, "s²"),
+            Self::Jerk { is, limit } => rate("jerk", is, limit, "s³"),
+            Self::Travel { is, travel } => {
+                let (is, _) = apart(is, if is > travel.max { travel.max } else { travel.min });
+                format!("position {is} {units}, travel {} to {} {units}", travel.min, travel.max)
+            }
         }
+    }
+}
+
+/// Two numbers in six significant digits, or in as many as tell them apart.
+fn apart(is: f64, limit: f64) -> (String, String) {
+    let digits = (6..=17).find(|digits| figures(is, *digits) != figures(limit, *digits));
+    let digits = digits.unwrap_or(17);
+    (figures(is, digits), figures(limit, digits))
+}
+
+/// A number in so many significant digits, without zeros behind the last one.
+fn figures(number: f64, digits: i32) -> String {
+    if number == 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = (digits - 1 - number.abs().log10().floor() as i32).clamp(0, 17);
+    let text = format!("{number:.*}", decimals as usize);
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
     }
 }
 

@@ -236,7 +236,7 @@ impl Observer for Seen {
             let exceeded = peaks.look(axis, *row, self.period);
             if let Some(exceeded) = exceeded.filter(|_| self.limit.is_none()) {
                 let time = self.tick as f64 * self.period;
-                self.limit = Some(format!("{}: {exceeded} at {time:.3} s", axis.name));
+                self.limit = Some(format!("{}: {}, at {time:.3} s", axis.name, exceeded.text(&axis.units)));
             }
         }
         let moved = |axis: &u16| {

@@ -230,12 +230,22 @@ fn is_member(path: &TagPath, name: &str) -> bool {
 fn put(image: &mut Image, path: &TagPath, value: &Json) -> Result<Option<Edge>, Refusal> {
     let refuse = |error: WriteError| Refusal::new(error.to_string());
     let (id, place) = image.locate(path).map_err(|error| Refusal::new(error.to_string()))?;
+    let whole_array = place.elements > 1 && !matches!(path.0.last(), Some(PathSegment::Element(_)));
+    if whole_array || value.is_array() {
+        return Err(Refusal::new(format!(
+            "{path} is an array: write one element, such as {path}[0]"
+        )));
+    }
     match (value, &place.data_type) {
         (Json::Bool(on), _) => image.write_value(path, Value::Bool(*on)).map_err(refuse),
         (Json::Number(_) | Json::String(_), DataType::Elementary(kind)) => {
             let kind = if place.bit.is_some() { Elementary::Bool } else { *kind };
             let given = typed(kind, value);
-            let given = given.ok_or_else(|| Refusal::new(format!("{path} is {kind}, {value} does not fit")))?;
+            let given = given.ok_or_else(|| {
+                let whole = value.as_f64().is_none_or(|number| number.fract() == 0.0);
+                let why = if whole { "does not fit" } else { "is not a whole number" };
+                Refusal::new(format!("{path} is {kind}, {value} {why}"))
+            })?;
             image.write_value(path, given).map_err(refuse)
         }
         (Json::String(text), DataType::Structure(template)) if is_string(template) => {
@@ -254,8 +264,8 @@ fn put(image: &mut Image, path: &TagPath, value: &Json) -> Result<Option<Edge>, 
     }
 }
 
-/// What was given as a type; `None` when it does not fit. Text is a whole number that the browser could not keep; integers
-/// take other numbers rounded half to even.
+/// A value as a type; `None` when it does not fit: an integer takes no fraction. Text is a whole number that the browser
+/// could not keep.
 fn typed(kind: Elementary, given: &Json) -> Option<Value> {
     let whole = match given {
         Json::String(text) => text.parse().ok(),
@@ -268,7 +278,8 @@ fn typed(kind: Elementary, given: &Json) -> Option<Value> {
     if kind.is_real() || kind == Elementary::Bool {
         return Some(Value::from_f64(kind, number));
     }
-    Value::from_whole(kind, Value::Lreal(number).to_integer()?.into())
+    let whole = Value::Lreal(number).to_integer().filter(|_| number.fract() == 0.0)?;
+    Value::from_whole(kind, whole.into())
 }
 
 #[cfg(test)]

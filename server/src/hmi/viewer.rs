@@ -186,7 +186,7 @@ impl Viewer {
         let taken = self.shared.rights().take(machine, self.id, thing, force);
         taken.map_err(|held| Refusal {
             holder: Some(held.by.as_str().into()),
-            ..Refusal::new(format!("{} drives {}", held.by, held.thing.name(machine)))
+            ..Refusal::new(format!("{} has control of {}.", held.by, held.thing.name(machine)))
         })?;
         Ok(json!({}))
     }
@@ -194,7 +194,7 @@ impl Viewer {
     fn thing(&self, object: &str) -> Result<Thing, Refusal> {
         Thing::find(self.shared.plant.machine(), object).ok_or_else(|| {
             let object: String = object.chars().take(60).collect();
-            Refusal::new(format!("there is no {object:?} to drive"))
+            Refusal::new(format!("there is no axis, coordinate system or group {object:?}"))
         })
     }
 

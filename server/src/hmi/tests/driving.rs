@@ -46,7 +46,7 @@ async fn one_viewer_drives_and_everybody_stops() {
     let bench = Bench::start().await;
     let (mut one, mut two) = (bench.viewer().await, bench.viewer().await);
     let refused = one.execute(SLOW).await.expect_err("it has no right");
-    assert_eq!(refused["text"], "nobody drives CS1: take it first");
+    assert_eq!(refused["text"], "You do not have control of CS1.");
     one.take("CS1").await;
     let refused = two.execute(SLOW).await.expect_err("the other has it");
     assert!(

@@ -99,7 +99,8 @@ async fn what_is_written_fits_its_type_exactly() {
     let cases = [
         // tag,             written,                         then it is
         ("ASINT",           json!(-128),                     Ok(json!(-128))),
-        ("ASINT",           json!(2.5),                      Ok(json!(2))),
+        ("ASINT",           json!(2.5),                      Err("ASINT is SINT, 2.5 is not a whole number")),
+        ("ASINT",           json!(2.0),                      Ok(json!(2))),
         ("ASINT",           json!(128),                      Err("ASINT is SINT, 128 does not fit")),
         ("ASINT",           json!(1e300),                    Err("ASINT is SINT, 1e+300 does not fit")),
         ("ASINT",           json!("one"),                    Err("ASINT is SINT, \"one\" does not fit")),

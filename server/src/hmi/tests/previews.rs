@@ -129,7 +129,7 @@ async fn the_first_limit_and_errors_are_told() {
     let told = viewer.ask(preview(fast)).await.expect("it can be executed");
     let limit = told["limit"]["text"].as_str().expect("a limit");
     assert!(
-        limit.starts_with("X: speed 100") && limit.contains("above 1000 at 0.11"),
+        limit.starts_with("X: speed 100") && limit.contains("maximum 1000 mm/s, at 0.11"),
         "{limit}"
     );
     let error = viewer
@@ -210,7 +210,9 @@ async fn a_jerk_above_the_maximum_is_a_limit() {
         let told = viewer.ask(preview(&line)).await.expect(why);
         let limit = told["limit"]["text"].as_str();
         assert_eq!(
-            limit.is_some_and(|text| text.starts_with("X: jerk 250000") && text.contains("above 200000 at 0.00")),
+            limit.is_some_and(
+                |text| text.starts_with("X: jerk 250000") && text.contains("maximum 200000 mm/s³, at 0.00")
+            ),
             exceeds,
             "{why}: {limit:?}"
         );

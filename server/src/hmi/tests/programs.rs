@@ -57,7 +57,7 @@ async fn a_program_runs_to_its_end() {
     viewer.run(MOVES).await.expect("it runs");
     let failed = viewer.program("failed").await;
     assert_eq!((&failed["line"], &failed["text"]), (&json!(3), &json!(MOVES)));
-    assert_eq!(failed["error"]["text"], "nobody drives CS1: take it first");
+    assert_eq!(failed["error"]["text"], "You do not have control of CS1.");
     viewer.take("CS1").await;
     viewer.run(MOVES).await.expect("it runs");
     viewer.program("ended").await;
