@@ -35,7 +35,7 @@ export async function open(browser, url, view, { scheme = "light", phone = false
   page.on("console", (message) => message.type() === "error" && page.faults.push(`${message.text()} ${message.location().url}`));
   await page.goto(`${url}/#/${view}`);
   await page.locator("html[data-connection=open]").waitFor({ state: "attached" });
-  await page.getByText("Nobody drives").or(page.locator("main section")).first().waitFor();
+  await page.getByText("No page has control").or(page.locator("main section")).first().waitFor();
   return page;
 }
 
@@ -55,7 +55,7 @@ export async function close(page) {
 export async function take(page, object) {
   await page.getByLabel("What to drive").selectOption(object);
   await page.getByRole("button", { name: "Take control" }).click();
-  await page.getByText("You drive").first().waitFor();
+  await page.getByText("You have control of").first().waitFor();
 }
 
 /** Waits until a function of the page gives something true. */

@@ -1,7 +1,9 @@
 // What must hold in the browser, a function each. A case throws when it does not.
 
+export * from "./clarity.mjs";
 export * from "./driving.mjs";
 export * from "./hands.mjs";
 export * from "./history.mjs";
+export * from "./layout.mjs";
 export * from "./looking.mjs";
 export { screenshots } from "./screenshots.mjs";

@@ -20,7 +20,7 @@ export async function a_move_started_by_the_form_arrives({ browser, url }) {
   await arrived(page, "Y", -20);
   await arrived(page, "Z", 10);
   const other = await open(browser, url, "drive");
-  await other.getByText("drives CS1").waitFor();
+  await other.getByText("has control of CS1").waitFor();
   assert.ok(await other.locator(".form .run").isDisabled(), "one viewer drives at a time");
   await close(other);
   await go(page, "events");

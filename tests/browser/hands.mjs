@@ -64,7 +64,7 @@ export async function the_keyboard_drives({ browser, url }) {
   await page.locator("main .view.drive").waitFor();
   await reach("Take control");
   await page.keyboard.press("Enter");
-  await page.getByText("You drive").first().waitFor();
+  await page.getByText("You have control of").first().waitFor();
   await reach("Jog X forwards");
   await page.keyboard.down("Space");
   await beyond(page, "X", 0.5);
@@ -84,7 +84,7 @@ export async function the_keyboard_drives({ browser, url }) {
 export async function a_stray_click_moves_nothing({ browser, url }) {
   const page = await open(browser, url, "machine");
   // What asks for the right, what asks for a file, and what holds the machine still on purpose.
-  const meant = /^(Take control|Open|Hold|Stop)$/;
+  const meant = /^(Take control|Open|Feed hold|Stop.*)$/;
   let clicks = 0;
   for (const view of VIEWS) {
     await go(page, view);

@@ -32,6 +32,31 @@ cases! {
     screenshots,
 }
 
+macro_rules! cases_of_a_cell {
+    ($($name:ident),* $(,)?) => {
+        $(#[test]
+        fn $name() {
+            case_on(stringify!($name), "cell.toml");
+        })*
+    };
+}
+
+cases_of_a_cell! {
+    a_live_view_says_so,
+    a_reload_shows_no_error,
+    a_value_that_does_not_fit_is_refused,
+    an_axis_has_its_own_form,
+    an_error_is_one_message,
+    an_error_of_a_program_goes,
+    axe_finds_nothing,
+    colours_are_told_apart,
+    control_is_offered_where_it_is_missing,
+    control_is_taken_over,
+    nothing_overflows,
+    targets_follow_the_machine,
+    the_numbers_of_a_grid_are_apart,
+}
+
 #[test]
 fn frames_leave_time() {
     case_on("frames_leave_time", "eight.toml");

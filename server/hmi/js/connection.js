@@ -7,6 +7,8 @@ const ANSWER_MS = 10_000;
 const PATIENT = { preview: 120_000, dry_run: 120_000 };
 const FIRST_PAUSE_MS = 250;
 const LONGEST_PAUSE_MS = 2000;
+/** So many different refusals are remembered. */
+const MOST_REFUSALS = 32;
 
 /** A refusal of the server, with `err`, `exerr`, `cause`, `remedy`, `line`, `column` as far as it has them. */
 export class Refusal extends Error {
@@ -26,6 +28,8 @@ export class Connection extends EventTarget {
   #pause = FIRST_PAUSE_MS;
   #heard = 0;
   #opened = false;
+  /** When the server refused a request, by the text of its refusal. */
+  #refused = new Map();
 
   constructor(url) {
     super();
@@ -70,6 +74,11 @@ export class Connection extends EventTarget {
     });
   }
 
+  /** Whether a request was refused with this text within the last `time` ms. */
+  hasRefused(text, time) {
+    return performance.now() - (this.#refused.get(text) ?? -Infinity) < time;
+  }
+
   /** Sends a request whose answer does not matter, such as the keep-alive of a jog. */
   tell(what, fields = {}) {
     if (this.#opened) this.#socket.send(JSON.stringify({ id: this.#next++, do: what, ...fields }));
@@ -91,8 +100,13 @@ export class Connection extends EventTarget {
     if (!request) return;
     this.#requests.delete(id);
     clearTimeout(request.timer);
-    if (answer.error) request.reject(new Refusal(answer.error));
-    else request.resolve(answer.ok ?? {});
+    if (!answer.error) {
+      request.resolve(answer.ok ?? {});
+      return;
+    }
+    this.#refused.set(answer.error.text, performance.now());
+    if (this.#refused.size > MOST_REFUSALS) this.#refused.delete(this.#refused.keys().next().value);
+    request.reject(new Refusal(answer.error));
   }
 
   /** A server that says nothing is gone, whatever the operating system thinks of its socket. */

@@ -1,42 +1,45 @@
-// The right to drive an object: one viewer has it, visibly; the others watch. Stops need no right.
+// Control of objects: one page has it, visibly; the others watch. A stop needs no control.
 
-import { h, icon, fill, state } from "./dom.js";
+import { fill, h, icon, state } from "./dom.js";
 
 const SURE_MS = 4000;
 
-/** A bar that shows who drives an object and takes or gives back the right. */
+/** A bar that shows which page has control of some objects, and takes or gives back control of them. */
 export class ControlBar {
   #key = "";
 
-  constructor(app) {
+  constructor(app, objects = []) {
     this.app = app;
-    this.object = null;
     this.element = h("div.control-bar", { role: "status" });
     this.sure = 0;
+    this.show(objects);
   }
 
-  /** Shows another object. */
-  show(object) {
-    this.object = object;
+  /** Shows other objects: a name, or a list of names. */
+  show(objects) {
+    this.objects = [objects].flat();
     this.update();
   }
 
-  /** Whether this page may move the object. */
+  /** Whether this page may move all of the objects. */
   get mine() {
-    return this.app.store.drives(this.object);
+    return this.objects.every((object) => this.app.store.drives(object));
   }
 
   update() {
-    const driver = this.app.store.driver(this.object);
+    const { store } = this.app;
+    const missing = this.objects.filter((object) => !store.drives(object));
+    const holder = missing.map((object) => store.driver(object)).find((driver) => driver !== null && driver !== store.viewer) ?? null;
     const asked = performance.now() < this.sure;
-    const key = [this.object, driver, this.mine, asked].join("|");
+    const key = [...this.objects, "of", ...missing, holder, asked].join("|");
     if (key === this.#key) return;
     this.#key = key;
     const focused = this.element.contains(document.activeElement);
-    state(this.element, "kind", this.mine ? "mine" : driver ? "other" : "free");
-    if (this.mine) fill(this.element, icon("unlock"), h("span", {}, h("b", {}, "You drive "), this.object), this.#button("Release", () => this.#release()));
-    else if (driver) fill(this.element, icon("lock"), h("span", {}, h("b", {}, driver), ` drives ${this.object}`), this.#takeOver(driver, asked));
-    else fill(this.element, icon("lock"), h("span", {}, `Nobody drives ${this.object}`), this.#button("Take control", () => this.#take(), "primary"));
+    state(this.element, "kind", this.mine ? "mine" : holder ? "other" : "free");
+    const names = (list) => list.join(", ");
+    if (this.mine) fill(this.element, icon("unlock"), h("span", {}, h("b", {}, "You have control of "), names(this.objects)), this.#button("Release", () => this.#release()));
+    else if (holder) fill(this.element, icon("lock"), h("span", {}, h("b", {}, holder), ` has control of ${names(missing)}`), this.#takeOver(holder, asked));
+    else fill(this.element, icon("lock"), h("span", {}, `No page has control of ${names(missing)}`), this.#button("Take control", () => this.#take(), "primary"));
     if (focused) this.element.querySelector("button")?.focus();
   }
 
@@ -44,9 +47,9 @@ export class ControlBar {
     return h(kind ? `button.${kind}` : "button", { type: "button", onclick }, title);
   }
 
-  #takeOver(driver, asked) {
-    if (asked) return this.#button(`Take over from ${driver} now`, () => this.#take(true), "danger");
-    return h("button", { type: "button", onclick: () => {
+  #takeOver(holder, asked) {
+    if (asked) return this.#button("Take over now", () => this.#take(true), "danger");
+    return h("button", { type: "button", title: `Takes control away from ${holder}; a second press confirms it`, onclick: () => {
       this.sure = performance.now() + SURE_MS;
       this.update();
       setTimeout(() => this.update(), SURE_MS + 50);
@@ -55,20 +58,22 @@ export class ControlBar {
 
   async #take(force = false) {
     this.sure = 0;
-    try {
-      await this.app.connection.request("take", { object: this.object, ...(force && { force }) });
-    } catch (error) {
-      this.app.toasts.bad(`${this.object} cannot be driven`, error);
+    for (const object of this.objects.filter((name) => !this.app.store.drives(name))) {
+      try {
+        await this.app.connection.request("take", { object, ...(force && { force }) });
+      } catch (error) {
+        this.app.toasts.bad(`You did not get control of ${object}`, error);
+      }
     }
   }
 
-  /** Gives back whatever moves the object: the right may have come with that of a larger one. */
+  /** Gives back all control that this page has of the axes of the objects: it may have come with a larger object. */
   async #release() {
-    for (const object of this.app.store.taken(this.object)) {
+    for (const object of new Set(this.objects.flatMap((name) => this.app.store.taken(name)))) {
       try {
         await this.app.connection.request("release", { object });
       } catch (error) {
-        this.app.toasts.bad(`${object} cannot be given back`, error);
+        this.app.toasts.bad(`Control of ${object} was not given back`, error);
       }
     }
   }

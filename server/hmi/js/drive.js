@@ -2,22 +2,33 @@
 // taken first, a jog lasts as long as it is held, and every other motion has a button of its own that says what it does.
 
 import { ControlBar } from "./control.js";
-import { fill, h, icon, options, segmented, state, text } from "./dom.js";
+import { fill, h, icon, segmented, state, text } from "./dom.js";
 import { InstructionForm } from "./form.js";
 import { fixed, rate, short } from "./format.js";
 import { PathCanvas } from "./path_canvas.js";
 import { PreviewFacts } from "./preview.js";
 
-/** Lengths of a step; 0 is to hold. */
-const STEPS = [[0, "Hold"], [0.1, "0.1"], [1, "1"], [10, "10"], [100, "100"]];
+/** Lengths of a step; 0 jogs as long as the button is held. */
+const STEPS = [[0, "Continuous"], [0.1, "0.1"], [1, "1"], [10, "10"], [100, "100"]];
 /** Keys that jog the first three axes, backwards and forwards. */
 const KEYS = [["ArrowLeft", "ArrowRight"], ["ArrowDown", "ArrowUp"], ["PageDown", "PageUp"]];
+/** The forms of an object: a quick one for its usual moves, and that of any instruction. */
+const FORMS = {
+  CoordinateSystem: [["MCLM", "Move"], ["MCCM", "Arc"], ["any", "Any instruction"]],
+  Axis: [["MAM", "Move"], ["any", "Any instruction"]],
+  MotionGroup: [["any", "Any instruction"]],
+};
+/** The instruction that "Any instruction" begins with. */
+const FIRST = { CoordinateSystem: "MCLM", Axis: "MAM", MotionGroup: "MGS" };
+const KINDS = { CoordinateSystem: "Coordinate systems", Axis: "Axes", MotionGroup: "Motion group" };
 /** What the quick forms show at once; everything else is one click away. */
 const QUICK = {
   MCLM: ["MoveType", "Speed", "TerminationType"],
   MCCM: ["MoveType", "CircleType", "Direction", "Speed", "TerminationType"],
+  MAM: ["MoveType", "Position", "Speed"],
 };
 const MOST_OVERRIDE = 200;
+const ASKED = { override: "The override of", hold: "The feed hold of", resume: "The resume of" };
 
 export class Drive {
   title = "Drive";
@@ -32,7 +43,7 @@ export class Drive {
     fill(this.object,
       h("optgroup", { label: "Coordinate systems" }, machine.coordinate_systems.map(({ name }) => h("option", { value: name }, name))),
       h("optgroup", { label: "Axes" }, machine.axes.map(({ name }) => h("option", { value: name }, name))),
-      h("optgroup", { label: "Everything" }, h("option", { value: machine.group }, machine.group)));
+      h("optgroup", { label: "Motion group" }, h("option", { value: machine.group }, machine.group)));
     this.rows = h("div.jog-rows");
     this.speed = h("input", { type: "range", min: "0.1", max: "100", step: "0.1", value: "5", "aria-label": "Jog speed in percent of the maximum", oninput: () => this.#showSpeed() });
     this.speedText = h("output");
@@ -43,9 +54,8 @@ export class Drive {
     this.canvas = new PathCanvas(host, app, "Preview of the path");
     this.facts = new PreviewFacts(app);
     this.forms = h("div.form-host");
-    this.kind = segmented("Form", [["MCLM", "Move"], ["MCCM", "Arc"], ["any", "Any instruction"]], "MCLM", (kind) => this.#form(kind));
+    this.kindHost = h("span");
     this.mnemonic = h("select", { "aria-label": "Instruction", hidden: true, onchange: () => this.#form("any") });
-    options(this.mnemonic, app.store.catalogue.instructions.map(({ mnemonic, title }) => [mnemonic, `${mnemonic}  ${title}`]), "MAM");
     this.element = h("section.view.drive", { "aria-label": this.title },
       h("div.drive-left", {},
         h("div.panel", {}, h("div.row", {}, this.object, this.control.element)),
@@ -53,18 +63,17 @@ export class Drive {
           h("label.slider", {}, h("span", {}, "Speed"), this.speed, this.speedText), this.rows,
           h("label.check", {}, this.keys, "Jog by keys"), this.keyHelp),
         this.#motion()),
-      h("div.panel.form-panel", {}, h("div.row", {}, this.kind.element, this.mnemonic), this.forms),
+      h("div.panel.form-panel", {}, h("div.row", {}, this.kindHost, this.mnemonic), this.forms),
       h("div.panel.preview-panel", {}, h("h2", {}, "Preview"), host, this.facts.element));
     app.addEventListener("preview", () => {
       this.canvas.setPreview(app.preview);
       this.facts.show(app.preview);
     });
-    // What a form begins with are the actual positions, so it begins again when they are known.
+    // A form begins with the actual positions, so it begins again when they are known.
     app.store.addEventListener("status", () => this.#form(this.chosen), { once: true });
     addEventListener("keydown", (event) => this.#key(event));
     addEventListener("keyup", (event) => this.#keyUp(event));
     app.jogger.onchange = () => this.update();
-    this.chosen = "MCLM";
     this.#select(machine.coordinate_systems[0]?.name ?? machine.axes[0]?.name);
   }
 
@@ -85,12 +94,10 @@ export class Drive {
       oninput: () => text(this.overrideText, `${this.override.value} %`), onchange: () => this.#ask("override", { percent: Number(this.override.value) }) });
     this.overrideText = h("output", {}, "100 %");
     this.hold = h("button", { type: "button", onclick: () => this.#ask(this.held ? "resume" : "hold") });
-    this.hundred = h("button", { type: "button", onclick: () => this.#ask("override", { percent: 100 }) }, "100 %");
+    this.hundred = h("button", { type: "button", onclick: () => this.#ask("override", { percent: 100 }) }, "Override 100 %");
     this.stop = h("button.danger", { type: "button", onclick: () => this.#stop() }, icon("stop"), "Stop");
-    this.motion = h("div.panel", {}, h("h2", {}, "Motion"),
-      h("label.slider", {}, h("span", {}, "Override"), this.override, this.overrideText),
-      h("div.buttons", {}, this.hold, this.hundred, this.stop));
-    return this.motion;
+    this.feed = h("label.slider", {}, h("span", {}, "Override"), this.override, this.overrideText);
+    return h("div.panel", {}, h("h2", {}, "Motion"), this.feed, h("div.buttons", {}, this.hold, this.hundred, this.stop));
   }
 
   #select(name) {
@@ -104,9 +111,28 @@ export class Drive {
     const help = this.axes.slice(0, 3).map((axis, k) => `${axis} ${["← →", "↓ ↑", "Page ↓ ↑"][k]}`);
     text(this.keyHelp, `${help.join(", ")}, held. Esc stops.`);
     if (this.system) this.canvas.show(name);
+    text(this.stop.lastChild, `Stop ${name}`);
     this.#showSpeed();
-    this.#form(this.chosen);
+    this.#forms();
     this.update();
+  }
+
+  /** Offers the forms that fit the object; of any instruction those for it come first. */
+  #forms() {
+    const { store } = this.app;
+    const kind = this.system ? "CoordinateSystem" : store.axis(this.name) ? "Axis" : "MotionGroup";
+    if (kind !== this.objectKind) {
+      this.objectKind = kind;
+      const forms = FORMS[kind];
+      if (!forms.some(([form]) => form === this.chosen)) [[this.chosen]] = forms;
+      const { element } = segmented("Form", forms, this.chosen, (form) => this.#form(form));
+      fill(this.kindHost, element);
+      const order = [kind, ...Object.keys(KINDS).filter((other) => other !== kind)];
+      fill(this.mnemonic, order.map((group) => h("optgroup", { label: KINDS[group] },
+        store.catalogue.instructions.filter(({ object }) => object === group).map(({ mnemonic, title }) => h("option", { value: mnemonic }, `${mnemonic}  ${title}`)))));
+      this.mnemonic.value = FIRST[kind];
+    }
+    this.#form(this.chosen);
   }
 
   #row(axis) {
@@ -118,13 +144,13 @@ export class Drive {
       return made;
     };
     part.servo.addEventListener("click", () => this.app.instruct(store.axisStatus(axis)?.servo_on ? "MSF" : "MSO", axis));
-    part.home = h("button", { type: "button", onclick: () => this.app.instruct("MAH", axis) }, icon("home"), "Home");
-    part.reset = h("button", { type: "button", title: "Clears faults and shutdown (MASR)", onclick: () => this.app.instruct("MASR", axis) }, icon("reset"), "Reset");
+    part.home = h("button", { type: "button", "aria-label": `Home ${axis}`, onclick: () => this.app.instruct("MAH", axis) }, icon("home"), "Home");
+    part.reset = h("button", { type: "button", "aria-label": `Reset ${axis}`, title: "Clears faults and shutdown (MASR)", onclick: () => this.app.instruct("MASR", axis) }, icon("reset"), "Reset");
     part.less = button(-1, "backwards");
     part.more = button(1, "forwards");
     part.note = h("small.bad");
     part.element = h("div.jog-row", { "aria-label": `Axis ${axis}`, role: "group" },
-      h("span.jog-name", { "data-series": store.place(axis) % 8 }, axis), part.actual, h("abbr", {}, store.axis(axis).units),
+      h("span.jog-name", { "data-series": store.series(axis) }, axis), part.actual, h("abbr", {}, store.axis(axis).units),
       h("span.jog-buttons", {}, part.less, part.more), h("span.jog-actions", {}, part.servo, part.home, part.reset), part.note);
     this.parts = [...(this.parts ?? []).filter((other) => this.axes.includes(other.axis) && other.axis !== axis), part];
     return part.element;
@@ -151,10 +177,11 @@ export class Drive {
     const { store } = this.app;
     const instruction = store.instruction(kind === "any" ? this.mnemonic.value : kind);
     if (!instruction) return;
-    const own = instruction.object === "CoordinateSystem" ? this.system?.name ?? store.machine.coordinate_systems[0]?.name
+    const own = instruction.object === this.objectKind ? this.name
+      : instruction.object === "CoordinateSystem" ? store.machine.coordinate_systems[0]?.name
       : instruction.object === "Axis" ? this.axes[0] : store.machine.group;
     this.form = new InstructionForm(this.app, instruction, {
-      object: own, first: kind === "any" ? null : QUICK[kind],
+      object: own, first: kind === "any" ? null : QUICK[kind], values: kind === "MAM" ? { Position: store.standsAt(own) } : {},
       onobject: (name) => store.system(name) && this.canvas.show(name),
     });
     this.app.setPreview(null);
@@ -165,7 +192,7 @@ export class Drive {
     try {
       await this.app.connection.request(what, { coordinate_system: this.name, ...fields });
     } catch (error) {
-      this.app.toasts.bad(`${this.name}: ${what} was refused`, error);
+      this.app.toasts.bad(`${ASKED[what]} ${this.name} was refused`, error);
     }
   }
 
@@ -216,7 +243,9 @@ export class Drive {
       const status = store.axisStatus(part.axis);
       if (!status) continue;
       text(part.actual, fixed(status.actual));
-      text(part.servo, status.servo_on ? "Servo off" : "Servo on");
+      const servo = status.servo_on ? "Servo off" : "Servo on";
+      text(part.servo, servo);
+      if (part.servo.getAttribute("aria-label") !== `${servo} ${part.axis}`) part.servo.setAttribute("aria-label", `${servo} ${part.axis}`);
       state(part.servo, "on", String(status.servo_on));
       text(part.note, status.faults.map((word) => store.faultText(word)).join(" "));
       state(part.element, "held", String(jogger.holds(part.axis)));
@@ -224,19 +253,31 @@ export class Drive {
       for (const button of [part.servo, part.home, part.reset]) button.disabled = !mine;
     }
     const system = this.system && store.systemStatus(this.system.name);
-    this.motion.hidden = !this.system;
+    // An override and a hold are of a coordinate system, a stop is of everything.
+    for (const part of [this.feed, this.hold, this.hundred]) part.hidden = !system;
+    this.stop.disabled = !connection.isOpen;
     if (system) {
       this.held = system.held;
-      text(this.hold, system.held ? "Resume" : "Hold");
+      text(this.hold, system.held ? "Resume" : "Feed hold");
       state(this.hold, "on", String(system.held));
-      // A hold is everyone's, as a stop is; going on is not.
-      this.override.disabled = this.hundred.disabled = !mine;
+      // Every viewer may hold, as it may stop; going on needs control.
+      this.override.disabled = !mine;
+      this.hundred.disabled = !mine || system.held;
       this.hold.disabled = !connection.isOpen || (system.held && !mine);
       if (document.activeElement !== this.override) {
         this.override.value = String(system.override);
         text(this.overrideText, `${Math.round(system.override)} %`);
       }
     }
+    this.#follow();
     this.form?.update();
+  }
+
+  /** Until a position is chosen, the form of a single axis has the one where it stands. */
+  #follow() {
+    if (this.chosen !== "MAM" || !this.form) return;
+    const status = this.app.store.axisStatus(this.form.object);
+    const { MoveType: incremental } = this.form.words();
+    if (status && !status.moving) this.form.follow("Position", incremental ? 0 : this.app.store.standsAt(this.form.object));
   }
 }

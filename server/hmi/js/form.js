@@ -4,12 +4,14 @@
 import { calm, fill, h, icon, state, text } from "./dom.js";
 import { field, isShown, rangeText } from "./fields.js";
 import { rate } from "./format.js";
-import { TargetTable } from "./target.js";
+import { NOISE, TargetTable } from "./target.js";
 import { explanation } from "./toasts.js";
 
 const LINE_MS = 120;
 const PREVIEW_MS = 350;
 const TAGS = 8;
+/** Stops need no control. */
+export const STOPS = new Set(["MCS", "MAS", "MGS"]);
 let lastTag = 0;
 
 /** A form for one instruction. `first` lists members that are always seen; without it all of them are. */
@@ -17,13 +19,15 @@ export class InstructionForm {
   constructor(app, instruction, { object, first = null, onobject = null, values = {} }) {
     Object.assign(this, { app, instruction, onobject });
     this.fields = new Map();
+    this.touched = new Set();
     this.line = null;
     this.asked = 0;
     const { target_position: rule } = instruction;
     this.table = rule && new TargetTable(app, instruction, () => this.words(), () => this.#edit());
+    if (this.table) this.table.onfollow = () => this.#changed();
     for (const operand of instruction.operands) {
       if (rule && (operand.member === rule.targets || operand.member === rule.vias)) continue;
-      this.fields.set(operand.member, field(operand, app, () => this.words(), () => this.#edit()));
+      this.fields.set(operand.member, field(operand, app, () => this.words(), () => this.#edit(operand.member)));
     }
     [this.target] = instruction.operands;
     this.control = instruction.operands.find(({ kind }) => kind === "control");
@@ -61,6 +65,14 @@ export class InstructionForm {
     if (input.read() === object) return;
     input.write(object);
     this.#object();
+    this.#changed();
+  }
+
+  /** Writes a value that nobody has chosen: it follows the machine. */
+  follow(member, value) {
+    const { input, read, write } = this.fields.get(member);
+    if (this.touched.has(member) || input === document.activeElement || Math.abs(read() - value) <= NOISE) return;
+    write(value);
     this.#changed();
   }
 
@@ -110,9 +122,10 @@ export class InstructionForm {
     this.onobject?.(object);
   }
 
-  /** A form that nobody has touched, or that has just run, shows no preview by itself. */
-  #edit() {
+  /** A form shows a preview by itself only after an edit, and not after it has run. */
+  #edit(member = null) {
     this.edited = true;
+    this.touched.add(member);
     this.#changed();
   }
 
@@ -257,7 +270,7 @@ export class InstructionForm {
     this.table?.update();
     const { store, connection } = this.app;
     const { object } = this;
-    const reason = !connection.isOpen ? "No connection." : !store.drives(object) ? `Take control of ${object} first.` : !this.line ? "The form is not complete." : "";
+    const reason = !connection.isOpen ? "No connection." : !store.drives(object) && !STOPS.has(this.instruction.mnemonic) ? `Take control of ${object} first.` : !this.line ? "The form is not complete." : "";
     this.run.disabled = reason !== "";
     text(this.why, reason);
     state(this.element, "ready", String(reason === ""));

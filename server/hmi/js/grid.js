@@ -4,9 +4,29 @@ import { decimals, fixed, niceStep } from "./format.js";
 
 const LABEL_EVERY = 72;
 const EDGE = 4;
+/** Free room around a number. */
+const CLEAR = 3;
 
 /** For each fixed look: the place in the world of the picture's x and y. */
 const PLANES = { top: [0, 1], front: [0, 2], side: [1, 2] };
+
+/** Writes numbers that do not touch each other: of two that would, the first stays. */
+class Labels {
+  #taken = [];
+
+  constructor(context) {
+    this.context = context;
+  }
+
+  /** Writes a text at a place with the alignment of the context, if there is room for it. */
+  write(text, x, y) {
+    const { width, actualBoundingBoxLeft: left, actualBoundingBoxAscent: above, actualBoundingBoxDescent: below } = this.context.measureText(text);
+    const box = [x - left - CLEAR, y - above - CLEAR, x - left + width + CLEAR, y + below + CLEAR];
+    if (this.#taken.some((other) => box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3])) return;
+    this.#taken.push(box);
+    this.context.fillText(text, x, y);
+  }
+}
 
 /** Draws the grid of a look along an axis over the whole picture, with numbers at its edges. */
 export function flatGrid(context, camera, plane, colours, names) {
@@ -21,6 +41,7 @@ export function flatGrid(context, camera, plane, colours, names) {
     const half = size / 2 / scale;
     return [Math.ceil((middle - half) / step), Math.floor((middle + half) / step)];
   };
+  const labels = new Labels(context);
   context.lineWidth = 1;
   context.font = `11px ${colours.font}`;
   for (const [vertical, [from, to]] of [[true, span(width, centre[across])], [false, span(tall, centre[along])]]) {
@@ -34,7 +55,7 @@ export function flatGrid(context, camera, plane, colours, names) {
       context.fillStyle = colours.faint;
       context.textAlign = vertical ? "center" : "left";
       context.textBaseline = vertical ? "bottom" : "middle";
-      if (vertical ? at > 60 : at < tall - 24) context.fillText(fixed(k * step, places), vertical ? at : EDGE, vertical ? tall - EDGE : at);
+      if (vertical ? at > 60 : at < tall - 24) labels.write(fixed(k * step, places), vertical ? at : EDGE, vertical ? tall - EDGE : at);
     }
   }
   context.fillStyle = colours.muted;
@@ -67,8 +88,9 @@ export function groundGrid(context, project, [low, high], colours) {
   context.textAlign = "center";
   context.textBaseline = "middle";
   const places = decimals(step);
-  for (let k = x0; k <= x1; k += k % 2 ? 1 : 2) context.fillText(fixed(k * step, places), ...project(k * step, (y0 - 0.4) * step, ground));
-  for (let k = y0; k <= y1; k += k % 2 ? 1 : 2) context.fillText(fixed(k * step, places), ...project((x0 - 0.5) * step, k * step, ground));
+  const labels = new Labels(context);
+  for (let k = x0; k <= x1; k += k % 2 ? 1 : 2) labels.write(fixed(k * step, places), ...project(k * step, (y0 - 0.4) * step, ground));
+  for (let k = y0; k <= y1; k += k % 2 ? 1 : 2) labels.write(fixed(k * step, places), ...project((x0 - 0.5) * step, k * step, ground));
 }
 
 /** Draws the directions of the axes in the lower left corner. */

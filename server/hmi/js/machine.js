@@ -1,7 +1,11 @@
 // The view of the whole machine: axes, coordinate systems, the group, the health of the tick.
 
-import { chips, fill, h, property, state, text } from "./dom.js";
+import { chips, fill, h, icon, property, state, text } from "./dom.js";
 import { duration, fixed, rate } from "./format.js";
+
+/** Bits of an axis's status words and what the axis does while one is set, the most telling first. */
+const DOING = [["HomingStatus", "Homing"], ["JogStatus", "Jogging"], ["PositionCamStatus", "Following a cam"], ["TimeCamStatus", "Following a cam"],
+  ["GearingStatus", "Geared"], ["MoveStatus", "Moving (MAM)"], ["CoordinatedMotionStatus", "Coordinated move"], ["ControlledByTransformStatus", "Led by a transform"], ["StoppingStatus", "Stopping"]];
 
 export class Machine {
   title = "Machine";
@@ -12,24 +16,24 @@ export class Machine {
     this.axes = machine.axes.map((axis) => this.#axis(axis));
     this.systems = machine.coordinate_systems.map((system) => this.#system(system));
     this.health = Object.fromEntries(["state", "tick", "p50", "p99", "max", "missed"].map((name) => [name, h("dd")]));
-    this.groupBits = h("div.chips");
+    this.groupBits = statusBits();
     this.faults = h("ul.faults", { "aria-label": "Faults and what to do", hidden: true });
     const head = ["Axis", "Command", "Actual", "Error", "Velocity", "State", "Homed", "Servo", "Faults"];
     this.element = h("section.view.machine", { "aria-label": this.title },
       h("div.panel.axes", {}, h("h2", {}, "Axes"),
-        h("div.scroll-x", {}, h("table.axis-table", {},
+        h("div.scroll-x", { tabindex: "0", role: "region", "aria-label": "Axes" }, h("table.axis-table", {},
           h("thead", {}, h("tr", {}, head.map((name) => h("th", { scope: "col" }, name)))),
           h("tbody", {}, this.axes.map(({ row }) => row)))), this.faults),
       h("div.systems", {}, this.systems.map(({ element }) => element)),
       h("div.panel.group", {}, h("h2", {}, `Group ${machine.group}`),
         h("dl.health", {}, h("dt", {}, "State"), this.health.state, h("dt", {}, "Tick"), this.health.tick,
-          h("dt", {}, "Late, middle"), this.health.p50, h("dt", {}, "Late, 99 %"), this.health.p99,
-          h("dt", {}, "Late, most"), this.health.max, h("dt", {}, "Missed"), this.health.missed),
-        this.groupBits));
+          h("dt", {}, "Tick lateness: median"), this.health.p50, h("dt", {}, "99 %"), this.health.p99,
+          h("dt", {}, "maximum"), this.health.max, h("dt", {}, "Missed ticks"), this.health.missed),
+        this.groupBits.element));
   }
 
   #axis(axis) {
-    const place = this.app.store.place(axis.name) % 8;
+    const place = this.app.store.series(axis.name);
     const cell = (label, kind = "td") => h(kind, { "data-label": label });
     const cells = {
       command: cell("Command", "td.number"), actual: cell("Actual", "td.number.strong"), error: cell("Error", "td.number"),
@@ -46,14 +50,14 @@ export class Machine {
     const part = {
       active: h("p.active-move"), progress: h("progress", { max: 1, value: 0, "aria-label": "Progress of the active move" }),
       pending: h("p.pending-moves"), speed: h("output.big"), speedBar: h("span.bar"), override: h("dd"), position: h("dd.number"),
-      driver: h("dd"), bits: h("div.chips", { "aria-label": "Status bits that are set" }),
+      driver: h("dd"), bits: statusBits(),
     };
     const units = this.app.store.axis(system.axes[0])?.units ?? "";
-    const axes = system.axes.map((name) => h("span.axis-name", { "data-series": this.app.store.place(name) % 8 }, name));
+    const axes = system.axes.map((name) => h("span.axis-name", { "data-series": this.app.store.series(name) }, name));
     const element = h("article.panel.system", { "aria-label": system.name },
-      h("header", {}, h("h2", {}, system.name), h("span.axis-names", {}, axes), h("span.spring"), part.speed, h("abbr", {}, rate(units, 1))),
+      h("header", {}, h("h2", {}, system.name), h("span.axis-names", {}, axes), h("span.spring"), h("span.path-speed", {}, part.speed, " ", h("abbr", {}, rate(units, 1)))),
       part.speedBar, part.active, part.progress, part.pending,
-      h("dl.facts", {}, h("dt", {}, "Position"), part.position, h("dt", {}, "Override"), part.override, h("dt", {}, "Driven by"), part.driver), part.bits);
+      h("dl.facts", {}, h("dt", {}, "Position"), part.position, h("dt", {}, "Override"), part.override, h("dt", {}, "Control"), part.driver), part.bits.element);
     return { system, element, ...part };
   }
 
@@ -80,7 +84,7 @@ export class Machine {
     text(this.health.max, micro(realtime?.max_us));
     text(this.health.missed, String(realtime?.missed ?? "–"));
     state(this.health.missed, "kind", realtime?.missed ? "warn" : "calm");
-    chips(this.groupBits, group?.bits ?? []);
+    this.groupBits.show(group?.bits ?? []);
   }
 
   #updateAxis(row, status) {
@@ -122,18 +126,34 @@ export class Machine {
     text(part.pending, waiting.length ? `Pending: ${waiting.slice(0, 4).join(", ")}${waiting.length > 4 ? ` and ${waiting.length - 4} more` : ""}` : "Nothing pending");
     text(part.override, `${fixed(status.override, 0)} %${status.held ? ", held" : ""}`);
     state(part.override, "kind", status.held ? "warn" : "calm");
-    text(part.position, status.position.map((value) => fixed(value, 3)).join("  "));
+    const position = status.position.map((value) => fixed(value, 3));
+    if (part.position.children.length !== position.length) fill(part.position, position.map(() => [h("span"), " "]));
+    position.forEach((value, k) => text(part.position.children[k], value));
     const driver = store.driver(part.system.name);
-    text(part.driver, driver === null ? "nobody" : driver === store.viewer ? "you" : driver);
+    text(part.driver, driver === null ? "no page" : driver === store.viewer ? "you" : driver);
     state(part.driver, "kind", driver === store.viewer && driver !== null ? "mine" : "calm");
-    chips(part.bits, status.bits, "chip", "No status bit is set");
+    part.bits.show(status.bits);
   }
 }
 
 /** What an axis does; a drive that runs may stand still. */
-function standing({ state, moving }) {
+function standing({ state, moving, bits }) {
   if (state !== "Running") return state;
-  return moving ? "Moving" : "At rest";
+  const doing = DOING.find(([bit]) => bits?.includes(bit))?.[1];
+  return doing ?? (moving ? "Moving" : "At rest");
+}
+
+/** The status bits that are set: how many, and on demand their names. */
+function statusBits() {
+  const [count, list] = [h("span"), h("div.chips")];
+  const element = h("details.bits", {}, h("summary", {}, icon("right"), count), list);
+  return {
+    element,
+    show: (bits) => {
+      text(count, `${bits.length || "No"} status ${bits.length === 1 ? "bit" : "bits"} set`);
+      chips(list, bits);
+    },
+  };
 }
 
 function share(value, most) {

@@ -10,6 +10,8 @@ const TRAILS = [[5, "5 s"], [20, "20 s"], [60, "1 min"], [600, "10 min"]];
 
 export class Path {
   title = "Path";
+  /** This view shows the moment that is chosen. */
+  hasTime = true;
 
   constructor(app) {
     this.app = app;
@@ -24,7 +26,7 @@ export class Path {
     this.legend = this.#legend();
     this.canvas.covers = () => [this.readout, this.legend].filter((over) => over.offsetWidth > 0).map((over) =>
       ({ left: over.offsetLeft, right: over.offsetLeft + over.offsetWidth, bottom: over.offsetTop + over.offsetHeight }));
-    this.old = h("p.moment-note", { hidden: true }, "An earlier moment is shown.");
+    this.old = h("p.moment-note", { hidden: true }, "An earlier moment is shown, without the paths programmed now.");
     this.timebar = new Timebar(app, () => [app.moment.shown - this.canvas.trailSeconds / app.samples.period, app.moment.shown]);
     this.element = h("section.view.path", { "aria-label": this.title },
       h("div.toolbar", {}, this.choice, this.looks.element, trail.element, this.#layers(), h("span.spring"),
@@ -73,7 +75,7 @@ export class Path {
     this.rest = h("small");
     const { store } = this.app;
     this.readout.replaceChildren(
-      ...this.rows.map(({ axis, command, error }) => h("div", {}, h("span.dro-axis", { "data-series": store.place(axis) % 8 }, axis), command, h("abbr", {}, store.axis(axis).units), error)),
+      ...this.rows.map(({ axis, command, error }) => h("div", {}, h("span.dro-axis", { "data-series": store.series(axis) }, axis), command, h("abbr", {}, store.axis(axis).units), error)),
       ...this.tool.map(({ place }, k) => h("div", {}, h("span.dro-axis", { "data-series": k, title: "The tool in the frame of the base" }, BASE[k]), place)),
       h("div.dro-speed", {}, h("span.dro-axis", {}, "v"), this.speed, h("abbr", {}, rate(store.axis(system.axes[0])?.units ?? "", 1)), this.rest));
     this.update();

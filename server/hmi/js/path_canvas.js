@@ -151,7 +151,9 @@ export class PathCanvas {
     return store.status && spread(this.system.axes.map((name) => store.axisStatus(name)?.actual ?? 0));
   }
 
+  /** The programmed paths are those of the present: an earlier moment has none. */
   #paths() {
+    if (this.app.moment.tick !== null) return { active: [], pending: [], tolerance: [] };
     const path = this.app.store.systemStatus(this.system.name)?.path ?? {};
     return { active: path.active ?? [], pending: path.pending ?? [], tolerance: path.tolerance ?? [] };
   }

@@ -28,7 +28,7 @@ export function pixelOf(tick, width, from, to) {
 }
 
 /**
- * Draws lanes `{title, unit, least, lines: [{colour, series, dashed}], range}` for the ticks `from` to `to`.
+ * Draws lanes `{title, unit, least, lines: [{colour, series, dashes}], range}` for the ticks `from` to `to`.
  * `range` is kept by the caller between frames so that the scale does not tremble.
  */
 export function drawLanes(context, width, height, lanes, from, to, samples, colours) {
@@ -97,7 +97,8 @@ function timeGrid(context, width, height, from, to, samples, colours) {
   context.textAlign = "center";
   context.textBaseline = "bottom";
   context.lineWidth = 1;
-  const first = Math.ceil((from * samples.period) / step);
+  // There is no time before the start of the server.
+  const first = Math.max(0, Math.ceil((from * samples.period) / step));
   for (let k = first; k * step <= to * samples.period; k++) {
     const x = Math.round(pixelOf((k * step) / samples.period, width, from, to)) + 0.5;
     context.strokeStyle = colours.grid;
@@ -153,11 +154,11 @@ function label(value, places) {
   return Math.abs(value) >= 1e5 ? short(value) : fixed(value, places);
 }
 
-function drawLine(context, column, { colour, dashed }, x, y) {
+function drawLine(context, column, { colour, dashes = [] }, x, y) {
   context.strokeStyle = colour;
   context.lineWidth = 1.4;
   context.lineJoin = "round";
-  context.setLineDash(dashed ? [4, 3] : []);
+  context.setLineDash(dashes);
   context.beginPath();
   let pen = false;
   let last = 0;

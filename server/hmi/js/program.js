@@ -1,4 +1,4 @@
-// The view of a program: edit, dry run, run, step, pause, stop. One program runs at a time, whoever started it.
+// The view of a program: edit, dry run, run, step, pause, stop. One program runs at a time, for all viewers.
 
 import { ControlBar } from "./control.js";
 import { calm, fill, h, icon, segmented, state, text } from "./dom.js";
@@ -6,11 +6,12 @@ import { Editor } from "./editor.js";
 import { PathCanvas } from "./path_canvas.js";
 import { PreviewFacts } from "./preview.js";
 import { keep } from "./theme.js";
+import { STOPS } from "./form.js";
 import { explanation } from "./toasts.js";
 
 const KEY = "arcline.program";
 const CHECK_MS = 250;
-const WORDS = { idle: "No program runs", running: "Running", paused: "Paused", ended: "Ended", failed: "Failed" };
+const WORDS = { idle: "No program is running", running: "Running", paused: "Paused", ended: "Ended", failed: "Failed" };
 
 export class Program {
   title = "Program";
@@ -29,6 +30,7 @@ export class Program {
     this.step = button("Step", "step", () => this.#step());
     this.pause = button("Pause", "pause", () => this.#ask(this.paused ? "continue" : "pause"));
     this.end = button("Stop", "stop", () => this.#ask("end"), "danger");
+    this.why = h("small.why", { role: "status" });
     this.file = h("input", { type: "file", accept: ".st,text/plain", hidden: true, onchange: () => this.#open() });
     this.facts = new PreviewFacts(app);
     this.events = h("ol.dry-events");
@@ -39,7 +41,7 @@ export class Program {
     this.control = new ControlBar(app);
     this.system = segmented("Coordinate system", systems.slice(0, 6), systems[0]?.[0], (name) => this.#showSystem(name));
     this.element = h("section.view.program", { "aria-label": this.title },
-      h("div.toolbar", {}, this.dry, this.runButton, this.step, this.pause, this.end, h("span.spring"), this.status,
+      h("div.toolbar", {}, this.dry, this.runButton, this.step, this.pause, this.end, this.why, h("span.spring"), this.status,
         button("Open", "open", () => this.file.click()), button("Save", "save", () => this.#save()), this.file),
       h("div.program-body", {}, this.editor.element,
         h("div.program-side", {}, this.control.element, this.problem,
@@ -63,11 +65,21 @@ export class Program {
 
   #showSystem(name) {
     this.canvas.show(name);
-    this.control.show(name);
+    this.#showNeeded();
+  }
+
+  /** Control is needed of all that the program moves; of the system that is shown if it moves nothing. */
+  #showNeeded() {
+    this.needed = moved(this.editor.text, this.app.store);
+    const shown = this.needed.length ? this.needed : [this.canvas.system?.name ?? this.app.store.machine.group];
+    this.control.show(shown);
+    this.update();
   }
 
   #changed(source) {
     keep.set(KEY, source);
+    this.#say(null);
+    this.#showNeeded();
     this.canvas.setPreview(null);
     this.facts.show(null);
     fill(this.events);
@@ -121,17 +133,22 @@ export class Program {
   }
 
   #fault(error) {
+    this.failed = true;
     if (error.line) this.editor.setErrors([{ line: error.line, column: error.column ?? 1, text: error.text }]);
     this.#say(error);
   }
 
   #say(error) {
+    this.refusedFor = error?.control ?? null;
     this.problem.hidden = !error;
     fill(this.problem, error ? [error.line ? h("strong", {}, `Line ${error.line}`) : "", explanation(error)] : "");
   }
 
   #program() {
     const program = this.app.store.program ?? { state: "idle", line: null };
+    // The error of an earlier run is over when another one begins.
+    if (program.run !== this.run || (program.state !== "failed" && this.failed)) this.#forget();
+    this.run = program.run;
     this.active = program.state === "running" || program.state === "paused";
     this.paused = program.state === "paused";
     const who = this.active && program.viewer && program.viewer !== this.app.store.viewer ? ` for ${program.viewer}` : "";
@@ -140,18 +157,35 @@ export class Program {
     if (this.active && program.text !== undefined && program.text !== null && program.text !== this.editor.text) {
       this.editor.text = program.text;
       this.check(program.text);
+      this.#showNeeded();
     }
     this.editor.area.readOnly = this.active;
     this.editor.setLine(this.active ? program.line ?? null : null);
     fill(this.pause, icon(this.paused ? "run" : "pause"), this.paused ? "Continue" : "Pause");
-    this.runButton.disabled = this.active;
-    this.pause.disabled = this.end.disabled = !this.active;
-    this.step.disabled = this.active && !this.paused;
     if (program.state === "failed" && program.error) this.#fault(program.error);
+    this.update();
+  }
+
+  /** Takes back what an earlier run has left: its error and the mark at its line. */
+  #forget() {
+    this.failed = false;
+    this.#say(null);
+    this.editor.setErrors([]);
+    this.check(this.editor.text);
   }
 
   update() {
     this.control.update();
+    const { store, connection } = this.app;
+    const missing = (this.needed ?? []).filter((name) => !store.drives(name));
+    const may = connection.isOpen && !missing.length;
+    this.runButton.disabled = this.active || !may;
+    this.step.disabled = this.active ? !this.paused : !may;
+    this.pause.disabled = !this.active || (this.paused && !may);
+    this.end.disabled = !this.active;
+    text(this.why, this.active || may ? "" : !connection.isOpen ? "No connection." : `Take control of ${missing.join(", ")} first.`);
+    // Control answers the refusal that asked for it.
+    if (this.refusedFor && store.drives(this.refusedFor)) this.#forget();
   }
 
   async #open() {
@@ -167,6 +201,22 @@ export class Program {
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
   }
+}
+
+/** The objects that the calls of a program move: their first operand, and every coordinate system that they name. */
+function moved(source, store) {
+  const names = new Set();
+  const { axes, coordinate_systems: systems, group } = store.machine;
+  const known = new Map([...axes, ...systems, { name: group }].map(({ name }) => [name.toLowerCase(), name]));
+  const calls = source.replace(/\/\/[^\n]*|\(\*[\s\S]*?(\*\)|$)/g, " ").matchAll(/([A-Za-z_]\w*)\s*\((?=([^;]*))/g);
+  for (const [, mnemonic, operands] of calls) {
+    if (!store.instruction(mnemonic.toUpperCase()) || STOPS.has(mnemonic.toUpperCase())) continue;
+    operands.split(/[(),[\]]/).forEach((operand, k) => {
+      const name = known.get(operand.trim().toLowerCase());
+      if (name && (k === 0 || store.system(name))) names.add(name);
+    });
+  }
+  return [...names];
 }
 
 /** A program to begin with, for the first coordinate system of two axes or more. */

@@ -18,12 +18,14 @@ export class Shell {
     this.link = h("span.pill", { role: "status" });
     this.motion = h("span.pill.wide-only");
     this.control = h("span.pill.wide-only.narrow-too");
-    this.tick = h("span.pill.wide-only", { title: "How late the real-time tick begins: 99 of 100, in microseconds" });
+    this.tick = h("span.pill.wide-only");
     this.theme = h("button.bare.round", { type: "button", onclick: () => theme.next() });
     this.stop = h("button.stop", { type: "button", title: "Stops all motion. Key: Esc", onpointerdown: (event) => this.#press(event), onclick: (event) => event.detail === 0 && app.stop() },
       icon("stop"), h("span", {}, "STOP"), h("kbd", {}, "Esc"));
+    this.heading = h("h1.heard");
     this.bar = h("header.bar", {},
-      h("a.brand", { href: "#/machine", "aria-label": "Machine view" }, icon("arc"), h("span.brand-name", {}, app.store.machine.name)),
+      this.heading,
+      h("a.brand", { href: "#/machine" }, icon("arc"), h("span.brand-name", {}, app.store.machine.name), h("span.heard", {}, ", machine view")),
       this.link, this.motion, this.control, this.tick, h("span.spring"), this.theme, this.stop);
     this.nav = h("nav.views", { "aria-label": "Views" }, views.map(([key, picture, view]) => {
       const link = h("a", { href: `#/${key}` }, icon(picture), h("span", {}, view.title));
@@ -32,8 +34,12 @@ export class Shell {
     }));
     this.banner = h("div.lost", { role: "alert", hidden: true });
     this.main = h("main", { id: "view", tabindex: "-1" });
+    this.pausedText = h("span");
+    this.paused = h("div.paused-note", { role: "status", hidden: true }, icon("pause"), this.pausedText,
+      h("button", { type: "button", onclick: () => app.moment.live() }, icon("live"), "Show the present everywhere"));
+    app.moment.addEventListener("change", () => this.#showPaused());
     this.element = h("div.shell", {}, h("a.skip", { href: "#view", onclick: (event) => this.#skip(event) }, "Skip to the view"),
-      this.bar, this.banner, this.nav, this.main, app.toasts.element);
+      this.bar, this.banner, this.nav, h("div.page", {}, this.paused, this.main), app.toasts.element);
     theme.onchange(() => this.#showTheme());
     this.#showTheme();
     addEventListener("hashchange", () => this.#route());
@@ -63,8 +69,17 @@ export class Shell {
       else link.removeAttribute("aria-current");
     }
     document.title = `${view.title} · ${this.app.store.machine.name}`;
+    text(this.heading, `${view.title}, ${this.app.store.machine.name}`);
+    this.#showPaused();
     view.show?.();
     if (this.app.store.status) view.update?.();
+  }
+
+  /** A view without time stays live while the pictures show an earlier moment: it says so. */
+  #showPaused() {
+    const { moment } = this.app;
+    this.paused.hidden = moment.tick === null || this.view.hasTime === true;
+    text(this.pausedText, `Path and Trends are paused. ${this.view.title} shows the present.`);
   }
 
   #showTheme() {
@@ -85,15 +100,21 @@ export class Shell {
     const taken = store.taken();
     const wide = taken.filter((name) => !store.axis(name));
     const driven = wide.length ? wide : taken;
-    text(this.control, driven.length ? `You drive ${driven.join(", ")}` : "Watching");
+    text(this.control, driven.length ? `You control ${driven.join(", ")}` : "Watching");
     state(this.control, "kind", driven.length ? "mine" : "calm");
     const { realtime } = status;
-    text(this.tick, realtime ? `tick ${Math.round(realtime.p99_us)} µs` : "");
     if (realtime && realtime.missed !== this.missed) {
       this.missedAt = this.missed === undefined ? -Infinity : performance.now();
+      this.newlyMissed = this.missed === undefined ? 0 : realtime.missed - this.missed;
       this.missed = realtime.missed;
     }
-    state(this.tick, "kind", performance.now() - this.missedAt < MISSED_MS ? "warn" : "calm");
+    const missed = performance.now() - this.missedAt < MISSED_MS;
+    const ticks = `${this.newlyMissed} ${this.newlyMissed === 1 ? "tick" : "ticks"} missed`;
+    text(this.tick, !realtime ? "" : missed ? ticks : `tick ${Math.round(realtime.p99_us)} µs late`);
+    const title = missed ? "A tick ended after the next one was due. Positions are not changed by it; the Machine view counts all missed ticks."
+      : "Tick lateness: 99 of 100 ticks begin at most so late";
+    if (this.tick.title !== title) this.tick.title = title;
+    state(this.tick, "kind", missed ? "warn" : "calm");
     this.view?.update?.();
   }
 

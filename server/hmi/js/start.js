@@ -21,10 +21,14 @@ import { Toasts } from "./toasts.js";
 import { Trends } from "./trends.js";
 
 const RETRY_MS = 1000;
+/** The answer to a request comes at most so long after its event. */
+const ANSWER_MS = 400;
+/** A refusal and an event within this time are the same error. */
+const REFUSED_MS = 5000;
 
 /** What every view is given. Events: `preview`. */
 class App extends EventTarget {
-  toasts = new Toasts();
+  toasts = new Toasts(this);
   store = new Store();
   lives = new Lives();
   preview = null;
@@ -41,6 +45,13 @@ class App extends EventTarget {
     if (preview === this.preview) return;
     this.preview = preview;
     this.dispatchEvent(new Event("preview"));
+  }
+
+  /** Shows the error of an instruction, unless the view that executed it shows it: its answer may come after the event. */
+  erred(life) {
+    const show = () => this.toasts.bad([life.instruction, life.tag, life.object && `on ${life.object}`].filter(Boolean).join(" "), life.error);
+    if (life.viewer && life.viewer !== this.store.viewer) show();
+    else setTimeout(() => this.connection.hasRefused(life.error.text, REFUSED_MS) || show(), ANSWER_MS);
   }
 
   /** Stops all motion of the machine. */
@@ -95,10 +106,13 @@ async function begin() {
     app.past.take(detail);
     app.moment.keep();
   });
-  store.addEventListener("status", () => shell.update());
+  store.addEventListener("status", () => {
+    shell.update();
+    app.toasts.update();
+  });
   store.addEventListener("events", ({ detail }) => {
     for (const life of lives.take(detail.events ?? [detail])) {
-      app.toasts.bad(`${life.instruction} ${life.tag || ""}`.trim(), life.error);
+      app.erred(life);
       events.reveal(life);
     }
   });

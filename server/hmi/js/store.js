@@ -1,6 +1,8 @@
 // What the page knows of the machine: its description, the newest status, who drives what.
 // A push holds only what has changed of the heavy parts; the store puts it together.
 
+import { seriesOf } from "./theme.js";
+
 /** Events: `status` (15 times a second), `control`, `program`, `values`, `events`, `hello`. */
 export class Store extends EventTarget {
   /** The answer of `/api/machine`. */
@@ -52,6 +54,11 @@ export class Store extends EventTarget {
     return this.status?.axes?.find((axis) => axis.name === name);
   }
 
+  /** Where an axis is, without the noise of its drive. */
+  standsAt(name) {
+    return Math.round((this.axisStatus(name)?.actual ?? 0) * 1e6) / 1e6;
+  }
+
   /** The status of a coordinate system. */
   systemStatus(name) {
     return this.status?.coordinate_systems?.find((system) => system.name === name);
@@ -62,6 +69,11 @@ export class Store extends EventTarget {
     return this.machine.axes.findIndex((axis) => axis.name === name);
   }
 
+  /** The colour of an axis, as `data-series` of the style sheet. */
+  series(name) {
+    return seriesOf(this.place(name));
+  }
+
   /** The instruction of a mnemonic. */
   instruction(mnemonic) {
     return this.catalogue.instructions.find((instruction) => instruction.mnemonic === mnemonic);
@@ -70,7 +82,9 @@ export class Store extends EventTarget {
   /** What has happened when an axis has a fault, and what to do. */
   faultText(word) {
     const meaning = this.catalogue.faults.find((fault) => fault.word === word)?.meaning ?? "";
-    return `${word}: ${meaning} Take the cause away, then Reset and Servo on.`;
+    // Beyond a travel limit the servo stays on, and the way back is the remedy.
+    const remedy = word.startsWith("soft_travel") ? "Press Reset, then jog the axis back inside its travel limits." : "Remove the cause, press Reset, then Servo on.";
+    return `${word}: ${meaning} ${remedy}`;
   }
 
   /** The names of the axes of an axis, a coordinate system or the group. */
@@ -79,7 +93,7 @@ export class Store extends EventTarget {
     return this.system(object)?.axes ?? (this.axis(object) ? [object] : []);
   }
 
-  /** Who drives an object: another viewer who has one of its axes, this one if it has them all, or `null`. */
+  /** Which viewer controls an object: another one that has one of its axes, this one if it has them all, or `null`. */
   driver(object) {
     const owners = this.axesOf(object).map((axis) => this.status?.drivers?.[axis] ?? null);
     const other = owners.find((owner) => owner !== null && owner !== this.viewer);
@@ -87,7 +101,7 @@ export class Store extends EventTarget {
     return owners.length && owners.every((owner) => owner === this.viewer) ? this.viewer : null;
   }
 
-  /** Whether this page drives an object: all of its axes. */
+  /** Whether this page has control of an object: of all of its axes. */
   drives(object) {
     return this.viewer !== null && this.driver(object) === this.viewer;
   }

@@ -22,17 +22,18 @@ export class Tags {
     this.more = h("button", { type: "button", hidden: true, onclick: () => this.#list(this.last) }, "More");
     this.count = h("small", { role: "status" });
     this.watch = h("tbody");
-    this.empty = h("p.empty", {}, "Nothing is watched. The star beside a tag adds it, and so does its name above.");
+    this.empty = h("p.empty", {}, "No watched tags. Press a star, or type a name above.");
     this.add = h("input", { type: "text", placeholder: "Move1.PC", "aria-label": "Name of a tag or member to watch", autocomplete: "off", spellcheck: "false",
       onkeydown: (event) => event.key === "Enter" && this.#add() });
+    const heard = (name) => h("span.heard", {}, name);
     const head = (...names) => h("thead", {}, h("tr", {}, names.map((name) => h("th", { scope: "col" }, name))));
     this.element = h("section.view.tags", { "aria-label": this.title },
       h("div.panel.tag-list", {}, h("div.row", {}, h("h2", {}, "Tags"), this.search, this.count),
-        h("div.scroll", {}, h("table", {}, head("", "Name", "Type", "Access", ""), this.table), this.more)),
+        h("div.scroll", {}, h("table", {}, head(heard("Value"), "Name", "Type", "Access", heard("Watch")), this.table), this.more)),
       h("div.panel.watch-list", {}, h("div.row", {}, h("h2", {}, "Watched"), this.add, h("button", { type: "button", onclick: () => this.#add() }, "Watch")),
-        this.empty, h("div.scroll", {}, h("table", {}, head("Name", "Value", "Write", ""), this.watch))));
+        this.empty, h("div.scroll", {}, h("table", {}, head("Name", "Value", "Write", heard("Stop watching")), this.watch))));
     app.store.addEventListener("values", ({ detail }) => this.#values(detail.values));
-    app.connection.addEventListener("open", () => this.#watchAll());
+    app.connection.addEventListener("open", () => this.element.isConnected && this.show());
     this.#showWatched();
   }
 
@@ -46,6 +47,7 @@ export class Tags {
   }
 
   async #list(after = null) {
+    if (!this.app.connection.isOpen) return;
     const pattern = this.search.value.trim();
     try {
       const { tags, more } = await this.app.connection.request("tags", { pattern, ...(after && { after }) });
@@ -56,7 +58,8 @@ export class Tags {
       this.more.hidden = !more;
       text(this.count, `${this.table.querySelectorAll("tr.tag").length}${more ? " and more" : ""}`);
     } catch (error) {
-      this.app.toasts.bad("The tags cannot be listed", error);
+      // The list is read again with the next connection.
+      if (this.app.connection.isOpen) this.app.toasts.bad("The tags cannot be listed", error);
     }
   }
 
@@ -64,7 +67,7 @@ export class Tags {
     const dims = tag.dims?.length ? `[${tag.dims.join(", ")}]` : "";
     const detail = h("tr.tag-detail", { hidden: true });
     const open = h("button.bare", { type: "button", "aria-expanded": "false", "aria-label": `Value of ${tag.name}`, onclick: () => this.#expand(tag, open, detail) }, icon("right"));
-    const row = h("tr.tag", {}, h("td", {}, open), h("th", { scope: "row" }, tag.name), h("td", {}, `${tag.type}${dims}`), h("td", {}, tag.access ?? ""),
+    const row = h("tr.tag", {}, h("td", {}, open), h("th", { scope: "row" }, breakable(tag.name)), h("td.type", {}, `${tag.type}${dims}`), h("td", {}, tag.access ?? ""),
       h("td", {}, this.#star(tag.name)));
     return [row, detail];
   }
@@ -113,7 +116,7 @@ export class Tags {
     try {
       await this.app.connection.request("watch", { names: this.watched });
     } catch (error) {
-      this.app.toasts.bad("These tags cannot be watched", error);
+      if (this.app.connection.isOpen) this.app.toasts.bad("These tags cannot be watched", error);
     }
   }
 
@@ -122,9 +125,9 @@ export class Tags {
     this.#rows.clear();
     fill(this.watch, this.watched.map((name) => {
       const value = h("td.number.value", {}, "–");
-      const input = h("input", { type: "text", "aria-label": `New value of ${name}`, autocomplete: "off", onkeydown: (event) => event.key === "Enter" && this.#write(name, input) });
+      const input = h("input", { type: "text", "aria-label": `New value of ${name}`, placeholder: "New value", autocomplete: "off", onkeydown: (event) => event.key === "Enter" && this.#write(name, input) });
       this.#rows.set(name, value);
-      return h("tr", {}, h("th", { scope: "row" }, name), value,
+      return h("tr", {}, h("th", { scope: "row" }, breakable(name)), value,
         h("td", {}, h("span.pair", {}, input, h("button", { type: "button", onclick: () => this.#write(name, input) }, "Write"))),
         h("td", {}, h("button.bare", { type: "button", "aria-label": `Stop watching ${name}`, onclick: () => this.#unwatch(name) }, icon("close"))));
     }));
@@ -149,6 +152,11 @@ export class Tags {
       this.app.toasts.bad(`${name} was not written`, error);
     }
   }
+}
+
+/** A name that may be broken behind its parts, and nowhere else. */
+function breakable(name) {
+  return name.split(/(?<=[._:\]])/).flatMap((part) => [part, h("wbr")]);
 }
 
 /** A typed value: a number, true or false, a list or structure as JSON, otherwise text. */

@@ -5,10 +5,15 @@ import { fill, h, text } from "./dom.js";
 import { exact, fixed } from "./format.js";
 import { number } from "./fields.js";
 
+/** A target follows the machine when it is further away than this, in position units: less is the noise of a drive. */
+export const NOISE = 1e-3;
+
 /** The table of an instruction for a coordinate system; `words()` gives the values of the move and circle type. */
 export class TargetTable {
   #key = "";
   #targets = new Map();
+  /** Axes whose target a person has chosen; that of the others follows the machine. */
+  #chosen = new Set();
   #vias = new Map();
 
   constructor(app, instruction, words, changed) {
@@ -22,7 +27,7 @@ export class TargetTable {
     this.axes = [];
   }
 
-  /** Takes the axes of a coordinate system; what was typed for an axis is kept. */
+  /** Takes the axes of a coordinate system; a number that was typed for an axis is kept. */
   show(axes) {
     this.axes = axes;
     for (const axis of axes) {
@@ -52,14 +57,17 @@ export class TargetTable {
     if (key === this.#key) return;
     this.#key = key;
     this.actuals = new Map();
+    this.inputs = new Map();
     const columns = ["Axis Name", row.target, "Actual Position", row.via].filter(Boolean);
     const head = columns.map((name) => h("th", { scope: "col" }, name));
     const rows = this.axes.map((axis, k) => {
       const actual = h("td.number");
       this.actuals.set(axis, actual);
+      const target = this.#input(this.#targets, axis, `${row.target} ${axis}`, this.rule.targets);
+      this.inputs.set(axis, target);
       return h("tr", {},
-        h("th", { scope: "row" }, h("span.swatch", { "data-series": this.app.store.place(axis) % 8 }), axis),
-        h("td", {}, this.#input(this.#targets, axis, `${row.target} ${axis}`, this.rule.targets)),
+        h("th", { scope: "row" }, h("span.swatch", { "data-series": this.app.store.series(axis) }), axis),
+        h("td", {}, target),
         actual,
         row.via && h("td", {}, this.single && k > 0 ? "" : this.#input(this.#vias, axis, this.single ? row.via : `${row.via} ${axis}`, this.rule.vias)));
     });
@@ -73,24 +81,39 @@ export class TargetTable {
       value: values.get(axis),
       oninput: (event) => {
         values.set(axis, event.target.value);
+        if (values === this.#targets) this.#chosen.add(axis);
         event.target.toggleAttribute("aria-invalid", !Number.isFinite(number(event.target.value)));
         this.changed();
       },
     });
   }
 
-  /** The actual position as it is typed; it carries the noise of a drive, so nobody wants all its digits. */
   #actual(axis) {
-    return exact(Math.round((this.app.store.axisStatus(axis)?.actual ?? 0) * 1e6) / 1e6);
+    return exact(this.app.store.standsAt(axis));
   }
 
-  /** Writes the actual positions. */
+  /** Writes the actual positions. While an axis is at rest, a target that nobody has chosen is where it stands. */
   update() {
-    for (const [axis, cell] of this.actuals ?? []) text(cell, fixed(this.app.store.axisStatus(axis)?.actual ?? NaN));
+    let moved = false;
+    for (const [axis, cell] of this.actuals ?? []) {
+      const status = this.app.store.axisStatus(axis);
+      text(cell, fixed(status?.actual ?? NaN));
+      const input = this.inputs.get(axis);
+      if (!status || status.moving || this.#chosen.has(axis) || input === document.activeElement) continue;
+      const target = this.row?.targets_from_actuals ? this.#actual(axis) : "0";
+      if (Math.abs(number(target) - number(this.#targets.get(axis))) <= NOISE) continue;
+      this.#targets.set(axis, target);
+      input.value = target;
+      moved = true;
+    }
+    if (moved) this.onfollow?.();
   }
 
   #copy(values) {
-    for (const axis of this.axes) values.set(axis, this.#actual(axis));
+    for (const axis of this.axes) {
+      values.set(axis, this.#actual(axis));
+      if (values === this.#targets) this.#chosen.add(axis);
+    }
     this.#key = "";
     this.arrange();
     this.changed();
@@ -110,7 +133,11 @@ export class TargetTable {
 
   /** Shows numbers that were chosen elsewhere. */
   write(targets) {
-    this.axes.forEach((axis, k) => Number.isFinite(targets[k]) && this.#targets.set(axis, exact(targets[k])));
+    this.axes.forEach((axis, k) => {
+      if (!Number.isFinite(targets[k])) return;
+      this.#targets.set(axis, exact(targets[k]));
+      this.#chosen.add(axis);
+    });
     this.#key = "";
     this.arrange();
   }

@@ -1,6 +1,9 @@
 // Light, dark, or as the system says; and the colours of the style sheet for what is drawn on a canvas.
 
 const KEY = "arcline.theme";
+/** Colours of axes and of coordinate systems in the style sheet. */
+export const SERIES = 12;
+export const SYSTEMS = 4;
 const ORDER = ["auto", "light", "dark"];
 const system = matchMedia("(prefers-color-scheme: dark)");
 const listeners = new Set();
@@ -41,15 +44,29 @@ export function palette() {
     text: read("--text"), muted: read("--muted"), faint: read("--faint"), line: read("--line"), grid: read("--grid"),
     panel: read("--panel"), canvas: read("--canvas"), accent: read("--accent"), ok: read("--ok"), warn: read("--warn"),
     bad: read("--bad"), preview: read("--preview"), trail: read("--trail"), path: read("--path"), pending: read("--pending"),
-    series: Array.from({ length: 8 }, (_, k) => read(`--series-${k}`)), font: read("--font"),
+    series: Array.from({ length: SERIES }, (_, k) => read(`--series-${k}`)),
+    systems: Array.from({ length: SYSTEMS }, (_, k) => read(`--system-${k}`)), font: read("--font"),
   };
   return colours;
 }
 
+/** The place of an axis's colour among those of the style sheet (`data-series`). */
+export const seriesOf = (place) => place % SERIES;
+
 /** The colour of an axis, the same in every view. */
 export function axisColour(place) {
-  const { series } = palette();
-  return series[place % series.length];
+  return palette().series[seriesOf(place)];
+}
+
+/** The colour of a coordinate system: no axis has it. */
+export function systemColour(place) {
+  return palette().systems[place % SYSTEMS];
+}
+
+/** The dashes of a line in a trend: without them for the first use of a colour, longer ones for each further use. */
+export function dashes(place, colours) {
+  const round = Math.floor(place / colours);
+  return round ? [3 * round, 3] : [];
 }
 
 /** What the browser keeps for this page; nothing is kept where it does not allow that. */

@@ -1,10 +1,11 @@
 // Short messages at the edge of the page: what went wrong, why, and what to do. They do not take the focus.
 
+import { ControlBar } from "./control.js";
 import { h, icon } from "./dom.js";
 
 const GOOD_MS = 4000;
 const BAD_MS = 15_000;
-const MOST = 4;
+const MOST = 3;
 
 /** What there is to say about a refusal or an error: text, cause, what EXERR points at, and remedy as elements. */
 export function explanation(error) {
@@ -18,22 +19,42 @@ export function explanation(error) {
 /** The place for messages. */
 export class Toasts {
   element = h("div.toasts", { role: "region", "aria-label": "Messages" });
+  #bars = new Map();
 
-  /** Says that something went well. */
+  constructor(app) {
+    this.app = app;
+  }
+
+  /** Says that an action has succeeded. */
   good(text) {
-    this.#show("good", "status", h("p", {}, text), GOOD_MS);
+    this.#show("good", "status", h("p", {}, text), GOOD_MS, text);
   }
 
-  /** Tells an error with what the server knows about it. */
+  /**
+   * Shows an error with what the server knows about it. The same error, which may arrive as a refusal and as an event,
+   * is one message. Where control was missing, the message offers it.
+   */
   bad(what, error) {
-    this.#show("bad", "alert", [h("strong", {}, what), explanation(error)], BAD_MS);
+    const bar = error.control && new ControlBar(this.app, error.control);
+    const toast = this.#show("bad", "alert", [h("strong", {}, what), explanation(error), bar?.element], BAD_MS, error.text ?? error.message ?? what);
+    if (bar) this.#bars.set(toast, bar);
   }
 
-  #show(kind, role, content, time) {
-    const toast = h(`div.toast.${kind}`, { role }, icon(kind === "bad" ? "warning" : "check"), h("div", {}, content),
+  /** Shows in the messages which page has control now. */
+  update() {
+    for (const [toast, bar] of this.#bars) {
+      if (toast.isConnected) bar.update();
+      else this.#bars.delete(toast);
+    }
+  }
+
+  #show(kind, role, content, time, key) {
+    for (const other of [...this.element.children]) if (other.dataset.key === key) other.remove();
+    const toast = h(`div.toast.${kind}`, { role, "data-key": key }, icon(kind === "bad" ? "warning" : "check"), h("div", {}, content),
       h("button.bare", { type: "button", "aria-label": "Close this message", onclick: () => toast.remove() }, icon("close")));
     this.element.append(toast);
     while (this.element.children.length > MOST) this.element.firstChild.remove();
     setTimeout(() => toast.remove(), time);
+    return toast;
   }
 }

@@ -6,7 +6,7 @@ import { csv, fileName, save, savePicture } from "./export.js";
 import { duration, rate, short } from "./format.js";
 import { drawCoarse, drawCursor, drawLanes, tickAt } from "./plot.js";
 import { KINDS } from "./samples.js";
-import { axisColour, keep, onchange, palette } from "./theme.js";
+import { SERIES, SYSTEMS, axisColour, dashes, keep, onchange, palette, seriesOf, systemColour } from "./theme.js";
 import { Timebar } from "./timebar.js";
 
 const KEY = "arcline.trends";
@@ -18,6 +18,8 @@ const LEAST = { position: 0.01, velocity: 0.1, acceleration: 1, jerk: 10, error:
 
 export class Trends {
   title = "Trends";
+  /** This view shows the moment that is chosen. */
+  hasTime = true;
   #ticks = 20_000;
   #lanes = [];
   #hover = null;
@@ -31,15 +33,15 @@ export class Trends {
     this.kinds = new Set(kept.kinds ?? (NARROW.matches ? ["position", "velocity", "error"] : ["position", "velocity", "acceleration", "error", "speed"]));
     this.systems = new Set(kept.systems ?? machine.coordinate_systems.slice(0, 1).map((system) => system.name));
     const host = h("div.plot");
-    this.values = h("div.cursor-values", { "aria-label": "Values at the cursors" });
+    this.values = h("div.cursor-values", { tabindex: "0", role: "region", "aria-label": "Values at the cursors" });
     this.spans = segmented("Time that is shown", SPANS, 20, (seconds) => this.#span(seconds / app.samples.period));
     this.timebar = new Timebar(app, () => this.#window());
     this.element = h("section.view.trends", { "aria-label": this.title },
-      h("div.toolbar", {}, this.spans.element, this.#laneButtons(), h("span.spring"),
+      h("div.toolbar", {}, this.spans.element, h("span.spring"),
         h("button", { type: "button", onclick: () => this.#clear(), title: "Remove both cursors" }, "Clear cursors"),
         h("button", { type: "button", onclick: () => this.#csv() }, icon("save"), "CSV"),
         h("button", { type: "button", onclick: () => this.#png() }, icon("save"), "PNG")),
-      h("div.toolbar.series", {}, this.#seriesButtons()),
+      h("div.toolbar.series", {}, this.#laneButtons(), this.#seriesButtons()),
       h("div.plot-and-values", {}, host, this.values),
       this.timebar.element);
     this.stage = new Stage(host, (context, width, height) => this.#draw(context, width, height), {
@@ -76,8 +78,8 @@ export class Trends {
 
   #seriesButtons() {
     const { machine } = this.app.store;
-    const axes = machine.axes.map((axis) => this.#choice(this.axes, axis.name, axis.name, `--series-${this.app.store.place(axis.name) % 8}`));
-    const systems = machine.coordinate_systems.map((system) => this.#choice(this.systems, system.name, `${system.name} speed`));
+    const axes = machine.axes.map((axis) => this.#choice(this.axes, axis.name, axis.name, { "data-series": seriesOf(this.app.store.place(axis.name)) }));
+    const systems = machine.coordinate_systems.map((system, k) => this.#choice(this.systems, system.name, `${system.name} speed`, { "data-system": k % SYSTEMS }));
     return [h("div.choices", { role: "group", "aria-label": "Axes" }, axes),
       h("div.choices", { role: "group", "aria-label": "Path speeds" }, systems)];
   }
@@ -90,7 +92,7 @@ export class Trends {
         button.setAttribute("aria-pressed", String(set.has(value)));
         this.#rebuild();
       },
-    }, colour && h("span.swatch", { "data-series": colour.slice(-1) }), title);
+    }, colour && h("span.swatch", colour), title);
     return button;
   }
 
@@ -100,14 +102,14 @@ export class Trends {
     for (const { kind, title, order } of KINDS) {
       if (!this.kinds.has(kind)) continue;
       const lines = store.machine.axes.filter(({ name }) => this.axes.has(name)).map((axis) => ({
-        name: `${axis.name} ${title}`, colour: axisColour(store.place(axis.name)), series: samples.axis(axis.name)[kind], unit: rate(axis.units, order),
+        name: `${axis.name} ${title}`, colour: axisColour(store.place(axis.name)), dashes: dashes(store.place(axis.name), SERIES), series: samples.axis(axis.name)[kind], unit: rate(axis.units, order),
       }));
       if (lines.length) lanes.push({ kind, title, lines, least: LEAST[kind] });
     }
     if (this.kinds.has("speed")) {
       const lines = store.machine.coordinate_systems.filter(({ name }) => this.systems.has(name)).map((system) => ({
         name: `${system.name} path speed`, series: samples.system(system.name).speed,
-        colour: axisColour(7 - store.machine.coordinate_systems.indexOf(system)),
+        colour: systemColour(store.machine.coordinate_systems.indexOf(system)), dashes: dashes(store.machine.coordinate_systems.indexOf(system), SYSTEMS),
         unit: rate(store.axis(system.axes[0])?.units ?? "", 1),
       }));
       if (lines.length) lanes.push({ kind: "speed", title: SPEED.title, lines, least: LEAST.speed });
