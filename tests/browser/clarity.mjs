@@ -152,7 +152,8 @@ export async function an_axis_has_its_own_form({ browser, url }) {
   await page.getByRole("button", { name: "Take control" }).click();
   await page.getByText("You have control of").first().waitFor();
   await operand(page, "Position", 5);
-  await ready(page, "MAM(Conveyor");
+  await ready(page, "Absolute,5,");
+  assert.match(await page.locator(".form .line code").textContent(), /^MAM\(Conveyor,/);
   await page.locator(".form .run").click();
   await arrived(page, "Conveyor", 5);
   await page.getByLabel("What to drive").selectOption("Gantry");

@@ -181,14 +181,16 @@ const FRAME_MS = 12;
 /** With eight axes that move at 1 ms, each view leaves the browser most of every frame. */
 export async function frames_leave_time({ browser, url }) {
   const page = await open(browser, url, "program");
-  await page.getByRole("button", { name: "Take control" }).click();
   const { axes } = await page.evaluate(() => fetch("/api/machine").then((answer) => answer.json()));
   assert.ok(axes.length >= 8, `${axes.length} axes`);
   const sway = (to) => axes.map(({ name }, k) => `MAM(${name}, W${k}, Absolute, ${to * (k + 1)}, ${5 * (k + 1)}, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2, S-curve, 10000, 10000, Unitspersec3);`).join("\n");
   const last = `WAIT(W${axes.length - 1}.PC);`;
   await page.getByLabel("Program in Structured Text").fill(`WHILE TRUE DO\n${sway(10)}\n${last}\n${sway(0)}\n${last}\nEND_WHILE;`);
   await page.locator(".editor-errors:empty").waitFor({ state: "attached" });
+  // Control of all eight: without it the program would end at the first axis that is not controlled.
+  await page.getByRole("button", { name: "Take control" }).click();
   await page.getByRole("button", { name: "Run", exact: true }).click();
+  await page.getByText(`${axes.length} axes moving`).waitFor();
   const session = await page.context().newCDPSession(page);
   await session.send("Performance.enable", { timeDomain: "threadTicks" });
   const metrics = async () => Object.fromEntries((await session.send("Performance.getMetrics")).metrics.map(({ name, value }) => [name, value]));

@@ -157,7 +157,7 @@ function label(value, places) {
 function drawLine(context, column, { colour, dashes = [] }, x, y) {
   context.strokeStyle = colour;
   context.lineWidth = 1.4;
-  context.lineJoin = "round";
+  context.lineJoin = "bevel";
   context.setLineDash(dashes);
   context.beginPath();
   let pen = false;
