@@ -567,9 +567,10 @@ async fn a_change_of_state_leaves_before_the_interval_is_over() {
     let mut client = bench.client().await;
     let mut wanted = open(1, INPUT_ONLY);
     wanted.transport = 0x11;
-    // 30 s: what comes within the test came by a change.
-    wanted.t_to_o_rpi = 30_000_000;
-    wanted.o_to_t_rpi = 30_000_000;
+    // 10 s, the longest: an input that comes before was sent by a change.
+    wanted.t_to_o_rpi = 10_000_000;
+    wanted.o_to_t_rpi = 10_000_000;
+    wanted.multiplier = 0;
     wanted.path.0.insert(
         0,
         Segment::Network {
