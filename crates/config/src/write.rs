@@ -3,8 +3,8 @@
 
 use arcline_controller::image::Access;
 use arcline_controller::machine::{
-    Axis, AxisKind, AxisLimits, Build, CoordinateSystem, Corner, Geometry, Home, HomeDirection, HomeMode, HomeSequence,
-    Machine, Orientation, ProgrammedStopMode, Robot,
+    Axis, AxisKind, AxisLimits, Build, CoordinateSystem, Corner, DynamicsBits, Geometry, Home, HomeDirection, HomeMode,
+    HomeSequence, Machine, Orientation, ProgrammedStopMode, Robot,
 };
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet};
 use arcline_tag::{DataType, Elementary, Member, STRING_INSTANCE, Template, string_text};
@@ -190,6 +190,7 @@ fn axis(axis: &Axis) -> Value {
         axis.max_acceleration_jerk,
         axis.max_deceleration_jerk,
     ]);
+    table.extend(bits(axis.dynamics_bits));
     let mut put = |key: &str, value: Value| table.insert(key.to_owned(), value);
     put("name", text(&axis.name));
     let kind = match axis.kind {
@@ -331,6 +332,7 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
         system.max_acceleration_jerk,
         system.max_deceleration_jerk,
     ]);
+    table.extend(bits(system.dynamics_bits));
     let axes = system
         .axes
         .iter()
@@ -534,6 +536,12 @@ fn dynamics(maxima: [f64; 5]) -> Table {
     pairs
         .map(|(key, number)| (key.to_owned(), Value::Float(number)))
         .collect()
+}
+
+/// The Dynamics Configuration Bits, where they are others than all.
+fn bits(bits: DynamicsBits) -> Option<(String, Value)> {
+    let key = "dynamics_configuration_bits".to_owned();
+    (bits != DynamicsBits::ALL).then(|| (key, Value::Integer(bits.bits().into())))
 }
 
 fn list(root: &mut Table, key: &str, items: impl Iterator<Item = Value>) {

@@ -136,6 +136,11 @@ impl Dynamics {
         }
     }
 
+    /// Goes on at the speed of what is merged; jerks in percent of time are of the instruction's own speed (§5.3, §6.4).
+    pub(crate) fn keep_speed(&mut self, speed: f64) {
+        self.speed = speed;
+    }
+
     /// Takes no more than what the joints of robots let it; jerks in percent of time follow.
     pub(crate) fn keep_to(&mut self, pace: &Pace) {
         if pace.speed < self.speed {

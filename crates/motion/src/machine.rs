@@ -13,6 +13,7 @@ pub use home::{Home, HomeDirection, HomeMarker, HomeMode, HomeSequence, HomeSwit
 pub use inputs::{Feed, Inputs};
 
 pub use arcline_kinematics::{Geometry, Parameters, Wrist};
+pub use arcline_planner::profile::Bounds as DynamicsBits;
 
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 
@@ -103,6 +104,8 @@ pub struct Axis {
     pub max_acceleration_jerk: f64,
     /// 100 % of deceleration jerk, u/s³. 0 is possible: S-curves then err with 76.
     pub max_deceleration_jerk: f64,
+    /// Dynamics Configuration Bits at start-up.
+    pub dynamics_bits: DynamicsBits,
     /// Soft travel limits; `None`: unchecked. Never together with `unwind`.
     pub travel: Option<Travel>,
     /// Length of one turn of a rotary axis, above 0; `None`: a linear axis.
@@ -299,6 +302,8 @@ pub struct CoordinateSystem {
     pub max_acceleration_jerk: f64,
     /// 100 % of deceleration jerk, u/s³. 0 is possible: S-curves then err with 76, -1.
     pub max_deceleration_jerk: f64,
+    /// Dynamics Configuration Bits at start-up.
+    pub dynamics_bits: DynamicsBits,
     /// Actual Position Tolerance, u, 0 or more; 0 makes termination type 0 err with 51.
     pub actual_tolerance: f64,
     /// Command Position Tolerance, u, 0 or more.

@@ -124,6 +124,8 @@ impl System {
     /// `corner_step`: the change of velocity of each axis that a corner may make at once, units/s (§7.5).
     pub(crate) fn new(description: &CoordinateSystem, corner_step: Point, axis_limits: AxisLimits) -> Self {
         let contours = description.corner == Corner::Precise || description.axis_limits == Limits::Enforce;
+        let mut planner = Planner::new(description.queue_depth, corner_step);
+        planner.set_bounds(description.dynamics_bits);
         System {
             contour: contours.then(|| ContourQueue::new(description.queue_depth)),
             axis_limits,
@@ -135,7 +137,7 @@ impl System {
                 Build::Arm(_) => None,
                 Build::Wrist(wrist) => Some(OrientedRobot::new(wrist, &robot.parameters)),
             }),
-            planner: Planner::new(description.queue_depth, corner_step),
+            planner,
             pending: Pending::default(),
             description: description.clone(),
             activity: Activity::Idle,

@@ -2,12 +2,13 @@
 //!
 //! Bounded. What pending moves are given stands in `sight`.
 
-use arcline_profile::{Limits, Profile, State, entry_speed, passing_speed};
+use arcline_profile::{Limits, MOST_OVERSHOOT, Profile, State, entry_speed, passing_speed};
 
 use crate::Clock;
+use crate::beside::Beside;
 use crate::junction::same_rates;
 use crate::look_ahead::Ends;
-use crate::planner::{Planner, Running};
+use crate::planner::{Planner, Relief, Running};
 use crate::track::Approach;
 
 impl<T: Copy> Planner<T> {
@@ -20,8 +21,9 @@ impl<T: Copy> Planner<T> {
             return;
         };
         let before = running.motion.limits;
+        let ran = running.in_force;
         running.motion.limits = limits;
-        if self.replan(clock) && !same_rates(&before, &limits) {
+        if self.replan(&ran, clock) && !same_rates(&before, &limits) {
             // The old rates; those of the moves that the motion was already braking along; the new ones all the same.
             let following = self.queue.front().map_or(limits, |next| next.limits);
             for rates in [before, following, limits] {
@@ -31,7 +33,7 @@ impl<T: Copy> Planner<T> {
                         ..rates
                     };
                 }
-                if !self.replan(clock) {
+                if !self.replan(&ran, clock) {
                     break;
                 }
             }
@@ -54,11 +56,15 @@ impl<T: Copy> Planner<T> {
             }
         });
         self.queue.set_rate(rate.min(most));
-        self.replan(clock);
+        if let Some(running) = &self.active {
+            let ran = running.in_force;
+            self.replan(&ran, clock);
+        }
     }
 
-    /// Plans the active move again from its present state. Whether it comes to the next corner too fast.
-    fn replan(&mut self, clock: &Clock) -> bool {
+    /// Plans the active move again from its present state; so far it ran within other limits. Whether it comes to the next corner
+    /// too fast.
+    fn replan(&mut self, ran: &Limits, clock: &Clock) -> bool {
         let Some(mut running) = self.active.filter(|running| !running.stopped) else {
             return false;
         };
@@ -70,15 +76,25 @@ impl<T: Copy> Planner<T> {
             return self.plan_from(running, start, clock);
         }
         let from = running.track.state(clock);
-        let plan = self.plan(&running, from);
-        let profile = if plan.exit > 0.0 || plan.cap == 0.0 {
-            self.profile(&running, from, &plan)
+        running.relief = self.relief_of(&running, ran, clock);
+        running.in_force = running.motion.limits;
+        running.kept = false;
+        let lead = running.relief.lead(from, &self.limits(&running));
+        let level = lead.map_or(from, |lead| lead.end());
+        let plan = self.plan(&running, level);
+        let profile = if plan.exit > 0.0 {
+            let profile = self.profile(&running, level, &plan);
+            lead.map_or(profile, |lead| lead.then(&profile))
+        } else if plan.cap == 0.0 {
+            self.pause(&mut running, from, plan.target, ran)
         } else {
             let limits = Limits {
                 speed: plan.cap,
                 ..self.limits(&running)
             };
-            Profile::to_position_two_stage(from, plan.target, &limits)
+            let planned = |from, limits: &Limits| Profile::to_position_two_stage(from, plan.target, limits);
+            let beside = self.beside_again(&running, from, &limits, ran, planned, clock);
+            beside.unwrap_or_else(|| Profile::led(lead, from, |from| planned(from, &limits)))
         };
         // A path that waits for what ramps out goes on waiting.
         let waits = running.track.residual.is_some() && running.track.start.elapsed(clock) < 0.0;
@@ -87,6 +103,73 @@ impl<T: Copy> Planner<T> {
         self.active = Some(running);
         self.schedule(clock.now(), clock);
         plan.ends == Ends::TooFast
+    }
+
+    /// A change may overshoot the programmed speeds, old and new, by half (spec/coordinated-instructions.md §5.4), and go on to
+    /// where the profile so far was to come.
+    fn relief_of(&self, running: &Running<T>, ran: &Limits, clock: &Clock) -> Relief {
+        if !self.bounds.overshoot {
+            return Relief::NONE;
+        }
+        let track = &running.track;
+        let programmed = ran.speed.max(running.motion.limits.speed) * self.queue.rate();
+        let ahead = track.profile.top_speed(track.start.elapsed(clock));
+        // A compensation moves along.
+        let pace = track.residual.map_or(1.0, |residual| residual.pace);
+        Relief {
+            ceiling: (MOST_OVERSHOOT * programmed * pace).max(ahead),
+            // A deceleration of the old limits may be too much for the new jerk.
+            forward: running.kept,
+        }
+    }
+
+    /// Comes to rest on the path, over no more way than with the limits so far.
+    fn pause(&self, running: &mut Running<T>, from: State, target: f64, ran: &Limits) -> Profile {
+        let mut limits = self.limits(running);
+        if self.bounds.overshoot {
+            let old = Limits {
+                speed: limits.speed,
+                ..*ran
+            };
+            let widest = Profile::stop(from, &old).reach();
+            if Profile::stop(from, &limits).reach() > widest * (1.0 + NEARLY) {
+                running.in_force = *ran;
+                running.kept = true;
+                limits = old;
+            }
+        }
+        Profile::to_position_two_stage(from, target, &Limits { speed: 0.0, ..limits })
+    }
+
+    /// The profile of a path beside what still ramps out; `None` where nothing does.
+    fn beside_again(
+        &self,
+        running: &Running<T>,
+        from: State,
+        limits: &Limits,
+        ran: &Limits,
+        plan: impl Fn(State, &Limits) -> Profile,
+        clock: &Clock,
+    ) -> Option<Profile> {
+        let track = &running.track;
+        let residual = track.residual.as_ref().filter(|_| self.bounds.overshoot)?;
+        let since = residual.start.elapsed(clock);
+        let length = running.motion.path.length();
+        if self.within.is_some() || since >= residual.duration() || length <= 0.0 {
+            return None;
+        }
+        let present = track.sample(clock).velocity.norm();
+        let programmed = ran.speed.max(running.motion.limits.speed) * self.queue.rate();
+        let beside = Beside {
+            path: &running.motion.path,
+            parts: &residual.parts,
+            since,
+            bound: present.max(programmed),
+        };
+        let old = ran.jerk.map_or(0.0, |jerk| jerk.acceleration);
+        let relief = limits.jerk.map_or(old, |jerk| jerk.acceleration.max(old));
+        let found = beside.profile(from, limits, relief, &plan);
+        Some(found.unwrap_or_else(|| beside.waiting(from, limits, relief, &plan)))
     }
 
     /// The way to the start of the active path, which has other rates, is planned again. The state there.
@@ -140,5 +223,7 @@ impl<T: Copy> Planner<T> {
     }
 }
 
+/// Share of a way that is rounding.
+const NEARLY: f64 = 1e-9;
 /// Seconds to an instant that does not come.
 const NEVER: f64 = 1e9;

@@ -1,10 +1,10 @@
 //! How the oldest pending move becomes the active one: from rest, blending, at a speed, or with the profile running on.
 
-use arcline_profile::{Profile, State};
+use arcline_profile::{Lead, Profile, State};
 
 use crate::junction::{Junction, junction};
 use crate::look_ahead::{Ends, turns_back};
-use crate::planner::{Move, Planner, Running};
+use crate::planner::{Move, Planner, Relief, Running};
 use crate::track::{Approach, Track};
 use crate::{Clock, Instant};
 
@@ -85,8 +85,13 @@ impl<T: Copy> Planner<T> {
             blended: true,
             place: self.queue.relink(&next, true),
             stopped: false,
+            in_force: next.limits,
+            kept: false,
+            relief: Relief::NONE,
         };
-        let safe = self.plan(&running, from).ends == Ends::AsItMust && !turns_back(&from, &next.limits);
+        let fastest = last.motion.limits.speed.max(next.limits.speed) * self.queue.rate();
+        let slow = !self.bounds.overshoot || Lead::below(from, &next.limits, fastest).is_none();
+        let safe = slow && self.plan(&running, from).ends == Ends::AsItMust && !turns_back(&from, &next.limits);
         if safe {
             self.begin(next, track, from, true, clock);
         }
@@ -122,6 +127,9 @@ impl<T: Copy> Planner<T> {
             blended,
             place: self.queue.relink(&next, blended),
             stopped: false,
+            in_force: next.limits,
+            kept: false,
+            relief: last.relief,
         });
         self.schedule(at, clock);
     }

@@ -4,7 +4,7 @@
 //! move, the pending ones behind it, and evaluates the active one in closed form: nothing is integrated from
 //! tick to tick, so the trajectory is the same at every update period (spec/motion-core.md §1, §12). What lies
 //! between two moves stands in `junction`, how one becomes the next in `hand_over`, what the queue allows in `queue`, how all of
-//! it is changed in `sight`.
+//! it is changed in `sight`, what a merge terminates in `beside`.
 //!
 //! Not here: instructions, status bits, axes, drives, and anything that knows what a tick does. Units:
 //! position units, seconds; master units in place of seconds for moves that are functions of a master's way
@@ -12,6 +12,7 @@
 
 #![forbid(unsafe_code)]
 
+mod beside;
 mod change;
 mod clock;
 mod contour;

@@ -9,7 +9,7 @@
 use arcline_profile::{Jerk, Limits, Passing, Profile, State, passing_speed};
 
 use crate::junction::{Junction, Link, junction};
-use crate::planner::{Planner, Running};
+use crate::planner::{Planner, Running, paced};
 use crate::{Clock, Instant};
 
 /// Slower moves of a run that a profile may lead over.
@@ -93,20 +93,7 @@ impl<T: Copy> Planner<T> {
             Some(residual) => residual.pace,
             None => 1.0,
         };
-        let limits = running.motion.limits;
-        let speed = limits.speed * self.queue.rate();
-        if pace >= 1.0 {
-            return Limits { speed, ..limits };
-        }
-        Limits {
-            speed: speed * pace,
-            acceleration: limits.acceleration * pace,
-            deceleration: limits.deceleration * pace,
-            jerk: limits.jerk.map(|jerk| Jerk {
-                acceleration: jerk.acceleration * pace,
-                deceleration: jerk.deceleration * pace,
-            }),
-        }
+        paced(&running.motion.limits, self.queue.rate(), pace)
     }
 
     /// A profile that does what a plan says.
@@ -131,9 +118,8 @@ impl<T: Copy> Planner<T> {
         } else {
             running.track.state(clock)
         };
-        let plan = self.plan(&running, from);
+        let (plan, profile) = self.planned(&running, from);
         if plan.exit > running.exit || plan.joined != running.joined {
-            let profile = self.profile(&running, from, &plan);
             if approaching {
                 running.track.profile = profile;
                 running.aim(&plan);

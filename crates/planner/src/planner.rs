@@ -3,12 +3,14 @@
 use std::collections::VecDeque;
 
 use arcline_geometry::{Path, Point, Turn};
-use arcline_profile::{Jerk, Limits, Profile, State};
+use arcline_profile::{Bounds, Jerk, Lead, Limits, Profile, State};
 
-use crate::junction::{Ending, braking, is_along};
+use crate::beside::forward;
+use crate::junction::Ending;
+use crate::look_ahead::Plan;
 use crate::merge::Within;
 use crate::queue::Queue;
-use crate::track::{Part, Residual, Sample, Track};
+use crate::track::{Residual, Sample, Track};
 use crate::{Clock, Instant, Pace};
 
 /// A path to travel and the limits along it. `T` is whatever the owner wants back with it.
@@ -80,15 +82,50 @@ pub struct Running<T> {
     pub(crate) place: f64,
     /// Whether a stop brakes it: nothing changes that.
     pub(crate) stopped: bool,
+    /// The limits that its profile keeps, as programmed: others than those of the move where a pause needs less way with them.
+    pub(crate) in_force: Limits,
+    /// Whether they are others.
+    pub(crate) kept: bool,
+    /// How an acceleration is taken away with which its profile begins.
+    pub(crate) relief: Relief,
 }
 
-/// Velocity and acceleration with which a merge begins.
+/// How an acceleration that is present when a profile begins is taken away.
 #[derive(Clone, Copy, Debug)]
+pub(crate) struct Relief {
+    /// Its jerk is raised so that the speed stays at or below this.
+    pub(crate) ceiling: f64,
+    /// And so that the motion does not pass through rest.
+    pub(crate) forward: bool,
+}
+
+impl Relief {
+    /// By the limits of the profile.
+    pub(crate) const NONE: Relief = Relief {
+        ceiling: f64::INFINITY,
+        forward: false,
+    };
+
+    pub(crate) fn lead(&self, from: State, limits: &Limits) -> Option<Lead> {
+        if self.ceiling.is_infinite() {
+            None
+        } else if self.forward {
+            forward(from, limits, self.ceiling)
+        } else {
+            Lead::below(from, limits, self.ceiling)
+        }
+    }
+}
+
+/// The motion out of which a merge begins.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Momentum {
     /// Velocity of the motion that is terminated, units/s.
     pub velocity: Point,
-    /// Its acceleration, units/s².
+    /// Its acceleration, units/s², without that of a curved path.
     pub acceleration: Point,
+    /// The limits that it kept; `None`: unknown.
+    pub before: Option<Limits>,
 }
 
 /// The pending places are all taken.
@@ -113,6 +150,8 @@ pub struct Planner<T> {
     pub(crate) plans: u32,
     /// What the active move may use of the limits of the axes, where these are kept.
     pub(crate) within: Option<Within>,
+    /// The Dynamics Configuration Bits.
+    pub(crate) bounds: Bounds,
 }
 
 /// Share of an acceleration that is none: what rounding leaves across the direction of motion.
@@ -132,7 +171,13 @@ impl<T: Copy> Planner<T> {
             trail_ends: false,
             plans: 0,
             within: None,
+            bounds: Bounds::ALL,
         }
+    }
+
+    /// Sets the Dynamics Configuration Bits, which count from the next instruction on. All are set at first.
+    pub fn set_bounds(&mut self, bounds: Bounds) {
+        self.bounds = bounds;
     }
 
     /// The active move.
@@ -176,59 +221,6 @@ impl<T: Copy> Planner<T> {
     pub fn start(&mut self, motion: Move<T>, at: Instant, clock: &Clock) {
         self.tail = None;
         self.run(motion, State::default(), at, None, false, clock);
-    }
-
-    /// Starts a move at the present tick out of another motion: a velocity along the new path is kept, any other
-    /// ramps out with the deceleration of the move (spec/coordinated-instructions.md §6.3).
-    pub fn merge(&mut self, motion: Move<T>, momentum: Momentum, clock: &Clock) {
-        self.tail = None;
-        let speed = momentum.velocity.norm();
-        if speed == 0.0 {
-            self.start(motion, clock.now(), clock);
-            return;
-        }
-        let direction = momentum.velocity / speed;
-        let acceleration = if motion.limits.jerk.is_some() {
-            momentum.acceleration
-        } else {
-            Point::zeros()
-        };
-        let along = State {
-            position: 0.0,
-            velocity: speed,
-            acceleration: acceleration.dot(&direction),
-        };
-        let across = acceleration - direction * along.acceleration;
-        let length = motion.path.length();
-        let kept = length > 0.0 && is_along(&momentum.velocity, &motion.path.start_tangent());
-        let from = if kept { along } else { State::default() };
-        if kept && across.norm() <= NO_ACCELERATION * acceleration.norm() {
-            self.run(motion, from, clock.now(), None, false, clock);
-            return;
-        }
-        let limits = braking(&motion.limits, speed);
-        // A path without length cannot compensate: what ramps out comes back by itself.
-        let ramped_out = |from: State| {
-            if length > 0.0 {
-                Profile::stop(from, &limits)
-            } else {
-                Profile::to_position(from, 0.0, 0.0, &limits)
-            }
-        };
-        let part = |direction, from| Part::new(direction, ramped_out(from));
-        let parts = [
-            part(direction, if kept { State::default() } else { along }),
-            part(
-                across.try_normalize(0.0).unwrap_or_default(),
-                State {
-                    acceleration: across.norm(),
-                    ..State::default()
-                },
-            ),
-            part(Point::zeros(), State::default()),
-        ];
-        let residual = Residual::new(parts, clock.now(), &motion.path);
-        self.run(motion, from, clock.now(), Some(residual), false, clock);
     }
 
     /// Puts a move behind the last one. What the active one does at its end may change with it.
@@ -312,14 +304,12 @@ impl<T: Copy> Planner<T> {
     pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
         self.hand_over_at = None;
         let limits = &self.allowed(limits);
-        let tracks = self
-            .active
-            .iter_mut()
-            .map(|running| &mut running.track)
-            .chain(&mut self.tail);
-        for track in tracks {
+        let before = self.before();
+        let running = self.active.iter_mut().map(|running| (&mut running.track, before));
+        for (track, before) in running.chain(self.tail.iter_mut().map(|tail| (tail, None))) {
             let from = track.state(clock);
-            track.replan(Profile::stop(from, limits), clock.now());
+            let stop = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
+            track.replan(stop, clock.now());
         }
         if let Some(running) = &mut self.active {
             running.exit = 0.0;
@@ -334,7 +324,7 @@ impl<T: Copy> Planner<T> {
         self.hand_over_at = None;
         let running = self.active.iter_mut().map(|running| &mut running.track);
         for track in running.chain(&mut self.tail) {
-            track.stop_in_time(limits, pace, clock, time);
+            track.stop_in_time(limits, self.bounds, pace, clock, time);
         }
         if let Some(running) = &mut self.active {
             running.motion.parameter = Parameter::TIME;
@@ -383,6 +373,34 @@ impl<T: Copy> Planner<T> {
         self.begin(motion, track, from, blended, clock);
     }
 
+    /// As [`Planner::run`] at the present tick, out of another motion along the path.
+    pub(crate) fn run_relieved(&mut self, motion: Move<T>, from: State, relief: Relief, clock: &Clock) {
+        self.run(motion, from, clock.now(), None, false, clock);
+        let Some(mut running) = self.active else { return };
+        running.relief = relief;
+        let (plan, profile) = self.planned(&running, from);
+        running.aim(&plan);
+        running.track.profile = profile;
+        self.active = Some(running);
+        self.schedule(clock.now(), clock);
+    }
+
+    /// As [`Planner::run`] at the present tick, beside what ramps out; along a profile, if there is one.
+    pub(crate) fn run_beside(
+        &mut self,
+        motion: Move<T>,
+        residual: Residual,
+        from: State,
+        along: Option<Profile>,
+        clock: &Clock,
+    ) {
+        self.run(motion, from, clock.now(), Some(residual), false, clock);
+        if let (Some(running), Some(along)) = (&mut self.active, along) {
+            running.track.profile = along;
+            self.schedule(clock.now(), clock);
+        }
+    }
+
     /// Begins a move on a track whose profile is still to be planned from `from`.
     pub(crate) fn begin(&mut self, motion: Move<T>, track: Track, from: State, blended: bool, clock: &Clock) {
         self.clear_trail();
@@ -395,11 +413,52 @@ impl<T: Copy> Planner<T> {
             blended,
             place: self.queue.relink(&motion, blended),
             stopped: false,
+            in_force: motion.limits,
+            kept: false,
+            relief: Relief::NONE,
         };
-        let plan = self.plan(&running, from);
+        let (plan, profile) = self.planned(&running, from);
         running.aim(&plan);
-        running.track.profile = self.profile(&running, from, &plan);
+        running.track.profile = profile;
         self.active = Some(running);
         self.schedule(track.start, clock);
+    }
+
+    /// What the profile of a move aims at, and the profile, behind what takes a present acceleration away.
+    pub(crate) fn planned(&self, running: &Running<T>, from: State) -> (Plan, Profile) {
+        let lead = running.relief.lead(from, &self.limits(running));
+        let level = lead.map_or(from, |lead| lead.end());
+        let plan = self.plan(running, level);
+        let profile = self.profile(running, level, &plan);
+        (plan, lead.map_or(profile, |lead| lead.then(&profile)))
+    }
+
+    /// The limits that the active profile keeps, the override included.
+    pub fn before(&self) -> Option<Limits> {
+        let rate = self.queue.rate();
+        self.active.map(|running| paced(&running.in_force, rate, 1.0))
+    }
+
+    /// The acceleration that the curvature of the paths gives at the present tick: it ends with them, and nothing limits it.
+    pub fn centripetal(&self, clock: &Clock) -> Point {
+        let tracks = self.active.iter().map(|running| &running.track).chain(&self.tail);
+        tracks.map(|track| track.centripetal(clock)).sum()
+    }
+}
+
+/// Limits with a share of the speed, and a share of all.
+pub(crate) fn paced(limits: &Limits, rate: f64, pace: f64) -> Limits {
+    let speed = limits.speed * rate;
+    if pace >= 1.0 {
+        return Limits { speed, ..*limits };
+    }
+    Limits {
+        speed: speed * pace,
+        acceleration: limits.acceleration * pace,
+        deceleration: limits.deceleration * pace,
+        jerk: limits.jerk.map(|jerk| Jerk {
+            acceleration: jerk.acceleration * pace,
+            deceleration: jerk.deceleration * pace,
+        }),
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use arcline_geometry::{Path, PathPoint, Point, Turn, Turned};
-use arcline_profile::{Limits, Phase, Profile, State};
+use arcline_profile::{Bounds, Limits, Phase, Profile, State};
 
 use crate::{Clock, Instant, Pace};
 
@@ -161,17 +161,31 @@ impl Track {
 
     /// Brakes on its path from the instant that both clocks show: so far it was a function of a master's way, from now on of
     /// time. What ramps out beside the path brakes too.
-    pub(crate) fn stop_in_time(&mut self, limits: &Limits, pace: &Pace, clock: &Clock, time: &Clock) {
+    pub(crate) fn stop_in_time(&mut self, limits: &Limits, bounds: Bounds, pace: &Pace, clock: &Clock, time: &Clock) {
         let from = pace.in_time(self.state(clock));
         if let Some(residual) = &mut self.residual {
             let elapsed = residual.start.elapsed(clock);
             for part in &mut residual.parts {
                 let now = pace.in_time(part.profile.at(elapsed));
-                part.profile = Profile::stop(now, limits);
+                part.profile = Profile::stop_within(now, limits, None, bounds);
             }
             residual.start = time.now();
         }
-        self.replan(Profile::stop(from, limits), time.now());
+        self.replan(Profile::stop_within(from, limits, None, bounds), time.now());
+    }
+
+    /// The acceleration across the path at the present tick.
+    pub(crate) fn centripetal(&self, clock: &Clock) -> Point {
+        let elapsed = self.start.elapsed(clock);
+        let (path, state) = match &self.approach {
+            Some(approach) if elapsed < 0.0 => {
+                let mut state = approach.profile.at(approach.start.elapsed(clock));
+                state.position -= approach.offset;
+                (&approach.path, state)
+            }
+            _ => (&self.path, self.along(elapsed)),
+        };
+        path.at(state.position).curvature * (state.velocity * state.velocity)
     }
 
     /// Whether the path has not begun: the predecessor is still being interpolated to its end.
@@ -202,20 +216,25 @@ impl Residual {
     /// A residual ramped out beside a path. The compensation makes the way longer than the path where it
     /// leads away from the target; the path is then travelled so much slower.
     pub(crate) fn new(parts: [Part; 3], start: Instant, path: &Path) -> Self {
+        Residual {
+            parts,
+            start,
+            pace: Residual::pace_of(&parts, path),
+        }
+    }
+
+    /// How much slower a path is travelled beside what ramps out.
+    pub(crate) fn pace_of(parts: &[Part; 3], path: &Path) -> f64 {
         let length = path.length();
         let total: Point = parts.iter().map(Part::total).sum();
         let way = match path {
             Path::Line(line) => (line.end() - line.start() - total).norm(),
             Path::Arc(_) => length + total.norm(),
         };
-        Residual {
-            parts,
-            start,
-            pace: if way > length { length / way } else { 1.0 },
-        }
+        if way > length { length / way } else { 1.0 }
     }
 
-    fn duration(&self) -> f64 {
+    pub(crate) fn duration(&self) -> f64 {
         self.parts
             .iter()
             .map(|part| part.profile.duration())
@@ -240,6 +259,10 @@ impl Part {
             profile,
             whole: profile.end().position,
         }
+    }
+
+    pub(crate) fn moves(&self) -> bool {
+        self.profile.duration() > 0.0
     }
 
     pub(crate) fn total(&self) -> Point {

@@ -2,7 +2,8 @@
 
 use crate::profile::{Profile, Segment, State};
 
-/// A stop of five segments and a return of seven make twelve; 3.4 needs eleven (motion-core §3.4).
+/// A stop of five segments and a return of seven make twelve; 3.4 needs eleven (motion-core §3.4). Two more lead in
+/// ([`crate::Lead`]).
 pub(crate) const MAX_SEGMENTS: usize = 14;
 
 /// Takes constant-jerk segments one after the other.

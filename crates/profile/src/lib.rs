@@ -13,6 +13,7 @@
 //! every input (what is not finite counts as 0, magnitudes are kept within 1e-30 to 1e30).
 #![forbid(unsafe_code)]
 
+mod bounded;
 mod builder;
 mod early;
 mod limits;
@@ -28,6 +29,7 @@ mod trapezoid;
 #[cfg(test)]
 mod tests;
 
+pub use bounded::{Bounds, Lead, MOST_OVERSHOOT};
 pub use limits::{Jerk, Limits, jerk_from_percent_of_time, percent_of_time_from_jerk};
 pub use lookahead::{entry_speed, exit_speed, stop_distance};
 pub use passing::{Passing, passing_speed};

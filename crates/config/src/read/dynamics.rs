@@ -1,17 +1,18 @@
-//! The five maxima that an axis and a coordinate system have alike.
+//! The five maxima, and the Dynamics Configuration Bits, that an axis and a coordinate system have alike.
 
-use arcline_controller::machine::default_jerk;
+use arcline_controller::machine::{DynamicsBits, default_jerk};
 
 use crate::error::ConfigError;
 use crate::section::{NumberRule, Section};
 
-/// The five maxima that an axis and a coordinate system have alike.
+/// What an axis and a coordinate system have alike.
 pub(super) struct Dynamics {
     pub(super) speed: f64,
     pub(super) acceleration: f64,
     pub(super) deceleration: f64,
     pub(super) acceleration_jerk: f64,
     pub(super) deceleration_jerk: f64,
+    pub(super) bits: DynamicsBits,
 }
 
 impl Dynamics {
@@ -29,10 +30,14 @@ impl Dynamics {
             deceleration,
             acceleration_jerk: acceleration_jerk.unwrap_or_else(|| default_jerk(speed, acceleration)),
             deceleration_jerk: deceleration_jerk.unwrap_or_else(|| default_jerk(speed, deceleration)),
+            bits: section
+                .integer("dynamics_configuration_bits", 0..=7, BITS)?
+                .map_or(DynamicsBits::ALL, |bits| DynamicsBits::from_bits(bits as u32)),
         })
     }
 }
 
+const BITS: &str = "a whole number from 0 to 7";
 pub(super) const POSITIVE_SPEED: NumberRule = NumberRule {
     expected: "a number above 0 (units/s)",
     holds: |x| x > 0.0,

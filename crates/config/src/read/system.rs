@@ -56,6 +56,7 @@ pub(super) fn coordinate_system(
         max_deceleration: dynamics.deceleration,
         max_acceleration_jerk: dynamics.acceleration_jerk,
         max_deceleration_jerk: dynamics.deceleration_jerk,
+        dynamics_bits: dynamics.bits,
         actual_tolerance: section.number("actual_tolerance", &NOT_NEGATIVE_LENGTH)?.unwrap_or(0.0),
         command_tolerance: section
             .number("command_tolerance", &NOT_NEGATIVE_LENGTH)?
@@ -103,6 +104,7 @@ pub(super) const COORDINATE_SYSTEM: &[&str] = &[
     "max_deceleration",
     "max_acceleration_jerk",
     "max_deceleration_jerk",
+    "dynamics_configuration_bits",
     "max_orientation_speed",
     "max_orientation_acceleration",
     "max_orientation_deceleration",

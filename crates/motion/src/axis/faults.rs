@@ -242,6 +242,7 @@ mod tests {
             max_deceleration: 1000.0,
             max_acceleration_jerk: 10_000.0,
             max_deceleration_jerk: 10_000.0,
+            dynamics_bits: crate::machine::DynamicsBits::ALL,
             travel: Some(Travel { min: -10.0, max: 10.0 }),
             unwind: None,
             start: Start::default(),

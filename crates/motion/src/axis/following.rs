@@ -59,7 +59,7 @@ impl Axis {
         if limits.jerk.is_none() {
             from.acceleration = 0.0;
         }
-        let mut generator = Generator::planned(Profile::stop(from, limits), now);
+        let mut generator = Generator::planned(Profile::stop_within(from, limits, None, self.bounds), now);
         generator.stopping = true;
         generator.parting = true;
         generator.s_curve = limits.jerk.is_some();

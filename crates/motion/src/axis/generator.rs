@@ -4,7 +4,7 @@
 //! master's way has master units in place of seconds.
 
 use arcline_drive::Motion as Point;
-use arcline_planner::profile::{Phase, Profile, State};
+use arcline_planner::profile::{Limits, MOST_OVERSHOOT, Phase, Profile, State};
 use arcline_planner::{Clock, Instant, ROUNDING};
 
 use super::sum::Displacements;
@@ -70,6 +70,9 @@ pub(crate) struct Generator {
     pub(crate) shown_segment: usize,
     /// A planned one has come to its end.
     pub(crate) over: bool,
+    /// The limits that its profile keeps, by what it is a function of, where they are known. 1.5 times their speed is as fast as
+    /// it becomes.
+    pub(crate) in_force: Option<Limits>,
     /// It brakes, perhaps with more, what a cancelled transform had moved.
     pub(crate) parting: bool,
     /// Where it began, in its frame.
@@ -96,6 +99,7 @@ impl Generator {
             events: None,
             shown_segment: 0,
             over: false,
+            in_force: None,
             parting: false,
             origin: 0.0,
             others: Displacements::default(),
@@ -118,6 +122,18 @@ impl Generator {
             velocity: self.now.velocity,
             acceleration: self.now.acceleration,
         }
+    }
+
+    /// Notes the limits that its profile keeps.
+    pub(crate) fn keeps(&mut self, limits: &Limits) {
+        let top = match &self.law {
+            Law::Planned { profile, .. } => profile.top_speed(0.0),
+            _ => 0.0,
+        };
+        self.in_force = Some(Limits {
+            speed: limits.speed.max(top / MOST_OVERSHOOT),
+            ..*limits
+        });
     }
 
     /// Goes on along another profile from this instant; the frame stays.

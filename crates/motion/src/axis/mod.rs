@@ -14,7 +14,7 @@ pub(crate) mod sum;
 
 use arcline_drive::{Drive, Motion as Point};
 use arcline_instruction_set::ExceptionAction;
-use arcline_planner::profile::{Limits, Profile, State};
+use arcline_planner::profile::{Bounds, Limits, Profile, State};
 use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
@@ -85,6 +85,8 @@ pub(crate) struct Axis {
     /// Command and actual position when the last motion began.
     pub(crate) started_at: [f64; 2],
     pub(crate) dynamics: Maxima,
+    /// The Dynamics Configuration Bits.
+    pub(crate) bounds: Bounds,
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
     pub(crate) linked: Linked,
@@ -142,6 +144,7 @@ impl Axis {
             redefined: start.redefined,
             started_at: [position; 2],
             dynamics: Maxima::from(description),
+            bounds: description.dynamics_bits,
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
             linked: Linked::default(),
@@ -273,9 +276,13 @@ impl Axis {
         if limits.jerk.is_none() {
             from.acceleration = 0.0;
         }
+        let before = generator.in_force.filter(|_| generator.guide.is_none());
+        let kept = stopping(limits, before.as_ref());
+        let stop = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
         // A stop is a function of time, whatever it stops.
         generator.guide = None;
-        generator.follow(Profile::stop(from, limits), now);
+        generator.follow(stop, now);
+        generator.keeps(&kept);
         generator.execution = execution;
         generator.program = None;
         generator.stopping = true;
@@ -295,7 +302,10 @@ impl Axis {
             acceleration: if limits.jerk.is_some() { acceleration } else { 0.0 },
         };
         let started_at = self.started_at;
-        let mut stop = Generator::planned(Profile::stop(from, limits), now);
+        let before = self.sum.in_force(|_| true);
+        let profile = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
+        let mut stop = Generator::planned(profile, now);
+        stop.keeps(&stopping(limits, before.as_ref()));
         stop.execution = execution;
         stop.stopping = true;
         stop.s_curve = limits.jerk.is_some();
@@ -379,6 +389,16 @@ impl Axis {
         self.sum.place(position);
         self.command = standing(position);
     }
+}
+
+/// The limits of a stop, an acceleration taken away no slower than before.
+fn stopping(limits: &Limits, before: Option<&Limits>) -> Limits {
+    let mut limits = *limits;
+    limits.speed = before.map_or(0.0, |before| before.speed);
+    if let (Some(jerk), Some(own)) = (&mut limits.jerk, before.and_then(|before| before.jerk)) {
+        jerk.acceleration = jerk.acceleration.max(own.acceleration);
+    }
+    limits
 }
 
 fn standing(position: f64) -> Point {

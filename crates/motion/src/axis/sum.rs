@@ -7,6 +7,7 @@
 
 use arcline_drive::Motion as Point;
 use arcline_planner::Clock;
+use arcline_planner::profile::{Jerk, Limits};
 
 use super::generator::{Generator, Law};
 
@@ -201,6 +202,21 @@ impl Sum {
         total
     }
 
+    /// The limits that some kinds of generators keep together; `None` where those of one that moves by time are not known.
+    pub(crate) fn in_force(&self, which: impl Fn(Slot) -> bool) -> Option<Limits> {
+        let mut all: Option<Limits> = None;
+        for (_, generator) in self.moving().filter(|(slot, _)| which(*slot)) {
+            let still = generator.now.velocity == 0.0 && generator.now.acceleration == 0.0;
+            let own = generator.in_force.filter(|_| generator.guide.is_none());
+            match (own, still) {
+                (Some(own), _) => all = Some(all.map_or(own, |all| together(&all, &own))),
+                (None, true) => {}
+                (None, false) => return None,
+            }
+        }
+        all
+    }
+
     /// What positions were redefined by since a generator began: its frame does not know.
     pub(crate) fn shift_of(&self, slot: Slot) -> f64 {
         self.get(slot).map_or(0.0, |generator| generator.shift)
@@ -272,9 +288,26 @@ impl Sum {
     }
 }
 
+/// The limits of two motions at once: the speeds add up, the harder rates count.
+pub(crate) fn together(one: &Limits, other: &Limits) -> Limits {
+    let jerk = match (one.jerk, other.jerk) {
+        (Some(one), Some(other)) => Some(Jerk {
+            acceleration: one.acceleration.max(other.acceleration),
+            deceleration: one.deceleration.max(other.deceleration),
+        }),
+        (one, other) => one.or(other),
+    };
+    Limits {
+        speed: one.speed + other.speed,
+        acceleration: one.acceleration.max(other.acceleration),
+        deceleration: one.deceleration.max(other.deceleration),
+        jerk,
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use arcline_planner::profile::{Limits, Profile, State};
+    use arcline_planner::profile::{Profile, State};
 
     use super::*;
 

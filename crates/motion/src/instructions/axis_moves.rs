@@ -3,7 +3,7 @@
 use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, Call, Culprit, Flag, Mnemonic, MotionError};
 use arcline_planner::Pace;
-use arcline_planner::profile::{Limits, Profile, State};
+use arcline_planner::profile::{Bounds, Lead, Limits, MOST_OVERSHOOT, Profile, State};
 
 use super::place;
 use super::programmed::{self, DynamicsLayout};
@@ -14,7 +14,7 @@ use crate::control::Execution;
 use crate::dynamics::Dynamics;
 use crate::events::{Events, MoveEvents};
 use crate::motion::Motion;
-use crate::system::Lead;
+use crate::system::Lead as Led;
 
 /// Places of the operands that every single-axis move has.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +67,16 @@ impl AxisMoveLayout {
         }
     }
 
+    /// The limits of what the instruction takes over, by time or by a master's way as the instruction itself.
+    fn in_force(&self, axis: &Axis, slot: Slot, call: &Call, led: bool) -> Option<Limits> {
+        let own = axis.sum.get(slot);
+        if led || slot == Slot::MasterOffset {
+            return own.filter(|own| own.guide.is_some() == led)?.in_force;
+        }
+        axis.sum
+            .in_force(|other| other == slot || (self.merges(call) && other.is_single_axis()))
+    }
+
     /// Begins a move or a jog out of what it takes over, along the profile that `plan` makes of that.
     pub(super) fn begin(
         &self,
@@ -88,15 +98,22 @@ impl AxisMoveLayout {
         let taken = self.taken_over(&motion.axes[at], slot, call);
         let taken = led.map_or(taken, |(_, pace)| pace.on_the_way(taken));
         let from = steady(taken, &dynamics.limits());
+        let before = self.in_force(&motion.axes[at], slot, call, led.is_some());
         if self.merges_into(slot, call) {
             motion.end_single_axis(axis, Some(slot));
         }
         motion.end_generator(axis, slot);
         let guide = led.and_then(|(lead, _)| motion.lead_axis(axis, lead));
-        let profile = plan(from);
+        let limits = match goal {
+            Goal::Position(_) => dynamics.limits(),
+            Goal::Velocity(velocity) => dynamics.jog_limits(from.velocity, velocity),
+        };
+        let lead = relief(motion.axes[at].bounds, from, &limits, before.as_ref());
+        let profile = Profile::led(lead, from, plan);
         let start = guide.map_or(motion.clock, |guide| guide.clock()).now();
         let mut generator = Generator::planned(profile, start);
         generator.guide = guide;
+        generator.keeps(&limits);
         generator.execution = Some(execution);
         generator.s_curve = dynamics.is_s_curve();
         generator.program = Some(Program { dynamics, goal });
@@ -129,8 +146,8 @@ impl AxisMoveLayout {
         axis: u16,
         slot: Slot,
         call: &Call,
-        lead: Option<Lead>,
-    ) -> Result<Option<(Lead, Pace)>, MotionError> {
+        lead: Option<Led>,
+    ) -> Result<Option<(Led, Pace)>, MotionError> {
         let state = &motion.axes[usize::from(axis)];
         let link = lead.and_then(|lead| state.links.iter().find(|link| link.id == lead.link));
         let (Some(lead), Some(link)) = (lead, link) else {
@@ -150,7 +167,7 @@ impl AxisMoveLayout {
     }
 
     /// The present speed of what is taken over, by time or by the way of the master: what Merge Speed Current goes on with.
-    pub(super) fn present_speed(&self, axis: &Axis, slot: Slot, call: &Call, led: Option<(Lead, Pace)>) -> f64 {
+    pub(super) fn present_speed(&self, axis: &Axis, slot: Slot, call: &Call, led: Option<(Led, Pace)>) -> f64 {
         let taken = self.taken_over(axis, slot, call);
         led.map_or(taken, |(_, pace)| pace.on_the_way(taken)).velocity.abs()
     }
@@ -162,8 +179,18 @@ pub(super) struct Beginning {
     pub(super) dynamics: Dynamics,
     pub(super) goal: Goal,
     /// How it is master driven, and how its master moves.
-    pub(super) led: Option<(Lead, Pace)>,
+    pub(super) led: Option<(Led, Pace)>,
     pub(super) events: Option<Events>,
+}
+
+/// What takes a present acceleration away so that new limits overshoot the programmed speeds, new and old, by no more than half
+/// (spec/coordinated-instructions.md §5.4).
+pub(super) fn relief(bounds: Bounds, from: State, limits: &Limits, before: Option<&Limits>) -> Option<Lead> {
+    if !bounds.overshoot {
+        return None;
+    }
+    let known = before.map_or(from.velocity.abs(), |before| before.speed);
+    Lead::below(from, limits, MOST_OVERSHOOT * known.max(limits.speed))
 }
 
 /// A trapezoid begins with an acceleration of its own.

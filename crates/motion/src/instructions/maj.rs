@@ -44,7 +44,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let mut dynamics = layout.common.dynamics.read(call, &state.dynamics)?;
     let led = layout.common.led(motion, axis, Slot::Jog, call, lead)?;
     if layout.common.keeps_speed(call) {
-        dynamics.set_speed(layout.common.present_speed(state, Slot::Jog, call, led));
+        dynamics.keep_speed(layout.common.present_speed(state, Slot::Jog, call, led));
     }
     let velocity = if call.word(layout.direction) == REVERSE {
         -dynamics.speed

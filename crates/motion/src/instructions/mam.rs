@@ -161,7 +161,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if layout.common.keeps_speed(call) {
         let present = layout.common.present_speed(state, slot, call, led);
         if present != 0.0 {
-            dynamics.set_speed(present);
+            dynamics.keep_speed(present);
         }
     }
     if led.is_some() {

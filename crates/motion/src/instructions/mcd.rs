@@ -1,7 +1,7 @@
 //! MCD, Motion Change Dynamics (spec/axis-and-data-types.md §3.6).
 
 use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError};
-use arcline_planner::profile::Profile;
+use arcline_planner::profile::{Lead, Limits, Profile, State};
 
 use super::axis_moves;
 use super::place;
@@ -46,29 +46,43 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let running = state.sum.get(slot).and_then(|generator| generator.program);
     axis_moves::verify_axis(state, running.is_some_and(|program| program.dynamics.is_s_curve()))?;
     axis_moves::not_stopping(state)?;
-    let maxima = state.dynamics;
+    let (maxima, bounds) = (state.dynamics, state.bounds);
     let Some(generator) = state.sum.get_mut(slot) else {
         return Err(MotionError::IllegalDynamicChange);
     };
-    let Some(Program { dynamics, goal }) = running else {
+    let Some(Program {
+        dynamics: programmed,
+        goal,
+    }) = running
+    else {
         // Without a program it only brakes.
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
     };
-    let dynamics = layout.dynamics.read(call, &maxima).of(dynamics)?;
+    let dynamics = layout.dynamics.read(call, &maxima).of(programmed)?;
     let now = axis_moves::steady(generator.planned_state(&clock), &dynamics.limits());
-    let (profile, goal) = match goal {
-        Goal::Position(target) => {
-            let profile = Profile::to_position_two_stage(now, target, &dynamics.limits());
-            (profile, goal)
-        }
+    let (before, paused) = (generator.in_force, programmed.speed == 0.0);
+    let (goal, mut limits) = match goal {
+        Goal::Position(_) => (goal, dynamics.limits()),
         Goal::Velocity(velocity) => {
             // The direction is kept in the sign of a speed of 0 too.
             let velocity = dynamics.speed.copysign(velocity);
-            let limits = dynamics.jog_limits(now.velocity, velocity);
-            (Profile::to_velocity(now, velocity, &limits), Goal::Velocity(velocity))
+            (Goal::Velocity(velocity), dynamics.jog_limits(now.velocity, velocity))
         }
     };
+    if dynamics.speed == 0.0 && bounds.overshoot {
+        limits = pause(now, &limits, before.as_ref());
+    }
+    // What pauses may brake with more jerk than it goes on with.
+    let rest = (paused && bounds.overshoot)
+        .then(|| Lead::before_rest(now, &limits))
+        .flatten();
+    let lead = axis_moves::relief(bounds, now, &limits, before.as_ref()).or(rest);
+    let profile = Profile::led(lead, now, |from| match goal {
+        Goal::Position(target) => Profile::to_position_two_stage(from, target, &limits),
+        Goal::Velocity(velocity) => Profile::to_velocity(from, velocity, &limits),
+    });
     generator.follow(profile, generator.clock(&clock).now());
+    generator.keeps(&limits);
     generator.program = Some(Program { dynamics, goal });
     // What had been calculated is given anew at the next update.
     let calculated = generator.events.as_mut().and_then(|events| {
@@ -83,3 +97,18 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     motion.done(execution);
     Ok(())
 }
+
+/// The limits with which a pause takes no more way than with those so far (spec/coordinated-instructions.md §5.4).
+fn pause(from: State, limits: &Limits, before: Option<&Limits>) -> Limits {
+    let reach = |limits: &Limits| Profile::stop(from, limits).reach();
+    match before {
+        Some(before) if reach(limits) > reach(before) * (1.0 + NEARLY) => Limits {
+            speed: limits.speed,
+            ..*before
+        },
+        _ => *limits,
+    }
+}
+
+/// Share of a way that is rounding.
+const NEARLY: f64 = 1e-9;

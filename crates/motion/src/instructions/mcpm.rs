@@ -162,11 +162,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
             only_turns: way.path.stands(),
         },
     };
-    let momentum = Momentum {
-        velocity: Point::zeros(),
-        acceleration: Point::zeros(),
-    };
-    moves::launch(motion, index, planned, way.path, momentum, MERGE_DISABLED)
+    moves::launch(motion, index, planned, way.path, Momentum::default(), MERGE_DISABLED)
 }
 
 /// Where a move leads and how.

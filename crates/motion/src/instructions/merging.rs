@@ -5,13 +5,13 @@
 
 use arcline_instruction_set::MotionError;
 use arcline_planner::geometry::Point;
-use arcline_planner::profile::State;
+use arcline_planner::profile::{Limits, State};
 use arcline_planner::{Ending, Momentum, Move, Pace, Parameter};
 
 use super::moves::{MERGE_ALL, MERGE_DISABLED};
 use super::points::command;
 use crate::axis::Axis;
-use crate::axis::sum::Slot;
+use crate::axis::sum::{Slot, together};
 use crate::follow::links::MasterLink;
 use crate::motion::Motion;
 use crate::system::{Activity, Lead, Planned};
@@ -30,8 +30,54 @@ pub(super) fn terminated(motion: &Motion, index: usize, merge: i32) -> Momentum 
     };
     Momentum {
         velocity: command(motion, index, |axis| quantity(axis).velocity),
-        acceleration: command(motion, index, |axis| quantity(axis).acceleration),
+        acceleration: command(motion, index, |axis| quantity(axis).acceleration) - centripetal(motion, index, merge),
+        before: in_force(motion, index, merge),
     }
+}
+
+/// The acceleration that the curvature of a terminated path gives: it ends with the path.
+fn centripetal(motion: &Motion, index: usize, merge: i32) -> Point {
+    let system = &motion.systems[index];
+    if merge == MERGE_DISABLED || !system.is_busy() {
+        return Point::zeros();
+    }
+    let pace = system.guide.map_or(1.0, |guide| guide.pace().speed);
+    system.planner.centripetal(&system.clock(&motion.clock)) * (pace * pace)
+}
+
+/// The limits that the terminated motion keeps by time, as far as they are known.
+fn in_force(motion: &Motion, index: usize, merge: i32) -> Option<Limits> {
+    let system = &motion.systems[index];
+    if merge == MERGE_DISABLED || system.guide.is_some() {
+        return None;
+    }
+    let own = system.planner.before();
+    if merge != MERGE_ALL {
+        return own;
+    }
+    let mut all = own;
+    let mut square = 0.0;
+    for axis in system.description.linear() {
+        let sum = &motion.axes.get(usize::from(*axis))?.sum;
+        let single = |slot: Slot| slot.is_single_axis() || slot == Slot::System && own.is_none();
+        let moves = sum.motion_of(single);
+        let Some(limits) = sum.in_force(single) else {
+            if moves.velocity != 0.0 || moves.acceleration != 0.0 {
+                return None;
+            }
+            continue;
+        };
+        square += limits.speed * limits.speed;
+        all = Some(all.map_or(limits, |all| Limits {
+            speed: all.speed,
+            ..together(&all, &limits)
+        }));
+    }
+    let path = own.map_or(0.0, |own| own.speed);
+    all.map(|all| Limits {
+        speed: path + square.sqrt(),
+        ..all
+    })
 }
 
 /// Ends what a merge takes over: the coordinated motion of this system and, for All Motion, what else moves its axes,
@@ -64,6 +110,7 @@ pub(super) fn on_the_way(pace: &Pace, momentum: &Momentum) -> Momentum {
     let mut taken = Momentum {
         velocity: Point::zeros(),
         acceleration: Point::zeros(),
+        before: None,
     };
     for place in 0..taken.velocity.len() {
         let state = pace.on_the_way(State {

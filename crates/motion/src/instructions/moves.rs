@@ -168,7 +168,7 @@ pub(super) fn execute(
         corner /= link.nominal;
     }
     if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && current > 0.0 {
-        dynamics.set_speed(current);
+        dynamics.keep_speed(current);
     }
     dynamics.keep_to(&pace);
     if driven {

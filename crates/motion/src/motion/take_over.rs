@@ -72,6 +72,8 @@ impl Motion {
         }
         let active = self.systems[index].active();
         let s_curve = active.is_some_and(|active| active.dynamics.is_s_curve());
+        let before = self.systems[index].planner.before();
+        let before = before.filter(|_| self.systems[index].guide.is_none());
         self.cancel_pending(index);
         self.end_active(index);
         self.retire_contour(index);
@@ -86,6 +88,9 @@ impl Motion {
                 state.release();
             } else {
                 let limits = state.dynamics.stop(s_curve);
+                if let Some(part) = state.sum.get_mut(Slot::System) {
+                    part.in_force = before;
+                }
                 state.brake(Slot::System, &limits, None, self.clock.now());
                 braking.insert(axis);
             }

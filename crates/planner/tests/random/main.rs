@@ -5,6 +5,7 @@
 
 mod contour_pace;
 mod merge_limits;
+mod merges;
 mod storms;
 mod streams;
 

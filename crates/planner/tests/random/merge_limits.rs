@@ -36,7 +36,11 @@ fn momentum(random: &mut Random, axes: &AxisLimits, kind: u64) -> Momentum {
             velocity[axis] = velocity[axis].clamp(-most, most);
         }
     }
-    Momentum { velocity, acceleration }
+    Momentum {
+        velocity,
+        acceleration,
+        before: None,
+    }
 }
 
 fn path(random: &mut Random, momentum: &Momentum) -> Path {

@@ -7,6 +7,11 @@ use arcline_tests::bench::{Bench, OK};
 const STOP: &str = "MCS(XY, S1, CoordinatedMove, Yes, 900, Unitspersec2, Yes, 9000, Unitspersec3)";
 const PERIOD: f64 = 0.001;
 
+/// Prevent S-Curve Velocity Reversals is off: the jerk of a stop is its own whatever it does.
+fn reversing() -> Bench {
+    Bench::replacing("name = \"XY\"", "name = \"XY\"\ndynamics_configuration_bits = 5")
+}
+
 /// Stops the machine; the largest jerk with which an axis slowed down, and the furthest that X went.
 fn stopped(bench: &mut Bench, why: &str) -> (f64, f64) {
     let mut last = ["X", "Y"].map(|axis| bench.axis(axis).command);
@@ -53,7 +58,7 @@ fn its_own_deceleration_and_jerk_from_every_state_of_a_move() {
         ("the deceleration falls",       630),
     ];
     for (why, at) in cases {
-        let mut bench = Bench::new();
+        let mut bench = reversing();
         bench.execute("MCLM(XY, M1, 0, [100, 0], 200, 0, 2000, 0, 2000, 0, 1, 50000, 50000, 0, 1)");
         bench.run(at);
         let [place, speed, acceleration] = bench.axis("X").command;
@@ -74,7 +79,7 @@ fn its_own_deceleration_and_jerk_inside_a_blend() {
     // The ends of both moves overlap by 140 ms; both stop, each on its own path.
     for after in [1, 15, 45, 70, 100, 125] {
         let why = format!("{after} ms into the blend");
-        let mut bench = Bench::new();
+        let mut bench = reversing();
         bench.execute("MCLM(XY, M1, 0, [100, 0], 200, 0, 2000, 0, 2000, 0, 1, 50000, 50000, 0, 3)");
         bench.execute("MCLM(XY, M2, 0, [100, 100], 200, 0, 2000, 0, 2000, 0, 1, 50000, 50000, 0, 1)");
         bench.until("M1", Flag::Pc);
@@ -126,5 +131,26 @@ fn a_stop_in_a_deep_queue_rests_on_the_path_and_cancels_all_of_it() {
             OK
         );
         bench.until("N1", Flag::Pc);
+    }
+}
+
+#[test]
+fn a_gentle_stop_of_what_already_brakes_does_not_reverse() {
+    // 200²/v of jerk cannot take 1720 units/s² away before rest: without bit 1 the stop drives backwards.
+    for (bits, reverses) in [(7, false), (5, true)] {
+        let system = format!("name = \"XY\"\ndynamics_configuration_bits = {bits}");
+        let mut bench = Bench::replacing("name = \"XY\"", &system);
+        bench.execute("MCLM(XY, M1, 0, [300, 0], 200, 0, 2000, 0, 2000, 0, 1, 100, 100, 2, 1)");
+        while bench.position("X") < 295.0 {
+            bench.tick();
+        }
+        bench.execute("MCS(XY, S1, CoordinatedMove, Yes, 200, Unitspersec2, Yes, 100, %ofTime)");
+        let mut slowest = 0.0_f64;
+        while !bench.control("S1").has(Flag::Pc) {
+            bench.tick();
+            slowest = slowest.min(bench.axis("X").command[1]);
+        }
+        assert_eq!(slowest < -50.0, reverses, "bits {bits}: {slowest}");
+        assert!(reverses || slowest > -1e-9, "bits {bits}: {slowest}");
     }
 }

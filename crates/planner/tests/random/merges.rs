@@ -1,0 +1,259 @@
+//! Merges and changes of dynamics at any instant of a motion: bounded in speed and way, continuous, exact at the end.
+//!
+//! `ARCLINE_CASES` sets how many merges are travelled (2,000 unless told).
+
+use arcline_planner::geometry::{Arc, CirclePoint, Dimension, Direction, Path, Point};
+use arcline_planner::profile::{Jerk, Limits, Profile, State, jerk_from_percent_of_time};
+use arcline_planner::{Clock, Ending, Momentum, Move, Parameter, Passage, Planner};
+
+use super::{Random, cases};
+
+const PERIOD_NS: u64 = 1_000_000;
+const PERIOD: f64 = 0.001;
+const NEARLY: f64 = 1.0 + 1e-6;
+
+fn limits(random: &mut Random, s_curve: bool) -> Limits {
+    let rate = |random: &mut Random| 50.0 * (80.0_f64).powf(random.share());
+    let (speed, up, down) = (random.between(10.0, 300.0), rate(random), rate(random));
+    let percent = random.between(10.0, 100.0);
+    Limits {
+        speed,
+        acceleration: up,
+        deceleration: down,
+        jerk: s_curve.then(|| Jerk {
+            acceleration: jerk_from_percent_of_time(speed, up, percent),
+            deceleration: jerk_from_percent_of_time(speed, down, percent),
+        }),
+    }
+}
+
+fn direction(random: &mut Random) -> Point {
+    let (sin, cos) = libm::sincos(random.between(-3.2, 3.2));
+    Point::new(cos, sin, 0.0)
+}
+
+fn path(random: &mut Random, from: Point, along: Point) -> Path {
+    let length = 0.1 * (3000.0_f64).powf(random.share());
+    match (random.share() * 6.0) as u32 {
+        0 => Path::line(from, from + along * length),
+        1 => {
+            // A few degrees off.
+            let off = Point::new(-along[1], along[0], 0.0) * random.between(-0.3, 0.3);
+            Path::line(from, from + (along + off) * length)
+        }
+        2 => {
+            let center = from + direction(random) * (0.3 * length).max(1.0);
+            let radius = from - center;
+            let (sin, cos) = libm::sincos(random.between(0.3, 6.0));
+            let end = center + radius * cos + Point::new(0.0, 0.0, 1.0).cross(&radius) * sin;
+            let arc = Arc::new(
+                Dimension::Two,
+                from,
+                end,
+                CirclePoint::Center(center),
+                Direction::CounterClockwise,
+            );
+            Path::Arc(arc.expect("the points are on a circle"))
+        }
+        _ => Path::line(from, from + direction(random) * length),
+    }
+}
+
+/// A motion at any instant between its begin and its end, and its limits; of two moves that blend, now and then.
+fn momentum(random: &mut Random, old: &Limits) -> (Momentum, f64) {
+    let length = 0.5 * (1000.0_f64).powf(random.share());
+    let profile = Profile::to_position(State::default(), length, 0.0, old);
+    let (first, second) = (direction(random), direction(random));
+    let at = random.between(0.0, profile.duration());
+    let one = profile.at(at);
+    let mut momentum = Momentum {
+        velocity: first * one.velocity,
+        acceleration: first * one.acceleration,
+        before: Some(*old),
+    };
+    if random.share() < 0.2 {
+        let other = profile.at(at - 0.8 * profile.brakes_from());
+        momentum.velocity += second * other.velocity;
+        momentum.acceleration += second * other.acceleration;
+    }
+    // How wide a stop with the old limits is.
+    let speed = momentum.velocity.norm();
+    let along = momentum.acceleration.dot(&momentum.velocity) / speed.max(1e-300);
+    let from = State {
+        position: 0.0,
+        velocity: speed,
+        acceleration: along,
+    };
+    (momentum, Profile::stop(from, old).reach())
+}
+
+/// The distance of a point from a path, at most.
+fn distance(path: &Path, point: &Point) -> f64 {
+    match path {
+        Path::Line(line) => {
+            let place = (point - line.start()).dot(&line.direction()).clamp(0.0, path.length());
+            (point - (line.start() + line.direction() * place)).norm()
+        }
+        Path::Arc(_) => (0..=100)
+            .map(|k| (path.at(path.length() * f64::from(k) / 100.0).position - point).norm())
+            .fold(f64::INFINITY, f64::min),
+    }
+}
+
+#[test]
+fn no_merge_runs_away() {
+    for seed in 0..cases(2000) {
+        let mut random = Random(seed);
+        let shapes = [random.share() < 0.75, random.share() < 0.75];
+        let old = limits(&mut random, shapes[0]);
+        let equal = random.share() < 0.3;
+        let new = if equal { old } else { limits(&mut random, shapes[1]) };
+        let (momentum, stop) = momentum(&mut random, &old);
+        let motion = Move {
+            path: path(&mut random, Point::new(3.0, -4.0, 0.0), momentum.velocity.normalize()),
+            turn: None,
+            corner: f64::INFINITY,
+            limits: new,
+            ending: Ending::Stop,
+            parameter: Parameter::TIME,
+            data: (),
+        };
+        if !momentum.velocity.norm().is_normal() {
+            continue;
+        }
+        let told = || format!("seed {seed}: {momentum:?}\n{motion:?}");
+        let mut clock = Clock::at(0, PERIOD_NS);
+        let mut planner = Planner::new(10, Point::zeros());
+        planner.merge(motion, momentum, &clock);
+        let speed = momentum.velocity.norm();
+        let mut bound = speed.max(old.speed).max(new.speed);
+        let first = planner.sample(&clock).expect("it moves");
+        let step = (first.velocity - momentum.velocity).norm();
+        // What is nearly along the path keeps its speed.
+        assert!(step <= 0.0018 * speed + 1e-9, "{}: it steps by {step}", told());
+        let mut change = (random.share() < 0.3).then(|| (random.between(0.0, 0.5) / PERIOD) as u64);
+        let mut last = first;
+        let mut wide = stop;
+        // Nothing decelerates harder than a stop as wide as the old one, or a change of speed as the present one over a tick.
+        loop {
+            if change == Some(clock.tick) {
+                let present = planner.sample(&clock).expect("it moves").velocity.norm();
+                let mut other = limits(&mut random, new.jerk.is_some());
+                if random.share() < 0.3 {
+                    other.speed = 0.0;
+                }
+                planner.change_limits(other, &clock);
+                let allowed = (1.5 * bound.max(other.speed)).max(present);
+                bound = allowed;
+                wide = f64::INFINITY;
+                change = None;
+                if other.speed == 0.0 {
+                    let from = clock.tick;
+                    while clock.tick < from + 300 {
+                        clock.tick += 1;
+                        let now = planner.sample(&clock).expect("it moves");
+                        assert!(now.velocity.norm() <= bound * NEARLY, "{}: while it pauses", told());
+                    }
+                    other.speed = 50.0;
+                    bound = bound.max(1.5 * 50.0);
+                    planner.change_limits(other, &clock);
+                }
+                last = planner.sample(&clock).expect("it moves");
+            }
+            clock.tick += 1;
+            let now = planner.sample(&clock).expect("it moves");
+            let fast = now.velocity.norm();
+            assert!(
+                fast <= bound * NEARLY,
+                "{}\n tick {}: {fast} above {bound}",
+                told(),
+                clock.tick
+            );
+            let off = if clock.tick % 4 == 0 {
+                distance(&motion.path, &now.position)
+            } else {
+                0.0
+            };
+            assert!(
+                off <= wide * 1.006
+                    + if matches!(motion.path, Path::Arc(_)) {
+                        motion.path.length() / 100.0
+                    } else {
+                        0.0
+                    }
+                    + 1e-9,
+                "{}\n tick {}: {off} beside the path, more than {wide}; {now:?}",
+                told(),
+                clock.tick
+            );
+            let moved = now.position - last.position - (now.velocity + last.velocity) * (0.5 * PERIOD);
+            assert!(
+                moved.norm() <= 2e-3 * bound * PERIOD * 1000.0 * PERIOD * 500.0,
+                "{}\n tick {}: a step by {}",
+                told(),
+                clock.tick,
+                moved.norm()
+            );
+            last = now;
+            if let Some(Passage::Reached(_) | Passage::HandOver(_)) = planner.passage(&clock) {
+                break;
+            }
+            assert!(clock.tick < 1_000_000, "{}: it does not end: {now:?}", told());
+        }
+        let end = planner.sample(&clock).expect("it stands").position;
+        let off = (end - motion.path.end()).norm();
+        assert!(off < 1e-9, "{}: off the end by {off}", told());
+    }
+}
+
+/// Out of an acceleration, and onto gentler limits: what ramps out does so no faster than the old limits say.
+#[test]
+fn a_merge_onto_gentler_limits_stops_as_the_old_ones_would() {
+    let jerk = |jerk| {
+        Some(Jerk {
+            acceleration: jerk,
+            deceleration: jerk,
+        })
+    };
+    let old = Limits {
+        speed: 200.0,
+        acceleration: 2000.0,
+        deceleration: 2000.0,
+        jerk: jerk(20_000.0),
+    };
+    let new = Limits {
+        speed: 50.0,
+        acceleration: 200.0,
+        deceleration: 200.0,
+        jerk: jerk(800.0),
+    };
+    let momentum = Momentum {
+        velocity: Point::new(100.0, 0.0, 0.0),
+        acceleration: Point::new(2000.0, 0.0, 0.0),
+        before: Some(old),
+    };
+    let motion = Move {
+        path: Path::line(Point::zeros(), Point::new(0.0, 50.0, 0.0)),
+        turn: None,
+        corner: f64::INFINITY,
+        limits: new,
+        ending: Ending::Stop,
+        parameter: Parameter::TIME,
+        data: (),
+    };
+    let mut clock = Clock::at(0, PERIOD_NS);
+    let mut planner = Planner::new(10, Point::zeros());
+    planner.merge(motion, momentum, &clock);
+    let (mut top, mut rate, mut wide) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for _ in 0..5000 {
+        clock.tick += 1;
+        let now = planner.sample(&clock).expect("it moves");
+        top = top.max(now.velocity.norm());
+        rate = rate.max(now.acceleration.norm());
+        wide = wide.max(now.position[0]);
+    }
+    // 36.7 mm is the way of the old stop, but for what the compensation has taken back by then.
+    assert!(top <= 200.0 * NEARLY && top > 180.0, "{top}");
+    assert!(rate <= 2200.0, "{rate}");
+    assert!(wide > 25.0 && wide < 36.7, "{wide}");
+}

@@ -1,0 +1,264 @@
+//! An acceleration that is present when the dynamics change: how it is taken away so that the speed stays within bounds
+//! (spec/coordinated-instructions.md §5.4, the Dynamics Configuration Bits of axis-and-data-types §9.2 and §10.4).
+//!
+//! A ramp takes a present acceleration away with its own jerk. Where that jerk is much lower than the one that built the
+//! acceleration up, the speed overshoots by `a² / 2j`, or passes through rest and comes back. A [`Lead`] takes the acceleration
+//! away with a higher jerk first; the plan begins behind it.
+//!
+//! Position units and seconds. Real-time safe, as the rest of the crate.
+
+use crate::builder::MAX_SEGMENTS;
+use crate::limits::{Jerk, Limits, Shape};
+use crate::profile::{Profile, Segment, State};
+
+/// The Dynamics Configuration Bits of an axis or a coordinate system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bounds {
+    /// Bit 0, Reduce S-Curve Stop Delay: a stop takes a present acceleration away with the larger of both jerks.
+    pub stop_delay: bool,
+    /// Bit 1, Prevent S-Curve Velocity Reversals: a stop that begins while an S-curve brakes does not pass through rest.
+    pub reversals: bool,
+    /// Bit 2, Reduced Extreme Velocity Overshoot: a change takes a present acceleration away in time.
+    pub overshoot: bool,
+}
+
+impl Bounds {
+    /// All three, the default of axes and coordinate systems.
+    pub const ALL: Bounds = Bounds {
+        stop_delay: true,
+        reversals: true,
+        overshoot: true,
+    };
+
+    /// Of the attribute, 0 to 7; higher bits mean nothing.
+    #[must_use]
+    pub const fn from_bits(bits: u32) -> Bounds {
+        Bounds {
+            stop_delay: bits & 1 != 0,
+            reversals: bits & 2 != 0,
+            overshoot: bits & 4 != 0,
+        }
+    }
+
+    /// The attribute, 0 to 7.
+    #[must_use]
+    pub const fn bits(self) -> u32 {
+        self.stop_delay as u32 | (self.reversals as u32) << 1 | (self.overshoot as u32) << 2
+    }
+}
+
+impl Default for Bounds {
+    fn default() -> Self {
+        Bounds::ALL
+    }
+}
+
+/// How much faster than the programmed speeds a change of dynamics may make a motion (§10.4: the overshoot stays below 50 %).
+pub const MOST_OVERSHOOT: f64 = 1.5;
+
+/// What comes before a plan: the acceleration of a state is taken away with a constant jerk, then the speed is held.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lead {
+    /// Where it begins.
+    pub from: State,
+    /// Position units per second cubed, above 0. What has no time to be taken away is dropped at once.
+    pub jerk: f64,
+    /// Seconds for which the speed is held afterwards.
+    pub hold: f64,
+}
+
+impl Lead {
+    /// The lead that keeps the speed of what is planned from a state at or below `ceiling`; `None` where the jerks of the
+    /// limits do. What passes through rest counts with its speed on the other side.
+    #[must_use]
+    pub fn below(from: State, limits: &Limits, ceiling: f64) -> Option<Lead> {
+        let Shape::SCurve(own) = limits.shape() else {
+            return None;
+        };
+        let (speed, square) = (from.velocity.abs(), from.acceleration * from.acceleration);
+        if square == 0.0 {
+            return None;
+        }
+        let most = ceiling.max(speed) * (1.0 + ROUNDING);
+        let jerk = if from.velocity * from.acceleration >= 0.0 {
+            if speed + 0.5 * square * own.up.per_jerk <= most {
+                return None;
+            }
+            square / (2.0 * (ceiling - speed).max(0.0))
+        } else {
+            let left = square - 2.0 * own.down.jerk * speed;
+            if 0.5 * left * own.up.per_jerk <= most {
+                return None;
+            }
+            square / (2.0 * (speed + ceiling.max(0.0)))
+        };
+        Some(Lead {
+            from,
+            jerk: jerk.max(own.up.jerk.min(own.down.jerk)),
+            hold: 0.0,
+        })
+    }
+
+    /// The lead that takes a deceleration away before the motion passes through rest; `None` where the jerk of the limits does.
+    #[must_use]
+    pub fn before_rest(from: State, limits: &Limits) -> Option<Lead> {
+        let Shape::SCurve(own) = limits.shape() else {
+            return None;
+        };
+        let critical = critical_jerk(&from)?;
+        (critical > own.down.jerk).then_some(Lead {
+            from,
+            jerk: critical,
+            hold: 0.0,
+        })
+    }
+
+    /// Seconds until it ends.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.relief() + self.hold
+    }
+
+    /// The state in which it ends: at a constant speed.
+    #[must_use]
+    pub fn end(&self) -> State {
+        let mut level = self.level();
+        level.position += level.velocity * self.hold;
+        level
+    }
+
+    /// A plan from [`Lead::end`], with this before it.
+    #[must_use]
+    pub fn then(&self, plan: &Profile) -> Profile {
+        let mut whole = Profile::rest(0.0);
+        whole.start = self.from;
+        let relief = self.relief();
+        let mut time = 0.0;
+        if relief > 0.0 {
+            let jerk = -self.from.acceleration / relief;
+            whole.append(time, Segment { state: self.from, jerk });
+            time += relief;
+        }
+        if self.hold > 0.0 {
+            let state = self.level();
+            whole.append(time, Segment { state, jerk: 0.0 });
+            time += self.hold;
+        }
+        for index in 0..plan.len {
+            whole.append(time + plan.times[index], plan.segments[index]);
+        }
+        whole.duration = time + plan.duration;
+        whole.end = plan.end;
+        whole.arrives = plan.arrives;
+        whole
+    }
+
+    fn relief(&self) -> f64 {
+        let time = self.from.acceleration.abs() / self.jerk;
+        if time.is_finite() { time } else { 0.0 }
+    }
+
+    fn level(&self) -> State {
+        let State {
+            position,
+            velocity,
+            acceleration,
+        } = self.from;
+        let time = self.relief();
+        State {
+            position: position + time * (velocity + time * acceleration / 3.0),
+            velocity: velocity + 0.5 * time * acceleration,
+            acceleration: 0.0,
+        }
+    }
+}
+
+impl Profile {
+    /// A plan from a state, behind the lead if there is one.
+    #[must_use]
+    pub fn led(lead: Option<Lead>, from: State, plan: impl FnOnce(State) -> Profile) -> Profile {
+        match lead {
+            Some(lead) => lead.then(&plan(lead.end())),
+            None => plan(from),
+        }
+    }
+
+    /// A stop within the bounds (§5.4): `before` are the limits with which the motion ran so far. With bits 0 and 1 its speed
+    /// neither passes through rest nor rises above 1.5 times the larger of the present and the programmed one.
+    #[must_use]
+    pub fn stop_within(from: State, limits: &Limits, before: Option<&Limits>, bounds: Bounds) -> Profile {
+        let mut limits = *limits;
+        if let Some(jerk) = &mut limits.jerk {
+            if from.velocity * from.acceleration >= 0.0 {
+                if bounds.stop_delay {
+                    let own = before.and_then(|before| before.jerk);
+                    let programmed = before.map_or(0.0, |before| before.speed);
+                    let ceiling = MOST_OVERSHOOT * from.velocity.abs().max(programmed);
+                    let least = 0.5 * from.acceleration * from.acceleration / (ceiling - from.velocity.abs());
+                    jerk.acceleration = jerk
+                        .acceleration
+                        .max(jerk.deceleration)
+                        .max(own.map_or(0.0, |own| own.acceleration))
+                        .max(if least.is_nan() { 0.0 } else { least });
+                }
+            } else if let (true, Some(critical)) = (bounds.reversals, critical_jerk(&from)) {
+                jerk.deceleration = jerk.deceleration.max(critical);
+            }
+        }
+        Profile::stop(from, &limits)
+    }
+
+    /// The highest magnitude of the velocity from `t` seconds after the start on.
+    #[must_use]
+    pub fn top_speed(&self, t: f64) -> f64 {
+        let ahead = (0..self.len).filter(|&index| self.times[index] > t);
+        ahead
+            .map(|index| self.segments[index].state.velocity.abs())
+            .fold(self.at(t).velocity.abs().max(self.end.velocity.abs()), f64::max)
+    }
+
+    /// How far from its start the motion comes, to either side.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        (0..self.len)
+            .map(|index| self.segments[index].state.position)
+            .chain([self.end.position])
+            .map(|position| (position - self.start.position).abs())
+            .fold(0.0, f64::max)
+    }
+
+    fn append(&mut self, time: f64, segment: Segment) {
+        if self.len < MAX_SEGMENTS {
+            self.times[self.len] = time;
+            self.segments[self.len] = segment;
+            self.len += 1;
+        }
+    }
+}
+
+impl Limits {
+    /// The same ramps in so many times less time: over as much less way.
+    #[must_use]
+    pub fn hastened(&self, factor: f64) -> Limits {
+        let square = factor * factor;
+        Limits {
+            speed: self.speed,
+            acceleration: self.acceleration * factor,
+            deceleration: self.deceleration * factor,
+            jerk: self.jerk.map(|jerk| Jerk {
+                acceleration: jerk.acceleration * square,
+                deceleration: jerk.deceleration * square,
+            }),
+        }
+    }
+}
+
+/// The jerk that takes a deceleration away as the motion comes to rest.
+fn critical_jerk(from: &State) -> Option<f64> {
+    let brakes = from.velocity * from.acceleration < 0.0;
+    let jerk = 0.5 * from.acceleration * from.acceleration / from.velocity.abs();
+    brakes.then_some(jerk * (1.0 + ROUNDING))
+}
+
+/// Share of a speed or a jerk that is rounding.
+const ROUNDING: f64 = 1e-13;
