@@ -58,15 +58,8 @@ impl Shared {
         let machine = self.plant.machine();
         let name = thing.name(machine);
         self.rights().check(machine, viewer, thing).map_err(|held| match held {
-            Some(Held { by, .. }) => Refusal {
-                holder: Some(by.as_str().into()),
-                control: Some(name.into()),
-                ..Refusal::new(format!("You do not have control of {name}: {by} has it."))
-            },
-            None => Refusal {
-                control: Some(name.into()),
-                ..Refusal::new(format!("You do not have control of {name}."))
-            },
+            Some(Held { by, .. }) => Refusal::control(name, Some(&by)),
+            None => Refusal::control(name, None),
         })
     }
 

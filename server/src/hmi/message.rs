@@ -112,15 +112,38 @@ pub(super) struct Refusal {
     /// The operand at fault.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) member: Option<Box<str>>,
-    /// The viewer that has the control that was missing.
+    /// The control that was missing.
+    #[serde(flatten)]
+    pub(super) missing: Option<Box<MissingControl>>,
+}
+
+/// Control that a request needs and its viewer does not have.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+pub(super) struct MissingControl {
+    /// The object.
+    control: Box<str>,
+    /// The viewer that has control of it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) holder: Option<Box<str>>,
-    /// The object whose control was missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) control: Option<Box<str>>,
+    holder: Option<Box<str>>,
 }
 
 impl Refusal {
+    /// Without control of an object; `holder` is the viewer that has it.
+    pub(super) fn control(object: &str, holder: Option<&str>) -> Self {
+        let text = match holder {
+            Some(holder) => format!("You do not have control of {object}: {holder} has it."),
+            None => format!("You do not have control of {object}."),
+        };
+        let missing = MissingControl {
+            control: object.into(),
+            holder: holder.map(Into::into),
+        };
+        Self {
+            missing: Some(Box::new(missing)),
+            ..Self::new(text)
+        }
+    }
+
     pub(super) fn new(text: impl Into<Box<str>>) -> Self {
         Self {
             text: text.into(),

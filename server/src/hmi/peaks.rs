@@ -106,9 +106,10 @@ fn figures(number: f64, digits: i32) -> String {
     }
     let decimals = (digits - 1 - number.abs().log10().floor() as i32).clamp(0, 17);
     let text = format!("{number:.*}", decimals as usize);
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
     }
 }
 

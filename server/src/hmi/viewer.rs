@@ -184,10 +184,7 @@ impl Viewer {
         let thing = self.thing(object)?;
         let machine = self.shared.plant.machine();
         let taken = self.shared.rights().take(machine, self.id, thing, force);
-        taken.map_err(|held| Refusal {
-            holder: Some(held.by.as_str().into()),
-            ..Refusal::new(format!("{} has control of {}.", held.by, held.thing.name(machine)))
-        })?;
+        taken.map_err(|held| Refusal::control(held.thing.name(machine), Some(&held.by)))?;
         Ok(json!({}))
     }
 
