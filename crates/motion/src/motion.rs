@@ -20,6 +20,7 @@ use crate::accepted::{ACCEPTED, AcceptedMove};
 use crate::axis::{Axis, AxisState};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
 use crate::events::{ArrayWrite, Events};
+use crate::follow::ahead::Ahead;
 use crate::follow::order::Order;
 use crate::follow::pair::Link;
 use crate::instructions::{self, Layouts};
@@ -46,6 +47,8 @@ pub struct Motion {
     pub(crate) links: Vec<Option<Link>>,
     /// The order of a tick while some axes follow others.
     pub(crate) order: Order,
+    /// Stops that transforms are looked at with.
+    pub(crate) ahead: Ahead,
     /// Links to masters, and ways of them, so far.
     link_count: u32,
     way_count: u32,
@@ -89,6 +92,7 @@ impl Motion {
             layouts: Layouts::new(),
             links: vec![None; machine.systems.len()],
             order: Order::new(machine.axes.len(), machine.systems.len()),
+            ahead: Ahead::new(machine.axes.len(), machine.systems.len()),
             link_count: 0,
             way_count: 0,
             array_writes: Vec::with_capacity(ARRAY_WRITES),

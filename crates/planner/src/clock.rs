@@ -21,7 +21,7 @@ pub struct Clock {
     pub tick: u64,
     /// Coarse update period, nanoseconds; more than 0. 0: the clock shows a master's way.
     pub period_ns: u64,
-    /// The way of a master, master units; 0 where the clock shows time.
+    /// The way of a master, master units; seconds behind the tick where the clock shows time.
     way: f64,
 }
 
@@ -52,6 +52,24 @@ impl Clock {
     /// Seconds from tick 0 to the present tick.
     pub fn seconds(&self) -> f64 {
         (self.tick * self.period_ns) as f64 / NANOSECONDS
+    }
+
+    /// The clock an update later.
+    #[must_use]
+    pub fn next(&self) -> Clock {
+        Clock {
+            tick: self.tick + 1,
+            ..*self
+        }
+    }
+
+    /// The clock `seconds` later, between two ticks too: only to be read. Master units on a master's way.
+    #[must_use]
+    pub fn later(&self, seconds: f64) -> Clock {
+        Clock {
+            way: self.way + seconds,
+            ..*self
+        }
     }
 
     /// What the clock shows as an instant.

@@ -14,6 +14,7 @@ mod events;
 mod guard;
 mod pace;
 mod requests;
+mod stopping;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -26,6 +27,7 @@ use crate::{Clock, Instant, Move, QueueFull, ROUNDING, Sample};
 use pace::{Pace, Wanted};
 
 pub use requests::{ContourBatch, Extension, Installed};
+pub use stopping::ContourStopping;
 
 /// One active move and the pending ones, of which the first few are on a planned trajectory.
 #[derive(Debug)]
@@ -317,19 +319,25 @@ impl<T: Copy> ContourQueue<T> {
     /// Where the coordinate system is at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
         let run = self.run.as_ref()?;
-        let pace = run.pace.at(clock);
-        let duration = run.trajectory.duration();
+        Some(run.at(run.pace.at(clock)))
+    }
+}
+
+impl Run {
+    /// Where the coordinate system is at a place of the trajectory's own time that goes on like this.
+    fn at(&self, pace: State) -> Sample {
+        let duration = self.trajectory.duration();
         let own = if pace.position >= duration - ROUNDING {
             duration
         } else {
             pace.position
         };
-        let at = run.trajectory.at(own);
+        let at = self.trajectory.at(own);
         let velocity: Point = at.velocity * pace.velocity;
         let acceleration = at.acceleration * (pace.velocity * pace.velocity) + at.velocity * pace.acceleration;
         let power = velocity.dot(&acceleration);
         let speed = velocity.norm();
-        Some(Sample {
+        Sample {
             position: at.position,
             velocity,
             acceleration,
@@ -344,7 +352,7 @@ impl<T: Copy> ContourQueue<T> {
                 _ => Phase::Steady,
             },
             turned: None,
-        })
+        }
     }
 }
 

@@ -24,13 +24,15 @@ mod passage;
 mod planner;
 mod queue;
 mod sight;
+mod stopping;
 mod track;
 
 pub use clock::{Clock, Instant, Pace, ROUNDING};
-pub use contour::{ContourBatch, ContourPassage, ContourQueue, Extension, Installed};
+pub use contour::{ContourBatch, ContourPassage, ContourQueue, ContourStopping, Extension, Installed};
 pub use junction::Ending;
 pub use passage::{Passage, Reach};
 pub use planner::{Momentum, Move, Parameter, Planner, QueueFull, Running};
+pub use stopping::Stopping;
 pub use track::Sample;
 
 pub use arcline_contour as precise;

@@ -1,7 +1,5 @@
 //! One path in execution: the geometry, the profile along it, and what is superposed.
 
-use std::collections::VecDeque;
-
 use arcline_geometry::{Path, PathPoint, Point, Turn, Turned};
 use arcline_profile::{Bounds, Limits, Phase, Profile, State};
 
@@ -98,15 +96,15 @@ impl Track {
     }
 
     /// As [`Track::sample`], but behind the end of its path on those of a trail: at most as many as a profile leads over.
-    pub(crate) fn sample_along(&self, trail: &VecDeque<Path>, clock: &Clock) -> Sample {
+    pub(crate) fn sample_along<'a>(&self, trail: impl Iterator<Item = &'a Path>, clock: &Clock) -> Sample {
         let mut sample = self.sample(clock);
-        let (mut path, mut place) = (&self.path, sample.along.position);
-        for next in trail {
-            if place <= path.length() || self.is_approaching(clock) {
+        let (mut length, mut place) = (self.path.length(), sample.along.position);
+        for path in trail {
+            if place <= length || self.is_approaching(clock) {
                 break;
             }
-            place -= path.length();
-            path = next;
+            place -= length;
+            length = path.length();
             let on = at(path, place, sample.along, sample.phase);
             sample = Sample {
                 along: sample.along,
@@ -114,6 +112,19 @@ impl Track {
                 ..on
             };
         }
+        sample
+    }
+
+    /// A sample of the move that blends with the end of this one, with what is left of this one.
+    pub(crate) fn add_rest(&self, mut sample: Sample, clock: &Clock) -> Sample {
+        let rest = self.sample(clock);
+        sample.position += rest.position - self.path.end();
+        sample.velocity += rest.velocity;
+        sample.acceleration += rest.acceleration;
+        sample.turned = match (sample.turned, rest.turned, self.turn) {
+            (Some(own), Some(rest), Some(turn)) => Some(own.after(&rest, turn.end())),
+            (own, rest, _) => own.or(rest),
+        };
         sample
     }
 

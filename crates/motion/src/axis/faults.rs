@@ -202,6 +202,22 @@ impl Faults {
         self.homed && side != 0 && TRAVEL.into_iter().any(stops)
     }
 
+    /// How far a motion may lead from a position within that travel, down and up; infinite where nothing forbids it, none on a
+    /// side beyond whose end it is.
+    pub(crate) fn room(&self, position: f64) -> [f64; 2] {
+        let stops = |side: i8| {
+            let mut kinds = TRAVEL.into_iter().filter(|(own, _)| *own == side);
+            self.homed && kinds.any(|(_, kind)| self.actions.of(kind).stops())
+        };
+        let travel = self.travel;
+        let down = travel.filter(|_| stops(-1)).map(|travel| travel.min - position);
+        let up = travel.filter(|_| stops(1)).map(|travel| travel.max - position);
+        [
+            down.map_or(f64::NEG_INFINITY, |down| down.min(0.0)),
+            up.map_or(f64::INFINITY, |up| up.max(0.0)),
+        ]
+    }
+
     /// Positions were shifted without motion: where the axis is now is where it was.
     pub(crate) fn redefined(&mut self, position: f64) {
         self.side = self.side_of(position);

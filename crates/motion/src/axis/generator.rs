@@ -73,6 +73,8 @@ pub(crate) struct Generator {
     /// The limits that its profile keeps, by what it is a function of, where they are known. 1.5 times their speed is as fast as
     /// it becomes.
     pub(crate) in_force: Option<Limits>,
+    /// The highest jerk that it was programmed with before it was stopped, units/s³.
+    pub(super) jerk: f64,
     /// It brakes, perhaps with more, what a cancelled transform had moved.
     pub(crate) parting: bool,
     /// Where it began, in its frame.
@@ -100,6 +102,7 @@ impl Generator {
             shown_segment: 0,
             over: false,
             in_force: None,
+            jerk: 0.0,
             parting: false,
             origin: 0.0,
             others: Displacements::default(),
@@ -134,6 +137,15 @@ impl Generator {
             speed: limits.speed.max(top / MOST_OVERSHOOT),
             ..*limits
         });
+    }
+
+    /// The highest jerk that it was programmed with, units/s³; 0 where that is not limited, or of a master.
+    pub(crate) fn highest_jerk(&self) -> f64 {
+        let program = self.program.filter(|_| self.guide.is_none());
+        let jerk = program.and_then(|program| program.dynamics.limits().jerk);
+        jerk.map_or(self.jerk, |jerk| {
+            self.jerk.max(jerk.acceleration).max(jerk.deceleration)
+        })
     }
 
     /// Goes on along another profile from this instant; the frame stays.

@@ -279,6 +279,7 @@ impl Axis {
         let before = generator.in_force.filter(|_| generator.guide.is_none());
         let kept = stopping(limits, before.as_ref());
         let stop = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
+        generator.jerk = generator.highest_jerk();
         // A stop is a function of time, whatever it stops.
         generator.guide = None;
         generator.follow(stop, now);
@@ -286,6 +287,28 @@ impl Axis {
         generator.execution = execution;
         generator.program = None;
         generator.stopping = true;
+    }
+
+    /// One generator is being stopped by its own profile, and reports to `execution` when it stands.
+    pub(crate) fn let_rest(&mut self, slot: Slot, execution: Option<Execution>) {
+        if let Some(generator) = self.sum.get_mut(slot) {
+            generator.jerk = generator.highest_jerk();
+            generator.execution = execution;
+            generator.program = None;
+            generator.stopping = true;
+        }
+    }
+
+    /// The stop with which the axis is kept from leading a robot where that cannot go: at its maxima, with no less jerk than what moves
+    /// it was programmed with.
+    pub(crate) fn guarded_stop(&self) -> Limits {
+        let mut limits = self.dynamics.stop(self.is_s_curve());
+        if let Some(jerk) = &mut limits.jerk {
+            let programmed = self.sum.active().map(|(_, generator)| generator.highest_jerk());
+            let highest = programmed.fold(jerk.deceleration, f64::max);
+            (jerk.acceleration, jerk.deceleration) = (highest, highest);
+        }
+        limits
     }
 
     /// Everything on the axis becomes one deceleration, out of its total speed and acceleration. Whoever had

@@ -2,11 +2,12 @@
 //! §19.7).
 
 use arcline_drive::Motion as Point;
-use arcline_planner::profile::{Jerk, Limits};
+use arcline_planner::profile::{Jerk, Limits, Profile, State};
 
+use super::pair::{Link, Positions, Side};
 use super::transform::bit;
-use crate::axis::AxisState;
 use crate::axis::sum::Slot;
+use crate::axis::{Axis, AxisState};
 use crate::motion::Motion;
 use crate::stop::AxisSet;
 
@@ -53,6 +54,7 @@ impl Motion {
             own_s_curve |= own.any(|(_, generator)| generator.s_curve);
         }
         // Everything is let go of before anything brakes: positions stay as they are throughout.
+        self.keep_beside(index, &link);
         for (axis, back) in link.source().iter().zip(&link.back) {
             let linked = &mut self.axes[usize::from(*axis)].linked;
             linked.settled += back.position;
@@ -79,6 +81,34 @@ impl Motion {
         braking
     }
 
+    /// What a cancelled transform had led a source back by stays beside what earlier ones make of that source: behind joints both
+    /// together are something else than one after the other.
+    fn keep_beside(&mut self, index: usize, cancelled: &Link) {
+        for other in self.links.iter_mut().take(index).flatten() {
+            let sources = other.source;
+            for (axis, beside) in sources.iter().take(other.counts[0]).zip(&mut other.beside) {
+                if let Some(place) = cancelled.source().iter().position(|own| own == axis) {
+                    *beside += cancelled.back[place].position;
+                }
+            }
+        }
+    }
+
+    /// Once all that transforms link stands, nothing is beside any more.
+    pub(super) fn join_beside(&mut self) {
+        let aside = |(_, link): (usize, &Link)| link.beside != Positions::default();
+        if !self.links().any(aside) {
+            return;
+        }
+        let adds = |link: &Link| link.robot().is_some() && link.back != Side::default();
+        let moves = |(_, link): (usize, &Link)| adds(link) || self.moves_either_side(link);
+        if !self.links().any(moves) {
+            for link in self.links.iter_mut().flatten() {
+                link.beside = Positions::default();
+            }
+        }
+    }
+
     /// An axis is part of one transform less.
     fn let_go(&mut self, axis: u16) {
         let state = &mut self.axes[usize::from(axis)];
@@ -92,6 +122,7 @@ impl Motion {
 
     fn part(&mut self, axis: u16, moved: &Point, limits: &Limits, braking: &mut AxisSet) {
         let state = &mut self.axes[usize::from(axis)];
+        let limits = &within_travel(state, moved, limits);
         let stands = moved.velocity == 0.0 && (moved.acceleration == 0.0 || limits.jerk.is_none());
         if !stands && state.state == AxisState::Running {
             state.part(*moved, limits, self.clock.now());
@@ -114,3 +145,26 @@ impl Motion {
         }
     }
 }
+
+/// A stop that ends within the travel of the axis, however short that is, at the rates of `limits` otherwise.
+fn within_travel(axis: &Axis, moved: &Point, limits: &Limits) -> Limits {
+    let [down, up] = axis.faults.room(axis.command.position);
+    let room = if moved.velocity < 0.0 { -down } else { up };
+    let from = State {
+        position: 0.0,
+        velocity: moved.velocity,
+        acceleration: limits.jerk.map_or(0.0, |_| moved.acceleration),
+    };
+    if room.is_infinite() || Profile::stop(from, limits).end().position.abs() <= room {
+        return *limits;
+    }
+    let deceleration = 0.5 * moved.velocity * moved.velocity / room.max(NO_ROOM);
+    Limits {
+        deceleration: deceleration.max(limits.deceleration),
+        jerk: None,
+        ..*limits
+    }
+}
+
+/// Position units.
+const NO_ROOM: f64 = 1e-9;

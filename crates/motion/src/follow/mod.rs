@@ -4,10 +4,12 @@
 //! While nothing follows there is no order, and axes are computed one after the other. Real-time: nothing allocates; a
 //! tick is bounded by the axes, the coordinate systems and the transforms that are under way.
 
+pub(crate) mod ahead;
 pub(crate) mod cam;
 mod cancel;
 mod failing;
 pub(crate) mod gear;
+mod guard;
 pub(crate) mod guide;
 pub(crate) mod links;
 pub(crate) mod order;

@@ -32,6 +32,8 @@ pub(crate) struct Link {
     pub(super) offset: Positions,
     /// What had been added to the target at the start.
     pub(super) added_from: Positions,
+    /// What later targets had led the source back by when their transforms were cancelled: part of where it is, but not of `above`.
+    pub(super) beside: Positions,
     /// Where the source is without what this target and later ones lead it back by.
     pub(super) above: Side,
     /// Where that leads the target, in the frames of its axes' generators.
@@ -61,6 +63,7 @@ impl Link {
             counts: [source, target].map(|axes| axes.len().min(MAX_SYSTEM_AXES)),
             offset: Positions::default(),
             added_from: Positions::default(),
+            beside: Positions::default(),
             above: Side::default(),
             down: Side::default(),
             led: Side::default(),
@@ -155,6 +158,11 @@ impl Link {
             add(whole, added);
         }
         whole
+    }
+
+    /// Whether others lead the target elsewhere than where the source leads it without them.
+    pub(super) fn is_led_aside(&self) -> bool {
+        positions(&self.down) != positions(&self.led)
     }
 
     /// Whether its target is a robot's joints.

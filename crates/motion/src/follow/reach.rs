@@ -147,7 +147,8 @@ impl Motion {
         whole
     }
 
-    fn step_of(&self, link: &Link, step: &impl Fn(u16) -> Point, depth: usize) -> Side {
+    /// How far the source of a link is led by steps of its own axes, and of those that lead it.
+    pub(super) fn step_of(&self, link: &Link, step: &impl Fn(u16) -> Point, depth: usize) -> Side {
         let mut whole = Side::default();
         for (axis, point) in link.source().iter().zip(&mut whole) {
             *point = step(*axis);
@@ -205,7 +206,8 @@ impl Motion {
         let mut robot = *robot;
         let mut heading = course.heading;
         let mut source = |share: f64| self.source_on(system, link, course, share, &mut heading);
-        let mut looks = LOOKS;
+        let length = course.path.length();
+        let (mut looks, mut extremes) = (LOOKS, EXTREMES);
         let mut joints = robot.begin(&source(0.0))?;
         self.verify_joints(link, &joints, pace)?;
         let mut here = 0.0;
@@ -215,7 +217,7 @@ impl Motion {
             while here < goal {
                 let there = robot.place(&source(next))?;
                 looks -= 1;
-                if looks > 0 && turns_far(&robot, &joints, &there) {
+                if looks > 0 && turns_far(&robot, &joints, &there, (next - here) * length) {
                     if next - here < FINEST {
                         return Err(MotionError::TransformAtOrigin);
                     }
@@ -223,11 +225,46 @@ impl Motion {
                     continue;
                 }
                 self.verify_joints(link, &there, pace)?;
+                for place in 0..link.target().len() {
+                    let way = Between {
+                        place,
+                        ends: [here, next],
+                        joints: [&joints, &there],
+                    };
+                    if extremes > 0 && way.turns_round(length) {
+                        extremes -= 1;
+                        self.verify_extreme(link, &robot, &way, &mut source, pace)?;
+                    }
+                }
                 robot.follow_joints(&there);
                 (here, joints, next) = (next, there, goal);
                 if looks == 0 {
                     return Ok(());
                 }
+            }
+        }
+        Ok(())
+    }
+
+    /// Where a joint turns round between two looks it may not be able to be, however short that part of the path is.
+    fn verify_extreme(
+        &self,
+        link: &Link,
+        robot: &RobotMap,
+        way: &Between<'_>,
+        source: &mut impl FnMut(f64) -> Side,
+        pace: &mut Pace,
+    ) -> Result<(), MotionError> {
+        let [mut low, mut high] = way.ends;
+        let rises = way.joints[0][way.place].velocity > 0.0;
+        for _ in 0..HALVES {
+            let middle = 0.5 * (low + high);
+            let joints = robot.place(&source(middle))?;
+            self.verify_joints(link, &joints, pace)?;
+            if (joints[way.place].velocity > 0.0) == rises {
+                low = middle;
+            } else {
+                high = middle;
             }
         }
         Ok(())
@@ -247,16 +284,42 @@ impl Motion {
     }
 }
 
-/// Whether a joint that turns does so by more than a step should.
-fn turns_far(robot: &RobotMap, before: &Side, after: &Side) -> bool {
+/// The way of a joint between two looks at a path, at shares of it.
+struct Between<'a> {
+    place: usize,
+    ends: [f64; 2],
+    joints: [&'a Side; 2],
+}
+
+impl Between<'_> {
+    /// Whether it goes one way at the beginning and the other way at the end.
+    fn turns_round(&self, length: f64) -> bool {
+        let [before, after] = self.joints.map(|joints| joints[self.place].velocity);
+        let way = (self.ends[1] - self.ends[0]) * length;
+        before * after < 0.0 && before.abs().max(after.abs()) * way > ROUNDING
+    }
+}
+
+/// Whether a joint that turns does so by more than a step should, or might between its ends. `way`: of the path.
+fn turns_far(robot: &RobotMap, before: &Side, after: &Side, way: f64) -> bool {
     let mut joints = before.iter().zip(after).enumerate();
-    joints.any(|(place, (before, after))| robot.turns(place) && (after.position - before.position).abs() > FAR)
+    joints.any(|(place, (before, after))| {
+        let gone = after.position - before.position;
+        // Of the cubic through both, in the middle: how far from where the straight way between the velocities would be.
+        let bent = 1.5 * (gone - 0.5 * (before.velocity + after.velocity) * way);
+        robot.turns(place) && (gone.abs() > FAR || bent.abs() > FAR)
+    })
 }
 
 /// Steps of a path.
 const STEPS: u16 = 32;
 /// Looks at one path, the halved steps included.
 const LOOKS: u16 = 400;
+/// Places at which a joint turns round that are looked for, and how often a step is halved for one.
+const EXTREMES: u16 = 24;
+const HALVES: u16 = 18;
+/// Degrees or position units that are none.
+const ROUNDING: f64 = 1e-6;
 /// What joints do between two looks at a path is within this share of what they do at one of them.
 const SHARE: f64 = 0.98;
 /// Degrees.

@@ -227,6 +227,19 @@ impl RobotMap {
         }
     }
 
+    /// How far a joint can turn, degrees; `None`: as far as it likes.
+    pub(super) fn range(&self, joint: usize) -> Option<[f64; 2]> {
+        match &self.mechanism {
+            Mechanism::Arm { robot, .. } => robot.range(joint),
+            Mechanism::Wrist(_) => None,
+        }
+    }
+
+    /// Whether its first joint can be half a turn further, with the tool at the same place.
+    pub(super) fn has_mirror(&self) -> bool {
+        matches!(&self.mechanism, Mechanism::Arm { robot, .. } if robot.geometry().has_mirror())
+    }
+
     fn joints(&self, robot: &Robot, arm: Arm, tool: &Side) -> Result<Side, MotionError> {
         let joints = robot.inverse(three(tool).map(moving), arm).map_err(refused)?;
         let joints = self.near(wide(joints.map(point)));
@@ -247,7 +260,7 @@ impl RobotMap {
     }
 
     /// In the turns in which they were last.
-    fn near(&self, mut joints: Side) -> Side {
+    pub(super) fn near(&self, mut joints: Side) -> Side {
         for (place, joint) in joints.iter_mut().enumerate().filter(|(place, _)| self.turns(*place)) {
             joint.position += TURN * ((self.last[place] - joint.position) / TURN).round();
         }

@@ -9,8 +9,9 @@
 //! robot cannot follow ([`super::failing`]), what is shown of it ([`super::shown`]). Nothing allocates. Units: position units, seconds.
 
 use arcline_drive::Motion as Point;
-use arcline_instruction_set::MotionError;
+use arcline_instruction_set::{AxisIndex, MotionError};
 
+use super::guard;
 use super::pair::{Link, Map, Side, add};
 use super::robot::positions;
 use crate::axis::generator::Generator;
@@ -124,10 +125,15 @@ impl Motion {
             return;
         };
         let mut above = Side::default();
-        for (axis, point) in link.source().iter().zip(&mut above) {
+        for ((axis, point), beside) in link.source().iter().zip(&mut above).zip(link.beside) {
             *point = self.above(*axis, index);
+            point.position -= beside;
         }
-        match link.place(&above) {
+        let placed = link.place(&above).and_then(|down| match link.is_led_aside() {
+            true => Ok(down),
+            false => self.within_speeds(&link, down, &link.down),
+        });
+        match placed {
             Ok(down) => (link.above, link.down) = (above, down),
             Err(error) => link.fail(error, self.clock.period()),
         }
@@ -141,6 +147,46 @@ impl Motion {
         self.links[index] = Some(link);
     }
 
+    /// Joints that the source leads further in an update than their speeds let them are led no more: they brake out of what they
+    /// did before.
+    ///
+    /// # Errors
+    /// 69, or 68 where a joint would turn at once.
+    fn within_speeds(&self, link: &Link, led: Side, before: &Side) -> Result<Side, MotionError> {
+        if !link.leads_joints() {
+            return Ok(led);
+        }
+        let period = self.clock.period();
+        for (place, axis) in link.target().iter().enumerate() {
+            let (now, before) = (&led[place], &before[place]);
+            if guard::too_far(before, now, self.axes[usize::from(*axis)].dynamics.speed, period) {
+                let at_once = (now.position - before.position).abs() > guard::AT_ONCE;
+                return Err(if at_once {
+                    MotionError::TransformAtOrigin
+                } else {
+                    MotionError::MaxJointVelocityExceeded(AxisIndex(place as u8))
+                });
+            }
+        }
+        Ok(led)
+    }
+
+    /// The same where the target's own motion leads joints back.
+    fn within_speeds_back(&self, link: &Link, back: Side) -> Result<Side, MotionError> {
+        if link.robot().is_none() || link.leads_joints() {
+            return Ok(back);
+        }
+        let period = self.clock.period();
+        for (place, axis) in link.source().iter().enumerate() {
+            // What the joint does besides is not the target's doing.
+            let most = self.axes[usize::from(*axis)].dynamics.speed + link.above[place].velocity.abs();
+            if guard::too_far(&link.back[place], &back[place], most, period) {
+                return Err(MotionError::MaxJointVelocityExceeded(AxisIndex(place as u8)));
+            }
+        }
+        Ok(back)
+    }
+
     /// What the target's own motion adds to the source now.
     pub(super) fn compute_back(&mut self, index: usize) {
         let Some(link) = self.links[index] else {
@@ -148,6 +194,7 @@ impl Motion {
         };
         let leads_back = link.target().iter().any(|axis| self.leads_by_itself(*axis));
         let back = link.turn_back(&self.added_to(&link));
+        let back = back.and_then(|back| self.within_speeds_back(&link, back));
         let period = self.clock.period();
         if let Some(own) = &mut self.links[index] {
             own.leads_back = leads_back;
@@ -163,7 +210,7 @@ impl Motion {
     }
 
     /// What has been added to the target since the transform began, or since that became part of where the source is.
-    fn added_to(&self, link: &Link) -> Side {
+    pub(super) fn added_to(&self, link: &Link) -> Side {
         let mut added = Side::default();
         for ((place, axis), added) in link.target().iter().enumerate().zip(&mut added) {
             *added = self.added(*axis);
@@ -194,7 +241,8 @@ impl Motion {
             .any(|axis| self.axes[usize::from(*axis)].is_s_curve());
         link.leads = link.source().iter().any(|axis| self.leads_on(*axis, index));
         if link.failed.is_none() {
-            match self.lead_of(index, &link) {
+            let led = self.lead_of(index, &link);
+            match led.and_then(|led| self.within_speeds(&link, led, &link.led)) {
                 Ok(led) => link.led = led,
                 Err(error) => link.fail(error, self.clock.period()),
             }

@@ -54,7 +54,7 @@ use crate::control::Execution;
 use crate::material::Sent;
 use crate::motion::Motion;
 pub(crate) use masd::shut_down;
-pub(crate) use mcs::stop_move;
+
 use moves::MoveLayout;
 
 /// Places of the operands on the faceplates, looked up in the catalogue once.

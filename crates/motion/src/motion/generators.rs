@@ -122,6 +122,31 @@ impl Motion {
         self.axes[at].stale = true;
     }
 
+    /// As [`Motion::stop_generator`] for what is not being stopped; what comes to rest sooner by its own profile goes on with that,
+    /// and a stop that is under way reports as before.
+    pub(crate) fn stop_generator_soonest(&mut self, axis: u16, slot: Slot, limits: &Limits) {
+        let at = usize::from(axis);
+        let Some(generator) = self.axes[at].sum.get(slot) else {
+            return;
+        };
+        let reports = generator.execution.filter(|_| generator.stopping);
+        let ended = generator.execution.filter(|_| !generator.stopping);
+        let own = generator.timed(&self.clock);
+        let sooner = own.is_some()
+            && generator
+                .soonest(own, generator.state(), limits, self.axes[at].bounds)
+                .is_none();
+        if let Some(ended) = ended {
+            self.end_move(ended, 0);
+        }
+        if sooner {
+            self.axes[at].let_rest(slot, reports);
+        } else {
+            self.axes[at].brake(slot, limits, reports, self.clock.now());
+        }
+        self.axes[at].stale = true;
+    }
+
     /// What becomes of an axis that stands after a stop.
     pub(crate) fn stand(&mut self, axis: u16, after: AfterStop) {
         let state = &mut self.axes[usize::from(axis)];

@@ -56,6 +56,27 @@ impl Motion {
         system.stale = true;
     }
 
+    /// As [`Motion::stop_on_path`], for what a robot must not go on with: a contour brakes without waiting for room within the limits
+    /// of the axes, a stop that is under way brakes no later than it would, and what comes to rest sooner by its own profile goes
+    /// on with that.
+    pub(crate) fn stop_on_path_at_once(&mut self, index: usize, limits: &Limits) {
+        let clock = self.clock;
+        let system = &mut self.systems[index];
+        if system.guide.is_some() {
+            self.stop_on_path(index, limits);
+            return;
+        }
+        if !system.is_busy() {
+            return;
+        }
+        system.activity = Activity::Stopping;
+        match &mut system.contour {
+            Some(contour) if system.planner.active().is_none() => contour.stop_at_once(limits, &clock),
+            _ => system.planner.stop_soonest(limits, &clock),
+        }
+        system.stale = true;
+    }
+
     /// Ends a running stop's instruction without PC.
     pub(crate) fn end_stop(&mut self, index: usize) {
         if let Some(stop) = self.systems[index].stop.take() {

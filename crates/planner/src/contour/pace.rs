@@ -78,6 +78,11 @@ impl Pace {
         }
     }
 
+    /// Seconds from its beginning to the end of the present ramp.
+    pub(super) fn duration(&self) -> f64 {
+        self.ramp.duration()
+    }
+
     /// How long from the present tick until the trajectory's own time has come to a place, negative for what has passed;
     /// `None`: it never does, as things are.
     pub(super) fn until(&self, own: f64, clock: &Clock) -> Option<f64> {

@@ -1,11 +1,13 @@
 //! Robots behind transforms: the tool stays on its line while the joints move, and what happens where the arm cannot go
 //! (spec/coordinated-instructions.md §19, §20, §22).
 
+mod guard;
 mod lines;
 mod mcto;
 mod orientation;
 mod paths;
 mod tool;
+mod wandering;
 
 use arcline_config::load;
 use arcline_controller::machine::Build;

@@ -1,0 +1,378 @@
+//! What a stop would do that began at the next update: where everything that leads a robot's joints would be on the way to rest.
+//!
+//! It is the stop that follows if the guard decides for it ([`super::failing`]): with the jerk, the accelerations and the
+//! superposed motions of now. Not here: what the joints make of it ([`super::guard`]). Real-time: nothing allocates; bounded by the
+//! transforms, the coordinate systems and the axes. Units: position units, seconds.
+
+use arcline_drive::Motion as Point;
+use arcline_planner::geometry::{Point as Vector, angle_rates, angles};
+use arcline_planner::profile::{Bounds, Jerk, Limits, Profile, State};
+use arcline_planner::{Clock, ContourStopping, Move, Pace, Sample, Stopping};
+
+use super::pair::{Link, Side};
+use crate::axis::generator::{Generator, Law};
+use crate::axis::sum::Slot;
+use crate::machine::MAX_SYSTEM_AXES;
+use crate::motion::Motion;
+use crate::system::{Planned, component};
+
+/// Stops that have not begun; the memory is kept from look to look.
+#[derive(Debug, Default)]
+pub(crate) struct Ahead {
+    paths: Vec<PathStop>,
+    axes: Vec<AxisStop>,
+    /// How far each axis of the machine is from where it is now, and how fast.
+    steps: Vec<Point>,
+}
+
+/// How a coordinate system comes to rest on its path.
+#[derive(Clone, Debug)]
+struct PathStop {
+    system: usize,
+    course: Course,
+    /// Rx, Ry, Rz where it was looked at last, degrees.
+    near: Vector,
+}
+
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "a box would allocate in the tick")]
+enum Course {
+    Planned(Stopping),
+    Contour(ContourStopping),
+}
+
+/// How a generator of an axis comes to rest.
+#[derive(Clone, Copy, Debug)]
+struct AxisStop {
+    axis: u16,
+    profile: Profile,
+    /// Seconds of the profile that are over when the stop begins.
+    since: f64,
+    /// Where the generator is now.
+    from: f64,
+}
+
+/// The axes that a link and the transforms above it move.
+#[derive(Clone, Copy, Debug)]
+struct Involved {
+    axes: [u16; INVOLVED],
+    count: usize,
+}
+
+impl Involved {
+    fn iter(&self) -> impl Iterator<Item = u16> {
+        self.axes[..self.count].iter().copied()
+    }
+
+    fn add(&mut self, axes: &[u16]) {
+        for axis in axes {
+            if !self.iter().any(|known| known == *axis)
+                && let Some(place) = self.axes.get_mut(self.count)
+            {
+                *place = *axis;
+                self.count += 1;
+            }
+        }
+    }
+}
+
+impl Ahead {
+    /// For a machine of so many axes and coordinate systems. The only allocation.
+    pub(crate) fn new(axes: usize, systems: usize) -> Self {
+        Ahead {
+            paths: Vec::with_capacity(systems),
+            axes: Vec::with_capacity(AXIS_STOPS),
+            steps: vec![Point::default(); axes],
+        }
+    }
+
+    /// Seconds from the next update until everything is at rest.
+    pub(super) fn duration(&self) -> f64 {
+        let paths = self.paths.iter().map(|stop| match &stop.course {
+            Course::Planned(stopping) => stopping.duration(),
+            Course::Contour(stopping) => stopping.duration(),
+        });
+        let axes = self.axes.iter().map(|stop| stop.profile.duration() - stop.since);
+        paths.chain(axes).fold(0.0, f64::max)
+    }
+
+    /// How far an axis is from where it is now, at the instant that was looked at last, by what moves it itself.
+    pub(super) fn step(&self, axis: u16) -> Point {
+        self.steps[usize::from(axis)]
+    }
+}
+
+impl Motion {
+    /// Works out what a stop of all that leads a link would do, the target's own motion included, if it began at the next update.
+    pub(super) fn plan_ahead(&self, link: &Link, ahead: &mut Ahead) {
+        ahead.paths.clear();
+        ahead.axes.clear();
+        let involved = self.involved(link);
+        for axis in involved.iter() {
+            ahead.steps[usize::from(axis)] = Point::default();
+            self.plan_axis(axis, ahead);
+        }
+        for (index, system) in self.systems.iter().enumerate() {
+            let moves = |axis: &u16| involved.iter().any(|other| other == *axis);
+            if !system.is_busy() || !system.taken().iter().any(moves) {
+                continue;
+            }
+            for axis in system.taken() {
+                ahead.steps[usize::from(*axis)] = Point::default();
+            }
+            if let Some(course) = self.path_course(index)
+                && ahead.paths.len() < ahead.paths.capacity()
+            {
+                let near = self.turned_to(index);
+                ahead.paths.push(PathStop {
+                    system: index,
+                    course,
+                    near,
+                });
+            }
+        }
+    }
+
+    /// Brings the steps of a plan to an instant, `seconds` after the next update.
+    pub(super) fn look_at(&self, ahead: &mut Ahead, seconds: f64) {
+        for stop in &ahead.axes {
+            ahead.steps[usize::from(stop.axis)] = Point::default();
+        }
+        for stop in &ahead.paths {
+            for axis in self.systems[stop.system].taken() {
+                ahead.steps[usize::from(*axis)] = Point::default();
+            }
+        }
+        for stop in &ahead.axes {
+            let at = stop.profile.at(stop.since + seconds);
+            let step = &mut ahead.steps[usize::from(stop.axis)];
+            step.position += at.position - stop.from;
+            step.velocity += at.velocity;
+            step.acceleration += at.acceleration;
+        }
+        let clock = self.clock.next().later(seconds);
+        for stop in &mut ahead.paths {
+            let system = &self.systems[stop.system];
+            let sample = match &stop.course {
+                Course::Planned(stopping) => Some(system.planner.sample_stopping(stopping, &clock)),
+                Course::Contour(stopping) => {
+                    let contour = system.contour.as_ref();
+                    contour.and_then(|contour| contour.sample_stopping(stopping, &clock))
+                }
+            };
+            if let Some(sample) = sample {
+                self.step_along(stop, &sample, &mut ahead.steps);
+            }
+        }
+    }
+
+    /// The axes of both sides of a link, and of the sources above it.
+    fn involved(&self, link: &Link) -> Involved {
+        let mut involved = Involved {
+            axes: [0; INVOLVED],
+            count: 0,
+        };
+        involved.add(link.target());
+        let mut above = Some(link);
+        for _ in 0..self.links.len() {
+            let Some(next) = above else { break };
+            involved.add(next.source());
+            above = self.above_of(next);
+        }
+        involved
+    }
+
+    /// The transform that leads the source of a link.
+    pub(super) fn above_of(&self, link: &Link) -> Option<&Link> {
+        let leads = |other: &&Link| other.target().iter().any(|axis| link.source().contains(axis));
+        self.links().map(|(_, other)| other).find(leads)
+    }
+
+    fn plan_axis(&self, axis: u16, ahead: &mut Ahead) {
+        let state = &self.axes[usize::from(axis)];
+        let limits = state.guarded_stop();
+        for (slot, generator) in state.sum.active() {
+            if matches!(slot, Slot::Transform | Slot::MasterOffset) || ahead.axes.len() >= AXIS_STOPS {
+                continue;
+            }
+            let own = match &generator.law {
+                Law::Planned { profile, start } if generator.guide.is_none() => {
+                    Some((profile, start.elapsed(&self.clock.next())))
+                }
+                // The coordinate system says.
+                Law::Followed if slot == Slot::System => continue,
+                _ => None,
+            };
+            let stop = slot.is_single_axis().then(|| {
+                let next = coming(generator, own, self.clock.period());
+                generator.soonest(own, next, &limits, state.bounds)
+            });
+            let (profile, since) = match (stop.flatten(), own) {
+                (Some(stop), _) => (stop, 0.0),
+                (None, Some((own, since))) => (*own, since),
+                (None, None) => continue,
+            };
+            ahead.axes.push(AxisStop {
+                axis,
+                profile,
+                since,
+                from: generator.now.position,
+            });
+        }
+    }
+
+    fn path_course(&self, index: usize) -> Option<Course> {
+        let system = &self.systems[index];
+        let limits = self.path_stop(index);
+        let time = self.clock.next();
+        let Some(guide) = &system.guide else {
+            return match system.contour_in_force() {
+                Some(contour) => contour.stopping(&limits, None, &time, &time).map(Course::Contour),
+                None => system.planner.stopping(&limits, &time).map(Course::Planned),
+            };
+        };
+        // The master goes on like this for an update.
+        let period = self.clock.period();
+        let gone = |pace: &Pace| (pace.speed + 0.5 * pace.acceleration * period) * period;
+        let on = |pace: Pace| Pace {
+            speed: (pace.speed + pace.acceleration * period).max(0.0),
+            ..pace
+        };
+        match system.contour_in_force() {
+            Some(contour) => {
+                let pace = system.contour_pace(guide);
+                let clock = system.contour_clock(&self.clock).later(gone(&pace).max(0.0));
+                let stopping = contour.stopping(&limits, Some(&on(pace)), &clock, &time);
+                stopping.map(Course::Contour)
+            }
+            None => {
+                let pace = guide.pace();
+                let clock = guide.clock().later(gone(&pace).max(0.0));
+                let stopping = system.planner.stopping_in_time(&limits, &on(pace), &clock, &time);
+                stopping.map(Course::Planned)
+            }
+        }
+    }
+
+    /// Rx, Ry, Rz of what a coordinate system's own move does, degrees.
+    fn turned_to(&self, index: usize) -> Vector {
+        let mut near = Vector::zeros();
+        for (axis, angle) in self.systems[index].description.oriented().iter().zip(near.iter_mut()) {
+            *angle = self.coordinated(*axis);
+        }
+        near
+    }
+
+    /// Where the coordinated part of an axis's motion is.
+    fn coordinated(&self, axis: u16) -> f64 {
+        let generator = self.axes[usize::from(axis)].sum.get(Slot::System);
+        generator.map_or(0.0, |generator| generator.now.position)
+    }
+
+    fn step_along(&self, stop: &mut PathStop, sample: &Sample, steps: &mut [Point]) {
+        let system = &self.systems[stop.system].description;
+        let mut add = |axes: &[u16], [position, velocity, acceleration]: [Vector; 3]| {
+            for (place, axis) in axes.iter().enumerate() {
+                let step = &mut steps[usize::from(*axis)];
+                step.position += component(&position, place) - self.coordinated(*axis);
+                step.velocity += component(&velocity, place);
+                step.acceleration += component(&acceleration, place);
+            }
+        };
+        add(system.linear(), [sample.position, sample.velocity, sample.acceleration]);
+        if let Some(turned) = &sample.turned {
+            stop.near = angles(&turned.rotation, &stop.near);
+            let [rate, change] = angle_rates(&stop.near, &turned.rate, &turned.change);
+            add(system.oriented(), [stop.near, rate, change]);
+        }
+    }
+
+    /// The stop on the path that the guard makes: at the maxima of the coordinate system, with no less jerk than programmed.
+    pub(super) fn path_stop(&self, index: usize) -> Limits {
+        let system = &self.systems[index];
+        let own = &system.description;
+        let in_time = |motion: &Move<Planned>| motion.parameter.in_time(&motion.limits).jerk;
+        let (s_curve, programmed) = match (system.contour_in_force(), system.planner.active()) {
+            (Some(contour), _) => (
+                contour.moves().any(|planned| planned.data.dynamics.is_s_curve()),
+                contour.moves().filter_map(in_time).map(highest).fold(0.0, f64::max),
+            ),
+            (None, Some(active)) => (
+                active.motion.data.dynamics.is_s_curve(),
+                in_time(&active.motion).map_or(0.0, highest),
+            ),
+            (None, None) => (false, 0.0),
+        };
+        let jerk = own.max_deceleration_jerk.max(programmed);
+        Limits {
+            speed: own.max_speed,
+            acceleration: own.max_deceleration,
+            deceleration: own.max_deceleration,
+            jerk: s_curve.then_some(Jerk {
+                acceleration: jerk,
+                deceleration: jerk,
+            }),
+        }
+    }
+
+    /// Where the source of a link is at the instant of a plan that was looked at last.
+    pub(super) fn source_ahead(&self, link: &Link, ahead: &Ahead) -> Side {
+        let mut source = self.step_of(link, &|axis| ahead.step(axis), self.links.len());
+        for (point, above) in source.iter_mut().zip(&link.above).take(link.source().len()) {
+            point.position += above.position;
+        }
+        source
+    }
+}
+
+fn highest(jerk: Jerk) -> f64 {
+    jerk.acceleration.max(jerk.deceleration)
+}
+
+/// The state of a generator at the next update: by its profile, or as it moves now.
+fn coming(generator: &Generator, own: Option<(&Profile, f64)>, period: f64) -> State {
+    match own {
+        Some((profile, since)) => profile.at(since),
+        None => {
+            let now = generator.state();
+            State {
+                position: now.position + (now.velocity + 0.5 * now.acceleration * period) * period,
+                velocity: now.velocity + now.acceleration * period,
+                ..now
+            }
+        }
+    }
+}
+
+impl Generator {
+    /// A stop out of a state, unless the generator's own profile, of which so many seconds are over then, comes to rest sooner.
+    pub(crate) fn soonest(
+        &self,
+        own: Option<(&Profile, f64)>,
+        mut from: State,
+        limits: &Limits,
+        bounds: Bounds,
+    ) -> Option<Profile> {
+        if limits.jerk.is_none() {
+            from.acceleration = 0.0;
+        }
+        let before = self.in_force.filter(|_| self.guide.is_none());
+        let stop = Profile::stop_within(from, limits, before.as_ref(), bounds);
+        let sooner =
+            own.is_some_and(|(own, since)| own.end().velocity == 0.0 && own.duration() - since <= stop.duration());
+        (!sooner).then_some(stop)
+    }
+
+    /// Its own profile by time, and how much of it is over at the present tick.
+    pub(crate) fn timed(&self, clock: &Clock) -> Option<(&Profile, f64)> {
+        match &self.law {
+            Law::Planned { profile, start } if self.guide.is_none() => Some((profile, start.elapsed(clock))),
+            _ => None,
+        }
+    }
+}
+
+/// Axes of a link and of what leads it: four systems.
+const INVOLVED: usize = 4 * MAX_SYSTEM_AXES;
+/// Generators that one look takes in; more are seen when they have led the joints too far.
+const AXIS_STOPS: usize = 32;

@@ -1,0 +1,67 @@
+//! A stop of a planned contour that begins at once, whatever the limits of the axes, and what it would do before it is needed.
+//!
+//! [`ContourQueue::stop`] waits for room within the limits of the axes; where a robot must not go on, there is no time for
+//! that. Nothing here allocates. Position units, seconds.
+
+use arcline_profile::{Limits, State};
+
+use super::pace::Pace;
+use super::{ContourQueue, Course, Run};
+use crate::{Clock, Sample};
+
+/// A stop at once that has not begun.
+#[derive(Clone, Copy, Debug)]
+pub struct ContourStopping(Pace);
+
+impl ContourStopping {
+    /// Seconds from its beginning to rest.
+    pub fn duration(&self) -> f64 {
+        self.0.duration()
+    }
+}
+
+impl<T: Copy> ContourQueue<T> {
+    /// What [`ContourQueue::stop_at_once`] would do at `clock`, which may lie ahead of the present tick. `way`: how what
+    /// `clock` shows goes on, where a master leads; `time` then shows time. Real-time.
+    pub fn stopping(
+        &self,
+        limits: &Limits,
+        way: Option<&crate::Pace>,
+        clock: &Clock,
+        time: &Clock,
+    ) -> Option<ContourStopping> {
+        let run = self.run.as_ref()?;
+        Some(ContourStopping(run.stopping(limits, way, clock, time)))
+    }
+
+    /// Where the coordinate system would be at an instant of a stop. Real-time.
+    pub fn sample_stopping(&self, stopping: &ContourStopping, clock: &Clock) -> Option<Sample> {
+        let run = self.run.as_ref()?;
+        Some(run.at(stopping.0.at(clock)))
+    }
+
+    /// Brakes on the path from the present tick on at the rates of `limits`, besides what the trajectory itself does there. The
+    /// moves are the caller's to end. Real-time.
+    pub fn stop_at_once(&mut self, limits: &Limits, clock: &Clock) {
+        self.asked = None;
+        if let Some(run) = &mut self.run {
+            run.pace = run.stopping(limits, None, clock, clock);
+            run.course = Course::Stopping;
+        }
+    }
+}
+
+impl Run {
+    fn stopping(&self, limits: &Limits, way: Option<&crate::Pace>, clock: &Clock, time: &Clock) -> Pace {
+        let now: State = self.pace.at(clock);
+        let now = way.map_or(now, |way| way.in_time(now));
+        let speed = self
+            .trajectory
+            .at(now.position)
+            .velocity
+            .norm()
+            .max(1e-3 * limits.speed);
+        let jerk = limits.jerk.map(|jerk| jerk.deceleration / speed);
+        Pace::stopping(now, limits.deceleration / speed, jerk, time)
+    }
+}

@@ -1,0 +1,111 @@
+//! What a stop on the path would do if it began at an instant: looked at before it is needed.
+//!
+//! A [`Stopping`] is what the planner, or a queue of contours, would be after [`Planner::stop_soonest`]; sampling it changes
+//! nothing. Nothing here allocates. Position units, seconds.
+
+use arcline_geometry::Path;
+use arcline_profile::{Bounds, Limits, Profile};
+
+use crate::planner::Planner;
+use crate::track::Track;
+use crate::{Clock, Pace, Parameter, Sample};
+
+/// A stop on the path that has not begun.
+#[derive(Clone, Copy, Debug)]
+pub struct Stopping {
+    active: Track,
+    tail: Option<Track>,
+    /// Seconds from its beginning to rest.
+    duration: f64,
+}
+
+impl Stopping {
+    /// Seconds from its beginning to rest.
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+}
+
+impl<T: Copy> Planner<T> {
+    /// What [`Planner::stop_soonest`] would do at `clock`, which may lie ahead of the present tick. Real-time.
+    pub fn stopping(&self, limits: &Limits, clock: &Clock) -> Option<Stopping> {
+        let limits = &self.allowed(limits);
+        let before = self.before();
+        let halted = |track: &Track, before: Option<&Limits>| {
+            let mut track = *track;
+            track.halt(limits, before, self.bounds, clock);
+            track
+        };
+        let active = halted(&self.active.as_ref()?.track, before.as_ref());
+        let tail = self.tail.as_ref().map(|tail| halted(tail, None));
+        Some(Stopping::of(active, tail, clock))
+    }
+
+    /// What [`Planner::stop_in_time`] would do, where `clock` shows the way that the master will have gone at `time`, and
+    /// `pace` how that goes on. Real-time.
+    pub fn stopping_in_time(&self, limits: &Limits, pace: &Pace, clock: &Clock, time: &Clock) -> Option<Stopping> {
+        let halted = |track: &Track| {
+            let mut track = *track;
+            track.stop_in_time(limits, self.bounds, pace, clock, time);
+            track
+        };
+        let active = halted(&self.active.as_ref()?.track);
+        let tail = self.tail.as_ref().map(halted);
+        Some(Stopping::of(active, tail, time))
+    }
+
+    /// Where the coordinate system would be at an instant of a stop. The path goes on along the moves that wait. Real-time.
+    pub fn sample_stopping(&self, stopping: &Stopping, clock: &Clock) -> Sample {
+        let waiting = self.queue.iter().map(|motion| &motion.path);
+        stopping.sample(self.trail().chain(waiting), clock)
+    }
+
+    /// As [`Planner::stop`], but what comes to rest sooner by its own profile goes on with that: nothing is made slower than it
+    /// was programmed. Real-time.
+    pub fn stop_soonest(&mut self, limits: &Limits, clock: &Clock) {
+        self.hand_over_at = None;
+        let limits = &self.allowed(limits);
+        let (before, bounds) = (self.before(), self.bounds);
+        let running = self.active.iter_mut().map(|running| (&mut running.track, before));
+        for (track, before) in running.chain(self.tail.iter_mut().map(|tail| (tail, None))) {
+            track.halt(limits, before.as_ref(), bounds, clock);
+        }
+        if let Some(running) = &mut self.active {
+            running.motion.parameter = Parameter::TIME;
+            running.exit = 0.0;
+            running.joined = 0;
+            running.stopped = true;
+        }
+    }
+}
+
+impl Stopping {
+    fn of(active: Track, tail: Option<Track>, clock: &Clock) -> Self {
+        let left = |track: &Track| track.duration(clock) - track.start.elapsed(clock);
+        let duration = tail.iter().map(left).fold(left(&active), f64::max);
+        Stopping {
+            active,
+            tail,
+            duration: duration.max(0.0),
+        }
+    }
+
+    fn sample<'a>(&self, trail: impl Iterator<Item = &'a Path>, clock: &Clock) -> Sample {
+        let sample = self.active.sample_along(trail, clock);
+        match &self.tail {
+            Some(tail) => tail.add_rest(sample, clock),
+            None => sample,
+        }
+    }
+}
+
+impl Track {
+    /// Brakes from the clock's instant on, unless its own profile comes to rest sooner.
+    fn halt(&mut self, limits: &Limits, before: Option<&Limits>, bounds: Bounds, clock: &Clock) {
+        let stop = Profile::stop_within(self.state(clock), limits, before, bounds);
+        let left = self.profile.duration() - self.start.elapsed(clock);
+        if self.profile.end().velocity != 0.0 || left > stop.duration() {
+            self.replan(stop, clock.now());
+        }
+    }
+}
