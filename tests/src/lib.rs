@@ -27,6 +27,7 @@ pub mod node;
 pub mod programs;
 pub mod python;
 pub mod random;
+pub mod robot_programs;
 pub mod robots;
 pub mod scanner;
 pub mod server;

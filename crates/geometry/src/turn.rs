@@ -84,6 +84,25 @@ pub fn angle_rates(angles: &Point, rate: &Point, change: &Point) -> [Point; 2] {
     .map(|of| of.map(f64::to_degrees))
 }
 
+/// The reverse of [`angle_rates`]: what the rates of fixed X-Y-Z angles and their changes, in degrees, are about axes: radians per second
+/// and per second².
+#[must_use]
+pub fn turn_rates(angles: &Point, velocity: &Point, acceleration: &Point) -> [Point; 2] {
+    let [(_, _), (sb, cb), (sc, cc)] = [angles.x, angles.y, angles.z].map(sin_cos);
+    let [v, a] = [velocity, acceleration].map(|of| of.map(f64::to_radians));
+    // What the first angle does lies along its axis in the plane of X3 and X1, the second lies across that.
+    let along = v.x * cb;
+    let along_change = a.x * cb - v.x * v.y * sb - v.y * v.z;
+    let across_change = a.y + along * v.z;
+    let rate = Point::new(along * cc - v.y * sc, along * sc + v.y * cc, v.z - v.x * sb);
+    let change = Point::new(
+        along_change * cc - across_change * sc,
+        along_change * sc + across_change * cc,
+        a.z - a.x * sb - v.x * v.y * cb,
+    );
+    [rate, change]
+}
+
 /// The way from one orientation to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
@@ -95,6 +114,10 @@ pub struct Turn {
     angle: f64,
     /// About X3 beside it, radians.
     spin: f64,
+    /// The fixed angles of its ends, degrees.
+    shown: [Point; 2],
+    /// It belongs to a move that keeps the orientation.
+    keeps: bool,
 }
 
 /// An orientation on the way, and how it changes with the share of the way that is gone.
@@ -106,6 +129,8 @@ pub struct Turned {
     pub rate: Point,
     /// How that changes, radians by the square of it.
     pub change: Point,
+    /// Fixed angles, degrees, that say in which turns those of the orientation are: at the ends of the way they are these.
+    pub near: Point,
 }
 
 impl Turn {
@@ -120,7 +145,37 @@ impl Turn {
             axis,
             angle,
             spin: turns * core::f64::consts::TAU,
+            shown: [Point::zeros(); 2],
+            keeps: false,
         }
+    }
+
+    /// The same with the fixed angles of its ends, degrees, each in the turn that it is to be shown in.
+    #[must_use]
+    pub fn showing(self, shown: [Point; 2]) -> Turn {
+        Turn { shown, ..self }
+    }
+
+    /// The turn of a move that keeps an orientation.
+    #[must_use]
+    pub fn keeping(angles: &Point) -> Turn {
+        let at = rotation(angles);
+        Turn {
+            keeps: true,
+            ..Turn::new(&at, &at, 0.0).showing([*angles; 2])
+        }
+    }
+
+    /// Whether it belongs to a move that keeps the orientation.
+    #[must_use]
+    pub fn keeps(&self) -> bool {
+        self.keeps
+    }
+
+    /// Where it ends, at rest.
+    #[must_use]
+    pub fn ended(&self) -> Turned {
+        Turned::standing(self.to, self.shown[1])
     }
 
     /// The orientation at the end.
@@ -136,14 +191,18 @@ impl Turn {
         (self.axis * self.angle + Point::z() * self.spin).norm().to_degrees()
     }
 
-    /// The orientation at a share of the way, 0 to 1; both ends bit for bit. Real-time.
+    /// The orientation at a share of the way; both ends, 0 and 1, bit for bit. A way that is overshot goes on turning. Real-time.
     #[must_use]
     pub fn at(&self, share: f64) -> Turned {
+        if self.keeps {
+            return self.ended();
+        }
+        let [first, last] = self.shown;
         let spun = about(&Point::z(), self.spin * share);
         let axis = spun * self.axis;
-        let rotation = if share <= 0.0 {
+        let rotation = if share == 0.0 {
             self.from
-        } else if share >= 1.0 {
+        } else if share == 1.0 {
             self.to
         } else {
             spun * about(&self.axis, self.angle * share) * self.from
@@ -153,36 +212,66 @@ impl Turn {
             rotation,
             rate: spin + axis * self.angle,
             change: spin.cross(&axis) * self.angle,
+            // Between the ends the angles of a turn of at most half a turn are nearer to these than half a turn.
+            near: if share == 1.0 {
+                last
+            } else {
+                first + (last - first) * share
+            },
         }
     }
 }
 
 impl Turned {
+    /// At rest.
+    #[must_use]
+    pub fn standing(rotation: Matrix3<f64>, near: Point) -> Turned {
+        Turned {
+            rotation,
+            rate: Point::zeros(),
+            change: Point::zeros(),
+            near,
+        }
+    }
+
+    /// The fixed angles, degrees; at rest where it was to be, these to the last bit. Real-time.
+    #[must_use]
+    pub fn angles(&self) -> Point {
+        let shown = angles(&self.rotation, &self.near);
+        let stands = self.rate == Point::zeros() && self.change == Point::zeros();
+        if stands && (shown - self.near).abs().max() <= SAME_ANGLES {
+            self.near
+        } else {
+            shown
+        }
+    }
+
     /// By time, where the share of the way has a speed and an acceleration.
     #[must_use]
     pub fn in_time(self, speed: f64, acceleration: f64) -> Turned {
         Turned {
-            rotation: self.rotation,
             rate: self.rate * speed,
             change: self.rate * acceleration + self.change * (speed * speed),
+            ..self
         }
     }
 
     /// This, on what is left of another turn that ends where this one began: as both go on at once.
     #[must_use]
-    pub fn after(self, other: &Turned, other_end: &Matrix3<f64>) -> Turned {
-        let own = self.rotation * other_end.transpose();
+    pub fn after(self, other: &Turned, other_end: &Turned) -> Turned {
+        let own = self.rotation * other_end.rotation.transpose();
         let carried = own * other.rate;
         Turned {
             rotation: own * other.rotation,
             rate: self.rate + carried,
             change: self.change + own * other.change + self.rate.cross(&carried),
+            near: self.near + other.near - other_end.near,
         }
     }
 }
 
 /// The rotation about a unit axis by an angle in radians.
-fn about(axis: &Point, angle: f64) -> Matrix3<f64> {
+pub(crate) fn about(axis: &Point, angle: f64) -> Matrix3<f64> {
     let (s, _) = libm::sincos(angle);
     let (half, _) = libm::sincos(0.5 * angle);
     let k = axis.cross_matrix();
@@ -229,8 +318,10 @@ fn axis_angle(m: &Matrix3<f64>) -> (Point, f64) {
 const UPRIGHT: f64 = 1e-9;
 /// Below this ratio of the parts of a quaternion there is no turn but rounding.
 const NO_TURN: f64 = 1e-15;
-/// Below this ratio of them it is half a turn, but for rounding.
-const HALF_TURN: f64 = 1e-12;
+/// Below this ratio of them it is half a turn, but for rounding of the angles.
+const HALF_TURN: f64 = 1e-9;
+/// Angles that differ by less are the same, degrees: rounding.
+const SAME_ANGLES: f64 = 1e-9;
 
 #[cfg(test)]
 mod tests {
@@ -337,12 +428,20 @@ mod tests {
             prop_assert!((bend - change).abs().max() < 1e-3 * (1.0 + change.abs().max() + velocity.norm_squared()), "{bend} {change}");
         }
 
+        #[test]
+        fn rates_of_angles_and_back(at in orientation(), v in orientation(), a in orientation()) {
+            prop_assume!(at.y.abs() < 80.0);
+            let [rate, change] = turn_rates(&at, &v, &a);
+            let [velocity, acceleration] = angle_rates(&at, &rate, &change);
+            prop_assert!((velocity - v).abs().max() < 1e-9 && (acceleration - a).abs().max() < 1e-7, "{velocity} {acceleration}");
+        }
+
         /// The end of one turn and the beginning of the next at once.
         #[test]
         fn two_at_once(a in orientation(), b in orientation(), c in orientation(), share in 0.1..0.9f64) {
             let [a, b, c] = [a, b, c].map(|angles| rotation(&angles));
             let (first, second) = (Turn::new(&a, &b, 0.0), Turn::new(&b, &c, 0.0));
-            let both = |u: f64, v: f64| second.at(v).after(&first.at(u), first.end());
+            let both = |u: f64, v: f64| second.at(v).after(&first.at(u), &first.ended());
             prop_assert!(distance(&both(1.0, share).rotation, &second.at(share).rotation) < 1e-12);
             prop_assert!(distance(&both(share, 0.0).rotation, &first.at(share).rotation) < 1e-12);
             let step = 1e-5;

@@ -4,9 +4,11 @@
 //! The axes show fixed X-Y-Z angles: Ry within a quarter turn of 0, Rx and Rz in the turn that goes on. Beyond a quarter turn of Ry
 //! the other two change by half a turn at once, as the reference's mirror rule has it. Real-time: nothing allocates. Units: degrees.
 
-use arcline_planner::Sample;
-use arcline_planner::geometry::{Point, Turn, angle_rates, angles, continued, rotation};
+use arcline_planner::geometry::{Path, Point, Turn, angle_rates, angles, continued, nearest, rotation, turn_rates};
+use arcline_planner::profile::Limits;
+use arcline_planner::{Sample, Turning};
 
+use crate::axis::Axis;
 use crate::axis::sum::Slot;
 use crate::machine::MAX_PRIMARY_AXES;
 use crate::motion::Motion;
@@ -50,75 +52,174 @@ pub(crate) fn turn(from: &Point, to: &Point) -> Turn {
     } else {
         missing.round()
     };
-    Turn::new(&start, &end, turns)
+    let (followed, mirrored) = shown_at_end(&shortest, from);
+    let mut shown = *to;
+    if mirrored {
+        // Half a turn of Rx is what the mirror rule leaves.
+        let beside = (to.x - passed.x) / 360.0;
+        shown.x -= if beside.abs() <= 0.5 + ROUNDING {
+            0.0
+        } else {
+            360.0 * beside.round()
+        };
+    } else {
+        shown.x = nearest(to.x, followed.x);
+        // Beside straight up, where Rz takes half a turn on a short way, it may do so on the other side.
+        shown.z = nearest(to.z, followed.z + 360.0 * turns);
+    }
+    Turn::new(&start, &end, turns).showing([*from, shown])
+}
+
+/// The shortest turn between two triples of angles, with whole turns about Z beside it.
+pub(crate) fn turn_by(from: &Point, to: &Point, turns: f64) -> Turn {
+    let to = &if to.y.abs() > 90.0 { normal(to) } else { *to };
+    let [start, end] = [from, to].map(rotation);
+    let (passed, _) = shown_at_end(&Turn::new(&start, &end, 0.0), from);
+    let shown = Point::new(nearest(to.x, passed.x), to.y, nearest(to.z, passed.z) + 360.0 * turns);
+    Turn::new(&start, &end, turns).showing([*from, shown])
+}
+
+/// The angles at the end of a turn that begins at some, followed without a step; and whether it passes straight up or down, where Rx
+/// and Rz change by half a turn at once, in either direction. Bounded.
+fn shown_at_end(turn: &Turn, from: &Point) -> (Point, bool) {
+    let (mut at, mut here, mut mirrored) = (*from, 0.0, false);
+    let whole = f64::from(LOOKS).recip();
+    let mut step = whole;
+    for _ in 0..MOST_LOOKS {
+        let share = f64::min(here + step, 1.0);
+        let there = angles(&turn.at(share).rotation, &at);
+        if (there.x - at.x).abs().max((there.z - at.z).abs()) > FAR {
+            if step * turn.angle() > FINEST {
+                step *= 0.5;
+                continue;
+            }
+            mirrored = true;
+        }
+        (at, here, step) = (there, share, whole.min(2.0 * step));
+        if share >= 1.0 {
+            break;
+        }
+    }
+    (at, mirrored)
 }
 
 impl Motion {
-    /// Rx, Ry, Rz at the end of the last move in the queue that turns, or where the axes are commanded to be.
-    pub(crate) fn heading(&self, index: usize) -> Point {
+    /// Rx, Ry, Rz at the end of the last move in the queue where one of its moves turns, in the frame in which the queue began.
+    pub(crate) fn queued_heading(&self, index: usize) -> Option<Point> {
         let system = &self.systems[index];
-        let queued = if system.activity == Activity::Moving {
-            let active = system.planner.active().map(|running| running.motion.data.heading);
-            let pending = system.planner.pending().map(|waiting| waiting.data.heading);
-            active.into_iter().chain(pending).flatten().next_back()
-        } else {
-            None
-        };
-        queued.unwrap_or_else(|| self.angles_of(index))
+        if system.activity != Activity::Moving {
+            return None;
+        }
+        let planner = &system.planner;
+        let active = planner.active().map(|running| &running.motion);
+        planner.last_pending().or(active)?.data.heading
+    }
+
+    /// The same, or where the axes are commanded to be.
+    pub(crate) fn heading(&self, index: usize) -> Point {
+        self.queued_heading(index).unwrap_or_else(|| self.angles_of(index))
     }
 
     /// The turn of a move behind the queue that keeps the orientation; none where there is no orientation.
     pub(crate) fn still(&self, index: usize) -> Option<Turn> {
         self.systems[index].description.orientation?;
-        let heading = rotation(&self.heading(index));
-        Some(Turn::new(&heading, &heading, 0.0))
+        Some(Turn::keeping(&self.heading(index)))
+    }
+
+    /// What Rx, Ry, Rz were redefined by since the queue took them.
+    pub(crate) fn heading_shift(&self, index: usize) -> Point {
+        match self.queued_heading(index) {
+            Some(_) => self.oriented(index, |axis| axis.sum.shift_of(Slot::System)),
+            None => Point::zeros(),
+        }
+    }
+
+    /// How the coordinated motion of a system turns at the present.
+    pub(crate) fn turning(&self, index: usize) -> Option<Turning> {
+        let limits = self.systems[index].planner.turn_limits()?;
+        let moves = |axis: &Axis| {
+            axis.sum
+                .get(Slot::System)
+                .map(|generator| generator.now)
+                .unwrap_or_default()
+        };
+        let angles = self.angles_of(index);
+        let [rate, change] = turn_rates(
+            &angles,
+            &self.oriented(index, |axis| moves(axis).velocity),
+            &self.oriented(index, |axis| moves(axis).acceleration),
+        );
+        Some(Turning {
+            angles,
+            rate,
+            change,
+            limits,
+        })
+    }
+
+    fn oriented(&self, index: usize, quantity: impl Fn(&Axis) -> f64) -> Point {
+        let mut of = Point::zeros();
+        for (axis, of) in self.systems[index].description.oriented().iter().zip(of.iter_mut()) {
+            *of = self.axes.get(usize::from(*axis)).map_or(0.0, &quantity);
+        }
+        of
     }
 
     /// Where the axes Rx, Ry, Rz are commanded to be.
     fn angles_of(&self, index: usize) -> Point {
-        let mut angles = Point::zeros();
-        for (axis, angle) in self.systems[index].description.oriented().iter().zip(angles.iter_mut()) {
-            *angle = self
-                .axes
-                .get(usize::from(*axis))
-                .map_or(0.0, |axis| axis.command.position);
-        }
-        angles
+        self.oriented(index, |axis| axis.command.position)
     }
 
     /// A deceleration along the path, of a share of the Maximum Deceleration, with which the turn of the active move keeps to that
     /// share of its own maximum too. What only turns has that as its own.
     pub(crate) fn kept_by_turn(&self, index: usize, deceleration: f64) -> f64 {
-        let system = &self.systems[index];
-        let (Some(turns), Some(running)) = (system.description.orientation, system.planner.active()) else {
+        let active = self.systems[index].planner.active();
+        active.map_or(deceleration, |running| {
+            self.kept_by(index, deceleration, &running.motion.path, running.motion.turn.as_ref())
+        })
+    }
+
+    fn kept_by(&self, index: usize, deceleration: f64, path: &Path, turn: Option<&Turn>) -> f64 {
+        let description = &self.systems[index].description;
+        let (Some(turns), Some(turn)) = (description.orientation, turn) else {
             return deceleration;
         };
-        let (motion, share) = (&running.motion, deceleration / system.description.max_deceleration);
-        let Some(turn) = &motion.turn else {
-            return deceleration;
-        };
-        let own = share * turns.max_deceleration;
-        if motion.data.only_turns {
+        let own = deceleration / description.max_deceleration * turns.max_deceleration;
+        if path.stands() {
             own
         } else if turn.angle() > 0.0 {
-            deceleration.min(own * motion.path.length() / turn.angle())
+            deceleration.min(own * path.length() / turn.angle())
         } else {
             deceleration
         }
     }
 
+    /// The limits of a stop of the active move as such of the move that it blends with, where one of them turns: the way of each may be
+    /// angles or positions.
+    pub(crate) fn of_tail(&self, index: usize, limits: &Limits) -> Option<Limits> {
+        let system = &self.systems[index];
+        let turns = system.description.orientation?;
+        let (path, turn) = system.planner.tail()?;
+        let most = system.description.max_deceleration;
+        let stands = system
+            .planner
+            .active()
+            .is_some_and(|running| running.motion.path.stands());
+        let deceleration = if stands {
+            limits.deceleration / turns.max_deceleration * most
+        } else {
+            limits.deceleration
+        };
+        Some(Limits {
+            deceleration: self.kept_by(index, deceleration, path, turn),
+            ..*limits
+        })
+    }
+
     /// The axes' part of a turn at the present tick.
     pub(crate) fn seat_turned(&mut self, index: usize, sample: &Sample) {
         let Some(turned) = &sample.turned else { return };
-        let mut near = Point::zeros();
-        for (axis, angle) in self.systems[index].description.oriented().iter().zip(near.iter_mut()) {
-            let generator = self
-                .axes
-                .get(usize::from(*axis))
-                .and_then(|axis| axis.sum.get(Slot::System));
-            *angle = generator.map_or(0.0, |generator| generator.now.position);
-        }
-        let shown = angles(&turned.rotation, &near);
+        let shown = turned.angles();
         let [velocity, acceleration] = angle_rates(&shown, &turned.rate, &turned.change);
         self.seat_angles(index, [shown, velocity, acceleration]);
     }
@@ -150,5 +251,11 @@ impl Motion {
 
 /// Looks at a turn of at most half a turn: its angles do not go further than a quarter between two.
 const LOOKS: u32 = 16;
+/// The same with steps that are halved beside straight up.
+const MOST_LOOKS: u32 = 200;
+/// Degrees of Rx or Rz in a step.
+const FAR: f64 = 60.0;
+/// Degrees: the angles of a turn that passes straight up nearer than this change at once.
+const FINEST: f64 = 0.05;
 /// Of a share of a turn.
 const ROUNDING: f64 = 1e-9;

@@ -18,6 +18,14 @@ impl<T: Copy> Planner<T> {
             self.start(next, at, clock);
             return self.active_data();
         };
+        // What has come to its end blends with nothing any more. Between different clocks everything has, and does not know the new one.
+        let other = last.motion.parameter != next.parameter;
+        if other || self.tail.is_some_and(|tail| tail.is_over_at(&at, clock)) {
+            self.tail = None;
+        }
+        if other || self.ramping_out.is_some_and(|out| out.is_over_at(&at, clock)) {
+            self.ramping_out = None;
+        }
         let between = junction(&last.motion, &next, last.blended);
         if last.joined > 0 {
             self.go_on(&last, next, between, at, clock);
@@ -27,6 +35,7 @@ impl<T: Copy> Planner<T> {
         match between {
             Junction::Blend { .. } if early => {
                 self.tail = Some(last.track);
+                self.tail_turns = last.turn_limits();
                 self.run(next, State::default(), at, None, true, clock);
             }
             Junction::Overtake { .. } if early && self.overtake(&last, next, at, clock) => {}

@@ -68,7 +68,7 @@ fn shape<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Shape {
     if other || first.path.length() == 0.0 || second.path.length() == 0.0 {
         return Shape::Rest;
     }
-    let turns = first.turn.is_some() || second.turn.is_some();
+    let turns = [first.turn, second.turn].iter().flatten().any(|turn| !turn.keeps());
     let in_line = !turns && collinear(&first.path, &second.path);
     match first.ending {
         Ending::Blend { tolerance } if tolerance > 0.0 => {

@@ -26,6 +26,7 @@ mod queue;
 mod sight;
 mod stopping;
 mod track;
+mod turning;
 
 pub use clock::{Clock, Instant, Pace, ROUNDING};
 pub use contour::{ContourBatch, ContourPassage, ContourQueue, ContourStopping, Extension, Installed};
@@ -34,6 +35,7 @@ pub use passage::{Passage, Reach};
 pub use planner::{Momentum, Move, Parameter, Planner, QueueFull, Running};
 pub use stopping::Stopping;
 pub use track::Sample;
+pub use turning::{TurnResidual, Turning};
 
 pub use arcline_contour as precise;
 pub use arcline_geometry as geometry;

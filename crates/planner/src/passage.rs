@@ -83,7 +83,10 @@ impl<T: Copy> Planner<T> {
 
     /// When everything of the active move has come to its end, after the start of its track.
     fn end_of(&self, running: &Running<T>, clock: &Clock) -> f64 {
-        let end = running.track.duration(clock);
+        let mut end = running.track.duration(clock);
+        if let (Some(out), true) = (&self.ramping_out, running.exit == 0.0) {
+            end = end.max(out.rests_after(&running.track.start, clock));
+        }
         match &self.tail {
             Some(tail) if running.exit == 0.0 => {
                 end.max(tail.duration(clock) + running.track.start.elapsed(clock) - tail.start.elapsed(clock))

@@ -11,6 +11,7 @@ use crate::look_ahead::Plan;
 use crate::merge::Within;
 use crate::queue::Queue;
 use crate::track::{Residual, Sample, Track};
+use crate::turning::RampingOut;
 use crate::{Clock, Instant, Pace};
 
 /// A path to travel and the limits along it. `T` is whatever the owner wants back with it.
@@ -18,7 +19,7 @@ use crate::{Clock, Instant, Pace};
 pub struct Move<T> {
     /// The geometric path, by arc length.
     pub path: Path,
-    /// How the orientation turns along it, evenly by arc length; `None`: it stays.
+    /// How the orientation turns along it, evenly by arc length, or which one it keeps; `None`: no move of the queue turns it.
     pub turn: Option<Turn>,
     /// The highest speed at which it may be begun where the path before it does not go over into it without a corner, by what
     /// it is a function of; infinite: what the axes let it.
@@ -138,6 +139,10 @@ pub struct Planner<T> {
     pub(crate) active: Option<Running<T>>,
     /// The end of a move that the active one blends with.
     pub(crate) tail: Option<Track>,
+    /// What the turn of that end may be braked with, radians and seconds.
+    pub(crate) tail_turns: Option<Limits>,
+    /// What is left of a turn that a merge took over.
+    pub(crate) ramping_out: Option<RampingOut>,
     pub(crate) queue: Queue<T>,
     depth: usize,
     /// Seconds after the active track's start at which the successor takes over before the programmed end.
@@ -164,6 +169,8 @@ impl<T: Copy> Planner<T> {
         Planner {
             active: None,
             tail: None,
+            tail_turns: None,
+            ramping_out: None,
             queue: Queue::new(depth, corner_step),
             depth,
             hand_over_at: None,
@@ -269,6 +276,7 @@ impl<T: Copy> Planner<T> {
     pub fn clear_active(&mut self) -> Option<T> {
         self.clear_trail();
         self.tail = None;
+        self.ramping_out = None;
         self.within = None;
         self.hand_over_at = None;
         self.active.take().map(|running| running.motion.data)
@@ -322,6 +330,7 @@ impl<T: Copy> Planner<T> {
     /// on. From now on the planner's clock is `time`.
     pub fn stop_in_time(&mut self, limits: &Limits, pace: &Pace, clock: &Clock, time: &Clock) {
         self.hand_over_at = None;
+        self.ramp_out_in_time(pace, clock, time);
         let running = self.active.iter_mut().map(|running| &mut running.track);
         for track in running.chain(&mut self.tail) {
             track.stop_in_time(limits, self.bounds, pace, clock, time);
@@ -337,6 +346,7 @@ impl<T: Copy> Planner<T> {
 
     /// Where the coordinate system is at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
+<<<<<<< HEAD
         let sample = self.active.as_ref()?.track.sample_along(self.trail.iter(), clock);
         Some(match &self.tail {
             Some(tail) => tail.add_rest(sample, clock),
@@ -347,6 +357,23 @@ impl<T: Copy> Planner<T> {
     /// Paths of cancelled moves behind the active one.
     pub(crate) fn trail(&self) -> impl Iterator<Item = &Path> {
         self.trail.iter()
+=======
+        let mut sample = self.active.as_ref()?.track.sample_along(&self.trail, clock);
+        if let Some(tail) = &self.tail {
+            let rest = tail.sample(clock);
+            sample.position += rest.position - tail.path.end();
+            sample.velocity += rest.velocity;
+            sample.acceleration += rest.acceleration;
+            sample.turned = match (sample.turned, rest.turned, tail.turn) {
+                (Some(own), Some(rest), Some(turn)) => Some(own.after(&rest, &turn.ended())),
+                (own, rest, _) => own.or(rest),
+            };
+        }
+        if let Some(out) = &self.ramping_out {
+            sample.turned = Some(out.beside(sample.turned, clock));
+        }
+        Some(sample)
+>>>>>>> c6ed7cd (Hand the orientation on from move to move)
     }
 
     pub(crate) fn run(

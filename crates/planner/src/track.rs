@@ -3,7 +3,7 @@
 use arcline_geometry::{Path, PathPoint, Point, Turn, Turned};
 use arcline_profile::{Bounds, Limits, Phase, Profile, State};
 
-use crate::{Clock, Instant, Pace};
+use crate::{Clock, Instant, Pace, ROUNDING};
 
 /// A path with the profile along it, from an instant on.
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +76,11 @@ impl Track {
     pub(crate) fn sample(&self, clock: &Clock) -> Sample {
         let elapsed = self.start.elapsed(clock);
         if let (Some(approach), true) = (&self.approach, elapsed < 0.0) {
-            return approach.sample(clock);
+            return Sample {
+                // Only what keeps its orientation is approached.
+                turned: self.turn.map(|turn| turn.at(0.0)),
+                ..approach.sample(clock)
+            };
         }
         let along = self.along(elapsed);
         let phase = self.profile.phase(elapsed);
@@ -88,10 +92,14 @@ impl Track {
             residual.add(&mut sample, self.path.length(), clock);
         }
         let length = self.path.length();
-        if let (Some(turn), true) = (&self.turn, length > 0.0) {
-            let turned = turn.at(along.position / length);
-            sample.turned = Some(turned.in_time(along.velocity / length, along.acceleration / length));
-        }
+        sample.turned = self.turn.map(|turn| {
+            if length > 0.0 {
+                let turned = turn.at(along.position / length);
+                turned.in_time(along.velocity / length, along.acceleration / length)
+            } else {
+                turn.ended()
+            }
+        });
         sample
     }
 
@@ -202,6 +210,11 @@ impl Track {
     /// Whether the path has not begun: the predecessor is still being interpolated to its end.
     pub(crate) fn is_approaching(&self, clock: &Clock) -> bool {
         self.approach.is_some() && self.start.elapsed(clock) < 0.0
+    }
+
+    /// Whether everything of this track has come to its end at an instant.
+    pub(crate) fn is_over_at(&self, at: &Instant, clock: &Clock) -> bool {
+        self.start.elapsed(clock) - at.elapsed(clock) >= self.duration(clock) - ROUNDING
     }
 
     /// Seconds after the start at which everything of this track has come to its end.

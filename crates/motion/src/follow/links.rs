@@ -16,6 +16,8 @@ pub(crate) struct MasterLink {
     pub(crate) master: Master,
     /// How fast the master moves in general, master units/s, more than 0.
     pub(crate) nominal: f64,
+    /// Whether Nominal Master Velocity says so.
+    pub(crate) has_nominal: bool,
     /// AC, as last written.
     pub(crate) shown_active: bool,
 }

@@ -9,7 +9,7 @@ use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
 use arcline_planner::geometry::{Path, Point, Turn};
 use arcline_planner::{Ending, Momentum, Move, Parameter};
 
-use super::moves::{self, INCREMENTAL, MERGE_DISABLED};
+use super::moves::{self, INCREMENTAL, MERGE_DISABLED, TakenOver};
 use super::programmed::{self, LockLayout};
 use super::{merging, points};
 use super::{no_target, place};
@@ -108,6 +108,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let link = motion.systems[index].links.newest().copied();
     layout.lock.verify(call, driven, link.as_ref())?;
     let link = link.filter(|_| driven);
+    // Percent by a master are of the maxima at its nominal speed (§18.1).
+    if link.is_some_and(|link| !link.has_nominal) && tags.dynamics.units_mode == PERCENT {
+        return Err(layout.no_dynamics());
+    }
     let lead = match &link {
         Some(link) => Some(layout.lock.lead(motion, call, link)?),
         None => None,
@@ -120,7 +124,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     verify::not_homing(system, &motion.axes)?;
     verify::stoppable(system, &motion.axes, tags.dynamics.profile == S_CURVE)?;
     let (start, shift) = (points::start_point(motion, index), points::queue_shift(motion, index));
-    let way = Way::of(&tags.path, &(start + shift), &motion.heading(index));
+    let headings = [motion.heading(index), motion.heading_shift(index)];
+    let way = Way::of(&tags.path, &(start + shift), headings);
     let (termination, ending) = termination(&tags.path, &system.description, &way)?;
     let maxima = Maxima::from(&system.description);
     let [moves_by, turns_by] = rates(&tags.dynamics, &maxima, &orientation, link.as_ref());
@@ -162,7 +167,12 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
             only_turns: way.path.stands(),
         },
     };
-    moves::launch(motion, index, planned, way.path, Momentum::default(), MERGE_DISABLED)
+    let at_rest = TakenOver {
+        momentum: Momentum::default(),
+        residual: None,
+        merge: MERGE_DISABLED,
+    };
+    moves::launch(motion, index, planned, way.path, at_rest)
 }
 
 /// Where a move leads and how.
@@ -174,26 +184,21 @@ struct Way {
 }
 
 impl Way {
-    /// From a point and an orientation. The turns counter of J6 counts whole turns of Rz, that of J4, which turns the other way
-    /// round, as many less; of an absolute move those of the end, of an incremental one those beside its way.
-    fn of(data: &PathData, start: &Point, heading: &Point) -> Way {
+    /// From a point and an orientation, that of the queue's frame; `shift`: from it to that of now. The turns counter of J6 counts whole
+    /// turns of Rz, that of J4, which turns the other way round, as many less; of an absolute move those of the end, of an incremental one
+    /// those beside its way.
+    fn of(data: &PathData, start: &Point, [heading, shift]: [Point; 2]) -> Way {
         let [x, y, z, rx, ry, rz] = data.position;
         let [_, fourth, sixth, _] = data.turns_counters;
-        let counted = 360.0 * f64::from(i32::from(sixth) - i32::from(fourth));
-        let (mut end, mut angles) = (Point::new(x, y, z), Point::new(rx, ry, rz));
-        if data.move_type == INCREMENTAL {
+        let turns = f64::from(i32::from(sixth) - i32::from(fourth));
+        let (mut end, angles) = (Point::new(x, y, z), Point::new(rx, ry, rz));
+        let turn = if data.move_type == INCREMENTAL {
             end += start;
-            angles += heading;
-        }
-        let normal = heading::normal(&angles);
-        let mut to = normal;
-        // Without its own turns an incremental move ends where its angles do.
-        to.z = if data.move_type == INCREMENTAL {
-            arcline_planner::geometry::nearest(normal.z, heading.z) + counted
+            heading::turn_by(&heading, &(heading + angles), turns)
         } else {
-            normal.z + counted
+            let counted = Point::z() * (360.0 * turns);
+            heading::turn(&heading, &(heading::normal(&angles) + counted - shift))
         };
-        let turn = heading::turn(heading, &to);
         let mut path = Path::line(*start, end);
         if path.length() == 0.0 {
             path = Path::standing(*start, turn.angle());
@@ -201,7 +206,7 @@ impl Way {
         Way {
             path,
             turn: Some(turn),
-            heading: to,
+            heading: turn.ended().near,
         }
     }
 

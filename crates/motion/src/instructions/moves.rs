@@ -3,9 +3,9 @@
 //! Not here: where moves begin and end ([`super::points`]), and what they are merged with or follow ([`super::merging`]).
 
 use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError};
-use arcline_planner::geometry::{Path, Point};
+use arcline_planner::geometry::{Path, Point, Turn};
 use arcline_planner::profile::Phase;
-use arcline_planner::{Ending, Momentum, Move, Parameter};
+use arcline_planner::{Ending, Momentum, Move, Parameter, TurnResidual};
 
 use super::merging::{on_the_way, parameter, terminate, terminated, verify_lead};
 use super::place;
@@ -138,8 +138,11 @@ pub(super) fn execute(
     let path = programmed.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
     verify::no_overtravel(system, &motion.axes, &path.end())?;
-    // What queues begins with the orientation at the end of the queue.
+    // What queues begins with the orientation at the end of the queue, and keeps it.
     let still = (merge == MERGE_DISABLED).then(|| motion.still(index)).flatten();
+    let mut heading = (merge == MERGE_DISABLED)
+        .then(|| motion.queued_heading(index))
+        .flatten();
     let mut pace = motion.verify_reach(index, &path.shifted(&shift), still.as_ref())?;
     if system.description.joint_limits == AxisLimits::Ignore {
         pace = Pace::UNLIMITED;
@@ -150,14 +153,20 @@ pub(super) fn execute(
         corner = motion.corner_pace(index, &path, &shift);
     }
     let mut momentum = terminated(motion, index, merge);
+    let mut turning = match merge {
+        MERGE_DISABLED => None,
+        _ => motion.turning(index),
+    };
     let mut current = command(motion, index, |axis| axis.command.velocity).norm();
     let mut driven = false;
     if let (Some(lead), Some(link)) = (lead, &link) {
-        let moves = momentum.velocity != Point::zeros();
+        let turns = turning.is_some_and(|turning| turning.rate != Point::zeros());
+        let moves = momentum.velocity != Point::zeros() || turns;
         let by_master = programmed::pace(link, lead.lock, moves)?;
         let idle = merge != MERGE_DISABLED && !moves && link.master.velocity() == 0.0;
         verify_lead(motion, index, merge, lead, idle)?;
         momentum = on_the_way(&by_master, &momentum);
+        turning = turning.map(|turning| turning.on_the_way(&by_master, link.nominal));
         current = if by_master.speed > 0.0 {
             current / by_master.speed
         } else {
@@ -178,9 +187,11 @@ pub(super) fn execute(
         (Some(lead), Some(link)) => parameter(motion, index, merge, lead, link),
         _ => Parameter::TIME,
     };
+    let residual = turning.and_then(|turning| turning.ramped_out());
+    heading = residual.map(|residual| residual.end()).or(heading);
     let planned = Move {
         path,
-        turn: None,
+        turn: heading.map(|heading| Turn::keeping(&heading)),
         corner,
         limits: dynamics.limits(),
         ending,
@@ -192,11 +203,25 @@ pub(super) fn execute(
             lead,
             events,
             pace,
-            heading: None,
+            heading,
             only_turns: false,
         },
     };
-    launch(motion, index, planned, programmed, momentum, merge)
+    let taken = TakenOver {
+        momentum,
+        residual,
+        merge,
+    };
+    launch(motion, index, planned, programmed, taken)
+}
+
+/// What a move goes on from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TakenOver {
+    pub(super) momentum: Momentum,
+    /// A turn that ramps out beside the move.
+    pub(super) residual: Option<TurnResidual>,
+    pub(super) merge: i32,
 }
 
 /// Starts or queues a move that was verified. `programmed`: its path in positions as they are now.
@@ -205,10 +230,14 @@ pub(super) fn launch(
     index: usize,
     planned: Move<Planned>,
     programmed: Path,
-    momentum: Momentum,
-    merge: i32,
+    taken: TakenOver,
 ) -> Result<(), MotionError> {
     let Planned { execution, lead, .. } = planned.data;
+    let TakenOver {
+        momentum,
+        residual,
+        merge,
+    } = taken;
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
     let tick = motion.clock.tick;
     let accepted_move = AcceptedMove {
@@ -240,6 +269,9 @@ pub(super) fn launch(
         system
             .enqueue(planned, &clock)
             .map_err(|_| MotionError::CoordinateSystemQueueFull)?;
+        if planned.data.heading.is_some() {
+            motion.join_turned_axes(index, planned.data.dynamics.is_s_curve());
+        }
         motion.accept(accepted_move);
         motion.controls.write(execution, accepted, 0, tick);
         return Ok(());
@@ -258,6 +290,7 @@ pub(super) fn launch(
     } else {
         system.planner.merge(planned, momentum, &clock);
     }
+    system.planner.ramp_out(residual, &clock);
     system.activity = Activity::Moving;
     system.shown_phase = Phase::Steady;
     system.shown_tracking = false;

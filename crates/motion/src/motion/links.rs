@@ -27,7 +27,8 @@ impl Motion {
     ) -> MasterLink {
         self.link_count += 1;
         let at = self.master_at(master, reference);
-        let nominal = if nominal > 0.0 {
+        let has_nominal = nominal > 0.0;
+        let nominal = if has_nominal {
             nominal
         } else {
             self.axes[usize::from(master)].dynamics.speed
@@ -37,6 +38,7 @@ impl Motion {
             execution,
             master: Master::new(master, reference, &at, &self.clock),
             nominal,
+            has_nominal,
             shown_active: false,
         }
     }

@@ -33,6 +33,7 @@ impl Motion {
     /// Brakes the coordinated move of a system on its path, in time: a master leads it no more. Its instructions have ended.
     pub(crate) fn stop_on_path(&mut self, index: usize, limits: &Limits) {
         let clock = self.clock;
+        let tail = self.of_tail(index, limits);
         let system = &mut self.systems[index];
         if !system.is_busy() {
             return;
@@ -52,6 +53,9 @@ impl Motion {
             (_, Some(guide)) => system
                 .planner
                 .stop_in_time(limits, &guide.pace(), &guide.clock(), &clock),
+        }
+        if let Some(tail) = tail {
+            system.planner.stop_tail(&tail, &clock);
         }
         system.stale = true;
     }
@@ -163,6 +167,18 @@ impl Motion {
                     axis.mark_start();
                 }
                 _ => axis.join(s_curve),
+            }
+        }
+    }
+
+    /// Takes Rx, Ry, Rz of a system into the moves that wait: from now on what else turns them is added to where these lead.
+    pub(crate) fn join_turned_axes(&mut self, index: usize, s_curve: bool) {
+        for place in 0..self.systems[index].description.oriented().len() {
+            let axis = self.systems[index].description.oriented()[place];
+            if let Some(axis) = self.axes.get_mut(usize::from(axis))
+                && !axis.is_coordinated()
+            {
+                axis.join(s_curve);
             }
         }
     }

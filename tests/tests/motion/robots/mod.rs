@@ -6,6 +6,7 @@ mod lines;
 mod mcto;
 mod orientation;
 mod paths;
+mod queues;
 mod tool;
 mod wandering;
 

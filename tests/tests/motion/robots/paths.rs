@@ -1,6 +1,6 @@
 //! MCPM: X, Y, Z and Rx, Ry, Rz along one path (spec/coordinated-instructions.md §23).
 
-use arcline_geometry::{Point, rotation};
+use arcline_geometry::{Point, nearest, rotation};
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::motion_status::COORDINATED_MOTION_STATUS;
 use arcline_tests::bench::{Bench, OK};
@@ -485,7 +485,10 @@ fn any_two_path_moves() {
                 assert!(upright || turning(&bench) <= most * 45.0 + 1e-6, "{why}");
                 assert!(row.len() < 20_000, "{why}: it does not end");
             }
-            assert_eq!(shown(&bench), points[1], "{why}");
+            // Rx ends in the turn in which the move leads it.
+            let mut end = shown(&bench);
+            end[3] = nearest(end[3], points[1][3]);
+            assert!((0..6).all(|k| (end[k] - points[1][k]).abs() < 1e-9), "{why}: {end:?}");
             rows.push(row);
         }
         for (place, fine) in rows[0].iter().enumerate() {

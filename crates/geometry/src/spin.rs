@@ -1,0 +1,123 @@
+//! What is left of a rotation that loses its aim: it goes on about fixed axes until it has come to rest.
+//!
+//! One axis is that of its rate, the other that of what its acceleration has across the rate. Not here: how fast it comes to rest. Angles
+//! are radians, those of an orientation degrees.
+
+use nalgebra::Matrix3;
+
+use crate::turn::about;
+use crate::{Point, Turned, angles, rotation};
+
+/// An orientation that turns about one fixed axis, and then about another one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spin {
+    from: Matrix3<f64>,
+    /// Unit axes; 0 where there is nothing to turn about.
+    axes: [Point; 2],
+    /// The fixed angles of its ends, degrees.
+    shown: [Point; 2],
+    to: Matrix3<f64>,
+    /// About each axis altogether.
+    whole: [f64; 2],
+}
+
+/// An angle about an axis, its rate and the change of that: radians by what it is a function of.
+type Angle = [f64; 3];
+
+impl Spin {
+    /// From fixed angles, degrees, about axes. `course`: the angles about both at a share of the time that it takes, 0 to 1.
+    #[must_use]
+    pub fn new(from: &Point, axes: [Point; 2], course: impl Fn(f64) -> [Angle; 2]) -> Spin {
+        let mut spin = Spin {
+            from: rotation(from),
+            axes,
+            shown: [*from; 2],
+            to: rotation(from),
+            whole: course(1.0).map(|[angle, ..]| angle),
+        };
+        for look in 1..=LOOKS {
+            spin.to = spin.turned(&course(f64::from(look) / f64::from(LOOKS))).rotation;
+            spin.shown[1] = angles(&spin.to, &spin.shown[1]);
+        }
+        spin
+    }
+
+    /// Where it ends, at rest.
+    #[must_use]
+    pub fn ended(&self) -> Turned {
+        Turned::standing(self.to, self.shown[1])
+    }
+
+    /// While the angles about the axes are these. Real-time.
+    #[must_use]
+    pub fn at(&self, about: &[Angle; 2]) -> Turned {
+        let [first, last] = self.shown;
+        let gone: f64 = about.iter().map(|[angle, ..]| angle.abs()).sum();
+        let whole: f64 = self.whole.iter().map(|angle| angle.abs()).sum();
+        let share = if whole > 0.0 { (gone / whole).min(1.0) } else { 1.0 };
+        Turned {
+            near: if share >= 1.0 {
+                last
+            } else {
+                first + (last - first) * share
+            },
+            ..self.turned(about)
+        }
+    }
+
+    fn turned(&self, [first, second]: &[Angle; 2]) -> Turned {
+        let [a, b] = self.axes;
+        let outer = about(&a, first[0]);
+        let carried = outer * b * second[1];
+        Turned {
+            rotation: outer * about(&b, second[0]) * self.from,
+            rate: a * first[1] + carried,
+            change: a * first[2] + outer * b * second[2] + (a * first[1]).cross(&carried),
+            near: self.shown[0],
+        }
+    }
+}
+
+/// Looks at a spin, to follow its angles: evenly in time, so that those of two whole turns go by less than half a turn between two.
+const LOOKS: u32 = 64;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The rates are what differences of the rotation show, and the ends those of the axes.
+    #[test]
+    fn it_turns_about_both_axes_at_once() {
+        let axes = [Point::new(0.6, 0.0, 0.8), Point::new(0.8, 0.0, -0.6)];
+        let course = |share: f64| {
+            let left = 1.0 - share;
+            [
+                [2.0 * (1.0 - left * left), 4.0 * left, -4.0],
+                [
+                    0.5 * share * share * left,
+                    share * left - 0.5 * share * share,
+                    left - 2.0 * share,
+                ],
+            ]
+        };
+        let from = Point::new(10.0, -20.0, 170.0);
+        let spin = Spin::new(&from, axes, course);
+        assert_eq!(spin.at(&course(0.0)).angles(), angles(&rotation(&from), &from));
+        let end = rotation(&spin.ended().near) - spin.ended().rotation;
+        assert!(end.abs().max() < 1e-12, "{end}");
+        assert!(spin.ended().near.z > 180.0, "Rz goes on: {}", spin.ended().near);
+        let step = 1e-5;
+        for share in [0.1, 0.4, 0.8] {
+            let now = spin.at(&course(share));
+            let [before, after] = [-step, step].map(|t| spin.at(&course(share + t)));
+            let slope = (after.rotation - before.rotation) * now.rotation.transpose() / (2.0 * step);
+            assert!(
+                (slope - now.rate.cross_matrix()).abs().max() < 1e-6,
+                "{slope} {}",
+                now.rate
+            );
+            let bend = (after.rate - before.rate) / (2.0 * step);
+            assert!((bend - now.change).abs().max() < 1e-6, "{bend} {}", now.change);
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! What is left of a turn when a move that keeps the orientation is merged: it ramps out about its present axis beside the path
+//! (spec/coordinated-instructions.md §6.3).
+//!
+//! As with a [`crate::track::Residual`] of positions the acceleration across the rate ramps out about an axis of its own. What has
+//! ramped out does not come back: the move has no orientation to end with, and keeps the one in which the tool comes to rest.
+//! Bounded; nothing allocates. Radians, seconds.
+
+use arcline_geometry::{Path, Point, Spin, Turn, Turned};
+use arcline_profile::{Jerk, Limits, Profile, State};
+
+use crate::junction::braking;
+use crate::planner::{Parameter, Planner, Running};
+use crate::{Clock, Instant, Pace, ROUNDING};
+
+/// How an orientation turns at an instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Turning {
+    /// Fixed angles, degrees.
+    pub angles: Point,
+    /// Its rate, radians/s.
+    pub rate: Point,
+    /// How that changes, radians/s².
+    pub change: Point,
+    /// With what it may be braked, radians and seconds; what has no jerk loses its acceleration at once.
+    pub limits: Limits,
+}
+
+/// A turn that ramps out.
+#[derive(Clone, Copy, Debug)]
+pub struct TurnResidual {
+    spin: Spin,
+    /// Radians along the rate, and across it.
+    profiles: [Profile; 2],
+    limits: Limits,
+}
+
+impl Turning {
+    /// By the way of a master. `nominal`: how fast that moves in general, master units/s, which limits are meant at.
+    #[must_use]
+    pub fn on_the_way(&self, pace: &Pace, nominal: f64) -> Turning {
+        let mut own = *self;
+        for place in 0..own.rate.len() {
+            let state = pace.on_the_way(State {
+                position: 0.0,
+                velocity: self.rate[place],
+                acceleration: self.change[place],
+            });
+            (own.rate[place], own.change[place]) = (state.velocity, state.acceleration);
+        }
+        let backwards = Parameter {
+            speed: nominal.recip(),
+            ..Parameter::TIME
+        };
+        own.limits = backwards.in_time(&self.limits);
+        own
+    }
+
+    /// How it comes to rest; `None` where it is.
+    #[must_use]
+    pub fn ramped_out(&self) -> Option<TurnResidual> {
+        let turns = self.rate != Point::zeros() || self.kept_change() != Point::zeros();
+        turns.then(|| self.ramp())
+    }
+
+    /// The acceleration that is not lost at once.
+    fn kept_change(&self) -> Point {
+        match self.limits.jerk {
+            Some(_) => self.change,
+            None => Point::zeros(),
+        }
+    }
+
+    fn ramp(&self) -> TurnResidual {
+        let (speed, change) = (self.rate.norm(), self.kept_change());
+        let along = self.rate.try_normalize(0.0).unwrap_or_default();
+        let across = change - along * along.dot(&change);
+        let limits = braking(&self.limits, speed);
+        let profiles = [
+            State {
+                position: 0.0,
+                velocity: speed,
+                acceleration: along.dot(&change),
+            },
+            State {
+                acceleration: across.norm(),
+                ..State::default()
+            },
+        ]
+        .map(|from| Profile::stop(from, &limits));
+        let duration = longest(&profiles);
+        let axes = [along, across.try_normalize(0.0).unwrap_or_default()];
+        let spin = Spin::new(&self.angles, axes, |share| angles(&profiles, share * duration));
+        TurnResidual { spin, profiles, limits }
+    }
+}
+
+impl TurnResidual {
+    /// Rx, Ry, Rz where it comes to rest, degrees.
+    #[must_use]
+    pub fn end(&self) -> Point {
+        self.spin.ended().near
+    }
+}
+
+/// A turn that ramps out from an instant on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RampingOut {
+    residual: TurnResidual,
+    start: Instant,
+    /// The orientation that moves begin with: where it was to end when it began.
+    end: Turned,
+}
+
+impl RampingOut {
+    /// The orientation while `own`, which begins where this was to end, turns too.
+    pub(crate) fn beside(&self, own: Option<Turned>, clock: &Clock) -> Turned {
+        let elapsed = self.start.elapsed(clock);
+        let rest = if elapsed >= longest(&self.residual.profiles) {
+            self.residual.spin.ended()
+        } else {
+            self.residual.spin.at(&angles(&self.residual.profiles, elapsed))
+        };
+        own.map_or(rest, |own| own.after(&rest, &self.end))
+    }
+
+    /// Whether it is at rest at an instant.
+    pub(crate) fn is_over_at(&self, at: &Instant, clock: &Clock) -> bool {
+        self.start.elapsed(clock) - at.elapsed(clock) >= longest(&self.residual.profiles) - ROUNDING
+    }
+
+    /// Seconds after an instant at which it is at rest.
+    pub(crate) fn rests_after(&self, since: &Instant, clock: &Clock) -> f64 {
+        longest(&self.residual.profiles) + since.elapsed(clock) - self.start.elapsed(clock)
+    }
+
+    /// From the instant that both clocks show it is no function of a master's way any more but of time.
+    fn in_time(&self, parameter: &Parameter, pace: &Pace, clock: &Clock, time: &Clock) -> RampingOut {
+        let turned = self.beside(None, clock).in_time(pace.speed, pace.acceleration);
+        let turning = Turning {
+            angles: turned.angles(),
+            rate: turned.rate,
+            change: turned.change,
+            limits: parameter.in_time(&self.residual.limits),
+        };
+        RampingOut {
+            residual: turning.ramp(),
+            start: time.now(),
+            end: self.end,
+        }
+    }
+}
+
+impl<T: Copy> Planner<T> {
+    /// The move that was just merged keeps the orientation in which a turn comes to rest.
+    pub fn ramp_out(&mut self, residual: Option<TurnResidual>, clock: &Clock) {
+        self.ramping_out = residual.map(|residual| RampingOut {
+            residual,
+            start: clock.now(),
+            end: residual.spin.ended(),
+        });
+    }
+
+    /// With what that which turns at the present may be braked: the limits of the moves that turn it, radians and seconds. Of two
+    /// that turn it at once the greater. `None` where nothing does.
+    pub fn turn_limits(&self) -> Option<Limits> {
+        let active = self.active.as_ref();
+        let own = active.and_then(Running::turn_limits);
+        let rest = self.tail_turns.filter(|_| self.tail.is_some());
+        let out = self.ramping_out.zip(active).map(|(out, running)| {
+            let parameter = &running.motion.parameter;
+            parameter.in_time(&out.residual.limits)
+        });
+        let all = own.into_iter().chain(rest).chain(out);
+        all.reduce(|most, other| {
+            if other.deceleration > most.deceleration {
+                other
+            } else {
+                most
+            }
+        })
+    }
+
+    /// The path and the turn of the move that the active one blends with.
+    pub fn tail(&self) -> Option<(&Path, Option<&Turn>)> {
+        self.tail.as_ref().map(|tail| (&tail.path, tail.turn.as_ref()))
+    }
+
+    /// What the active move blends with brakes with limits of its own; everything has just been stopped.
+    pub fn stop_tail(&mut self, limits: &Limits, clock: &Clock) {
+        if let Some(tail) = &mut self.tail {
+            let from = tail.state(clock);
+            tail.replan(Profile::stop_within(from, limits, None, self.bounds), clock.now());
+        }
+    }
+
+    pub(crate) fn ramp_out_in_time(&mut self, pace: &Pace, clock: &Clock, time: &Clock) {
+        if let (Some(out), Some(running)) = (self.ramping_out, &self.active) {
+            self.ramping_out = if out.is_over_at(&clock.now(), clock) {
+                None
+            } else {
+                Some(out.in_time(&running.motion.parameter, pace, clock, time))
+            };
+        }
+    }
+}
+
+impl<T> Running<T> {
+    /// The limits of its turn, radians and seconds.
+    pub(crate) fn turn_limits(&self) -> Option<Limits> {
+        let turn = self.motion.turn.filter(|turn| !turn.keeps())?;
+        let length = self.motion.path.length();
+        let ratio = if length > 0.0 {
+            turn.angle().to_radians() / length
+        } else {
+            0.0
+        };
+        let limits = self.motion.parameter.in_time(&self.motion.limits);
+        (ratio > 0.0).then(|| Limits {
+            speed: limits.speed * ratio,
+            acceleration: limits.acceleration * ratio,
+            deceleration: limits.deceleration * ratio,
+            jerk: limits.jerk.map(|jerk| Jerk {
+                acceleration: jerk.acceleration * ratio,
+                deceleration: jerk.deceleration * ratio,
+            }),
+        })
+    }
+}
+
+fn angles(profiles: &[Profile; 2], elapsed: f64) -> [[f64; 3]; 2] {
+    profiles.each_ref().map(|profile| {
+        let at = profile.at(elapsed);
+        [at.position, at.velocity, at.acceleration]
+    })
+}
+
+fn longest(profiles: &[Profile; 2]) -> f64 {
+    profiles.iter().map(Profile::duration).fold(0.0, f64::max)
+}
