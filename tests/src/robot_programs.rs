@@ -69,7 +69,7 @@ impl Scope {
         joint: 6.0,
         refused: &[],
         may_fail: false,
-        ticks: 700,
+        ticks: 400,
     };
 }
 
@@ -446,7 +446,8 @@ impl RobotProgram {
         } else {
             self.random.between(20.0, 300.0)
         };
-        let (rate, scope) = (self.random.between(0.3 * TURN_RATE, TURN_RATE), self.random.below(2));
+        // Not less than any programmed deceleration: a move that overshoots leaves the reach.
+        let (rate, scope) = (RATE, self.random.below(2));
         let call = |speed: f64| {
             format!("MCCD(CART, {{tag}}, 1, 1, {speed}, 0, 1, {rate}, 0, 1, {rate}, 0, 0, 0, 0, 0, 0, {scope})")
         };
@@ -601,7 +602,7 @@ impl RobotProgram {
     fn finish(&mut self) {
         let _ = writeln!(self.text, "CART.FeedOverride := 100;");
         self.bench.set_override("CART", 1.0);
-        let ticks = self.random.below(600);
+        let ticks = self.random.below(300);
         self.run_for(ticks);
         self.execute(&format!("MCS(CART, {{tag}}, 2, 1, {}, 1, 0, 0, 2)", 100.0 * STOP));
         let mut rest = 0;
@@ -650,7 +651,7 @@ fn most(place: usize, oriented: bool) -> f64 {
         3.0 * f64::max(RATE, STOP * 10_000.0) + centripetal
     } else {
         // Rates of angles are up to 1 / cos(60 degrees) of those about axes, and turn along with them.
-        2.0 * (3.0 * f64::max(TURN_RATE, STOP * MAX_TURN[1]) + 400.0 * 400.0 / 57.0)
+        2.0 * (3.0 * f64::max(RATE, STOP * MAX_TURN[1]) + 400.0 * 400.0 / 57.0)
     }
 }
 
