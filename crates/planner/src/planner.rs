@@ -346,34 +346,19 @@ impl<T: Copy> Planner<T> {
 
     /// Where the coordinate system is at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
-<<<<<<< HEAD
-        let sample = self.active.as_ref()?.track.sample_along(self.trail.iter(), clock);
-        Some(match &self.tail {
-            Some(tail) => tail.add_rest(sample, clock),
-            None => sample,
-        })
-    }
-
-    /// Paths of cancelled moves behind the active one.
-    pub(crate) fn trail(&self) -> impl Iterator<Item = &Path> {
-        self.trail.iter()
-=======
-        let mut sample = self.active.as_ref()?.track.sample_along(&self.trail, clock);
+        let mut sample = self.active.as_ref()?.track.sample_along(self.trail.iter(), clock);
         if let Some(tail) = &self.tail {
-            let rest = tail.sample(clock);
-            sample.position += rest.position - tail.path.end();
-            sample.velocity += rest.velocity;
-            sample.acceleration += rest.acceleration;
-            sample.turned = match (sample.turned, rest.turned, tail.turn) {
-                (Some(own), Some(rest), Some(turn)) => Some(own.after(&rest, &turn.ended())),
-                (own, rest, _) => own.or(rest),
-            };
+            sample = tail.add_rest(sample, clock);
         }
         if let Some(out) = &self.ramping_out {
             sample.turned = Some(out.beside(sample.turned, clock));
         }
         Some(sample)
->>>>>>> c6ed7cd (Hand the orientation on from move to move)
+    }
+
+    /// Paths of cancelled moves behind the active one.
+    pub(crate) fn trail(&self) -> impl Iterator<Item = &Path> {
+        self.trail.iter()
     }
 
     pub(crate) fn run(

@@ -130,7 +130,7 @@ impl Track {
         sample.velocity += rest.velocity;
         sample.acceleration += rest.acceleration;
         sample.turned = match (sample.turned, rest.turned, self.turn) {
-            (Some(own), Some(rest), Some(turn)) => Some(own.after(&rest, turn.end())),
+            (Some(own), Some(rest), Some(turn)) => Some(own.after(&rest, &turn.ended())),
             (own, rest, _) => own.or(rest),
         };
         sample
