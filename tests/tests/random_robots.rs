@@ -8,5 +8,5 @@ use arcline_tests::robot_programs::{Scope, run};
 
 #[test]
 fn random_programs_well_inside_the_reach() {
-    run(&Scope::INSIDE, 150);
+    run(&Scope::INSIDE, 100);
 }

@@ -208,25 +208,52 @@ pub(super) const AXIS_FAULTS: &[(&str, &str)] = &[
     ("SafetyFault", "safety-fault"),
 ];
 
+const AXIS_STATUS: &[(&str, &str)] = &[("ShutdownStatus", "shutdown"), ("InhibitStatus", "inhibited")];
+
+/// Bits of MotionStatus that say what moves the axis, and their words.
+const AXIS_MOTION: &[(&str, &str)] = &[
+    ("CoordinatedMotionStatus", "coordinated"),
+    ("ControlledByTransformStatus", "transformed"),
+    ("MoveStatus", "moving"),
+    ("JogStatus", "jogging"),
+    ("GearingStatus", "geared"),
+    ("PositionCamStatus", "camming"),
+    ("TimeCamStatus", "time-camming"),
+    ("MasterOffsetMoveStatus", "offset-moving"),
+    ("HomingStatus", "homing"),
+    ("DirectVelocityControlStatus", "velocity-controlled"),
+    ("DirectTorqueControlStatus", "torque-controlled"),
+    ("StoppingStatus", "stopping"),
+    ("MaximumSpeedExceeded", "too-fast"),
+];
+
+/// Bits of MotionStatus that say how something moves, is locked or waits, or what is known of the axis: no reason to move.
+#[cfg(test)]
+const NO_MOTION: &[&str] = &[
+    "AccelStatus",
+    "DecelStatus",
+    "AxisHomedStatus",
+    "PositionCamPendingStatus",
+    "TimeCamPendingStatus",
+    "GearingLockStatus",
+    "PositionCamLockStatus",
+    "TimeCamLockStatus",
+    "TransformStateStatus",
+    "MoveLockStatus",
+    "JogLockStatus",
+    "MasterOffsetMoveLockStatus",
+];
+
 fn axis(tag: &Tag, reading: &Reading) -> Shown {
     let (position, command) = (reading.number("ActualPosition"), reading.number("CommandPosition"));
     let velocity = reading.number("CommandVelocity");
     let (servo, homed) = (reading.flag("ServoActionStatus"), reading.flag("AxisHomedStatus"));
     let faults = words(reading, AXIS_FAULTS);
-    let motion = words(
-        reading,
-        &[
-            ("ShutdownStatus", "shutdown"),
-            ("InhibitStatus", "inhibited"),
-            ("CoordinatedMotionStatus", "coordinated"),
-            ("MoveStatus", "moving"),
-            ("JogStatus", "jogging"),
-            ("GearingStatus", "geared"),
-            ("HomingStatus", "homing"),
-            ("StoppingStatus", "stopping"),
-        ],
-    );
-    let state = or(format!("{motion} {faults}").trim().to_owned(), "at rest");
+    let motion = format!("{} {}", words(reading, AXIS_STATUS), words(reading, AXIS_MOTION));
+    // An axis that moves for a reason without a word is not at rest.
+    let otherwise = if velocity == 0.0 { "at rest" } else { "moving" };
+    let state = [motion.trim(), faults.as_str()].join(" ");
+    let state = or(state.trim().to_owned(), otherwise);
     let row = vec![
         tag.name.clone(),
         fixed(position),
@@ -369,4 +396,29 @@ fn fixed(number: f64) -> String {
 
 fn yes_no(truth: bool, yes: &str, no: &str) -> String {
     if truth { yes } else { no }.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arcline_instruction_set::predefined;
+
+    #[test]
+    fn every_bit_of_motion_status_has_a_word_or_is_no_reason_to_move() {
+        for template in [predefined::axis_cip_drive(), predefined::axis_virtual()] {
+            let word = template.member("MotionStatus").expect("an axis has it").offset;
+            let bits = template
+                .members
+                .iter()
+                .filter(|member| member.bit.is_some() && (word..word + 4).contains(&member.offset));
+            let mut count = 0;
+            for bit in bits {
+                count += 1;
+                let name = bit.name.as_str();
+                let worded = AXIS_MOTION.iter().any(|(member, _)| *member == name);
+                assert!(worded != NO_MOTION.contains(&name), "{name} of {}", template.name);
+            }
+            assert!(count >= 20, "{count} bits of {}", template.name);
+        }
+    }
 }

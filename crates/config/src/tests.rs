@@ -1,8 +1,8 @@
 //! Texts in, projects and errors out.
 
 use arcline_controller::machine::{
-    AxisKind, AxisLimits, Build, Corner, Drive, Geometry, Home, HomeDirection, HomeMarker, HomeMode, HomeSequence,
-    HomeSwitch, Orientation, Start, Travel, Wrist,
+    AxisKind, AxisLimits, Build, Corner, Deviation, Drive, Geometry, Home, HomeDirection, HomeMarker, HomeMode,
+    HomeSequence, HomeSwitch, Orientation, Start, Travel, Wrist,
 };
 use arcline_instruction_set::Mnemonic;
 
@@ -76,6 +76,7 @@ fn the_default_is_what_the_contract_says() {
             (0.01, 0.5, 1)
         );
         assert_eq!((system.corner, system.axis_limits), (Corner::Logix, AxisLimits::Ignore));
+        assert_eq!(system.deviation, Deviation::Corners);
     }
     let transforms: Vec<_> = machine
         .transforms
@@ -139,7 +140,7 @@ fn everything_can_be_said() {
          travel = {{ min = -5, max = 15.5 }}\nstart = {{ position = 1.5, servo_on = false, homed = false }}\n\
          drive = {{ position_bandwidth_hz = 10, velocity_feedforward = 0.5, position_error_tolerance = 0,\
          position_error_tolerance_time = 0.02, speed_limit = 12, torque_limit = 150, encoder_resolution = 1000 }}\n{TURN}\
-         start.position = 359.5\n{SYSTEM}queue_depth = 1000\ncorner = \"Precise\"\naxis_limits = \"enforce\"\n\
+         start.position = 359.5\n{SYSTEM}queue_depth = 1000\ncorner = \"Precise\"\ndeviation = \"anywhere\"\naxis_limits = \"enforce\"\n\
          [[coordinate_system]]\nname = \"CS2\"\ntype = \"cartesian\"\naxes = [\"R\"]\nmax_speed = 1\n\
          max_acceleration = 1\n[[transform]]\nname = \"T\"\nsource = \"CS\"\ntarget = \"cs2\"\n\
          [[instruction]]\ntag = \"On\"\ntype = \"mso\"\ntarget = \"x\"\n[[instruction]]\ntag = \"Halt\"\ntype = \"MGS\"\n\
@@ -177,8 +178,8 @@ fn everything_can_be_said() {
     );
     let system = &project.machine.systems[0];
     assert_eq!(
-        (system.queue_depth, system.corner, system.axis_limits),
-        (1000, Corner::Precise, AxisLimits::Enforce)
+        (system.queue_depth, system.corner, system.deviation, system.axis_limits),
+        (1000, Corner::Precise, Deviation::Anywhere, AxisLimits::Enforce)
     );
     assert_eq!(
         (
@@ -333,6 +334,7 @@ fn errors_name_place_key_and_expectation() {
         ("an orientation without its axes", format!("{AXIS}{SYSTEM}definition = \"xyzrxryrz\""), "m.toml:8:8: coordinate_system[1].axes: found [\"x\"], expected a list of 6 names of axes".into()),
         ("a turn of what does not turn", format!("{AXIS}{SYSTEM}max_orientation_speed = 1"), "m.toml:11:25: coordinate_system[1].max_orientation_speed: found 1, expected no such key: the coordinate system has no Rx, Ry, Rz".into()),
         ("too deep a queue", format!("{AXIS}{SYSTEM}queue_depth = 1001"), "m.toml:11:15: coordinate_system[1].queue_depth: found 1001, expected a whole number from 1 to 1000".into()),
+        ("no such deviation", format!("{AXIS}{SYSTEM}deviation = \"all\""), "m.toml:11:13: coordinate_system[1].deviation: found \"all\", expected \"corners\" or \"anywhere\"".into()),
         ("no such corner", format!("{AXIS}{SYSTEM}corner = \"round\""), "m.toml:11:10: coordinate_system[1].corner: found \"round\", expected \"logix\" or \"precise\"".into()),
         ("no such system", format!("{base}[[transform]]\nname = \"T\"\nsource = \"CS\"\ntarget = \"CSS\""), format!("m.toml:{}:10: transform[1].target: there is no coordinate system `CSS` (did you mean `CS`?)", lines + 4)),
         ("onto itself", format!("{base}[[transform]]\nname = \"T\"\nsource = \"CS\"\ntarget = \"cs\""), format!("m.toml:{}:10: transform[1].target: found \"cs\", expected another coordinate system", lines + 4)),

@@ -3,8 +3,8 @@
 
 use arcline_controller::image::Access;
 use arcline_controller::machine::{
-    Axis, AxisKind, AxisLimits, Build, CoordinateSystem, Corner, DynamicsBits, Geometry, Home, HomeDirection, HomeMode,
-    HomeSequence, Machine, Orientation, ProgrammedStopMode, Robot,
+    Axis, AxisKind, AxisLimits, Build, CoordinateSystem, Corner, Deviation, DynamicsBits, Geometry, Home,
+    HomeDirection, HomeMode, HomeSequence, Machine, Orientation, ProgrammedStopMode, Robot,
 };
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet};
 use arcline_tag::{DataType, Elementary, Member, STRING_INSTANCE, Template, string_text};
@@ -341,6 +341,10 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
         Corner::Logix => "logix",
         Corner::Precise => "precise",
     };
+    let deviation = match system.deviation {
+        Deviation::Corners => "corners",
+        Deviation::Anywhere => "anywhere",
+    };
     let limits = |limits: AxisLimits| match limits {
         AxisLimits::Ignore => text("ignore"),
         AxisLimits::Enforce => text("enforce"),
@@ -376,6 +380,7 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
         ("command_tolerance", Value::Float(system.command_tolerance)),
         ("queue_depth", Value::Integer(system.queue_depth as i64)),
         ("corner", text(corner)),
+        ("deviation", text(deviation)),
         ("axis_limits", limits(system.axis_limits)),
         ("joint_limits", limits(system.joint_limits)),
     ] {

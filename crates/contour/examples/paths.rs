@@ -2,7 +2,7 @@
 //! trace at 1 ms of each to `OUT/NAME.PROFILE.csv`.
 #![allow(clippy::disallowed_methods, reason = "an example may read the clock")]
 
-use arcline_contour::{AxisLimits, ContourMove, Path, Point, plan};
+use arcline_contour::{AxisLimits, ContourMove, Deviation, Path, Point, plan};
 use arcline_geometry::{Arc, CirclePoint, Dimension, Direction};
 use serde::Deserialize;
 use std::error::Error;
@@ -104,6 +104,7 @@ fn moves(contour: &Contour, jerk: Option<f64>) -> Result<Vec<ContourMove>, Box<d
             deceleration: 2.0 * contour.limits.a,
             jerk: jerk.map(|j| 2.0 * j),
             tolerance: contour.tol,
+            deviation: Deviation::Anywhere,
         });
         from = to;
     }

@@ -48,7 +48,16 @@ pub(crate) fn guess(section: &Section<'_>, running: Running<'_>) -> Nodes {
         .collect();
     let running_knots = knots(running);
     let followed = running_knots.len();
-    let grid = led_grid(running_knots, whole, &busy);
+    let fine = section.allowance.roundings(course, |s| {
+        let k = route
+            .partition_point(|site| site.progress < s)
+            .clamp(1, route.len() - 1);
+        let (before, behind) = (&route[k - 1], &route[k]);
+        let part = ((s - before.progress) / (behind.progress - before.progress)).clamp(0.0, 1.0);
+        let time = before.time + (behind.time - before.time) * part;
+        if time.is_finite() { time } else { behind.time }
+    });
+    let grid = led_grid(running_knots, whole, &busy, &fine);
     let mut nodes = Nodes {
         points: Vec::with_capacity(grid.len()),
         progress: Vec::with_capacity(grid.len()),

@@ -10,6 +10,7 @@
     reason = "axes, nodes and band rows are indexed side by side"
 )]
 
+mod allowance;
 mod assemble;
 mod banded;
 mod course;
@@ -56,6 +57,19 @@ pub struct ContourMove {
     /// How far from the programmed path the corner at its end may be rounded, position units.
     /// 0: the end is met exactly, at rest if there is a corner.
     pub tolerance: f64,
+    /// Where the motion may deviate from it.
+    pub deviation: Deviation,
+}
+
+/// Where a contour may deviate from the programmed path inside the tolerance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Deviation {
+    /// At its corners: outside the rounding of its corners a move longer than 50 tolerances deviates by at most a hundredth of
+    /// the tolerance. A rounding reaches at most ten tolerances from its corner.
+    #[default]
+    Corners,
+    /// Anywhere.
+    Anywhere,
 }
 
 /// What each axis can do; infinite where there is no limit.

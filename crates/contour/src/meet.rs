@@ -16,7 +16,7 @@ pub(crate) fn meet(
     fresh: &Solved,
     before: f64,
 ) -> Option<Nodes> {
-    let tolerance = section.tolerances.iter().copied().fold(f64::INFINITY, f64::min);
+    let tolerance = section.allowance.least();
     let unlike = |a: &State, b: &State| {
         let mut sum = (a.position - b.position).norm() / tolerance;
         for axis in 0..3 {

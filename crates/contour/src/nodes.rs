@@ -58,6 +58,18 @@ impl Nodes {
         }
     }
 
+    /// When the motion comes to a place of its course; `times` of the nodes.
+    pub(crate) fn time_of(&self, s: f64, times: &[f64]) -> f64 {
+        let k = self.progress.partition_point(|&p| p < s).clamp(1, times.len() - 1);
+        let (p0, p1) = (self.progress[k - 1], self.progress[k]);
+        let part = if p1 > p0 {
+            ((s - p0) / (p1 - p0)).clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
+        times[k - 1] + (times[k] - times[k - 1]) * part
+    }
+
     /// The node of a knot of the motion.
     pub(crate) fn node_at(&self, knot: usize) -> usize {
         match self.lead {
@@ -83,12 +95,19 @@ pub(crate) fn blossom(state: &State, knots: [f64; 3]) -> Point {
 
 /// Knots of a motion that goes on from `kept` ones (at least [`LEAD`]` + 1`, ascending) until `whole`, close together where
 /// it is busy. The last span is left out: there the motion comes to rest.
-pub(crate) fn led_grid(mut kept: Vec<f64>, whole: f64, busy: &[(f64, f64)]) -> Vec<f64> {
+pub(crate) fn led_grid(mut kept: Vec<f64>, whole: f64, busy: &[(f64, f64)], fine: &[(f64, f64)]) -> Vec<f64> {
     let from = kept[kept.len() - 1];
     let mut shifted = vec![(0.0, NODE_TIME)];
     let later = busy.iter().filter(|(_, to)| *to > from);
     shifted.extend(later.map(|(begin, end)| ((begin - from).max(0.0), end - from)));
-    kept.extend(grid(whole - from, &shifted).into_iter().skip(1).map(|time| time + from));
+    let ahead = fine.iter().filter(|(_, to)| *to > from);
+    let fine: Vec<(f64, f64)> = ahead.map(|(begin, end)| (begin - from, end - from)).collect();
+    kept.extend(
+        grid(whole - from, &shifted, &fine)
+            .into_iter()
+            .skip(1)
+            .map(|time| time + from),
+    );
     kept.pop();
     kept
 }

@@ -3,6 +3,7 @@
 //! Speed bounds from curvature and its change, one backward and one forward pass with constant
 //! acceleration, and nodes at equal intervals of the resulting time. Seconds and position units.
 
+use crate::allowance::Allowance;
 use crate::course::Course;
 use crate::nodes::Nodes;
 use crate::rounding::{Smoothness, Stretch};
@@ -30,7 +31,13 @@ pub(crate) struct Speeds {
 }
 
 /// `bounds[i]` belongs to piece `i` of the course.
-pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], smoothness: Smoothness) -> Nodes {
+pub(crate) fn nodes(
+    course: &Course,
+    allowance: &Allowance,
+    stretches: &[Stretch],
+    bounds: &[Bounds],
+    smoothness: Smoothness,
+) -> Nodes {
     let samples = sample(course, stretches);
     let count = samples.len();
     let Speeds {
@@ -56,7 +63,14 @@ pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], s
             busy.push((warp.warped(times[i]), warp.warped(times[i + 1])));
         }
     }
-    let grid = grid(whole, &busy);
+    let fine = allowance.roundings(course, |s| {
+        let k = samples
+            .partition_point(|sample| sample.progress < s)
+            .clamp(1, count - 1);
+        let (before, behind) = (samples[k - 1].progress, samples[k].progress);
+        warp.warped(times[k - 1] + (times[k] - times[k - 1]) * ((s - before) / (behind - before)).clamp(0.0, 1.0))
+    });
+    let grid = grid(whole, &busy, &fine);
     let mut nodes = Nodes {
         points: Vec::with_capacity(grid.len()),
         progress: Vec::with_capacity(grid.len()),
@@ -65,6 +79,7 @@ pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], s
         kept: 0,
     };
     let mut i = 0;
+    let mut on_arc = Vec::with_capacity(grid.len());
     for at in sites(&grid) {
         let time = warp.nominal(at);
         while i + 2 < count && times[i + 1] < time {
@@ -77,15 +92,39 @@ pub(crate) fn nodes(course: &Course, stretches: &[Stretch], bounds: &[Bounds], s
         let begin = if here.stretch == next.stretch { here.u } else { 0.0 };
         let u = begin + (next.u - begin) * part;
         nodes.points.push(stretches[next.stretch].at(course, u));
+        on_arc.push(stretches[next.stretch].is_arc(course));
         nodes
             .progress
             .push(here.progress + (next.progress - here.progress) * part);
     }
+    pass_through(&mut nodes.points, &grid, &on_arc);
     let last = grid.len() - 1;
     nodes.points[0] = course.pieces[0].start();
     nodes.points[last] = course.pieces[course.pieces.len() - 1].end();
     nodes.progress[last] = course.length();
     nodes
+}
+
+/// Moves the control points of arcs outwards, so that the curve is on the arc where they were.
+fn pass_through(points: &mut [Point], grid: &[f64], on_arc: &[bool]) {
+    let times: Vec<f64> = sites(grid).collect();
+    let through: Vec<Point> = (0..points.len())
+        .map(|i| {
+            let inner = i > 1 && i + 2 < points.len() && on_arc[i - 1..=i + 1].iter().all(|&on| on);
+            if !inner {
+                return points[i];
+            }
+            let (before, behind) = (times[i] - times[i - 1], times[i + 1] - times[i]);
+            let rates = [
+                (points[i] - points[i - 1]) / before,
+                (points[i + 1] - points[i]) / behind,
+            ];
+            let change = (rates[1] - rates[0]) * 2.0 / (before + behind);
+            let [a, b, c] = [-1, 0, 1].map(|k| grid[i.wrapping_add_signed(k)] - times[i]);
+            points[i] + change * ((a * b + b * c + c * a) / 6.0)
+        })
+        .collect();
+    points.copy_from_slice(&through);
 }
 
 /// Bounds of the speed from curvature and its change, and what the rates along the path leave of them, from a speed
@@ -177,15 +216,16 @@ pub(crate) fn sites(grid: &[f64]) -> impl Iterator<Item = f64> + '_ {
 }
 
 /// Times of the nodes from 0 to `whole`: close together within and near the `busy` stretches
-/// (ascending), farther and farther apart where nothing happens.
-pub(crate) fn grid(whole: f64, busy: &[(f64, f64)]) -> Vec<f64> {
+/// (ascending), farther and farther apart where nothing happens. Of the `fine` ones (ascending) each has [`FINE`] nodes, if that
+/// is closer.
+pub(crate) fn grid(whole: f64, busy: &[(f64, f64)], fine: &[(f64, f64)]) -> Vec<f64> {
     let all: f64 = busy.iter().map(|(from, to)| to - from).sum();
     let least = NODE_TIME
         .max((all + QUIET * busy.len().min(1000) as f64).min(whole) / MAX_NODES)
         .min(whole / MIN_NODES);
     let mut times = vec![0.0];
     let mut t = 0.0;
-    let mut next = 0;
+    let (mut next, mut finer) = (0, 0);
     while t < whole {
         while next < busy.len() && busy[next].1 < t {
             next += 1;
@@ -193,7 +233,15 @@ pub(crate) fn grid(whole: f64, busy: &[(f64, f64)]) -> Vec<f64> {
         let since = if next > 0 { t - busy[next - 1].1 } else { t };
         let until = busy.get(next).map_or(whole, |stretch| stretch.0.min(whole)) - t;
         let far = since.min(until) - QUIET;
-        t += least + GROWTH * far.max(0.0);
+        let mut step = least + GROWTH * far.max(0.0);
+        while finer + 1 < fine.len() && fine[finer + 1].0 < t {
+            finer += 1;
+        }
+        for &(from, to) in fine.iter().skip(finer).take(2) {
+            let off = (from - t).max(t - to).max(0.0);
+            step = step.min(((to - from) / FINE).clamp(FINEST.min(least), least) + SPREAD * off);
+        }
+        t += step;
         times.push(t);
     }
     // Fitted to the whole, which moves every node by less than one of the last steps.
@@ -305,6 +353,10 @@ const MAX_NODES: f64 = 24_000.0;
 /// Seconds next to a busy stretch with close nodes, and how fast they spread beyond.
 const QUIET: f64 = 0.25;
 const GROWTH: f64 = 0.08;
+/// Nodes in the rounding of a corner beside a piece that is kept to, the shortest time between two, seconds, and how fast they spread beyond.
+const FINE: f64 = 20.0;
+const FINEST: f64 = 5e-5;
+const SPREAD: f64 = 0.2;
 /// Shares of the limits that the guess uses across and along the curve.
 const NORMAL_SHARE: f64 = 0.8;
 const TANGENT_SHARE: f64 = 0.9;

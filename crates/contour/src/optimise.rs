@@ -39,6 +39,20 @@ impl Problem<'_> {
         changed
     }
 
+    /// Takes other spans for the points of the curve that are exact; one that comes outside its tube has it widened. Whether there are such.
+    fn weigh(&mut self, points: &[Point], spans: &[f64]) -> bool {
+        let mut changed = false;
+        for row in self.tube.iter_mut().filter(|row| row.is_exact()) {
+            row.weigh(spans);
+            let off = row.off(self.course, points).norm();
+            if off * (1.0 + TOUCHING) > row.radius {
+                row.radius = off * (1.0 + REWEIGHED);
+            }
+            changed = true;
+        }
+        changed
+    }
+
     fn place(&self, offsets: &[[f64; 2]], points: &mut [Point]) {
         for (i, point) in points.iter_mut().enumerate() {
             *point = self.points[i] + self.normals[i][0] * offsets[i][0] + self.normals[i][1] * offsets[i][1];
@@ -142,6 +156,7 @@ impl Problem<'_> {
         for row in &mut self.tube {
             row.radius = f64::INFINITY;
         }
+        self.weigh(&points, &spans);
         self.narrow(&points);
         self.tighten(&points, &spans);
         loop {
@@ -156,7 +171,8 @@ impl Problem<'_> {
                     break;
                 }
                 // Where the start is outside, the tube is wider and closes in from step to step.
-                let narrower = self.narrow(&points);
+                let weighed = self.weigh(&points, &spans);
+                let narrower = self.narrow(&points) || weighed;
                 if self.tighten(&points, &spans) || narrower {
                     value = self.merit(t, &points, &spans);
                 }
@@ -239,5 +255,8 @@ const CONVERGED: f64 = 1e-3;
 const NEARER: f64 = 0.03;
 /// Room that a point outside the tube is given, as a share of its distance.
 const WIDEN: f64 = 0.02;
+/// A point that is so near to its tube's wall is outside for other spans, and how much room it is given.
+const TOUCHING: f64 = 1e-5;
+const REWEIGHED: f64 = 2e-3;
 /// The logarithm of a span changes by no more than this in one step.
 const MOST_CHANGE: f64 = 1.0;

@@ -1,8 +1,10 @@
 //! From moves to a trajectory: sections from rest to rest, each rounded, timed and improved.
 
+use crate::allowance::Begin;
 use crate::rounding::Smoothness;
 use crate::section::Section;
 use crate::straight::straight;
+use crate::trajectory::MoveEnd;
 use crate::{AxisLimits, Bounds, ContourMove, Path, Point, Trajectory};
 
 /// How much work a plan may be.
@@ -58,17 +60,19 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, effort: Effort) -> T
     {
         let mut trajectory = straight(line, &bounds(one, limits, smoothness));
         let before = moves.iter().take_while(|m| m.path.length() <= SHORTEST).count();
-        trajectory.move_ends = vec![0.0; before];
-        trajectory.move_ends.resize(moves.len(), trajectory.duration());
+        trajectory.move_ends = vec![MoveEnd::plain(0.0); before];
+        trajectory
+            .move_ends
+            .resize(moves.len(), MoveEnd::plain(trajectory.duration()));
         trajectory.end = end;
         return trajectory;
     }
     if long.is_empty() {
         let mut rest = Trajectory::rest(end);
-        rest.move_ends = vec![0.0; moves.len()];
+        rest.move_ends = vec![MoveEnd::plain(0.0); moves.len()];
         return rest;
     }
-    let section = Section::new(moves, limits);
+    let section = Section::new(moves, limits, Begin::Rest);
     let efforts: &[Effort] = match effort {
         Effort::Full => &[Effort::Full, Effort::Quick],
         Effort::Quick => &[Effort::Quick],

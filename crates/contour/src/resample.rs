@@ -12,6 +12,7 @@ pub(crate) fn resample(
     times: &[f64],
     nodes: &Nodes,
     bounds: &[Bounds],
+    fine: &[(f64, f64)],
     smoothness: Smoothness,
 ) -> Nodes {
     let rate = |bound: Option<&Bounds>| bound.map_or(f64::INFINITY, |b| b.axes.acceleration.min().min(b.acceleration));
@@ -36,10 +37,14 @@ pub(crate) fn resample(
             busy.push((warp.warped(here.time), warp.warped(next.time)));
         }
     }
+    let fine: Vec<(f64, f64)> = fine
+        .iter()
+        .map(|&(from, to)| (warp.warped(from), warp.warped(to)))
+        .collect();
     if nodes.lead.is_some() {
-        return resample_led(trajectory, times, nodes, &busy, whole, &warp);
+        return resample_led(trajectory, times, nodes, (&busy, &fine), whole, &warp);
     }
-    let grid = grid(whole, &busy);
+    let grid = grid(whole, &busy, &fine);
     let intervals = grid.len() - 1;
     let mut points = Vec::with_capacity(intervals + 1);
     let mut progress = Vec::with_capacity(intervals + 1);
@@ -77,13 +82,13 @@ fn resample_led(
     trajectory: &Trajectory,
     times: &[f64],
     nodes: &Nodes,
-    busy: &[(f64, f64)],
+    (busy, fine): (&[(f64, f64)], &[(f64, f64)]),
     whole: f64,
     warp: &Warp,
 ) -> Nodes {
     let kept = nodes.kept;
     let mut fresh = nodes.clone();
-    let grid = led_grid(times[..=kept].to_vec(), whole, busy);
+    let grid = led_grid(times[..=kept].to_vec(), whole, busy, fine);
     fresh.spans = grid.windows(2).map(|pair| pair[1] - pair[0]).collect();
     fresh.points.truncate(kept);
     fresh.progress.truncate(kept);

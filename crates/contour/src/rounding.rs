@@ -7,6 +7,7 @@
 //! the optimisation starts from. Lengths in position units.
 
 use crate::Point;
+use crate::allowance::Allowance;
 use crate::course::{Course, nearest};
 use arcline_geometry::Path;
 
@@ -27,6 +28,11 @@ pub(crate) enum Shape {
 }
 
 impl Stretch {
+    /// Whether it is part of an arc of the course.
+    pub(crate) fn is_arc(&self, course: &Course) -> bool {
+        matches!(self.shape, Shape::Piece(index) if matches!(course.pieces[index], Path::Arc(_)))
+    }
+
     /// The point at `u`, `0 <= u <= 1`.
     pub(crate) fn at(&self, course: &Course, u: f64) -> Point {
         match &self.shape {
@@ -58,8 +64,8 @@ pub(crate) enum Smoothness {
     SCurve,
 }
 
-/// The course with every joint rounded; `tolerances[i]` belongs to the end of piece `i`.
-pub(crate) fn round(course: &Course, tolerances: &[f64], smoothness: Smoothness) -> Vec<Stretch> {
+/// The course with every joint rounded.
+pub(crate) fn round(course: &Course, allowance: &Allowance, smoothness: Smoothness) -> Vec<Stretch> {
     let count = course.pieces.len();
     let mut stretches = Vec::with_capacity(2 * count);
     let mut begin = 0.0;
@@ -70,7 +76,8 @@ pub(crate) fn round(course: &Course, tolerances: &[f64], smoothness: Smoothness)
             let before = if index == 0 { to - from } else { 0.5 * (to - from) };
             let behind = course.starts[index + 2] - to;
             let behind = if index + 2 == count { behind } else { 0.5 * behind };
-            corner(course, index, tolerances[index], before.min(behind), smoothness)
+            let room = before.min(behind).min(INSIDE * allowance.room(course, index));
+            corner(course, index, allowance.corner(index), room, smoothness)
         });
         let (reach, shape) = corner.map_or((0.0, None), |(reach, shape)| (reach, Some(shape)));
         if to - reach > begin {
@@ -104,18 +111,7 @@ fn corner(course: &Course, index: usize, tolerance: f64, room: f64, smoothness: 
         if sine <= 1e-9 && cosine > 0.0 {
             return (0.0, Shape::Piece(index));
         }
-        let order = match smoothness {
-            Smoothness::Trapezoid => 4.0,
-            Smoothness::SCurve => 8.0,
-        };
-        // Up to 90 degrees the distance from the nearer leg counts, beyond it the one from the
-        // corner, at most what a right angle gives; both agree at 90 degrees.
-        let reach = if cosine >= 0.0 {
-            order * limit / sine
-        } else {
-            order * limit * core::f64::consts::FRAC_1_SQRT_2 / (0.5 * (1.0 - cosine)).sqrt()
-        };
-        let reach = reach.min(room);
+        let reach = reach_of_lines(before, behind, limit, smoothness).min(room);
         let (first, middle, last) = (before.end() - u1 * reach, before.end(), behind.start() + u2 * reach);
         let shape = match smoothness {
             Smoothness::Trapezoid => Shape::Bezier([first, middle, last, last, last, last], 3),
@@ -144,6 +140,26 @@ fn corner(course: &Course, index: usize, tolerance: f64, room: f64, smoothness: 
         reach *= 0.7;
     }
     (0.0, Shape::Piece(index))
+}
+
+/// How far a rounding of two lines reaches to either side that is a tolerance off; 0 where they go on straight.
+pub(crate) fn reach_of_lines(before: &Path, behind: &Path, tolerance: f64, smoothness: Smoothness) -> f64 {
+    let (u1, u2) = (before.end_tangent(), behind.start_tangent());
+    let (sine, cosine) = (u1.cross(&u2).norm(), u1.dot(&u2));
+    if sine <= 1e-9 && cosine > 0.0 {
+        return 0.0;
+    }
+    let order = match smoothness {
+        Smoothness::Trapezoid => 4.0,
+        Smoothness::SCurve => 8.0,
+    };
+    // Up to 90 degrees the distance from the nearer leg counts, beyond it the one from the
+    // corner, at most what a right angle gives; both agree at 90 degrees.
+    if cosine >= 0.0 {
+        order * tolerance / sine
+    } else {
+        order * tolerance * core::f64::consts::FRAC_1_SQRT_2 / (0.5 * (1.0 - cosine)).sqrt()
+    }
 }
 
 /// An arc turns at most half a radian within a rounding.

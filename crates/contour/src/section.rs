@@ -3,6 +3,7 @@
 //! A few runs of the optimisation, each on nodes at equal times of the one before, the tube narrowed where
 //! the curve was outside. Position units and seconds.
 
+use crate::allowance::{Allowance, Begin};
 use crate::course::Course;
 use crate::nodes::Nodes;
 use crate::nominal::nodes;
@@ -12,6 +13,7 @@ use crate::resample::{project, resample};
 use crate::rounding::{Smoothness, Stretch, round};
 use crate::setup::problem;
 use crate::share::Share;
+use crate::trajectory::MoveEnd;
 use crate::{AxisLimits, Bounds, ContourMove, Trajectory};
 
 /// What a section has come to.
@@ -27,20 +29,23 @@ pub(crate) struct Section<'a> {
     moves: &'a [ContourMove],
     pub(crate) course: Course,
     pub(crate) bounds: Vec<Bounds>,
-    pub(crate) tolerances: Vec<f64>,
+    pub(crate) allowance: Allowance,
     pub(crate) smoothness: Smoothness,
 }
 
 impl<'a> Section<'a> {
     /// Moves of which at least one has a length.
-    pub(crate) fn new(moves: &'a [ContourMove], limits: &AxisLimits) -> Self {
+    pub(crate) fn new(moves: &'a [ContourMove], limits: &AxisLimits, begin: Begin) -> Self {
         let smoothness = smoothness(moves);
         let long: Vec<&ContourMove> = moves.iter().filter(|m| m.path.length() > SHORTEST).collect();
+        let course = Course::new(long.iter().map(|m| m.path).collect());
+        let tolerances = long.iter().map(|m| m.tolerance).collect();
+        let deviations = long.iter().map(|m| m.deviation);
         Section {
             moves,
-            course: Course::new(long.iter().map(|m| m.path).collect()),
+            allowance: Allowance::new(&course, tolerances, deviations, smoothness, begin),
+            course,
             bounds: long.iter().map(|m| bounds(m, limits, smoothness)).collect(),
-            tolerances: long.iter().map(|m| m.tolerance).collect(),
             smoothness,
         }
     }
@@ -50,7 +55,7 @@ impl<'a> Section<'a> {
     pub(crate) fn first_guess(&self) -> (Vec<Bounds>, Vec<Stretch>) {
         (
             self.bounds.iter().map(Bounds::without_jerk).collect(),
-            round(&self.course, &self.tolerances, Smoothness::Trapezoid),
+            round(&self.course, &self.allowance, Smoothness::Trapezoid),
         )
     }
 
@@ -62,7 +67,7 @@ impl<'a> Section<'a> {
     /// As [`Section::plan`], with its nodes.
     pub(crate) fn solve(&self, effort: Effort) -> Option<Solved> {
         let (free, stretches) = self.first_guess();
-        let guess = nodes(&self.course, &stretches, &free, Smoothness::Trapezoid);
+        let guess = nodes(&self.course, &self.allowance, &stretches, &free, Smoothness::Trapezoid);
         self.work(guess, effort, &rounds(self.smoothness, effort))
     }
 
@@ -82,7 +87,7 @@ impl<'a> Section<'a> {
         let Section {
             course,
             bounds,
-            tolerances,
+            allowance,
             smoothness,
             ..
         } = self;
@@ -101,14 +106,15 @@ impl<'a> Section<'a> {
                 } else {
                     Smoothness::Trapezoid
                 };
-                nodes = resample(trajectory, times, &nodes, bounds, warp);
+                let fine = allowance.roundings(course, |s| nodes.time_of(s, times));
+                nodes = resample(trajectory, times, &nodes, bounds, &fine, warp);
                 project(course, &mut nodes);
             }
             if !round.jerk {
                 warped = smoothness;
             }
             let shares: Vec<f64> = nodes.progress.iter().map(|&s| share.at(s)).collect();
-            let mut problem = problem(course, &nodes, (limited, bounds), tolerances, effort, &shares);
+            let mut problem = problem(course, &nodes, (limited, bounds), allowance, effort, &shares);
             problem.make_feasible();
             problem.run(optimise::Effort {
                 first: round.first,
@@ -127,7 +133,7 @@ impl<'a> Section<'a> {
             if nodes.lead.is_some() && round.last_one && excess > HOPELESS {
                 return None;
             }
-            let worst = share.tighten(&trajectory, &nodes, course, tolerances);
+            let worst = share.tighten(&trajectory, &nodes, course, allowance);
             if round.last_one && worst <= 1.0 && excess <= 1.0 + ROUNDING {
                 return Some(Solved {
                     trajectory,
@@ -137,7 +143,7 @@ impl<'a> Section<'a> {
             }
             // The first repair is local; then the whole tube gives way.
             if index + REPAIRS > rounds.len() {
-                share.narrow(worst);
+                share.narrow(worst, allowance);
             }
             last = Some((trajectory, times));
         }
@@ -150,15 +156,15 @@ impl<'a> Section<'a> {
             nodes,
             times,
         } = solved;
-        trajectory.move_ends = move_ends(self.moves, &self.course, &nodes, &times, trajectory.duration());
+        trajectory.move_ends = move_ends(self, &nodes, &times, trajectory.duration());
         trajectory.end = self.moves.last().map_or(trajectory.end, |last| last.path.end());
         trajectory
     }
 
     /// The last resort for a single curve: the nominal timing, as slow as the limits ask for.
     pub(crate) fn crawl(&self) -> Trajectory {
-        let stretches = round(&self.course, &self.tolerances, Smoothness::Trapezoid);
-        let nodes = nodes(&self.course, &stretches, &self.bounds, self.smoothness);
+        let stretches = round(&self.course, &self.allowance, Smoothness::Trapezoid);
+        let nodes = nodes(&self.course, &self.allowance, &stretches, &self.bounds, self.smoothness);
         let (trajectory, times, _) = timed(&nodes, &self.bounds, &self.course, true);
         self.finish(Solved {
             trajectory,
@@ -259,24 +265,24 @@ fn excess(trajectory: &Trajectory, nodes: &Nodes, bounds: &[Bounds], course: &Co
 }
 
 /// When each of `moves` ends: where the progress passes its end; moves without length end with the one before.
-fn move_ends(moves: &[ContourMove], course: &Course, nodes: &Nodes, times: &[f64], whole: f64) -> Vec<f64> {
-    let mut ends = Vec::with_capacity(moves.len());
-    let (mut piece, mut last) = (0, 0.0);
-    for one in moves {
+fn move_ends(section: &Section<'_>, nodes: &Nodes, times: &[f64], whole: f64) -> Vec<MoveEnd> {
+    let course = &section.course;
+    let time_at = |s: f64| nodes.time_of(s, times);
+    let mut ends = Vec::with_capacity(section.moves.len());
+    let (mut piece, mut last) = (0, MoveEnd::plain(0.0));
+    for one in section.moves {
         if one.path.length() > SHORTEST {
+            let [before, behind] = section.allowance.rounding(course, piece);
             piece += 1;
             let s = course.starts[piece];
-            let k = nodes.progress.partition_point(|&p| p < s).clamp(1, times.len() - 1);
-            let (p0, p1) = (nodes.progress[k - 1], nodes.progress[k]);
-            let part = if p1 > p0 {
-                ((s - p0) / (p1 - p0)).clamp(0.0, 1.0)
+            last = if piece == course.pieces.len() {
+                MoveEnd::plain(whole)
             } else {
-                1.0
+                MoveEnd {
+                    time: time_at(s),
+                    rounding: [time_at(s - before), time_at(s + behind)],
+                }
             };
-            last = times[k - 1] + (times[k] - times[k - 1]) * part;
-            if piece == course.pieces.len() {
-                last = whole;
-            }
         }
         ends.push(last);
     }

@@ -1,10 +1,10 @@
 //! The optimisation problem of one run: limits, directions and tube of every node.
 
+use crate::allowance::Allowance;
 use crate::course::Course;
 use crate::nodes::{LEAD, Nodes};
 use crate::plan::{Effort, SHORTEST};
 use crate::problem::{Limits, Problem};
-use crate::share::tolerance_at;
 use crate::tube::TubeRow;
 use crate::{Bounds, Point};
 
@@ -14,7 +14,7 @@ pub(crate) fn problem<'a>(
     course: &'a Course,
     nodes: &Nodes,
     (bounds, kept): (&[Bounds], &[Bounds]),
-    tolerances: &[f64],
+    allowance: &Allowance,
     effort: Effort,
     shares: &[f64],
 ) -> Problem<'a> {
@@ -46,12 +46,9 @@ pub(crate) fn problem<'a>(
         }
         tangents.push(tangent);
         normals.push(across(&tangent, plane));
-        let tolerance = tolerance_at(course, tolerances, pieces[i], nodes.progress[i]);
+        let tolerance = allowance.aim(course, pieces[i], nodes.progress[i]);
         // It leaves and arrives along the programmed direction: the tube opens as a cone.
-        let s = nodes.progress[i];
-        let left = course.length() - s;
-        let end = if nodes.lead.is_some() { left } else { s.min(left) };
-        let radius = (shares[i] * tolerance).min(CONE * end);
+        let radius = (shares[i] * tolerance).min(CONE * end_near(course, nodes, nodes.progress[i]));
         radii.push(if i < given || i + 3 > count { 0.0 } else { radius });
     }
     let fixed: Vec<bool> = radii.iter().map(|&r| r <= SHORTEST).collect();
@@ -59,16 +56,30 @@ pub(crate) fn problem<'a>(
     // The first points of a led curve have next to no freedom.
     let first = if nodes.lead.is_some() { LEAD + 1 } else { 0 };
     for i in (first..count).filter(|&i| !fixed[i]) {
-        tube.push(TubeRow::new(i, 0.0, pieces[i], radii[i]));
+        let exact = allowance.keeps_at(course, pieces[i], nodes.progress[i]);
+        let row = if exact { TubeRow::exact } else { TubeRow::new };
+        tube.push(row(i, 0.0, pieces[i], radii[i]));
         if fixed[i + 1] {
             continue;
+        }
+        // Where the tube is narrow the curve between two knots counts too.
+        if exact && pieces[i] == pieces[i + 1] && allowance.is_near_rounding(course, pieces[i], nodes.progress[i]) {
+            tube.push(row(i, 0.5, pieces[i], 0.5 * (radii[i] + radii[i + 1])));
         }
         for joint in pieces[i] + 1..=pieces[i + 1] {
             let (here, next) = (nodes.progress[i], nodes.progress[i + 1]);
             let part = ((course.starts[joint] - here) / (next - here)).clamp(0.0, 1.0);
-            let radius = radii[i].min(radii[i + 1]);
-            tube.push(TubeRow::new(i, part, joint - 1, radius));
-            tube.push(TubeRow::new(i, part, joint, radius));
+            // Beside a piece that is kept to, the nodes' tubes are narrower than that of the joint between them.
+            let exact = allowance.at_joint(course, joint).is_some();
+            let row = if exact { TubeRow::exact } else { TubeRow::new };
+            let radius = allowance.at_joint(course, joint).map_or_else(
+                || radii[i].min(radii[i + 1]),
+                |width| {
+                    (shares[i].min(shares[i + 1]) * width).min(CONE * end_near(course, nodes, course.starts[joint]))
+                },
+            );
+            tube.push(row(i, part, joint - 1, radius));
+            tube.push(row(i, part, joint, radius));
         }
     }
     let lateral = match effort {
@@ -90,6 +101,12 @@ pub(crate) fn problem<'a>(
         kept: nodes.kept,
         ease: Vec::new(),
     }
+}
+
+/// How far the nearer end of the course is at which the motion rests.
+fn end_near(course: &Course, nodes: &Nodes, s: f64) -> f64 {
+    let left = course.length() - s;
+    if nodes.lead.is_some() { left } else { s.min(left) }
 }
 
 /// The unit normal of the plane that holds all points, when they lie in one that is normal to an axis.

@@ -4,6 +4,7 @@
 //! bisector of a sharp corner. What is measured there is taken from the tube of the next run.
 
 use crate::Trajectory;
+use crate::allowance::Allowance;
 use crate::course::Course;
 use crate::nodes::Nodes;
 
@@ -32,8 +33,8 @@ impl Share {
     }
 
     /// Narrows the whole tube in proportion to what was measured.
-    pub(crate) fn narrow(&mut self, worst: f64) {
-        let factor = (TARGET / worst).min(1.0);
+    pub(crate) fn narrow(&mut self, worst: f64, allowance: &Allowance) {
+        let factor = (TARGET / worst).clamp(allowance.least_share(), 1.0);
         self.usual *= factor;
         for entry in &mut self.tightened {
             entry.2 *= factor;
@@ -47,7 +48,7 @@ impl Share {
         trajectory: &Trajectory,
         nodes: &Nodes,
         course: &Course,
-        tolerances: &[f64],
+        allowance: &Allowance,
     ) -> f64 {
         let mut worst = 0.0_f64;
         let last = nodes.points.len() - 1;
@@ -57,24 +58,18 @@ impl Share {
             let Some(knot) = nodes.knot_of(i) else { continue };
             let s = nodes.progress[i];
             let piece = course.piece_at(s);
-            let tolerance = tolerance_at(course, tolerances, piece, s);
             let (here, next) = (&trajectory.knots[knot], &trajectory.knots[knot + 1]);
             let mut most = 0.0_f64;
             for part in 0..PARTS {
                 let q = trajectory.at(here.time + (next.time - here.time) * part as f64 / PARTS as f64);
-                let foot = course.foot(&q.position, piece).0;
-                most = most.max((foot - q.position).norm());
+                most = most.max(allowance.used(course, &q.position, piece, s));
             }
-            if tolerance <= 0.0 {
-                continue;
-            }
-            let quotient = most / tolerance;
-            worst = worst.max(quotient);
-            if quotient > INSIDE {
+            worst = worst.max(most);
+            if most > INSIDE {
                 let before = nodes.progress[i.saturating_sub(1)];
                 let behind = nodes.progress[(i + 2).min(last)];
                 let now = old.iter().find(|e| e.0 <= s && s <= e.1).map_or(self.usual, |e| e.2);
-                noted.push((before, behind, now * TARGET / quotient));
+                noted.push((before, behind, now * (TARGET / most).max(allowance.least_share())));
             }
         }
         noted.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -88,19 +83,6 @@ impl Share {
             }
         }
         worst
-    }
-}
-
-/// The tolerance about the course at arc length `s`: that of the nearer corner of the piece.
-pub(crate) fn tolerance_at(course: &Course, tolerances: &[f64], piece: usize, s: f64) -> f64 {
-    let middle = 0.5 * (course.starts[piece] + course.starts[piece + 1]);
-    let (first, last) = (piece == 0, piece + 1 == course.pieces.len());
-    match () {
-        () if first && last => 0.0,
-        () if first => tolerances[piece],
-        () if last => tolerances[piece - 1],
-        () if s < middle => tolerances[piece - 1],
-        () => tolerances[piece],
     }
 }
 

@@ -3,6 +3,7 @@
 //! From the splice on the new motion starts with the position, velocity and acceleration that the running one has there.
 //! What lies before stays as it is, to the last bit. Position units and seconds.
 
+use crate::allowance::Begin;
 use crate::course::nearest;
 use crate::guess::{Running, guess};
 use crate::meet::meet;
@@ -182,7 +183,7 @@ impl Anew<'_> {
             .iter()
             .rposition(|m| m.path.length() > SHORTEST)
             .map_or(here, |k| begin + k);
-        let section = Section::new(&moves[back..end], limits);
+        let section = Section::new(&moves[back..end], limits, Begin::Running);
         let piece = moves[back..here].iter().filter(|m| m.path.length() > SHORTEST).count();
         let running_on = Running {
             trajectory: running,
@@ -197,7 +198,7 @@ impl Anew<'_> {
         whole.move_ends.extend(
             tail.move_ends[here - back..]
                 .iter()
-                .map(|&end| (end + splice).max(splice)),
+                .map(|end| end.map(|time| (time + splice).max(splice))),
         );
         whole.join(tail, splice);
         if end < moves.len() {
@@ -227,7 +228,7 @@ impl Anew<'_> {
             .unwrap_or(begin.min(back));
         let long = |m: &&ContourMove| m.path.length() > SHORTEST;
         let before = moves[from..back].iter().filter(long).map(|m| m.path.length()).sum();
-        let fresh = Section::new(&moves[from..end], limits).solve(Effort::Full)?;
+        let fresh = Section::new(&moves[from..end], limits, Begin::Rest).solve(Effort::Full)?;
         section.repair(meet(section, running_on, limits, &fresh, before)?)
     }
 }

@@ -21,8 +21,8 @@ pub struct State {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
     pub(crate) knots: Vec<Knot>,
-    /// When the motion passes the end of each move, ascending.
-    pub(crate) move_ends: Vec<f64>,
+    /// Where the motion passes the end of each move, ascending.
+    pub(crate) move_ends: Vec<MoveEnd>,
     pub(crate) end: Point,
     /// Until when it is the trajectory that it extends, seconds; 0 where it extends none.
     pub(crate) splice: f64,
@@ -33,6 +33,32 @@ pub struct Trajectory {
     pub(crate) most: Peaks,
     /// Lengths of the curve from its first knot to each of them; set when it is finished.
     pub(crate) ways: Vec<f64>,
+}
+
+/// Where a motion passes the end of a move, seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MoveEnd {
+    pub(crate) time: f64,
+    /// From when until when the corner there is rounded; twice `time` where none is.
+    pub(crate) rounding: [f64; 2],
+}
+
+impl MoveEnd {
+    /// Without a corner that is rounded.
+    pub(crate) fn plain(time: f64) -> MoveEnd {
+        MoveEnd {
+            time,
+            rounding: [time; 2],
+        }
+    }
+
+    /// All instants changed.
+    pub(crate) fn map(&self, mut change: impl FnMut(f64) -> f64) -> MoveEnd {
+        MoveEnd {
+            time: change(self.time),
+            rounding: self.rounding.map(change),
+        }
+    }
 }
 
 /// A stretch of constant jerk.
@@ -136,7 +162,7 @@ impl Trajectory {
             jerk: knot.jerk * (pace * pace * pace),
         };
         Trajectory {
-            move_ends: self.move_ends.iter().map(|end| end / pace).collect(),
+            move_ends: self.move_ends.iter().map(|end| end.map(|time| time / pace)).collect(),
             end: self.end,
             ..Trajectory::of(self.knots.iter().map(knot).collect())
         }
@@ -206,14 +232,20 @@ impl Trajectory {
     /// planned; the last one when all have ended. Real-time safe: a binary search.
     #[must_use]
     pub fn move_at(&self, t: f64) -> usize {
-        let ended = self.move_ends.partition_point(|&end| end <= t);
+        let ended = self.move_ends.partition_point(|end| end.time <= t);
         ended.min(self.move_ends.len().saturating_sub(1))
     }
 
     /// When the motion passes the end of a move (nearest point to a rounded corner), in seconds.
     #[must_use]
     pub fn move_end(&self, index: usize) -> Option<f64> {
-        self.move_ends.get(index).copied()
+        self.move_ends.get(index).map(|end| end.time)
+    }
+
+    /// From when until when the motion rounds the corner at the end of a move, seconds; the same instant twice where it rounds none.
+    #[must_use]
+    pub fn rounding(&self, index: usize) -> Option<[f64; 2]> {
+        self.move_ends.get(index).map(|end| end.rounding)
     }
 
     /// Until when it is the trajectory that it extends ([`crate::extend`]), seconds; 0 where it extends none.
@@ -272,7 +304,8 @@ impl Trajectory {
             time: knot.time + shift,
             ..knot
         }));
-        self.move_ends.extend(next.move_ends.into_iter().map(|end| end + shift));
+        self.move_ends
+            .extend(next.move_ends.iter().map(|end| end.map(|time| time + shift)));
         self.end = next.end;
     }
 

@@ -14,6 +14,8 @@ pub(crate) struct TubeRow {
     pub(crate) piece: usize,
     pub(crate) target: f64,
     pub(crate) radius: f64,
+    /// Which part of the span behind its knot has passed, where the point is exactly that of the curve.
+    part: Option<f64>,
 }
 
 impl TubeRow {
@@ -31,7 +33,49 @@ impl TubeRow {
             piece,
             target: radius,
             radius,
+            part: None,
         }
+    }
+
+    /// The same, but the point of the curve itself, after a part of the span behind knot `k`: on an arc, and where the tube is narrow.
+    pub(crate) fn exact(k: usize, part: f64, piece: usize, radius: f64) -> TubeRow {
+        TubeRow {
+            part: Some(part),
+            ..TubeRow::new(k, part, piece, radius)
+        }
+    }
+
+    pub(crate) fn is_exact(&self) -> bool {
+        self.part.is_some()
+    }
+
+    /// Takes other spans.
+    pub(crate) fn weigh(&mut self, spans: &[f64]) {
+        let Some(part) = self.part else { return };
+        let knot = self.first as isize + 1;
+        let span = |k: isize| spans[(knot + k).clamp(0, spans.len() as isize - 1) as usize];
+        // Instants of the knots about it, from two before on; it is at `t`.
+        let t = part * span(0);
+        let k = [
+            -span(-2) - span(-1),
+            -span(-1),
+            0.0,
+            span(0),
+            span(0) + span(1),
+            span(0) + span(1) + span(2),
+        ];
+        let share = |from: f64, to: f64| (t - from) / (to - from);
+        // De Boor's algorithm on the weights.
+        let mix = |a: [f64; 4], b: [f64; 4], share: f64| core::array::from_fn(|i| a[i] + (b[i] - a[i]) * share);
+        let unit = |node: usize| core::array::from_fn(|i| if i == node { 1.0 } else { 0.0 });
+        let first = mix(unit(0), unit(1), share(k[0], k[3]));
+        let second = mix(unit(1), unit(2), share(k[1], k[4]));
+        let third = mix(unit(2), unit(3), share(k[2], k[5]));
+        let (left, right) = (
+            mix(first, second, share(k[1], k[3])),
+            mix(second, third, share(k[2], k[4])),
+        );
+        self.weights = mix(left, right, share(k[2], k[3]));
     }
 
     /// From the nearest point of the piece.

@@ -115,6 +115,7 @@ mod tests {
                 deceleration: 400.0,
                 jerk: Some(9000.0),
                 tolerance: 3.0,
+                deviation: crate::Deviation::Anywhere,
             })
             .collect();
         let whole = plan(&moves, &limits);

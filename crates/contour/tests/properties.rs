@@ -1,7 +1,7 @@
 //! Properties of plans on random courses: within the tolerance and all limits, exact at the end,
 //! never slower than stopping at every corner.
 
-use arcline_contour::{AxisLimits, ContourMove, Path, Point, Trajectory, plan};
+use arcline_contour::{AxisLimits, ContourMove, Deviation, Path, Point, Trajectory, plan};
 use arcline_geometry::{Arc, CirclePoint, Dimension, Direction};
 use proptest::prelude::*;
 
@@ -23,6 +23,7 @@ fn contour_move(path: Path, tolerance: f64, jerk: bool) -> ContourMove {
         deceleration: 3500.0,
         jerk: jerk.then_some(90_000.0),
         tolerance,
+        deviation: Deviation::Corners,
     }
 }
 
@@ -198,9 +199,16 @@ fn long_slow_legs_cost_no_more_nodes_than_short_ones() {
         Point::new(5000.0, 0.0, 0.0),
         Point::new(5000.0, 5000.0, 0.0),
     );
-    for jerk in [false, true] {
+    for (jerk, deviation, most) in [
+        (false, Deviation::Anywhere, 4000),
+        (true, Deviation::Anywhere, 4000),
+        // Between the corner's rounding and the cruise the tube is narrow, and there is a little acceleration across for longer.
+        (false, Deviation::Corners, 6000),
+        (true, Deviation::Corners, 6000),
+    ] {
         let moves = [Path::line(a, b), Path::line(b, c)].map(|path| ContourMove {
             speed: 50.0,
+            deviation,
             ..contour_move(path, 0.05, jerk)
         });
         let limits = limits(jerk);
@@ -211,7 +219,7 @@ fn long_slow_legs_cost_no_more_nodes_than_short_ones() {
             "{} {stops}",
             trajectory.duration()
         );
-        assert!(trajectory.pieces() < 4000, "{} pieces", trajectory.pieces());
+        assert!(trajectory.pieces() < most, "{} pieces", trajectory.pieces());
     }
 }
 

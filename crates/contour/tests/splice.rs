@@ -1,6 +1,6 @@
 //! Trajectories that are extended while they run: the same tolerance, limits and time as one whole plan, without a stop.
 
-use arcline_contour::{AxisLimits, ContourMove, Path, Point, Trajectory, extend, plan};
+use arcline_contour::{AxisLimits, ContourMove, Deviation, Path, Point, Trajectory, extend, plan};
 use proptest::prelude::*;
 
 const SPEED: f64 = 200.0;
@@ -34,6 +34,7 @@ fn polyline(legs: &[(f64, f64)], jerk: bool) -> Vec<ContourMove> {
                 deceleration: 3500.0,
                 jerk: jerk.then_some(90_000.0),
                 tolerance: TOLERANCE,
+                deviation: Deviation::Corners,
             }
         })
         .collect()

@@ -13,6 +13,7 @@ pub use home::{Home, HomeDirection, HomeMarker, HomeMode, HomeSequence, HomeSwit
 pub use inputs::{Feed, Inputs};
 
 pub use arcline_kinematics::{Geometry, Parameters, Wrist};
+pub use arcline_planner::precise::Deviation;
 pub use arcline_planner::profile::Bounds as DynamicsBits;
 
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
@@ -312,6 +313,8 @@ pub struct CoordinateSystem {
     pub queue_depth: usize,
     /// How termination types 2, 3 and 6 shape a corner.
     pub corner: Corner,
+    /// Where planned contours may deviate from the programmed path inside the tolerance.
+    pub deviation: Deviation,
     /// Whether the axes' own limits lower the path speed.
     pub axis_limits: AxisLimits,
     /// Whether the joints of robots that a transform leads lower the path speed.

@@ -81,11 +81,13 @@ pub struct SystemSnapshot {
     /// Of a robot: where its tool is in the frame of its base, position units, while its joints are where they actually are; with the
     /// tool frame of an MCTO under way, otherwise the end of the arm. NaN where the joints cannot be.
     pub tool: Option<[f64; 3]>,
-    /// Speed along the path, units/s.
+    /// Vector speed of all that coordinated motion does with X, Y and Z, units/s: of both moves where two are superposed, of what ramps
+    /// out beside a merged move, and of axes that brake by themselves in a stop. Not of jogs and moves of single axes. While
+    /// a move only turns the tool: degrees/s.
     pub path_speed: f64,
-    /// Distance gone along the active path, units.
+    /// Distance gone on the active move, units: along its path, in a planned contour along the curve that is travelled.
     pub path_position: f64,
-    /// Length of the active path, units; 0 when nothing is active.
+    /// Length of that, units; 0 when nothing is active.
     pub path_length: f64,
     /// Share of the programmed speeds, 0 to 2.
     pub feed_override: f64,

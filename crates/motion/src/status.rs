@@ -211,10 +211,27 @@ pub(crate) struct Turn {
     pub(crate) tool_change: bool,
 }
 
+/// Vector speed of what coordinated motion does, units/s; the rest of it too where the axes brake by themselves.
+fn path_speed(system: &System, axes: &[Axis]) -> f64 {
+    let Some(stop) = system.stop.filter(|_| !system.is_busy()) else {
+        return system.along[0];
+    };
+    let braking = system
+        .description
+        .linear()
+        .iter()
+        .filter(|axis| stop.braking.contains(**axis));
+    let squares = braking.filter_map(|axis| axes.get(usize::from(*axis))).map(|axis| {
+        let parts = [Slot::System, Slot::Stop].map(|slot| axis.sum.get(slot).map_or(0.0, |part| part.now.velocity));
+        (parts[0] + parts[1]).powi(2)
+    });
+    squares.sum::<f64>().sqrt()
+}
+
 /// One coordinate system as its tag shows it.
 pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapshot {
     let mut shown = SystemSnapshot {
-        path_speed: system.along[0],
+        path_speed: path_speed(system, axes),
         path_position: system.along[1],
         path_length: system.along[2],
         feed_override: system.feed_override,

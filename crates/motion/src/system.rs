@@ -127,7 +127,7 @@ impl System {
         let mut planner = Planner::new(description.queue_depth, corner_step);
         planner.set_bounds(description.dynamics_bits);
         System {
-            contour: contours.then(|| ContourQueue::new(description.queue_depth)),
+            contour: contours.then(|| ContourQueue::new(description.queue_depth).deviating(description.deviation)),
             axis_limits,
             robot: description.robot.and_then(|robot| match robot.build {
                 Build::Arm(geometry) => Some(Robot::new(geometry, &robot.parameters)),

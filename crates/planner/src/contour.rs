@@ -19,7 +19,7 @@ mod stopping;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use arcline_contour::Trajectory;
+use arcline_contour::{Deviation, Trajectory};
 use arcline_geometry::Point;
 use arcline_profile::{Jerk, Limits, Phase, State};
 
@@ -34,6 +34,7 @@ pub use stopping::ContourStopping;
 pub struct ContourQueue<T> {
     moves: VecDeque<Move<T>>,
     depth: usize,
+    deviation: Deviation,
     run: Option<Run>,
     asked: Option<Asked>,
     generation: u32,
@@ -72,6 +73,10 @@ struct Run {
     passed: usize,
     /// When its active move became active, and where that was, seconds on the trajectory's own time.
     begun: (Instant, f64),
+    /// How far the active move had gone at a place on the trajectory's own time: that place in seconds, and units along the curve.
+    gone: (f64, f64),
+    /// Until when the corner before the active move is rounded, seconds on the trajectory's own time.
+    rounded: f64,
     /// How fast its own time runs.
     pace: Pace,
     /// It was not planned for what its moves are to have now.
@@ -111,6 +116,7 @@ impl<T: Copy> ContourQueue<T> {
         ContourQueue {
             moves: VecDeque::with_capacity(depth + 1),
             depth,
+            deviation: Deviation::Corners,
             run: None,
             asked: None,
             generation: 0,
@@ -118,6 +124,12 @@ impl<T: Copy> ContourQueue<T> {
             rate: 1.0,
             plans: 0,
         }
+    }
+
+    /// Where its contours may deviate from the programmed path.
+    #[must_use]
+    pub fn deviating(self, deviation: Deviation) -> Self {
+        ContourQueue { deviation, ..self }
     }
 
     /// Whether every pending place is taken.
@@ -193,6 +205,8 @@ impl<T: Copy> ContourQueue<T> {
         if let Some(run) = &mut self.run {
             let own = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
             run.begun = (run.pace.instant_of(own, clock), own);
+            run.gone = (own, 0.0);
+            run.rounded = run.trajectory.rounding(run.passed).map_or(own, |rounding| rounding[1]);
             run.passed += 1;
         }
         self.plans = self.plans.wrapping_add(1);
@@ -316,6 +330,23 @@ impl<T: Copy> ContourQueue<T> {
         run.pace.ask(wanted, &run.trajectory, clock);
     }
 
+    /// Length of the curve on which the active move is travelled, units: its part of rounded corners, not what was programmed.
+    pub fn length(&self) -> f64 {
+        self.run.as_ref().map_or(0.0, |run| {
+            let end = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
+            run.gone_at(end)
+        })
+    }
+
+    /// Whether the corner before or behind the active move is being rounded at the present tick.
+    pub fn in_transition(&self, clock: &Clock) -> bool {
+        self.run.as_ref().is_some_and(|run| {
+            let own = run.pace.at(clock).position;
+            let next = run.trajectory.rounding(run.passed);
+            own < run.rounded || next.is_some_and(|[from, to]| from < to && own >= from)
+        })
+    }
+
     /// Where the coordinate system is at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
         let run = self.run.as_ref()?;
@@ -335,23 +366,50 @@ impl Run {
         let at = self.trajectory.at(own);
         let velocity: Point = at.velocity * pace.velocity;
         let acceleration = at.acceleration * (pace.velocity * pace.velocity) + at.velocity * pace.acceleration;
-        let power = velocity.dot(&acceleration);
         let speed = velocity.norm();
+        let tangential = if speed > 0.0 {
+            velocity.dot(&acceleration) / speed
+        } else {
+            0.0
+        };
         Sample {
             position: at.position,
             velocity,
             acceleration,
             along: State {
-                position: 0.0,
+                position: self.gone_at(own),
                 velocity: speed,
-                acceleration: if speed > 0.0 { power / speed } else { 0.0 },
+                acceleration: tangential,
             },
-            phase: match power.partial_cmp(&0.0) {
-                Some(std::cmp::Ordering::Greater) => Phase::Accelerating,
-                Some(std::cmp::Ordering::Less) => Phase::Decelerating,
-                _ => Phase::Steady,
-            },
+            phase: self.phase(&velocity, tangential, pace.velocity),
             turned: None,
+        }
+    }
+}
+
+impl Run {
+    /// How far the active move has gone along the curve at an instant of the trajectory's own time, units.
+    fn gone_at(&self, own: f64) -> f64 {
+        let (at, gone) = self.gone;
+        (gone + self.trajectory.way(own) - self.trajectory.way(at)).max(0.0)
+    }
+
+    /// What the speed along the curve does: a tangential acceleration of less than a hundredth of what the move and the axes may have
+    /// in that direction, at the present pace, is none, as a planned contour is never quite without one.
+    fn phase(&self, velocity: &Point, tangential: f64, pace: f64) -> Phase {
+        let speed = velocity.norm();
+        let axes = self.trajectory.axes().acceleration;
+        let most = (0..3).fold(f64::INFINITY, |most, axis| {
+            most.min(axes[axis] * speed / velocity[axis].abs())
+        });
+        let rates = self.trajectory.rates(self.passed);
+        let slight = |programmed: Option<f64>| SLIGHT * pace * pace * programmed.map_or(most, |rate| most.min(rate));
+        if tangential > slight(rates.map(|rates| rates.acceleration)) {
+            Phase::Accelerating
+        } else if -tangential > slight(rates.map(|rates| rates.deceleration)) {
+            Phase::Decelerating
+        } else {
+            Phase::Steady
         }
     }
 }
@@ -366,5 +424,7 @@ fn least(jerk: Jerk) -> f64 {
     jerk.acceleration.min(jerk.deceleration)
 }
 
+/// Share of an acceleration that shows as steady speed.
+const SLIGHT: f64 = 0.01;
 /// Shares that differ by no more are the same.
 const SAME: f64 = 1e-9;

@@ -1,6 +1,8 @@
 //! `[[coordinate_system]]` and `[[transform]]` tables: what stands on axes and systems that are there already.
 
-use arcline_controller::machine::{AxisLimits, CoordinateSystem, Corner, MAX_QUEUE_DEPTH, Machine, Transform};
+use arcline_controller::machine::{
+    AxisLimits, CoordinateSystem, Corner, Deviation, MAX_QUEUE_DEPTH, Machine, Transform,
+};
 
 use super::NOT_NEGATIVE_LENGTH;
 use super::dynamics::Dynamics;
@@ -40,6 +42,10 @@ pub(super) fn coordinate_system(
         Some(1) => Corner::Precise,
         _ => Corner::Logix,
     };
+    let deviation = match section.word("deviation", &["corners", "anywhere"], "\"corners\" or \"anywhere\"")? {
+        Some(1) => Deviation::Anywhere,
+        _ => Deviation::Corners,
+    };
     let axis_limits = match section.word("axis_limits", &["ignore", "enforce"], "\"ignore\" or \"enforce\"")? {
         Some(1) => AxisLimits::Enforce,
         _ => AxisLimits::Ignore,
@@ -65,6 +71,7 @@ pub(super) fn coordinate_system(
             .integer("queue_depth", 1..=MAX_QUEUE_DEPTH, QUEUE_DEPTH)?
             .unwrap_or(1),
         corner,
+        deviation,
         axis_limits,
         joint_limits,
         robot,
@@ -112,6 +119,7 @@ pub(super) const COORDINATE_SYSTEM: &[&str] = &[
     "command_tolerance",
     "queue_depth",
     "corner",
+    "deviation",
     "axis_limits",
     "joint_limits",
     "link_lengths",

@@ -54,6 +54,7 @@ fn machine() -> Machine {
             queue_depth: 1,
             corner: Default::default(),
             axis_limits: Default::default(),
+            deviation: Default::default(),
             joint_limits: Default::default(),
             robot: None,
             orientation: None,

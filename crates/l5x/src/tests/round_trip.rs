@@ -75,6 +75,7 @@ fn what_l5x_has_no_place_for() {
         max_acceleration = 10.0
         queue_depth = 1000
         corner = "precise"
+        deviation = "anywhere"
         axis_limits = "enforce"
         actual_tolerance = 0.01
         [[coordinate_system]]

@@ -213,12 +213,27 @@ impl Motion {
         let Some((sample, planned)) = system.sample(&self.clock) else {
             return;
         };
-        let length = system
-            .planner
-            .active()
-            .map_or(0.0, |running| running.motion.path.length());
-        system.in_transition = system.planner.in_transition(&system.clock(&self.clock));
-        system.along = [sample.along.velocity.abs(), sample.along.position, length];
+        let (length, in_transition) = match system.contour_in_force() {
+            Some(contour) => (
+                contour.length(),
+                contour.in_transition(&system.contour_clock(&self.clock)),
+            ),
+            None => (
+                system
+                    .planner
+                    .active()
+                    .map_or(0.0, |running| running.motion.path.length()),
+                system.planner.in_transition(&system.clock(&self.clock)),
+            ),
+        };
+        system.in_transition = in_transition;
+        // The vector of all that it moves X, Y and Z with; a move that only turns has a speed by its angle.
+        let only_turns = system.active().is_some_and(|active| active.only_turns);
+        let speed = match sample.velocity.norm() {
+            0.0 if only_turns => sample.along.velocity.abs(),
+            speed => speed,
+        };
+        system.along = [speed, sample.along.position.clamp(0.0, length), length];
         seat(system.description.linear(), &mut self.axes, &sample);
         self.seat_turned(index, &sample);
         let system = &mut self.systems[index];

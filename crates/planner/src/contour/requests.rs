@@ -175,6 +175,7 @@ impl<T: Copy> ContourQueue<T> {
                 deceleration: own.deceleration,
                 jerk: own.jerk,
                 tolerance,
+                deviation: self.deviation,
             });
             let next = self.moves.get(place + 1);
             if last || next.is_some_and(|next| next.parameter != motion.parameter) {
@@ -218,6 +219,8 @@ impl<T: Copy> ContourQueue<T> {
             trajectory,
             passed: 0,
             begun: (clock.now(), 0.0),
+            gone: (0.0, 0.0),
+            rounded: 0.0,
             stale: false,
             changed: clock.now(),
             course: Course::Travelling,
@@ -255,6 +258,8 @@ impl<T: Copy> ContourQueue<T> {
         };
         match planned {
             Some(plan) if fits(&plan) => {
+                run.gone = (now, run.gone_at(own));
+                run.rounded /= pace.unwrap_or(1.0);
                 let old = std::mem::replace(&mut run.trajectory, plan);
                 run.passed = since;
                 run.lead = took.clamp(LEAD, MOST_LEAD);

@@ -1,0 +1,226 @@
+//! How far from the course the curve may be, by place: all of the tolerance about corners, a hundredth of it on a long piece
+//! between the roundings of its corners ([`Deviation::Corners`]). Lengths in position units.
+
+use crate::course::{Course, along, nearest};
+use crate::rounding::Smoothness;
+use crate::{Deviation, Point};
+use arcline_geometry::Path;
+
+/// Where a section begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Begin {
+    /// At rest.
+    Rest,
+    /// On a motion that runs: the corner at its start is rounded, however.
+    Running,
+}
+
+/// How far from each piece of a course the curve may be.
+#[derive(Clone, Debug)]
+pub(crate) struct Allowance {
+    /// Of the corner at the end of each piece.
+    tolerances: Vec<f64>,
+    /// How far the rounding of that corner reaches along the pieces on both sides of it.
+    reaches: Vec<f64>,
+    /// Whether the curve may be anywhere inside the tolerance of a piece.
+    anywhere: Vec<bool>,
+    begin: Begin,
+}
+
+impl Allowance {
+    /// `tolerances` and `deviations` belong to the pieces of the course; a tolerance to the corner at the end of its piece.
+    pub(crate) fn new(
+        course: &Course,
+        tolerances: Vec<f64>,
+        deviations: impl Iterator<Item = Deviation>,
+        smoothness: Smoothness,
+        begin: Begin,
+    ) -> Allowance {
+        let reaches = course.pieces.windows(2).zip(&tolerances);
+        let mut reaches: Vec<f64> = reaches
+            .map(|(pair, &tolerance)| reach(&pair[0], &pair[1], tolerance, smoothness))
+            .collect();
+        reaches.push(0.0);
+        Allowance {
+            tolerances,
+            reaches,
+            anywhere: deviations.map(|deviation| deviation == Deviation::Anywhere).collect(),
+            begin,
+        }
+    }
+
+    /// The least tolerance of all corners.
+    pub(crate) fn least(&self) -> f64 {
+        self.tolerances.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Of the corner at the end of a piece.
+    pub(crate) fn corner(&self, piece: usize) -> f64 {
+        self.tolerances[piece]
+    }
+
+    /// The tolerance at a place: of the nearer corner; a piece that is alone has none.
+    pub(crate) fn tolerance(&self, course: &Course, piece: usize, s: f64) -> f64 {
+        let middle = 0.5 * (course.starts[piece] + course.starts[piece + 1]);
+        let (first, last) = (piece == 0, piece + 1 == course.pieces.len());
+        match () {
+            () if first && last => 0.0,
+            () if first => self.tolerances[piece],
+            () if last => self.tolerances[piece - 1],
+            () if s < middle => self.tolerances[piece - 1],
+            () => self.tolerances[piece],
+        }
+    }
+
+    /// How far from a piece the curve may be at a place.
+    pub(crate) fn at(&self, course: &Course, piece: usize, s: f64) -> f64 {
+        self.within(course, piece, s, [STRAIGHT, 1.0])
+    }
+
+    /// How far from it the optimisation lets it be: beside corners somewhat less, as the curve between the nodes is not looked at.
+    pub(crate) fn aim(&self, course: &Course, piece: usize, s: f64) -> f64 {
+        self.within(course, piece, s, AIM)
+    }
+
+    /// With a share of the tolerance for the straight, and one of the reach of a rounding.
+    fn within(&self, course: &Course, piece: usize, s: f64, [straight, share]: [f64; 2]) -> f64 {
+        let tolerance = self.tolerance(course, piece, s);
+        if !self.keeps(course, piece, tolerance) {
+            return tolerance;
+        }
+        let (from, to) = (s - course.starts[piece], course.starts[piece + 1] - s);
+        let behind = match (piece.checked_sub(1), self.begin) {
+            (Some(corner), _) => self.reaches[corner],
+            (None, Begin::Running) => MOST_REACH * tolerance,
+            (None, Begin::Rest) => 0.0,
+        };
+        let open = opened(from, share * behind).max(opened(to, share * self.reaches[piece]));
+        tolerance * (straight + (1.0 - straight) * open)
+    }
+
+    /// Whether a piece is kept to between the roundings of its corners, where the tolerance is that.
+    fn keeps(&self, course: &Course, piece: usize, tolerance: f64) -> bool {
+        !self.anywhere[piece] && course.pieces[piece].length() > LONG * tolerance
+    }
+
+    /// The share of a tube that is left at least when it is narrowed: where pieces are kept to, the curve may be outside by many of
+    /// their tubes before it has come inside.
+    pub(crate) fn least_share(&self) -> f64 {
+        if self.anywhere.iter().all(|&anywhere| anywhere) {
+            0.0
+        } else {
+            LEAST_SHARE
+        }
+    }
+
+    /// Whether a piece is kept to on this side of its middle.
+    pub(crate) fn keeps_at(&self, course: &Course, piece: usize, s: f64) -> bool {
+        self.keeps(course, piece, self.tolerance(course, piece, s))
+    }
+
+    /// Whether a place is near the rounding of one of its piece's corners, or on an arc.
+    pub(crate) fn is_near_rounding(&self, course: &Course, piece: usize, s: f64) -> bool {
+        let (from, to) = (s - course.starts[piece], course.starts[piece + 1] - s);
+        let behind = piece.checked_sub(1).map_or(0.0, |corner| self.reaches[corner]);
+        from < NEAR * behind || to < NEAR * self.reaches[piece] || matches!(course.pieces[piece], Path::Arc(_))
+    }
+
+    /// Stretches of the motion in which corners beside pieces that are kept to are rounded: from when until when, for the time at a
+    /// place. Nodes are closer there.
+    pub(crate) fn roundings(&self, course: &Course, time_at: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+        let joints = (0..course.pieces.len()).filter(|&piece| piece + 1 < course.pieces.len());
+        joints
+            .filter(|&piece| self.room(course, piece).is_finite() && self.reaches[piece] > 0.0)
+            .map(|piece| {
+                let (s, reach) = (course.starts[piece + 1], self.reaches[piece]);
+                (time_at(s - reach), time_at(s + reach))
+            })
+            .collect()
+    }
+
+    /// Whether one of the two pieces at a joint is kept to beside it: how far from its corner the curve may be. `None`: neither.
+    pub(crate) fn at_joint(&self, course: &Course, joint: usize) -> Option<f64> {
+        let tolerance = self.tolerances[joint - 1];
+        let kept = self.keeps(course, joint - 1, tolerance) || self.keeps(course, joint, tolerance);
+        let s = course.starts[joint];
+        kept.then(|| self.aim(course, joint - 1, s).min(self.aim(course, joint, s)))
+    }
+
+    /// Half the length of a curve that rounds the corner at the end of a piece, at most.
+    pub(crate) fn room(&self, course: &Course, piece: usize) -> f64 {
+        let tolerance = self.tolerances[piece];
+        let kept = self.keeps(course, piece, tolerance) || self.keeps(course, piece + 1, tolerance);
+        if kept { self.reaches[piece] } else { f64::INFINITY }
+    }
+
+    /// How far the rounding of the corner at the end of a piece reaches to either side: at most half a piece.
+    pub(crate) fn rounding(&self, course: &Course, piece: usize) -> [f64; 2] {
+        let Some(next) = course.pieces.get(piece + 1) else {
+            return [0.0; 2];
+        };
+        let before = &course.pieces[piece];
+        let turn = (before.end_tangent() - next.start_tangent()).norm();
+        if turn <= COLLINEAR || self.tolerances[piece] <= 0.0 {
+            return [0.0; 2];
+        }
+        [before, next].map(|piece_| self.reaches[piece].min(0.5 * piece_.length()))
+    }
+
+    /// A distance from the course as a share of what is allowed there; of a point of the curve that belongs to a piece at `s`. 0 where
+    /// nothing is.
+    pub(crate) fn used(&self, course: &Course, q: &Point, piece: usize, s: f64) -> f64 {
+        let tolerance = self.tolerance(course, piece, s);
+        let (foot, _) = course.foot(q, piece);
+        let off = (foot - q).norm();
+        if tolerance <= 0.0 {
+            return 0.0;
+        }
+        let near = piece.saturating_sub(REACH)..=(piece + REACH).min(course.pieces.len() - 1);
+        if !near.clone().any(|near| self.keeps(course, near, tolerance)) {
+            return off / tolerance;
+        }
+        near.map(|near| {
+            let path = &course.pieces[near];
+            let place = course.starts[near] + along(path, q);
+            (nearest(path, q) - q).norm() / self.at(course, near, place)
+        })
+        .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// How far a corner's rounding reaches along the pieces on both sides: as far as superposition would draw one that uses all of
+/// the tolerance (`crate::rounding`), at most ten tolerances. A line that goes on straight has none.
+fn reach(before: &Path, behind: &Path, tolerance: f64, smoothness: Smoothness) -> f64 {
+    let most = MOST_REACH * tolerance;
+    match (before, behind) {
+        (Path::Line(_), Path::Line(_)) => {
+            crate::rounding::reach_of_lines(before, behind, tolerance, smoothness).min(most)
+        }
+        _ => most,
+    }
+}
+
+/// 0 outside of the rounding, 1 from half of its reach on.
+fn opened(distance: f64, reach: f64) -> f64 {
+    if distance < reach {
+        (2.0 * (reach - distance) / reach).min(1.0)
+    } else {
+        0.0
+    }
+}
+
+/// A piece longer than so many tolerances is kept to.
+const LONG: f64 = 50.0;
+/// Share of the tolerance that is allowed there.
+const STRAIGHT: f64 = 0.01;
+/// The same, and of the reach of a rounding, in the optimisation.
+const AIM: [f64; 2] = [0.006, 0.96];
+/// Tolerances that a rounding reaches from its corner at most.
+const MOST_REACH: f64 = 10.0;
+const LEAST_SHARE: f64 = 0.6;
+/// What is near a rounding, in reaches of it.
+const NEAR: f64 = 2.0;
+/// Pieces before and behind that a point may belong to.
+const REACH: usize = 2;
+/// Tangents that differ by no more go on in one direction: 0.1 degree (spec/coordinated-instructions.md §7.7).
+const COLLINEAR: f64 = 0.1 * core::f64::consts::PI / 180.0;

@@ -1,0 +1,228 @@
+//! A contour's line stays a line: outside the rounding of its corners a long piece deviates by at most a hundredth of the
+//! tolerance, planned at once and extended while it runs, within the limits of the axes.
+
+use arcline_contour::{AxisLimits, ContourMove, Deviation, Path, Point, Trajectory, extend, plan};
+use arcline_geometry::{Arc, CirclePoint, Dimension, Direction};
+use proptest::prelude::*;
+
+const SPEED: f64 = 200.0;
+/// How long a plan may take, seconds on the trajectory's own time.
+const LEAD: f64 = 0.05;
+
+fn limits(jerk: bool) -> AxisLimits {
+    AxisLimits {
+        speed: Point::new(300.0, 150.0, 200.0),
+        acceleration: Point::new(5000.0, 3000.0, 4000.0),
+        jerk: jerk.then(|| Point::new(100_000.0, 60_000.0, 80_000.0)),
+    }
+}
+
+/// A leg: its length in tolerances, the turn of the direction before it, and how much it is bent (an arc where that is much).
+type Leg = (f64, f64, f64);
+
+fn course(legs: &[Leg], tolerance: f64, jerk: bool) -> Vec<ContourMove> {
+    let (mut from, mut heading) = (Point::new(1.0, -2.0, 0.5), 0.3_f64);
+    legs.iter()
+        .map(|&(tolerances, turn, bulge)| {
+            heading += turn;
+            let to = from + Point::new(libm::cos(heading), libm::sin(heading), 0.0) * (tolerances * tolerance);
+            let via = (from + to) * 0.5 + Point::new(-(to - from).y, (to - from).x, 0.0) * (0.5 * bulge);
+            let arc = Arc::new(
+                Dimension::Three,
+                from,
+                to,
+                CirclePoint::Via(via),
+                Direction::from_word(0).expect("0 is a direction"),
+            );
+            let path = match arc {
+                Ok(arc) if bulge.abs() > 0.1 => {
+                    let end = Path::Arc(arc).end_tangent();
+                    heading = libm::atan2(end.y, end.x);
+                    Path::Arc(arc)
+                }
+                _ => Path::line(from, to),
+            };
+            from = to;
+            ContourMove {
+                path,
+                speed: SPEED,
+                acceleration: 4000.0,
+                deceleration: 3500.0,
+                jerk: jerk.then_some(90_000.0),
+                tolerance,
+                deviation: Deviation::Corners,
+            }
+        })
+        .collect()
+}
+
+/// Distance of a point from a path, and how far the nearest point is from the nearer end of it.
+fn distance(path: &Path, q: &Point) -> (f64, f64) {
+    let (length, mut low, mut high) = (path.length(), 0.0, path.length());
+    let at = |s: f64| (path.at(s).position - q).norm();
+    let count = if matches!(path, Path::Line(_)) { 1 } else { 60 };
+    let best = (0..count).min_by(|&a, &b| {
+        let middle = |k: i32| at(length * (f64::from(k) + 0.5) / f64::from(count));
+        middle(a).total_cmp(&middle(b))
+    });
+    if let Some(best) = best.filter(|_| count > 1) {
+        low = (length * f64::from(best - 1) / f64::from(count)).max(0.0);
+        high = (length * f64::from(best + 2) / f64::from(count)).min(length);
+    }
+    for _ in 0..60 {
+        let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+        if at(a) < at(b) {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    let s = 0.5 * (low + high);
+    (at(s).min(at(0.0)).min(at(length)), s.min(length - s))
+}
+
+/// A share of what is allowed: the worst between two instants.
+fn used(trajectory: &Trajectory, moves: &[ContourMove], from: f64, to: f64) -> (f64, f64) {
+    let count = ((to - from) / 5e-4).ceil().max(1.0) as usize;
+    let mut worst = (0.0, from);
+    for k in 0..=count {
+        let t = from + (to - from) * k as f64 / count as f64;
+        let q = trajectory.at(t).position;
+        let used = moves
+            .iter()
+            .map(|one| {
+                let (off, end) = distance(&one.path, &q);
+                let open = one.path.length() <= 50.0 * one.tolerance || end < 10.0 * one.tolerance;
+                off / (one.tolerance * if open { 1.0 } else { 0.01 })
+            })
+            .fold(f64::INFINITY, f64::min);
+        if used > worst.0 {
+            worst = (used, t);
+        }
+    }
+    worst
+}
+
+fn check(trajectory: &Trajectory, moves: &[ContourMove], from: f64, to: f64, jerk: bool) -> Result<(), TestCaseError> {
+    let (limits, peaks) = (limits(jerk), trajectory.peaks());
+    for axis in 0..3 {
+        prop_assert!(peaks.velocity[axis] <= limits.speed[axis] * (1.0 + 1e-9), "{peaks:?}");
+        prop_assert!(
+            peaks.acceleration[axis] <= limits.acceleration[axis] * (1.0 + 1e-9),
+            "{peaks:?}"
+        );
+        if let Some(most) = limits.jerk {
+            prop_assert!(peaks.jerk[axis] <= most[axis] * (1.0 + 1e-9), "{peaks:?}");
+        }
+    }
+    let (worst, at) = used(trajectory, moves, from, to);
+    prop_assert!(worst <= 1.001, "{worst} of what is allowed, at {at} s");
+    Ok(())
+}
+
+/// Moves that become known in windows; how often it rested between two.
+fn travel(moves: &[ContourMove], window: usize, jerk: bool) -> Result<(f64, usize), TestCaseError> {
+    let limits = limits(jerk);
+    let mut known = window.min(moves.len());
+    let mut running = plan(&moves[..known], &limits);
+    let (mut passed, mut now, mut before, mut stops) = (0, 0.0, 0.0, 0);
+    loop {
+        let ask = if known < moves.len() {
+            (running.duration() - 0.4).max(now)
+        } else {
+            running.duration()
+        };
+        check(&running, moves, now, ask, jerk)?;
+        now = ask;
+        if known == moves.len() {
+            return Ok((before + now, stops));
+        }
+        let on_it = running.move_at(now);
+        passed += on_it;
+        let next = (known + window).min(moves.len());
+        match extend(&running, on_it, &moves[passed..next], &limits, now, now + LEAD) {
+            Some(longer) => {
+                known = passed + longer.moves();
+                running = longer;
+            }
+            None => {
+                stops += 1;
+                check(&running, moves, now, running.duration(), jerk)?;
+                before += running.duration();
+                running = plan(&moves[known..next], &limits);
+                (passed, now) = (known, 0.0);
+                known = next;
+            }
+        }
+    }
+}
+
+fn leg() -> impl Strategy<Value = Leg> {
+    let length = prop_oneof![2 => 51.0..300.0_f64, 1 => 2.0..50.0_f64];
+    let turn =
+        prop_oneof![3 => -2.9..2.9_f64, 1 => -0.05..0.05_f64, 1 => Just(0.0), 1 => Just(core::f64::consts::FRAC_PI_2)];
+    let bulge = prop_oneof![3 => Just(0.0), 1 => -1.2..1.2_f64];
+    (length, turn, bulge)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
+
+    #[test]
+    fn long_pieces_stay_what_they_are(
+        legs in prop::collection::vec(leg(), 2..12),
+        tolerance in prop_oneof![Just(0.01), 0.01..0.4_f64],
+        jerk in any::<bool>(),
+    ) {
+        let moves = course(&legs, tolerance, jerk);
+        let limits = limits(jerk);
+        let whole = plan(&moves, &limits);
+        check(&whole, &moves, 0.0, whole.duration(), jerk)?;
+        let stops: f64 = moves.iter().map(|one| plan(core::slice::from_ref(one), &limits).duration()).sum();
+        prop_assert!(whole.duration() <= stops * 1.005 + 1e-9, "{} s, with stops {stops} s", whole.duration());
+    }
+
+    #[test]
+    fn extensions_keep_them_too(
+        legs in prop::collection::vec(leg(), 6..14),
+        window in 3..8_usize,
+        tolerance in 0.02..0.2_f64,
+        jerk in any::<bool>(),
+    ) {
+        let moves = course(&legs, tolerance, jerk);
+        travel(&moves, window, jerk)?;
+    }
+}
+
+#[test]
+fn the_square_of_the_manual_has_straight_sides() {
+    for jerk in [false, true] {
+        let quarter = core::f64::consts::FRAC_PI_2;
+        let moves = course(
+            &[(100.0, 0.0, 0.0), (100.0, quarter, 0.0), (100.0, quarter, 0.0)],
+            1.0,
+            jerk,
+        );
+        let limits = limits(jerk);
+        let whole = plan(&moves, &limits);
+        check(&whole, &moves, 0.0, whole.duration(), jerk).expect("straight sides");
+        let anywhere: Vec<ContourMove> = moves
+            .iter()
+            .map(|one| ContourMove {
+                deviation: Deviation::Anywhere,
+                ..*one
+            })
+            .collect();
+        let free = plan(&anywhere, &limits).duration();
+        assert!(
+            whole.duration() < free * 1.05,
+            "{} s, anywhere {free} s",
+            whole.duration()
+        );
+        let corner = whole.rounding(0).expect("two moves");
+        assert!(
+            corner[0] < corner[1] && whole.at(corner[0]).velocity.norm() > 10.0,
+            "{corner:?}"
+        );
+    }
+}
