@@ -56,6 +56,7 @@ fn machine(period_ns: u64) -> Machine {
             queue_depth: 1,
             corner: Default::default(),
             axis_limits: Default::default(),
+            deviation: Default::default(),
             joint_limits: Default::default(),
             robot: None,
             orientation: None,
