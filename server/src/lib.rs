@@ -8,6 +8,7 @@
 
 mod cli;
 pub mod eip;
+mod guard;
 pub mod hmi;
 mod l5x;
 mod names;

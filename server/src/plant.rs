@@ -23,21 +23,23 @@ use std::time::Duration;
 
 use arc_swap::ArcSwap;
 use arcline_config::{ConnectionLoss, Project, ServerConfig};
-use arcline_controller::UNNAMED;
 use arcline_controller::image::{ControlError, Edge, Health, Image};
 use arcline_controller::machine::Machine;
+use arcline_controller::{Ticket, UNNAMED};
+use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{BindError, Given, Mnemonic, MotionControl, bind};
-use arcline_realtime::{Handle, Link, Meter, Options, SpawnError};
+use arcline_realtime::{Handle, Link, Meter, Options, SpawnError, Stops};
 use tokio::sync::Notify;
 
+use crate::guard::Guard;
 use crate::retained::{NotKept, Watch, WhenKept};
 use crate::trace::Trace;
 pub use log::Logged;
 pub use moves::{LiveMove, LiveMoves};
-pub use owned::Owner;
+pub use owned::{Lost, Owner};
 use records::instance_of;
 pub use reload::ReloadError;
-use state::{Published, State};
+use state::{OUTSTANDING, Published, State, may_run};
 
 /// The running machine. Clones are the same one.
 #[derive(Clone, Debug)]
@@ -80,13 +82,16 @@ pub enum CallRefused {
 }
 
 #[derive(Debug)]
-struct Shared {
+pub(crate) struct Shared {
     state: Mutex<State>,
     published: Published,
     meter: Arc<Meter>,
     machine: Machine,
     server: ServerConfig,
     trace: Trace,
+    /// Stops that no lock and no command is ahead of.
+    stops: Stops,
+    guard: Guard,
     /// Something was sent: the pump looks sooner.
     sent: Notify,
 }
@@ -114,6 +119,9 @@ impl Plant {
         if let Err(error) = plant.trace().spawn() {
             tracing::warn!(%error, "no thread for traces: rows are kept only while a client reads them");
         }
+        if let Err(error) = plant.guard().spawn(Arc::downgrade(&plant.0)) {
+            tracing::error!(%error, "no thread for stops: jogs of lost clients stop late");
+        }
         tokio::spawn(pump(Arc::downgrade(&plant.0)));
         Ok((plant, handle))
     }
@@ -130,7 +138,9 @@ impl Plant {
         };
         let meter = link.meter.clone();
         let trace = Trace::new(&project.machine, link.samples.take());
-        let state = State::new(image, link, watch, trace.clone());
+        let stops = link.stops.clone();
+        let guard = Guard::new(stops.clone(), &project.machine, project.server.jog_silence);
+        let state = State::new(image, link, watch, trace.clone(), guard.clone());
         Plant(Arc::new(Shared {
             state: Mutex::new(state),
             published,
@@ -138,8 +148,15 @@ impl Plant {
             machine: project.machine.clone(),
             server: project.server.clone(),
             trace,
+            stops,
+            guard,
             sent: Notify::new(),
         }))
+    }
+
+    /// The plant, as long as somebody else has it.
+    pub(crate) fn upgrade(shared: &Weak<Shared>) -> Option<Plant> {
+        shared.upgrade().map(Plant)
     }
 
     /// The machine as configured.
@@ -155,6 +172,11 @@ impl Plant {
     /// The samples of every tick, and traces of them.
     pub fn trace(&self) -> &Trace {
         &self.0.trace
+    }
+
+    /// The guard of jogs, which stops those of clients that are lost.
+    pub(crate) fn guard(&self) -> &Guard {
+        &self.0.guard
     }
 
     /// The real-time thread's measurements.
@@ -177,6 +199,8 @@ impl Plant {
     pub fn write<R>(&self, write: impl FnOnce(&mut Image, &mut Vec<Edge>) -> R) -> (R, Written) {
         let mut state = self.0.lock();
         state.refresh();
+        let room = state.room();
+        state.image_mut().set_call_room(room);
         let mut edges = Vec::new();
         let result = write(state.image_mut(), &mut edges);
         // Sent under the lock: kept in the order in which it was written.
@@ -275,19 +299,21 @@ impl Plant {
             .await
     }
 
-    /// The same as [`Plant::call`]; `tell` is told its instance before anything has happened.
+    /// The same as [`Plant::call_for`]; `tell` is told its instance before anything has happened.
     ///
     /// # Errors
     /// As [`Plant::call`].
     pub(crate) async fn call_told(
         &self,
+        owner: Owner,
         mnemonic: Mnemonic,
         target: Option<u16>,
         control: Option<&str>,
         given: &[Given],
         tell: impl FnOnce(u32),
     ) -> Result<Executed, CallRefused> {
-        self.call_with(None, mnemonic, target, control, given, tell).await
+        self.call_with(Some(owner), mnemonic, target, control, given, tell)
+            .await
     }
 
     async fn call_with(
@@ -301,7 +327,7 @@ impl Plant {
     ) -> Result<Executed, CallRefused> {
         let (ticket, answer) = {
             let mut state = self.0.lock();
-            if state.waiting.len() >= OUTSTANDING {
+            if !state.has_room(mnemonic) {
                 return Err(CallRefused::Busy);
             }
             // Bound before the tag is made: what is refused leaves nothing behind.
@@ -323,20 +349,42 @@ impl Plant {
         Ok(Executed { instance, control })
     }
 
-    /// An owner is lost: what it began and what still runs of that is stopped, held or goes on. Whether something was stopped
-    /// or held.
-    pub fn lose(&self, owner: Owner, reaction: ConnectionLoss) -> bool {
-        let any = {
+    /// An owner is lost: what it began and what still runs of that is stopped, held or goes on.
+    pub fn lose(&self, owner: Owner, reaction: ConnectionLoss) -> Lost {
+        let lost = {
             let mut state = self.0.lock();
             state.refresh();
             state.lose(owner, reaction)
         };
         self.0.sent.notify_one();
-        any
+        lost
+    }
+
+    /// Looks at executions, but does not wait for the lock. The first argument tells whether a jog of
+    /// an axis runs, may come to, or is being stopped.
+    pub(crate) fn try_with_executions<R>(&self, look: impl FnOnce(&dyn Fn(u16, Ticket) -> bool) -> R) -> Option<R> {
+        let mut state = self.0.try_lock()?;
+        state.refresh();
+        let State { records, link, .. } = &mut *state;
+        let snapshot = link.snapshots.output_buffer();
+        let runs = |axis: u16, ticket: Ticket| {
+            let axis = snapshot.axes.get(usize::from(axis));
+            let status = axis.map_or(0, |axis| axis.motion_status);
+            // A stop ends the instruction, not the motion.
+            let brakes = status & motion_status::STOPPING_STATUS != 0;
+            brakes
+                || match records.get(ticket) {
+                    Some(control) => may_run(control),
+                    // Of old executions only the axis tells.
+                    None => status & motion_status::JOG_STATUS != 0,
+                }
+        };
+        Some(look(&runs))
     }
 
     /// An owner has closed its connection in order: what it began goes on as if nobody had.
     pub fn release(&self, owner: Owner) {
+        self.0.guard.forget(owner);
         self.0.lock().owned.forget(owner);
     }
 
@@ -360,6 +408,12 @@ impl Plant {
     /// The oldest instance that is kept.
     pub fn oldest_instance(&self) -> Option<u32> {
         self.0.lock().records.oldest().map(instance_of)
+    }
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        self.guard.close();
     }
 }
 
@@ -419,7 +473,7 @@ async fn pump(plant: Weak<Shared>) {
             let mut state = plant.lock();
             state.refresh();
             state.flush();
-            !state.waiting.is_empty() || !state.backlog.is_empty()
+            state.is_busy()
         };
         let sent = plant.sent.notified();
         let pause = if busy { PAUSE_BUSY } else { PAUSE_IDLE };
@@ -435,8 +489,6 @@ pub fn image_of(project: &Project) -> Image {
     image
 }
 
-/// Calls that may wait for the controller at a time.
-const OUTSTANDING: usize = 2048;
 /// Longest wait for DN, ER or IP.
 pub const ANSWER_WITHIN: Duration = Duration::from_secs(5);
 const PAUSE_BUSY: Duration = Duration::from_millis(1);

@@ -80,6 +80,8 @@ pub struct ServerConfig {
     pub io_loss: IoLoss,
     /// What becomes of motion when the class 3 connection or the session that began it is lost.
     pub connection_loss: ConnectionLoss,
+    /// Silence after which the jogs (MAJ) of a client are stopped, ms; 0: never.
+    pub jog_silence: u16,
 }
 
 /// Where implicit I/O (class 0 and 1 connections) listens.
@@ -189,6 +191,7 @@ impl Default for ServerConfig {
             io: IoListen::default(),
             io_loss: IoLoss::default(),
             connection_loss: ConnectionLoss::default(),
+            jog_silence: 2000,
         }
     }
 }

@@ -47,6 +47,7 @@ pub fn table(project: &Project) -> Table {
             number(server.max_connections_per_address),
         ),
         ("inactivity_timeout_s", number(server.inactivity_timeout.into())),
+        ("jog_silence_ms", number(server.jog_silence.into())),
     ];
     let server = server.into_iter().filter_map(|(key, value)| Some((key, value?)));
     root.insert("server".into(), keys(server));

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use arcline_instruction_set::{Call, ControlSlot, FaultSet, MotionControl};
-use arcline_motion::machine::Machine;
+use arcline_motion::machine::{self, Machine};
 use arcline_motion::{AcceptedMove, ArrayWrite, ContourRequest, Event, Input, Material, Motion, Ticket, Trajectory};
 
 use crate::snapshot::Snapshot;
@@ -37,9 +37,31 @@ pub enum Command {
     StopAll,
 }
 
+/// A request to stop, which no command is ahead of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopRequest {
+    /// Everything that moves, every axis by itself.
+    All,
+    /// The jog that an instruction began on an axis: see [`Motion::end_jog`].
+    Jog {
+        /// Index of the axis.
+        axis: u16,
+        /// The instruction.
+        ticket: Ticket,
+    },
+}
+
 /// What joins the controller to the rest: rings in the real-time thread, plain collections in a test.
 /// Every method is called from the tick and must neither block nor allocate.
 pub trait Port {
+    /// The next request to stop: every one is taken before the first command of a tick.
+    fn next_stop(&mut self) -> Option<StopRequest> {
+        None
+    }
+    /// Whether a command of this tick was sent before the newest [`StopRequest::All`]: what it began is stopped too.
+    fn was_sent_before_stop(&mut self) -> bool {
+        false
+    }
     /// The next command, if one waits.
     fn next_command(&mut self) -> Option<Command>;
     /// What the motion control tag shows right after an instruction was executed.
@@ -95,6 +117,8 @@ pub struct Controller {
 
 /// Planned contours that one tick takes.
 const MAX_CONTOURS_PER_TICK: usize = 4;
+/// Requests to stop that one tick takes: one of everything, and one of each axis.
+const MAX_STOPS_PER_TICK: usize = machine::MAX_AXES + 1;
 /// Commands that one tick takes; the rest wait for the next one.
 pub const MAX_COMMANDS_PER_TICK: usize = 64;
 
@@ -116,6 +140,13 @@ impl Controller {
             let Some(planned) = port.planned_contour() else { break };
             self.install_contour(planned);
         }
+        for _ in 0..MAX_STOPS_PER_TICK {
+            match port.next_stop() {
+                Some(StopRequest::All) => self.stop_all(),
+                Some(StopRequest::Jog { axis, ticket }) => self.end_jog(axis, ticket),
+                None => break,
+            }
+        }
         for _ in 0..MAX_COMMANDS_PER_TICK {
             match port.next_command() {
                 Some(Command::Call(ticket, call)) => {
@@ -133,6 +164,9 @@ impl Controller {
                 Some(Command::StopAll) => self.stop_all(),
                 None => break,
             }
+        }
+        if port.was_sent_before_stop() {
+            self.stop_all();
         }
         if let Some(request) = port.contour_request()
             && self.next_contour(request)
@@ -193,6 +227,11 @@ impl Controller {
     /// Stops everything that moves, every axis by itself. Real-time.
     pub fn stop_all(&mut self) {
         self.motion.stop_all();
+    }
+
+    /// Stops the jog that an instruction began on an axis, at full deceleration: see [`Motion::end_jog`]. Real-time.
+    pub fn end_jog(&mut self, axis: u16, ticket: Ticket) {
+        self.motion.end_jog(axis, ticket);
     }
 
     /// Fills a request for the next contour that is to be planned; false when there is none. Real-time.

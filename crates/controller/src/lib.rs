@@ -14,5 +14,5 @@ pub use arcline_motion::{
     AcceptedMove, ArrayWrite, AxisSnapshot, CONTROL_SLOTS, ContourRequest, Event, Input, Material, Path, Point,
     SystemSnapshot, Ticket, Trajectory, UNNAMED, Written, machine,
 };
-pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port};
+pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port, StopRequest};
 pub use snapshot::Snapshot;

@@ -22,6 +22,14 @@ macro_rules! mnemonics {
                 match self { $(Self::$name => $text),* }
             }
 
+            /// Whether it stops motion or switches off, and begins nothing.
+            pub const fn is_stop(self) -> bool {
+                matches!(
+                    self,
+                    Self::Mas | Self::Mcs | Self::Mgs | Self::Msf | Self::Masd | Self::Mcsd | Self::Mgsd
+                )
+            }
+
             /// The full name.
             pub const fn title(self) -> &'static str {
                 match self { $(Self::$name => $title),* }

@@ -17,6 +17,7 @@ use arcline_planner::geometry::Point;
 use arcline_planner::precise::{AxisLimits, Trajectory};
 
 use crate::accepted::{ACCEPTED, AcceptedMove};
+use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
 use crate::events::{ArrayWrite, Events};
@@ -222,6 +223,29 @@ impl Motion {
         self.unlink_all();
         for axis in 0..self.axes.len() {
             self.stop_axis(axis as u16, None);
+        }
+    }
+
+    /// Stops the jog that an instruction began on an axis, at the axis's full deceleration, and makes the stops that are under way
+    /// on the axis as hard. It cannot be refused; a jog that another instruction began goes on. Real-time.
+    pub fn end_jog(&mut self, axis: u16, ticket: Ticket) {
+        let at = usize::from(axis);
+        if at >= self.axes.len() {
+            return;
+        }
+        for slot in [Slot::Jog, Slot::Stop] {
+            let Some(generator) = self.axes[at].sum.get(slot) else {
+                continue;
+            };
+            let own = generator.execution.is_some_and(|execution| execution.ticket == ticket);
+            let (stopping, execution) = (generator.stopping, generator.execution);
+            let limits = self.axes[at].dynamics.stop(generator.s_curve);
+            if stopping {
+                self.axes[at].brake(slot, &limits, execution, self.clock.now());
+                self.axes[at].stale = true;
+            } else if own {
+                self.stop_generator(axis, slot, &limits, None);
+            }
         }
     }
 

@@ -98,17 +98,28 @@ impl<T: Copy> Planner<T> {
             velocity: speed,
             acceleration: momentum.acceleration.dot(&momentum.velocity) / speed,
         };
-        hastened(from, &limits, widest, bound)
+        hastened(from, &relieved(from, &limits, bound), widest)
     }
 }
 
-/// Limits whose ramps are hastened, as little as need be, until a stop takes no more than a way, is no faster than a speed, and
-/// does not pass through rest.
-fn hastened(from: State, limits: &Limits, widest: f64, fastest: f64) -> Limits {
+/// Limits with the jerks that take an acceleration away before a motion is faster than `fastest`, or passes through rest.
+fn relieved(from: State, limits: &Limits, fastest: f64) -> Limits {
+    let mut limits = *limits;
+    let lead = forward(from, &limits, fastest);
+    if let (Some(lead), Some(jerk)) = (lead, &mut limits.jerk) {
+        if from.acceleration < 0.0 {
+            jerk.deceleration = jerk.deceleration.max(lead.jerk);
+        } else {
+            jerk.acceleration = jerk.acceleration.max(lead.jerk);
+        }
+    }
+    limits
+}
+
+/// Limits whose ramps are hastened, as little as need be, until a stop takes no more than a way.
+fn hastened(from: State, limits: &Limits, widest: f64) -> Limits {
     let widest = widest * (1.0 + NEARLY);
-    let fits = |limits: &Limits| {
-        Profile::stop(from, limits).reach() <= widest && forward(from, limits, fastest * (1.0 + NEARLY)).is_none()
-    };
+    let fits = |limits: &Limits| Profile::stop(from, limits).reach() <= widest;
     if !(widest > 0.0) || fits(limits) {
         return *limits;
     }
@@ -136,7 +147,7 @@ fn short(from: State, limits: &Limits, pace: f64, widest: f64) -> Limits {
     if Profile::stop(from, &own).reach() <= widest * (1.0 + NEARLY) {
         return *limits;
     }
-    let own = hastened(from, &own, widest, f64::INFINITY);
+    let own = hastened(from, &own, widest);
     Limits {
         speed: limits.speed,
         acceleration: own.acceleration / pace,
@@ -303,7 +314,7 @@ impl RampOut {
                 velocity: speed,
                 acceleration: along,
             };
-            let limits = hastened(from, &self.limits, self.widest, f64::INFINITY);
+            let limits = hastened(from, &self.limits, self.widest);
             Part::new(direction, Profile::stop(from, &limits))
         } else {
             nothing
@@ -315,7 +326,7 @@ impl RampOut {
                     ..State::default()
                 };
                 let limits = self.limits.hastened(self.across);
-                let limits = hastened(from, &limits, ASIDE * self.widest, f64::INFINITY);
+                let limits = hastened(from, &limits, ASIDE * self.widest);
                 Part::new(direction, Profile::stop(from, &limits))
             }
             None => nothing,

@@ -12,6 +12,7 @@ mod meter;
 mod rings;
 mod samples;
 mod schedule;
+mod stops;
 mod thread;
 
 pub use contour::Planning;
@@ -19,4 +20,5 @@ pub use meter::Meter;
 pub use rings::{ACCEPTED, Answer, COMMANDS, EVENTS, Link, Rings, link};
 pub use samples::Samples;
 pub use schedule::{Report, Shortfall, prepare_beside_tick};
+pub use stops::Stops;
 pub use thread::{Handle, Options, SpawnError, spawn, step};

@@ -5,16 +5,18 @@ use std::sync::Arc;
 
 use arcline_controller::machine::Machine;
 use arcline_controller::{
-    AcceptedMove, ArrayWrite, Command, ContourRequest, Event, PlannedContour, Port, Snapshot, Ticket, Trajectory,
+    AcceptedMove, ArrayWrite, Command, ContourRequest, Event, MAX_COMMANDS_PER_TICK, PlannedContour, Port, Snapshot,
+    StopRequest, Ticket, Trajectory,
 };
 use arcline_instruction_set::MotionControl;
 
 use crate::contour::{self, Contours, Planning};
 use crate::meter::Meter;
 use crate::samples::{self, SampleSender, Samples};
+use crate::stops::{self, StopReceiver, Stops};
 
-/// Commands that can wait for the controller.
-pub const COMMANDS: usize = 4096;
+/// Commands that can wait for the controller: what it takes in 16 ticks, so that no command waits for longer.
+pub const COMMANDS: usize = 16 * MAX_COMMANDS_PER_TICK;
 /// Events that can wait for their reader; one tick can make as many.
 pub const EVENTS: usize = 16_384;
 /// Writes to arrays that can wait for their reader.
@@ -41,6 +43,8 @@ pub struct Answer {
 pub struct Link {
     /// Commands to the controller.
     pub commands: rtrb::Producer<Command>,
+    /// Requests to stop, which no command is ahead of.
+    pub stops: Stops,
     /// One answer for every call, in order.
     pub answers: rtrb::Consumer<Answer>,
     /// Changes of instructions, in order.
@@ -63,6 +67,11 @@ pub struct Link {
 #[derive(Debug)]
 pub struct Rings {
     commands: rtrb::Consumer<Command>,
+    stops: StopReceiver,
+    /// Commands in the ring that were sent before the newest stop of everything.
+    before_stop: usize,
+    /// One of them was taken in this tick.
+    took_before_stop: bool,
     answers: rtrb::Producer<Answer>,
     events: rtrb::Producer<Event>,
     array_writes: rtrb::Producer<ArrayWrite>,
@@ -95,11 +104,15 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
     let (array_writes, array_write_receiver) = rtrb::RingBuffer::new(ARRAY_WRITES);
     let (accepted, accepted_receiver) = rtrb::RingBuffer::new(ACCEPTED);
     let (samples, sample_receiver) = samples::link(machine);
+    let (stop_receiver, stops) = stops::link(machine.axes.len());
     let (snapshots, snapshot_output) = triple_buffer::triple_buffer(&Snapshot::new(machine));
     let meter = Arc::new(Meter::default());
     let (contours, planning) = contour::link(machine).unzip();
     let rings = Rings {
         commands,
+        stops: stop_receiver,
+        before_stop: 0,
+        took_before_stop: false,
         answers,
         events,
         array_writes,
@@ -113,6 +126,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
     };
     let link = Link {
         commands: command_sender,
+        stops,
         answers: answer_receiver,
         events: event_receiver,
         array_writes: array_write_receiver,
@@ -135,9 +149,26 @@ impl Rings {
 }
 
 impl Port for Rings {
+    fn next_stop(&mut self) -> Option<StopRequest> {
+        let stop = self.stops.next();
+        if stop == Some(StopRequest::All) {
+            self.before_stop = self.commands.slots();
+        }
+        stop
+    }
+
+    fn was_sent_before_stop(&mut self) -> bool {
+        std::mem::take(&mut self.took_before_stop)
+    }
+
     fn next_command(&mut self) -> Option<Command> {
         match self.stop {
-            Stop::No => self.commands.pop().ok(),
+            Stop::No => {
+                let command = self.commands.pop().ok()?;
+                self.took_before_stop |= self.before_stop > 0;
+                self.before_stop = self.before_stop.saturating_sub(1);
+                Some(command)
+            }
             Stop::Asked => {
                 self.stop = Stop::Under;
                 Some(Command::StopAll)

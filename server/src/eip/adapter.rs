@@ -4,21 +4,122 @@
 //! Only read, never set: the host's network is not ours. What the system does not tell is 0 or empty. Addresses are
 //! numbers, their first byte the highest.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::net::Ipv4Addr;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
-/// The adapter that has an address.
+/// The adapter that has an address, as it was when it was looked at.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Adapter {
-    /// Where the system's files are: `/`, or what a test has put together.
-    root: PathBuf,
     /// The interface, such as `eth0`; empty: not known.
     pub(crate) name: String,
     /// The address.
     pub(crate) address: Ipv4Addr,
     /// Its network's mask; 0.0.0.0: not known.
     pub(crate) mask: Ipv4Addr,
+    /// The default gateway of this interface; 0.0.0.0: none.
+    pub(crate) gateway: Ipv4Addr,
+    /// The first two name servers; 0.0.0.0: none.
+    pub(crate) name_servers: [Ipv4Addr; 2],
+    /// The host's name, at most 64 bytes.
+    pub(crate) host_name: String,
+    /// Mbit/s; 0: not known.
+    pub(crate) speed: u32,
+    /// Whether the link is up. A loopback interface says "unknown" and is up all the same.
+    pub(crate) is_up: bool,
+    /// Whether the duplex mode is half; full unless the system says otherwise.
+    pub(crate) is_half_duplex: bool,
+    /// The hardware address; zeros: not known.
+    pub(crate) hardware_address: [u8; 6],
+    /// In Octets, In Unicast, In Non-unicast, In Discards, In Errors, In Unknown Protocols, and the five of Out. They wrap.
+    pub(crate) interface_counters: [u32; 11],
+    /// Alignment, FCS, single and multiple collisions, SQE, deferred, late and excessive collisions, MAC transmit, carrier
+    /// sense, frame too long, MAC receive. They wrap.
+    pub(crate) media_counters: [u32; 12],
+}
+
+/// The adapters of the host. The system's files are read once a second at most, and beside the requests that want to know: some dozen
+/// files take milliseconds.
+#[derive(Debug)]
+pub(crate) struct Adapters {
+    /// Where the system's files are: `/`, or what a test has put together.
+    root: PathBuf,
+    known: Arc<Mutex<BTreeMap<Ipv4Addr, Known>>>,
+}
+
+#[derive(Debug)]
+struct Known {
+    adapter: Arc<Adapter>,
+    read: Instant,
+    /// It is being read again.
+    reading: bool,
+}
+
+/// How old what is told of an adapter may be before it is read again.
+const FRESH: Duration = Duration::from_secs(1);
+/// Addresses of the host that are known.
+const MANY: usize = 64;
+
+impl Adapters {
+    /// `root`: where the system's files are.
+    pub(crate) fn new(root: &Path) -> Self {
+        Self {
+            root: root.to_owned(),
+            known: Arc::default(),
+        }
+    }
+
+    /// The adapter of a local address: read here when it is asked for the first time, as it was read last otherwise.
+    pub(crate) fn of(&self, address: Ipv4Addr) -> Arc<Adapter> {
+        if let Some(adapter) = self.known(address) {
+            return adapter;
+        }
+        read(&self.root, address, &self.known)
+    }
+
+    /// Reads the adapter of a local address beside the tasks of this thread, unless it is known.
+    pub(crate) fn prepare(&self, address: Ipv4Addr) {
+        if !lock(&self.known).contains_key(&address) {
+            self.read_beside(address);
+        }
+    }
+
+    /// What is known, which is read again if it is old.
+    fn known(&self, address: Ipv4Addr) -> Option<Arc<Adapter>> {
+        let mut all = lock(&self.known);
+        let known = all.get_mut(&address)?;
+        if known.read.elapsed() >= FRESH && !std::mem::replace(&mut known.reading, true) {
+            self.read_beside(address);
+        }
+        Some(known.adapter.clone())
+    }
+
+    fn read_beside(&self, address: Ipv4Addr) {
+        let (root, known) = (self.root.clone(), self.known.clone());
+        tokio::task::spawn_blocking(move || read(&root, address, &known));
+    }
+}
+
+fn read(root: &Path, address: Ipv4Addr, known: &Mutex<BTreeMap<Ipv4Addr, Known>>) -> Arc<Adapter> {
+    let adapter = Arc::new(Adapter::of(root, address));
+    let mut all = lock(known);
+    if all.len() >= MANY {
+        all.clear();
+    }
+    let now = Known {
+        adapter: adapter.clone(),
+        read: Instant::now(),
+        reading: false,
+    };
+    all.insert(address, now);
+    adapter
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The counters of an interface, in the order of Ethernet Link's attribute 4 (CIP Vol. 2, 5-5). Empty: there is none.
@@ -56,28 +157,47 @@ const MEDIA_COUNTERS: [&str; 12] = [
 const MAX_FILE: usize = 64 * 1024;
 
 impl Adapter {
-    /// The adapter of a local address, by the routing table.
+    /// The adapter of a local address, by the routing table. Reads some dozen files.
     pub(crate) fn of(root: &Path, address: Ipv4Addr) -> Self {
-        let mut this = Self {
-            root: root.to_owned(),
-            name: String::new(),
-            address,
-            mask: Ipv4Addr::UNSPECIFIED,
-        };
-        if address.is_loopback() {
+        let files = Files(root);
+        let routes = files.routes();
+        let (name, mask) = if address.is_loopback() {
             // The routing table leaves it out.
-            this.name = "lo".to_owned();
-            this.mask = Ipv4Addr::new(255, 0, 0, 0);
-            return this;
-        }
-        let own = |route: &Route| {
-            !route.mask.is_unspecified() && address.to_bits() & route.mask.to_bits() == route.to.to_bits()
+            ("lo".to_owned(), Ipv4Addr::new(255, 0, 0, 0))
+        } else {
+            let own = |route: &&Route| {
+                !route.mask.is_unspecified() && address.to_bits() & route.mask.to_bits() == route.to.to_bits()
+            };
+            let own = routes.iter().find(own);
+            own.map_or((String::new(), Ipv4Addr::UNSPECIFIED), |route| {
+                (route.interface.clone(), route.mask)
+            })
         };
-        if let Some(route) = this.routes().into_iter().find(own) {
-            this.name = route.interface;
-            this.mask = route.mask;
+        let default = |route: &&Route| route.mask.is_unspecified() && route.interface == name;
+        let gateway = routes.iter().find(default);
+        let host_name = files.read("proc/sys/kernel/hostname");
+        let mut interface_counters = INTERFACE_COUNTERS.map(|counter| files.counter(&name, counter));
+        // The system counts multicast packets among all.
+        interface_counters[1] = interface_counters[1].wrapping_sub(interface_counters[2]);
+        Self {
+            gateway: gateway.map_or(Ipv4Addr::UNSPECIFIED, |route| route.gateway),
+            name_servers: files.name_servers(),
+            host_name: host_name
+                .trim()
+                .chars()
+                .filter(char::is_ascii_graphic)
+                .take(64)
+                .collect(),
+            speed: files.interface(&name, "speed").trim().parse().unwrap_or(0),
+            is_up: matches!(files.interface(&name, "operstate").trim(), "up" | "unknown"),
+            is_half_duplex: files.interface(&name, "duplex").trim() == "half",
+            hardware_address: files.hardware_address(&name),
+            interface_counters,
+            media_counters: MEDIA_COUNTERS.map(|counter| files.counter(&name, counter)),
+            name,
+            address,
+            mask,
         }
-        this
     }
 
     /// The first of its multicast addresses: 239.192.1.0 + 32 × ((host part of the address & 0x3FF) − 1)
@@ -88,15 +208,17 @@ impl Adapter {
         Ipv4Addr::from_bits(base + 32 * (host & 0x3FF).saturating_sub(1))
     }
 
-    /// The default gateway of this interface; 0.0.0.0: none.
-    pub(crate) fn gateway(&self) -> Ipv4Addr {
-        let default = |route: &Route| route.mask.is_unspecified() && route.interface == self.name;
-        let found = self.routes().into_iter().find(default);
-        found.map_or(Ipv4Addr::UNSPECIFIED, |route| route.gateway)
+    /// Whether it is inside the host.
+    pub(crate) fn is_internal(&self) -> bool {
+        self.address.is_loopback()
     }
+}
 
-    /// The first two name servers; 0.0.0.0: none.
-    pub(crate) fn name_servers(&self) -> [Ipv4Addr; 2] {
+/// The files in which the system shows its network, below a folder.
+struct Files<'r>(&'r Path);
+
+impl Files<'_> {
+    fn name_servers(&self) -> [Ipv4Addr; 2] {
         let mut servers = [Ipv4Addr::UNSPECIFIED; 2];
         let text = self.read("etc/resolv.conf");
         let found = text
@@ -106,35 +228,8 @@ impl Adapter {
         servers
     }
 
-    /// The host's name, at most 64 bytes.
-    pub(crate) fn host_name(&self) -> String {
-        let text = self.read("proc/sys/kernel/hostname");
-        text.trim().chars().filter(char::is_ascii_graphic).take(64).collect()
-    }
-
-    /// Mbit/s; 0: not known.
-    pub(crate) fn speed(&self) -> u32 {
-        self.interface("speed").trim().parse().unwrap_or(0)
-    }
-
-    /// Whether the link is up. A loopback interface says "unknown" and is up all the same.
-    pub(crate) fn is_up(&self) -> bool {
-        matches!(self.interface("operstate").trim(), "up" | "unknown")
-    }
-
-    /// Whether the duplex mode is half; full unless the system says otherwise.
-    pub(crate) fn is_half_duplex(&self) -> bool {
-        self.interface("duplex").trim() == "half"
-    }
-
-    /// Whether it is inside the host.
-    pub(crate) fn is_internal(&self) -> bool {
-        self.address.is_loopback()
-    }
-
-    /// The hardware address; zeros: not known.
-    pub(crate) fn hardware_address(&self) -> [u8; 6] {
-        let text = self.interface("address");
+    fn hardware_address(&self, name: &str) -> [u8; 6] {
+        let text = self.interface(name, "address");
         let mut bytes = [0; 6];
         let mut parts = text.trim().split(':');
         for byte in &mut bytes {
@@ -146,36 +241,22 @@ impl Adapter {
         bytes
     }
 
-    /// In Octets, In Unicast, In Non-unicast, In Discards, In Errors, In Unknown Protocols, and the five of Out. They wrap.
-    pub(crate) fn interface_counters(&self) -> [u32; 11] {
-        let mut counters = INTERFACE_COUNTERS.map(|name| self.counter(name));
-        // The system counts multicast packets among all.
-        counters[1] = counters[1].wrapping_sub(counters[2]);
-        counters
-    }
-
-    /// Alignment, FCS, single and multiple collisions, SQE, deferred, late and excessive collisions, MAC transmit, carrier
-    /// sense, frame too long, MAC receive. They wrap.
-    pub(crate) fn media_counters(&self) -> [u32; 12] {
-        MEDIA_COUNTERS.map(|name| self.counter(name))
-    }
-
-    fn counter(&self, name: &str) -> u32 {
-        if name.is_empty() {
+    fn counter(&self, name: &str, counter: &str) -> u32 {
+        if counter.is_empty() {
             return 0;
         }
         let wide: u64 = self
-            .interface(&format!("statistics/{name}"))
+            .interface(name, &format!("statistics/{counter}"))
             .trim()
             .parse()
             .unwrap_or(0);
         wide as u32
     }
 
-    fn interface(&self, file: &str) -> String {
-        let known = !self.name.is_empty() && !self.name.contains('/') && !self.name.starts_with('.');
+    fn interface(&self, name: &str, file: &str) -> String {
+        let known = !name.is_empty() && !name.contains('/') && !name.starts_with('.');
         if known {
-            self.read(&format!("sys/class/net/{}/{file}", self.name))
+            self.read(&format!("sys/class/net/{name}/{file}"))
         } else {
             String::new()
         }
@@ -183,7 +264,7 @@ impl Adapter {
 
     /// The system's small text files; empty: there is none such.
     fn read(&self, file: &str) -> String {
-        let text = fs::read_to_string(self.root.join(file)).unwrap_or_default();
+        let text = fs::read_to_string(self.0.join(file)).unwrap_or_default();
         if text.len() > MAX_FILE { String::new() } else { text }
     }
 
@@ -262,19 +343,19 @@ pub(super) mod tests {
             (adapter.name.as_str(), adapter.mask),
             ("eth0", Ipv4Addr::new(255, 255, 255, 0))
         );
-        assert_eq!(adapter.gateway(), Ipv4Addr::new(192, 168, 1, 1));
+        assert_eq!(adapter.gateway, Ipv4Addr::new(192, 168, 1, 1));
         assert_eq!(
-            adapter.name_servers(),
+            adapter.name_servers,
             [Ipv4Addr::new(192, 168, 1, 2), Ipv4Addr::new(8, 8, 4, 4)]
         );
-        assert_eq!(adapter.host_name(), "cell4");
-        assert_eq!(adapter.hardware_address(), [0, 0x1B, 0x54, 0xAA, 0x0B, 0x0C]);
+        assert_eq!(adapter.host_name, "cell4");
+        assert_eq!(adapter.hardware_address, [0, 0x1B, 0x54, 0xAA, 0x0B, 0x0C]);
         assert_eq!(
-            (adapter.speed(), adapter.is_up(), adapter.is_half_duplex()),
+            (adapter.speed, adapter.is_up, adapter.is_half_duplex),
             (1000, true, false)
         );
-        assert_eq!(adapter.interface_counters(), [2, 7, 3, 0, 0, 0, 0, 8, 0, 0, 0]);
-        assert_eq!(adapter.media_counters(), [0, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(adapter.interface_counters, [2, 7, 3, 0, 0, 0, 0, 8, 0, 0, 0]);
+        assert_eq!(adapter.media_counters, [0, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
     }
 
     #[test]
@@ -282,9 +363,9 @@ pub(super) mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         for address in [Ipv4Addr::new(10, 0, 0, 1), Ipv4Addr::LOCALHOST] {
             let adapter = Adapter::of(folder.path(), address);
-            assert_eq!(adapter.gateway(), Ipv4Addr::UNSPECIFIED);
-            assert_eq!((adapter.hardware_address(), adapter.speed()), ([0; 6], 0));
-            assert_eq!(adapter.interface_counters(), [0; 11]);
+            assert_eq!(adapter.gateway, Ipv4Addr::UNSPECIFIED);
+            assert_eq!((adapter.hardware_address, adapter.speed), ([0; 6], 0));
+            assert_eq!(adapter.interface_counters, [0; 11]);
         }
     }
 }

@@ -4,9 +4,10 @@
 //! read its replies, nothing more is read from it; after [`Settings::write_timeout`](super::Settings) it is closed.
 
 use std::future::Future;
-use std::net::{IpAddr, SocketAddrV4};
+use std::net::{IpAddr, SocketAddr, SocketAddrV4};
+use std::os::fd::{AsFd as _, OwnedFd};
 use std::pin::{Pin, pin};
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 use std::task::Poll;
 use std::time::Duration;
 
@@ -14,15 +15,21 @@ use arcline_proto::encap::{EncapStatus, Frame, FrameDecoder, FrameError};
 use arcline_proto::session::{CloseReason, Event, ServerSession};
 use bytes::{Bytes, BytesMut};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
+use tokio::net::TcpStream;
 use tokio::time::{Instant, Sleep, sleep_until, timeout};
-use tracing::debug;
+use tracing::{debug, warn};
 
 use super::crowd::Place;
 use super::device::{Device, Seat};
 use super::router::Router;
+use crate::guard::Signs;
 
-/// Frames that are taken from one connection before the others get their turn.
-const BATCH: usize = 32;
+/// How long the frames of one connection are taken before the others get their turn: whatever a client sends, the others wait for
+/// one of its messages, or for as many as take no longer than this.
+const TURN: Duration = Duration::from_micros(50);
+
+/// Turns before replies that wait to be sent together leave.
+const TURNS: u32 = 16;
 
 /// Room for what a peer sends before it waits for an answer, bytes; more than that makes the buffer grow.
 const READ: usize = 4096;
@@ -67,7 +74,7 @@ pub(crate) enum Ended {
 #[cfg(test)]
 pub(crate) async fn serve<S>(stream: S, local: SocketAddrV4, peer: IpAddr, device: Arc<Device>) -> Ended
 where
-    S: AsyncRead + AsyncWrite + Unpin,
+    S: AsyncRead + AsyncWrite + Unpin + Socket,
 {
     serve_in(None, stream, local, peer, device).await
 }
@@ -81,11 +88,17 @@ pub(crate) async fn serve_in<S>(
     device: Arc<Device>,
 ) -> Ended
 where
-    S: AsyncRead + AsyncWrite + Unpin,
+    S: AsyncRead + AsyncWrite + Unpin + Socket,
 {
     let leave = place.as_ref().map(Place::leave).unwrap_or_default();
     let epoch = Instant::now();
     let number = device.number_session();
+    let name = match stream.far_end() {
+        Some(address) => address.to_string(),
+        None => peer.to_string(),
+    };
+    let face: Weak<Device> = Arc::downgrade(&device);
+    let signs = device.plant.guard().enter(number, &name, face);
     let mut connection = Connection {
         number,
         stream,
@@ -101,6 +114,7 @@ where
         epoch,
         now: Duration::ZERO,
         is_brisk: false,
+        signs,
     };
     let ended = leave.run_until_cancelled(connection.run()).await;
     let ended = ended.unwrap_or(Ended::Crowded);
@@ -112,6 +126,7 @@ where
     });
     let in_order = matches!(ended, Ended::Session(CloseReason::Unregistered));
     connection.device.end_session(number, in_order);
+    connection.device.plant.guard().leave(number);
     ended
 }
 
@@ -135,6 +150,8 @@ struct Connection<S> {
     now: Duration,
     /// Whether the peer asked its last question as soon as it had its answer.
     is_brisk: bool,
+    /// What the guard of jogs hears of the peer.
+    signs: Signs,
 }
 
 /// Frames that wait to be sent: the only one as it is, several in one piece.
@@ -173,7 +190,39 @@ impl Output {
     }
 }
 
-impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
+/// What a stream is on which a client came in.
+pub(crate) trait Socket {
+    /// The far end, if it has an address.
+    fn far_end(&self) -> Option<SocketAddr>;
+    /// Another descriptor of the same socket, if it is one of the system's.
+    fn duplicate(&self) -> Option<OwnedFd>;
+}
+
+impl Socket for TcpStream {
+    fn far_end(&self) -> Option<SocketAddr> {
+        self.peer_addr().ok()
+    }
+
+    fn duplicate(&self) -> Option<OwnedFd> {
+        let duplicate = self.as_fd().try_clone_to_owned();
+        duplicate
+            .inspect_err(|error| warn!(%error, "the socket of a client that jogs is not looked at"))
+            .ok()
+    }
+}
+
+#[cfg(test)]
+impl Socket for tokio::io::DuplexStream {
+    fn far_end(&self) -> Option<SocketAddr> {
+        None
+    }
+
+    fn duplicate(&self) -> Option<OwnedFd> {
+        None
+    }
+}
+
+impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
     async fn run(&mut self) -> Ended {
         match self.serve_frames().await {
             Ok(never) => match never {},
@@ -187,13 +236,18 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
 
     async fn serve_frames(&mut self) -> Result<std::convert::Infallible, Ended> {
         let mut timer = pin!(sleep_until(self.epoch + LOOK));
+        let mut turns = 0;
         loop {
             let more = self.take_frames().await?;
-            // Whatever came together is answered together.
-            self.flush().await?;
+            turns += 1;
+            // What came together is answered together, but for what takes its time.
+            if !more || turns % TURNS == 0 {
+                self.flush().await?;
+            }
             if more {
                 tokio::task::yield_now().await;
             } else {
+                turns = 0;
                 self.wait(timer.as_mut()).await?;
             }
         }
@@ -228,7 +282,10 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
         self.is_brisk = self.now.saturating_sub(before) < BRISK;
         match came {
             Some(Ok(0)) => Err(Ended::ByPeer),
-            Some(came) => came.map(|_| ()).map_err(Ended::from),
+            Some(came) => {
+                self.signs.heard();
+                came.map(|_| ()).map_err(Ended::from)
+            }
             None => {
                 let mut seat = Seat {
                     device: &self.device,
@@ -242,9 +299,10 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
         }
     }
 
-    /// Handles what has come, a batch at most. Whether there may be more.
+    /// Handles what has come, for a turn at most. Whether there may be more.
     async fn take_frames(&mut self) -> Result<bool, Ended> {
-        for _ in 0..BATCH {
+        let began = std::time::Instant::now();
+        loop {
             match self.decoder.decode(&mut self.input) {
                 Ok(Some(frame)) => self.take(&frame).await?,
                 Ok(None) => return Ok(false),
@@ -255,8 +313,10 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
                     return Err(error.into());
                 }
             }
+            if began.elapsed() >= TURN {
+                return Ok(true);
+            }
         }
-        Ok(true)
     }
 
     /// Handles one frame.
@@ -297,6 +357,11 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Connection<S> {
                         }
                     };
                     self.session.reply(id, &reply, self.now);
+                    if self.signs.is_wanted()
+                        && let Some(socket) = self.stream.duplicate()
+                    {
+                        self.device.plant.guard().watch(self.number, socket);
+                    }
                 }
                 Event::IoReady(id) => {
                     self.flush().await?;

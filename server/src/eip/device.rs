@@ -16,9 +16,10 @@ use arcline_proto::identity::Identity;
 use arcline_proto::session::{self, ConnectionEnd, Host, IoOpen, IoOpened};
 use tracing::{error, warn};
 
-use super::adapter::Adapter;
+use super::adapter::Adapters;
 use super::crowd::{Crowd, Limits};
 use super::io::{Exchange, Io};
+use crate::guard::Face;
 use crate::plant::{Owner, Plant};
 
 /// Settings of the EtherNet/IP face (spec/ethernet-ip.md §18).
@@ -84,6 +85,8 @@ pub(crate) struct Device {
     pub(crate) settings: Settings,
     pub(crate) session_settings: Arc<session::Settings>,
     exchange: Exchange,
+    /// What the host shows of its adapters.
+    pub(crate) adapters: Adapters,
     io: Option<Arc<Io>>,
     /// Who is connected.
     pub(crate) crowd: Arc<Crowd>,
@@ -118,6 +121,7 @@ impl Device {
         Ok(Self {
             plant,
             exchange,
+            adapters: Adapters::new(&settings.system),
             io,
             session_settings: Arc::new(settings.session.clone()),
             inactivity: AtomicU64::new(settings.session.inactivity.map_or(0, |time| time.as_secs())),
@@ -190,8 +194,11 @@ impl Device {
     pub(crate) fn lose(&self, owner: Owner) {
         let loss = self.loss(owner);
         self.set_loss(owner, None);
-        if self.plant.lose(owner, loss) {
-            warn!(reaction = loss.word(), "a connection is lost, and motion that it began");
+        let lost = self.plant.lose(owner, loss);
+        if !lost.is_empty() {
+            let client = self.plant.guard().name_of(owner.session);
+            let motion = lost.names(self.plant.machine());
+            warn!(%client, reaction = loss.word(), %motion, "a connection is lost, and motion that it began");
         }
     }
 
@@ -241,6 +248,16 @@ impl Device {
 
     fn lock_counters(&self) -> MutexGuard<'_, Counters> {
         self.counters.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Face for Device {
+    fn keeps_jogs(&self, owner: Owner) -> bool {
+        self.loss(owner) == ConnectionLoss::Finish
+    }
+
+    fn lost(&self, session: u64) {
+        self.end_session(session, false);
     }
 }
 
@@ -337,7 +354,7 @@ impl Host for Seat<'_> {
         match &self.device.io {
             Some(io) => {
                 let local = *self.local.ip();
-                let group = Adapter::of(&self.device.settings.system, local).first_multicast();
+                let group = self.device.adapters.of(local).first_multicast();
                 io.open(open, self.peer, local, group, self.device, || device.random())
             }
             None => device.open_io(open),

@@ -20,6 +20,13 @@ use crate::plant::Plant;
 
 /// Pause after the system refused to accept (out of file descriptors): long enough not to spin.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
+/// Silence before a peer is asked whether it is there, and from one question to the next.
+const KEEP_ALIVE_IDLE: Duration = Duration::from_secs(5);
+const KEEP_ALIVE_EVERY: Duration = Duration::from_secs(1);
+/// Questions without an answer that end a connection.
+const KEEP_ALIVE_PROBES: u32 = 5;
+/// How long what was sent may not be acknowledged.
+const UNACKNOWLEDGED: Duration = Duration::from_secs(10);
 /// Tries to find a port that is free for both TCP and UDP.
 const PORT_TRIES: usize = 16;
 
@@ -134,9 +141,24 @@ async fn serve_one(stream: TcpStream, place: Place, device: Arc<Device>) {
         return;
     };
     let local = reachable(local, peer).await;
+    device.adapters.prepare(*local.ip());
+    if let Err(error) = keep_alive(&stream) {
+        debug!(%error, "a pulled cable will be noticed late");
+    }
     debug!("connected");
     let ended = connection::serve_in(Some(place), stream, local, peer.ip(), device).await;
     connection::report(&ended);
+}
+
+/// Has the system ask a silent peer whether it is there, and give up what is not acknowledged: a pulled cable ends the connection within
+/// some seconds, a client that has nothing to say does not.
+fn keep_alive(stream: &TcpStream) -> rustix::io::Result<()> {
+    use rustix::net::sockopt;
+    sockopt::set_socket_keepalive(stream, true)?;
+    sockopt::set_tcp_keepidle(stream, KEEP_ALIVE_IDLE)?;
+    sockopt::set_tcp_keepintvl(stream, KEEP_ALIVE_EVERY)?;
+    sockopt::set_tcp_keepcnt(stream, KEEP_ALIVE_PROBES)?;
+    sockopt::set_tcp_user_timeout(stream, UNACKNOWLEDGED.as_millis() as u32)
 }
 
 /// TCP and UDP on the same port. With port 0 the one that TCP got may be taken for UDP: try again.

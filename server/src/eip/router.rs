@@ -5,6 +5,7 @@
 
 use std::net::SocketAddrV4;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use arcline_controller::image::{Edge, Image};
 use arcline_proto::cip::{self, CipStatus, MultipleReplies, REPLY_HEAD, Reply, Request, class, service};
@@ -18,6 +19,9 @@ use super::objects::motion::{self, MotionRequest};
 use super::{objects, tags};
 use crate::plant::Owner;
 use crate::retained::NotKept;
+
+/// How long a packet of requests is worked on before others have their turn.
+const TURN: Duration = Duration::from_micros(500);
 
 /// Routes the messages of one connection.
 pub(crate) struct Router {
@@ -43,8 +47,8 @@ pub(crate) struct Context<'a> {
 
 impl Context<'_> {
     /// The host's adapter through which the message came.
-    pub(crate) fn adapter(&self) -> Adapter {
-        Adapter::of(&self.device.settings.system, *self.local.ip())
+    pub(crate) fn adapter(&self) -> Arc<Adapter> {
+        self.device.adapters.of(*self.local.ip())
     }
 }
 
@@ -169,7 +173,13 @@ impl Router {
                 }
             })
             .await;
+        let mut began = Instant::now();
         for (step, request) in steps.into_iter().zip(&requests) {
+            if began.elapsed() >= TURN {
+                // The others have their turn.
+                tokio::task::yield_now().await;
+                began = Instant::now();
+            }
             let context = self.context(replies.budget(), transport);
             let step = match request {
                 Ok(request) => step.unless(kept, request),

@@ -230,6 +230,7 @@ fn path_status(error: &PathError) -> CipStatus {
 /// The status for a write that the image refuses.
 fn write_status(error: &WriteError) -> CipStatus {
     match error {
+        WriteError::NoRoom { .. } => CipStatus::RESOURCE_UNAVAILABLE,
         WriteError::ReadOnly { .. } => CipStatus::PRIVILEGE_VIOLATION,
         WriteError::OutOfRange { .. } | WriteError::NoSuchFault { .. } => CipStatus::INVALID_PARAMETER,
         _ => unknown(),

@@ -1,7 +1,8 @@
 //! What moves the machine: instructions, stops and overrides, each with the right that it needs. Jogs are `jog`'s.
 
 use std::collections::VecDeque;
-use std::sync::PoisonError;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError};
 
 use arcline_controller::image::Image;
 use arcline_instruction_set::{Directory as _, Flag, Given, Mnemonic, Object};
@@ -12,8 +13,12 @@ use serde_json::{Value as Json, json};
 use super::Shared;
 use super::message::Refusal;
 use super::rights::{Held, Thing, ViewerId};
+use crate::guard::VIEWERS;
 use crate::names::ImageNames;
+use crate::plant::Owner;
 
+/// The longest text that is read by the threads that others share, bytes.
+const SHORT: usize = 1024;
 /// Instructions of which it is known who executed them.
 const ORIGINS: usize = 4096;
 
@@ -65,16 +70,24 @@ impl Shared {
 
     /// What runs one instruction given as Structured Text, its names checked against the tags.
     pub(super) fn interpreter_of(&self, text: &str) -> Result<Interpreter, Refusal> {
+        self.checked_call(text).map(Interpreter::new)
+    }
+
+    /// One call given as Structured Text, its names checked against the tags.
+    pub(super) fn checked_call(&self, text: &str) -> Result<Program, Refusal> {
         let mut program = Program::parse_call(text).map_err(|error| Refusal::syntax(&error))?;
         self.plant
             .with_image(|image| program.check(&ImageNames(image)))
             .map_err(|error| Refusal::syntax(&error))?;
-        Ok(Interpreter::new(program))
+        Ok(program)
     }
 
     /// Executes one instruction given as Structured Text.
-    pub(super) async fn execute(&self, viewer: ViewerId, text: &str) -> Result<Json, Refusal> {
-        let mut interpreter = self.interpreter_of(text)?;
+    pub(super) async fn execute(self: &Arc<Self>, viewer: ViewerId, text: &str) -> Result<Json, Refusal> {
+        let parsed = text.to_owned();
+        let mut interpreter = self
+            .compute_if(text.len() > SHORT, move |shared| shared.interpreter_of(&parsed))
+            .await??;
         let mut answer = Answer::Start;
         loop {
             let request = interpreter
@@ -104,6 +117,17 @@ impl Shared {
         call: &BoundCall,
         text: Option<&str>,
     ) -> Result<Accepted, Refusal> {
+        self.call_on(viewer, 0, call, text).await
+    }
+
+    /// The same on a connection of the viewer, by which it owns what it begins.
+    pub(super) async fn call_on(
+        &self,
+        viewer: ViewerId,
+        connection: u32,
+        call: &BoundCall,
+        text: Option<&str>,
+    ) -> Result<Accepted, Refusal> {
         let mnemonic = call.mnemonic;
         let object = mnemonic.instruction().object;
         let target = self.plant.with_image(|image| image.object(object, &call.target));
@@ -121,11 +145,22 @@ impl Shared {
             viewer: self.rights().name(viewer).to_owned(),
             text: text.map(str::to_owned),
         };
+        let owner = Owner {
+            session: VIEWERS | viewer,
+            connection,
+        };
         let executed = self
             .plant
-            .call_told(mnemonic, target, call.control.as_deref(), &call.given, |instance| {
-                self.origins().note(instance, origin);
-            })
+            .call_told(
+                owner,
+                mnemonic,
+                target,
+                call.control.as_deref(),
+                &call.given,
+                |instance| {
+                    self.origins().note(instance, origin);
+                },
+            )
             .await
             .map_err(|refused| Refusal::call(&refused, mnemonic))?;
         if executed.control.has(Flag::Er) {
@@ -154,12 +189,12 @@ impl Shared {
 
     /// Stops one object, or everything. Anybody may.
     pub(super) async fn stop(&self, viewer: ViewerId, object: Option<&str>) -> Result<Json, Refusal> {
-        self.program.end();
         let machine = self.plant.machine();
         let Some(name) = object else {
-            self.plant.stop_all();
+            self.stop_everything();
             return Ok(json!({}));
         };
+        self.program.end();
         let mnemonic = match Thing::find(machine, name) {
             Some(Thing::Axis(_)) => Mnemonic::Mas,
             Some(Thing::System(_)) => Mnemonic::Mcs,
@@ -168,6 +203,15 @@ impl Shared {
         };
         self.call(viewer, &instruction(mnemonic, name, &[]), None).await?;
         Ok(json!({}))
+    }
+
+    /// Stops everything, now: neither a lock nor the work of others is ahead of it. What was asked before is not begun after it.
+    pub(super) fn stop_everything(&self) {
+        self.stops.fetch_add(1, Ordering::AcqRel);
+        self.plant.stop_all();
+        self.program.end();
+        // Of the program, one more instruction may have been on its way.
+        self.plant.stop_all();
     }
 
     /// Sets the override of a coordinate system, percent.

@@ -1,66 +1,55 @@
-//! Jogs with a dead-man: an axis moves as long as its viewer says that it is still meant.
+//! Jogs with a dead-man: an axis moves as long as its viewer says that it is still meant. Who says nothing any more is the guard's
+//! business (`crate::guard`); here a jog begins, and ends with the hand.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
+use arcline_config::ConnectionLoss;
 use arcline_instruction_set::{Flag, Mnemonic};
 use serde_json::{Value as Json, json};
-use tokio::time::{Instant, MissedTickBehavior, interval};
+use tokio::time::{MissedTickBehavior, interval};
 
 use super::Shared;
 use super::drive::{instruction, rate};
 use super::message::Refusal;
 use super::rights::{Thing, ViewerId};
+use crate::guard::{Face, HELD, VIEWERS};
+use crate::plant::Owner;
 
-/// Without a sign of life for so long, a jog is stopped.
-const KEEP_WITHIN: Duration = Duration::from_millis(150);
-/// How often jogs are looked at.
+/// How often it is looked whether viewers that jog still have the right.
 const LOOK: Duration = Duration::from_millis(10);
+/// How long the stop of a jog may take at its own deceleration; then it is one at the axis's full deceleration.
+const SOFT_STOP: Duration = Duration::from_secs(1);
 /// Stop Type of MAS: Jog.
 const JOG: f64 = 1.0;
 
-/// Axes that move as long as somebody holds a button, by their place.
+/// The decelerations, u/s², with which viewers' jogs stop when the hand lets go; `None`: the axis's own.
 #[derive(Debug, Default)]
-pub(super) struct Jogs(BTreeMap<u16, Jog>);
-
-#[derive(Debug)]
-struct Jog {
-    viewer: ViewerId,
-    until: Instant,
-    /// Deceleration of its stop, u/s²; `None`: the axis's own.
-    decel: Option<f64>,
-}
-
-impl Jogs {
-    /// Takes out what a condition holds for.
-    fn drain(&mut self, condition: impl Fn(u16, &Jog) -> bool) -> BTreeMap<u16, Jog> {
-        let (out, rest) = std::mem::take(&mut self.0)
-            .into_iter()
-            .partition(|(axis, jog)| condition(*axis, jog));
-        self.0 = rest;
-        out
-    }
-}
+pub(super) struct Jogs(BTreeMap<(ViewerId, u16), Option<f64>>);
 
 impl Shared {
-    /// Moves an axis until [`Shared::keep`] does not come any more.
+    /// Moves an axis until [`Shared::keep`] does not come any more. `speed`, `accel` and `decel` as numbers; `is_held`: the hand has not
+    /// let go since.
     pub(super) async fn jog(
         &self,
         viewer: ViewerId,
         axis: &str,
-        speed: f64,
-        accel: Option<f64>,
-        decel: Option<f64>,
+        [speed, accel, decel]: [Option<f64>; 3],
+        is_held: impl Fn() -> bool,
     ) -> Result<Json, Refusal> {
         let machine = self.plant.machine();
         let place = self.axis(axis)?;
         self.check_right(viewer, Thing::Axis(place))?;
         let limit = machine.axes[usize::from(place)].max_speed;
+        let speed = speed.unwrap_or_default();
         if !speed.is_finite() || speed.abs() > limit {
             return Err(Refusal::new(format!(
                 "the speed is {speed}, expected -{limit} to {limit}"
             )));
+        }
+        if !is_held() {
+            return Err(Refusal::new("the button was let go before the jog began"));
         }
         let (accel_units, accel) = rate(accel);
         let (decel_units, decel_rate) = rate(decel);
@@ -72,18 +61,12 @@ impl Shared {
             ("Decel Rate", decel_rate), ("Decel Units", decel_units),
             ("Profile", 0.0),
         ];
-        // Watched before it moves.
-        let jog = Jog {
-            viewer,
-            until: Instant::now() + KEEP_WITHIN,
-            decel,
-        };
-        self.jogs().0.insert(place, jog);
-        let done = self
-            .call(viewer, &instruction(Mnemonic::Maj, axis, &operands), None)
-            .await;
-        if done.is_err() {
-            self.jogs().0.remove(&place);
+        self.jogs().0.insert((viewer, place), decel);
+        // The guard watches it from the moment in which it is sent.
+        let call = instruction(Mnemonic::Maj, axis, &operands);
+        let done = self.call_on(viewer, HELD, &call, None).await;
+        if !is_held() {
+            self.jog_end(viewer, axis).await?;
         }
         done.map(|_| json!({}))
     }
@@ -91,42 +74,32 @@ impl Shared {
     /// A sign of life for a jog.
     pub(super) fn keep(&self, viewer: ViewerId, axis: &str) -> Result<Json, Refusal> {
         let place = self.axis(axis)?;
-        let now = Instant::now();
-        match self.jogs().0.get_mut(&place) {
-            Some(jog) if jog.viewer == viewer && jog.until > now => {
-                jog.until = now + KEEP_WITHIN;
-                Ok(json!({}))
-            }
-            _ => Err(Refusal::new(format!("{axis} is not jogged by you any more"))),
+        if self.plant.guard().keep(VIEWERS | viewer, place) {
+            Ok(json!({}))
+        } else {
+            Err(Refusal::new(format!("{axis} is not jogged by you any more")))
         }
     }
 
     /// The end of a jog.
     pub(super) async fn jog_end(&self, viewer: ViewerId, axis: &str) -> Result<Json, Refusal> {
         let place = self.axis(axis)?;
-        let ended = {
-            let mut jogs = self.jogs();
-            let own = jogs.0.get(&place).is_some_and(|jog| jog.viewer == viewer);
-            if own { jogs.0.remove(&place) } else { None }
-        };
-        if let Some(jog) = ended {
-            self.stop_jog(place, jog.decel).await;
+        let decel = self.jogs().0.remove(&(viewer, place));
+        if self.plant.guard().release(VIEWERS | viewer, place, SOFT_STOP) {
+            self.stop_jog(place, decel.flatten()).await;
         }
         Ok(json!({}))
     }
 
     /// A viewer has gone: what it jogged stops.
-    pub(super) async fn leave(&self, viewer: ViewerId) {
-        let gone = self.jogs().drain(|_, jog| jog.viewer == viewer);
-        self.stop_jogs(gone).await;
+    pub(super) fn leave(&self, viewer: ViewerId) {
+        self.plant.guard().lose(VIEWERS | viewer);
+        self.plant.guard().leave(VIEWERS | viewer);
+        self.jogs().0.retain(|(of, _), _| *of != viewer);
         self.rights().leave(viewer);
     }
 
-    async fn stop_jogs(&self, jogs: BTreeMap<u16, Jog>) {
-        let stops = jogs.iter().map(|(axis, jog)| self.stop_jog(*axis, jog.decel));
-        futures_util::future::join_all(stops).await;
-    }
-
+    /// Stops a jog as it was asked to stop. The guard stops it, should this fail.
     async fn stop_jog(&self, axis: u16, decel: Option<f64>) {
         let machine = self.plant.machine();
         let name = Thing::Axis(axis).name(machine);
@@ -140,7 +113,7 @@ impl Shared {
         let stopped = self.plant.call(Mnemonic::Mas, Some(axis), None, &given).await;
         match stopped {
             Ok(executed) if !executed.control.has(Flag::Er) => {}
-            // Without motion there is nothing to stop; with a stop under way neither.
+            // Without motion there is nothing to stop.
             Ok(executed) => tracing::debug!(axis = name, err = executed.control.err, "a jog was not stopped"),
             Err(error) => {
                 tracing::error!(axis = name, %error, "a jog was not stopped: everything is");
@@ -154,20 +127,30 @@ impl Shared {
     }
 }
 
-/// Stops jogs that nobody keeps, and those of viewers that lost the right, until the future is dropped.
+impl Face for Shared {
+    fn keeps_jogs(&self, _: Owner) -> bool {
+        false
+    }
+
+    fn lost(&self, session: u64) {
+        for connection in [0, HELD] {
+            self.plant.lose(Owner { session, connection }, ConnectionLoss::Jogs);
+        }
+    }
+}
+
+/// Stops the jogs of viewers that lost the right, until the future is dropped.
 pub(super) async fn watch(shared: Arc<Shared>) {
     let mut due = interval(LOOK);
     due.set_missed_tick_behavior(MissedTickBehavior::Delay);
     loop {
         due.tick().await;
-        let dead = {
-            let rights = shared.rights();
-            let now = Instant::now();
-            let machine = shared.plant.machine();
-            shared
-                .jogs()
-                .drain(|axis, jog| jog.until <= now || rights.check(machine, jog.viewer, Thing::Axis(axis)).is_err())
-        };
-        shared.stop_jogs(dead).await;
+        let machine = shared.plant.machine();
+        for (session, axis) in shared.plant.guard().held() {
+            let viewer = session & !VIEWERS;
+            if shared.rights().check(machine, viewer, Thing::Axis(axis)).is_err() {
+                shared.plant.guard().release(session, axis, Duration::ZERO);
+            }
+        }
     }
 }

@@ -39,6 +39,7 @@ use crate::plant::Plant;
 use assets::Assets;
 use drive::Origins;
 use jog::Jogs;
+use message::Refusal;
 use program::Programs;
 use rights::Rights;
 use status::Status;
@@ -69,6 +70,10 @@ struct Shared {
     frames: broadcast::Sender<bytes::Bytes>,
     rights: Mutex<Rights>,
     jogs: Mutex<Jogs>,
+    /// How often STOP was pressed.
+    stops: AtomicU64,
+    /// One for each thread that may compute what is asked.
+    computing: Arc<Semaphore>,
     origins: Mutex<Origins>,
     program: Programs,
     /// One for each simulation that may run.
@@ -78,6 +83,37 @@ struct Shared {
 }
 
 impl Shared {
+    /// Computes what may take long on a thread that nothing else waits for.
+    ///
+    /// # Errors
+    /// It could not be computed.
+    async fn compute<T: Send + 'static>(
+        self: &Arc<Self>,
+        work: impl FnOnce(&Shared) -> T + Send + 'static,
+    ) -> Result<T, Refusal> {
+        // At most one request of each viewer and its watched values wait here.
+        let turn = self.computing.clone().acquire_owned().await;
+        let shared = self.clone();
+        let computed = tokio::task::spawn_blocking(move || {
+            let result = work(&shared);
+            drop(turn);
+            result
+        });
+        computed.await.map_err(|_| Refusal::new("it could not be computed"))
+    }
+
+    /// The same, but here if it is short.
+    ///
+    /// # Errors
+    /// As [`Shared::compute`].
+    async fn compute_if<T: Send + 'static>(
+        self: &Arc<Self>,
+        long: bool,
+        work: impl FnOnce(&Shared) -> T + Send + 'static,
+    ) -> Result<T, Refusal> {
+        if long { self.compute(work).await } else { Ok(work(self)) }
+    }
+
     fn rights(&self) -> MutexGuard<'_, Rights> {
         self.rights.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -101,6 +137,8 @@ impl Hmi {
             frames: broadcast::Sender::new(frames::WAITING),
             rights: Mutex::default(),
             jogs: Mutex::default(),
+            stops: AtomicU64::new(0),
+            computing: Arc::new(Semaphore::new(COMPUTING)),
             origins: Mutex::default(),
             program: Programs::default(),
             simulations: Arc::new(Semaphore::new(SIMULATIONS)),
@@ -122,14 +160,16 @@ impl Hmi {
     pub async fn serve(self) {
         let statuses = status::produce(self.shared.clone());
         let samples = frames::produce(self.shared.clone());
-        let dead_man = jog::watch(self.shared.clone());
+        let rights = jog::watch(self.shared.clone());
         let events = events::produce(self.shared.clone());
         let connections = serve::accept(self.listener, self.shared);
-        tokio::join!(dead_man, statuses, samples, events, connections);
+        tokio::join!(rights, statuses, samples, events, connections);
     }
 }
 
 /// Simulations at a time, for previews.
 const SIMULATIONS: usize = 1;
+/// Threads that compute what viewers ask for, but for simulations and programs.
+const COMPUTING: usize = 2;
 /// Viewers at a time.
 const VIEWERS: usize = 32;

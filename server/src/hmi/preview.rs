@@ -17,7 +17,6 @@ use super::message::Refusal;
 use super::peaks::{Peaks, Shape};
 use super::{Shared, paths};
 use crate::cli::QueueFull;
-use crate::names::ImageNames;
 use crate::plant::LiveMoves;
 use crate::simulate::{End, Observer, Options, Runner};
 
@@ -35,16 +34,16 @@ const MOVES: usize = 1000;
 impl Shared {
     /// What one call would do.
     pub(super) async fn preview(self: &Arc<Self>, text: &str) -> Result<Value, Refusal> {
-        let mut program = Program::parse_call(text).map_err(|error| Refusal::syntax(&error))?;
-        self.plant
-            .with_image(|image| program.check(&ImageNames(image)))
-            .map_err(|error| Refusal::syntax(&error))?;
+        let text = text.to_owned();
+        let program = self.compute(move |shared| shared.checked_call(&text)).await??;
         self.simulate(program).await
     }
 
     /// What a program would do.
     pub(super) async fn dry_run(self: &Arc<Self>, text: &str) -> Result<Value, Refusal> {
-        self.simulate(self.checked(text)?).await
+        let text = text.to_owned();
+        let program = self.compute(move |shared| shared.checked(&text)).await??;
+        self.simulate(program).await
     }
 
     async fn simulate(self: &Arc<Self>, program: Program) -> Result<Value, Refusal> {

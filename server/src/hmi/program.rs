@@ -174,9 +174,14 @@ impl Shared {
         Ok(program)
     }
 
-    /// Starts a program.
-    pub(super) fn run(self: &Arc<Self>, viewer: ViewerId, text: &str, step: bool) -> Result<Value, Refusal> {
-        let program = self.checked(text)?;
+    /// Starts a program that was read from a text.
+    pub(super) fn run(
+        self: &Arc<Self>,
+        viewer: ViewerId,
+        program: Program,
+        text: &str,
+        step: bool,
+    ) -> Result<Value, Refusal> {
         let first = if step { Mode::Pause } else { Mode::Run };
         let mode = {
             let mut running = self.program.running();

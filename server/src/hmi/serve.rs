@@ -4,19 +4,20 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use axum::Router;
 use axum::body::Body;
-use axum::extract::{Extension, Request, State, WebSocketUpgrade};
+use axum::extract::{Extension, Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
-use axum::{Router, http};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::task::JoinSet;
+use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
 use tracing::{debug, warn};
 
 use super::{Shared, access, viewer};
@@ -28,7 +29,7 @@ const HEAD_WITHIN: Duration = Duration::from_secs(15);
 /// Wait after a connection could not be accepted.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 /// Longest message of a viewer, bytes.
-const LONGEST_MESSAGE: usize = 256 * 1024;
+pub(super) const LONGEST_MESSAGE: usize = 256 * 1024;
 
 /// Scripts, styles and connections of this server only; nothing inline, nothing embedded anywhere.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; \
@@ -145,23 +146,55 @@ async fn file(State(shared): State<Arc<Shared>>, uri: Uri) -> Response {
 async fn socket(
     State(shared): State<Arc<Shared>>,
     Extension(Peer(peer)): Extension<Peer>,
-    headers: http::HeaderMap,
-    upgrade: WebSocketUpgrade,
+    mut request: Request,
 ) -> Response {
+    let headers = request.headers();
     let origin = headers.get(header::ORIGIN).and_then(|origin| origin.to_str().ok());
-    let own = matches!((origin, host(&headers)), (Some(origin), Some(host)) if access::is_origin(origin, host));
+    let own = matches!((origin, host(headers)), (Some(origin), Some(host)) if access::is_origin(origin, host));
     if !own {
         debug!(?origin, "a foreign page asked for the HMI's WebSocket: refused");
         return (StatusCode::FORBIDDEN, "Only pages of this server may connect.\n").into_response();
     }
+    let Some(accepted) = accept_key(headers) else {
+        return (StatusCode::BAD_REQUEST, "Here is a WebSocket of version 13.\n").into_response();
+    };
     let Ok(place) = shared.places.clone().try_acquire_owned() else {
         return (StatusCode::SERVICE_UNAVAILABLE, "Too many viewers.\n").into_response();
     };
-    upgrade
-        .max_message_size(LONGEST_MESSAGE)
-        .max_frame_size(LONGEST_MESSAGE)
-        .on_upgrade(move |socket| async move {
-            viewer::serve(socket, shared, peer).await;
-            drop(place);
-        })
+    let upgrade = hyper::upgrade::on(&mut request);
+    tokio::spawn(async move {
+        match upgrade
+            .await
+            .map(hyper::upgrade::Upgraded::downcast::<TokioIo<TcpStream>>)
+        {
+            Ok(Ok(parts)) => {
+                if let Err(error) = viewer::serve(parts.io.into_inner(), parts.read_buf, shared, peer).await {
+                    debug!(%error, "a viewer could not be served");
+                }
+            }
+            Ok(Err(_)) => debug!("a viewer came on what is no socket"),
+            Err(error) => debug!(%error, "a viewer went before it came"),
+        }
+        drop(place);
+    });
+    let headers = [
+        (header::CONNECTION, HeaderValue::from_static("upgrade")),
+        (header::UPGRADE, HeaderValue::from_static("websocket")),
+        (header::SEC_WEBSOCKET_ACCEPT, accepted),
+    ];
+    (StatusCode::SWITCHING_PROTOCOLS, headers).into_response()
+}
+
+/// What a request for a WebSocket is answered with (RFC 6455, 4.2); `None`: it is none, or of another version.
+fn accept_key(headers: &HeaderMap) -> Option<HeaderValue> {
+    let text = |name| headers.get(name).and_then(|value: &HeaderValue| value.to_str().ok());
+    let has = |name, word: &str| {
+        text(name).is_some_and(|list| list.split(',').any(|one| one.trim().eq_ignore_ascii_case(word)))
+    };
+    let asked = has(header::CONNECTION, "upgrade") && has(header::UPGRADE, "websocket");
+    if !asked || text(header::SEC_WEBSOCKET_VERSION) != Some("13") {
+        return None;
+    }
+    let key = headers.get(header::SEC_WEBSOCKET_KEY)?;
+    HeaderValue::from_str(&derive_accept_key(key.as_bytes())).ok()
 }

@@ -13,16 +13,23 @@ use super::rights::{Thing, ViewerId};
 
 /// Tags of one page.
 const PAGE: usize = 200;
+/// The longest pattern, bytes, and the `*` that it may have.
+const PATTERN: usize = 100;
+const STARS: usize = 8;
 /// Names of one message, and values that it may have in all.
 const NAMES: usize = 200;
 const VALUES: usize = 20_000;
 
 impl Shared {
     /// The tags whose names have `pattern` in them, in any case; `*` stands for anything.
-    pub(super) fn tags(&self, pattern: &str, after: Option<&str>) -> Json {
+    ///
+    /// # Errors
+    /// The pattern is longer than [`PATTERN`], or has more than [`STARS`] `*`.
+    pub(super) fn tags(&self, pattern: &str, after: Option<&str>) -> Result<Json, Refusal> {
+        check_pattern(pattern)?;
         let pattern = pattern.to_ascii_lowercase();
         let after = after.map(str::to_ascii_lowercase);
-        self.plant.with_image(|image| {
+        Ok(self.plant.with_image(|image| {
             let mut found: Vec<(String, &Tag)> = image
                 .tags()
                 .iter()
@@ -35,7 +42,7 @@ impl Shared {
             let more = found.len() > PAGE;
             let rows: Vec<Json> = found.iter().take(PAGE).map(|(_, tag)| row(image, tag)).collect();
             json!({"tags": rows, "more": more})
-        })
+        }))
     }
 
     /// The values of tags, or why there is none.
@@ -76,6 +83,18 @@ impl Shared {
         kept.map_err(|error| Refusal::new(error.to_string()))?;
         Ok(json!({}))
     }
+}
+
+/// A pattern is looked for in every name: it is short, and so is its list of parts.
+fn check_pattern(pattern: &str) -> Result<(), Refusal> {
+    let stars = pattern.bytes().filter(|byte| *byte == b'*').count();
+    if pattern.len() > PATTERN || stars > STARS {
+        return Err(Refusal::new(format!(
+            "the pattern has {} bytes and {stars} \"*\", at most {PATTERN} bytes and {STARS} \"*\" are possible",
+            pattern.len()
+        )));
+    }
+    Ok(())
 }
 
 /// Whether a name has a pattern in it, both in lower case.
@@ -285,6 +304,27 @@ fn typed(kind: Elementary, given: &Json) -> Option<Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn patterns_are_bounded() {
+        #[rustfmt::skip]
+        let cases = [
+            ("none",           String::new(),       true),
+            ("the longest",    "x".repeat(PATTERN), true),
+            ("too long",       "x".repeat(101),     false),
+            ("as many stars",  "*".repeat(STARS),   true),
+            ("too many stars", "*".repeat(9),       false),
+            ("very many",      "*".repeat(250_000), false),
+        ];
+        for (why, pattern, expected) in cases {
+            assert_eq!(check_pattern(&pattern).is_ok(), expected, "{why}");
+        }
+        let error = check_pattern(&"*".repeat(250_000)).expect_err("too many");
+        assert_eq!(
+            &*error.text,
+            "the pattern has 250000 bytes and 250000 \"*\", at most 100 bytes and 8 \"*\" are possible"
+        );
+    }
 
     #[test]
     fn patterns() {

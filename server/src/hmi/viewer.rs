@@ -1,36 +1,62 @@
-//! One viewer: what it asks is answered in order by one task, and another sends answers and pushes. Simulations are
-//! answered when they are done, so that nothing waits for one, least of all a stop. A viewer that does not read loses its
-//! connection; nobody waits for it.
+//! One viewer. It is read on the thread of stops (`guard`), where `stop`, `keep` and `jog_end` are done at once, whatever else the server
+//! does ([`hearing`]). Everything else that it asks waits in a bounded queue, is answered in order by one task, and another sends answers
+//! and pushes. What computes for long does so on threads of its own. Simulations are answered when they are done. A viewer that
+//! does not read loses its connection; nobody waits for it.
 
+mod hearing;
+
+use std::io;
+use std::pin::Pin;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::task::{Context, Poll};
 use std::time::Duration;
 
-use axum::extract::ws::{Message, Utf8Bytes, WebSocket};
+use axum::extract::ws::Utf8Bytes;
 use bytes::Bytes;
-use futures_util::stream::{SplitSink, SplitStream};
-use futures_util::{SinkExt as _, StreamExt as _};
+use futures_util::SinkExt as _;
 use serde_json::{Value, json};
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::net::TcpStream;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, broadcast, mpsc, watch};
 use tokio::task::JoinSet;
 use tokio::time::{MissedTickBehavior, interval, timeout};
+use tokio_tungstenite::WebSocketStream;
+use tokio_tungstenite::tungstenite::Message;
+use tokio_tungstenite::tungstenite::protocol::Role;
+use tokio_util::sync::CancellationToken;
 use tracing::debug;
 
+use self::hearing::{Heard, Hearing};
 use super::Shared;
 use super::message::{self, Ask, Refusal};
 use super::rights::{Thing, ViewerId};
 use super::status::Status;
+use crate::guard::VIEWERS;
 use crate::trace::history;
 
-/// Serves a viewer until it goes, from `peer`.
-pub(super) async fn serve(socket: WebSocket, shared: Arc<Shared>, peer: Option<String>) {
+/// Serves a viewer until it goes, from `peer`; `begun` has come on its socket already.
+///
+/// # Errors
+/// The system has no descriptor left.
+pub(super) async fn serve(
+    socket: TcpStream,
+    begun: Bytes,
+    shared: Arc<Shared>,
+    peer: Option<String>,
+) -> io::Result<()> {
     let number = shared.viewers.fetch_add(1, Ordering::Relaxed) + 1;
     let name = format!("{} #{number}", peer.as_deref().unwrap_or("viewer"));
+    // One descriptor is read on the thread of stops, the other is written here.
+    let reading = socket.into_std()?;
+    let writing = TcpStream::from_std(reading.try_clone()?)?;
     debug!(%name, "a viewer of the HMI came");
-    let (sink, stream) = socket.split();
     let (outbox, inbox) = mpsc::channel(OUTBOX);
+    let (asks, asked) = mpsc::channel(ASKS);
     shared.rights().enter(number, name.clone());
+    let weak = Arc::downgrade(&shared);
+    let signs = shared.plant.guard().enter(VIEWERS | number, &name, weak);
     let hello = json!({
         "push": "hello",
         "viewer": name,
@@ -38,28 +64,74 @@ pub(super) async fn serve(socket: WebSocket, shared: Arc<Shared>, peer: Option<S
     });
     // It was just made.
     let _ = outbox.try_send(Outgoing::Text(hello.to_string().into()));
+    let releases: Arc<[AtomicU64]> = shared.plant.machine().axes.iter().map(|_| AtomicU64::new(0)).collect();
     let viewer = Viewer {
         id: number,
         shared: shared.clone(),
-        outbox,
+        outbox: outbox.clone(),
         pieces: Arc::new(Semaphore::new(PIECES)),
+        releases: releases.clone(),
     };
+    let over = CancellationToken::new();
+    let hearing = Hearing {
+        id: number,
+        shared: shared.clone(),
+        outbox,
+        asks,
+        room: Arc::new(Semaphore::new(ASKED_BYTES)),
+        releases,
+        signs,
+    };
+    let heard = over.clone().run_until_cancelled_owned(hearing.listen(reading, begun));
+    match shared.plant.guard().runtime() {
+        Some(runtime) => drop(runtime.spawn(heard)),
+        None => drop(tokio::spawn(heard)),
+    }
+    let over = over.drop_guard();
+    let sink = WebSocketStream::from_raw_socket(WriteOnly(writing), Role::Server, None).await;
     tokio::select! {
-        () = viewer.listen(stream) => {}
+        () = viewer.listen(asked) => {}
         () = send(sink, inbox, &shared) => {}
     }
+    drop(over);
     shared.program.end_of(number);
-    shared.leave(number).await;
+    shared.leave(number);
     debug!(%name, "a viewer of the HMI went");
+    Ok(())
 }
 
-/// A viewer, as the task sees it that hears it.
+/// A socket that somebody else reads.
+struct WriteOnly(TcpStream);
+
+impl AsyncRead for WriteOnly {
+    fn poll_read(self: Pin<&mut Self>, _: &mut Context<'_>, _: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+        Poll::Pending
+    }
+}
+
+impl AsyncWrite for WriteOnly {
+    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        Pin::new(&mut self.0).poll_write(cx, bytes)
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.0).poll_flush(cx)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.0).poll_shutdown(cx)
+    }
+}
+
+/// A viewer, as the task sees it that answers it.
 struct Viewer {
     id: ViewerId,
     shared: Arc<Shared>,
     outbox: mpsc::Sender<Outgoing>,
     /// One for each piece of the past that may wait to be sent.
     pieces: Arc<Semaphore>,
+    /// How often the buttons of each axis's jog were let go.
+    releases: Arc<[AtomicU64]>,
 }
 
 /// What the task is given that sends.
@@ -67,6 +139,8 @@ struct Viewer {
 enum Outgoing {
     /// A text.
     Text(Utf8Bytes),
+    /// What answers a ping or a close.
+    Control(Message),
     /// A piece of the past.
     Piece(Bytes, OwnedSemaphorePermit),
     /// Whether frames of samples are wanted.
@@ -77,23 +151,27 @@ enum Outgoing {
 
 impl Viewer {
     /// Answers until the viewer goes, or does not read.
-    async fn listen(&self, mut stream: SplitStream<WebSocket>) {
+    async fn listen(&self, mut asked: mpsc::Receiver<Heard>) {
         // Those that wait end with the viewer.
         let mut simulations = JoinSet::new();
-        while let Some(Ok(received)) = stream.next().await {
-            let text = match received {
-                Message::Text(text) => text,
-                Message::Close(_) => return,
-                Message::Binary(_) | Message::Ping(_) | Message::Pong(_) => continue,
+        while let Some(heard) = asked.recv().await {
+            let text = heard.text.clone();
+            let (id, ask) = if text.len() <= SHORT {
+                message::read(&text)
+            } else {
+                match self.shared.compute(move |_| message::read(&text)).await {
+                    Ok(read) => read,
+                    Err(refusal) => (Value::Null, Err(refusal)),
+                }
             };
-            let (id, ask) = message::read(&text);
             while simulations.try_join_next().is_some() {}
             let answer = match ask {
                 Ok(ask @ (Ask::Preview { .. } | Ask::DryRun { .. })) if simulations.len() < SIMULATIONS => {
                     simulations.spawn(self.answer_later(id, ask));
                     continue;
                 }
-                Ok(ask) => self.answer(ask).await,
+                Ok(ask) if moves(&ask) => self.answer_unless_stopped(ask, &heard).await,
+                Ok(ask) => self.answer(ask, &heard).await,
                 Err(refusal) => Err(refusal),
             };
             let answer = Outgoing::Text(message::reply(&id, answer).into());
@@ -102,6 +180,20 @@ impl Viewer {
                 return;
             }
         }
+    }
+
+    /// What was asked before a STOP is not begun after it.
+    async fn answer_unless_stopped(&self, ask: Ask, heard: &Heard) -> Result<Value, Refusal> {
+        let stopped = || self.shared.stops.load(Ordering::Acquire) != heard.stops;
+        if stopped() {
+            return Err(Refusal::new("STOP was pressed before this was begun"));
+        }
+        let answer = self.answer(ask, heard).await;
+        if stopped() {
+            // It may have been sent behind the stop.
+            self.shared.plant.stop_all();
+        }
+        answer
     }
 
     /// Answers what takes its time.
@@ -118,7 +210,7 @@ impl Viewer {
         }
     }
 
-    async fn answer(&self, ask: Ask) -> Result<Value, Refusal> {
+    async fn answer(&self, ask: Ask, heard: &Heard) -> Result<Value, Refusal> {
         let (shared, id) = (&self.shared, self.id);
         match ask {
             Ask::Ping => Ok(json!({})),
@@ -128,13 +220,27 @@ impl Viewer {
                 Ok(json!({}))
             }
             Ask::Execute { text } => shared.execute(id, &text).await,
-            Ask::Line { instruction, operands } => shared.line(&instruction, &operands),
+            Ask::Line { instruction, operands } => {
+                shared
+                    .compute_if(heard.is_long(), move |shared| shared.line(&instruction, &operands))
+                    .await?
+            }
             Ask::Jog {
                 axis,
                 speed,
                 accel,
                 decel,
-            } => shared.jog(id, &axis, speed, accel, decel).await,
+            } => {
+                let place = usize::from(shared.axis(&axis)?);
+                let is_held = || {
+                    let now = self
+                        .releases
+                        .get(place)
+                        .map(|releases| releases.load(Ordering::Acquire));
+                    now == heard.releases.get(place).copied()
+                };
+                shared.jog(id, &axis, [Some(speed), accel, decel], is_held).await
+            }
             Ask::Keep { axis } => shared.keep(id, &axis),
             Ask::JogEnd { axis } => shared.jog_end(id, &axis).await,
             Ask::Stop { object } => shared.stop(id, object.as_deref()).await,
@@ -147,8 +253,18 @@ impl Viewer {
             Ask::Preview { .. } | Ask::DryRun { .. } => Err(Refusal::new(format!(
                 "{SIMULATIONS} simulations wait already: let one of them end"
             ))),
-            Ask::Check { text } => Ok(shared.check(&text)),
-            Ask::Run { text, step } => shared.run(id, &text, step),
+            Ask::Check { text } => {
+                shared
+                    .compute_if(heard.is_long(), move |shared| shared.check(&text))
+                    .await
+            }
+            Ask::Run { text, step } => {
+                let parsed = text.clone();
+                let program = shared
+                    .compute_if(heard.is_long(), move |shared| shared.checked(&parsed))
+                    .await??;
+                shared.run(id, program, &text, step)
+            }
             Ask::Step => shared.step(),
             Ask::Pause => shared.pause(),
             Ask::Continue => shared.go_on(),
@@ -156,10 +272,21 @@ impl Viewer {
                 shared.program.end();
                 Ok(json!({}))
             }
-            Ask::Tags { pattern, after } => Ok(shared.tags(&pattern, after.as_deref())),
-            Ask::Read { names } => shared.values(&names),
+            Ask::Tags { pattern, after } => {
+                shared
+                    .compute(move |shared| shared.tags(&pattern, after.as_deref()))
+                    .await?
+            }
+            Ask::Read { names } => {
+                shared
+                    .compute_if(names.len() > FEW, move |shared| shared.values(&names))
+                    .await?
+            }
             Ask::Watch { names } => {
-                let values = shared.values(&names)?;
+                let asked = names.clone();
+                let values = shared
+                    .compute_if(names.len() > FEW, move |shared| shared.values(&asked))
+                    .await??;
                 self.tell(Outgoing::Watch(names))?;
                 Ok(values)
             }
@@ -176,7 +303,7 @@ impl Viewer {
                 self.tell(Outgoing::Piece(frame, place))?;
                 Ok(told)
             }
-            Ask::Events { since } => Ok(shared.events(since)),
+            Ask::Events { since } => shared.compute(move |shared| shared.events(since)).await,
         }
     }
 
@@ -202,7 +329,7 @@ impl Viewer {
 }
 
 /// Sends answers, and whatever is pushed to every viewer.
-async fn send(mut sink: SplitSink<WebSocket, Message>, mut inbox: mpsc::Receiver<Outgoing>, shared: &Shared) {
+async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<Shared>) {
     let mut statuses = shared.status.subscribe();
     let mut events = shared.events.subscribe();
     let mut programs = shared.program.watch();
@@ -216,7 +343,8 @@ async fn send(mut sink: SplitSink<WebSocket, Message>, mut inbox: mpsc::Receiver
         let message = tokio::select! {
             biased;
             outgoing = inbox.recv() => match outgoing {
-                Some(Outgoing::Text(text)) => Message::Text(text),
+                Some(Outgoing::Text(text)) => told(text),
+                Some(Outgoing::Control(message)) => message,
                 Some(Outgoing::Piece(frame, _place)) => Message::Binary(frame),
                 Some(Outgoing::Samples(on)) => {
                     frames = on.then(|| shared.frames.subscribe());
@@ -239,17 +367,19 @@ async fn send(mut sink: SplitSink<WebSocket, Message>, mut inbox: mpsc::Receiver
                         return;
                     }
                 }
-                Message::Text(newest(&mut statuses, &mut paths))
+                told(newest(&mut statuses, &mut paths))
             }
             event = events.recv() => match event {
-                Ok(text) => Message::Text(text),
+                Ok(text) => told(text),
                 // What was missed can be asked for: numbers tell.
                 Err(RecvError::Lagged(_)) => continue,
                 Err(RecvError::Closed) => return,
             },
             frame = next_frame(&mut frames) => Message::Binary(frame),
             _ = values.tick(), if !watched.is_empty() => {
-                let Ok(mut push) = shared.values(&watched) else { continue };
+                let names = watched.clone();
+                let values = shared.compute_if(names.len() > FEW, move |shared| shared.values(&names)).await;
+                let Ok(Ok(mut push)) = values else { continue };
                 push["push"] = "values".into();
                 Message::Text(push.to_string().into())
             }
@@ -261,8 +391,30 @@ async fn send(mut sink: SplitSink<WebSocket, Message>, mut inbox: mpsc::Receiver
     }
 }
 
+/// The near end of a viewer, as far as it is written.
+type Sink = WebSocketStream<WriteOnly>;
+
+fn told(text: Utf8Bytes) -> Message {
+    Message::text(text.as_str())
+}
+
+/// Whether a request may move something.
+fn moves(ask: &Ask) -> bool {
+    matches!(
+        ask,
+        Ask::Execute { .. }
+            | Ask::Jog { .. }
+            | Ask::Run { .. }
+            | Ask::Step
+            | Ask::Continue
+            | Ask::Override { .. }
+            | Ask::Resume { .. }
+            | Ask::Write { .. }
+    )
+}
+
 /// False: the viewer has gone, or does not read.
-async fn send_one(sink: &mut SplitSink<WebSocket, Message>, message: Message) -> bool {
+async fn send_one(sink: &mut Sink, message: Message) -> bool {
     matches!(timeout(READ_WITHIN, sink.send(message)).await, Ok(Ok(())))
 }
 
@@ -297,7 +449,15 @@ const PIECES: usize = 2;
 const OUTBOX: usize = 256;
 /// How long a viewer may take to read what is sent to it.
 const READ_WITHIN: Duration = Duration::from_secs(10);
-/// Time between two pings, which tell that the network still carries.
-const PING: Duration = Duration::from_secs(5);
+/// Time between two pings: the answers are the signs of life of a page that says nothing.
+const PING: Duration = Duration::from_millis(500);
+/// Requests that may wait for their turn.
+const ASKS: usize = 256;
+/// Bytes of them.
+const ASKED_BYTES: usize = 512 * 1024;
+/// The longest message that is read and worked on by the threads that others share, bytes.
+const SHORT: usize = 1024;
+/// Tags of which the same is true.
+const FEW: usize = 8;
 /// Time between two pushes of watched values.
 const VALUES: Duration = Duration::from_millis(100);

@@ -1,8 +1,8 @@
 //! What implicit I/O does with the plant: the state of a tick for its inputs, and what its outputs command. Nothing here
 //! waits for the controller.
 
+use arcline_controller::Snapshot;
 use arcline_controller::image::Image;
-use arcline_controller::{Command, Snapshot};
 
 use super::{LiveMoves, Logged, Plant};
 
@@ -70,10 +70,10 @@ impl Plant {
         self.override_each(|system| held.get(system).copied().flatten())
     }
 
-    /// Stops everything that moves, every axis by itself. It cannot be refused.
+    /// Stops everything that moves, every axis by itself. It cannot be refused, and waits for nothing: neither for a lock nor behind
+    /// other commands. What was sent before and is executed later is stopped as soon as it is.
     pub fn stop_all(&self) {
-        self.0.lock().push(Command::StopAll);
-        self.0.sent.notify_one();
+        self.0.stops.stop_all();
     }
 
     fn override_each(&self, percent: impl Fn(usize) -> Option<f32>) -> bool {

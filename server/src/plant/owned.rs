@@ -7,11 +7,13 @@
 use std::collections::BTreeMap;
 
 use arcline_config::ConnectionLoss;
-use arcline_controller::{Ticket, UNNAMED};
-use arcline_instruction_set::{Call, Flag, Given, Mnemonic, bind};
+use arcline_controller::machine::Machine;
+use arcline_controller::{Snapshot, Ticket, UNNAMED};
+use arcline_instruction_set::predefined::{coordinate_motion_status, motion_status};
+use arcline_instruction_set::{Call, Given, Mnemonic, bind};
 
 use super::records::Records;
-use super::state::State;
+use super::state::{State, may_run};
 
 /// Who begins motion: a class 3 connection, or a session without one.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -52,7 +54,7 @@ impl Owned {
         });
     }
 
-    /// Whatever an owner has begun is nobody's any more.
+    /// What an owner has begun is without an owner now.
     pub(super) fn forget(&mut self, owner: Owner) {
         self.0.remove(&owner);
     }
@@ -67,52 +69,132 @@ impl Owned {
     }
 }
 
+/// What of a lost owner was stopped or held.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Lost {
+    /// Axes, by their place.
+    pub axes: Vec<u16>,
+    /// Coordinate systems, by their place.
+    pub systems: Vec<u16>,
+}
+
+impl Lost {
+    /// Whether nothing was.
+    pub fn is_empty(&self) -> bool {
+        self.axes.is_empty() && self.systems.is_empty()
+    }
+
+    /// The names of all, for people.
+    pub fn names(&self, machine: &Machine) -> String {
+        let axes = self
+            .axes
+            .iter()
+            .filter_map(|place| machine.axes.get(usize::from(*place)));
+        let systems = self
+            .systems
+            .iter()
+            .filter_map(|place| machine.systems.get(usize::from(*place)));
+        let names = axes.map(|axis| &axis.name).chain(systems.map(|system| &system.name));
+        names.map(String::as_str).collect::<Vec<_>>().join(", ")
+    }
+}
+
 impl State {
-    /// An owner is lost: does with what it began, and what still runs of that, as the reaction says. Whether something was
-    /// stopped or held.
-    pub(super) fn lose(&mut self, owner: Owner, reaction: ConnectionLoss) -> bool {
+    /// An owner is lost: does with what it began, and what still runs of that, as the reaction says. Jogs are the guard's.
+    pub(super) fn lose(&mut self, owner: Owner, reaction: ConnectionLoss) -> Lost {
         let mut begun = self.owned.0.remove(&owner).unwrap_or_default();
-        begun.retain(|begun| is_running(*begun, &self.records));
+        let snapshot = self.link.snapshots.output_buffer();
+        begun.retain(|begun| is_running(*begun, &self.records) || is_braking(*begun, snapshot));
+        if reaction == ConnectionLoss::Finish {
+            self.guard.forget(owner);
+            return Lost::default();
+        }
         let (mut stops, mut held) = (Vec::new(), Vec::new());
-        for Begun { mnemonic, target, .. } in begun {
-            let Some(stop) = stop_of(mnemonic) else { continue };
-            let stopped = match reaction {
-                ConnectionLoss::Finish => false,
-                ConnectionLoss::Stop => true,
-                // What has no end of its own does not go on alone.
-                ConnectionLoss::Jogs | ConnectionLoss::Hold => mnemonic == Mnemonic::Maj,
+        // What has no end of its own does not go on alone.
+        let mut lost = Lost {
+            axes: self.guard.end(owner),
+            systems: Vec::new(),
+        };
+        for Begun {
+            mnemonic,
+            target,
+            ticket,
+        } in begun
+        {
+            let Some(stop) = stop_of(mnemonic).filter(|_| mnemonic != Mnemonic::Maj) else {
+                continue;
             };
-            if stopped && !stops.contains(&(stop, target)) {
-                stops.push((stop, target));
+            if reaction == ConnectionLoss::Stop && !stops.iter().any(|(known, at, _)| (*known, *at) == (stop, target)) {
+                stops.push((stop, target, ticket));
             }
             if reaction == ConnectionLoss::Hold && stop == COORDINATED_MOVE && !held.contains(&target) {
                 held.push(target);
             }
         }
-        let any = !stops.is_empty() || !held.is_empty();
-        for ((mnemonic, what), target) in stops {
-            let given = [Given::Word(what.to_owned())];
-            match bind(mnemonic, Some(target), UNNAMED, &given, self.image()) {
-                // Nobody waits for it.
-                Ok(call) => drop(self.send(call)),
-                Err(error) => tracing::error!(%error, "motion of a lost connection was not stopped"),
+        for ((mnemonic, what), target, ticket) in stops {
+            self.stop_lost(mnemonic, what, target, ticket);
+            let list = if mnemonic == Mnemonic::Mcs {
+                &mut lost.systems
+            } else {
+                &mut lost.axes
+            };
+            list.push(target);
+        }
+        for system in &held {
+            if let Err(error) = self.image_mut().set_feed_override(*system, 0.0) {
+                tracing::error!(%error, "motion of a lost connection was not held: everything is stopped");
+                self.link.stops.stop_all();
             }
         }
         if !held.is_empty() {
-            for system in held {
-                if let Err(error) = self.image_mut().set_feed_override(system, 0.0) {
-                    tracing::error!(%error, "motion of a lost connection was not held");
-                }
-            }
             self.send_overrides();
+            lost.systems.extend(held);
         }
-        any
+        lost
+    }
+
+    /// Stops motion of a lost owner at the full deceleration of its axis or coordinate system; where that cannot be sent, everything
+    /// is stopped.
+    fn stop_lost(&mut self, mnemonic: Mnemonic, what: &str, target: u16, ticket: Ticket) {
+        let given = [Given::Word(what.to_owned())];
+        match bind(mnemonic, Some(target), UNNAMED, &given, self.image()) {
+            // Nobody waits for it.
+            Ok(call) if self.has_room(mnemonic) => drop(self.send(call)),
+            Ok(_) => {
+                tracing::error!("too many instructions wait for the controller: everything is stopped");
+                self.link.stops.stop_all();
+            }
+            Err(error) => {
+                tracing::error!(%error, "motion of a lost connection was not stopped by itself: everything is stopped");
+                self.link.stops.stop_all();
+            }
+        }
+        if mnemonic == Mnemonic::Mas {
+            // A weaker stop of the whole axis may be under way.
+            self.link.stops.end_jog(target, ticket);
+        }
     }
 }
 
 /// Of an execution that is not kept any more nothing tells that it has ended.
 fn is_running(begun: Begun, records: &Records) -> bool {
-    records.get(begun.ticket).is_none_or(|control| control.has(Flag::Ip))
+    records.get(begun.ticket).is_none_or(may_run)
+}
+
+/// Whether what an instruction may have moved is being stopped: the stop may be a weak one, and it ended the instruction.
+fn is_braking(begun: Begun, snapshot: &Snapshot) -> bool {
+    let place = usize::from(begun.target);
+    match stop_of(begun.mnemonic) {
+        Some((Mnemonic::Mas, _)) => {
+            let axis = snapshot.axes.get(place);
+            axis.is_some_and(|axis| axis.motion_status & motion_status::STOPPING_STATUS != 0)
+        }
+        Some(_) => {
+            let system = snapshot.systems.get(place);
+            system.is_some_and(|system| system.motion_status & coordinate_motion_status::STOPPING_STATUS != 0)
+        }
+        None => false,
+    }
 }
 
 /// What stops the motion that an instruction begins: an instruction and its Stop Type. `None`: it begins none.

@@ -1,22 +1,22 @@
 //! What the plant's lock guards: tags, rings, and which tickets somebody waits for; and what of it is published for readers.
 //! It never blocks and knows no tasks.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use arc_swap::ArcSwap;
-use arcline_controller::image::{Edge, Image, Staged, TagKind};
-use arcline_controller::{Command, Snapshot, Ticket};
-use arcline_instruction_set::{Call, FaultSet, Flag, MotionControl, MotionError};
+use arcline_controller::image::{CallRoom, Edge, Image, Staged, TagKind};
+use arcline_controller::{Command, Input, MAX_COMMANDS_PER_TICK, Snapshot, Ticket};
+use arcline_instruction_set::{Call, ControlSlot, FaultSet, Flag, Mnemonic, MotionControl, MotionError};
 use arcline_realtime::Link;
 use tokio::sync::oneshot;
 
-use super::OUTSTANDING;
 use super::log::Log;
 use super::moves::LiveMoves;
 use super::owned::{Owned, Owner};
 use super::records::Records;
+use crate::guard::Guard;
 use crate::retained::{Watch, WhenKept};
 use crate::trace::Trace;
 
@@ -44,8 +44,10 @@ pub(super) struct State {
     began: bool,
     next_ticket: u64,
     pub(super) waiting: BTreeMap<Ticket, oneshot::Sender<()>>,
-    /// What found no room in the ring, in order.
-    pub(super) backlog: VecDeque<Command>,
+    /// What found no room in the ring.
+    later: Later,
+    /// Stops the jogs of clients that are lost.
+    pub(super) guard: Guard,
     pub(super) records: Records,
     pub(super) log: Log,
     pub(super) moves: LiveMoves,
@@ -64,9 +66,46 @@ pub(super) struct State {
     trace: Trace,
 }
 
+/// What found no room in the ring and is sent as soon as there is some: each at most once, the newest in place of older ones, so
+/// that it is bounded by the machine and its tags. Overrides and injected faults that wait are those that differ from the sent ones.
+#[derive(PartialEq, Debug, Default)]
+struct Later {
+    /// Rung conditions that are false.
+    rungs: BTreeSet<ControlSlot>,
+    /// What was written to tags that the machine reads.
+    inputs: VecDeque<Input>,
+    overrides: bool,
+    injected: bool,
+}
+
+impl Later {
+    fn input(&mut self, input: Input) {
+        let same = self.inputs.iter_mut().find(|waiting| is_of_the_same(waiting, &input));
+        match same {
+            Some(waiting) => *waiting = input,
+            None => self.inputs.push_back(input),
+        }
+    }
+}
+
+/// Whether both inputs are of one axis, registration input or word.
+fn is_of_the_same(one: &Input, other: &Input) -> bool {
+    match (one, other) {
+        (Input::Position { axis: one, .. }, Input::Position { axis: other, .. }) => one == other,
+        (
+            Input::Registration {
+                axis: one, input: on, ..
+            },
+            Input::Registration { axis, input, .. },
+        ) => (one, on) == (axis, input),
+        (Input::Word { tag: one, .. }, Input::Word { tag: other, .. }) => one == other,
+        _ => false,
+    }
+}
+
 impl State {
     /// On rings of which nothing has come yet.
-    pub(super) fn new(image: Image, link: Link, watch: Option<Watch>, trace: Trace) -> Self {
+    pub(super) fn new(image: Image, link: Link, watch: Option<Watch>, trace: Trace, guard: Guard) -> Self {
         let moves = LiveMoves::new(link.snapshots.output_buffer().systems.len());
         State {
             overrides: image.feed_overrides().collect(),
@@ -79,7 +118,8 @@ impl State {
             began: false,
             next_ticket: 1,
             waiting: BTreeMap::new(),
-            backlog: VecDeque::new(),
+            later: Later::default(),
+            guard,
             staged: BTreeMap::new(),
             records: Records::default(),
             log: Log::default(),
@@ -220,12 +260,21 @@ impl State {
         let sent = self.send(call);
         if let Some(owner) = owner {
             self.owned.begin(owner, sent.0, &call, &self.records);
+            if let (Mnemonic::Maj, Some(axis)) = (call.mnemonic, call.target) {
+                let records = &self.records;
+                self.guard
+                    .begin(owner, axis, sent.0, |ticket| records.get(ticket).is_none_or(may_run));
+            }
         }
         sent
     }
 
     /// Sends a call; the receiver is told when DN, ER or IP is set.
     pub(super) fn send(&mut self, call: Call) -> (Ticket, oneshot::Receiver<()>) {
+        if self.later.rungs.remove(&call.control) {
+            // What was false before is told before it is true again.
+            self.push(Command::RungFalse(call.control));
+        }
         let ticket = self.ticket(call.target);
         let (sender, receiver) = oneshot::channel();
         self.waiting.insert(ticket, sender);
@@ -247,46 +296,109 @@ impl State {
         ticket
     }
 
-    pub(super) fn push(&mut self, command: Command) {
-        self.backlog.push_back(command);
-        self.flush();
+    /// How many instructions can still be sent. Some room is kept for those that only stop or switch off.
+    pub(super) fn room(&self) -> CallRoom {
+        let free = self.link.commands.slots();
+        let waiting = self.waiting.len();
+        let calls = OUTSTANDING.saturating_sub(waiting);
+        let stops = (OUTSTANDING + FOR_STOPS).saturating_sub(waiting);
+        CallRoom {
+            calls: calls.min(free.saturating_sub(FOR_STOPS)),
+            // A false rung condition may go ahead of it.
+            stops: stops.min(free.saturating_sub(1)),
+        }
     }
 
+    /// Whether an instruction can be sent.
+    pub(super) fn has_room(&self, mnemonic: Mnemonic) -> bool {
+        let CallRoom { calls, stops } = self.room();
+        if mnemonic.is_stop() { stops > 0 } else { calls > 0 }
+    }
+
+    /// Sends a command for which there is room.
+    fn push(&mut self, command: Command) {
+        if let Err(error) = self.link.commands.push(command) {
+            tracing::error!(%error, "a command found no room");
+        }
+    }
+
+    /// Whether a command that can wait finds room now.
+    fn has_room_beside_stops(&self) -> bool {
+        self.link.commands.slots() > FOR_STOPS
+    }
+
+    /// Sends what waits for room.
     pub(super) fn flush(&mut self) {
-        while let Some(command) = self.backlog.pop_front() {
-            if let Err(rtrb::PushError::Full(command)) = self.link.commands.push(command) {
-                self.backlog.push_front(command);
-                break;
-            }
+        while self.has_room_beside_stops()
+            && let Some(control) = self.later.rungs.pop_first()
+        {
+            self.push(Command::RungFalse(control));
+        }
+        while self.has_room_beside_stops()
+            && let Some(input) = self.later.inputs.pop_front()
+        {
+            self.push(Command::Input(input));
+        }
+        if self.later.overrides {
+            self.send_overrides();
+        }
+        if self.later.injected {
+            self.send_injected();
+        }
+    }
+
+    /// Whether anything waits for an answer or for room.
+    pub(super) fn is_busy(&self) -> bool {
+        !self.waiting.is_empty() || self.later != Later::default()
+    }
+
+    /// The rung condition of an instruction is false. It never overtakes the instruction, which was sent before.
+    fn rung_false(&mut self, control: ControlSlot) {
+        if self.has_room_beside_stops() {
+            self.later.rungs.remove(&control);
+            self.push(Command::RungFalse(control));
+        } else {
+            self.later.rungs.insert(control);
         }
     }
 
     /// Tells the controller which overrides have changed.
     pub(super) fn send_overrides(&mut self) {
+        self.later.overrides = false;
         let overrides: Vec<f32> = self.image.feed_overrides().collect();
-        for ((system, now), sent) in (0..)
-            .zip(&overrides)
-            .zip(std::mem::replace(&mut self.overrides, overrides.clone()))
-        {
-            if *now != sent {
-                self.push(Command::Override {
-                    system,
-                    rate: f64::from(*now) / 100.0,
-                });
+        for (place, now) in overrides.into_iter().enumerate() {
+            if self.overrides.get(place).is_none_or(|sent| *sent == now) {
+                continue;
             }
+            if !self.has_room_beside_stops() {
+                self.later.overrides = true;
+                return;
+            }
+            self.overrides[place] = now;
+            self.push(Command::Override {
+                system: place as u16,
+                rate: f64::from(now) / 100.0,
+            });
         }
     }
 
     /// Tells the controller which injected causes of faults have changed.
     fn send_injected(&mut self) {
+        self.later.injected = false;
         let injected: Vec<FaultSet> = self.image.injected_faults().collect();
-        for ((axis, causes), sent) in (0..)
-            .zip(&injected)
-            .zip(std::mem::replace(&mut self.injected, injected.clone()))
-        {
-            if *causes != sent {
-                self.push(Command::Inject { axis, causes: *causes });
+        for (place, causes) in injected.into_iter().enumerate() {
+            if self.injected.get(place).is_none_or(|sent| *sent == causes) {
+                continue;
             }
+            if !self.has_room_beside_stops() {
+                self.later.injected = true;
+                return;
+            }
+            self.injected[place] = causes;
+            self.push(Command::Inject {
+                axis: place as u16,
+                causes,
+            });
         }
     }
 
@@ -303,7 +415,11 @@ impl State {
             }
             Edge::Input => {
                 for input in self.image.take_inputs() {
-                    self.push(Command::Input(input));
+                    if self.later.inputs.is_empty() && self.has_room_beside_stops() {
+                        self.push(Command::Input(input));
+                    } else {
+                        self.later.input(input);
+                    }
                 }
                 return None;
             }
@@ -318,11 +434,11 @@ impl State {
                 control.clear(Flag::En);
                 self.image_mut().set_control(kind.control, control);
             }
-            self.push(Command::RungFalse(kind.control));
+            self.rung_false(kind.control);
             return None;
         }
         let error = match self.image.call_of(id)? {
-            Ok(call) if self.waiting.len() < OUTSTANDING => return Some(self.send_for(owner, call).1),
+            Ok(call) if self.has_room(call.mnemonic) => return Some(self.send_for(owner, call).1),
             Ok(_) => MotionError::from_codes(EXECUTION_COLLISION, 0)?,
             // A name among the operands that means nothing is a value out of range.
             Err(error) => MotionError::from_codes(OUT_OF_RANGE, error.operand().map_or(0, |operand| operand.0 as i8))?,
@@ -337,6 +453,11 @@ impl State {
     }
 }
 
+/// Whether an execution runs, or may come to.
+pub(super) fn may_run(control: &MotionControl) -> bool {
+    control.has(Flag::Ip) || !is_answered(control)
+}
+
 /// Whoever sent it is told now: a process that has begun is not waited for.
 fn is_accepted(control: &MotionControl) -> bool {
     is_answered(control) || control.has(Flag::Ip)
@@ -346,6 +467,10 @@ fn is_answered(control: &MotionControl) -> bool {
     control.has(Flag::Dn) || control.has(Flag::Er)
 }
 
+/// Calls that may wait for the controller at a time.
+pub(super) const OUTSTANDING: usize = 512;
+/// Room of the ring that only instructions take that stop or switch off, commands: what the controller takes in two ticks.
+pub(super) const FOR_STOPS: usize = 2 * MAX_COMMANDS_PER_TICK;
 /// ERR of a call that finds no room.
 const EXECUTION_COLLISION: i16 = 3;
 /// ERR of an operand out of range.

@@ -175,3 +175,43 @@ async fn an_override_holds_and_resumes() {
     assert_eq!(number(&plant, "X.CommandPosition"), 20.0);
     handle.stop();
 }
+
+/// The controller takes nothing: what waits for it is bounded, and full is an answer.
+#[tokio::test(start_paused = true)]
+async fn what_finds_no_room_is_refused_and_changes_nothing() {
+    let project = project();
+    let (_rings, link) = arcline_realtime::link(&project.machine);
+    let plant = Plant::new(&project, link);
+    let path: arcline_tag::TagPath = "Move1.EnableIn".parse().expect("a path");
+    let (mut accepted, mut refused) = (0, 0);
+    for _ in 0..2000 {
+        for on in [1.0, 0.0] {
+            let (result, written) = plant.write(|image, edges| {
+                edges.extend(image.write_value(&path, arcline_tag::Value::Lreal(on))?);
+                Ok::<_, arcline_controller::image::WriteError>(())
+            });
+            match result {
+                Ok(()) => accepted += u32::from(on == 1.0),
+                Err(arcline_controller::image::WriteError::NoRoom { .. }) => {
+                    refused += 1;
+                    assert_eq!(number(&plant, "Move1.EnableIn"), 0.0, "nothing has changed");
+                }
+                Err(error) => panic!("{error}"),
+            }
+            plant.fire(written).await.expect("nothing is kept");
+        }
+    }
+    // False rungs stand in the same ring.
+    assert!((256..=OUTSTANDING as u32).contains(&accepted), "{accepted}");
+    assert_eq!(accepted + refused, 2000);
+    let free = plant.0.lock().link.commands.slots();
+    assert!(free >= state::FOR_STOPS, "room for stops is left: {free}");
+    let call = async |mnemonic: Mnemonic, given: &[Given]| plant.call(mnemonic, Some(0), None, given).await;
+    assert_eq!(call(Mnemonic::Mso, &[]).await, Err(CallRefused::Busy));
+    // It is sent, and nothing answers.
+    assert_eq!(
+        call(Mnemonic::Mgs, &[Given::Number(0.0)]).await,
+        Err(CallRefused::NoAnswer)
+    );
+    plant.stop_all();
+}

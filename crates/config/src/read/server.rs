@@ -2,7 +2,7 @@
 
 use std::net::{Ipv4Addr, SocketAddr};
 
-use crate::error::ConfigError;
+use crate::error::{ConfigError, Problem};
 use crate::section::Section;
 use crate::{ConnectionLoss, IoListen, IoLoss, ServerConfig};
 
@@ -65,6 +65,18 @@ pub(super) fn server(root: &Section<'_>) -> Result<ServerConfig, ConfigError> {
     {
         config.connection_loss = *loss;
     }
+    if let Some(silence) = section.integer("jog_silence_ms", 0..=60_000, JOG_SILENCE)? {
+        if (1..MIN_JOG_SILENCE).contains(&silence) {
+            let problem = Problem::Value {
+                found: section.found("jog_silence_ms"),
+                expected: JOG_SILENCE,
+                suggestion: None,
+            };
+            return Err(section.refuse_key("jog_silence_ms", problem));
+        }
+        // At most 60,000.
+        config.jog_silence = silence as u16;
+    }
     Ok(config)
 }
 
@@ -88,11 +100,14 @@ pub(super) const SERVER: &[&str] = &[
     "max_connections",
     "max_connections_per_address",
     "inactivity_timeout_s",
+    "jog_silence_ms",
 ];
 
 const MAX_LISTEN: usize = 16;
 const MAX_CLIENTS: usize = 65_535;
 const CLIENTS: &str = "a whole number from 1 to 65535";
+const JOG_SILENCE: &str = "0, or a whole number from 100 to 60000 (ms)";
+const MIN_JOG_SILENCE: usize = 100;
 const INACTIVITY: &str = "a whole number from 0 to 3600 (s)";
 
 const PRODUCT_NAME: &str = "1 to 32 printable ASCII characters";

@@ -44,6 +44,12 @@ pub enum WriteError {
         /// The tag.
         name: String,
     },
+    /// More instructions wait for the controller than it can take.
+    #[error("{name} cannot be executed now, too many instructions wait for the controller: try again")]
+    NoRoom {
+        /// The instruction tag.
+        name: String,
+    },
     /// A number that the tag cannot hold.
     #[error("{name} cannot be {value}, expected {low} to {high}")]
     OutOfRange {

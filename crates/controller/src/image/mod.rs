@@ -49,6 +49,25 @@ pub use table::{Configured, MAX_PLAIN_BYTES, MAX_PLAIN_TAGS, TableError, is_tag_
 pub use tag::{Access, AliasOf, Edge, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind};
 pub use written::Written;
 
+/// How many instructions the controller can still be sent: a write of `EnableIn` beyond that is refused.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct CallRoom {
+    /// Of any kind.
+    pub calls: usize,
+    /// Of those that only stop or switch off.
+    pub stops: usize,
+}
+
+impl Default for CallRoom {
+    /// Any number.
+    fn default() -> Self {
+        CallRoom {
+            calls: usize::MAX,
+            stops: usize::MAX,
+        }
+    }
+}
+
 /// Every tag of a machine. A clone shares with the original what neither has changed, so that it is cheap.
 #[derive(Clone, Debug)]
 pub struct Image {
@@ -73,6 +92,8 @@ pub struct Image {
     written: Option<Vec<Written>>,
     /// What can be injected into each axis.
     possible_faults: Vec<FaultSet>,
+    /// How many instructions the controller can still be sent.
+    room: CallRoom,
     /// Whether the latest tick overran.
     overlapping: bool,
     /// Cam profiles that are calculated or used.
@@ -106,6 +127,7 @@ impl Image {
                 .iter()
                 .map(|axis| FaultSet::possible(!axis.is_virtual()))
                 .collect(),
+            room: CallRoom::default(),
             overlapping: false,
             profiles: cams::Profiles::default(),
             inputs: inputs::Inputs::new(machine),

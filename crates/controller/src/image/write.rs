@@ -3,7 +3,7 @@
 use arcline_tag::{DataType, TagPath, Value};
 
 use super::read::not_a_value;
-use super::{Access, Edge, Image, MOTION_CONTROL, TagId, TagKind, WriteError};
+use super::{Access, CallRoom, Edge, Image, MOTION_CONTROL, TagId, TagKind, WriteError};
 
 impl Image {
     /// Whether clients may write these bytes of a tag.
@@ -80,6 +80,10 @@ impl Image {
             put_bit(&mut byte, mask, on);
             return self.write_fault_inject(id, offset, &[byte]);
         }
+        let rises = on && self.bytes(id).get(offset).is_some_and(|byte| byte & mask == 0);
+        if enable.is_some() && rises {
+            self.take_room(id)?;
+        }
         let out = self.member_bit(id, ENABLE_OUT);
         let Some(bytes) = self.bytes_mut(id) else {
             return Err(WriteError::NoSuchTag);
@@ -116,6 +120,27 @@ impl Image {
         let bytes = &mut bytes[..kind.size()];
         value.convert(kind).write(bytes);
         self.write(id, place.offset, bytes)
+    }
+
+    /// Says how many instructions the controller can still be sent.
+    pub fn set_call_room(&mut self, room: CallRoom) {
+        self.room = room;
+    }
+
+    /// Counts an instruction that is about to be executed by its tag.
+    fn take_room(&mut self, id: TagId) -> Result<(), WriteError> {
+        let tag = self.tag(id).ok_or(WriteError::NoSuchTag)?;
+        let stops = matches!(tag.kind, TagKind::Instruction(kind) if kind.mnemonic.is_stop());
+        let room = if stops { self.room.stops } else { self.room.calls };
+        if room == 0 {
+            return Err(WriteError::NoRoom { name: tag.name.clone() });
+        }
+        let CallRoom { calls, stops } = self.room;
+        self.room = CallRoom {
+            calls: calls.saturating_sub(1),
+            stops: stops.saturating_sub(1),
+        };
+        Ok(())
     }
 
     fn check_write(&self, id: TagId, offset: usize, len: usize) -> Result<(), WriteError> {

@@ -56,6 +56,8 @@ pub(crate) struct Generator {
     pub(crate) program: Option<Program>,
     /// It only brakes, and is over when it stands.
     pub(crate) stopping: bool,
+    /// The limits that it brakes at; `None`: it does not brake, or its coordinate system brakes it.
+    pub(crate) brake: Option<Limits>,
     /// Its changes of speed are limited in jerk, so a stop of it is too.
     pub(crate) s_curve: bool,
     /// ACCEL and DECEL of its instruction, as last written.
@@ -94,6 +96,7 @@ impl Generator {
             execution: None,
             program: None,
             stopping: false,
+            brake: None,
             s_curve,
             shown_phase: Phase::Steady,
             guide: None,

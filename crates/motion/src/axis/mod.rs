@@ -14,7 +14,7 @@ pub(crate) mod sum;
 
 use arcline_drive::{Drive, Motion as Point};
 use arcline_instruction_set::ExceptionAction;
-use arcline_planner::profile::{Bounds, Limits, Profile, State};
+use arcline_planner::profile::{Bounds, Jerk, Limits, Profile, State};
 use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
@@ -267,11 +267,12 @@ impl Axis {
     }
 
     /// One generator brakes, out of what it does now, and reports to `execution` when it stands. Whoever had
-    /// begun it is told nothing here.
+    /// begun it is told nothing here. A stop that is under way only becomes harder.
     pub(crate) fn brake(&mut self, slot: Slot, limits: &Limits, execution: Option<Execution>, now: Instant) {
         let Some(generator) = self.sum.get_mut(slot) else {
             return;
         };
+        let limits = &harder(limits, generator.brake.as_ref());
         let mut from = generator.state();
         if limits.jerk.is_none() {
             from.acceleration = 0.0;
@@ -287,6 +288,7 @@ impl Axis {
         generator.execution = execution;
         generator.program = None;
         generator.stopping = true;
+        generator.brake = Some(*limits);
     }
 
     /// One generator is being stopped by its own profile, and reports to `execution` when it stands.
@@ -312,8 +314,10 @@ impl Axis {
     }
 
     /// Everything on the axis becomes one deceleration, out of its total speed and acceleration. Whoever had
-    /// begun it is told nothing here.
+    /// begun it is told nothing here. It is at least as hard as every stop under way.
     pub(crate) fn brake_all(&mut self, limits: &Limits, execution: Option<Execution>, now: Instant) {
+        let brakes = self.sum.active().filter_map(|(_, generator)| generator.brake);
+        let limits = &brakes.fold(*limits, |limits, brake| harder(&limits, Some(&brake)));
         let Point {
             position,
             velocity,
@@ -331,6 +335,7 @@ impl Axis {
         stop.keeps(&stopping(limits, before.as_ref()));
         stop.execution = execution;
         stop.stopping = true;
+        stop.brake = Some(*limits);
         stop.s_curve = limits.jerk.is_some();
         stop.parting = self.is_parting();
         self.after_stop = AfterStop::Hold;
@@ -422,6 +427,24 @@ fn stopping(limits: &Limits, before: Option<&Limits>) -> Limits {
         jerk.acceleration = jerk.acceleration.max(own.acceleration);
     }
     limits
+}
+
+/// The limits of a stop in place of one that brakes at `under_way` already.
+fn harder(limits: &Limits, under_way: Option<&Limits>) -> Limits {
+    let Some(under_way) = under_way else { return *limits };
+    let jerk = limits.jerk.map(|jerk| match under_way.jerk {
+        None => jerk,
+        Some(other) => Jerk {
+            acceleration: jerk.acceleration.max(other.acceleration),
+            deceleration: jerk.deceleration.max(other.deceleration),
+        },
+    });
+    Limits {
+        acceleration: limits.acceleration.max(under_way.acceleration),
+        deceleration: limits.deceleration.max(under_way.deceleration),
+        jerk,
+        ..*limits
+    }
 }
 
 fn standing(position: f64) -> Point {

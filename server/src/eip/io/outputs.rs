@@ -34,7 +34,7 @@ impl Outputs {
         &self.data
     }
 
-    /// Does what has changed since the last outputs. A stop comes last and cannot be undone by what else is set.
+    /// Does what has changed since the last outputs. A stop comes first and cannot be undone by what else is set.
     pub(crate) fn apply(&mut self, data: &[u8], plant: &Plant) {
         if data == self.data {
             return;
@@ -46,6 +46,10 @@ impl Outputs {
         let wanted = word & command::OVERRIDE != 0 && word & command::HOLD == 0;
         let changed = rises(command::OVERRIDE) || self.word & command::HOLD != 0 || !same(&overrides, &self.overrides);
         let (resume, hold, stop) = (rises(command::RESUME), rises(command::HOLD), rises(command::STOP));
+        if stop {
+            // It waits for no lock; what else is set does, and cannot undo it.
+            plant.stop_all();
+        }
         if wanted && changed {
             self.refused = !plant.set_feed_overrides(&overrides);
         } else if !wanted {
@@ -56,9 +60,6 @@ impl Outputs {
         }
         if hold {
             hold_or_stop(plant);
-        }
-        if stop {
-            plant.stop_all();
         }
         self.word = word;
         self.overrides = overrides;

@@ -1,6 +1,8 @@
 //! Ethernet Link, class 0xF6 (CIP Vol. 2, 5-5): the host's interface through which the client came, as the system shows
 //! it. Nothing of it can be set.
 
+use std::sync::Arc;
+
 use arcline_proto::cip::CipStatus;
 use bytes::Bytes;
 
@@ -18,7 +20,7 @@ const AUTOMATIC: [u8; 4] = [1, 0, 0, 0];
 /// Attribute 11: auto-negotiation only, and no speeds that can be forced.
 const CAPABILITY: [u8; 5] = [2, 0, 0, 0, 0];
 
-pub(super) struct EthernetLink(pub(super) Adapter);
+pub(super) struct EthernetLink(pub(super) Arc<Adapter>);
 
 impl Class for EthernetLink {
     fn revision(&self) -> u16 {
@@ -32,20 +34,20 @@ impl Class for EthernetLink {
     fn attribute(&self, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
         let adapter = &self.0;
         match id {
-            1 => u32_value(adapter.speed()),
+            1 => u32_value(adapter.speed),
             2 => {
-                let active = if adapter.is_up() { ACTIVE } else { 0 };
-                let duplex = if adapter.is_half_duplex() { 0 } else { FULL_DUPLEX };
+                let active = if adapter.is_up { ACTIVE } else { 0 };
+                let duplex = if adapter.is_half_duplex { 0 } else { FULL_DUPLEX };
                 u32_value(active | duplex | NEGOTIATED)
             }
-            3 => Ok(Bytes::copy_from_slice(&adapter.hardware_address())),
-            4 => Ok(counters(&adapter.interface_counters())),
-            5 => Ok(counters(&adapter.media_counters())),
+            3 => Ok(Bytes::copy_from_slice(&adapter.hardware_address)),
+            4 => Ok(counters(&adapter.interface_counters)),
+            5 => Ok(counters(&adapter.media_counters)),
             6 => Ok(Bytes::from_static(&AUTOMATIC)),
             // Internal, or twisted pair.
             7 => u8_value(if adapter.is_internal() { 1 } else { 2 }),
             // Enabled, or disabled.
-            8 => u8_value(if adapter.is_up() { 1 } else { 2 }),
+            8 => u8_value(if adapter.is_up { 1 } else { 2 }),
             9 => u8_value(1),
             10 => Ok(short_string(&adapter.name)),
             11 => Ok(Bytes::from_static(&CAPABILITY)),

@@ -1,6 +1,7 @@
 //! TCP/IP Interface, class 0xF5 (CIP Vol. 2, 5-4): where the device is reached, as the host's system has it. Only the
 //! inactivity time-out can be set: the host's network is not ours.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use arcline_proto::cip::CipStatus;
@@ -23,7 +24,7 @@ const MULTICAST_COUNT: u16 = 32;
 
 pub(super) struct TcpIpInterface<'a> {
     /// The adapter of the local end of the connection that asks.
-    pub(super) adapter: Adapter,
+    pub(super) adapter: Arc<Adapter>,
     pub(super) device: &'a Device,
 }
 
@@ -44,7 +45,7 @@ impl Class for TcpIpInterface<'_> {
             // The Ethernet Link object: two words, class 0xF6, instance 1.
             4 => Ok(Bytes::from_static(&[2, 0, 0x20, 0xF6, 0x24, 1])),
             5 => Ok(self.configuration()),
-            6 => Ok(padded_string(&self.adapter.host_name())),
+            6 => Ok(padded_string(&self.adapter.host_name)),
             8 => u8_value(1),
             9 => Ok(self.multicast()),
             10 => u8_value(0),
@@ -81,11 +82,11 @@ impl TcpIpInterface<'_> {
     /// Address, mask, gateway and name servers as little-endian numbers; no domain.
     fn configuration(&self) -> Bytes {
         let mut out = BytesMut::with_capacity(22);
-        let [first, second] = self.adapter.name_servers();
+        let [first, second] = self.adapter.name_servers;
         for address in [
             self.adapter.address,
             self.adapter.mask,
-            self.adapter.gateway(),
+            self.adapter.gateway,
             first,
             second,
         ] {

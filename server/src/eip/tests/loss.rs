@@ -210,6 +210,95 @@ async fn a_session_without_connections_is_lost_too() {
     assert!(bench.runs(MOVE));
 }
 
+impl Bench {
+    fn velocity(&self, axis: u32) -> f64 {
+        let place = axis as usize - 1;
+        self.device
+            .plant
+            .with_snapshot(|snapshot| snapshot.axes[place].command[1])
+    }
+}
+
+/// A MAS of an axis at 0.001 units/s², of everything (0), the jog (1) or the move (2).
+fn weak_stop(axis: u32, stop_type: f64) -> Request {
+    let mut operands = vec![name("Weak")];
+    operands.extend([stop_type, 1.0, 0.001, 0.0, 0.0, 100.0, 2.0].map(|number| numbers(&[number])));
+    on(Mnemonic::Mas, axis, &operands)
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_lost_client_stops_at_full_deceleration_whatever_others_programmed() {
+    #[rustfmt::skip]
+    let cases: [(&str, Request, u32, f64, &[Request]); 6] = [
+        ("a jog, a weak stop of the jog",        jog(JOG, S),     S, 5.0,   &[weak_stop(S, 1.0)]),
+        ("a jog, a weak stop of everything",     jog(JOG, S),     S, 5.0,   &[weak_stop(S, 0.0)]),
+        ("a jog, one after the other",           jog(JOG, S),     S, 5.0,   &[weak_stop(S, 1.0), weak_stop(S, 0.0)]),
+        ("a move, a weak stop of the move",      single(MOVE, A), A, 5.0,   &[weak_stop(A, 2.0)]),
+        ("a move, a weak stop of everything",    single(MOVE, A), A, 5.0,   &[weak_stop(A, 0.0)]),
+        ("a line, a weak stop of the line",      long_line(),     1, 400.0, &[weak_stop_of_line()]),
+    ];
+    for (why, begin, axis, speed, stops) in cases {
+        let bench = Bench::with(|settings| settings.connection_loss = ConnectionLoss::Stop);
+        let mut client = bench.client().await;
+        assert!(client.ask(&begin).await.status.is_success(), "{why}");
+        bench
+            .eventually(why, |bench| (bench.velocity(axis) - speed).abs() < 1e-9)
+            .await;
+        let mut other = bench.client().await;
+        for stop in stops {
+            assert!(other.ask(stop).await.status.is_success(), "{why}");
+        }
+        assert!(bench.velocity(axis) > 0.9 * speed, "{why}: a weak stop is weak");
+        drop(client);
+        bench.eventually(why, |bench| bench.velocity(axis) == 0.0).await;
+    }
+}
+
+/// An MCLM of CS1 in X.
+fn long_line() -> Request {
+    on(Mnemonic::Mclm, 1, &line(LINE, &[100_000.0, 0.0, 0.0]))
+}
+
+/// An MCS of CS1's coordinated move at 0.001 units/s².
+fn weak_stop_of_line() -> Request {
+    let mut operands = vec![name("Weak")];
+    operands.extend([2.0, 1.0, 0.001, 0.0, 0.0, 100.0, 2.0].map(|number| numbers(&[number])));
+    on(Mnemonic::Mcs, 1, &operands)
+}
+
+fn with_silence(silence: u16) -> arcline_config::Project {
+    let mut project = project();
+    project.server.jog_silence = silence;
+    project
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_silent_client_stops_its_jogs_and_nothing_else() {
+    for (loss, expected) in [
+        (ConnectionLoss::Jogs, Then::Stopped),
+        (ConnectionLoss::Finish, Then::Runs),
+    ] {
+        let mut settings = Settings::new("Bench");
+        settings.connection_loss = loss;
+        let bench = Bench::of(Plant::start(&with_silence(400)).expect("a thread"), settings);
+        let (mut client, mut talks) = (bench.client().await, bench.client().await);
+        assert!(client.ask(&jog(JOG, S)).await.status.is_success());
+        assert!(client.ask(&single(MOVE, A)).await.status.is_success());
+        assert!(talks.ask(&jog(OTHER, B)).await.status.is_success());
+        let silent_from = std::time::Instant::now();
+        // Whoever polls goes on; whoever says nothing does not.
+        while silent_from.elapsed() < Duration::from_millis(900) {
+            talks.read("aDint").await;
+            tokio::time::sleep(Duration::from_millis(10)).await;
+        }
+        assert!(bench.runs(OTHER), "{loss:?}: a client that polls is not silent");
+        assert!(bench.runs(MOVE), "{loss:?}: a move ends by itself");
+        let found = if bench.runs(JOG) { Then::Runs } else { Then::Stopped };
+        assert_eq!(found, expected, "{loss:?}");
+        assert_eq!(client.read("aDint").await.data.len(), 4, "{loss:?}: the session lives");
+    }
+}
+
 fn jog_tag() -> arcline_config::Project {
     let tag = "[[instruction]]\ntag = \"Jog1\"\ntype = \"MAJ\"\ntarget = \"S\"\n";
     arcline_config::load(&format!("{}\n{tag}", arcline_config::DEFAULT), "test").expect("valid")

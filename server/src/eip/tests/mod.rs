@@ -132,7 +132,10 @@ pub(super) struct Bench {
 
 pub(super) fn project() -> arcline_config::Project {
     let text = format!("{}{TAGS}", arcline_config::DEFAULT);
-    arcline_config::load(&text, "test").expect("a valid configuration")
+    let mut project = arcline_config::load(&text, "test").expect("a valid configuration");
+    // Of silence there are tests of their own; others may be slow.
+    project.server.jog_silence = 0;
+    project
 }
 
 pub(super) fn plant() -> (Plant, Handle) {

@@ -238,6 +238,63 @@ async fn a_jog_ends_with_the_hand_that_holds_it() {
 }
 
 #[tokio::test]
+async fn the_dead_man_stops_at_full_deceleration_whatever_anybody_programmed() {
+    #[rustfmt::skip]
+    let cases = [
+        ("its own deceleration, silence",         "",                                             false),
+        ("its own deceleration, hand off",        "",                                             true),
+        ("a weak stop of the jog, silence",       "MAS(X, Weak, Jog, Yes, 0.001, Unitspersec2);", false),
+        ("a weak stop of everything, silence",    "MAS(X, Weak, All, Yes, 0.001, Unitspersec2);", false),
+        ("a weak stop of everything, hand off",   "MAS(X, Weak, All, Yes, 0.001, Unitspersec2);", true),
+    ];
+    for (why, weak, hand_off) in cases {
+        let bench = Bench::start().await;
+        let (mut one, mut two) = (bench.viewer().await, bench.viewer().await);
+        one.take("X").await;
+        let jog = json!({"do": "jog", "axis": "X", "speed": 100.0, "accel": 10_000.0, "decel": 0.001});
+        assert_eq!(one.ask(jog).await, Ok(json!({})), "{why}");
+        for _ in 0..4 {
+            tokio::time::sleep(Duration::from_millis(20)).await;
+            one.send(json!({"do": "keep", "axis": "X"}).to_string()).await;
+        }
+        if !weak.is_empty() {
+            two.execute(weak).await.expect("a stop needs no right");
+        }
+        if hand_off {
+            one.ask(json!({"do": "jog_end", "axis": "X"}))
+                .await
+                .expect("it has ended");
+        }
+        let tick = bench.plant.with_snapshot(|snapshot| snapshot.tick);
+        let ticks = stood_after(&bench, tick).await;
+        // 1 s for a soft stop and its ramp; the rest is for a machine that is busy with other tests.
+        assert!(ticks < 3000, "{why}: {ticks} ms");
+    }
+}
+
+#[tokio::test]
+async fn what_was_asked_before_stop_is_not_begun_after_it() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    viewer.take("CS1").await;
+    // Longer than what is read at once: it waits for its turn.
+    let slow = format!("{SLOW}{}", " ".repeat(200_000));
+    viewer
+        .send(json!({"id": 101, "do": "execute", "text": slow}).to_string())
+        .await;
+    viewer.send(json!({"id": 102, "do": "stop"}).to_string()).await;
+    let mut answers = std::collections::BTreeMap::new();
+    while answers.len() < 2 {
+        let text = viewer.text().await.expect("it is open");
+        if let Some(id) = text["id"].as_u64() {
+            answers.insert(id, text);
+        }
+    }
+    assert_eq!(answers[&102]["ok"], json!({}));
+    viewer.status(|status| x(status)["moving"] == false).await;
+}
+
+#[tokio::test]
 async fn a_jog_without_right_or_beyond_the_limit_is_refused() {
     let bench = Bench::start().await;
     let (mut one, mut two) = (bench.viewer().await, bench.viewer().await);

@@ -1,0 +1,125 @@
+//! Requests to stop, which the tick looks at before every other command.
+//!
+//! They do not travel through the ring of commands: each is one atomic word, made at start-up. So a request never waits behind other
+//! commands, never finds the ring full, and needs no lock; a request that repeats one that the tick has not seen yet is the same
+//! request. Not here: what a stop does (`arcline-controller`), and what decides on it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use arcline_controller::{StopRequest, Ticket};
+
+/// The senders' end; clones are the same one. Every method may be called from any thread, and none blocks.
+#[derive(Clone, Debug)]
+pub struct Stops(Arc<Shared>);
+
+/// The controller's end.
+#[derive(Debug)]
+pub(crate) struct StopReceiver {
+    shared: Arc<Shared>,
+    /// The axis to be looked at next; `None`: nothing was found to be asked for.
+    next: Option<usize>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    /// Something below was written since the tick has looked.
+    any: AtomicBool,
+    all: AtomicBool,
+    /// For each axis, the newest ticket whose jog is to end; 0: none.
+    jogs: Box<[AtomicU64]>,
+}
+
+impl Stops {
+    /// Stops everything that moves, every axis by itself.
+    pub fn stop_all(&self) {
+        self.0.all.store(true, Ordering::Release);
+        self.0.any.store(true, Ordering::Release);
+    }
+
+    /// Stops the jog that an instruction began on an axis (by its place in the machine), at the axis's full deceleration. A jog that
+    /// another instruction began goes on.
+    pub fn end_jog(&self, axis: u16, ticket: Ticket) {
+        if let Some(jog) = self.0.jogs.get(usize::from(axis)) {
+            // One instruction jogs an axis at a time: the newest.
+            jog.fetch_max(ticket.0, Ordering::AcqRel);
+            self.0.any.store(true, Ordering::Release);
+        }
+    }
+}
+
+/// Both ends for a machine of so many axes. The only allocation.
+pub(crate) fn link(axes: usize) -> (StopReceiver, Stops) {
+    let shared = Arc::new(Shared {
+        any: AtomicBool::new(false),
+        all: AtomicBool::new(false),
+        jogs: (0..axes).map(|_| AtomicU64::new(0)).collect(),
+    });
+    let receiver = StopReceiver {
+        shared: shared.clone(),
+        next: None,
+    };
+    (receiver, Stops(shared))
+}
+
+impl StopReceiver {
+    /// The next request. Real-time: bounded by the number of axes until it is `None`.
+    pub(crate) fn next(&mut self) -> Option<StopRequest> {
+        let mut axis = match self.next {
+            Some(axis) => axis,
+            None => {
+                if !self.shared.any.swap(false, Ordering::AcqRel) {
+                    return None;
+                }
+                if self.shared.all.swap(false, Ordering::AcqRel) {
+                    self.next = Some(0);
+                    return Some(StopRequest::All);
+                }
+                0
+            }
+        };
+        while let Some(jog) = self.shared.jogs.get(axis) {
+            let ticket = jog.swap(0, Ordering::AcqRel);
+            if ticket != 0 {
+                self.next = Some(axis + 1);
+                return Some(StopRequest::Jog {
+                    axis: axis as u16,
+                    ticket: Ticket(ticket),
+                });
+            }
+            axis += 1;
+        }
+        self.next = None;
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_request_is_seen_once_and_repetitions_are_one() {
+        let (mut receiver, stops) = link(3);
+        assert_eq!(receiver.next(), None);
+        stops.end_jog(2, Ticket(7));
+        stops.end_jog(2, Ticket(5));
+        stops.end_jog(0, Ticket(6));
+        stops.end_jog(9, Ticket(8));
+        for _ in 0..100_000 {
+            stops.stop_all();
+        }
+        let jog = |axis, ticket| {
+            Some(StopRequest::Jog {
+                axis,
+                ticket: Ticket(ticket),
+            })
+        };
+        let seen: Vec<_> = (0..4).map(|_| receiver.next()).collect();
+        assert_eq!(seen, [Some(StopRequest::All), jog(0, 6), jog(2, 7), None]);
+        assert_eq!(receiver.next(), None);
+        stops.stop_all();
+        assert_eq!(receiver.next(), Some(StopRequest::All));
+        assert_eq!(receiver.next(), None, "no jog was asked for");
+    }
+}

@@ -1,0 +1,379 @@
+//! The guard of jogs: it stops those of clients that are lost, silent, or no longer hold the button.
+//!
+//! It has a thread of its own, `arcline-stop`, that comes after the tick and before everything else where the system allows that, and a
+//! way to the tick of its own ([`Stops`]), so that neither the work of the network's threads nor the plant's lock delays a stop. On the
+//! same thread the page's viewers are read, for their STOP. What runs on it must be short.
+//!
+//! A stop of a jog is one at the axis's full deceleration, whatever was programmed; the guard asks for it again until the axis stands.
+//! Not here: which messages of a page stop (`hmi`), and what becomes of motion that is no jog (`plant::Owner`).
+
+mod table;
+mod watch;
+
+use std::collections::BTreeMap;
+use std::os::fd::OwnedFd;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
+use std::time::{Duration, Instant};
+
+use arcline_controller::Ticket;
+use arcline_controller::machine::Machine;
+use arcline_realtime::{Stops, prepare_beside_tick};
+use tokio::runtime::{Builder, Handle};
+use tokio::sync::Notify;
+use tokio_util::sync::CancellationToken;
+use tracing::{debug, warn};
+
+use self::table::{Jog, Seen, Table};
+use crate::plant::{Owner, Plant};
+
+/// Without a sign of life for so long, a jog that is held by a button is stopped.
+pub(crate) const KEEP_WITHIN: Duration = Duration::from_millis(150);
+/// How often jogs are looked at.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// Sessions from this number on are viewers of the page.
+pub(crate) const VIEWERS: u64 = 1 << 63;
+/// The connection of a viewer's jogs that are held by a button.
+pub(crate) const HELD: u32 = 1;
+
+/// The guard. Clones are the same one.
+#[derive(Clone, Debug)]
+pub(crate) struct Guard(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    stops: Stops,
+    axes: Vec<String>,
+    /// Silence after which the jogs of a client are stopped; `None`: never.
+    silence: Option<Duration>,
+    epoch: Instant,
+    table: Mutex<Table>,
+    clients: Mutex<BTreeMap<u64, Client>>,
+    wake: Notify,
+    closed: AtomicBool,
+    runtime: OnceLock<Handle>,
+}
+
+#[derive(Debug)]
+struct Client {
+    signs: Signs,
+    face: Weak<dyn Face>,
+    /// Ends the look at its socket.
+    watched: Option<CancellationToken>,
+}
+
+/// What a guard asks and tells where its clients came in.
+pub(crate) trait Face: Send + Sync + std::fmt::Debug {
+    /// Whether jogs go on when their owner is lost or silent.
+    fn keeps_jogs(&self, owner: Owner) -> bool;
+    /// The socket of a client has closed without a word; its jogs are stopped already.
+    fn lost(&self, session: u64);
+}
+
+/// The signs of life of one client; clones are the same one.
+#[derive(Clone, Debug)]
+pub(crate) struct Signs(Arc<SignsOfLife>);
+
+#[derive(Debug)]
+struct SignsOfLife {
+    epoch: Instant,
+    /// When something was heard last, µs since the epoch.
+    heard: AtomicU64,
+    /// The guard wants to look at the client's socket.
+    wanted: AtomicBool,
+}
+
+impl Signs {
+    /// Something was heard.
+    pub(crate) fn heard(&self) {
+        let micros = u64::try_from(self.0.epoch.elapsed().as_micros()).unwrap_or(u64::MAX);
+        self.0.heard.store(micros, Ordering::Relaxed);
+    }
+
+    /// Whether the guard wants to look at the socket, once.
+    pub(crate) fn is_wanted(&self) -> bool {
+        self.0.wanted.load(Ordering::Relaxed) && self.0.wanted.swap(false, Ordering::AcqRel)
+    }
+
+    fn silent_since(&self) -> Duration {
+        Duration::from_micros(self.0.heard.load(Ordering::Relaxed))
+    }
+}
+
+/// Why jogs are stopped.
+#[derive(Clone, Copy, Debug)]
+enum Why {
+    Released,
+    Silent,
+    Closed,
+}
+
+impl Why {
+    fn told(self) -> &'static str {
+        match self {
+            Why::Released => "its button was not kept pressed",
+            Why::Silent => "its client was silent for too long",
+            Why::Closed => "its client is lost",
+        }
+    }
+}
+
+impl Guard {
+    /// Of a machine; `silence` in ms, 0: never. Nothing is looked at before [`Guard::spawn`].
+    pub(crate) fn new(stops: Stops, machine: &Machine, silence: u16) -> Self {
+        Guard(Arc::new(Shared {
+            stops,
+            axes: machine.axes.iter().map(|axis| axis.name.clone()).collect(),
+            silence: (silence > 0).then(|| Duration::from_millis(silence.into())),
+            epoch: Instant::now(),
+            table: Mutex::default(),
+            clients: Mutex::default(),
+            wake: Notify::new(),
+            closed: AtomicBool::new(false),
+            runtime: OnceLock::new(),
+        }))
+    }
+
+    /// Starts the thread. It ends with the plant.
+    ///
+    /// # Errors
+    /// When the system has no thread left.
+    pub(crate) fn spawn(&self, plant: Weak<crate::plant::Shared>) -> std::io::Result<()> {
+        // What is ready is looked at after every task.
+        let runtime = Builder::new_current_thread().enable_all().event_interval(1).build()?;
+        let _ = self.0.runtime.set(runtime.handle().clone());
+        let guard = self.clone();
+        std::thread::Builder::new()
+            .name("arcline-stop".to_owned())
+            .spawn(move || {
+                for shortfall in prepare_beside_tick().shortfalls {
+                    debug!(%shortfall, "stops may be late");
+                }
+                runtime.block_on(guard.run(&plant));
+            })
+            .map(drop)
+    }
+
+    /// The runtime of the thread, if it runs.
+    pub(crate) fn runtime(&self) -> Option<Handle> {
+        self.0.runtime.get().cloned()
+    }
+
+    /// Ends the thread.
+    pub(crate) fn close(&self) {
+        self.0.closed.store(true, Ordering::Release);
+        self.0.wake.notify_one();
+    }
+
+    /// A client has come in.
+    pub(crate) fn enter(&self, session: u64, name: &str, face: Weak<dyn Face>) -> Signs {
+        let signs = Signs(Arc::new(SignsOfLife {
+            epoch: self.0.epoch,
+            heard: AtomicU64::new(0),
+            wanted: AtomicBool::new(false),
+        }));
+        signs.heard();
+        self.table().name(session, name.into());
+        let client = Client {
+            signs: signs.clone(),
+            face,
+            watched: None,
+        };
+        self.clients().insert(session, client);
+        signs
+    }
+
+    /// A client has gone; its jogs have been ended or released before.
+    pub(crate) fn leave(&self, session: u64) {
+        let client = self.clients().remove(&session);
+        if let Some(watched) = client.and_then(|client| client.watched) {
+            watched.cancel();
+        }
+        self.table().leave(session);
+    }
+
+    /// The name of a client.
+    pub(crate) fn name_of(&self, session: u64) -> Arc<str> {
+        self.table().name_of(session)
+    }
+
+    /// A MAJ of an owner was sent. `runs`: whether a ticket may still run.
+    pub(crate) fn begin(&self, owner: Owner, axis: u16, ticket: Ticket, runs: impl Fn(Ticket) -> bool) {
+        let held = owner.session >= VIEWERS && owner.connection == HELD;
+        let until = held.then(|| self.now() + KEEP_WITHIN);
+        self.table().begin(owner, axis, ticket, until, runs);
+        if let Some(client) = self.clients().get(&owner.session)
+            && client.watched.is_none()
+        {
+            client.signs.0.wanted.store(true, Ordering::Release);
+        }
+        self.0.wake.notify_one();
+    }
+
+    /// Looks at a client's socket as long as it jogs: whether something comes, and whether it closes.
+    pub(crate) fn watch(&self, session: u64, socket: OwnedFd) {
+        let mut clients = self.clients();
+        let (Some(runtime), Some(client)) = (self.runtime(), clients.get_mut(&session)) else {
+            return;
+        };
+        let token = CancellationToken::new();
+        if let Some(before) = client.watched.replace(token.clone()) {
+            before.cancel();
+        }
+        runtime.spawn(watch::socket(
+            self.clone(),
+            session,
+            socket,
+            client.signs.clone(),
+            token,
+        ));
+    }
+
+    /// A jog that is held by a button is still meant. `false`: there is none, or it is over.
+    pub(crate) fn keep(&self, session: u64, axis: u16) -> bool {
+        let now = self.now();
+        self.table().keep(session, axis, now, now + KEEP_WITHIN)
+    }
+
+    /// The jogs that are held by a button: session and axis.
+    pub(crate) fn held(&self) -> Vec<(u64, u16)> {
+        self.table().kept()
+    }
+
+    /// The button of a jog was let go: whoever asks stops it, and the guard does so at full deceleration if it still moves after
+    /// `grace`. `false`: there is no such jog.
+    pub(crate) fn release(&self, session: u64, axis: u16, grace: Duration) -> bool {
+        let from = self.now() + grace;
+        let is_held = |jog: &Jog| jog.owner.session == session && jog.owner.connection == HELD && jog.axis == axis;
+        let ended = self.table().end(from, is_held);
+        if grace.is_zero() {
+            self.stop(&ended);
+        }
+        self.0.wake.notify_one();
+        !ended.is_empty()
+    }
+
+    /// Ends the jogs of an owner that is lost. Returns their axes.
+    pub(crate) fn end(&self, owner: Owner) -> Vec<u16> {
+        let ended = self.table().end(self.now(), |jog| jog.owner == owner);
+        self.stop(&ended);
+        self.tell(&ended, Why::Closed);
+        self.0.wake.notify_one();
+        let mut axes: Vec<u16> = ended.iter().map(|jog| jog.axis).collect();
+        axes.dedup();
+        axes
+    }
+
+    /// What an owner began goes on without it.
+    pub(crate) fn forget(&self, owner: Owner) {
+        self.table().forget(owner);
+    }
+
+    /// The socket of a client has closed without a word.
+    pub(crate) fn lose(&self, session: u64) {
+        let face = self.clients().get(&session).and_then(|client| client.face.upgrade());
+        let keeps = |owner| face.as_ref().is_some_and(|face| face.keeps_jogs(owner));
+        let ended = self
+            .table()
+            .end(self.now(), |jog| jog.owner.session == session && !keeps(jog.owner));
+        self.stop(&ended);
+        self.tell(&ended, Why::Closed);
+        if let Some(face) = face {
+            face.lost(session);
+        }
+        self.0.wake.notify_one();
+    }
+
+    async fn run(&self, plant: &Weak<crate::plant::Shared>) {
+        while !self.0.closed.load(Ordering::Acquire) {
+            let idle = self.table().is_idle();
+            if idle {
+                self.0.wake.notified().await;
+            } else {
+                tokio::time::sleep(LOOK).await;
+            }
+            let Some(plant) = Plant::upgrade(plant) else { return };
+            self.look(&plant);
+        }
+    }
+
+    /// Stops what is due, and looks again at what was stopped.
+    fn look(&self, plant: &Plant) {
+        let now = self.now();
+        // Without the lock, which somebody may have for long, a jog is taken for one that runs.
+        plant.try_with_executions(|runs| self.table().prune(runs));
+        let released = self.table().overdue(now);
+        self.stop(&released);
+        let silent = self.silent(now);
+        self.stop(&silent);
+        let again = plant
+            .try_with_executions(|runs| {
+                self.table().look_again(now, |ending| {
+                    if runs(ending.axis, ending.ticket) {
+                        Seen::Moves
+                    } else {
+                        Seen::Over
+                    }
+                })
+            })
+            .unwrap_or_else(|| self.table().look_again(now, |_| Seen::Moves));
+        for ending in again {
+            self.0.stops.end_jog(ending.axis, ending.ticket);
+        }
+        self.tell(&released, Why::Released);
+        self.tell(&silent, Why::Silent);
+    }
+
+    /// Takes out the jogs of silent clients.
+    fn silent(&self, now: Duration) -> Vec<Jog> {
+        let Some(silence) = self.0.silence else {
+            return Vec::new();
+        };
+        let jogging: Vec<u64> = self.table().jogging().collect();
+        let mut silent = Vec::new();
+        for session in jogging {
+            let clients = self.clients();
+            let Some(client) = clients.get(&session) else { continue };
+            if now.saturating_sub(client.signs.silent_since()) > silence {
+                silent.push((session, client.face.upgrade()));
+            }
+        }
+        let mut ended = Vec::new();
+        for (session, face) in silent {
+            let keeps = |owner| face.as_ref().is_some_and(|face| face.keeps_jogs(owner));
+            ended.extend(
+                self.table()
+                    .end(now, |jog| jog.owner.session == session && !keeps(jog.owner)),
+            );
+        }
+        ended
+    }
+
+    fn stop(&self, jogs: &[Jog]) {
+        for jog in jogs {
+            self.0.stops.end_jog(jog.axis, jog.ticket);
+        }
+    }
+
+    fn tell(&self, jogs: &[Jog], why: Why) {
+        for jog in jogs {
+            let axis = self.0.axes.get(usize::from(jog.axis)).map_or("?", String::as_str);
+            let client = self.name_of(jog.owner.session);
+            warn!(axis, %client, "a jog is stopped: {}", why.told());
+        }
+    }
+
+    fn now(&self) -> Duration {
+        self.0.epoch.elapsed()
+    }
+
+    /// Taken behind the plant's lock, never before it. Of the two locks here only one is held at a time.
+    fn table(&self) -> MutexGuard<'_, Table> {
+        self.0.table.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn clients(&self) -> MutexGuard<'_, BTreeMap<u64, Client>> {
+        self.0.clients.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,247 @@
+//! The jogs that clients have begun, and which of them are to be stopped: a value without clock, thread and lock.
+//!
+//! Times are since any fixed moment.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+use arcline_controller::Ticket;
+
+use crate::plant::Owner;
+
+/// The jogs of all clients, and the stops that are looked after until the axis stands.
+#[derive(Debug, Default)]
+pub(super) struct Table {
+    clients: BTreeMap<u64, Jogs>,
+    ending: Vec<Ending>,
+}
+
+/// The jogs of one client.
+#[derive(Debug, Default)]
+struct Jogs {
+    name: Arc<str>,
+    jogs: Vec<Jog>,
+}
+
+/// A MAJ that was sent.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Jog {
+    pub(super) owner: Owner,
+    pub(super) axis: u16,
+    pub(super) ticket: Ticket,
+    /// When it ends unless it is kept; `None`: it need not be kept.
+    until: Option<Duration>,
+}
+
+/// A jog that is to be stopped.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Ending {
+    pub(super) axis: u16,
+    pub(super) ticket: Ticket,
+    /// From when on its stop is one at full deceleration.
+    from: Duration,
+}
+
+/// What is known of a jog that is to be stopped.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Seen {
+    /// It stands, or something else moves the axis.
+    Over,
+    /// It moves, or brakes, or nothing is known of it.
+    Moves,
+}
+
+impl Table {
+    /// A client has come, or is named.
+    pub(super) fn name(&mut self, session: u64, name: Arc<str>) {
+        self.clients.entry(session).or_default().name = name;
+    }
+
+    /// The name of a client.
+    pub(super) fn name_of(&self, session: u64) -> Arc<str> {
+        match self.clients.get(&session) {
+            Some(client) if !client.name.is_empty() => client.name.clone(),
+            _ => "a client".into(),
+        }
+    }
+
+    /// A client has gone; its jogs must have been ended before.
+    pub(super) fn leave(&mut self, session: u64) {
+        self.clients.remove(&session);
+    }
+
+    /// A MAJ was sent; `until`: when it ends unless it is kept. `runs`: whether a ticket may still run, for those that are forgotten
+    /// when there are many.
+    pub(super) fn begin(
+        &mut self,
+        owner: Owner,
+        axis: u16,
+        ticket: Ticket,
+        until: Option<Duration>,
+        runs: impl Fn(Ticket) -> bool,
+    ) {
+        let jogs = &mut self.clients.entry(owner.session).or_default().jogs;
+        if jogs.len() >= MANY {
+            jogs.retain(|jog| runs(jog.ticket));
+        }
+        jogs.push(Jog {
+            owner,
+            axis,
+            ticket,
+            until,
+        });
+    }
+
+    /// A jog is still meant. `false`: it is not there, or over.
+    pub(super) fn keep(&mut self, session: u64, axis: u16, now: Duration, until: Duration) -> bool {
+        let Some(client) = self.clients.get_mut(&session) else {
+            return false;
+        };
+        let kept = client.jogs.iter_mut().filter(|jog| jog.axis == axis);
+        let mut any = false;
+        for until_now in kept.filter_map(|jog| jog.until.as_mut()).filter(|until| **until > now) {
+            *until_now = until;
+            any = true;
+        }
+        any
+    }
+
+    /// The clients that have a kept jog, with its axis.
+    pub(super) fn kept(&self) -> Vec<(u64, u16)> {
+        let jogs = self.clients.values().flat_map(|client| &client.jogs);
+        let kept = jogs.filter(|jog| jog.until.is_some());
+        kept.map(|jog| (jog.owner.session, jog.axis)).collect()
+    }
+
+    /// Takes out jogs that are to be stopped, at full deceleration from `from` on.
+    pub(super) fn end(&mut self, from: Duration, which: impl Fn(&Jog) -> bool) -> Vec<Jog> {
+        let mut ended = Vec::new();
+        for client in self.clients.values_mut() {
+            client.jogs.retain(|jog| {
+                let ends = which(jog);
+                if ends {
+                    ended.push(*jog);
+                }
+                !ends
+            });
+        }
+        self.ending.extend(ended.iter().map(|jog| Ending {
+            axis: jog.axis,
+            ticket: jog.ticket,
+            from,
+        }));
+        ended
+    }
+
+    /// Takes out the jogs of a client that nobody keeps.
+    pub(super) fn overdue(&mut self, now: Duration) -> Vec<Jog> {
+        self.end(now, |jog| jog.until.is_some_and(|until| until <= now))
+    }
+
+    /// Jogs whose owner closes in order: they go on, and are no one's.
+    pub(super) fn forget(&mut self, owner: Owner) {
+        if let Some(client) = self.clients.get_mut(&owner.session) {
+            client.jogs.retain(|jog| jog.owner != owner);
+        }
+    }
+
+    /// Clients with jogs that may run.
+    pub(super) fn jogging(&self) -> impl Iterator<Item = u64> {
+        let jogging = self.clients.iter().filter(|(_, client)| !client.jogs.is_empty());
+        jogging.map(|(session, _)| *session)
+    }
+
+    /// Leaves out jogs of which it is known that they are over.
+    pub(super) fn prune(&mut self, runs: impl Fn(u16, Ticket) -> bool) {
+        for client in self.clients.values_mut() {
+            client.jogs.retain(|jog| runs(jog.axis, jog.ticket));
+        }
+    }
+
+    /// The stops that are not over, and from now on at full deceleration.
+    pub(super) fn look_again(&mut self, now: Duration, see: impl Fn(&Ending) -> Seen) -> Vec<Ending> {
+        self.ending.retain(|ending| see(ending) == Seen::Moves);
+        let due = self.ending.iter().filter(|ending| ending.from <= now);
+        due.cloned().collect()
+    }
+
+    /// Whether there is nothing to look after.
+    pub(super) fn is_idle(&self) -> bool {
+        self.ending.is_empty() && self.jogging().next().is_none()
+    }
+}
+
+/// Jogs of one client before those that are over are left out.
+const MANY: usize = 64;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ONE: Owner = Owner {
+        session: 1,
+        connection: 0,
+    };
+    const TWO: Owner = Owner {
+        session: 2,
+        connection: 7,
+    };
+
+    fn ms(time: u64) -> Duration {
+        Duration::from_millis(time)
+    }
+
+    fn tickets(jogs: &[Jog]) -> Vec<u64> {
+        jogs.iter().map(|jog| jog.ticket.0).collect()
+    }
+
+    #[test]
+    fn a_jog_ends_when_it_is_not_kept() {
+        let mut table = Table::default();
+        table.begin(ONE, 0, Ticket(5), Some(ms(150)), |_| true);
+        table.begin(TWO, 1, Ticket(6), None, |_| true);
+        assert!(table.keep(1, 0, ms(100), ms(250)));
+        assert!(!table.keep(1, 1, ms(100), ms(250)), "another axis");
+        assert!(!table.keep(2, 1, ms(100), ms(250)), "it need not be kept");
+        assert_eq!(table.kept(), [(1, 0)]);
+        assert!(table.overdue(ms(249)).is_empty());
+        assert_eq!(tickets(&table.overdue(ms(250))), [5]);
+        assert!(!table.keep(1, 0, ms(251), ms(400)), "it is over");
+        assert_eq!(table.jogging().collect::<Vec<_>>(), [2]);
+    }
+
+    #[test]
+    fn a_stop_is_looked_after_until_the_axis_stands() {
+        let mut table = Table::default();
+        table.begin(ONE, 0, Ticket(5), None, |_| true);
+        table.begin(ONE, 0, Ticket(9), None, |_| true);
+        table.begin(TWO, 1, Ticket(6), None, |_| true);
+        assert_eq!(tickets(&table.end(ms(10), |jog| jog.owner == ONE)), [5, 9]);
+        assert!(
+            table.look_again(ms(9), |_| Seen::Moves).is_empty(),
+            "not at full deceleration yet"
+        );
+        let again = table.look_again(ms(20), |ending| match ending.ticket {
+            Ticket(9) => Seen::Over,
+            _ => Seen::Moves,
+        });
+        assert_eq!(again.iter().map(|ending| ending.ticket.0).collect::<Vec<_>>(), [5]);
+        assert_eq!(table.look_again(ms(9999), |_| Seen::Moves).len(), 1, "and again");
+        assert!(table.look_again(ms(9999), |_| Seen::Over).is_empty());
+        assert!(!table.is_idle(), "the other jogs");
+        table.forget(TWO);
+        assert!(table.is_idle());
+    }
+
+    #[test]
+    fn many_jogs_of_one_client_are_bounded_by_those_that_run() {
+        let mut table = Table::default();
+        for ticket in 1..=100_000 {
+            table.begin(ONE, 0, Ticket(ticket), None, |ticket| ticket.0 == 3);
+        }
+        let jogs = table.end(ms(0), |_| true);
+        assert!(jogs.len() <= MANY + 1, "{}", jogs.len());
+        assert!(jogs.iter().any(|jog| jog.ticket == Ticket(3)), "the one that runs");
+    }
+}

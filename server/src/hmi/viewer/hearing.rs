@@ -1,0 +1,218 @@
+//! The reading half of a viewer, on the thread of stops. `stop`, `keep` and `jog_end` are done here at once, before whatever the viewer
+//! asked before; everything else is handed on, or refused when too much waits already. Nothing here computes for long or waits.
+
+use std::io;
+use std::net::TcpStream as StdTcpStream;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::task::{Context, Poll};
+use std::time::{Duration, Instant};
+
+use bytes::Bytes;
+use futures_util::StreamExt as _;
+use serde::Deserialize;
+use serde_json::Value;
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::net::TcpStream;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
+use tokio_tungstenite::WebSocketStream;
+use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
+use tokio_tungstenite::tungstenite::{Message, Utf8Bytes};
+use tracing::debug;
+
+use super::super::message::{self, Refusal};
+use super::super::rights::ViewerId;
+use super::super::serve::LONGEST_MESSAGE;
+use super::{Outgoing, SHORT, Shared};
+use crate::guard::{Signs, VIEWERS};
+
+/// Messages of one viewer that are taken within [`PAUSE`]: a viewer that says more waits, not the others.
+const TURN: u32 = 16;
+const PAUSE: Duration = Duration::from_millis(1);
+
+/// What a viewer asked, for its turn.
+#[derive(Debug)]
+pub(super) struct Heard {
+    /// As it came.
+    pub(super) text: Utf8Bytes,
+    /// How often STOP had been pressed, by anybody.
+    pub(super) stops: u64,
+    /// How often the button of each axis's jog had been let go.
+    pub(super) releases: Box<[u64]>,
+    /// Room among what waits.
+    _room: OwnedSemaphorePermit,
+}
+
+impl Heard {
+    /// Whether to work on it takes long.
+    pub(super) fn is_long(&self) -> bool {
+        self.text.len() > SHORT
+    }
+}
+
+/// A viewer, as the task sees it that reads it.
+pub(super) struct Hearing {
+    pub(super) id: ViewerId,
+    pub(super) shared: Arc<Shared>,
+    pub(super) outbox: mpsc::Sender<Outgoing>,
+    pub(super) asks: mpsc::Sender<Heard>,
+    /// Bytes of requests that may wait.
+    pub(super) room: Arc<Semaphore>,
+    pub(super) releases: Arc<[AtomicU64]>,
+    pub(super) signs: Signs,
+}
+
+/// What of a message tells whether it is done at once.
+#[derive(Deserialize)]
+struct Head {
+    #[serde(default)]
+    id: Value,
+    #[serde(rename = "do")]
+    what: String,
+    axis: Option<String>,
+    object: Option<String>,
+}
+
+impl Hearing {
+    /// Reads until the viewer goes; then its jogs are stopped. `begun` has come already.
+    pub(super) async fn listen(self, socket: StdTcpStream, begun: Bytes) {
+        match TcpStream::from_std(socket) {
+            Ok(socket) => self.read(socket, begun).await,
+            Err(error) => debug!(%error, "a viewer cannot be read"),
+        }
+        self.shared.plant.guard().lose(VIEWERS | self.id);
+    }
+
+    async fn read(&self, socket: TcpStream, begun: Bytes) {
+        let config = WebSocketConfig::default()
+            .max_message_size(Some(LONGEST_MESSAGE))
+            .max_frame_size(Some(LONGEST_MESSAGE));
+        let socket = ReadOnly(socket);
+        let mut stream = WebSocketStream::from_partially_read(socket, begun.to_vec(), Role::Server, Some(config)).await;
+        let (mut taken, mut since) = (0, Instant::now());
+        while let Some(Ok(message)) = stream.next().await {
+            self.signs.heard();
+            let goes_on = match message {
+                Message::Text(text) => self.hear(text),
+                Message::Ping(data) => self.answer(Outgoing::Control(Message::Pong(data))),
+                Message::Close(_) => {
+                    self.answer(Outgoing::Control(Message::Close(None)));
+                    false
+                }
+                Message::Binary(_) | Message::Pong(_) | Message::Frame(_) => true,
+            };
+            if !goes_on {
+                return;
+            }
+            taken += 1;
+            if taken == TURN {
+                if since.elapsed() < PAUSE {
+                    tokio::time::sleep(PAUSE).await;
+                } else {
+                    tokio::task::yield_now().await;
+                }
+                (taken, since) = (0, Instant::now());
+            }
+        }
+    }
+
+    /// Whether the viewer reads its answers.
+    fn hear(&self, text: Utf8Bytes) -> bool {
+        let head = (text.len() <= SHORT).then(|| serde_json::from_str::<Head>(&text));
+        let head = head.and_then(Result::ok);
+        let Some(head) = head else {
+            return self.hand_on(text, None);
+        };
+        match (head.what.as_str(), &head.axis, &head.object) {
+            ("stop", _, None) => {
+                self.shared.stop_everything();
+                self.reply(&head.id, Ok(Value::Object(Default::default())))
+            }
+            ("stop", _, Some(object)) => {
+                self.shared.program.end();
+                self.shared.stops.fetch_add(1, Ordering::AcqRel);
+                let (shared, outbox, viewer) = (self.shared.clone(), self.outbox.clone(), self.id);
+                let (id, object) = (head.id, object.clone());
+                tokio::spawn(async move {
+                    let stopped = shared.stop(viewer, Some(&object)).await;
+                    let _ = outbox.try_send(Outgoing::Text(message::reply(&id, stopped).into()));
+                });
+                true
+            }
+            ("keep", Some(axis), _) => {
+                let kept = self.shared.keep(self.id, axis);
+                self.reply(&head.id, kept)
+            }
+            ("jog_end", Some(axis), _) => {
+                let place = self.shared.plant.machine().axis(axis).map(usize::from);
+                if let Some(releases) = place.and_then(|place| self.releases.get(place)) {
+                    releases.fetch_add(1, Ordering::AcqRel);
+                }
+                let (shared, outbox, viewer) = (self.shared.clone(), self.outbox.clone(), self.id);
+                let (id, axis) = (head.id, axis.clone());
+                tokio::spawn(async move {
+                    let ended = shared.jog_end(viewer, &axis).await;
+                    let _ = outbox.try_send(Outgoing::Text(message::reply(&id, ended).into()));
+                });
+                true
+            }
+            _ => self.hand_on(text, Some(head.id)),
+        }
+    }
+
+    /// Gives a request its place among those that wait.
+    fn hand_on(&self, text: Utf8Bytes, id: Option<Value>) -> bool {
+        let bytes = u32::try_from(text.len()).unwrap_or(u32::MAX).max(1);
+        let heard = self.room.clone().try_acquire_many_owned(bytes).ok().map(|room| Heard {
+            text,
+            stops: self.shared.stops.load(Ordering::Acquire),
+            releases: self
+                .releases
+                .iter()
+                .map(|releases| releases.load(Ordering::Acquire))
+                .collect(),
+            _room: room,
+        });
+        match heard.map(|heard| self.asks.try_send(heard)) {
+            Some(Ok(())) => true,
+            Some(Err(mpsc::error::TrySendError::Closed(_))) => false,
+            Some(Err(mpsc::error::TrySendError::Full(_))) | None => {
+                let full = Refusal::new("too many of your requests wait for their answers already: try again");
+                self.reply(&id.unwrap_or_default(), Err(full))
+            }
+        }
+    }
+
+    fn reply(&self, id: &Value, answer: Result<Value, Refusal>) -> bool {
+        self.answer(Outgoing::Text(message::reply(id, answer).into()))
+    }
+
+    /// Whether the viewer reads its answers.
+    fn answer(&self, answer: Outgoing) -> bool {
+        self.outbox.try_send(answer).is_ok()
+    }
+}
+
+/// A socket that somebody else writes: what would be written here is left out.
+struct ReadOnly(TcpStream);
+
+impl AsyncRead for ReadOnly {
+    fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.0).poll_read(cx, buf)
+    }
+}
+
+impl AsyncWrite for ReadOnly {
+    fn poll_write(self: Pin<&mut Self>, _: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        Poll::Ready(Ok(bytes.len()))
+    }
+
+    fn poll_flush(self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Poll::Ready(Ok(()))
+    }
+
+    fn poll_shutdown(self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Poll::Ready(Ok(()))
+    }
+}
