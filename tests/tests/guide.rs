@@ -57,7 +57,7 @@ fn every_page_is_in_the_book_and_every_link_leads_somewhere() {
             );
         }
     }
-    for folder in ["", "guide/"] {
+    for folder in ["", "guide/", "spec/"] {
         for file in std::fs::read_dir(docs.join(folder)).expect("the folder can be read") {
             let name = file.expect("an entry").file_name().into_string().expect("UTF-8");
             let page = format!("{folder}{name}");
