@@ -68,7 +68,7 @@ impl Client {
             .ask("a type", service::GET_ATTRIBUTE_LIST, path.clone(), ids)
             .await?;
         let attributes = TemplateAttributes::decode(&reply.data).ok_or(BAD_TEMPLATE)?;
-        // Spec/ethernet-ip.md §11: clients read up to 4N − 16 bytes.
+        // spec/ethernet-ip.md §11: clients read up to 4N − 16 bytes.
         let length = attributes.definition_words.saturating_mul(4).saturating_sub(16);
         if length > MAX_DEFINITION {
             let (claimed, limit) = (length as usize, MAX_DEFINITION as usize);

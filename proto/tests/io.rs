@@ -158,7 +158,7 @@ fn points(output: u32, input: u32) -> Epath {
     ])
 }
 
-/// The exclusive owner of §14.1, at 10 ms.
+/// The exclusive owner of spec/ethernet-ip.md §14.1, at 10 ms.
 fn owner(serial: u16) -> ForwardOpen {
     ForwardOpen {
         time: TickTime::DEFAULT,
@@ -194,7 +194,7 @@ fn connection(code: u16) -> CipStatus {
     CipStatus::connection(code)
 }
 
-/// A device whose I/O is a [`Bench`]; ids are those of §14.1.
+/// A device whose I/O is a [`Bench`]; ids are those of spec/ethernet-ip.md §14.1.
 struct Device(Identity, IoConnections, Duration);
 
 impl Host for Device {
@@ -318,7 +318,7 @@ fn forward_open_of_14_1() {
     // The reply leaves first, then the connection may produce.
     assert_eq!(events, [Event::IoReady(ConnectionId(0xD13E_0013))]);
 
-    // The datagrams of §14.2.
+    // The datagrams of spec/ethernet-ip.md §14.2.
     let io = &mut session.device.1;
     assert!(io.start(ConnectionId(0xD13E_0013), ms(0)));
     let data: Vec<u8> = (0..32).collect();

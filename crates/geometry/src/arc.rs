@@ -18,7 +18,7 @@ pub enum Dimension {
     Three,
 }
 
-/// The second point of the circle, absolute (coordinated-instructions §13.1).
+/// The second point of the circle, absolute (spec/coordinated-instructions.md §13.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CirclePoint {
     /// A point passed on the way.
@@ -30,7 +30,7 @@ pub enum CirclePoint {
 }
 
 /// Operand Direction. In two dimensions the words are clockwise and counter-clockwise, in three
-/// shortest and longest (coordinated-instructions §13.2, §13.3).
+/// shortest and longest (spec/coordinated-instructions.md §13.2, §13.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// 0: clockwise (2D), shortest (3D).
@@ -76,7 +76,7 @@ impl Direction {
     }
 }
 
-/// Why points do not make an arc (coordinated-instructions §13.4; the number is ERR).
+/// Why points do not make an arc (spec/coordinated-instructions.md §13.4; the number is ERR).
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ArcError {
     /// ERR 25: a radius does not define a circle in space.
@@ -124,7 +124,7 @@ impl ArcError {
 ///
 /// Where start and end have different distances from the centre (within 15 %) the radius runs
 /// linearly with the angle: an Archimedean spiral that starts and ends exactly
-/// (motion-core §9.5).
+/// (spec/motion-core.md §9.5).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc {
     start: Point,
@@ -148,7 +148,7 @@ impl Arc {
     /// All points are finite and absolute. With `Dimension::Two` the third coordinates are 0.
     ///
     /// # Errors
-    /// Those of coordinated-instructions §13.4, in its order, except that equal start and end (45)
+    /// Those of spec/coordinated-instructions.md §13.4, in its order, except that equal start and end (45)
     /// is looked for before collinear points (44), which it would always be.
     pub fn new(
         dimension: Dimension,
@@ -166,7 +166,7 @@ impl Arc {
         }
     }
 
-    /// motion-core §9.3.
+    /// spec/motion-core.md §9.3.
     fn by_via(start: Point, end: Point, via: Point, direction: Direction) -> Result<Arc, ArcError> {
         let (a, b) = (via - start, end - start);
         if norm(b) <= SAME_POINT {
@@ -187,7 +187,7 @@ impl Arc {
         ))
     }
 
-    /// motion-core §9.2, in the plane.
+    /// spec/motion-core.md §9.2, in the plane.
     fn by_center_2d(start: Point, end: Point, center: Point, direction: Direction) -> Result<Arc, ArcError> {
         let (r1, r2) = radii(start, end, center)?;
         let n = turn_axis(direction);
@@ -197,7 +197,7 @@ impl Arc {
         Ok(Arc::spiral(start, end, center, n, r1, r2))
     }
 
-    /// motion-core §9.2, in space.
+    /// spec/motion-core.md §9.2, in space.
     fn by_center_3d(start: Point, end: Point, center: Point, direction: Direction) -> Result<Arc, ArcError> {
         if norm(end - start) <= SAME_POINT {
             return Err(ArcError::StartEnd);
@@ -218,7 +218,7 @@ impl Arc {
         Ok(Arc::spiral(start, end, center, n, r1, r2))
     }
 
-    /// motion-core §9.4.
+    /// spec/motion-core.md §9.4.
     fn by_radius(start: Point, end: Point, signed: f64, direction: Direction) -> Result<Arc, ArcError> {
         let chord = end - start;
         let length = norm(chord);
@@ -303,7 +303,7 @@ impl Arc {
         self.length
     }
 
-    /// `sweep * (R1 + R2) / 2`, the length that coordinated-instructions §13.4 names; equal to
+    /// `sweep * (R1 + R2) / 2`, the length that spec/coordinated-instructions.md §13.4 names; equal to
     /// [`Arc::length`] for a true circle.
     #[must_use]
     pub fn reported_length(&self) -> f64 {
@@ -490,7 +490,7 @@ fn turn_axis(direction: Direction) -> Point {
     Point::new(0.0, 0.0, if direction.is_counter_clockwise() { 1.0 } else { -1.0 })
 }
 
-/// Sine of the angle below which three points are collinear (coordinated-instructions §13.4).
+/// Sine of the angle below which three points are collinear (spec/coordinated-instructions.md §13.4).
 const COLLINEAR: f64 = 1e-6;
 /// Least radius, position units (ERR 49).
 const SMALLEST_RADIUS: f64 = 0.001;

@@ -13,7 +13,7 @@ pub enum Path {
 
 /// A point of a path and the derivatives there; `q(s)` is the position at arc length `s`.
 ///
-/// With the speed `v`, acceleration `a` and jerk `j` along the path, the axes have (motion-core §1)
+/// With the speed `v`, acceleration `a` and jerk `j` along the path, the axes have (spec/motion-core.md §1)
 /// velocity `tangent * v`, acceleration `tangent * a + curvature * v^2` and jerk
 /// `tangent * j + 3 * curvature * v * a + curvature_change * v^3`.
 #[derive(Clone, Copy, Debug, PartialEq)]

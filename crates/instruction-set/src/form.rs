@@ -1,5 +1,5 @@
 //! What a form of an instruction shows besides its operands: units, which fields matter, and the target position dialog
-//! (seed MCCM, "MCCM Target Position Entry Dialog Box").
+//! (the reference page MCCM, "MCCM Target Position Entry Dialog Box").
 
 use crate::enumerations::{CIRCLE_TYPE, MOVE_TYPE};
 use crate::instruction::{Condition, Instruction, Kind, Range};
@@ -118,7 +118,7 @@ static LINE_DIALOG: TargetDialog = TargetDialog {
     rows: &[row(0, None, None, false), row(1, None, None, false)],
 };
 
-/// The seed's table "Target Position Entry Dialog Box Changes", row by row.
+/// The reference page's table "Target Position Entry Dialog Box Changes", row by row.
 #[rustfmt::skip]
 static CIRCLE_DIALOG: TargetDialog = TargetDialog {
     targets: "Position",

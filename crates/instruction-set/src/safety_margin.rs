@@ -1,4 +1,4 @@
-//! How much further a master must go than Calculated Data say (spec/coordinated-instructions.md §8.10, the MCCM seed).
+//! How much further a master must go than Calculated Data say (spec/coordinated-instructions.md §8.10, the reference page MCCM).
 //!
 //! For whoever programs a master to go just as far as a sequence of blended, master driven moves needs: the last move may not
 //! reach PC, because the master stops slightly early. Planning adds nothing of it. Master units, seconds.
@@ -55,7 +55,7 @@ mod tests {
         #[rustfmt::skip]
         let cases = [
             // why,                        sequence,                                  margin
-            ("five moves (§27.8)",         plain,                                     0.10),
+            ("five moves (spec/coordinated-instructions.md §27.8)",         plain,                                     0.10),
             ("the first over its length",  full(true, false),                         1.08),
             ("both ends",                  full(true, true),                          2.06),
             ("two moves",                  BlendedSequence { moves: 2, ..plain },     0.04),

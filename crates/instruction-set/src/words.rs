@@ -1,7 +1,7 @@
 //! Enumerations and their spellings.
 //!
 //! Keywords are compared without case, blanks, `-`, `_`, and with superscript digits as plain ones, so that
-//! `% of Time`, `%ofTime`, `S-curve` and `unitspersec²` are read as the seeds print them.
+//! `% of Time`, `%ofTime`, `S-curve` and `unitspersec²` are read as the reference pages print them.
 
 /// One value of an enumeration.
 #[derive(Debug, PartialEq, Eq)]

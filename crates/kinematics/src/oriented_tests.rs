@@ -60,7 +60,7 @@ fn angles_of_a_pose() {
 
 #[test]
 fn turns_of_a_joint() {
-    // §22.8: Rz = 45 with counter 0, 1, -1 is joint 45, 405, -315.
+    // spec/coordinated-instructions.md §22.8: Rz = 45 with counter 0, 1, -1 is joint 45, 405, -315.
     let parameters = Parameters {
         link_lengths: [120.0, 260.0],
         ..Parameters::default()
@@ -78,7 +78,7 @@ fn turns_of_a_joint() {
 
 #[test]
 fn the_mirror_rule_of_a_swing_arm() {
-    // §22.8: J5 within a quarter turn is Rx = 180, Ry = -J5; beyond it Rx = 0 and Ry runs back.
+    // spec/coordinated-instructions.md §22.8: J5 within a quarter turn is Rx = 180, Ry = -J5; beyond it Rx = 0 and Ry runs back.
     let parameters = Parameters {
         link_lengths: [120.0, 260.0],
         ..Parameters::default()

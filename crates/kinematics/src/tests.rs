@@ -103,10 +103,10 @@ fn vectors() {
     // spec/coordinated-instructions.md §27.9 and §22.3, and what the definitions of §22 say of simple poses.
     #[rustfmt::skip]
     let cases = [
-        ("§27.9 articulated independent", robot(ArticulatedIndependent3, 10.0, 10.0, none, none, none), [0.0, 90.0, -90.0], [10.0, 0.0, 10.0]),
-        ("§27.9 articulated dependent",   robot(ArticulatedDependent3, 10.0, 10.0, none, none, none),   [0.0, 90.0, 0.0],   [10.0, 0.0, 10.0]),
-        ("§27.9 SCARA",                   robot(ScaraIndependent, 10.0, 10.0, none, none, none),        [0.0, 90.0, 5.0],   [10.0, 10.0, 5.0]),
-        ("§27.9 delta",                   robot(Delta3, 100.0, 200.0, [30.0, 0.0, 0.0], [30.0, 0.0, 0.0], none), [0.0; 3], [0.0, 0.0, -173.205_080_756_887_72]),
+        ("articulated independent", robot(ArticulatedIndependent3, 10.0, 10.0, none, none, none), [0.0, 90.0, -90.0], [10.0, 0.0, 10.0]),
+        ("articulated dependent",   robot(ArticulatedDependent3, 10.0, 10.0, none, none, none),   [0.0, 90.0, 0.0],   [10.0, 0.0, 10.0]),
+        ("SCARA",                   robot(ScaraIndependent, 10.0, 10.0, none, none, none),        [0.0, 90.0, 5.0],   [10.0, 10.0, 5.0]),
+        ("delta",                   robot(Delta3, 100.0, 200.0, [30.0, 0.0, 0.0], [30.0, 0.0, 0.0], none), [0.0; 3], [0.0, 0.0, -173.205_080_756_887_72]),
         ("two 10-inch links reach 20",    robot(ArticulatedIndependent3, 10.0, 10.0, none, none, none), [0.0; 3],           [20.0, 0.0, 0.0]),
         ("the base turns to the left",    robot(ArticulatedIndependent3, 10.0, 10.0, none, none, none), [90.0, 90.0, -90.0], [0.0, 10.0, 10.0]),
         ("an upright tool",               robot(ArticulatedIndependent3, 10.0, 10.0, none, [0.0, 0.0, 2.0], none), [0.0, 90.0, -90.0], [10.0, 0.0, 12.0]),

@@ -139,7 +139,7 @@ impl Motion {
         self.cancel_pending_contour(index);
     }
 
-    /// A move of another mode or master than the one that has just ended cannot follow it without rest (§7.11).
+    /// A move of another mode or master than the one that has just ended cannot follow it without rest (spec/coordinated-instructions.md §7.11).
     pub(crate) fn refuse_next_contour(&mut self, index: usize, last: &Move<Planned>) {
         let link = |motion: &Move<Planned>| motion.data.lead.map(|lead| lead.link);
         let contour = self.systems[index].contour.as_ref();

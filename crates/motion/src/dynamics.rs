@@ -118,7 +118,7 @@ impl Dynamics {
     }
 
     /// The limits of a jog that goes from one velocity to another, both with a sign. A jerk in percent of time makes
-    /// at least that share of each ramp, whatever speed the ramp begins at (axis-and-data-types §10.3).
+    /// at least that share of each ramp, whatever speed the ramp begins at (spec/axis-and-data-types.md §10.3).
     pub(crate) fn jog_limits(&self, from: f64, to: f64) -> Limits {
         let mut limits = self.limits();
         let reference = to.abs().max((from - to).abs());
@@ -136,7 +136,7 @@ impl Dynamics {
         }
     }
 
-    /// Goes on at the speed of what is merged; jerks in percent of time are of the instruction's own speed (§5.3, §6.4).
+    /// Goes on at the speed of what is merged; jerks in percent of time are of the instruction's own speed (spec/coordinated-instructions.md §5.3, §6.4).
     pub(crate) fn keep_speed(&mut self, speed: f64) {
         self.speed = speed;
     }

@@ -1,5 +1,5 @@
 //! Event Distance and Calculated Data: when a move comes to given distances before its end (spec/coordinated-instructions.md
-//! §9, the MCCD seed).
+//! §9, the reference page MCCD).
 //!
 //! Times and master distances count from the point where the move began, whatever has changed since. What was passed before
 //! a change keeps its answer. Not here: when answers are due, and the memory of the arrays. Nothing allocates.

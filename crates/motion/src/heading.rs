@@ -14,7 +14,7 @@ use crate::machine::MAX_PRIMARY_AXES;
 use crate::motion::Motion;
 use crate::system::{Activity, component};
 
-/// The same orientation with Rx and Rz above -180 up to 180 and Ry from -90 to 90 (§22.8).
+/// The same orientation with Rx and Rz above -180 up to 180 and Ry from -90 to 90 (spec/coordinated-instructions.md §22.8).
 pub(crate) fn normal(given: &Point) -> Point {
     let upright = Point::new(0.0, 0.0, 0.0);
     let found = angles(&rotation(given), &upright);

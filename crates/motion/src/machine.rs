@@ -86,7 +86,7 @@ impl Machine {
     }
 }
 
-/// One axis (axis-and-data-types.md §9.1 to §9.4).
+/// One axis (spec/axis-and-data-types.md §9.1 to §9.4).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Axis {
     /// Name, the axis's tag.
@@ -127,7 +127,7 @@ pub struct Axis {
     pub inputs: Inputs,
 }
 
-/// The action of every kind of fault (axis-and-data-types.md §9.3).
+/// The action of every kind of fault (spec/axis-and-data-types.md §9.3).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ExceptionActions([ExceptionAction; FaultKind::COUNT]);
 
@@ -152,7 +152,7 @@ impl Default for ExceptionActions {
     }
 }
 
-/// Programmed Stop Mode of an axis (axis-and-data-types.md §4).
+/// Programmed Stop Mode of an axis (spec/axis-and-data-types.md §4).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum ProgrammedStopMode {
     /// Decelerate at Maximum Deceleration; the servo stays on.
@@ -209,9 +209,9 @@ pub struct Drive {
     pub position_bandwidth_hz: f64,
     /// Share of the command velocity that is fed forward: 0 lags by velocity / bandwidth, 1 does not. 0 to 1.
     pub velocity_feedforward: f64,
-    /// Position error above which the drive faults, u; 0 switches the check off (axis-and-data-types.md §9.3).
+    /// Position error above which the drive faults, u; 0 switches the check off (spec/axis-and-data-types.md §9.3).
     pub position_error_tolerance: f64,
-    /// How long the position error must stay above its tolerance, s, 0 or more (axis-and-data-types.md §9.3).
+    /// How long the position error must stay above its tolerance, s, 0 or more (spec/axis-and-data-types.md §9.3).
     pub position_error_tolerance_time: f64,
     /// Highest speed of the motor, above 0, u/s; `None`: as fast as the loop asks for.
     pub speed_limit: Option<f64>,
@@ -285,7 +285,7 @@ impl Default for Start {
     }
 }
 
-/// One coordinate system (axis-and-data-types.md §9.6). The maxima are of the vector.
+/// One coordinate system (spec/axis-and-data-types.md §9.6). The maxima are of the vector.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CoordinateSystem {
     /// Name, the coordinate system's tag.
@@ -337,7 +337,7 @@ impl CoordinateSystem {
     }
 }
 
-/// Maxima of the turn of a Cartesian coordinate system with orientation (axis-and-data-types.md §9.6), each above 0.
+/// Maxima of the turn of a Cartesian coordinate system with orientation (spec/axis-and-data-types.md §9.6), each above 0.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Orientation {
     /// 100 % of Orientation Speed, degrees/s.
@@ -413,7 +413,7 @@ pub struct Transform {
 }
 
 /// The jerk maximum that stands for "100 % of time" at full speed and full rate: `rate² / speed`
-/// (axis-and-data-types.md §9.2), u/s³; what an absent jerk maximum is.
+/// (spec/axis-and-data-types.md §9.2), u/s³; what an absent jerk maximum is.
 pub fn default_jerk(speed: f64, rate: f64) -> f64 {
     if speed > 0.0 { rate * rate / speed } else { 0.0 }
 }
@@ -449,7 +449,7 @@ mod tests {
 
     #[test]
     fn absent_jerk_is_full_time() {
-        // The value seen in exported projects (axis-and-data-types.md §9.2).
+        // The value seen in exported projects (spec/axis-and-data-types.md §9.2).
         assert!((default_jerk(92.083336, 894.4814) - 8688.8).abs() < 0.1);
         assert_eq!(default_jerk(0.0, 1.0), 0.0);
     }

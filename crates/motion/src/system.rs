@@ -121,7 +121,7 @@ impl System {
         Some(arm().or_else(wrist).unwrap_or([f64::NAN; 3]))
     }
 
-    /// `corner_step`: the change of velocity of each axis that a corner may make at once, units/s (§7.5).
+    /// `corner_step`: the change of velocity of each axis that a corner may make at once, units/s (spec/coordinated-instructions.md §7.5).
     pub(crate) fn new(description: &CoordinateSystem, corner_step: Point, axis_limits: AxisLimits) -> Self {
         let contours = description.corner == Corner::Precise || description.axis_limits == Limits::Enforce;
         let mut planner = Planner::new(description.queue_depth, corner_step);

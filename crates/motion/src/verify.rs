@@ -1,5 +1,5 @@
 //! The order in which an instruction is verified: the first hit wins
-//! (spec/coordinated-instructions.md §11.1, axis-and-data-types.md §1.7).
+//! (spec/coordinated-instructions.md §11.1, spec/axis-and-data-types.md §1.7).
 //!
 //! Step 1 (control tag) is in `control`, step 5 (operands) in the catalogue, step 10 (geometry) and the
 //! conflicts of step 11 with the instructions. Steps 2 and 3 cannot fail: the controller is always in Run and a

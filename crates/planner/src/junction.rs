@@ -38,7 +38,7 @@ pub(crate) enum Junction {
 
 /// Lines that differ less in direction are collinear: 0.1 degree.
 const COLLINEAR: f64 = 0.001_745_328_365_898_309;
-/// Tangents that differ less are equal: what floating point leaves of an exact tangent (motion-core §6.3).
+/// Tangents that differ less are equal: what floating point leaves of an exact tangent (spec/motion-core.md §6.3).
 const TANGENT: f64 = 1e-6;
 
 /// What geometry and endings make of the place between two moves: it stays when speeds and rates change.
@@ -89,7 +89,7 @@ fn shape<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Shape {
     }
 }
 
-/// The tolerance within the halves of the moves that may be blended at their other end too (§7.3). No Decel
+/// The tolerance within the halves of the moves that may be blended at their other end too (spec/coordinated-instructions.md §7.3). No Decel
 /// is not limited. A way that stands, of what only turns, has a unit of its own: it bounds only another such one.
 fn effective_tolerance<T>(tolerance: f64, first: &Move<T>, second: &Move<T>, blended: bool) -> f64 {
     if tolerance.is_infinite() {
@@ -197,7 +197,7 @@ impl Joint {
     }
 
     /// What lies between two moves with these limits. One profile can lead over both where the path goes on without a corner,
-    /// the rates are the same, and the second one is to be able to stop in time (motion-core §7).
+    /// the rates are the same, and the second one is to be able to stop in time (spec/motion-core.md §7).
     pub(crate) fn link(&self, first: &Limits, second: &Limits) -> Link {
         let rates_stay = same_rates(first, second);
         match self.shape {

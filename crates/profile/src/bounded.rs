@@ -1,5 +1,5 @@
 //! An acceleration that is present when the dynamics change: how it is taken away so that the speed stays within bounds
-//! (spec/coordinated-instructions.md §5.4, the Dynamics Configuration Bits of axis-and-data-types §9.2 and §10.4).
+//! (spec/coordinated-instructions.md §5.4, the Dynamics Configuration Bits of spec/axis-and-data-types.md §9.2 and §10.4).
 //!
 //! A ramp takes a present acceleration away with its own jerk. Where that jerk is much lower than the one that built the
 //! acceleration up, the speed overshoots by `a² / 2j`, or passes through rest and comes back. A [`Lead`] takes the acceleration
@@ -53,7 +53,7 @@ impl Default for Bounds {
     }
 }
 
-/// How much faster than the programmed speeds a change of dynamics may make a motion (§10.4: the overshoot stays below 50 %).
+/// How much faster than the programmed speeds a change of dynamics may make a motion (spec/axis-and-data-types.md §10.4: the overshoot stays below 50 %).
 pub const MOST_OVERSHOOT: f64 = 1.5;
 
 /// What comes before a plan: the acceleration of a state is taken away with a constant jerk, then the speed is held.
@@ -183,7 +183,7 @@ impl Profile {
         }
     }
 
-    /// A stop within the bounds (§5.4): `before` are the limits with which the motion ran so far. With bits 0 and 1 its speed
+    /// A stop within the bounds (spec/coordinated-instructions.md §5.4): `before` are the limits with which the motion ran so far. With bits 0 and 1 its speed
     /// neither passes through rest nor rises above 1.5 times the larger of the present and the programmed one.
     #[must_use]
     pub fn stop_within(from: State, limits: &Limits, before: Option<&Limits>, bounds: Bounds) -> Profile {

@@ -2,7 +2,7 @@
 
 use crate::profile::{Profile, Segment, State};
 
-/// A stop of five segments and a return of seven make twelve; 3.4 needs eleven (motion-core §3.4). Two more lead in
+/// A stop of five segments and a return of seven make twelve; 3.4 needs eleven (spec/motion-core.md §3.4). Two more lead in
 /// ([`crate::Lead`]).
 pub(crate) const MAX_SEGMENTS: usize = 14;
 

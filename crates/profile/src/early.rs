@@ -1,4 +1,4 @@
-//! The run towards the limit left before it speeds up (motion-core §3.4, step 5), to end at rest.
+//! The run towards the limit left before it speeds up (spec/motion-core.md §3.4, step 5), to end at rest.
 //!
 //! Two things can be left: the relaxing of a deceleration (stop relaxing while some is left, and slow
 //! down again), and the braking of a motion away from the target (pass through rest with less

@@ -140,7 +140,7 @@ fn sane_limit(value: f64) -> f64 {
 /// Magnitudes whose products of all that a plan multiplies stay finite.
 const LARGEST: f64 = 1e30;
 const SMALLEST: f64 = 1e-30;
-/// An acceleration reached within the inverse of this (s) is a trapezoid's (motion-core §4).
+/// An acceleration reached within the inverse of this (s) is a trapezoid's (spec/motion-core.md §4).
 const FASTEST_RISE: f64 = 1e9;
-/// Jerk above this is a trapezoid's (motion-core §4).
+/// Jerk above this is a trapezoid's (spec/motion-core.md §4).
 const LARGEST_JERK: f64 = 1e15;

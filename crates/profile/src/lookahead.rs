@@ -1,4 +1,4 @@
-//! Small tools of a look-ahead over a queue (motion-core §3.5, §7): how far, and how fast at most,
+//! Small tools of a look-ahead over a queue (spec/motion-core.md §3.5, §7): how far, and how fast at most,
 //! between two places at which the acceleration is 0. Not plans: nothing here makes a profile.
 //!
 //! Units: position units and seconds; speeds along the direction of the move. Real-time safe:

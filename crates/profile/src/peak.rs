@@ -1,4 +1,4 @@
-//! How fast a move gets: speed up, cruise, slow down, over a given distance (motion-core §3.2).
+//! How fast a move gets: speed up, cruise, slow down, over a given distance (spec/motion-core.md §3.2).
 //!
 //! One unknown, the peak speed. Every distance here is a closed form of it, so this one solve is all
 //! that most profiles need. Units: position units, seconds; all velocities in the direction of the move.

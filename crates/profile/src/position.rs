@@ -1,4 +1,4 @@
-//! S-curve to a position: one monotone family of candidates, one root (motion-core §3.4).
+//! S-curve to a position: one monotone family of candidates, one root (spec/motion-core.md §3.4).
 //!
 //! Works in a frame mirrored so that the needed direction is positive. `x0` is where the stop from
 //! here (or the ramp to the end speed) ends. The up-run speeds up towards the limit; the profile

@@ -63,7 +63,7 @@ impl Profile {
         }
     }
 
-    /// From `from` to `target`, passing it with `end_speed` (motion-core §2, §3.4).
+    /// From `from` to `target`, passing it with `end_speed` (spec/motion-core.md §2, §3.4).
     ///
     /// `end_speed` is along the direction of positive positions (negative for the other), at most the
     /// speed limit. Where it can be met, [`Profile::end`] is exactly `(target, end_speed, 0)`. Where
@@ -82,7 +82,7 @@ impl Profile {
     }
 
     /// As [`Profile::to_position`] to rest, but where the target is overshot, in two stages: first the
-    /// stop, then a move back from rest (motion-core §5.2: after a change of dynamics).
+    /// stop, then a move back from rest (spec/motion-core.md §5.2: after a change of dynamics).
     #[must_use]
     #[inline]
     pub fn to_position_two_stage(from: State, target: f64, limits: &Limits) -> Profile {
@@ -91,7 +91,7 @@ impl Profile {
         profile
     }
 
-    /// From `from` to a velocity (signed), which is kept after the duration (motion-core §3.3).
+    /// From `from` to a velocity (signed), which is kept after the duration (spec/motion-core.md §3.3).
     /// `limits.speed` is not read.
     #[must_use]
     #[inline]

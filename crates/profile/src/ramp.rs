@@ -1,4 +1,4 @@
-//! The S-curve's ramp primitive: from any `(v, a)` to `(vt, 0)` (motion-core §3.3).
+//! The S-curve's ramp primitive: from any `(v, a)` to `(vt, 0)` (spec/motion-core.md §3.3).
 //!
 //! Letters as in the paper: `v, a` state, `vt` wanted velocity, `b = -a` while slowing, `c` the
 //! acceleration with which the motion passes through rest, `vz` the velocity if the acceleration is

@@ -325,7 +325,7 @@ fn two_stages_end_at_the_target() {
     }
 }
 
-/// Ramp time and distance of motion-core §3.2.
+/// Ramp time and distance of spec/motion-core.md §3.2.
 fn ramp(v1: f64, v2: f64, a: f64, j: f64) -> (f64, f64) {
     let dv = (v2 - v1).abs();
     let time = if dv >= a * a / j {
@@ -401,7 +401,7 @@ fn durations_equal_the_closed_form() {
 fn conformance_tables() {
     #[rustfmt::skip]
     let jerks = [
-        // v, a, percent, jerk, ramp time (coordinated-instructions §27.1)
+        // v, a, percent, jerk, ramp time (spec/coordinated-instructions.md §27.1)
         (100.0, 1000.0, 100.0, 10000.0, 0.2),
         (100.0, 1000.0, 50.0, 30000.0, 0.133_333),
         (100.0, 1000.0, 10.0, 190_000.0, 0.105_263),
@@ -429,7 +429,7 @@ fn conformance_tables() {
     }
     #[rustfmt::skip]
     let lines = [
-        // length, percent of time, duration (coordinated-instructions §27.2)
+        // length, percent of time, duration (spec/coordinated-instructions.md §27.2)
         (50.0, None, 5.5),
         (50.0, Some(100.0), 6.0),
         (50.0, Some(50.0), 5.666_667),
@@ -610,7 +610,7 @@ fn any_number_gives_a_profile() {
     }
 }
 
-/// Spread over ten decades: solved, though not to the last digit (motion-core §13).
+/// Spread over ten decades: solved, though not to the last digit (spec/motion-core.md §13).
 #[test]
 fn limits_spread_over_decades() {
     let mut poor = 0;

@@ -1,4 +1,4 @@
-//! Trapezoidal profiles in closed form from any velocity (motion-core §2). The acceleration of the
+//! Trapezoidal profiles in closed form from any velocity (spec/motion-core.md §2). The acceleration of the
 //! start state is not read: a trapezoid's steps.
 //!
 //! `v0, vf` entry and exit speed, `vp` peak, `V, A, D` limits, as in the paper.

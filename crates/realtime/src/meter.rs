@@ -139,7 +139,7 @@ fn add(counter: &AtomicU64, number: u64) {
     counter.store(counter.load(Relaxed).wrapping_add(number), Relaxed);
 }
 
-/// Time constant of the averages (axis-and-data-types.md §8.8).
+/// Time constant of the averages (spec/axis-and-data-types.md §8.8).
 const AVERAGE_TICKS: i64 = 250;
 /// Keeps the averages from sticking below their time constant.
 const AVERAGE_SCALE: u64 = 1024;

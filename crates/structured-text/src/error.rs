@@ -170,7 +170,7 @@ pub struct RuntimeError {
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RuntimeProblem {
-    /// A BOOL where a number must stand; BOOL is never converted (axis-and-data-types.md §13).
+    /// A BOOL where a number must stand; BOOL is never converted (spec/axis-and-data-types.md §13).
     #[error("found a BOOL, expected a number")]
     NotANumber,
     /// An array index that is none.

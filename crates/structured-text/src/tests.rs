@@ -341,7 +341,7 @@ fn one_call() {
     }
 }
 
-/// The Structured Text lines of the seeds, verbatim.
+/// The Structured Text lines of the reference pages, verbatim.
 #[test]
 fn the_seeds_lines() {
     struct Anything;

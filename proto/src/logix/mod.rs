@@ -1,4 +1,4 @@
-//! Tag services of a Logix-like controller and the data they carry (spec/ethernet-ip.md §9-§11; contract.md §4).
+//! Tag services of a Logix-like controller and the data they carry (spec/ethernet-ip.md §9-§11; spec/contract.md §4).
 //!
 //! Codecs only: which tag, its type and its value are the caller's. Requests ignore surplus bytes, because stock clients
 //! send them (spec/ethernet-ip.md §4); operands of motion services ([`decode_operands`]) do not.

@@ -1,4 +1,4 @@
-//! Operands of motion services: a list of typed numbers and names (contract.md §4).
+//! Operands of motion services: a list of typed numbers and names (spec/contract.md §4).
 //!
 //! Not what an operand means: binding them to an instruction is the server's. Surplus bytes are errors here, unlike in
 //! the tag services.
@@ -13,7 +13,7 @@ use crate::wire::{Reader, counted};
 /// Operands accepted in one motion service; more are [`TypedError::TooMuch`].
 pub const MAX_OPERANDS: usize = 64;
 
-/// One operand of a motion service (contract.md §4).
+/// One operand of a motion service (spec/contract.md §4).
 #[derive(Clone, PartialEq, Debug)]
 pub enum Typed {
     /// One or more numbers of one type: SINT, INT, DINT, LINT, REAL or LREAL.

@@ -725,8 +725,8 @@ const GOOD_MOVING: &[(&str, &str)] = &[
 ];
 
 /// What an instruction errs with by the specification: its own list where it has one, else the checks of its order that
-/// concern it. Coordinated instructions: coordinated-instructions.md §11, §14 to §17, §19.6; others:
-/// axis-and-data-types.md §1.7, §2, §3, §4.
+/// concern it. Coordinated instructions: spec/coordinated-instructions.md §11, §14 to §17, §19.6; others:
+/// spec/axis-and-data-types.md §1.7, §2, §3, §4.
 #[rustfmt::skip]
 const LISTS: &[(&str, &[i16])] = &[
     ("MCLM", &[3, 24, 50, 19, 13, 94, 95, 93, 101, 11, 8, 38, 53, 7, 5, 20, 16, 14, 15, 54, 76, 51, 43, 78, 52, 97, 98, 102, 103,

@@ -1,5 +1,5 @@
 //! The result table of the stop's reference: what each stop leaves running of coordinated moves, single-axis moves and a
-//! transform (the MCS seed, spec/coordinated-instructions.md §15.5).
+//! transform (the reference page MCS, spec/coordinated-instructions.md §15.5).
 //!
 //! CS1 = X, Y, Z; CS2 = X, Y, S; CS3 = A, B, C; transform T1 from CS2 to CS3. An MCLM on CS2 and MAMs on Y, Z and S run.
 

@@ -35,7 +35,7 @@ fn system_bit(bench: &Bench, system: &str, bit: u32) -> bool {
 
 #[test]
 fn the_reference_list_of_orientations() {
-    // §19.2: where a source at [1, 2, 3] leads its target.
+    // spec/coordinated-instructions.md §19.2: where a source at [1, 2, 3] leads its target.
     #[rustfmt::skip]
     let cases = [
         ("[0, 0, 0]",       [1.0, 2.0, 3.0]),
@@ -271,7 +271,7 @@ fn a_chain_is_at_one_point_within_every_update() {
 
 #[test]
 fn a_stop_of_transforms_in_a_chain_stops_what_they_led() {
-    // §15.4: T1 and T2 are cancelled, T3 stays; L1 goes on, L2 and L3 stop, L4 follows L3.
+    // spec/coordinated-instructions.md §15.4: T1 and T2 are cancelled, T3 stays; L1 goes on, L2 and L3 stop, L4 follows L3.
     for shape in [TRAPEZOID, S_CURVE] {
         let mut bench = chain();
         assert_eq!(bench.call(&format!("MCLM(L1, M1, 0, [600, 200, 100], {shape}, 1)")), OK);

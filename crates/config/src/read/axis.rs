@@ -223,7 +223,7 @@ const BANDWIDTH: NumberRule = NumberRule {
     expected: "a number above 0, at most 10000 (Hz)",
     holds: |x| x > 0.0 && x <= 10_000.0,
 };
-/// Average Velocity Timebase of an axis that is not configured otherwise, s (axis-and-data-types.md §9.1).
+/// Average Velocity Timebase of an axis that is not configured otherwise, s (spec/axis-and-data-types.md §9.1).
 const AVERAGE_VELOCITY_TIMEBASE: f64 = 0.25;
 const TIMEBASE: NumberRule = NumberRule {
     expected: "a number above 0, at most 1 (seconds)",

@@ -289,7 +289,7 @@ fn put<const N: usize>(bytes: &mut [u8], offset: usize, value: [u8; N]) {
 const GROUP_TAG: usize = 0;
 /// The place of the first axis's tag.
 const FIRST_AXIS: usize = 1;
-/// GroupStatus of a running group: GroupSynced and the timer event (axis-and-data-types.md §8.8).
+/// GroupStatus of a running group: GroupSynced and the timer event (spec/axis-and-data-types.md §8.8).
 const GROUP_RUNNING: u32 = 6;
 /// The bits of an axis's AxisFault that the group collects.
 const GROUP_AXIS_FAULTS: u32 = 7;

@@ -51,9 +51,9 @@ predefined! {
     output_compensation "OUTPUT_COMPENSATION" 0xF0A 24;
     /// POSITION_DATA, 28 bytes: a frame of a work or a tool, for MCTO and MCTPO (spec/coordinated-instructions.md §22.8).
     position_data "POSITION_DATA" 0xF0B 28;
-    /// PATH_DATA, 68 bytes: where a path leads, for MCPM (§23.1).
+    /// PATH_DATA, 68 bytes: where a path leads, for MCPM (spec/coordinated-instructions.md §23.1).
     path_data "PATH_DATA" 0xF0C 68;
-    /// DYNAMICS_DATA, 44 bytes: how fast it leads there, for MCPM (§23.2).
+    /// DYNAMICS_DATA, 44 bytes: how fast it leads there, for MCPM (spec/coordinated-instructions.md §23.2).
     dynamics_data "DYNAMICS_DATA" 0xF0D 44;
     /// TIMER, 12 bytes: what a timer of a program holds, for clients that read one. Nothing counts in it.
     timer "TIMER" 0xF83 12;

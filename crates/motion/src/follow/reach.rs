@@ -92,7 +92,7 @@ impl Motion {
     }
 
     /// How fast the corner between the last move in the queue and a path behind it may be passed: the velocity of a joint changes
-    /// there by no more than its limits allow within an update, as that of the source's axes does (§7.5). `shift`: from the
+    /// there by no more than its limits allow within an update, as that of the source's axes does (spec/coordinated-instructions.md §7.5). `shift`: from the
     /// queue's positions to those of now. Real-time: one look a link.
     pub(crate) fn corner_pace(&self, system: usize, path: &Path, shift: &Vector) -> f64 {
         let planner = &self.systems[system].planner;

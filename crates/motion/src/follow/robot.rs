@@ -279,7 +279,7 @@ fn framed(side: &Side, place: impl Fn(&Vector) -> Vector, turn: impl Fn(&Vector)
     self::side([place(&position), turn(&velocity), turn(&acceleration)])
 }
 
-/// What instructions, and transforms under way, tell of it (§19.8).
+/// What instructions, and transforms under way, tell of it (spec/coordinated-instructions.md §19.8).
 pub(crate) fn refused(error: KinematicsError) -> MotionError {
     match error {
         KinematicsError::Reach { joint } | KinematicsError::Orientation { angle: joint } => {

@@ -1,4 +1,4 @@
-//! MCCD, Motion Coordinated Change Dynamics (spec/coordinated-instructions.md §14, the MCCD seed).
+//! MCCD, Motion Coordinated Change Dynamics (spec/coordinated-instructions.md §14, the reference page MCCD).
 
 use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
 use arcline_planner::ContourQueue;

@@ -1,4 +1,4 @@
-//! MCCM, Motion Coordinated Circular Move (spec/coordinated-instructions.md §13, the MCCM seed).
+//! MCCM, Motion Coordinated Circular Move (spec/coordinated-instructions.md §13, the reference page MCCM).
 
 use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
 use arcline_planner::geometry::{Arc, ArcError, CirclePoint, Dimension, Direction, Path};
@@ -80,7 +80,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     })
 }
 
-/// No increment moves a rotary axis by more than one turn (§13.6).
+/// No increment moves a rotary axis by more than one turn (spec/coordinated-instructions.md §13.6).
 fn verify_turns(motion: &Motion, system: &System, increments: &[f64], operand: usize) -> Result<(), MotionError> {
     let beyond = |(place, unwind): (usize, f64)| increments.get(place).is_some_and(|by| by.abs() > unwind);
     if unwinds(motion, system).any(beyond) {

@@ -248,7 +248,7 @@ fn termination(data: &PathData, system: &CoordinateSystem, way: &Way) -> Result<
     }
 }
 
-/// What both parts are programmed with, in units; percent of the maxima by a master are of these at its nominal speed (§18.1).
+/// What both parts are programmed with, in units; percent of the maxima by a master are of these at its nominal speed (spec/coordinated-instructions.md §18.1).
 fn rates(data: &DynamicsData, linear: &Maxima, orientation: &Orientation, link: Option<&MasterLink>) -> [Dynamics; 2] {
     let percent = data.units_mode == PERCENT;
     let nominal = link.filter(|_| percent).map_or(1.0, |link| link.nominal);

@@ -1,4 +1,4 @@
-//! MCS, Motion Coordinated Stop (spec/coordinated-instructions.md §15, the MCS seed).
+//! MCS, Motion Coordinated Stop (spec/coordinated-instructions.md §15, the reference page MCS).
 
 use arcline_instruction_set::{AxisIndex, Call, Culprit, Flag, Mnemonic, MotionError, OperandIndex};
 use arcline_planner::profile::{Jerk, Limits};
@@ -97,7 +97,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     Ok(())
 }
 
-/// With orientation one rate cannot be of X, Y, Z and of Rx, Ry, Rz: only shares of the maxima are possible (§4.4, §15).
+/// With orientation one rate cannot be of X, Y, Z and of Rx, Ry, Rz: only shares of the maxima are possible (spec/coordinated-instructions.md §4.4, §15).
 fn verify_units(motion: &Motion, index: usize, call: &Call) -> Result<(), MotionError> {
     let layout = &motion.layouts.mcs;
     if motion.systems[index].description.orientation.is_none() {

@@ -25,7 +25,7 @@ pub(crate) struct Layout {
 /// Largest angle of an orientation, degrees.
 const LARGEST_ANGLE: f64 = 360.0;
 
-/// EXERR of error 61 (§19.6): both systems are the same.
+/// EXERR of error 61 (spec/coordinated-instructions.md §19.6): both systems are the same.
 pub(super) const SAME_SYSTEM: Detail = Detail(2);
 /// EXERR of error 61: neither is Cartesian, or the source is of the other kind.
 pub(super) const WRONG_SOURCE: Detail = Detail(5);
@@ -135,7 +135,7 @@ pub(super) fn begin(motion: &mut Motion, execution: Execution, target: usize, li
     Ok(())
 }
 
-/// The two systems can be linked at all (§19.3, §19.4, §19.6): with the robot that one of them may be.
+/// The two systems can be linked at all (spec/coordinated-instructions.md §19.3, §19.4, §19.6): with the robot that one of them may be.
 pub(super) fn verify_pair(
     motion: &Motion,
     source: usize,
@@ -237,7 +237,7 @@ fn verify_at_rest(motion: &Motion, link: &Link) -> Result<(), MotionError> {
     Ok(())
 }
 
-/// The source stands where the target says (§19.1): axes without a drive, if nothing else holds them, are put there,
+/// The source stands where the target says (spec/coordinated-instructions.md §19.1): axes without a drive, if nothing else holds them, are put there,
 /// all others must be there.
 fn meet(motion: &mut Motion, link: &Link) -> Result<(), MotionError> {
     let source = link.source_of(&positions(motion, link.target()))?;

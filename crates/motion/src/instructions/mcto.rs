@@ -34,7 +34,7 @@ impl Layout {
     /// The Cartesian system, the robot's, and the robot.
     ///
     /// # Errors
-    /// 61: the two cannot be linked (§19.6, §24).
+    /// 61: the two cannot be linked (spec/coordinated-instructions.md §19.6, §24).
     pub(super) fn pair(&self, motion: &Motion, call: &Call) -> Result<(usize, usize, OrientedRobot), MotionError> {
         let source = motion.target_system(call)?;
         let target = mct::object(motion, call, self.robot)?;
@@ -58,7 +58,7 @@ impl Layout {
         }
     }
 
-    /// Numbers that are some, angles within their ranges (§22.8): 74 tells the angle, those of the work frame from 0, those
+    /// Numbers that are some, angles within their ranges (spec/coordinated-instructions.md §22.8): 74 tells the angle, those of the work frame from 0, those
     /// of the tool frame from 3.
     pub(super) fn verify_frames(&self, frames: &Frames) -> Result<(), MotionError> {
         let both = [(self.work, &frames.work, 0), (self.tool, &frames.tool, 3)];

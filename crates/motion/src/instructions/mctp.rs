@@ -86,7 +86,7 @@ fn joints(robot: &Robot, tool: &Point, arm: Arm) -> Result<Point, MotionError> {
     robot.inverse((*tool).into(), arm).map(Point::from).map_err(refused)
 }
 
-/// The solution that a direction asks for (§21).
+/// The solution that a direction asks for (spec/coordinated-instructions.md §21).
 fn arm(robot: &Robot, direction: i32, present: [f64; 3]) -> Result<Arm, MotionError> {
     if direction == INVERSE {
         return Ok(robot.arm(present));

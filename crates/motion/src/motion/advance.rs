@@ -129,7 +129,7 @@ impl Motion {
         }
     }
 
-    /// Whether the oldest pending move can follow the active one, and by what it is a function of (§7.11, §8.7). The instant at
+    /// Whether the oldest pending move can follow the active one, and by what it is a function of (spec/coordinated-instructions.md §7.11, §8.7). The instant at
     /// which it begins.
     fn promote(
         &mut self,
@@ -152,7 +152,7 @@ impl Motion {
         Ok(guide.as_ref().map_or(moment.time, |_| Clock::of_way(0.0).now()))
     }
 
-    /// Calculated Data of the active move, if its plan is another one than it was computed of (§9).
+    /// Calculated Data of the active move, if its plan is another one than it was computed of (spec/coordinated-instructions.md §9).
     pub(crate) fn calculate(&mut self, index: usize) {
         let system = &mut self.systems[index];
         let (plan, due) = system.calculated;

@@ -117,13 +117,13 @@ fn extremes(bench: &mut Bench) -> [f64; 3] {
 
 #[test]
 fn an_acceleration_that_returns_too_slowly_takes_the_speed_beyond_the_programmed_one() {
-    // v + A²/2j' > V: the speed passes V up to that, and a second ramp brings it back (§14.4).
+    // v + A²/2j' > V: the speed passes V up to that, and a second ramp brings it back (spec/coordinated-instructions.md §14.4).
     #[rustfmt::skip]
     let cases = [
         ("a lower jerk",                      "50000, 50000, 0", "No, 0, 0, No, 0, 0, No, 0, 0, Yes, 10000, No, 0, 0", 10_000.0),
         ("a lower accel, jerk in % of time",  "100, 100, 2",     "No, 0, 0, Yes, 700, 0",                              2450.0),
     ];
-    // At most 1.5 times the programmed speed, unless Reduced Extreme Velocity Overshoot is off (§5.4).
+    // At most 1.5 times the programmed speed, unless Reduced Extreme Velocity Overshoot is off (spec/coordinated-instructions.md §5.4).
     let all = cases
         .iter()
         .flat_map(|case| [(case, 7, 300.0), (case, 3, f64::INFINITY)]);
@@ -264,7 +264,7 @@ fn a_change_anywhere_in_a_thousand_moves_reaches_every_one_of_them() {
 
 #[test]
 fn a_change_is_refused_for_a_pending_move_that_cannot_have_it() {
-    // The pending one is driven by a master, the active one by time: one change cannot be both (§14, 105).
+    // The pending one is driven by a master, the active one by time: one change cannot be both (spec/coordinated-instructions.md §14, 105).
     let mut bench = Bench::new();
     assert_eq!(bench.call("MDCC(XY, A, D1, Command, 0)"), OK);
     bench.execute("MCLM(XY, M1, 0, [100, 0], 100, 0, 2000, 0, 2000, 0, 1, 100, 100, 2, 1)");

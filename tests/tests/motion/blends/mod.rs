@@ -1,5 +1,5 @@
 //! Where one move becomes the next: termination types, merges, changes and stops in between
-//! (spec/coordinated-instructions.md §6, §7, §27; motion-core.md §6).
+//! (spec/coordinated-instructions.md §6, §7, §27; spec/motion-core.md §6).
 
 mod changes;
 mod merges;
@@ -48,7 +48,7 @@ fn peak_acceleration(points: &[[f64; 2]], period: f64) -> f64 {
 
 #[test]
 fn the_corner_is_missed_by_what_matched_ramps_leave() {
-    // Matched trapezoids at a right angle miss the corner by Db/2 sin 45°, Db = v²/2d = 10 (motion-core §6.1).
+    // Matched trapezoids at a right angle miss the corner by Db/2 sin 45°, Db = v²/2d = 10 (spec/motion-core.md §6.1).
     for (termination, db) in [
         ("3", 10.0),
         ("2", 0.5),
@@ -187,7 +187,7 @@ fn a_late_successor_still_blends() {
 
 #[test]
 fn half_moves_bound_the_tolerance_in_a_sequence() {
-    // Ddec = 2.5; L2 = 3 with type 2 and CT 4: min(4, 10, 1.5) = 1.5 (§27.5, with v 10, d 20).
+    // Ddec = 2.5; L2 = 3 with type 2 and CT 4: min(4, 10, 1.5) = 1.5 (spec/coordinated-instructions.md §27.5, with v 10, d 20).
     let slow = |tag: &str, x: f64, y: f64, termination: &str| {
         format!("MCLM(XY, {tag}, 0, [{x}, {y}], 10, 0, 20, 0, 20, 0, 0, 1, 1, 2, {termination})")
     };

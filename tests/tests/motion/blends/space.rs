@@ -1,4 +1,4 @@
-//! Every termination type between lines and arcs in space, tangent or not (spec/coordinated-instructions.md §7, motion-core.md §6).
+//! Every termination type between lines and arcs in space, tangent or not (spec/coordinated-instructions.md §7, spec/motion-core.md §6).
 
 use arcline_instruction_set::Flag;
 use arcline_tests::bench::{Bench, OK};

@@ -1,5 +1,5 @@
 //! MCS with a deceleration and a jerk of its own, begun in every state of a move and inside a blend
-//! (spec/coordinated-instructions.md §15, motion-core.md §10.3).
+//! (spec/coordinated-instructions.md §15, spec/motion-core.md §10.3).
 
 use arcline_instruction_set::Flag;
 use arcline_tests::bench::{Bench, OK};

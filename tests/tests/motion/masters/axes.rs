@@ -40,7 +40,7 @@ fn near(is: f64, expected: f64, why: &str) {
     assert!((is - expected).abs() < 1e-9, "{why}: {is} is not {expected}");
 }
 
-/// Where a move of 100 is on the way of its master (§27.8), and its speed and acceleration by that way.
+/// Where a move of 100 is on the way of its master (spec/coordinated-instructions.md §27.8), and its speed and acceleration by that way.
 pub(super) fn planned(way: f64) -> [f64; 3] {
     match way {
         way if way < 2.0 => [0.5 * way * way, way, 1.0],

@@ -1,5 +1,5 @@
 //! Event Distance and Calculated Data of coordinated moves, by time and by the way of a master, and termination types in both
-//! (spec/coordinated-instructions.md §7, §8.4, §9; the MCCD seed).
+//! (spec/coordinated-instructions.md §7, §8.4, §9; the reference page MCCD).
 //!
 //! Every row is run twice with the same numbers: by time, a hundred times as fast, master units are hundredths of seconds.
 
@@ -109,7 +109,7 @@ fn distances_of_one_move() {
         );
         assert!(bench.control("M1").has(Flag::CalculatedDataAvailable), "{mode:?}");
         bench.tick();
-        // §27.8, and: skipped, before its start, at its start.
+        // spec/coordinated-instructions.md §27.8, and: skipped, before its start, at its start.
         answers(&bench, mode, "Data6", &[52.0, 50.0, 26.0, -1.0, 0.0, 0.0], "a line");
         execute(&mut bench, &line(mode, "M2", [100.0, 50.0, 0.0], 1, 0.0, "0, 0"));
         assert!(

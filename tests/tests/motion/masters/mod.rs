@@ -51,7 +51,7 @@ fn cs1(bench: &Bench, bit: u32) -> bool {
 #[test]
 fn a_move_takes_the_master_distance_of_its_profile() {
     let mut bench = linked();
-    // §27.8: 52 units of the master, locked at 10.
+    // spec/coordinated-instructions.md §27.8: 52 units of the master, locked at 10.
     let lock = "1, Disabled, Programmed, 0, 10, PositionForwardOnly, [0, 2, 50], Data";
     assert_eq!(bench.call(&line("M1", 100.0, lock)), OK);
     assert_eq!(bench.bits("M1"), "EN DN IP AC CalculatedDataAvailable");

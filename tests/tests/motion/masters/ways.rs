@@ -267,7 +267,7 @@ fn the_path_is_a_function_of_the_masters_position() {
 
         // The same over an encoder that goes from one of these positions to another, in steps of its own.
         for stride in [1, 2 + random.below(60) as usize] {
-            // What a corner lets pass hangs on the period (§7.5).
+            // What a corner lets pass hangs on the period (spec/coordinated-instructions.md §7.5).
             let mut fed = bench(period, 8);
             fed.write("Encoder", 0.0);
             execute(&mut fed, "MDCC(L1, E, D, Actual, 50);");

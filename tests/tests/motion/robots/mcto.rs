@@ -534,7 +534,7 @@ fn positions_with_orientation_are_calculated() {
 
 #[test]
 fn turns_counters_choose_the_joint() {
-    // §22.8: Rz = 45 with counter 0, 1, -1 is joint 45, 405, -315.
+    // spec/coordinated-instructions.md §22.8: Rz = 45 with counter 0, 1, -1 is joint 45, 405, -315.
     let machine = DELTA_J1J2J3J6
         .config()
         .replace("zero_angles = [3.0, -4.0, 2.0, 5.0]\n", "");

@@ -675,7 +675,7 @@ fn positions_are_calculated_without_motion() {
     let tag = "[[tag]]\nname = \"P\"\ntype = \"REAL[3]\"\n[[tag]]\nname = \"Short\"\ntype = \"REAL[2]\"\n";
     let frames = "[0, 0, 0], [0, 0, 0]";
     let read = |bench: &mut Bench| [0, 1, 2].map(|k| bench.read(&format!("P[{k}]")));
-    // §27.9, and the solutions of §21: left, left mirror, right, right mirror.
+    // spec/coordinated-instructions.md §27.9, and the solutions of §21: left, left mirror, right, right mirror.
     let arm = RobotMachine {
         keys: "type = \"articulated_independent\"\nlink_lengths = [10.0, 10.0]\n",
         joints: &[0.0, 90.0, -90.0],
