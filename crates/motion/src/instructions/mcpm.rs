@@ -108,7 +108,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let link = motion.systems[index].links.newest().copied();
     layout.lock.verify(call, driven, link.as_ref())?;
     let link = link.filter(|_| driven);
-    // Percent by a master are of the maxima at its nominal speed (§18.1).
+    // Percent by a master are of the maxima at its nominal speed (spec/coordinated-instructions.md §18.1).
     if link.is_some_and(|link| !link.has_nominal) && tags.dynamics.units_mode == PERCENT {
         return Err(layout.no_dynamics());
     }
