@@ -54,8 +54,8 @@ mod tests {
         };
         #[rustfmt::skip]
         let cases = [
-            // why,                        sequence,                                  margin
-            ("five moves (spec/coordinated-instructions.md §27.8)",         plain,                                     0.10),
+            // why,                        sequence,                                  margin (first row: spec/coordinated-instructions.md §27.8)
+            ("five moves",                 plain,                                     0.10),
             ("the first over its length",  full(true, false),                         1.08),
             ("both ends",                  full(true, true),                          2.06),
             ("two moves",                  BlendedSequence { moves: 2, ..plain },     0.04),

@@ -80,7 +80,7 @@ impl Class for Symbols<'_> {
 }
 
 /// Create (0x08) on the class, in a program's scope behind its name, and Delete (0x09) on an instance: a plain tag appears
-/// or vanishes, as after a download (docs/DECISIONS.md).
+/// or vanishes, as after a download (spec/ethernet-ip.md §10).
 pub(super) fn change(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request, target: &Target<'_>) -> Reply {
     let Memory::Write(image, _) = memory else {
         return Reply::error(request.service, CipStatus::SERVICE_NOT_SUPPORTED);
