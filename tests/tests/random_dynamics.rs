@@ -156,7 +156,7 @@ impl Program {
         let after = ["X", "Y"].map(|axis| self.bench.axis(axis).command);
         let [path, moves, jogs] = self.largest;
         let share = if self.equal.is_some() {
-            1.0 + 1e-6
+            1.0 + 1e-5
         } else {
             1.5 * (1.0 + 1e-9)
         };

@@ -98,7 +98,17 @@ impl<T: Copy> Planner<T> {
             velocity: speed,
             acceleration: momentum.acceleration.dot(&momentum.velocity) / speed,
         };
-        hastened(from, &relieved(from, &limits, bound), widest)
+        let mut limits = relieved(from, &limits, bound);
+        let old = momentum.before.and_then(|before| before.jerk);
+        let mut wider = false;
+        let wide = Profile::stop(from, &limits).reach() > widest * (1.0 + NEARLY);
+        if let (Some(jerk), Some(old)) = (&mut limits.jerk, old.filter(|_| wide)) {
+            // The old jerk takes the acceleration away in time; the rest of the way is the braking's.
+            jerk.acceleration = jerk.acceleration.max(old.acceleration);
+            wider = true;
+        }
+        let slowed = hastened(from, &limits, widest, wider);
+        hastened(from, &slowed, widest, false)
     }
 }
 
@@ -117,28 +127,46 @@ fn relieved(from: State, limits: &Limits, fastest: f64) -> Limits {
 }
 
 /// Limits whose ramps are hastened, as little as need be, until a stop takes no more than a way.
-fn hastened(from: State, limits: &Limits, widest: f64) -> Limits {
+fn hastened(from: State, limits: &Limits, widest: f64, braking: bool) -> Limits {
     let widest = widest * (1.0 + NEARLY);
     let fits = |limits: &Limits| Profile::stop(from, limits).reach() <= widest;
     if !(widest > 0.0) || fits(limits) {
         return *limits;
     }
+    // Of the braking alone, or of all.
+    let faster = |factor: f64| {
+        let all = limits.hastened(factor);
+        let Some((own, all_jerk)) = limits.jerk.zip(all.jerk).filter(|_| braking) else {
+            return all;
+        };
+        Limits {
+            acceleration: limits.acceleration,
+            jerk: Some(Jerk {
+                acceleration: own.acceleration,
+                ..all_jerk
+            }),
+            ..all
+        }
+    };
+    if braking && !fits(&faster(MOST_HASTE)) {
+        return *limits;
+    }
     let (mut less, mut more) = (1.0, 2.0);
     for _ in 0..DOUBLINGS {
-        if fits(&limits.hastened(more)) {
+        if fits(&faster(more)) {
             break;
         }
         (less, more) = (more, 2.0 * more);
     }
     for _ in 0..HALVINGS {
         let middle = (less * more).sqrt();
-        if fits(&limits.hastened(middle)) {
+        if fits(&faster(middle)) {
             more = middle;
         } else {
             less = middle;
         }
     }
-    limits.hastened(more)
+    faster(more)
 }
 
 /// Limits with which a stop, on a path that is travelled with a share of them, takes no more than a way.
@@ -147,7 +175,7 @@ fn short(from: State, limits: &Limits, pace: f64, widest: f64) -> Limits {
     if Profile::stop(from, &own).reach() <= widest * (1.0 + NEARLY) {
         return *limits;
     }
-    let own = hastened(from, &own, widest);
+    let own = hastened(from, &own, widest, false);
     Limits {
         speed: limits.speed,
         acceleration: own.acceleration / pace,
@@ -314,7 +342,7 @@ impl RampOut {
                 velocity: speed,
                 acceleration: along,
             };
-            let limits = hastened(from, &self.limits, self.widest);
+            let limits = hastened(from, &self.limits, self.widest, false);
             Part::new(direction, Profile::stop(from, &limits))
         } else {
             nothing
@@ -326,7 +354,7 @@ impl RampOut {
                     ..State::default()
                 };
                 let limits = self.limits.hastened(self.across);
-                let limits = hastened(from, &limits, ASIDE * self.widest);
+                let limits = hastened(from, &limits, ASIDE * self.widest, false);
                 Part::new(direction, Profile::stop(from, &limits))
             }
             None => nothing,
@@ -530,6 +558,8 @@ const ACROSS: [f64; 3] = [1.0, 4.0, f64::INFINITY];
 /// How wide an acceleration across the velocity may lead, as a share of the stop.
 const ASIDE: f64 = 0.1;
 /// How often a stop is hastened twofold at most, and how exactly the least haste is found.
+/// The most that braking alone is hastened.
+const MOST_HASTE: f64 = 1e6;
 const DOUBLINGS: usize = 24;
 const HALVINGS: usize = 20;
 const SPLITTINGS: usize = 32;
