@@ -60,6 +60,11 @@ impl MoveLayout {
         }
     }
 
+    /// Whether the move takes over at once, whatever waits.
+    pub(super) fn merges(&self, call: &Call) -> bool {
+        call.word(self.merge) != MERGE_DISABLED
+    }
+
     /// How the move completes, and what happens there if it has a successor.
     fn termination(&self, call: &Call, system: &CoordinateSystem) -> Result<(Termination, Ending), MotionError> {
         let word = call.word(self.termination_type);
