@@ -240,6 +240,11 @@ impl Axis {
         }
     }
 
+    /// Whether one does.
+    pub(crate) fn is_ending_on_path(&self) -> bool {
+        self.sum.get(Slot::System).is_some_and(|generator| generator.ending)
+    }
+
     /// The axis becomes part of a coordinated move that starts where the axis is commanded to be.
     pub(crate) fn join(&mut self, s_curve: bool) {
         self.begin(Slot::System, Generator::followed(s_curve));

@@ -77,7 +77,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
                 motion.unlink_slave(motion.systems[index].description.axes[place]);
             }
         }
-        COORDINATED_MOVE => {
+        // A stop of all that is under way goes on as it is.
+        COORDINATED_MOVE if !is_ending(motion, index) => {
             let limits = rates.along_path(motion, index);
             stop_move(motion, index, &limits);
         }
@@ -232,6 +233,12 @@ fn stop_all(motion: &mut Motion, index: usize, call: &Call) -> Result<AxisSet, M
         braking.insert(axis);
     }
     Ok(braking)
+}
+
+/// Whether a stop of all brakes the coordinated move of a system on its path.
+fn is_ending(motion: &Motion, index: usize) -> bool {
+    let mut axes = motion.systems[index].taken().iter();
+    axes.any(|axis| motion.axes[usize::from(*axis)].is_ending_on_path())
 }
 
 /// Whether a stop of all of the one system stops the other one's coordinated moves.

@@ -297,6 +297,7 @@ pub(super) fn launch(
     }
     system.planner.ramp_out(residual, &clock);
     system.activity = Activity::Moving;
+    system.has_moved = system.guide.is_none() && !system.is_paused() && planned.path.length() > 0.0;
     system.shown_phase = Phase::Steady;
     system.shown_tracking = false;
     system.in_actual_tolerance = false;
