@@ -263,20 +263,20 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
     }
     shown.tool = system.tool(&shown.actual, &role.turn.tool);
     let moving = system.activity == Activity::Moving;
+    let brakes = system.brakes(axes);
     let on_path = moving && !system.in_transition;
     let pending = system.has_pending();
-    let brakes = system.stop.is_some() || !system.braking.is_empty();
     shown.status = [
         (system.shutdown, status::SHUTDOWN_STATUS),
         (shown.axes_shutdown | shown.axes_faulted == 0, status::READY_STATUS),
-        (system.is_busy() || !system.braking.is_empty(), status::MOTION_STATUS),
+        (system.is_busy() || brakes, status::MOTION_STATUS),
     ]
     .into_iter()
     .fold(0, with);
     shown.motion_status = [
         (on_path && system.course == Phase::Accelerating, motion::ACCEL_STATUS),
         (
-            brakes || (on_path && system.course == Phase::Decelerating),
+            system.stop.is_some() || brakes || (on_path && system.course == Phase::Decelerating),
             motion::DECEL_STATUS,
         ),
         (system.in_actual_tolerance, motion::ACTUAL_POS_TOLERANCE_STATUS),

@@ -6,6 +6,7 @@ use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::Phase;
 use arcline_planner::{Clock, ContourQueue, Instant, Move, Planner, Sample};
 
+use crate::axis::Axis;
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
 use crate::events::Events;
@@ -272,6 +273,15 @@ impl System {
             Some(contour) => contour.is_full(),
             None => self.planner.is_full(),
         }
+    }
+
+    /// Whether axes brake by themselves since a coordinated move that took them was ended.
+    pub(crate) fn brakes(&self, axes: &[Axis]) -> bool {
+        !self.braking.is_empty()
+            && self.taken().iter().any(|index| {
+                let axis = axes.get(usize::from(*index)).filter(|_| self.braking.contains(*index));
+                axis.is_some_and(|axis| axis.has_coordinated_motion() && !axis.is_coordinated())
+            })
     }
 
     /// Whether what it travels stays at rest until a speed is changed.

@@ -304,16 +304,7 @@ impl Motion {
 
     /// Axes that stand, or that another move has taken, brake no more.
     pub(super) fn finish_braking(&mut self, index: usize) {
-        let braking = self.systems[index].braking;
-        if braking.is_empty() {
-            return;
-        }
-        let brakes = |axis: u16| {
-            let axis = self.axes.get(usize::from(axis));
-            axis.is_some_and(|axis| axis.has_coordinated_motion() && !axis.is_coordinated())
-        };
-        let taken = self.systems[index].taken();
-        if !taken.iter().any(|axis| braking.contains(*axis) && brakes(*axis)) {
+        if !self.systems[index].brakes(&self.axes) {
             self.systems[index].braking = AxisSet::default();
         }
     }
