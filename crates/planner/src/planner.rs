@@ -352,7 +352,7 @@ impl<T: Copy> Planner<T> {
     }
 
     /// A trail ends before the first corner that a stop, which may be a gentle one, would pass faster than the axes can follow it.
-    fn end_trail(&mut self) {
+    pub(crate) fn end_trail(&mut self) {
         let Some(track) = self.active.as_ref().map(|running| &running.track) else {
             return;
         };
