@@ -131,6 +131,33 @@ fn a_program_sets_the_override() {
     );
 }
 
+/// A merge takes no place in the queue, so it waits for none (the queue of XY has one place).
+#[test]
+fn a_merge_never_waits_for_room_in_the_queue() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (file, events) = (folder.path().join("program.st"), folder.path().join("events.jsonl"));
+    let dynamics = "50, 0, 1000, 0, 1000, 0, 0, 100, 100, 2, 1";
+    for merge in [1, 2] {
+        let program = format!(
+            "MCLM(XY, M1, 0, [100, 0], {dynamics});\nMCLM(XY, M2, 0, [100, 50], {dynamics});\nDELAY(0.1);\n\
+             MCLM(XY, M3, 0, [0, 50], {dynamics}, {merge});"
+        );
+        fs::write(&file, program).expect("the folder is writable");
+        simulate(&file, &[Path::new("--events"), &events]);
+        let text = fs::read_to_string(&events).expect("simulate has written it");
+        let active = text
+            .lines()
+            .find(|line| line.contains("\"M3\"") && line.contains("\"AC\""))
+            .expect("M3 becomes active");
+        let at = active
+            .split("\"time_s\":")
+            .nth(1)
+            .and_then(|rest| rest.split([',', '}']).next());
+        let at: f64 = at.and_then(|time| time.trim().parse().ok()).expect("a time");
+        assert!((0.1..0.105).contains(&at), "Merge {merge}: M3 takes over at {at} s");
+    }
+}
+
 #[test]
 fn a_program_injects_faults_and_sees_them() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -33,6 +33,8 @@ pub struct Value {
 pub struct Profile {
     /// One a point; the last one ends the profile.
     segments: Vec<Segment>,
+    /// See [`Profile::reach`].
+    reach: f64,
 }
 
 impl Profile {
@@ -44,7 +46,15 @@ impl Profile {
             [segment.x, segment.y, a1, a2, a3].into_iter().all(f64::is_finite)
         });
         let rising = segments.windows(2).all(|pair| pair[0].x < pair[1].x);
-        (segments.len() >= 2 && finite && rising).then_some(Profile { segments })
+        (segments.len() >= 2 && finite && rising).then(|| Profile {
+            reach: reach(&segments),
+            segments,
+        })
+    }
+
+    /// The slave is never further than this from its first point, in units of the profile.
+    pub fn reach(&self) -> f64 {
+        self.reach
     }
 
     /// The segments, and the last point.
@@ -104,4 +114,15 @@ impl Profile {
             segment: place,
         }
     }
+}
+
+/// A bound of how far each segment goes from the first point.
+fn reach(segments: &[Segment]) -> f64 {
+    let first = segments.first().map_or(0.0, |first| first.y);
+    let of = |pair: &[Segment]| {
+        let [a1, a2, a3] = pair[0].coefficients.map(f64::abs);
+        let u = pair[1].x - pair[0].x;
+        (pair[0].y - first).abs() + u * (a1 + u * (a2 + u * a3))
+    };
+    segments.windows(2).map(of).fold(0.0, f64::max)
 }

@@ -59,9 +59,9 @@ impl Operand {
             Kind::Array(rule) => {
                 let least = rule.least(call, axes);
                 let array = call.array(place);
-                array.len() >= least && array[..least].iter().all(|number| number.is_finite())
+                array.len() >= least && array[..least].iter().all(|number| Range::Any.holds(*number))
             }
-            Kind::ArrayOrNone => call.array(place).iter().all(|number| number.is_finite()),
+            Kind::ArrayOrNone => call.array(place).iter().all(|number| Range::Any.holds(*number)),
             Kind::WrittenArray(_) => {
                 matches!(call.argument(place), Argument::None | Argument::Written(_))
             }
@@ -72,17 +72,26 @@ impl Operand {
 impl Range {
     /// Whether a number is legal; the call tells the units of a jerk. Real-time.
     pub fn contains(self, number: f64, call: &Call) -> bool {
-        number.is_finite()
+        self.holds(number)
             && match self {
-                Self::Any => true,
-                Self::NotNegative => number >= 0.0,
-                Self::Positive => number > 0.0,
-                Self::Between(low, high) => (low..=high).contains(&number),
                 Self::Jerk { units } => {
                     let percent_of_time = Range::PERCENT_OF_TIME.contains(&call.word(usize::from(units)));
-                    number > 0.0 && (!percent_of_time || number <= 100.0)
+                    !percent_of_time || number <= 100.0
                 }
+                _ => true,
             }
+    }
+
+    /// Whether a number is legal whatever the units are. No magnitude is above 1e15, and no speed, rate, jerk or scaling
+    /// but 0 below 1e-15: all that is calculated from them is finite. Real-time.
+    pub fn holds(self, number: f64) -> bool {
+        let positive = || (SMALLEST..=LARGEST).contains(&number);
+        match self {
+            Self::Any => number.abs() <= LARGEST,
+            Self::NotNegative => number == 0.0 || positive(),
+            Self::Positive | Self::Jerk { .. } => positive(),
+            Self::Between(low, high) => (low..=high).contains(&number),
+        }
     }
 }
 
@@ -97,6 +106,11 @@ impl ArrayRule {
         }
     }
 }
+
+/// The largest magnitude of a number.
+const LARGEST: f64 = 1e15;
+/// The smallest speed, rate, jerk or scaling above 0.
+const SMALLEST: f64 = 1e-15;
 
 /// Rounds half to even; `None` for what is not a number or beyond a DINT.
 fn as_dint(number: f64) -> Option<i32> {

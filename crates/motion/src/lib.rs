@@ -25,6 +25,7 @@ mod motion;
 mod output;
 mod path_data;
 mod pending;
+mod range;
 mod rotary;
 mod snapshot;
 mod status;

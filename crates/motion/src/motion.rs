@@ -125,6 +125,7 @@ impl Motion {
         self.look_after_transforms();
         self.check_faults();
         for index in 0..self.systems.len() {
+            self.finish_braking(index);
             self.finish_stop(index);
         }
         self.finish_group_stop();
@@ -191,9 +192,9 @@ impl Motion {
         self.array_writes.clear();
     }
 
-    /// Whether a coordinated move would find the queue of its coordinate system full.
+    /// Whether a coordinated move would find a place in the queue of its coordinate system, or needs none, since it merges.
     pub fn has_room(&self, call: &Call) -> bool {
-        if !instructions::is_queued(call.mnemonic) {
+        if !instructions::is_queued(call.mnemonic) || self.layouts.merges(call) {
             return true;
         }
         let system = call.target.and_then(|index| self.systems.get(usize::from(index)));
@@ -414,7 +415,12 @@ fn systems(machine: &Machine) -> Vec<System> {
         for (axis, own) in description.linear().iter().zip(corner_step.iter_mut()) {
             *own = step(axis);
         }
-        System::new(description, corner_step, enforced(machine, description))
+        System::new(
+            description,
+            corner_step,
+            machine.period(),
+            enforced(machine, description),
+        )
     };
     machine.systems.iter().map(system).collect()
 }

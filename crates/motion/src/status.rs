@@ -131,7 +131,10 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     };
     let pends = |slot| axis.cams(slot).pending.is_some();
     let cam_locked = |slot| axis.cam(slot).is_some_and(Cam::follows);
-    let braking = axis.sum.active().any(|(_, generator)| generator.stopping);
+    let braking = axis
+        .sum
+        .active()
+        .any(|(_, generator)| generator.stopping || generator.ending);
     [
         (phase == Phase::Accelerating, motion_status::ACCEL_STATUS),
         (phase == Phase::Decelerating, motion_status::DECEL_STATUS),
@@ -160,7 +163,7 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
         (cam_locked(Slot::TimeCam), motion_status::TIME_CAM_LOCK_STATUS),
         (axis.is_linked(), motion_status::TRANSFORM_STATE_STATUS),
         (axis.linked.controlled, motion_status::CONTROLLED_BY_TRANSFORM_STATUS),
-        (axis.is_coordinated(), motion_status::COORDINATED_MOTION_STATUS),
+        (axis.has_coordinated_motion(), motion_status::COORDINATED_MOTION_STATUS),
         (
             axis.command.velocity.abs() > axis.dynamics.speed,
             motion_status::MAXIMUM_SPEED_EXCEEDED,
@@ -260,25 +263,26 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
     }
     shown.tool = system.tool(&shown.actual, &role.turn.tool);
     let moving = system.activity == Activity::Moving;
+    let brakes = system.brakes(axes);
     let on_path = moving && !system.in_transition;
     let pending = system.has_pending();
     shown.status = [
         (system.shutdown, status::SHUTDOWN_STATUS),
         (shown.axes_shutdown | shown.axes_faulted == 0, status::READY_STATUS),
-        (system.is_busy(), status::MOTION_STATUS),
+        (system.is_busy() || brakes, status::MOTION_STATUS),
     ]
     .into_iter()
     .fold(0, with);
     shown.motion_status = [
         (on_path && system.course == Phase::Accelerating, motion::ACCEL_STATUS),
         (
-            system.stop.is_some() || (on_path && system.course == Phase::Decelerating),
+            system.stop.is_some() || brakes || (on_path && system.course == Phase::Decelerating),
             motion::DECEL_STATUS,
         ),
         (system.in_actual_tolerance, motion::ACTUAL_POS_TOLERANCE_STATUS),
         (system.in_command_tolerance, motion::COMMAND_POS_TOLERANCE_STATUS),
         (system.stop.is_some(), motion::STOPPING_STATUS),
-        (moving, motion::MOVE_STATUS),
+        (moving && system.has_moved, motion::MOVE_STATUS),
         (moving && system.in_transition, motion::MOVE_TRANSITION_STATUS),
         (pending, motion::MOVE_PENDING_STATUS),
         (pending && system.is_full(), motion::MOVE_PENDING_QUEUE_FULL_STATUS),

@@ -6,6 +6,7 @@ use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::Phase;
 use arcline_planner::{Clock, ContourQueue, Instant, Move, Planner, Sample};
 
+use crate::axis::Axis;
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
 use crate::events::Events;
@@ -15,7 +16,7 @@ use crate::follow::reach::Pace;
 use crate::follow::robot::three;
 use crate::machine::{AxisLimits as Limits, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES};
 use crate::pending::Pending;
-use crate::stop::Stop;
+use crate::stop::{AxisSet, Stop};
 
 /// When a move is complete (spec/coordinated-instructions.md §7.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,6 +80,10 @@ pub(crate) struct System {
     pub(crate) axis_limits: AxisLimits,
     pub(crate) activity: Activity,
     pub(crate) stop: Option<Stop>,
+    /// Axes that brake by themselves since a coordinated move that took them was ended.
+    pub(crate) braking: AxisSet,
+    /// The moves that are under way have begun to move the axes.
+    pub(crate) has_moved: bool,
     pub(crate) shutdown: bool,
     /// Links to masters (MDCC).
     pub(crate) links: Links,
@@ -121,10 +126,16 @@ impl System {
         Some(arm().or_else(wrist).unwrap_or([f64::NAN; 3]))
     }
 
-    /// `corner_step`: the change of velocity of each axis that a corner may make at once, units/s (spec/coordinated-instructions.md §7.5).
-    pub(crate) fn new(description: &CoordinateSystem, corner_step: Point, axis_limits: AxisLimits) -> Self {
+    /// `corner_step`: the change of velocity of each axis that a corner may make at once, in one update of this period, units/s and
+    /// seconds (spec/coordinated-instructions.md §7.5).
+    pub(crate) fn new(
+        description: &CoordinateSystem,
+        corner_step: Point,
+        period: f64,
+        axis_limits: AxisLimits,
+    ) -> Self {
         let contours = description.corner == Corner::Precise || description.axis_limits == Limits::Enforce;
-        let mut planner = Planner::new(description.queue_depth, corner_step);
+        let mut planner = Planner::new(description.queue_depth, corner_step).with_period(period);
         planner.set_bounds(description.dynamics_bits);
         System {
             contour: contours.then(|| ContourQueue::new(description.queue_depth).deviating(description.deviation)),
@@ -142,6 +153,8 @@ impl System {
             description: description.clone(),
             activity: Activity::Idle,
             stop: None,
+            braking: AxisSet::default(),
+            has_moved: false,
             shutdown: false,
             links: Links::default(),
             stopping_link: None,
@@ -259,6 +272,23 @@ impl System {
             Some(contour) if self.is_merged() => contour.moves().count() >= self.description.queue_depth,
             Some(contour) => contour.is_full(),
             None => self.planner.is_full(),
+        }
+    }
+
+    /// Whether axes brake by themselves since a coordinated move that took them was ended.
+    pub(crate) fn brakes(&self, axes: &[Axis]) -> bool {
+        !self.braking.is_empty()
+            && self.taken().iter().any(|index| {
+                let axis = axes.get(usize::from(*index)).filter(|_| self.braking.contains(*index));
+                axis.is_some_and(|axis| axis.has_coordinated_motion() && !axis.is_coordinated())
+            })
+    }
+
+    /// Whether what it travels stays at rest until a speed is changed.
+    pub(crate) fn is_paused(&self) -> bool {
+        match self.contour_in_force() {
+            Some(contour) => contour.is_paused(),
+            None => self.planner.is_paused(),
         }
     }
 

@@ -19,6 +19,7 @@ use crate::track::{Part, Residual};
 impl<T: Copy> Planner<T> {
     /// Starts a move at the present tick out of another motion.
     pub fn merge(&mut self, mut motion: Move<T>, momentum: Momentum, clock: &Clock) {
+        self.queue.forget_corners();
         self.tail = None;
         let speed = momentum.velocity.norm();
         if speed == 0.0 {

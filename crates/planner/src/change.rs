@@ -195,9 +195,11 @@ impl<T: Copy> Planner<T> {
         let way = if arrives { approach.profile.duration() } else { NEVER };
         running.track.start = clock.now().after(way, clock);
         running.track.approach = Some(approach);
+        // Beyond the place, it comes back to rest there.
+        let velocity = approach.profile.end().velocity;
         State {
             position: 0.0,
-            velocity: exit,
+            velocity,
             acceleration: 0.0,
         }
     }

@@ -93,10 +93,15 @@ pub struct Instant {
 impl Instant {
     /// Seconds from this instant to the clock's tick; negative when the instant lies ahead. Master units on a master's way.
     pub fn elapsed(&self, clock: &Clock) -> f64 {
+        // Centuries are not exact.
+        let nanoseconds = |ticks: u64| {
+            let exact = ticks.checked_mul(clock.period_ns);
+            exact.map_or(ticks as f64 * clock.period_ns as f64, |exact| exact as f64)
+        };
         let ticks = if clock.tick >= self.tick {
-            ((clock.tick - self.tick) * clock.period_ns) as f64
+            nanoseconds(clock.tick - self.tick)
         } else {
-            -(((self.tick - clock.tick) * clock.period_ns) as f64)
+            -nanoseconds(self.tick - clock.tick)
         };
         ticks / NANOSECONDS + (clock.way - self.offset)
     }
@@ -110,7 +115,7 @@ impl Instant {
         let period = clock.period();
         let whole = (total / period).floor();
         Instant {
-            tick: self.tick + whole as u64,
+            tick: self.tick.saturating_add(whole as u64),
             offset: (total - whole * period).clamp(0.0, period),
         }
     }

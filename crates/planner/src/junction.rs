@@ -173,7 +173,7 @@ impl Joint {
     pub(crate) fn new<T>(first: &Move<T>, second: &Move<T>, blended: bool, corner_step: &Point) -> Joint {
         let shape = shape(first, second, blended);
         let mut corner = match shape {
-            Shape::Pass { .. } => corner_speed(&first.path, &second.path, corner_step) / first.parameter.speed,
+            Shape::Pass { .. } => corner_speed(&turn(&first.path, &second.path), corner_step) / first.parameter.speed,
             _ => 0.0,
         };
         if corner.is_finite() {
@@ -182,12 +182,30 @@ impl Joint {
         Joint { shape, corner }
     }
 
+    /// The same place, passed no faster than at a speed where it has a corner.
+    pub(crate) fn at_most(self, corner: f64) -> Joint {
+        if self.corner.is_finite() {
+            let corner = self.corner.min(corner);
+            return Joint { corner, ..self };
+        }
+        self
+    }
+
     /// Whether the path is followed from the one to the other without a rest.
     pub(crate) fn is_passed(&self) -> bool {
         match self.shape {
             Shape::Overtake { .. } => true,
             Shape::Pass { .. } => self.corner > 0.0,
             Shape::Rest | Shape::Blend { .. } => false,
+        }
+    }
+
+    /// The highest speed that the corner leaves, of the parameter; one profile leads over what is not a corner.
+    pub(crate) fn corner(&self) -> f64 {
+        match self.shape {
+            Shape::Overtake { .. } => f64::INFINITY,
+            Shape::Pass { .. } => self.corner,
+            Shape::Rest | Shape::Blend { .. } => 0.0,
         }
     }
 
@@ -238,11 +256,17 @@ pub(crate) fn same_rates(first: &Limits, second: &Limits) -> bool {
     } == *second
 }
 
-fn corner_speed(first: &Path, second: &Path, corner_step: &Point) -> f64 {
+/// The change of direction of a corner; zeros where the paths are tangent, or lines in one direction.
+pub(crate) fn turn(first: &Path, second: &Path) -> Point {
     let turn = second.start_tangent() - first.end_tangent();
     if turn.norm() <= TANGENT || collinear(first, second) {
-        return f64::INFINITY;
+        return Point::zeros();
     }
+    turn
+}
+
+/// The highest speed at which a change of direction changes no axis's velocity by more than its step.
+pub(crate) fn corner_speed(turn: &Point, corner_step: &Point) -> f64 {
     let bounds = turn.iter().zip(corner_step.iter()).filter(|(turn, _)| **turn != 0.0);
     bounds
         .map(|(turn, step)| step / turn.abs())

@@ -16,6 +16,7 @@ mod beside;
 mod change;
 mod clock;
 mod contour;
+mod corners;
 mod hand_over;
 mod junction;
 mod look_ahead;

@@ -4,12 +4,14 @@
 //! Whatever changes, and whenever: a profile ends with acceleration 0 at a place from which the rest of the queue can
 //! be travelled, or where a stop has led it. A place within a run of equal rates that is met too fast or too slow is no
 //! such place: it is led over. At the end of a run the speed may then be higher than programmed, but never such that
-//! the path must be left. Bounded: a fixed number of bounds is looked at (spec/motion-core.md §7).
+//! the path must be left. A corner that is met faster than the axes can follow it is a rest: the motion goes beyond it along
+//! the end tangent, as beyond an end, and comes back. Bounded: a fixed number of bounds is looked at (spec/motion-core.md §7).
 
 use arcline_profile::{Jerk, Limits, Passing, Profile, State, passing_speed};
 
 use crate::junction::{Junction, Link, junction};
 use crate::planner::{Planner, Running, paced};
+use crate::queue::Bound;
 use crate::{Clock, Instant};
 
 /// Slower moves of a run that a profile may lead over.
@@ -28,32 +30,34 @@ impl<T: Copy> Planner<T> {
                 exit: 0.0,
                 joined: 0,
                 cap,
+                corners: f64::INFINITY,
                 ends: Ends::AsItMust,
             };
         }
         let queue = &self.queue;
-        let towards = |at: f64, exit: f64, joined: usize, cap: f64| {
-            let target = at - running.place;
+        let towards = |bound: &Bound, exit: f64, cap: f64| {
+            let target = bound.at - running.place;
+            let joined = queue.moves_before(bound);
             let at_end = joined == 0 && (target - length).abs() <= ROUNDING * length;
             Plan {
                 target: if at_end { length } else { target },
                 exit,
                 joined,
                 cap,
+                corners: queue.corners(bound),
                 ends: Ends::AsItMust,
             }
         };
         if cap > 0.0 {
             let mut seen = 0;
             for bound in queue.slower() {
-                let joined = queue.moves_before(bound);
                 let way = bound.at - running.place - from.position;
                 let wanted = queue.speed(bound).min(cap);
                 let Passing { speed, level } = passing_speed(from, way, wanted, &Limits { speed: cap, ..limits });
                 seen += 1;
                 let slow = seen == LED_OVER && speed < wanted && from.velocity <= cap;
                 if level && (speed == wanted || slow) {
-                    return towards(bound.at, speed, joined, cap);
+                    return towards(bound, speed, cap);
                 }
                 if seen == LED_OVER {
                     break;
@@ -64,8 +68,16 @@ impl<T: Copy> Planner<T> {
         let end = queue.run_end(running.place + length);
         let wanted = queue.speed(&end).min(cap);
         let way = end.at - running.place - from.position;
+        let beyond = way < -ROUNDING * (running.place + from.position).abs();
+        if beyond && end.link.corner().is_finite() {
+            // It comes back to a corner, and turns there.
+            return Plan {
+                ends: Ends::Overshooting,
+                ..towards(&end, 0.0, cap)
+            };
+        }
         let Passing { speed, level } = passing_speed(from, way, wanted, &Limits { speed: cap, ..limits });
-        let plan = towards(end.at, speed, queue.moves_before(&end), cap);
+        let plan = towards(&end, speed, cap);
         if end.link == Link::Rest {
             let ends = if level && speed == 0.0 {
                 Ends::AsItMust
@@ -79,12 +91,18 @@ impl<T: Copy> Planner<T> {
             };
         }
         let too_fast = speed > wanted && speed > queue.must(&end) * (1.0 + ROUNDING);
-        let ends = if !level || too_fast || turns_back(&from, &limits) {
-            Ends::TooFast
-        } else {
-            Ends::AsItMust
+        if level && !too_fast && !turns_back(&from, &limits) {
+            return plan;
+        }
+        let plan = Plan {
+            ends: Ends::TooFast,
+            ..plan
         };
-        Plan { ends, ..plan }
+        let corner = end.link.corner();
+        if corner.is_finite() && self.profile(running, from, &plan).end().velocity > corner * (1.0 + ROUNDING) {
+            return Plan { exit: 0.0, ..plan };
+        }
+        plan
     }
 
     /// The limits that the profile along the path keeps.
@@ -119,7 +137,9 @@ impl<T: Copy> Planner<T> {
             running.track.state(clock)
         };
         let (plan, profile) = self.planned(&running, from);
-        if plan.exit > running.exit || plan.joined != running.joined {
+        // A corner that was not known may lie behind what was to be passed.
+        let too_fast = plan.exit < running.exit && running.exit > plan.corners * (1.0 + ROUNDING);
+        if plan.exit > running.exit || plan.joined != running.joined || too_fast {
             if approaching {
                 running.track.profile = profile;
                 running.aim(&plan);
@@ -214,6 +234,8 @@ pub(crate) struct Plan {
     pub(crate) joined: usize,
     /// The speed limit on the way.
     pub(crate) cap: f64,
+    /// The speed there from which the corners behind it can be met.
+    pub(crate) corners: f64,
     pub(crate) ends: Ends,
 }
 
@@ -222,7 +244,8 @@ pub(crate) struct Plan {
 pub(crate) enum Ends {
     /// Such that the rest of the queue can be travelled.
     AsItMust,
-    /// With more speed than the corner, or the way behind it, allows; or before the acceleration is 0; or turning back.
+    /// With more speed than the corner, or the way behind it, allows; or before the acceleration is 0; or turning back. Where the
+    /// axes could not follow the corner, with a rest there.
     TooFast,
     /// Beyond the rest that it was to come to, and back.
     Overshooting,

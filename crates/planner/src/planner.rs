@@ -148,7 +148,7 @@ pub struct Planner<T> {
     /// Seconds after the active track's start at which the successor takes over before the programmed end.
     pub(crate) hand_over_at: Option<f64>,
     /// Paths of cancelled moves along which a stop of the active one may have to go on.
-    trail: VecDeque<Path>,
+    trail: VecDeque<Beyond>,
     /// The path does not go on behind the trail.
     trail_ends: bool,
     /// Counts the plans of active moves.
@@ -158,6 +158,17 @@ pub struct Planner<T> {
     /// The Dynamics Configuration Bits.
     pub(crate) bounds: Bounds,
 }
+
+/// A path behind the active one, of a move that was cancelled.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beyond {
+    pub(crate) path: Path,
+    /// The highest speed at which the axes can follow the corner before it, units/s.
+    corner: f64,
+}
+
+/// Share of a speed that is rounding.
+const NEARLY_NONE: f64 = 1e-9;
 
 /// Share of an acceleration that is none: what rounding leaves across the direction of motion.
 pub(crate) const NO_ACCELERATION: f64 = 1e-9;
@@ -185,6 +196,14 @@ impl<T: Copy> Planner<T> {
     /// Sets the Dynamics Configuration Bits, which count from the next instruction on. All are set at first.
     pub fn set_bounds(&mut self, bounds: Bounds) {
         self.bounds = bounds;
+    }
+
+    /// The same for updates of a period, seconds: corners that lie within one update change the velocity of an axis by no more
+    /// than one corner may.
+    #[must_use]
+    pub fn with_period(mut self, period: f64) -> Self {
+        self.queue.set_period(period);
+        self
     }
 
     /// The active move.
@@ -227,6 +246,7 @@ impl<T: Copy> Planner<T> {
     /// Starts a move from rest at an instant, in place of whatever was active.
     pub fn start(&mut self, motion: Move<T>, at: Instant, clock: &Clock) {
         self.tail = None;
+        self.queue.forget_corners();
         self.run(motion, State::default(), at, None, false, clock);
     }
 
@@ -287,11 +307,15 @@ impl<T: Copy> Planner<T> {
     pub fn cancel_pending(&mut self) -> Option<T> {
         self.hand_over_at = None;
         let passed = self.queue.is_passed_to();
+        let corner = self.queue.corner();
         let cancelled = self.queue.pop()?;
         let (joined, exit) = self.active.map_or((0, 0.0), |running| (running.joined, running.exit));
         self.trail_ends |= self.trail.len() >= joined && !(exit > 0.0 && passed);
         if !self.trail_ends {
-            self.trail.push_back(cancelled.path);
+            self.trail.push_back(Beyond {
+                path: cancelled.path,
+                corner: corner * cancelled.parameter.speed,
+            });
         }
         Some(cancelled.data)
     }
@@ -324,6 +348,26 @@ impl<T: Copy> Planner<T> {
             running.joined = 0;
             running.stopped = true;
         }
+        self.end_trail();
+    }
+
+    /// A trail ends before the first corner that a stop, which may be a gentle one, would pass faster than the axes can follow it.
+    pub(crate) fn end_trail(&mut self) {
+        let Some(track) = self.active.as_ref().map(|running| &running.track) else {
+            return;
+        };
+        let mut end = track.path.length();
+        for place in 0..self.trail.len() {
+            let speed = match track.profile.time_at_position(end) {
+                Some(at) => track.profile.at(at).velocity,
+                None => return,
+            };
+            if speed > self.trail[place].corner * (1.0 + NEARLY_NONE) {
+                self.trail.truncate(place);
+                return;
+            }
+            end += self.trail[place].path.length();
+        }
     }
 
     /// As [`Planner::stop`], for an active move that is a function of a master's way: `clock` shows it, and `pace` how it goes
@@ -342,11 +386,12 @@ impl<T: Copy> Planner<T> {
             running.joined = 0;
             running.stopped = true;
         }
+        self.end_trail();
     }
 
     /// Where the coordinate system is at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
-        let mut sample = self.active.as_ref()?.track.sample_along(self.trail.iter(), clock);
+        let mut sample = self.active.as_ref()?.track.sample_along(self.trail(), clock);
         if let Some(tail) = &self.tail {
             sample = tail.add_rest(sample, clock);
         }
@@ -358,7 +403,7 @@ impl<T: Copy> Planner<T> {
 
     /// Paths of cancelled moves behind the active one.
     pub(crate) fn trail(&self) -> impl Iterator<Item = &Path> {
-        self.trail.iter()
+        self.trail.iter().map(|beyond| &beyond.path)
     }
 
     pub(crate) fn run(

@@ -5,7 +5,8 @@
 //! rests, and changes of rates. Within a run a slower move is a place that is to be passed at its speed at most.
 //!
 //! Every such place, a [`Bound`], keeps the speed from which all that lies behind it can be kept. A new move changes
-//! the bounds before it, backwards, until one of them stays as it was. What takes longer than a tick should is carried
+//! the bounds before it, backwards, until one of them stays as it was. A place of type 5 does not ask whether the moves behind
+//! it can stop, but no speed is kept for it at which a corner behind it would be passed too fast. What takes longer than a tick should is carried
 //! on later: bounds are then too low, never too high for what must be kept.
 //!
 //! Where the dynamics of all pending moves change, none of them counts until it has its own change: they are *seen* one after the
@@ -14,8 +15,9 @@
 use std::collections::VecDeque;
 
 use arcline_geometry::Point;
-use arcline_profile::{Limits, entry_speed};
+use arcline_profile::entry_speed;
 
+use crate::corners::Corners;
 use crate::junction::{Joint, Link};
 use crate::planner::Move;
 use crate::sight::Sight;
@@ -34,6 +36,8 @@ pub(crate) struct Queue<T> {
     ends: VecDeque<Bound>,
     pub(crate) carry: Option<Carry>,
     corner_step: Point,
+    /// Those before the newest move.
+    corners: Corners,
     /// Share of the programmed speeds.
     rate: f64,
 }
@@ -62,6 +66,17 @@ pub(crate) struct Bound {
     pub(crate) link: Link,
     /// The speed, with the rate it was computed for.
     speed: f64,
+    /// The speed from which the corners behind it can be met, whatever is programmed: infinite where there is none before
+    /// the next rest.
+    corners: f64,
+}
+
+/// The next bound behind a place, or the end of the queue.
+#[derive(Clone, Copy, Debug)]
+struct Following {
+    at: f64,
+    speed: f64,
+    corners: f64,
 }
 
 /// A backward pass that is not over.
@@ -89,8 +104,19 @@ impl<T: Copy> Queue<T> {
             ends: VecDeque::with_capacity(depth),
             carry: None,
             corner_step,
+            corners: Corners::new(0.0),
             rate: 1.0,
         }
+    }
+
+    /// Corners of one update of this period, seconds, count together.
+    pub(crate) fn set_period(&mut self, period: f64) {
+        self.corners = Corners::new(period);
+    }
+
+    /// The next move begins a path anew.
+    pub(crate) fn forget_corners(&mut self) {
+        self.corners.clear();
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -112,6 +138,11 @@ impl<T: Copy> Queue<T> {
     /// Whether the path goes on to the oldest move: no rest before it, and nothing superposed.
     pub(crate) fn is_passed_to(&self) -> bool {
         self.moves.front().is_some_and(|waiting| waiting.joint.is_passed())
+    }
+
+    /// The highest speed that the corner before the oldest move leaves, by what that is a function of.
+    pub(crate) fn corner(&self) -> f64 {
+        self.moves.front().map_or(0.0, |waiting| waiting.joint.corner())
     }
 
     pub(crate) fn rate(&self) -> f64 {
@@ -139,7 +170,13 @@ impl<T: Copy> Queue<T> {
             joint: Joint::FIRST,
         };
         if let Some((before, blended, start)) = before {
-            let joint = Joint::new(before, &motion, blended, &self.corner_step);
+            let mut joint = Joint::new(before, &motion, blended, &self.corner_step);
+            if joint.is_passed() {
+                let together = self.corners.pass(&before.path, &motion.path, &self.corner_step);
+                joint = joint.at_most(together / motion.parameter.speed);
+            } else {
+                self.corners.clear();
+            }
             let end = start + before.path.length();
             let link = joint.link(&before.limits, &motion.limits);
             waiting.blended = joint.blends();
@@ -182,7 +219,7 @@ impl<T: Copy> Queue<T> {
                 bounds.pop_front();
             }
         }
-        let joint = Joint::new(active, &front.motion, blended, &self.corner_step);
+        let joint = Joint::new(active, &front.motion, blended, &self.corner_step).at_most(front.joint.corner());
         let link = joint.link(&active.limits, &front.motion.limits);
         let length = active.path.length();
         let (start, at) = if link.ends_run() {
@@ -195,8 +232,11 @@ impl<T: Copy> Queue<T> {
             at,
             link,
             speed: 0.0,
+            corners: 0.0,
         };
-        bound.speed = self.speed_at(&bound, self.following(self.first));
+        let following = self.following(self.first);
+        bound.corners = self.corners_from(&bound, &following);
+        bound.speed = self.speed_at(&bound, &following);
         match link {
             Link::Free => {}
             Link::Slower { .. } => self.slower.push_front(bound),
@@ -230,11 +270,15 @@ impl<T: Copy> Queue<T> {
             let Some(bound) = self.before(next) else {
                 return looked;
             };
-            let speed = self.speed_at(&bound, following);
-            following = (bound.at, speed);
+            let looked_at = Bound {
+                speed: self.speed_at(&bound, &following),
+                corners: self.corners_from(&bound, &following),
+                ..bound
+            };
+            following = looked_at.as_following();
             next = bound.next - 1;
-            let unchanged = speed == bound.speed;
-            self.set_speed(&bound, speed);
+            let unchanged = looked_at.speed == bound.speed && looked_at.corners == bound.corners;
+            self.replace(&looked_at);
             if !unchanged {
                 continue;
             }
@@ -274,6 +318,7 @@ impl<T: Copy> Queue<T> {
             at: self.end().unwrap_or(end),
             link: Link::Rest,
             speed: 0.0,
+            corners: f64::INFINITY,
         })
     }
 
@@ -284,7 +329,12 @@ impl<T: Copy> Queue<T> {
 
     /// The speed that must be kept at a bound whatever is programmed.
     pub(crate) fn must(&self, bound: &Bound) -> f64 {
-        self.bounded(bound, bound.link.corner(), self.following(bound.next))
+        self.bounded(bound, bound.link.corner(), &self.following(bound.next))
+    }
+
+    /// The speed at a bound from which every corner up to the next rest can be met.
+    pub(crate) fn corners(&self, bound: &Bound) -> f64 {
+        bound.corners
     }
 
     /// Bounds have to be computed anew: those of the nearest moves at once, as if the others stayed as they are.
@@ -310,6 +360,7 @@ impl<T: Copy> Queue<T> {
             at: end,
             link,
             speed: 0.0,
+            corners: 0.0,
         };
         match link {
             Link::Free => {}
@@ -338,41 +389,78 @@ impl<T: Copy> Queue<T> {
         }
     }
 
-    /// Place and speed of the first bound behind a number: the end of the queue if there is none.
-    fn following(&self, next: u64) -> (f64, f64) {
+    /// The first bound behind a number: the end of the queue, at rest, if there is none.
+    fn following(&self, next: u64) -> Following {
         let first = |bounds: &VecDeque<Bound>| bounds.get(bounds.partition_point(|bound| bound.next <= next)).copied();
         let bound = match (first(&self.slower), first(&self.ends)) {
             (Some(slower), Some(end)) => Some(if slower.next < end.next { slower } else { end }),
             (slower, end) => slower.or(end),
         };
-        bound.map_or((self.end().unwrap_or(0.0), 0.0), |bound| (bound.at, bound.speed))
+        let end = || Following {
+            at: self.end().unwrap_or(0.0),
+            speed: 0.0,
+            corners: f64::INFINITY,
+        };
+        bound.map_or_else(end, |bound| bound.as_following())
     }
 
-    fn speed_at(&self, bound: &Bound, following: (f64, f64)) -> f64 {
+    fn speed_at(&self, bound: &Bound, following: &Following) -> f64 {
         let most = (bound.link.programmed() * self.rate).min(bound.link.corner());
         self.bounded(bound, most, following)
     }
 
-    /// At most `most`, and what the move behind a bound can slow down from.
-    fn bounded(&self, bound: &Bound, most: f64, (at, speed): (f64, f64)) -> f64 {
-        if most == 0.0 || !bound.link.is_constrained() {
+    /// At most `most`, and the speed from which the move behind a bound can slow down: to all that is behind it, or for type 5
+    /// to the corners behind it.
+    fn bounded(&self, bound: &Bound, most: f64, following: &Following) -> f64 {
+        if most == 0.0 {
             return most;
+        }
+        if bound.link.is_constrained() {
+            most.min(self.entry(bound, following.at, following.speed))
+        } else {
+            most.min(self.entry(bound, following.at, following.corners))
+        }
+    }
+
+    /// The speed at a bound from which its own corner and those behind it can be met. A rest can always be met: what is too fast
+    /// for it goes beyond it and comes back.
+    fn corners_from(&self, bound: &Bound, following: &Following) -> f64 {
+        match bound.link {
+            Link::Rest => f64::INFINITY,
+            link => link.corner().min(self.entry(bound, following.at, following.corners)),
+        }
+    }
+
+    /// The speed at a bound from which the move behind it can slow down to a speed at a place on its run.
+    fn entry(&self, bound: &Bound, at: f64, speed: f64) -> f64 {
+        if speed == f64::INFINITY {
+            return speed;
         }
         let Some(behind) = self.moves.get((bound.next - self.first) as usize) else {
             return 0.0;
         };
-        let limits: &Limits = &behind.motion.limits;
-        most.min(entry_speed(at - behind.start, speed, limits))
+        entry_speed(at - behind.start, speed, &behind.motion.limits)
     }
 
-    fn set_speed(&mut self, bound: &Bound, speed: f64) {
+    /// Puts a bound in place of the one before the same move.
+    fn replace(&mut self, bound: &Bound) {
         let bounds = match bound.link {
             Link::Slower { .. } => &mut self.slower,
             _ => &mut self.ends,
         };
         let place = bounds.partition_point(|other| other.next < bound.next);
-        if let Some(bound) = bounds.get_mut(place) {
-            bound.speed = speed;
+        if let Some(old) = bounds.get_mut(place) {
+            *old = *bound;
+        }
+    }
+}
+
+impl Bound {
+    fn as_following(&self) -> Following {
+        Following {
+            at: self.at,
+            speed: self.speed,
+            corners: self.corners,
         }
     }
 }

@@ -76,6 +76,7 @@ impl<T: Copy> Planner<T> {
             running.joined = 0;
             running.stopped = true;
         }
+        self.end_trail();
     }
 }
 

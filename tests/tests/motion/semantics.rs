@@ -459,9 +459,12 @@ fn shutdown_and_its_reset() {
     );
     assert_eq!(
         (bench.system("CS1").axes_shutdown, bench.system("CS1").status),
-        (0b010, 0)
+        (0b010, css::MOTION_STATUS),
+        "X brakes"
     );
     bench.until_rest();
+    bench.tick();
+    assert_eq!(bench.system("CS1").status, 0);
     assert_eq!(bench.call(MOVE), (7, 1));
     assert_eq!(bench.call("MSO(Y, O1)"), (7, 0));
     bench.execute("MASR(Y, R1)");

@@ -502,7 +502,7 @@ fn stops_supersede_each_other() {
         bench.run(500);
         bench
     };
-    // A stronger one takes over: the axes brake by themselves from then on.
+    // A stronger one takes over: the move brakes with the system's maximum from then on, B1's own motion with the axis's.
     let mut bench = start(TRAPEZOID);
     assert_eq!(bench.call("MCS(L1, S1, CoordinatedMove, Yes, 200, 0, No, 0, 0)"), OK);
     bench.run(20);
@@ -517,10 +517,10 @@ fn stops_supersede_each_other() {
         ("EN DN".into(), "EN DN IP".into())
     );
     bench.run(10);
-    // Each axis of L1 at its own 4000 units/s², what followed at the 2000 units/s² of its system.
+    // The move of L1 and what followed at the 2000 units/s² of the system, B1 at its own 4000 units/s².
     near(
         velocities(&bench, ["A1", "B1", "A2"]),
-        [56.0, 60.0, 76.0],
+        [76.0, 60.0, 76.0],
         "by themselves",
     );
     bench.until("S2", Flag::Pc);

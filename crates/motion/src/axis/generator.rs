@@ -79,6 +79,10 @@ pub(crate) struct Generator {
     pub(super) jerk: f64,
     /// It brakes, perhaps with more, what a cancelled transform had moved.
     pub(crate) parting: bool,
+    /// It brakes coordinated motion too, which was ended.
+    pub(crate) coordinated: bool,
+    /// A stop of everything on the axis brakes it on its path: nothing else begins meanwhile.
+    pub(crate) ending: bool,
     /// Where it began, in its frame.
     pub(super) origin: f64,
     /// What all generators of the axis had displaced it then.
@@ -107,6 +111,8 @@ impl Generator {
             in_force: None,
             jerk: 0.0,
             parting: false,
+            coordinated: false,
+            ending: false,
             origin: 0.0,
             others: Displacements::default(),
             shift: 0.0,

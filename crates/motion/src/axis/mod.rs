@@ -23,6 +23,7 @@ use crate::follow::cam::Cam;
 use crate::follow::links::AxisLinks;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
 use crate::output::OutputCams;
+use crate::range::range;
 use average::Average;
 use camming::Cams;
 use faults::{Faults, Observed};
@@ -87,6 +88,8 @@ pub(crate) struct Axis {
     pub(crate) dynamics: Maxima,
     /// The Dynamics Configuration Bits.
     pub(crate) bounds: Bounds,
+    /// How far from 0 it can be, position units.
+    pub(crate) range: f64,
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
     pub(crate) linked: Linked,
@@ -145,6 +148,7 @@ impl Axis {
             started_at: [position; 2],
             dynamics: Maxima::from(description),
             bounds: description.dynamics_bits,
+            range: range(description.max_speed, clock.period()),
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
             linked: Linked::default(),
@@ -207,7 +211,10 @@ impl Axis {
 
     /// Whether the axis as a whole brakes: everything on it, or its part of a coordinated move that was ended.
     pub(crate) fn is_stopping(&self) -> bool {
-        let braking = |slot| self.sum.get(slot).is_some_and(|generator| generator.stopping);
+        let braking = |slot| {
+            let generator = self.sum.get(slot);
+            generator.is_some_and(|generator| generator.stopping || generator.ending)
+        };
         braking(Slot::Stop) || braking(Slot::System)
     }
 
@@ -219,6 +226,23 @@ impl Axis {
     /// Whether a coordinate system moves the axis, and not only its brake.
     pub(crate) fn is_coordinated(&self) -> bool {
         self.sum.get(Slot::System).is_some_and(|generator| !generator.stopping)
+    }
+
+    /// Whether coordinated motion moves the axis still: a move, or the brake of one that was ended.
+    pub(crate) fn has_coordinated_motion(&self) -> bool {
+        self.sum.is_active(Slot::System) || self.sum.get(Slot::Stop).is_some_and(|stop| stop.coordinated)
+    }
+
+    /// A stop of everything on the axis brakes its coordinated motion on the path.
+    pub(crate) fn end_on_path(&mut self) {
+        if let Some(generator) = self.sum.get_mut(Slot::System) {
+            generator.ending = true;
+        }
+    }
+
+    /// Whether one does.
+    pub(crate) fn is_ending_on_path(&self) -> bool {
+        self.sum.get(Slot::System).is_some_and(|generator| generator.ending)
     }
 
     /// The axis becomes part of a coordinated move that starts where the axis is commanded to be.
@@ -338,8 +362,35 @@ impl Axis {
         stop.brake = Some(*limits);
         stop.s_curve = limits.jerk.is_some();
         stop.parting = self.is_parting();
+        stop.coordinated = self.has_coordinated_motion();
         self.after_stop = AfterStop::Hold;
         self.sum.place(position);
+        self.begin(Slot::Stop, stop);
+        self.started_at = started_at;
+    }
+
+    /// What single-axis instructions began, and a stop of it, becomes one deceleration; what a coordinate system or a transform
+    /// gives goes on. Whoever had begun it is told nothing here.
+    pub(crate) fn brake_own(&mut self, limits: &Limits, now: Instant) {
+        let moved = self.sum.motion_of(Slot::is_own);
+        let from = State {
+            position: self.command.position,
+            velocity: moved.velocity,
+            acceleration: if limits.jerk.is_some() { moved.acceleration } else { 0.0 },
+        };
+        let mut stop = Generator::planned(Profile::stop(from, limits), now);
+        stop.stopping = true;
+        stop.s_curve = limits.jerk.is_some();
+        if let Some(earlier) = self.sum.get(Slot::Stop) {
+            (stop.parting, stop.coordinated) = (earlier.parting, earlier.coordinated);
+        }
+        let started_at = self.started_at;
+        for slot in Slot::ALL {
+            if slot.is_own() {
+                self.end(slot);
+            }
+        }
+        self.after_stop = AfterStop::Hold;
         self.begin(Slot::Stop, stop);
         self.started_at = started_at;
     }

@@ -65,6 +65,11 @@ impl Slot {
         )
     }
 
+    /// Whether it moves the axis by itself: neither a coordinate system nor a transform gives it.
+    pub(crate) fn is_own(self) -> bool {
+        !matches!(self, Slot::System) && !self.is_of_transforms()
+    }
+
     /// Whether a transform moves the axis by it, or what is left of one.
     pub(crate) fn is_of_transforms(self) -> bool {
         matches!(self, Slot::Transform | Slot::Parting)

@@ -11,6 +11,7 @@ use crate::control::Execution;
 use crate::follow::cam::{Cam, Lock, Mode, Pending, Program, Source};
 use crate::follow::gear::MasterAt;
 use crate::motion::Motion;
+use crate::range;
 
 /// Places of the operands that both have, under either name.
 #[derive(Clone, Copy, Debug)]
@@ -118,6 +119,16 @@ pub(super) struct Beginning {
     pub(super) lock: Option<Lock>,
     /// The master as it is now.
     pub(super) master: MasterAt,
+}
+
+/// The slave stays within its range over the whole of a profile.
+///
+/// # Errors
+/// `ParameterOutOfRange` (13) with the scaling of the slave.
+pub(super) fn verify_reach(motion: &Motion, axis: u16, program: &Program, scaling: usize) -> Result<(), MotionError> {
+    let state = &motion.axes[usize::from(axis)];
+    let way = program.profile.reach() * program.slave_scale.abs();
+    range::verify(state, state.command.position.abs() + way, scaling)
 }
 
 /// The cam waits for the end of the one under way.

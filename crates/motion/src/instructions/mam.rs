@@ -14,6 +14,7 @@ use crate::control::Execution;
 use crate::events::{Events, Fit};
 use crate::follow::links::Serves;
 use crate::motion::Motion;
+use crate::range;
 use crate::rotary::Turn;
 
 /// Places of MAM's operands.
@@ -143,6 +144,11 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     }
     axis_moves::not_stopping(state)?;
     let target = layout.target(state, call)?;
+    let moved = match state.cam_master(Slot::PositionCam) {
+        Some(master) if slot == Slot::MasterOffset => &motion.axes[usize::from(master)],
+        _ => state,
+    };
+    range::verify(moved, target, layout.position)?;
     let way = target - layout.present(state, call);
     // An offset is in units of the master, and so are its maxima.
     let maxima = match state.cam_master(Slot::PositionCam) {

@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
 
-use super::camming::{Beginning, CamLayout, begin, not_stopping, on_turn, verify_change, wait};
+use super::camming::{Beginning, CamLayout, begin, not_stopping, on_turn, verify_change, verify_reach, wait};
 use super::{axis_moves, place};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
@@ -103,6 +103,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         entry,
         link: None,
     };
+    verify_reach(motion, axis, &program, layout.cam.slave_scaling)?;
     if pending {
         wait(motion, axis, Slot::PositionCam, program, execution);
         return Ok(());

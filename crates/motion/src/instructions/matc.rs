@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::{Call, Mnemonic, MotionError};
 
-use super::camming::{Beginning, CamLayout, begin, not_stopping, verify_change, wait};
+use super::camming::{Beginning, CamLayout, begin, not_stopping, verify_change, verify_reach, wait};
 use super::programmed::LockLayout;
 use super::{axis_moves, place};
 use crate::axis::sum::Slot;
@@ -84,6 +84,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         way,
         link: led.map(|(link, _)| link.id),
     };
+    verify_reach(motion, axis, &program, layout.cam.slave_scaling)?;
     if pending {
         wait(motion, axis, Slot::TimeCam, program, execution);
         return Ok(());

@@ -40,13 +40,15 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let driven = active.is_some_and(|active| active.lead.is_some());
     layout.dynamics.verify_mode(call, driven)?;
     verify::axes_ready(&motion.systems[index], &motion.axes)?;
+    verify::not_homing(&motion.systems[index], &motion.axes)?;
+    let s_curve = active.is_some_and(|active| active.dynamics.is_s_curve());
+    verify::stoppable(&motion.systems[index], &motion.axes, s_curve)?;
     let system = &mut motion.systems[index];
     let active = match (system.activity, system.active()) {
         (Activity::Moving, Some(active)) => active,
         (Activity::Stopping, _) => return verify::not_stopping(system, &motion.axes),
         _ => return Err(MotionError::IllegalDynamicChange),
     };
-    verify::stoppable(system, &motion.axes, active.dynamics.is_s_curve())?;
     let maxima = maxima(&system.description);
     let read = maxima.map(|maxima| layout.dynamics.read(call, &maxima));
     // Every move that is changed must be of the mode of the change.

@@ -8,6 +8,7 @@ use super::place;
 use super::points::{self, primary, target_point, unwinds};
 use crate::control::Execution;
 use crate::motion::Motion;
+use crate::range;
 use crate::rotary::Turn;
 use crate::system::{System, component};
 
@@ -54,6 +55,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         } else {
             points::unwind(motion, system, &start, position, &mut end, layout.position)?;
         }
+        range::verify_point(system, &motion.axes, &end, layout.position)?;
         let values = primary(system, call, circle.circle_point);
         let point = |incremental: bool| {
             let mut point = target_point(values, &start, incremental);
@@ -76,7 +78,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         let direction = Direction::from_word(call.word(circle.direction))
             .ok_or(MotionError::ParameterOutOfRange(OperandIndex(circle.direction as u8)))?;
         let arc = Arc::new(dimension, start, end, circle_point, direction).map_err(error)?;
-        Ok(Path::Arc(arc))
+        let path = Path::Arc(arc);
+        range::verify_path(system, &motion.axes, &path, circle.circle_point)?;
+        Ok(path)
     })
 }
 

@@ -7,6 +7,7 @@ use super::moves::{self, INCREMENTAL};
 use super::points::{self, primary, target_point};
 use crate::control::Execution;
 use crate::motion::Motion;
+use crate::range;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let layout = motion.layouts.mclm;
@@ -17,6 +18,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         if !incremental {
             points::unwind(motion, system, &start, values, &mut target, layout.position)?;
         }
+        range::verify_point(system, &motion.axes, &target, layout.position)?;
         Ok(Path::line(start, target))
     })
 }

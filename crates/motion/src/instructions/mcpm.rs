@@ -5,7 +5,7 @@
 //! The limits of both parts hold: where one of them is the stricter in everything, it determines the time. What only turns has its
 //! angle as its way. Units: position units, degrees.
 
-use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex, Range};
 use arcline_planner::geometry::{Path, Point, Turn};
 use arcline_planner::{Ending, Momentum, Move, Parameter};
 
@@ -22,6 +22,7 @@ use crate::machine::{AxisLimits, CoordinateSystem, Orientation};
 use crate::material::Sent;
 use crate::motion::Motion;
 use crate::path_data::{DynamicsData, PathData};
+use crate::range;
 use crate::system::{Planned, Termination};
 use crate::verify;
 
@@ -56,8 +57,8 @@ impl Layout {
 
     /// Members in their ranges (13), and what is reserved (99).
     fn verify_path(&self, path: &PathData) -> Result<(), MotionError> {
-        let finite = path.position.iter().all(|number| number.is_finite());
-        let tolerated = path.command_tolerance_linear.is_finite() && path.command_tolerance_linear >= 0.0;
+        let finite = path.position.iter().all(|number| Range::Any.holds(*number));
+        let tolerated = Range::NotNegative.holds(path.command_tolerance_linear);
         let [base, fourth, sixth, reserved] = path.turns_counters;
         // Only one joint turns the tool about X3.
         let counted = base == 0 && reserved == 0 && (fourth == 0 || sixth == 0);
@@ -80,10 +81,13 @@ impl Layout {
     fn verify_dynamics(&self, dynamics: &DynamicsData) -> Result<(), MotionError> {
         let modes = [dynamics.units_mode, dynamics.time_units, dynamics.profile];
         let rates = |[speed, acceleration, deceleration]: [f64; 3]| {
-            let above = |number: f64| number > 0.0 && number.is_finite();
-            speed >= 0.0 && speed.is_finite() && above(acceleration) && above(deceleration)
+            let above = |number: f64| Range::Positive.holds(number);
+            Range::NotNegative.holds(speed) && above(acceleration) && above(deceleration)
         };
-        let jerks = dynamics.jerks.iter().all(|jerk| *jerk > 0.0 && *jerk <= 100.0);
+        let jerks = dynamics
+            .jerks
+            .iter()
+            .all(|jerk| Range::Positive.holds(*jerk) && *jerk <= 100.0);
         let fits = modes.iter().all(|mode| (0..=1).contains(mode))
             && rates(dynamics.linear)
             && rates(dynamics.orientation)
@@ -126,6 +130,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let (start, shift) = (points::start_point(motion, index), points::queue_shift(motion, index));
     let headings = [motion.heading(index), motion.heading_shift(index)];
     let way = Way::of(&tags.path, &(start + shift), headings);
+    range::verify_point(&motion.systems[index], &motion.axes, &way.path.end(), layout.path)?;
     let (termination, ending) = termination(&tags.path, &system.description, &way)?;
     let maxima = Maxima::from(&system.description);
     let [moves_by, turns_by] = rates(&tags.dynamics, &maxima, &orientation, link.as_ref());

@@ -1,6 +1,6 @@
 //! MCS, Motion Coordinated Stop (spec/coordinated-instructions.md §15, the reference page MCS).
 
-use arcline_instruction_set::{AxisIndex, Call, Culprit, Flag, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError, OperandIndex};
 use arcline_planner::profile::{Jerk, Limits};
 
 use super::place;
@@ -55,7 +55,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let stop_type = call.word(layout.stop_type);
     let rates = rates(motion, index, call)?;
     if stop_type == ALL {
-        verify_sharing(motion, index)?;
+        verify_sharing(motion, index, call)?;
     }
 
     // A weaker stop while a stop of all is running takes over its bits only.
@@ -72,12 +72,13 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
                 let axis = motion.systems[index].description.axes[place];
                 braking.extend(cancel(motion, &rates.release, |link, _| link.has(axis)));
             }
-            braking.extend(stop_all(motion, index));
+            braking.extend(stop_all(motion, index, call)?);
             for place in 0..motion.systems[index].description.axes.len() {
                 motion.unlink_slave(motion.systems[index].description.axes[place]);
             }
         }
-        COORDINATED_MOVE => {
+        // A stop of all that is under way goes on as it is.
+        COORDINATED_MOVE if !is_ending(motion, index) => {
             let limits = rates.along_path(motion, index);
             stop_move(motion, index, &limits);
         }
@@ -210,40 +211,49 @@ pub(crate) fn stop_move(motion: &mut Motion, index: usize, limits: &Limits) {
     motion.stop_on_path(index, limits);
 }
 
-/// Stops every axis of the system by itself, out of all that moves it, and the whole coordinated moves of systems that
-/// share one.
-fn stop_all(motion: &mut Motion, index: usize) -> AxisSet {
+/// Stops the coordinated moves of the system, and those of systems that share an axis with it, on their paths, and every axis
+/// of the system by itself out of what single-axis instructions began on it (§15.1). Returns the axes that brake.
+fn stop_all(motion: &mut Motion, index: usize, call: &Call) -> Result<AxisSet, MotionError> {
     let mut braking = AxisSet::default();
     for other in 0..motion.systems.len() {
-        let shares = other == index || motion.systems[index].shared_axis(&motion.systems[other]).is_some();
-        if shares {
-            braking.extend(motion.abort_system(other, |_| false));
+        if !motion.systems[other].is_busy() || !shares(motion, index, other) {
+            continue;
+        }
+        let limits = rates(motion, other, call)?.along_path(motion, other);
+        stop_move(motion, other, &limits);
+        for place in 0..motion.systems[other].taken().len() {
+            let axis = motion.systems[other].taken()[place];
+            motion.axes[usize::from(axis)].end_on_path();
+            braking.insert(axis);
         }
     }
     for place in 0..motion.systems[index].description.axes.len() {
         let axis = motion.systems[index].description.axes[place];
-        motion.stop_axis(axis, None);
+        motion.stop_own(axis);
         braking.insert(axis);
     }
-    braking
+    Ok(braking)
 }
 
-/// A stop of all also brakes axes of other systems: these must be able to.
-fn verify_sharing(motion: &Motion, index: usize) -> Result<(), MotionError> {
-    let own = &motion.systems[index];
-    for other in &motion.systems {
-        if !other.is_busy() || own.shared_axis(other).is_none() {
+/// Whether a stop of all brakes the coordinated move of a system on its path.
+fn is_ending(motion: &Motion, index: usize) -> bool {
+    let mut axes = motion.systems[index].taken().iter();
+    axes.any(|axis| motion.axes[usize::from(*axis)].is_ending_on_path())
+}
+
+/// Whether a stop of all of the one system stops the other one's coordinated moves.
+fn shares(motion: &Motion, index: usize, other: usize) -> bool {
+    other == index || motion.systems[index].shared_axis(&motion.systems[other]).is_some()
+}
+
+/// A stop of all also stops moves of other systems, at their own maxima where the operands give no rates: there must be some.
+fn verify_sharing(motion: &Motion, index: usize, call: &Call) -> Result<(), MotionError> {
+    for other in 0..motion.systems.len() {
+        if other == index || !motion.systems[other].is_busy() || !shares(motion, index, other) {
             continue;
         }
-        for axis in &other.description.axes {
-            let cannot = motion
-                .axes
-                .get(usize::from(*axis))
-                .is_some_and(|axis| axis.dynamics.deceleration <= 0.0);
-            if cannot {
-                return Err(MotionError::ZeroMaxDecel(Culprit::Axis(AxisIndex(0))));
-            }
-        }
+        verify::stoppable(&motion.systems[other], &motion.axes, is_s_curve(motion, other))?;
+        rates(motion, other, call)?;
     }
     Ok(())
 }

@@ -12,6 +12,7 @@ use crate::follow::order::share;
 use crate::follow::pair::{Link, Map, Positions};
 use crate::follow::robot::{CONSISTENT, Joints, RobotMap};
 use crate::motion::Motion;
+use crate::range;
 use crate::verify;
 
 /// Places of the operands of MCT, and of MCTP.
@@ -88,6 +89,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     verify_free(motion, target)?;
     let [from, to] = [source, target].map(|index| &motion.systems[index].description.axes);
     let frame = layout.frame(call, from.len())?;
+    let translation = vector(call.array(layout.translation));
+    for index in [source, target] {
+        range::verify_point(&motion.systems[index], &motion.axes, &translation, layout.translation)?;
+    }
     let map = match robot {
         None => Map::Frames(frame),
         Some((robot, side)) => {
@@ -246,7 +251,8 @@ fn meet(motion: &mut Motion, link: &Link) -> Result<(), MotionError> {
     for (place, (axis, position)) in link.source().iter().zip(source.iter()).enumerate() {
         let state = &motion.axes[usize::from(*axis)];
         let settable = state.is_virtual && state.sum.is_idle();
-        if !settable && deviates(*axis, *position) > CONSISTENT {
+        let beyond = position.abs() > state.range;
+        if beyond || !settable && deviates(*axis, *position) > CONSISTENT {
             return Err(MotionError::InvalidTransformPosition(Detail(place as i8)));
         }
     }

@@ -1,8 +1,9 @@
 //! MCTO, Motion Coordinated Transform with Orientation (spec/coordinated-instructions.md §19, §24), and what MCTPO shares
 //! with it.
 
-use arcline_instruction_set::{Call, Detail, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::{Call, Detail, Mnemonic, MotionError, OperandIndex, Range};
 use arcline_kinematics::{GeometryError, OrientedRobot};
+use arcline_planner::geometry::Point;
 
 use super::mct::{self, positions, refused};
 use super::place;
@@ -12,6 +13,7 @@ use crate::follow::pair::{Link, Map};
 use crate::follow::robot::RobotMap;
 use crate::material::{Frames, Sent};
 use crate::motion::Motion;
+use crate::range;
 
 /// Places of the operands of MCTO, and of MCTPO.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +65,7 @@ impl Layout {
     pub(super) fn verify_frames(&self, frames: &Frames) -> Result<(), MotionError> {
         let both = [(self.work, &frames.work, 0), (self.tool, &frames.tool, 3)];
         for (operand, frame, _) in both {
-            if !frame.coordinates.iter().all(|number| number.is_finite()) {
+            if !frame.coordinates.iter().all(|number| Range::Any.holds(*number)) {
                 return Err(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)));
             }
         }
@@ -87,6 +89,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let (source, target, robot) = layout.pair(motion, call)?;
     mct::verify_free(motion, target)?;
     layout.verify_frames(frames)?;
+    for (frame, operand) in [(&frames.work, layout.work), (&frames.tool, layout.tool)] {
+        let [x, y, z, ..] = frame.coordinates;
+        range::verify_point(&motion.systems[source], &motion.axes, &Point::new(x, y, z), operand)?;
+    }
     let [from, to] = [source, target].map(|index| &motion.systems[index].description.axes);
     let map = RobotMap::with_wrist(frames, robot, positions(motion, to), &positions(motion, from));
     let link = Link::new(Some(execution), source, Map::Robot(map), from, to);

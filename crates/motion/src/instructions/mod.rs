@@ -121,6 +121,17 @@ impl Layouts {
     }
 }
 
+impl Layouts {
+    /// Whether a call is of a coordinated move that merges: it ends what is under way and takes no place in the queue.
+    pub(crate) fn merges(&self, call: &Call) -> bool {
+        match call.mnemonic {
+            Mnemonic::Mclm => self.mclm.merges(call),
+            Mnemonic::Mccm => self.mccm.merges(call),
+            _ => false,
+        }
+    }
+}
+
 /// Verifies an instruction and does it. Real-time.
 ///
 /// # Errors

@@ -60,6 +60,11 @@ impl MoveLayout {
         }
     }
 
+    /// Whether the move takes over at once, whatever waits.
+    pub(super) fn merges(&self, call: &Call) -> bool {
+        call.word(self.merge) != MERGE_DISABLED
+    }
+
     /// How the move completes, and what happens there if it has a successor.
     fn termination(&self, call: &Call, system: &CoordinateSystem) -> Result<(Termination, Ending), MotionError> {
         let word = call.word(self.termination_type);
@@ -292,6 +297,7 @@ pub(super) fn launch(
     }
     system.planner.ramp_out(residual, &clock);
     system.activity = Activity::Moving;
+    system.has_moved = system.guide.is_none() && !system.is_paused() && planned.path.length() > 0.0;
     system.shown_phase = Phase::Steady;
     system.shown_tracking = false;
     system.in_actual_tolerance = false;

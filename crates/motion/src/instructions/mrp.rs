@@ -7,6 +7,7 @@ use super::axis_moves::{not_homing, not_shut_down};
 use super::place;
 use crate::control::Execution;
 use crate::motion::Motion;
+use crate::range;
 
 /// Places of MRP's operands.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +50,15 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     }
     motion.not_in_transform(axis)?;
     let state = &mut motion.axes[usize::from(axis)];
+    let (command, actual) = (state.command.position, state.drive.actual().position);
+    let offset = match (relative, call.word(layout.position_select) == COMMAND) {
+        (true, _) => position,
+        (false, true) => position - command,
+        (false, false) => position - actual,
+    };
+    for redefined in [command + offset, actual + offset] {
+        range::verify(state, redefined, layout.position)?;
+    }
     if relative {
         state.redefine(position);
     } else if call.word(layout.position_select) == COMMAND {

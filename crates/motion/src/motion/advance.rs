@@ -12,6 +12,7 @@ use arcline_planner::{Clock, Ending, Instant, Move, Passage, Reach, Sample};
 use super::Motion;
 use crate::axis::Axis;
 use crate::axis::sum::Slot;
+use crate::stop::AxisSet;
 use crate::system::{Activity, Planned, component};
 
 impl Motion {
@@ -237,6 +238,11 @@ impl Motion {
         seat(system.description.linear(), &mut self.axes, &sample);
         self.seat_turned(index, &sample);
         let system = &mut self.systems[index];
+        system.has_moved |= match &system.guide {
+            // Its master may stand.
+            Some(_) => sample.along.velocity != 0.0,
+            None => !system.is_paused() && (length > 0.0 || system.contour_in_force().is_some()),
+        };
         // Nothing has begun while a lock is waited for.
         let waits = system.guide.is_some_and(|guide| !guide.has_begun());
         let phase = if waits { Phase::Steady } else { sample.phase };
@@ -294,6 +300,13 @@ impl Motion {
         }
         let before = settling.within()?;
         Some(reached.after(elapsed - before, &self.clock))
+    }
+
+    /// Axes that stand, or that another move has taken, brake no more.
+    pub(super) fn finish_braking(&mut self, index: usize) {
+        if !self.systems[index].brakes(&self.axes) {
+            self.systems[index].braking = AxisSet::default();
+        }
     }
 
     pub(super) fn finish_stop(&mut self, index: usize) {

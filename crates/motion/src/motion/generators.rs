@@ -87,6 +87,32 @@ impl Motion {
         self.stop_axis_at(axis, &limits, execution);
     }
 
+    /// As [`Motion::stop_axis`], but for coordinated motion and for what cancelled transforms had moved: these brake by themselves.
+    /// The stop reports to nobody. Whether anything brakes.
+    pub(crate) fn stop_own(&mut self, axis: u16) -> bool {
+        let at = usize::from(axis);
+        self.end_passive_homing(axis);
+        self.end_pending_cams(axis, None);
+        let state = &self.axes[at];
+        let own = || state.sum.active().filter(|(slot, _)| slot.is_own());
+        if own().next().is_none() {
+            return false;
+        }
+        let s_curve = own().any(|(_, generator)| generator.s_curve);
+        let limits = state.dynamics.stop(s_curve);
+        for slot in Slot::ALL {
+            if !slot.is_own() {
+                continue;
+            }
+            if let Some(execution) = self.axes[at].sum.get(slot).and_then(|generator| generator.execution) {
+                self.end_move(execution, 0);
+            }
+        }
+        self.axes[at].brake_own(&limits, self.clock.now());
+        self.axes[at].stale = true;
+        true
+    }
+
     /// As [`Motion::stop_axis`], at given rates.
     pub(crate) fn stop_axis_at(&mut self, axis: u16, limits: &Limits, execution: Option<Execution>) {
         let at = usize::from(axis);

@@ -120,6 +120,7 @@ impl Motion {
                 braking.insert(axis);
             }
         }
+        self.systems[index].braking = braking;
         braking
     }
 
@@ -215,6 +216,7 @@ impl Motion {
         system.course = Phase::Steady;
         system.shown_tracking = false;
         system.in_transition = false;
+        system.has_moved = false;
         system.along = [0.0; 3];
         system.stale = false;
     }

@@ -6,6 +6,7 @@
 mod contour_pace;
 mod merge_limits;
 mod merges;
+mod short_moves;
 mod storms;
 mod streams;
 

@@ -1,0 +1,60 @@
+//! How far from 0 axes can be: 2³² coarse updates at Maximum Speed (docs/DECISIONS.md, "The range of positions").
+//!
+//! Beyond it a position has so few digits left that its rounding would show in the motion: at the end of the range a digit is a
+//! millionth of the way that the axis goes in one update at Maximum Speed. Not here: the range of every number
+//! (`arcline_instruction_set::Range`). Units: position units.
+
+use arcline_instruction_set::{MotionError, OperandIndex};
+use arcline_planner::geometry::{Path, Point};
+
+use crate::axis::Axis;
+use crate::system::{System, component};
+
+/// Updates at Maximum Speed from 0 to the end of the range.
+const UPDATES: f64 = 4_294_967_296.0;
+
+/// The range of an axis on either side of 0, with its Maximum Speed (units/s) and the coarse update period (s).
+pub(crate) fn range(max_speed: f64, period: f64) -> f64 {
+    UPDATES * max_speed * period
+}
+
+/// An axis can be at a position.
+///
+/// # Errors
+/// `ParameterOutOfRange` (13) with the operand that leads there.
+pub(crate) fn verify(axis: &Axis, position: f64, operand: usize) -> Result<(), MotionError> {
+    if position.abs() <= axis.range {
+        Ok(())
+    } else {
+        Err(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))
+    }
+}
+
+/// The axes of a coordinate system can be at a point.
+///
+/// # Errors
+/// `ParameterOutOfRange` (13) with the operand that leads there.
+pub(crate) fn verify_point(system: &System, axes: &[Axis], point: &Point, operand: usize) -> Result<(), MotionError> {
+    for (place, axis) in system.description.linear().iter().enumerate() {
+        if let Some(axis) = axes.get(usize::from(*axis)) {
+            verify(axis, component(point, place), operand)?;
+        }
+    }
+    Ok(())
+}
+
+/// No point of a path is further from 0 than an axis can be. An arc goes no further from its start than its length or its
+/// diameter.
+///
+/// # Errors
+/// `ParameterOutOfRange` (13) with the operand that leads there.
+pub(crate) fn verify_path(system: &System, axes: &[Axis], path: &Path, operand: usize) -> Result<(), MotionError> {
+    let Path::Arc(arc) = path else {
+        return verify_point(system, axes, &path.end(), operand);
+    };
+    let away = path.length().min(2.0 * arc.radius().max(arc.end_radius()));
+    let furthest = path.start().map(|start| start.abs() + away);
+    let flat = system.description.linear().len();
+    let furthest = Point::from_fn(|place, _| if place < flat { furthest[place] } else { 0.0 });
+    verify_point(system, axes, &furthest, operand)
+}
