@@ -181,8 +181,7 @@ impl Bench {
         let events = &mut self.events;
         self.controller.plan_contours(&mut self.contour);
         let fault_changes = &mut self.fault_changes;
-        self.controller
-            .take_fault_changes(|change| fault_changes.push(*change));
+        self.controller.take_fault_changes(|change| fault_changes.push(*change));
         self.controller.end_tick(|event| {
             let name = controls.iter().find(|(_, slot)| **slot == event.control);
             events.push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));

@@ -36,7 +36,7 @@ async fn create(client: &Client, command: &CreateTag, output: &Output) -> Result
 /// Why a tag was not created, as far as the type is the cause.
 fn not_created(error: ClientError, data_type: &str) -> Failure {
     let hint = match &error {
-        ClientError::Refused { status, .. } if status.is(CipStatus::INVALID_PARAMETER_VALUE) => {
+        ClientError::Refused { status, .. } if status.is(CipStatus::INVALID_PARAMETER) => {
             let element = data_type.split('[').next().unwrap_or_default().trim();
             if element.eq_ignore_ascii_case("MOTION_INSTRUCTION") {
                 "a motion control tag is made by the first instruction that names it".to_owned()

@@ -79,7 +79,7 @@ export class Events {
         h("span.pill", { "data-kind": kind }, word),
         life.error ? h("span.life-error", {}, life.error.text) : why && h(`span.life-why.${kind}`, {}, why)),
       h("p.life-when", {}, timestamp(life.at)),
-      why && h(`p.life-reason.${kind}`, {}, why),
+      why && h(`p.life-reason.${kind}`, {}, life.ended ? `${why}, at ${timestamp(life.ended.at)} (${clock(life.ended.time, 3)})` : why),
       life.fault && faultAdvice(life.fault, this.app.store),
       life.error && explanation(life.error),
       life.text && h("div.line", {}, h("code", {}, life.text)),

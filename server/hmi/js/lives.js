@@ -8,6 +8,8 @@ export class Lives extends EventTarget {
   /** Newest last. */
   list = [];
   #byKey = new Map();
+  /** The ticket of the last instruction that cleared faults of an axis. */
+  #lastReset = new Map();
 
   /** The newest sequence number, to go on after a break. */
   newest = 0;
@@ -26,7 +28,7 @@ export class Lives extends EventTarget {
       life.steps.push(event);
       life.text ??= event.text;
       life.viewer ??= event.viewer;
-      life.ended = event.ended ?? life.ended;
+      if (event.ended) life.ended = { ...event.ended, at: event.at_ms, time: event.time_s };
       for (const bit of event.set ?? []) life.bits.add(bit);
       for (const bit of event.clear ?? []) life.bits.delete(bit);
       if (event.err) {
@@ -56,18 +58,13 @@ export class Lives extends EventTarget {
   /** A change of the faults of an axis; a reset that has not helped learns so. */
   #fault(event) {
     const { axis, set, again, clear, by } = event.fault;
-    this.#add({ key: `fault ${event.seq}`, tag: "", instruction: "Fault", object: axis, began: event.time_s, at: event.at_ms, steps: [event], bits: new Set(), fault: event.fault });
+    this.#add({ key: `fault ${event.seq}`, tag: axis, instruction: "Fault", object: "", began: event.time_s, at: event.at_ms, steps: [event], bits: new Set(), fault: event.fault });
     if (by?.ticket !== undefined && clear.length) this.#lastReset.set(axis, by.ticket);
     const reset = set.length && again.length ? this.#byKey.get(this.#lastReset.get(axis)) : null;
     if (reset) {
       reset.remain.push({ axis, words: again });
-      reset.steps = [...reset.steps];
-      reset.touched = (reset.touched ?? 0) + 1;
     }
   }
-
-  /** The ticket of the last instruction that cleared faults of an axis. */
-  #lastReset = new Map();
 
   #add(life) {
     this.#byKey.set(life.key, life);

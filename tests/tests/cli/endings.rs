@@ -48,7 +48,8 @@ fn motion_says_what_ended_it() {
 
     let ended = begin(at, &moving);
     moves(at, "X");
-    let merged = "MCLM(CS1, Other, 0, [100000, 10, 0], 100, 0, 2000, 0, 2000, 0, 0, 0, 0, 0, 0, Coordinated Motion, Programmed)";
+    let merged =
+        "MCLM(CS1, Other, 0, [100000, 10, 0], 100, 0, 2000, 0, 2000, 0, 0, 0, 0, 0, 0, Coordinated Motion, Programmed)";
     let _ = arcline(at, &["exec", "--no-wait", merged]).expect(0);
     let told = ended.join().expect("it ran").expect(1).stderr;
     assert!(told.contains("superseded by MCLM Other"), "{told}");
@@ -57,7 +58,13 @@ fn motion_says_what_ended_it() {
     let ended = begin(at, &["--json", moving[0], moving[1], moving[2], moving[3], moving[4]]);
     moves(at, "X");
     let _ = arcline(at, &["fault", "inject", "X", "overcurrent"]).expect(0);
-    let object = ended.join().expect("it ran").expect(1).objects().pop().expect("one result");
+    let object = ended
+        .join()
+        .expect("it ran")
+        .expect(1)
+        .objects()
+        .pop()
+        .expect("one result");
     let text = object["error"].as_str().unwrap_or_default();
     assert!(
         text.contains("stopped by a fault: X overcurrent, at ") && text.contains(" s of machine time"),
@@ -68,7 +75,10 @@ fn motion_says_what_ended_it() {
         (&"X".into(), &"overcurrent".into()),
         "{object}"
     );
-    assert!(object["ended"]["unix_s"].as_f64().is_some_and(|at| at > 1.7e9), "{object}");
+    assert!(
+        object["ended"]["unix_s"].as_f64().is_some_and(|at| at > 1.7e9),
+        "{object}"
+    );
 }
 
 #[test]
@@ -93,7 +103,10 @@ fn a_program_whose_wait_cannot_come_true_ends() {
     moves(at, "X");
     let _ = arcline(at, &["fault", "inject", "X", "overcurrent"]).expect(0);
     let told = ended.join().expect("it ran").expect(1).stderr;
-    assert!(told.contains("line 1: ") && told.contains("stopped by a fault: X overcurrent"), "{told}");
+    assert!(
+        told.contains("line 1: ") && told.contains("stopped by a fault: X overcurrent"),
+        "{told}"
+    );
 }
 
 #[test]
@@ -115,7 +128,11 @@ fn stop_stops_axes_and_everything() {
     }
     let _ = arcline(at, &["stop"]).expect(0);
     for axis in ["B", "X", "Y"] {
-        assert_eq!(read_numbers(at, &[&format!("{axis}.CommandVelocity")])[0], 0.0, "{axis}");
+        assert_eq!(
+            read_numbers(at, &[&format!("{axis}.CommandVelocity")])[0],
+            0.0,
+            "{axis}"
+        );
     }
 }
 
@@ -151,7 +168,10 @@ fn mistakes_are_told_in_words() {
     assert_eq!(read_numbers(at, &["Parts"])[0], 0.0, "nothing was written");
     let _ = arcline(at, &["write", "Parts", "3.0"]).expect(0);
     assert_eq!(read_numbers(at, &["Parts"])[0], 3.0);
-    assert_eq!(arcline(at, &["read", "Move1.Position{3}"]).expect(0).stdout, "[0, 0, 0]\n");
+    assert_eq!(
+        arcline(at, &["read", "Move1.Position{3}"]).expect(0).stdout,
+        "[0, 0, 0]\n"
+    );
     let told = arcline(at, &["explain", "13"]).expect(0).stdout;
     assert!(told.starts_with("ERR 13 Parameter Out Of Range\n"), "{told}");
     assert!(told.contains("arcline explain 13/EXERR"), "{told}");

@@ -1,10 +1,10 @@
 //! Faults of axes: every kind with every action, what they do to motion, and the way back
 //! (spec/axis-and-data-types.md §1.8, §9.3, §12).
 
+use arcline_controller::Cause;
 use arcline_instruction_set::predefined::{
     axis_fault, axis_status, cip_axis_status, coordinate_system_status, motion_status,
 };
-use arcline_controller::Cause;
 use arcline_instruction_set::{Ending, ExceptionAction, FAULTS, FaultKind, FaultWord, Flag};
 use arcline_tests::bench::{Bench, OK};
 
@@ -405,7 +405,10 @@ fn faults_survive_a_restart_until_they_are_reset() {
 
 /// What ended an instruction, by its last event; names in place of tags.
 fn ending(bench: &Bench, tag: &str) -> String {
-    let ended = bench.events.iter().rfind(|(name, event)| name == tag && event.clear & Flag::Ip.mask() != 0);
+    let ended = bench
+        .events
+        .iter()
+        .rfind(|(name, event)| name == tag && event.clear & Flag::Ip.mask() != 0);
     let Some((_, event)) = ended else {
         return "it goes on".to_owned();
     };
@@ -436,7 +439,11 @@ fn an_end_before_the_end_has_its_cause() {
         assert_eq!(["L1", "L2", "A1"].map(|tag| ending(&bench, tag)), expected, "{why}");
     }
     // A fault, on whose axis the moves are; and one of another axis, which they do not mind.
-    for (axis, expected) in [("X", "axis 0 overcurrent"), ("Z", "axis 2 overcurrent"), ("B", "it goes on")] {
+    for (axis, expected) in [
+        ("X", "axis 0 overcurrent"),
+        ("Z", "axis 2 overcurrent"),
+        ("B", "it goes on"),
+    ] {
         let mut bench = moving(&[]);
         bench.inject(axis, &[FaultKind::Overcurrent]);
         bench.run(5);
@@ -447,7 +454,10 @@ fn an_end_before_the_end_has_its_cause() {
     let mut bench = moving(&[]);
     bench.stop_all();
     bench.run(5);
-    assert_eq!(["L1", "L2", "A1"].map(|tag| ending(&bench, tag)), ["stop of everything"; 3]);
+    assert_eq!(
+        ["L1", "L2", "A1"].map(|tag| ending(&bench, tag)),
+        ["stop of everything"; 3]
+    );
     let mut bench = Bench::new();
     assert_eq!(bench.call(&format!("MAM(S, A1, 0, 1, {RATES})")), OK);
     bench.run(500);
@@ -468,7 +478,11 @@ fn changes_of_faults_are_reported() {
     let row = |set: &str, again: &str, clear: &str| [set.to_owned(), again.to_owned(), clear.to_owned()];
     bench.inject("X", &[FaultKind::Overcurrent]);
     bench.run(10);
-    assert_eq!(words(&mut bench), [row("overcurrent", "", "")], "once, not in every update");
+    assert_eq!(
+        words(&mut bench),
+        [row("overcurrent", "", "")],
+        "once, not in every update"
+    );
     bench.inject("X", &[FaultKind::Overcurrent, FaultKind::Overspeed]);
     bench.run(10);
     assert_eq!(words(&mut bench), [row("overspeed", "", "")]);
@@ -481,7 +495,11 @@ fn changes_of_faults_are_reported() {
     );
     bench.run(5);
     let both = "overcurrent overspeed";
-    assert_eq!(words(&mut bench), [row("", "", both), row(both, both, "")], "the causes are still there");
+    assert_eq!(
+        words(&mut bench),
+        [row("", "", both), row(both, both, "")],
+        "the causes are still there"
+    );
     bench.inject("X", &[]);
     bench.run(5);
     assert_eq!(words(&mut bench), Vec::<[String; 3]>::new(), "faults latch");
