@@ -42,10 +42,10 @@ fn simulate_tells_how_it_ended() {
     let four = format!("{MOVE}{MOVE}{MOVE}{MOVE}");
     let goes_on = format!("{REFUSED}\n{MOVE} WAIT(M.PC);");
     let stops = format!("{MOVE}\n{REFUSED}\nWAIT(FALSE);");
-    let stopped = format!("{MOVE} DELAY(0.05); MCS(XY, S, All);\nWAIT(M.PC);");
-    let at_once = format!("{MOVE} DELAY(0.05);\nMCS(XY, S, All); WAIT(M.PC);");
+    let stopped = format!("{MOVE} DELAY(0.05); MCS(CS1, Halt, All);\nWAIT(M.PC);");
+    let at_once = format!("{MOVE} DELAY(0.05);\nMCS(CS1, Halt, All); WAIT(M.PC);");
     let goes_wrong = format!("{REFUSED}\nWAIT(Bad.PC);");
-    let either = format!("{MOVE} DELAY(0.05); MCS(XY, S, All); WAIT(M.PC OR X.CommandVelocity = 0);");
+    let either = format!("{MOVE} DELAY(0.05); MCS(CS1, Halt, All); WAIT(M.PC OR X.CommandVelocity = 0);");
     let faulted = format!("{MOVE} DELAY(0.05); FaultInject[0] := 16;");
     let waits = format!("{faulted}\nWAIT(M.PC AND X.MoveStatus = 0);");
     #[rustfmt::skip]
@@ -60,8 +60,8 @@ fn simulate_tells_how_it_ended() {
         ("an unknown tag",                "WAIT(Nothing.PC);",     &[],                          2, "Nothing"),
         ("a read-only tag",               "X.CommandPosition := 1;", &[],                        2, "read-only"),
         ("waits for ever",                "WAIT(FALSE);",          &["--until", "1"],            3, "after 1 s"),
-        ("waits for a stopped move",      &stopped,                &[],                          1, "line 2: WAIT can no longer come true: M (MCLM, line 1) was stopped by MCS S"),
-        ("stops in the tick of the wait", &at_once,                &[],                          1, "M (MCLM, line 1) was stopped by MCS S"),
+        ("waits for a stopped move",      &stopped,                &[],                          1, "line 2: WAIT can no longer come true: M (MCLM, line 1) was stopped by MCS Halt"),
+        ("stops in the tick of the wait", &at_once,                &[],                          1, "M (MCLM, line 1) was stopped by MCS Halt"),
         ("waits for an error",            &goes_wrong,             &["--keep-going"],            1, "Bad (MCLM, line 1) erred: ERR 13"),
         ("waits for what never was",      "WAIT(M.PC); MSO(X, M);", &[],                         1, "M was never executed"),
         ("waits for either",              &either,                 &[],                          0, "2 instructions"),
