@@ -65,6 +65,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
         }
     }
     summary.stopped = runner.stopped();
+    summary.executed = runner.executed();
     eprint!(
         "{}",
         summary.text(&file.to_string(), &project.machine, matches!(end, End::Finished))

@@ -45,7 +45,6 @@ impl Observer for Files {
     }
 
     fn event(&mut self, event: &Event, time: f64, image: &Image) {
-        self.summary.event(event);
         if let Some(events) = &mut self.events {
             events.event(event, time, image.control_name(event.control));
         }

@@ -221,6 +221,11 @@ impl<'m> Runner<'m> {
         told.collect()
     }
 
+    /// Instructions that were executed.
+    pub(super) fn executed(&self) -> usize {
+        self.lines.len()
+    }
+
     /// Runs until everything has ended.
     pub(crate) fn run(&mut self, observer: &mut impl Observer) -> End {
         observer.begin(self.machine);

@@ -3,14 +3,14 @@
 use std::fmt::Write as _;
 
 use arcline_controller::machine::Machine;
-use arcline_controller::{Controller, Event, FaultChange};
-use arcline_instruction_set::{Ending, Flag};
+use arcline_controller::{Controller, FaultChange};
+use arcline_instruction_set::Ending;
 
 /// What has been seen so far.
 #[derive(Debug, Default)]
 pub(super) struct Summary {
     /// Instructions that were executed.
-    executed: u64,
+    pub(super) executed: usize,
     ticks: u64,
     /// Positions of the axes, in position units, at the first tick and at the last.
     first: Vec<f64>,
@@ -29,12 +29,6 @@ impl Summary {
         self.last.extend(controller.trace().map(|axis| axis[0]));
         if self.first.len() != machine.axes.len() {
             self.first.clone_from(&self.last);
-        }
-    }
-
-    pub(super) fn event(&mut self, event: &Event) {
-        if event.set & Flag::En.mask() != 0 {
-            self.executed += 1;
         }
     }
 
