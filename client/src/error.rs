@@ -9,6 +9,8 @@ use arcline_instruction_set::{BindError, Flag, Mnemonic, MotionControl, Object, 
 use arcline_proto::cip::CipStatus;
 use arcline_tag::{Elementary, PathError, nearest};
 
+use crate::Ended;
+
 /// Why a request gave no result.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -67,13 +69,37 @@ pub enum ClientError {
         /// EXERR.
         exerr: i8,
     },
-    /// The motion ended without reaching what was waited for: it was stopped, merged away, or a fault ended it.
-    #[error("the motion ended without {flag}: it was stopped, superseded or faulted")]
+    /// An operand that the instruction needs was left out: it counts as 0, which is out of its range.
+    #[error("{}: {operand} was not given", describe(*err, *exerr, Some(*mnemonic)))]
+    NotGiven {
+        /// The instruction.
+        mnemonic: Mnemonic,
+        /// Name of the operand.
+        operand: &'static str,
+        /// ERR.
+        err: i16,
+        /// EXERR.
+        exerr: i8,
+    },
+    /// An object of another kind than the instruction acts on.
+    #[error("{name} is {}, {mnemonic} acts on {}", article(*is), article(mnemonic.instruction().object))]
+    WrongObject {
+        /// The instruction.
+        mnemonic: Mnemonic,
+        /// The object.
+        name: String,
+        /// What it is.
+        is: Object,
+    },
+    /// The motion ended without reaching what was waited for: it was stopped, superseded, or a fault ended it.
+    #[error("the motion ended without {flag}: {}", reason(ended.as_deref()))]
     Ended {
         /// What was waited for.
         flag: Flag,
         /// The status it ended with.
         control: MotionControl,
+        /// What ended it, where the server tells.
+        ended: Option<Box<Ended>>,
     },
     /// What was waited for did not come before the deadline.
     #[error("{flag} did not come within {} s", after.as_secs_f64())]
@@ -149,7 +175,16 @@ impl ClientError {
     /// ERR and EXERR, when a motion instruction erred.
     pub fn motion(&self) -> Option<(i16, i8)> {
         match self {
-            Self::Motion { err, exerr, .. } => Some((*err, *exerr)),
+            Self::Motion { err, exerr, .. } | Self::NotGiven { err, exerr, .. } => Some((*err, *exerr)),
+            _ => None,
+        }
+    }
+
+    /// The instruction of [`ClientError::motion`], where it is known.
+    pub fn instruction(&self) -> Option<Mnemonic> {
+        match self {
+            Self::Motion { mnemonic, .. } => *mnemonic,
+            Self::NotGiven { mnemonic, .. } => Some(*mnemonic),
             _ => None,
         }
     }
@@ -204,6 +239,18 @@ impl From<session::ClientError> for ClientError {
             error => Self::Session(error),
         }
     }
+}
+
+fn reason(ended: Option<&Ended>) -> String {
+    ended.map_or_else(
+        || "it was stopped, superseded or faulted".to_owned(),
+        ToString::to_string,
+    )
+}
+
+fn article(object: Object) -> String {
+    let article = if object == Object::Axis { "an" } else { "a" };
+    format!("{article} {object}")
 }
 
 /// `, did you mean "CS1"?`

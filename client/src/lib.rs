@@ -40,6 +40,7 @@
 
 mod client;
 mod discover;
+mod ended;
 mod error;
 mod fault;
 mod feed_override;
@@ -62,6 +63,7 @@ pub use arcline_tag::{Elementary, TagType, Value, nearest};
 
 pub use client::{Client, DEFAULT_PORT, Options};
 pub use discover::{Discovered, discover};
+pub use ended::Ended;
 pub use error::ClientError;
 pub use fault::shown_faults;
 pub use input::Input;

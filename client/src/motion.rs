@@ -15,7 +15,7 @@ use arcline_tag::{Elementary, Value};
 use crate::{Client, ClientError};
 
 /// Class of the executed instructions.
-const MOTION_INSTRUCTION: u16 = 0x0303;
+pub(crate) const MOTION_INSTRUCTION: u16 = 0x0303;
 /// Time between two looks at an instruction's status.
 const POLL: Duration = Duration::from_millis(5);
 
@@ -134,12 +134,21 @@ impl Client {
         control: &str,
         given: &[Given],
     ) -> Result<Execution, ClientError> {
-        let (_, service) = mnemonic.instruction().service();
+        let instruction = mnemonic.instruction();
+        // A service of one class is another service of another class: the wrong object must not be asked.
+        if let Some(is) = self.table().tag(target).and_then(|tag| tag.object())
+            && is != instruction.object
+        {
+            let name = target.to_owned();
+            return Err(ClientError::WrongObject { mnemonic, name, is });
+        }
+        let (_, service) = instruction.service();
         let data = encode(mnemonic, control, given)?;
         let request = arcline_proto::cip::Request::new(service, Epath::symbol(target), data);
         let reply = self.request(request).await?;
         if !reply.status.is_success() {
-            return Err(self.refusal(mnemonic, target, &reply).await);
+            let refusal = self.refusal(mnemonic, target, &reply).await;
+            return Err(not_given(refusal, mnemonic, given));
         }
         let mut reader = Reader::new(&reply.data);
         let parts = (reader.u32(), reader.array::<{ MotionControl::SIZE }>());
@@ -149,7 +158,7 @@ impl Client {
             });
         };
         let status = MotionControl::from_bytes(bytes);
-        check(&status, Some(mnemonic))?;
+        check(&status, Some(mnemonic)).map_err(|error| not_given(error, mnemonic, given))?;
         let (target, tag) = (target.to_owned(), control.to_owned());
         Ok(Execution {
             mnemonic,
@@ -189,7 +198,13 @@ impl Client {
         loop {
             let control = self.instruction(execution.instance).await?;
             if let Some(result) = outcome(&control, flag, Some(execution.mnemonic)) {
-                return result;
+                return match result {
+                    Err(ClientError::Ended { flag, control, .. }) => {
+                        let ended = self.ending(execution.instance).await?.map(Box::new);
+                        Err(ClientError::Ended { flag, control, ended })
+                    }
+                    result => result,
+                };
             }
             if Instant::now() >= end {
                 return Err(ClientError::Deadline { flag, after: deadline });
@@ -212,7 +227,14 @@ impl Client {
                 let names = self.objects(object).await.unwrap_or_default();
                 ClientError::unknown_object(object, target, names)
             }
-            _ => ClientError::refused(format!("{mnemonic} on {target}"), reply.status),
+            _ => match self.tag(target).await.ok().and_then(|tag| tag.object()) {
+                Some(is) if is != object => ClientError::WrongObject {
+                    mnemonic,
+                    name: target.to_owned(),
+                    is,
+                },
+                _ => ClientError::refused(format!("{mnemonic} on {target}"), reply.status),
+            },
         }
     }
 }
@@ -233,7 +255,24 @@ pub(crate) fn outcome(
     (over && flag != Flag::Dn).then_some(Err(ClientError::Ended {
         flag,
         control: *control,
+        ended: None,
     }))
+}
+
+/// Says so where the operand at fault was left out.
+fn not_given(error: ClientError, mnemonic: Mnemonic, given: &[Given]) -> ClientError {
+    let Some((err, exerr)) = error.motion() else {
+        return error;
+    };
+    match mnemonic.instruction().left_out(err, exerr, given) {
+        Some(operand) => ClientError::NotGiven {
+            mnemonic,
+            operand,
+            err,
+            exerr,
+        },
+        None => error,
+    }
 }
 
 /// ER is an error.

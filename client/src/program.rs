@@ -4,18 +4,19 @@
 //! coarse update period; unlike in the simulator the machine goes on meanwhile, so statements of one tick are not
 //! simultaneous.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
-use arcline_instruction_set::{Flag, Mnemonic, Object, locate};
+use arcline_instruction_set::{Ending, Flag, Mnemonic, Object, locate};
 use arcline_proto::cip::CipStatus;
 use arcline_structured_text::{
-    Answer, BoundCall, Interpreter, Names, Program, Request, RuntimeError, SyntaxError, unmade_control,
+    Answer, BoundCall, Hopeless, Interpreter, Names, Program, Request, RuntimeError, SyntaxError, unmade_control,
 };
-use arcline_tag::{DataType, PathError, TagPath, Value};
+use arcline_tag::{DataType, PathError, PathSegment, TagPath};
 
+use crate::reading::Reading;
 use crate::tags::TagTable;
-use crate::{Client, ClientError, Execution, Input};
+use crate::{Client, ClientError, Ended, Execution, Input};
 
 /// A tick of a program on a server that does not tell its coarse update period.
 pub const TICK: Duration = Duration::from_millis(1);
@@ -62,6 +63,9 @@ pub enum ProgramError {
     /// An operation has no result.
     #[error(transparent)]
     Runtime(#[from] RuntimeError),
+    /// A WAIT can no longer come true: what it waits for has ended without it.
+    #[error(transparent)]
+    Hopeless(#[from] Hopeless),
     /// The server refused, or is gone.
     #[error("line {line}: {source}")]
     Client {
@@ -93,6 +97,15 @@ pub enum Event<'a> {
         /// Why.
         error: &'a ClientError,
     },
+    /// The motion of an instruction ended before its end, though no instruction of the program ended it.
+    Ended {
+        /// Line of the call.
+        line: usize,
+        /// The execution.
+        execution: &'a Execution,
+        /// What ended it.
+        ended: &'a Ended,
+    },
 }
 
 /// A program on its way.
@@ -115,6 +128,10 @@ pub struct Runner<'c> {
     /// Time between two looks at a WAIT or a full queue.
     tick: Duration,
     executions: VecDeque<(usize, Execution)>,
+    /// The newest execution of each motion control tag, by its name in small letters.
+    newest: BTreeMap<String, (usize, Execution)>,
+    /// The tags of `newest` that a WAIT has read and that cannot change any more.
+    settled: Vec<String>,
 }
 
 impl<'c> Runner<'c> {
@@ -148,6 +165,8 @@ impl<'c> Runner<'c> {
             on_error,
             tick,
             executions: VecDeque::new(),
+            newest: BTreeMap::new(),
+            settled: Vec::new(),
         })
     }
 
@@ -191,7 +210,7 @@ impl<'c> Runner<'c> {
             let line = self.interpreter.line();
             let answered = match request {
                 Request::End => return Ok(()),
-                Request::Read(path) => self.read(&path).await.map(Answer::Value),
+                Request::Read(path) => self.read(&path).await,
                 Request::ReadArray(path) => self.client.read_numbers(&path.to_string()).await.map(Answer::Array),
                 Request::Write(path, value) => self
                     .client
@@ -200,6 +219,12 @@ impl<'c> Runner<'c> {
                     .map(|()| Answer::Done),
                 Request::Call(call) => self.execute(call, on_event).await,
                 Request::NextTick => {
+                    if self.interpreter.is_hopeless()
+                        && let Some(hopeless) = self.hopeless(line).await?
+                    {
+                        return Err(hopeless.into());
+                    }
+                    self.settled.clear();
                     tokio::time::sleep(self.tick).await;
                     Ok(Answer::Done)
                 }
@@ -239,6 +264,20 @@ impl<'c> Runner<'c> {
                     tokio::time::sleep(POLL).await;
                     continue;
                 }
+                Ok(control) if execution.completes() && !control.has(Flag::Pc) => {
+                    let ended = self.client.ending(execution.instance).await.map_err(fail)?;
+                    if let Some(ended) = ended.filter(|ended| !self.is_own(&ended.ending)) {
+                        on_event(Event::Ended {
+                            line: *line,
+                            execution,
+                            ended: &ended,
+                        });
+                        if self.on_error == OnError::Stop && matches!(ended.ending, Ending::Fault { .. }) {
+                            let (flag, ended) = (Flag::Pc, Some(Box::new(ended)));
+                            return Err(fail(ClientError::Ended { flag, control, ended }));
+                        }
+                    }
+                }
                 Ok(_) => {}
                 // So old that the server has dropped it: it has ended.
                 Err(ClientError::Refused { status, .. }) if status.is(CipStatus::OBJECT_DOES_NOT_EXIST) => {}
@@ -247,6 +286,11 @@ impl<'c> Runner<'c> {
             self.executions.pop_front();
         }
         Ok(())
+    }
+
+    /// Whether an instruction of the program ended another one.
+    fn is_own(&self, ending: &Ending) -> bool {
+        matches!(ending, Ending::Instruction { tag, .. } if self.newest.contains_key(&tag.to_ascii_lowercase()))
     }
 
     async fn execute(
@@ -276,6 +320,10 @@ impl<'c> Runner<'c> {
                 });
                 if self.executions.len() == WATCHED {
                     self.executions.pop_front();
+                }
+                if !execution.tag.is_empty() {
+                    self.newest
+                        .insert(execution.tag.to_ascii_lowercase(), (line, execution.clone()));
                 }
                 self.executions.push_back((line, execution));
                 Ok(Answer::Done)
@@ -323,8 +371,11 @@ impl<'c> Runner<'c> {
     }
 
     /// The value of a tag; a member of a motion control tag that has not been made yet is 0.
-    async fn read(&self, path: &TagPath) -> Result<Value, ClientError> {
-        match self.client.read(&path.to_string()).await {
+    async fn read(&mut self, path: &TagPath) -> Result<Answer, ClientError> {
+        if let Some(answer) = self.read_control(path).await? {
+            return Ok(answer);
+        }
+        let value = match self.client.read(&path.to_string()).await {
             Ok(reading) => reading.value().ok_or_else(|| ClientError::Value {
                 path: path.to_string(),
                 expected: "no elementary value".to_owned(),
@@ -332,7 +383,54 @@ impl<'c> Runner<'c> {
             }),
             Err(error @ ClientError::UnknownTag { .. }) => unmade_control(path).ok_or(error),
             Err(error) => Err(error),
+        };
+        value.map(Answer::Value)
+    }
+
+    /// The value of a member of a motion control tag that the program has used: the whole tag is read, since its bits tell
+    /// whether it can still change. `None`: it is something else.
+    async fn read_control(&mut self, path: &TagPath) -> Result<Option<Answer>, ClientError> {
+        let [PathSegment::Symbol(tag), PathSegment::Symbol(member)] = path.0.as_slice() else {
+            return Ok(None);
+        };
+        let key = tag.to_ascii_lowercase();
+        if !self.newest.contains_key(&key) {
+            return Ok(None);
         }
+        let control = self.client.read(tag).await?;
+        let Some(value) = control.member(member).and_then(Reading::value) else {
+            return Ok(None);
+        };
+        let has = |flag: Flag| control.flag(flag.name());
+        if (has(Flag::Dn) || has(Flag::Er)) && !has(Flag::Ip) && !has(Flag::Ac) {
+            self.settled.push(key);
+            return Ok(Some(Answer::Settled(value)));
+        }
+        Ok(Some(Answer::Value(value)))
+    }
+
+    /// Why a WAIT cannot come true any more; `None` when an instruction has begun again since the tags were read.
+    async fn hopeless(&self, line: usize) -> Result<Option<Hopeless>, ProgramError> {
+        let mut found = None;
+        for key in &self.settled {
+            let Some((called, execution)) = self.newest.get(key) else {
+                continue;
+            };
+            let fail = |source| ProgramError::Client { line, source };
+            let control = self.client.instruction(execution.instance).await.map_err(fail)?;
+            if !control.has_ended() {
+                return Ok(None);
+            }
+            let ended = self.client.ending(execution.instance).await.map_err(fail)?;
+            let call = Some((execution.mnemonic, *called));
+            let ending = ended.as_ref().map(|ended| &ended.ending);
+            let hopeless = Hopeless::new(line, &execution.tag, call, &control, ending);
+            if !control.has(Flag::Pc) {
+                return Ok(Some(hopeless));
+            }
+            found.get_or_insert(hopeless);
+        }
+        Ok(found)
     }
 }
 

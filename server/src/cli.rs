@@ -68,12 +68,15 @@ pub(crate) struct SimulateArgs {
     /// Configuration file; without it the embedded default is used.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
-    /// Write every axis at every tick to this file, as CSV.
+    /// Write every axis at every tick to this file, as CSV; `-` is standard output.
     #[arg(long, value_name = "OUT.csv")]
     pub(crate) trace: Option<PathBuf>,
-    /// Write every change of an instruction's status to this file, as JSON lines.
+    /// Write every change of an instruction's status to this file, as JSON lines; `-` is standard output.
     #[arg(long, value_name = "OUT.jsonl")]
     pub(crate) events: Option<PathBuf>,
+    /// Write every change of the faults of an axis to this file, as JSON lines; `-` is standard output.
+    #[arg(long, value_name = "OUT.jsonl")]
+    pub(crate) faults: Option<PathBuf>,
     /// Longest simulated time, s.
     #[arg(long, value_name = "SECONDS", default_value_t = 3600.0, value_parser = seconds)]
     pub(crate) until: f64,

@@ -19,22 +19,22 @@ mod state;
 use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError, Weak};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use arc_swap::ArcSwap;
 use arcline_config::{ConnectionLoss, Project, ServerConfig};
 use arcline_controller::image::{ControlError, Edge, Health, Image};
 use arcline_controller::machine::Machine;
-use arcline_controller::{Ticket, UNNAMED};
+use arcline_controller::{Cause, Ticket, UNNAMED};
 use arcline_instruction_set::predefined::motion_status;
-use arcline_instruction_set::{BindError, Given, Mnemonic, MotionControl, bind};
+use arcline_instruction_set::{BindError, Ending, Given, Mnemonic, MotionControl, bind};
 use arcline_realtime::{Handle, Link, Meter, Options, SpawnError, Stops};
 use tokio::sync::Notify;
 
 use crate::guard::Guard;
 use crate::retained::{NotKept, Watch, WhenKept};
 use crate::trace::Trace;
-pub use log::Logged;
+pub use log::{Change, Logged};
 pub use moves::{LiveMove, LiveMoves};
 pub use owned::{Lost, Owner};
 use records::instance_of;
@@ -52,6 +52,17 @@ pub struct Executed {
     pub instance: u32,
     /// What its motion control tag showed when DN or ER was set.
     pub control: MotionControl,
+}
+
+/// The end of an instruction that did not come to its end.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Ended {
+    /// What ended it.
+    pub ending: Ending,
+    /// When, seconds of machine time.
+    pub time: f64,
+    /// When, by the system's clock.
+    pub at: SystemTime,
 }
 
 /// What a write brought about, for [`Plant::fire`].
@@ -140,7 +151,8 @@ impl Plant {
         let trace = Trace::new(&project.machine, link.samples.take());
         let stops = link.stops.clone();
         let guard = Guard::new(stops.clone(), &project.machine, project.server.jog_silence);
-        let state = State::new(image, link, watch, trace.clone(), guard.clone());
+        let period = Duration::from_nanos(project.machine.period_ns);
+        let state = State::new(image, link, watch, trace.clone(), guard.clone(), period);
         Plant(Arc::new(Shared {
             state: Mutex::new(state),
             published,
@@ -400,6 +412,18 @@ impl Plant {
         state.records.by_instance(instance)
     }
 
+    /// Why an execution ended that did not come to its end; `None` for all others.
+    pub fn instruction_ending(&self, instance: u32) -> Option<Ended> {
+        let mut state = self.0.lock();
+        state.refresh();
+        let ended = state.records.end_of(instance)?;
+        Some(Ended {
+            ending: ending(&self.0.machine, state.image(), ended.cause)?,
+            time: ended.tick as f64 * self.0.machine.period(),
+            at: ended.at,
+        })
+    }
+
     /// The newest instance of class 0x0303; `None`: nothing has been executed.
     pub fn newest_instance(&self) -> Option<u32> {
         self.0.lock().records.newest().map(instance_of)
@@ -480,6 +504,22 @@ async fn pump(plant: Weak<Shared>) {
         // A command does not wait for the end of an idle pause.
         let _ = tokio::time::timeout(pause, sent).await;
     }
+}
+
+/// A cause with its names; `None` where there is none.
+pub(crate) fn ending(machine: &Machine, image: &Image, cause: Cause) -> Option<Ending> {
+    Some(match cause {
+        Cause::Itself => return None,
+        Cause::Instruction { control, mnemonic, .. } => Ending::Instruction {
+            mnemonic,
+            tag: image.control_name(control).to_owned(),
+        },
+        Cause::Fault { axis, faults } => Ending::Fault {
+            axis: machine.axes.get(usize::from(axis))?.name.clone(),
+            faults,
+        },
+        Cause::StopAll => Ending::StopAll,
+    })
 }
 
 /// The tags of a project.

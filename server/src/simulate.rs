@@ -5,6 +5,7 @@
 
 mod output;
 mod runner;
+mod summary;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -15,8 +16,10 @@ use arcline_structured_text::{Interpreter, Program};
 use crate::cli::{Failure, SimulateArgs, project};
 use crate::names::ImageNames;
 use crate::plant::image_of;
-use output::{Files, Output};
+use output::{Files, Output, is_standard_output};
+use runner::Wrong;
 pub(crate) use runner::{End, Observer, Options, Runner};
+use summary::Summary;
 
 /// Runs a program to its end.
 pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
@@ -26,8 +29,15 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
         .map_err(|error| Failure::usage(format!("{file}: cannot be read: {error}")))?;
     let program = check(&text, &project).map_err(|error| Failure::usage(format!("{file}: {error}")))?;
     let create = |path: &Path| Output::create(path).map_err(|error| cannot_write(path, &error));
+    let to_output = [&args.trace, &args.events, &args.faults].into_iter().flatten();
+    if to_output.filter(|path| is_standard_output(path)).count() > 1 {
+        return Err(Failure::usage(
+            "only one of --trace, --events and --faults can be written to standard output",
+        ));
+    }
     let trace = args.trace.as_deref().map(create).transpose()?;
     let events = args.events.as_deref().map(create).transpose()?;
+    let faults = args.faults.as_deref().map(create).transpose()?;
 
     let image = image_of(&project);
     let options = Options {
@@ -36,17 +46,34 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
         queue_full: args.queue_full,
     };
     let mut runner = Runner::new(&project.machine, image, Interpreter::new(program), options);
-    let mut files = Files { trace, events };
+    let mut files = Files {
+        trace,
+        events,
+        faults,
+        summary: Summary::default(),
+    };
     let end = runner.run(&mut files);
-    let Files { trace, events } = files;
-    for (output, path) in [(trace, &args.trace), (events, &args.events)] {
+    let Files {
+        trace,
+        events,
+        faults,
+        mut summary,
+    } = files;
+    for (output, path) in [(trace, &args.trace), (events, &args.events), (faults, &args.faults)] {
         if let (Some(output), Some(path)) = (output, path) {
             output.finish().map_err(|error| cannot_write(path, &error))?;
         }
     }
+    summary.stopped = runner.stopped();
+    summary.executed = runner.executed();
+    eprint!(
+        "{}",
+        summary.text(&file.to_string(), &project.machine, matches!(end, End::Finished))
+    );
     match end {
         End::Finished => Ok(ExitCode::SUCCESS),
         End::Erred(error) => Err(Failure::new(1, format!("{file}: {error}"))),
+        End::Wrong(error @ Wrong::Hopeless(_)) => Err(Failure::new(1, format!("{file}: {error}"))),
         End::Wrong(error) => Err(Failure::new(2, format!("{file}: {error}"))),
         End::TooLong(seconds) => Err(Failure::new(
             3,

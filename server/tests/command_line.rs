@@ -42,21 +42,35 @@ fn simulate_tells_how_it_ended() {
     let four = format!("{MOVE}{MOVE}{MOVE}{MOVE}");
     let goes_on = format!("{REFUSED}\n{MOVE} WAIT(M.PC);");
     let stops = format!("{MOVE}\n{REFUSED}\nWAIT(FALSE);");
+    let stopped = format!("{MOVE} DELAY(0.05); MCS(CS1, Halt, All);\nWAIT(M.PC);");
+    let at_once = format!("{MOVE} DELAY(0.05);\nMCS(CS1, Halt, All); WAIT(M.PC);");
+    let goes_wrong = format!("{REFUSED}\nWAIT(Bad.PC);");
+    let either = format!("{MOVE} DELAY(0.05); MCS(CS1, Halt, All); WAIT(M.PC OR X.CommandVelocity = 0);");
+    let faulted = format!("{MOVE} DELAY(0.05); FaultInject[0] := 16;");
+    let waits = format!("{faulted}\nWAIT(M.PC AND X.MoveStatus = 0);");
     #[rustfmt::skip]
     let cases: &[(&str, &str, &[&str], i32, &str)] = &[
         // why,                           program,                 arguments,                    exit, message
-        ("ran to its end",                MOVE,                    &[],                          0, ""),
-        ("nothing at all",                "",                      &[],                          0, ""),
+        ("ran to its end",                MOVE,                    &[],                          0, "s, 1 instruction; X at 50 mm\n"),
+        ("nothing at all",                "",                      &[],                          0, "program.st: ended after 0 s, 0 instructions\n"),
         ("an error stops it",             &stops,                  &[],                          1, "line 2: MCLM (Bad): ERR 13"),
-        ("an error is passed over",       &goes_on,                &["--keep-going"],            0, ""),
+        ("an error is passed over",       &goes_on,                &["--keep-going"],            0, "2 instructions"),
         ("does not parse",                "MCLM(",                 &[],                          2, "line 1"),
         ("an unknown coordinate system",  "MCSD(CS9, M);",         &[],                          2, "CS9"),
         ("an unknown tag",                "WAIT(Nothing.PC);",     &[],                          2, "Nothing"),
         ("a read-only tag",               "X.CommandPosition := 1;", &[],                        2, "read-only"),
         ("waits for ever",                "WAIT(FALSE);",          &["--until", "1"],            3, "after 1 s"),
+        ("waits for a stopped move",      &stopped,                &[],                          1, "line 2: WAIT can no longer come true: M (MCLM, line 1) was stopped by MCS Halt"),
+        ("stops in the tick of the wait", &at_once,                &[],                          1, "M (MCLM, line 1) was stopped by MCS Halt"),
+        ("waits for an error",            &goes_wrong,             &["--keep-going"],            1, "Bad (MCLM, line 1) erred: ERR 13"),
+        ("waits for what never was",      "WAIT(M.PC); MSO(X, M);", &[],                         1, "M was never executed"),
+        ("waits for either",              &either,                 &[],                          0, "2 instructions"),
+        ("a fault ends the move",         &faulted,                &[],                          0, "X faulted: overcurrent"),
+        ("waits for a faulted move",      &waits,                  &[],                          1, "M (MCLM, line 1) was stopped by a fault: X overcurrent"),
+        ("an operand is left out",        "MAJ(X, J, Forward, 20);", &[],                       1, "(Accel Rate): Accel Rate was not given"),
         ("delays beyond",                 "DELAY(10);",            &["--until", "1"],            3, "after 1 s"),
         ("loops for ever",                "WHILE TRUE DO END_WHILE;", &["--until", "0.005"],     3, "after 0.005 s"),
-        ("a full queue waits",            &four,                   &[],                          0, ""),
+        ("a full queue waits",            &four,                   &[],                          0, "4 instructions"),
         ("a full queue errs",             &four,                   &["--queue-full", "error"],   1, "ERR 13"),
         ("a wrong flag",                  "",                      &["--untill", "1"],           2, "--until"),
     ];
@@ -69,6 +83,32 @@ fn simulate_tells_how_it_ended() {
         assert!(stderr.contains(message), "{why}: {stderr}");
         assert_eq!(stderr.is_empty(), message.is_empty(), "{why}: {stderr}");
     }
+}
+
+#[test]
+fn what_a_simulation_writes_can_be_standard_output() {
+    let program = format!("{MOVE} DELAY(0.05); FaultInject[0] := 16; DELAY(0.1); MAFR(X, R); DELAY(0.1);");
+    let lines = |args: &[&str]| -> Vec<String> {
+        let out = simulate(&program, args);
+        assert_eq!(out.status.code(), Some(0), "{args:?}: {out:?}");
+        let text = String::from_utf8(out.stdout).expect("UTF-8");
+        text.lines().map(str::to_owned).collect()
+    };
+    assert!(lines(&["--trace", "-"])[0].starts_with("tick,time_s,X.CommandPosition"));
+    assert!(lines(&["--events", "-"])[0].starts_with("{\"time_s\":0,\"tick\":0,\"tag\":\"M\""));
+    let faults = lines(&["--faults", "-"]);
+    #[rustfmt::skip]
+    let expected = [
+        "\"axis\":\"X\",\"set\":[\"overcurrent\"],\"again\":[],\"clear\":[]}",
+        "\"axis\":\"X\",\"set\":[],\"again\":[],\"clear\":[\"overcurrent\"]}",
+        "\"axis\":\"X\",\"set\":[\"overcurrent\"],\"again\":[\"overcurrent\"],\"clear\":[]}",
+    ];
+    assert_eq!(faults.len(), expected.len(), "{faults:?}");
+    for (line, expected) in faults.iter().zip(expected) {
+        assert!(line.ends_with(expected), "{line}, expected {expected}");
+    }
+    let both = simulate(MOVE, &["--trace", "-", "--events", "-"]);
+    assert_eq!(both.status.code(), Some(2), "{both:?}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 export * from "./clarity.mjs";
 export * from "./driving.mjs";
+export * from "./faults.mjs";
 export * from "./hands.mjs";
 export * from "./history.mjs";
 export * from "./layout.mjs";

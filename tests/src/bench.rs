@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use arcline_config::Project;
 use arcline_controller::image::{Edge, Image};
 use arcline_controller::machine::Start;
-use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket, Written};
+use arcline_controller::{ContourRequest, Controller, Event, FaultChange, Snapshot, Ticket, Written};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{
     ControlSlot, Directory, FaultKind, FaultSet, Flag, Given, MotionControl, Object, WrittenArray, bind,
@@ -28,6 +28,8 @@ pub struct Bench {
     written: BTreeMap<String, Vec<f64>>,
     /// Every event so far, with the name of its tag.
     pub events: Vec<(String, Event)>,
+    /// Every change of the faults of an axis so far.
+    pub fault_changes: Vec<FaultChange>,
 }
 
 /// DN without an error.
@@ -59,6 +61,7 @@ impl Bench {
             arrays: Vec::new(),
             written: BTreeMap::new(),
             events: Vec::new(),
+            fault_changes: Vec::new(),
         }
     }
 
@@ -162,6 +165,11 @@ impl Bench {
         self.controller.inject(index, causes);
     }
 
+    /// Stops everything that moves now, by no instruction.
+    pub fn stop_all(&mut self) {
+        self.controller.stop_all();
+    }
+
     /// Ends the present tick and begins the next one.
     pub fn tick(&mut self) {
         self.tick_seen(|_| ());
@@ -172,6 +180,8 @@ impl Bench {
         let controls = &self.controls;
         let events = &mut self.events;
         self.controller.plan_contours(&mut self.contour);
+        let fault_changes = &mut self.fault_changes;
+        self.controller.take_fault_changes(|change| fault_changes.push(*change));
         self.controller.end_tick(|event| {
             let name = controls.iter().find(|(_, slot)| **slot == event.control);
             events.push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));

@@ -15,6 +15,7 @@ cases! {
     a_path_is_drawn,
     a_move_started_by_the_form_arrives,
     an_error_is_explained,
+    a_fault_is_an_event,
     a_jog_ends_with_its_page,
     esc_stops,
     the_picture_turns_and_scales,

@@ -40,14 +40,8 @@ pub(crate) use values::{Point, Rate};
     Example: arcline move CS1 100,50,0 --speed 50%"
 )]
 pub(crate) struct Arguments {
-    /// The server, port 44818 unless given
-    #[arg(
-        long,
-        global = true,
-        value_name = "HOST[:PORT]",
-        env = "ARCLINE_SERVER",
-        default_value = "127.0.0.1:44818"
-    )]
+    /// The server, port 44818 unless given; the variable ARCLINE_SERVER gives another default
+    #[arg(long, global = true, value_name = "HOST[:PORT]", default_value = "127.0.0.1:44818")]
     pub(crate) server: String,
     /// Print one JSON object for each result
     #[arg(long, global = true)]
@@ -108,8 +102,10 @@ pub(crate) enum Command {
     /// Go on after a hold, with the override that there was before it
     #[command(after_help = "Example: arcline resume CS1")]
     Resume(System),
-    /// Stop coordinate systems (MCS); all of them when none is named
-    #[command(after_help = "Example: arcline stop CS1 --type move")]
+    /// Stop a coordinate system (MCS), an axis (MAS), or everything when none is named
+    #[command(
+        after_help = "Example: arcline stop\n         arcline stop CS1 --type move\n         arcline stop Conveyor"
+    )]
     Stop(Stop),
     /// Switch the servo of axes on (MSO) or off (MSF)
     #[command(after_help = "--all leaves virtual axes out, which have no drive.\nExample: arcline servo on X Y Z")]

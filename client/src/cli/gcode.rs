@@ -98,6 +98,7 @@ async fn pieces(client: &Client, command: &Gcode, made: &StructuredText, output:
             let line = match &source {
                 ProgramError::Client { line, .. } => of_line(*line),
                 ProgramError::Syntax(error) => of_line(error.line),
+                ProgramError::Hopeless(error) => of_line(error.line),
                 ProgramError::Runtime(_) => of_line(1),
             };
             let path = command.file.display().to_string();
@@ -163,10 +164,25 @@ fn simulate(command: &Gcode, program: &Program, made: &StructuredText, output: &
 
 /// What the simulation said, with the file and the line of the G-code instead of those of the program it was given.
 fn in_lines_of(said: &str, text: &Path, command: &Gcode, made: &StructuredText) -> String {
-    let said = said.trim().trim_start_matches("arcline-server: ");
     let said = said.replace(&text.display().to_string(), &command.file.display().to_string());
+    let lines = said
+        .trim()
+        .lines()
+        .map(|line| line.trim_start_matches("arcline-server: "));
+    // An excerpt of the program that was made says nothing about the G-code.
+    let lines = lines.filter(|line| !line.starts_with(' '));
+    let told: Vec<String> = lines.map(|line| in_line_of(line, made)).collect();
+    let mut told = told.join("\n");
+    if command.config.is_none() && told.contains("there is no coordinate system") {
+        told.push_str("\nthis is the default machine; --config FILE simulates another one");
+    }
+    told
+}
+
+/// One line of it.
+fn in_line_of(said: &str, made: &StructuredText) -> String {
     let Some((front, rest)) = said.split_once("line ") else {
-        return said;
+        return said.to_owned();
     };
     let end = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
     let (digits, behind) = rest.split_at(end);
@@ -174,9 +190,14 @@ fn in_lines_of(said: &str, text: &Path, command: &Gcode, made: &StructuredText) 
         .parse::<usize>()
         .ok()
         .and_then(|line| made.lines.get(line.checked_sub(1)?));
+    // The column is one of the program that was made.
+    let behind = match behind.strip_prefix(", column ") {
+        Some(rest) => rest.trim_start_matches(|c: char| c.is_ascii_digit()),
+        None => behind,
+    };
     match line {
         Some(line) => format!("{front}line {line}{behind}"),
-        None => said,
+        None => said.to_owned(),
     }
 }
 

@@ -26,7 +26,8 @@ mod watch;
 use std::path::Path;
 use std::process::ExitCode;
 
-use clap::FromArgMatches;
+use clap::parser::ValueSource;
+use clap::{ArgMatches, FromArgMatches};
 
 use arcline_client::{Client, ClientError, ProgramError};
 
@@ -79,6 +80,9 @@ pub(crate) enum Failure {
         type_name: String,
         expected: &'static str,
     },
+    /// The same with what to do instead.
+    #[error("{source}: {hint}")]
+    Hint { source: ClientError, hint: String },
     #[error("{axis} cannot have the fault {fault}: it has no drive")]
     NoSuchFault { axis: String, fault: &'static str },
     /// What has been done about it has been told already.
@@ -100,20 +104,22 @@ impl Failure {
 
     fn code(&self) -> u8 {
         match self {
-            Self::Client(error) | Self::Program(ProgramError::Client { source: error, .. }) => client_code(error),
+            Self::Client(error)
+            | Self::Hint { source: error, .. }
+            | Self::Program(ProgramError::Client { source: error, .. }) => client_code(error),
             Self::Program(ProgramError::Syntax(_)) | Self::File { .. } | Self::NoSuchFault { .. } => 2,
             Self::Move {
                 source: ProgramError::Client { source, .. },
                 ..
             } => client_code(source),
             Self::Move {
-                source: ProgramError::Runtime(_),
+                source: ProgramError::Runtime(_) | ProgramError::Hopeless(_),
                 ..
             } => 1,
             Self::Gcode { .. } | Self::Move { .. } | Self::Plot { .. } => 2,
             Self::Simulate { code, .. } => *code,
             Self::NoSuchError { .. } | Self::Terminal(_) | Self::Usage(_) | Self::WrongType { .. } => 2,
-            Self::Program(ProgramError::Runtime(_)) | Self::Several { .. } => 1,
+            Self::Program(ProgramError::Runtime(_) | ProgramError::Hopeless(_)) | Self::Several { .. } => 1,
             Self::Interrupted => 130,
             Self::Told { code } => *code,
         }
@@ -122,7 +128,9 @@ impl Failure {
     /// The error of the client, if it is one.
     pub(crate) fn client(&self) -> Option<&ClientError> {
         match self {
-            Self::Client(error) | Self::Program(ProgramError::Client { source: error, .. }) => Some(error),
+            Self::Client(error)
+            | Self::Hint { source: error, .. }
+            | Self::Program(ProgramError::Client { source: error, .. }) => Some(error),
             Self::Move {
                 source: ProgramError::Client { source: error, .. },
                 ..
@@ -135,7 +143,10 @@ impl Failure {
 fn client_code(error: &ClientError) -> u8 {
     match error {
         error if error.is_connection() => 3,
-        ClientError::Motion { .. } | ClientError::Refused { .. } | ClientError::Ended { .. } => 1,
+        ClientError::Motion { .. }
+        | ClientError::NotGiven { .. }
+        | ClientError::Refused { .. }
+        | ClientError::Ended { .. } => 1,
         ClientError::Deadline { .. } | ClientError::TooLarge { .. } => 1,
         _ => 2,
     }
@@ -144,7 +155,8 @@ fn client_code(error: &ClientError) -> u8 {
 /// Parses, runs, tells the outcome.
 pub(crate) fn main() -> ExitCode {
     let matches = args::command().get_matches();
-    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    arguments.server = server(&matches, arguments.server);
     let output = Output::new(arguments.json);
     let runtime = match tokio::runtime::Builder::new_current_thread().enable_all().build() {
         Ok(runtime) => runtime,
@@ -162,6 +174,15 @@ pub(crate) fn main() -> ExitCode {
             output.failure(&failure);
             ExitCode::from(failure.code())
         }
+    }
+}
+
+/// The server of the variable where none was given. As an argument's `env`, the variable would put `--server` into the usage of
+/// every error.
+fn server(matches: &ArgMatches, given: String) -> String {
+    match std::env::var("ARCLINE_SERVER") {
+        Ok(server) if matches.value_source("server") == Some(ValueSource::DefaultValue) => server,
+        _ => given,
     }
 }
 

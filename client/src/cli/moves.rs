@@ -4,6 +4,7 @@ use arcline_client::{Client, ClientError, Execution, Flag, Given, Mnemonic, Obje
 
 use super::args::{Arc, Change, Home, Jog, Motion, Move, MoveAxis, OnOff, Servo, Stop, StopType};
 use super::operands;
+use super::output::counted;
 use super::sweep::Sweep;
 use super::wait::{self, Course, Stopping};
 use super::{Failure, Output};
@@ -18,7 +19,11 @@ pub(crate) async fn line(client: &Client, command: Move, output: &Output) -> Res
     let system = system.name;
     let length = line_length(client, &system, &position.0, dynamics.relative).await;
     let operands = operands::line(&position, &dynamics)?;
-    execute(client, &system, &operands, &dynamics.motion, Course { length }, output).await
+    let moved = execute(client, &system, &operands, &dynamics.motion, Course { length }, output).await;
+    match moved {
+        Err(failure) => Err(position_explained(client, failure, &system, position.0.len()).await),
+        Ok(()) => Ok(()),
+    }
 }
 
 /// `arc`.
@@ -26,15 +31,35 @@ pub(crate) async fn arc(client: &Client, command: Arc, output: &Output) -> Resul
     let length = arc_length(client, &command).await;
     let operands = operands::arc(&command)?;
     let motion = &command.dynamics.motion;
-    execute(
-        client,
-        &command.system.name,
-        &operands,
-        motion,
-        Course { length },
-        output,
-    )
-    .await
+    let system = &command.system.name;
+    let moved = execute(client, system, &operands, motion, Course { length }, output).await;
+    match moved {
+        Err(failure) => Err(position_explained(client, failure, system, command.position.0.len()).await),
+        Ok(()) => Ok(()),
+    }
+}
+
+/// What a refused move was about: an axis in place of a coordinate system, or another number of axes than it has.
+async fn position_explained(client: &Client, failure: Failure, system: &str, given: usize) -> Failure {
+    match failure {
+        Failure::Client(source @ ClientError::WrongObject { is: Object::Axis, .. }) => {
+            let hint = format!("`arcline move-axis {system} POSITION` moves it");
+            Failure::Hint { source, hint }
+        }
+        Failure::Client(source) if source.motion() == Some((OUT_OF_RANGE, POSITION)) => {
+            match client.axes_of(system).await {
+                Ok(axes) if axes.len() != given => {
+                    let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
+                    let (names, axes) = (names.join(", "), counted(axes.len(), "axis"));
+                    let were = if given == 1 { "was" } else { "were" };
+                    let hint = format!("{system} has {axes} ({names}), {given} {were} given");
+                    Failure::Hint { source, hint }
+                }
+                _ => source.into(),
+            }
+        }
+        failure => failure,
+    }
 }
 
 /// `move-axis`.
@@ -62,22 +87,64 @@ pub(crate) async fn change(client: &Client, command: Change, output: &Output) ->
     Ok(())
 }
 
-/// `stop`.
+/// `stop`: a coordinate system, an axis, or everything.
 pub(crate) async fn stop(client: &Client, command: Stop, output: &Output) -> Result<(), Failure> {
+    let tags = client.browse().await?;
+    let of = |object| {
+        let tags = tags.iter().filter(move |tag| tag.object() == Some(object));
+        tags.map(|tag| tag.name.clone()).collect::<Vec<_>>()
+    };
+    let named = match &command.name {
+        Some(name) => match tags.iter().find(|tag| tag.name.eq_ignore_ascii_case(name)) {
+            Some(tag) => Some((tag.name.clone(), tag.object())),
+            None => {
+                let known = tags.iter().filter(|tag| tag.object().is_some());
+                return Err(ClientError::unknown_tag(name, known.map(|tag| &tag.name)).into());
+            }
+        },
+        None => None,
+    };
+    let (systems, axes) = match named {
+        Some((system, Some(Object::CoordinateSystem))) => (vec![system], Vec::new()),
+        Some((axis, Some(Object::Axis))) => (Vec::new(), vec![axis]),
+        None | Some((_, Some(Object::MotionGroup))) => (of(Object::CoordinateSystem), of(Object::Axis)),
+        Some((name, None)) => {
+            let tag = client.tag(&name).await?;
+            return Err(Failure::WrongType {
+                name,
+                type_name: tag.type_name(),
+                expected: "an axis, a coordinate system or the motion group",
+            });
+        }
+    };
     let kind = match command.kind {
         StopType::All => 0,
         StopType::Move => 2,
         StopType::Transform => 3,
     };
     let operands = Operands::full_speed(Mnemonic::Mcs).with("Stop Type", Given::Integer(kind))?;
-    let systems = match command.system {
-        Some(system) => vec![system],
-        None => client.objects(Object::CoordinateSystem).await?,
-    };
     // All are told to stop before the first is waited for.
     let mut executions = Vec::new();
     for system in &systems {
         executions.push(client.execute(Mnemonic::Mcs, system, "", operands.given()).await);
+    }
+    if !systems.is_empty() {
+        executions.extend(stop_others(client, &axes, command.kind).await?);
+    } else {
+        let kind = match command.kind {
+            StopType::All => 0,
+            StopType::Move => 2,
+            StopType::Transform => {
+                let axis = axes.join(" ");
+                return Err(Failure::Usage(format!(
+                    "{axis} is an axis: --type transform stops coordinate systems"
+                )));
+            }
+        };
+        let operands = Operands::full_speed(Mnemonic::Mas).with("Stop Type", Given::Integer(kind))?;
+        for axis in &axes {
+            executions.push(client.execute(Mnemonic::Mas, axis, "", operands.given()).await);
+        }
     }
     let wait = async |execution: &Execution| {
         let control = wait::complete(client, execution, Course::default(), output).await?;
@@ -85,6 +152,30 @@ pub(crate) async fn stop(client: &Client, command: Stop, output: &Output) -> Res
         Ok(())
     };
     each(executions, wait, output).await
+}
+
+/// Stops what single-axis instructions have begun on axes, kind by kind: a coordinate system that stops goes on to brake
+/// on its path.
+async fn stop_others(
+    client: &Client,
+    axes: &[String],
+    what: StopType,
+) -> Result<Vec<Result<Execution, ClientError>>, ClientError> {
+    if what == StopType::Transform || axes.is_empty() {
+        return Ok(Vec::new());
+    }
+    let paths: Vec<&str> = axes.iter().map(String::as_str).collect();
+    let mut executions = Vec::new();
+    for (axis, reading) in axes.iter().zip(client.read_many(&paths).await?) {
+        let reading = reading?;
+        for (member, kind) in SINGLE_AXIS {
+            if reading.flag(member) && (what == StopType::All || *kind == MOVE) {
+                let operands = Operands::full_speed(Mnemonic::Mas).with("Stop Type", Given::Integer(*kind))?;
+                executions.push(client.execute(Mnemonic::Mas, axis, "", operands.given()).await);
+            }
+        }
+    }
+    Ok(executions)
 }
 
 /// `servo`.
@@ -246,3 +337,18 @@ async fn line_length(client: &Client, system: &str, end: &[f64], relative: bool)
 pub(crate) fn is_waited_for(execution: &Execution) -> bool {
     execution.completes() && !execution.control.has(Flag::Pc)
 }
+
+/// Status bits of an axis that is moved by single-axis instructions, and the Stop Type of MAS that ends each.
+const SINGLE_AXIS: &[(&str, i64)] = &[
+    ("JogStatus", 1),
+    ("MoveStatus", MOVE),
+    ("GearingStatus", 3),
+    ("HomingStatus", 4),
+    ("TimeCamStatus", 7),
+    ("PositionCamStatus", 8),
+];
+/// MAS, Stop Type: Move.
+const MOVE: i64 = 2;
+/// ERR of an operand out of range, and the operand Position of MCLM and MCCM.
+const OUT_OF_RANGE: i16 = 13;
+const POSITION: i8 = 3;

@@ -1,10 +1,12 @@
 //! What is printed: results on standard output, as text or as one JSON object each; errors of text mode on standard error.
 
 use std::io::{IsTerminal, Write};
+use std::time::UNIX_EPOCH;
 
 use serde_json::{Map, Value as Json, json};
 
-use arcline_client::{ClientError, Execution, Flag, MotionControl};
+use arcline_client::{ClientError, Ended, Execution, Flag, MotionControl};
+use arcline_instruction_set::Ending;
 
 use super::Failure;
 
@@ -71,9 +73,12 @@ impl Output {
             // Best effort: there is nowhere else to tell it.
             let _ = writeln!(std::io::stderr(), "{failure}");
             if self.is_watched()
-                && let Some(ClientError::Motion { mnemonic, err, exerr }) = failure.client()
+                && let Some((error, (err, exerr))) = failure.client().and_then(|error| Some((error, error.motion()?)))
             {
-                let instruction = mnemonic.map(|mnemonic| format!(" {mnemonic}")).unwrap_or_default();
+                let instruction = error
+                    .instruction()
+                    .map(|mnemonic| format!(" {mnemonic}"))
+                    .unwrap_or_default();
                 self.note(&format!(
                     "`arcline explain {err}/{exerr}{instruction}` tells cause and remedy"
                 ));
@@ -82,22 +87,43 @@ impl Output {
         }
         let mut object = Map::new();
         object.insert("error".to_owned(), Json::from(failure.to_string()));
-        if let Some(ClientError::Motion { mnemonic, err, exerr }) = failure.client() {
+        if let Some((error, (err, exerr))) = failure.client().and_then(|error| Some((error, error.motion()?))) {
             object.insert(
                 "instruction".to_owned(),
-                Json::from(mnemonic.map(|mnemonic| mnemonic.name())),
+                Json::from(error.instruction().map(|mnemonic| mnemonic.name())),
             );
-            object.insert("ERR".to_owned(), Json::from(*err));
-            object.insert("EXERR".to_owned(), Json::from(*exerr));
+            object.insert("ERR".to_owned(), Json::from(err));
+            object.insert("EXERR".to_owned(), Json::from(exerr));
+        }
+        if let Some(ClientError::Ended { ended: Some(ended), .. }) = failure.client() {
+            object.insert("ended".to_owned(), ending(ended));
         }
         self.result("", || Json::Object(object));
     }
 }
 
+/// What ended an instruction.
+fn ending(ended: &Ended) -> Json {
+    let at = ended.at.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64();
+    let mut object = match &ended.ending {
+        Ending::Instruction { mnemonic, tag } => {
+            json!({"by": "instruction", "instruction": mnemonic.name(), "tag": tag})
+        }
+        Ending::Fault { axis, faults } => json!({"by": "fault", "axis": axis, "faults": Ending::words(*faults)}),
+        Ending::StopAll => json!({"by": "stop"}),
+    };
+    object["time_s"] = ended.time.into();
+    object["unix_s"] = at.into();
+    object
+}
+
 /// `1 move`, `2 moves`.
 pub(crate) fn counted(count: impl TryInto<u64>, noun: &str) -> String {
     let count = count.try_into().unwrap_or(u64::MAX);
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+    match noun {
+        "axis" if count != 1 => format!("{count} axes"),
+        _ => format!("{count} {noun}{}", if count == 1 { "" } else { "s" }),
+    }
 }
 
 /// Columns as wide as their widest cell; numbers to the right.

@@ -33,7 +33,17 @@ pub(crate) fn plot(command: &Plot, output: &Output) -> Result<(), Failure> {
         move |source: PlotError| Failure::Plot { path, source }
     };
     let read = |path: &Path| std::fs::read_to_string(path).map_err(|source| Failure::at(path, source));
-    let columns = Trace::parse(&read(trace)?).map_err(wrong(trace))?;
+    let is_mcap = trace
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("mcap"));
+    let bytes = std::fs::read(trace).map_err(|source| Failure::at(trace, source))?;
+    let Some(text) = String::from_utf8(bytes).ok().filter(|_| !is_mcap) else {
+        let shown = trace.display();
+        return Err(Failure::Usage(format!(
+            "{shown} is no CSV: plot reads traces in CSV only, such as `arcline trace -o OUT.csv` writes"
+        )));
+    };
+    let columns = Trace::parse(&text).map_err(wrong(trace))?;
     let marks = match events {
         Some(events) => Mark::parse(&read(events)?).map_err(wrong(events))?,
         None => Vec::new(),

@@ -2,7 +2,8 @@
 
 use serde_json::json;
 
-use arcline_client::{Client, Event, OnError, Runner};
+use arcline_client::{Client, Ended, Event, OnError, Runner};
+use arcline_instruction_set::Ending;
 
 use super::args::{Exec, Run};
 use super::output::counted;
@@ -59,6 +60,10 @@ pub(crate) async fn text(client: &Client, text: &str, output: &Output) -> Result
     to_its_end(client, runner, "line", How::default(), output).await
 }
 
+fn is_fault(ended: &Ended) -> bool {
+    matches!(ended.ending, Ending::Fault { .. })
+}
+
 /// What ends a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct How {
@@ -91,6 +96,12 @@ pub(crate) async fn to_its_end(
                 output.note(&format!("line {line}: {} {}", execution.mnemonic, execution.target));
             }
         }
+        // A fault ends the program too, and is told once, by its end.
+        Event::Ended { line, execution, ended } if how.keep_going || !is_fault(ended) => {
+            let (mnemonic, target) = (execution.mnemonic, &execution.target);
+            output.note(&format!("line {line}: {mnemonic} {target} was {ended}"));
+        }
+        Event::Ended { .. } => {}
         Event::Erred {
             line,
             mnemonic,

@@ -2,7 +2,8 @@
 
 use serde_json::json;
 
-use arcline_client::{Access, Client, Input, Reading, nearest};
+use arcline_client::{Access, Client, ClientError, Elementary, Input, Reading, nearest};
+use arcline_proto::cip::CipStatus;
 
 use super::args::{CreateTag, DeleteTag, TagAccess, Tags, TagsChange, Write};
 use super::output::table;
@@ -23,12 +24,38 @@ async fn create(client: &Client, command: &CreateTag, output: &Output) -> Result
         TagAccess::ReadWrite => Access::ReadWrite,
         TagAccess::ReadOnly => Access::ReadOnly,
     };
-    let instance = client.create_tag(&name, &command.data_type, access).await?;
+    let created = client.create_tag(&name, &command.data_type, access).await;
+    let instance = created.map_err(|error| not_created(error, &command.data_type))?;
     output.result(
         format!("{name} created"),
         || json!({"tag": name, "type": command.data_type, "instance": instance}),
     );
     Ok(())
+}
+
+/// Why a tag was not created, as far as the type is the cause.
+fn not_created(error: ClientError, data_type: &str) -> Failure {
+    let hint = match &error {
+        ClientError::Refused { status, .. } if status.is(CipStatus::INVALID_PARAMETER) => {
+            let element = data_type.split('[').next().unwrap_or_default().trim();
+            if element.eq_ignore_ascii_case("MOTION_INSTRUCTION") {
+                "a motion control tag is made by the first instruction that names it".to_owned()
+            } else if Elementary::ALL
+                .iter()
+                .any(|known| known.name().eq_ignore_ascii_case(element))
+            {
+                return error.into();
+            } else {
+                let known: Vec<&str> = Elementary::ALL.iter().map(|known| known.name()).collect();
+                format!(
+                    "{element:?} cannot be its type; types are {}, STRING, those of the configuration, and arrays of them such as REAL[4]",
+                    known.join(", ")
+                )
+            }
+        }
+        _ => return error.into(),
+    };
+    Failure::Usage(hint)
 }
 
 async fn delete(client: &Client, command: &DeleteTag, output: &Output) -> Result<(), Failure> {
@@ -108,8 +135,10 @@ fn glob(pattern: &[u8], name: &[u8]) -> bool {
 
 /// `read`.
 pub(crate) async fn read(client: &Client, tags: &[String], output: &Output) -> Result<(), Failure> {
-    let paths: Vec<&str> = tags.iter().map(String::as_str).collect();
-    let readings = client.read_many(&paths).await?;
+    let counts: Vec<(&str, Option<usize>)> = tags.iter().map(|tag| counted_path(tag)).collect();
+    let paths: Vec<&str> = counts.iter().map(|(path, _)| *path).collect();
+    let readings = client.read_many(&paths).await?.into_iter().zip(&counts);
+    let readings = readings.map(|(reading, (path, count))| first(reading?, path, *count));
     let (mut failures, alone) = (Vec::new(), tags.len() == 1);
     for (tag, reading) in tags.iter().zip(readings) {
         match reading {
@@ -120,6 +149,34 @@ pub(crate) async fn read(client: &Client, tags: &[String], output: &Output) -> R
     let last = failures.pop();
     failures.iter().for_each(|failure| output.failure(failure));
     last.map_or(Ok(()), Err)
+}
+
+/// `Tag{3}`, as pycomm3 writes the first three elements of an array: the path without the count, and the count.
+fn counted_path(tag: &str) -> (&str, Option<usize>) {
+    let counted = tag.strip_suffix('}').and_then(|rest| rest.rsplit_once('{'));
+    match counted.and_then(|(path, count)| Some((path, count.parse().ok()?))) {
+        Some((path, count)) => (path, Some(count)),
+        None => (tag, None),
+    }
+}
+
+/// The first elements of an array.
+fn first(reading: Reading, path: &str, count: Option<usize>) -> Result<Reading, ClientError> {
+    match (reading, count) {
+        (reading, None) => Ok(reading),
+        (Reading::Array(mut elements), Some(count)) if (1..=elements.len()).contains(&count) => {
+            elements.truncate(count);
+            Ok(Reading::Array(elements))
+        }
+        (reading, Some(count)) => Err(ClientError::Value {
+            path: path.to_owned(),
+            expected: match reading {
+                Reading::Array(elements) => format!("an array of {}", elements.len()),
+                _ => "no array".to_owned(),
+            },
+            given: format!("a count of {count}"),
+        }),
+    }
 }
 
 /// A value alone, or `tag = value`; members of a structure one a line.
@@ -167,9 +224,33 @@ pub(crate) async fn write(client: &Client, command: &Write, output: &Output) -> 
     Ok(())
 }
 
+/// The first number with decimals that is written to an integer: the integer's type, and the number.
+fn fraction(reading: &Reading, value: &Input) -> Option<(String, f64)> {
+    match (reading, value) {
+        (Reading::Array(elements), Input::Array(values)) => {
+            values.iter().find_map(|value| fraction(elements.first()?, value))
+        }
+        (Reading::Value(now), Input::Number(number)) if number.is_finite() && number.fract() != 0.0 => {
+            let elementary = now.elementary();
+            let takes_any = elementary.is_real() || elementary == Elementary::Bool;
+            (!takes_any).then(|| (elementary.name().to_owned(), *number))
+        }
+        _ => None,
+    }
+}
+
 /// `12` for a STRING is a text, though it looks like a number.
 async fn as_text_where_needed(client: &Client, command: &Write) -> Result<Input, Failure> {
-    let is_text = matches!(client.read(&command.tag).await?, Reading::Text(_));
+    let reading = client.read(&command.tag).await?;
+    if let Some((integer, number)) = fraction(&reading, &command.value) {
+        return Err(ClientError::Value {
+            path: command.tag.clone(),
+            expected: integer,
+            given: number.to_string(),
+        }
+        .into());
+    }
+    let is_text = matches!(reading, Reading::Text(_));
     Ok(match &command.value {
         value @ (Input::Bool(_) | Input::Integer(_) | Input::Number(_)) if is_text => Input::Text(value.to_string()),
         value => value.clone(),

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde_json::json;
 
-use arcline_client::{Client, ClientError, Mnemonic, nearest};
-use arcline_instruction_set::{FAULTS, explain as explain_error};
+use arcline_client::{Client, ClientError, Mnemonic, Object, nearest};
+use arcline_instruction_set::{ERRORS, Extended, FAULTS, explain as explain_error};
 
 use super::args::{self, Completions, Explain, Man, Subject};
 use super::output::counted;
@@ -40,37 +40,42 @@ pub(crate) async fn explain(server: &str, command: &Explain, output: &Output) ->
                 output.result(format!("{tag}: no error"), || json!({"tag": tag, "ERR": 0, "EXERR": 0}));
                 return Ok(());
             }
-            codes(err, exerr, mnemonic, output)
+            codes(err, Some(exerr), mnemonic, output)
         }
     }
 }
 
 /// An unknown tag may be the slip of a fault's word.
-fn or_a_fault(error: ClientError, tag: &str) -> ClientError {
+fn or_a_fault(error: Failure, tag: &str) -> Failure {
     match error {
-        ClientError::UnknownTag { name, suggestion } => {
+        Failure::Client(ClientError::UnknownTag { name, suggestion }) => {
             let words = FAULTS.iter().map(|fault| fault.word);
             let suggestion = nearest(tag, words.chain(suggestion.as_deref()));
-            ClientError::UnknownTag { name, suggestion }
+            ClientError::UnknownTag { name, suggestion }.into()
         }
         error => error,
     }
 }
 
 /// What a control tag shows: ERR, EXERR, and the instruction, which the type of an instruction tag tells.
-async fn of_tag(
-    client: &Client,
-    tag: &str,
-    given: Option<Mnemonic>,
-) -> Result<(i16, i8, Option<Mnemonic>), ClientError> {
+async fn of_tag(client: &Client, tag: &str, given: Option<Mnemonic>) -> Result<(i16, i8, Option<Mnemonic>), Failure> {
     let reading = client.read(tag).await?;
     let control = reading.member("MotionControl").unwrap_or(&reading);
     let number = |name| control.member(name).and_then(|member| member.as_f64());
     let (Some(err), Some(exerr)) = (number("ERR"), number("EXERR")) else {
-        return Err(ClientError::Value {
-            path: tag.to_owned(),
-            expected: "no tag of an instruction".to_owned(),
-            given: "an error".to_owned(),
+        let name = tag.to_owned();
+        let (type_name, expected) = match client.tag(tag).await {
+            Ok(known) if known.object() == Some(Object::Axis) => (
+                known.type_name(),
+                "a tag of an instruction; `arcline fault list` shows the faults of axes",
+            ),
+            Ok(known) => (known.type_name(), "a tag of an instruction"),
+            Err(error) => return Err(error.into()),
+        };
+        return Err(Failure::WrongType {
+            name,
+            type_name,
+            expected,
         });
     };
     let tags = client.browse().await?;
@@ -80,8 +85,17 @@ async fn of_tag(
     Ok((err as i16, exerr as i8, given.or(of_type)))
 }
 
-fn codes(err: i16, exerr: i8, mnemonic: Option<Mnemonic>, output: &Output) -> Result<(), Failure> {
-    let told = explain_error(err, exerr, mnemonic).ok_or(Failure::NoSuchError { err })?;
+/// Without EXERR nothing is said of what it points at.
+fn codes(err: i16, exerr: Option<i8>, mnemonic: Option<Mnemonic>, output: &Output) -> Result<(), Failure> {
+    let mut told = explain_error(err, exerr.unwrap_or_default(), mnemonic).ok_or(Failure::NoSuchError { err })?;
+    let row = ERRORS.iter().find(|row| row.err == err);
+    if let Some(row) = row.filter(|_| exerr.is_none()) {
+        told.headline = format!("ERR {err} {}", row.name);
+        told.concerns = match row.extended {
+            Extended::Unused => None,
+            _ => Some(format!("EXERR tells more: `arcline explain {err}/EXERR`.")),
+        };
+    }
     let mut text = format!("{}\ncause   {}", told.headline, told.cause);
     if let Some(concerns) = &told.concerns {
         text.push_str(&format!("\n        {concerns}"));

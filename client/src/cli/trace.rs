@@ -3,6 +3,7 @@
 mod csv;
 mod mcap;
 
+use std::collections::BTreeSet;
 use std::time::Duration;
 
 use serde_json::json;
@@ -177,7 +178,7 @@ async fn signals(client: &Client, names: &[String]) -> Result<Vec<String>, Failu
     if names.is_empty() {
         return Ok(axes.iter().flat_map(|axis| of(axis, &OF_AXIS)).collect());
     }
-    let mut signals = Vec::new();
+    let mut signals: Vec<String> = Vec::new();
     for name in names {
         let is = |known: &&String| known.eq_ignore_ascii_case(name);
         if name.contains('.') {
@@ -204,5 +205,8 @@ async fn signals(client: &Client, names: &[String]) -> Result<Vec<String>, Failu
             });
         }
     }
+    // An axis and a signal of it: one column is enough.
+    let mut seen = BTreeSet::new();
+    signals.retain(|signal| seen.insert(signal.to_ascii_lowercase()));
     Ok(signals)
 }

@@ -114,13 +114,18 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
     }
     writeln!(
         out,
-        "{} axes, {} coordinate systems, {} transforms, {} instruction tags, {} plain tags",
-        machine.axes.len(),
-        machine.systems.len(),
-        machine.transforms.len(),
-        instruction_tags.len(),
-        tags.len(),
+        "{}, {}, {}, {}, {}",
+        counted(machine.axes.len(), ["axis", "axes"]),
+        counted(machine.systems.len(), ["coordinate system", "coordinate systems"]),
+        counted(machine.transforms.len(), ["transform", "transforms"]),
+        counted(instruction_tags.len(), ["instruction tag", "instruction tags"]),
+        counted(tags.len(), ["plain tag", "plain tags"]),
     )
+}
+
+/// `1 axis`, `7 axes`.
+fn counted(count: usize, [one, more]: [&str; 2]) -> String {
+    format!("{count} {}", if count == 1 { one } else { more })
 }
 
 /// How an axis is homed, where that is not by itself understood.

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use arcline_instruction_set::{Call, ControlSlot, FaultSet, MotionControl};
 use arcline_motion::machine::{self, Machine};
-use arcline_motion::{AcceptedMove, ArrayWrite, ContourRequest, Event, Input, Material, Motion, Ticket, Trajectory};
+use arcline_motion::{
+    AcceptedMove, ArrayWrite, ContourRequest, Event, FaultChange, Input, Material, Motion, Ticket, Trajectory,
+};
 
 use crate::snapshot::Snapshot;
 
@@ -68,6 +70,8 @@ pub trait Port {
     fn answer(&mut self, ticket: Ticket, control: MotionControl);
     /// A change of an instruction's status.
     fn event(&mut self, event: &Event);
+    /// The faults of an axis changed.
+    fn fault_change(&mut self, _: &FaultChange) {}
     /// An instruction wrote to an array.
     fn array_write(&mut self, _: &ArrayWrite) {}
     /// A coordinated move was accepted.
@@ -180,6 +184,7 @@ impl Controller {
             }
         }
         self.accepted_moves(|accepted| port.accepted(accepted));
+        self.take_fault_changes(|change| port.fault_change(change));
         self.end_tick(|event| port.event(event));
         self.take_array_writes(|write| port.array_write(write));
         if let Some(snapshot) = port.snapshot() {
@@ -269,6 +274,12 @@ impl Controller {
     /// Closes the tick and reports what changed, in order. Real-time as far as `report` is.
     pub fn end_tick(&mut self, report: impl FnMut(&Event)) {
         self.motion.finish(report);
+    }
+
+    /// How faults of axes changed in the tick that is being closed: to be called once a tick. Real-time as far as `report`
+    /// is.
+    pub fn take_fault_changes(&mut self, report: impl FnMut(&FaultChange)) {
+        self.motion.take_fault_changes(report);
     }
 
     /// What instructions wrote to arrays in the tick that was closed. Real-time as far as `report` is.

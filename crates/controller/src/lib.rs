@@ -11,8 +11,8 @@ pub mod samples;
 mod snapshot;
 
 pub use arcline_motion::{
-    AcceptedMove, ArrayWrite, AxisSnapshot, CONTROL_SLOTS, ContourRequest, Event, Input, Material, Path, Point,
-    SystemSnapshot, Ticket, Trajectory, UNNAMED, Written, machine,
+    AcceptedMove, ArrayWrite, AxisSnapshot, CONTROL_SLOTS, Cause, ContourRequest, Event, FaultChange, Input, Material,
+    Path, Point, SystemSnapshot, Ticket, Trajectory, UNNAMED, Written, machine,
 };
 pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port, StopRequest};
 pub use snapshot::Snapshot;

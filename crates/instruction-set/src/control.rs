@@ -143,6 +143,11 @@ impl MotionControl {
         self.flags & flag.mask() != 0
     }
 
+    /// Whether the instruction has ended, so that none of its bits will be set any more.
+    pub const fn has_ended(&self) -> bool {
+        (self.has(Flag::Dn) || self.has(Flag::Er)) && !self.has(Flag::Ip) && !self.has(Flag::Ac)
+    }
+
     /// Sets the flag.
     pub const fn set(&mut self, flag: Flag) {
         self.flags |= flag.mask();

@@ -129,6 +129,19 @@ impl Instruction {
             .position(|operand| crate::normalized(operand.name).replace('/', "") == name)
     }
 
+    /// The name of the operand that a motion error blames, where it is none of those that were given.
+    pub fn left_out(&self, err: i16, exerr: i8, given: &[crate::Given]) -> Option<&'static str> {
+        let crate::MotionError::ParameterOutOfRange(place) = crate::MotionError::from_codes(err, exerr)? else {
+            return None;
+        };
+        let place = usize::from(place.0);
+        let index = self.given_operands().position(|own| own == place)?;
+        let missing = given.get(index).is_none_or(|given| *given == crate::Given::Missing);
+        missing
+            .then(|| self.operands.get(place).map(|operand| operand.name))
+            .flatten()
+    }
+
     /// CIP class and service that execute it.
     pub fn service(&self) -> (u16, u8) {
         let place = services(self.object)

@@ -9,6 +9,7 @@ use arcline_planner::precise::{self, AxisLimits, ContourMove, Trajectory};
 use arcline_planner::profile::Phase;
 use arcline_planner::{Clock, ContourPassage, Ending, Extension, Installed, Move};
 
+use crate::cause::Cause;
 use crate::motion::{MAX_ENDS_PER_TICK, Motion};
 use crate::system::{Activity, Planned};
 
@@ -135,8 +136,10 @@ impl Motion {
         });
         if let Some(refused) = refused {
             self.controls.fail(refused.data.execution, error, self.clock.tick);
+            self.controls.because(refused.data.execution.into());
         }
         self.cancel_pending_contour(index);
+        self.controls.because(Cause::Itself);
     }
 
     /// A move of another mode or master than the one that has just ended cannot follow it without rest (spec/coordinated-instructions.md §7.11).

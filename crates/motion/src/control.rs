@@ -6,6 +6,8 @@
 
 use arcline_instruction_set::{ControlSlot, Flag, Mnemonic, MotionControl, MotionError};
 
+use crate::cause::Cause;
+
 /// One execution of one instruction, for ever.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Ticket(pub u64);
@@ -39,6 +41,8 @@ pub struct Event {
     pub exerr: i8,
     /// SEGMENT after the change.
     pub segment: i32,
+    /// What ended the execution, where this change is its end without PC and without an error.
+    pub cause: Cause,
 }
 
 impl Event {
@@ -71,6 +75,8 @@ struct Control {
     changed: bool,
     /// SEGMENT is not what was last reported.
     moved: bool,
+    /// What ended it.
+    cause: Cause,
 }
 
 /// Every motion control tag.
@@ -80,6 +86,8 @@ pub(crate) struct Controls {
     changed: Vec<u32>,
     events: Vec<Event>,
     lost: u64,
+    /// What ends the executions that end now.
+    cause: Cause,
 }
 
 /// FLAGS bits of an execution under way: its end clears them.
@@ -99,13 +107,25 @@ impl Controls {
             kept: u32::MAX,
             changed: false,
             moved: false,
+            cause: Cause::Itself,
         };
         Controls {
             table: vec![unused; CONTROL_SLOTS],
             changed: Vec::with_capacity(EVENTS),
             events: Vec::with_capacity(EVENTS),
             lost: 0,
+            cause: Cause::Itself,
         }
+    }
+
+    /// From now on executions end because of this. Returns what they ended of before, to be put back.
+    pub(crate) fn because(&mut self, cause: Cause) -> Cause {
+        std::mem::replace(&mut self.cause, cause)
+    }
+
+    /// What ends the executions that end now.
+    pub(crate) fn cause(&self) -> Cause {
+        self.cause
     }
 
     /// A false-to-true edge: the tag shows the new execution, with EN alone set.
@@ -127,6 +147,7 @@ impl Controls {
             kept: Flag::En.mask(),
             changed: control.changed,
             moved: false,
+            cause: Cause::Itself,
         };
         self.write(execution, Flag::En.mask(), 0, tick);
         if busy && execution.control != UNNAMED {
@@ -202,6 +223,8 @@ impl Controls {
     }
 
     fn change(&mut self, execution: Execution, set: u32, clear: u32, error: Option<MotionError>, tick: u64) {
+        let ends = clear & Flag::Ip.mask() != 0 && set & (Flag::Pc.mask() | Flag::Er.mask()) == 0;
+        let cause = if ends { self.cause } else { Cause::Itself };
         let Some(control) = self.table.get_mut(execution.control.0 as usize) else {
             return;
         };
@@ -218,8 +241,12 @@ impl Controls {
                 err,
                 exerr,
                 segment: 0,
+                cause,
             });
             return;
+        }
+        if ends && control.word.has(Flag::Ip) {
+            control.cause = cause;
         }
         control.word.flags = (control.word.flags & !clear) | set;
         if let Some(error) = error {
@@ -251,6 +278,7 @@ impl Controls {
             err: control.word.err,
             exerr: control.word.exerr,
             segment: control.word.segment,
+            cause: std::mem::take(&mut control.cause),
         };
         control.reported = now;
         control.kept = u32::MAX;

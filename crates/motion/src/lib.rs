@@ -11,6 +11,7 @@
 
 mod accepted;
 mod axis;
+mod cause;
 mod contour;
 mod control;
 mod dynamics;
@@ -37,6 +38,7 @@ pub use accepted::AcceptedMove;
 pub use arcline_cam as cam;
 pub use arcline_planner::geometry::{Path, Point};
 pub use arcline_planner::precise::Trajectory;
+pub use cause::{Cause, FaultChange};
 pub use contour::ContourRequest;
 pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};
 pub use events::{ArrayWrite, Written};

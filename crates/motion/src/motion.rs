@@ -19,6 +19,7 @@ use arcline_planner::precise::{AxisLimits, Trajectory};
 use crate::accepted::{ACCEPTED, AcceptedMove};
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
+use crate::cause::{Cause, FaultChange};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
 use crate::events::{ArrayWrite, Events};
 use crate::follow::ahead::Ahead;
@@ -149,6 +150,7 @@ impl Motion {
         };
         let tick = self.clock.tick;
         let sent = Sent(material);
+        self.controls.because(execution.into());
         let result = self
             .controls
             .begin(execution, tick)
@@ -159,6 +161,7 @@ impl Motion {
                 self.controls.set_segment(execution, sent.element() as i32, tick);
             }
         }
+        self.controls.because(Cause::Itself);
         self.controls.word(call.control)
     }
 
@@ -192,6 +195,16 @@ impl Motion {
         self.array_writes.clear();
     }
 
+    /// The changes of faults in this tick, axis after axis: to be called once a tick, before [`Motion::finish`] or behind it.
+    /// Real-time as far as `report` is; bounded by the axes.
+    pub fn take_fault_changes(&mut self, mut report: impl FnMut(&FaultChange)) {
+        for (index, axis) in (0..).zip(&mut self.axes) {
+            if let Some(change) = axis.faults.take_change(self.clock.tick, index) {
+                report(&change);
+            }
+        }
+    }
+
     /// Whether a coordinated move would find a place in the queue of its coordinate system, or needs none, since it merges.
     pub fn has_room(&self, call: &Call) -> bool {
         if !instructions::is_queued(call.mnemonic) || self.layouts.merges(call) {
@@ -217,6 +230,7 @@ impl Motion {
 
     /// Stops everything that moves, every axis by itself; the instructions end without PC. Real-time.
     pub fn stop_all(&mut self) {
+        self.controls.because(Cause::StopAll);
         for index in 0..self.systems.len() {
             self.end_stop(index);
             self.abort_system(index, |_| false);
@@ -225,6 +239,7 @@ impl Motion {
         for axis in 0..self.axes.len() {
             self.stop_axis(axis as u16, None);
         }
+        self.controls.because(Cause::Itself);
     }
 
     /// Stops the jog that an instruction began on an axis, at the axis's full deceleration, and makes the stops that are under way

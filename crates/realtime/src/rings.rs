@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use arcline_controller::machine::Machine;
 use arcline_controller::{
-    AcceptedMove, ArrayWrite, Command, ContourRequest, Event, MAX_COMMANDS_PER_TICK, PlannedContour, Port, Snapshot,
-    StopRequest, Ticket, Trajectory,
+    AcceptedMove, ArrayWrite, Command, ContourRequest, Event, FaultChange, MAX_COMMANDS_PER_TICK, PlannedContour, Port,
+    Snapshot, StopRequest, Ticket, Trajectory,
 };
 use arcline_instruction_set::MotionControl;
 
@@ -19,6 +19,8 @@ use crate::stops::{self, StopReceiver, Stops};
 pub const COMMANDS: usize = 16 * MAX_COMMANDS_PER_TICK;
 /// Events that can wait for their reader; one tick can make as many.
 pub const EVENTS: usize = 16_384;
+/// Changes of faults that can wait for their reader.
+const FAULT_CHANGES: usize = 4096;
 /// Writes to arrays that can wait for their reader.
 const ARRAY_WRITES: usize = 4096;
 /// Accepted moves that can wait for their reader; more are not shown.
@@ -49,6 +51,8 @@ pub struct Link {
     pub answers: rtrb::Consumer<Answer>,
     /// Changes of instructions, in order.
     pub events: rtrb::Consumer<Event>,
+    /// Changes of the faults of axes, in order.
+    pub fault_changes: rtrb::Consumer<FaultChange>,
     /// What instructions wrote to arrays, in order.
     pub array_writes: rtrb::Consumer<ArrayWrite>,
     /// Coordinated moves as they were accepted, in order.
@@ -74,6 +78,7 @@ pub struct Rings {
     took_before_stop: bool,
     answers: rtrb::Producer<Answer>,
     events: rtrb::Producer<Event>,
+    fault_changes: rtrb::Producer<FaultChange>,
     array_writes: rtrb::Producer<ArrayWrite>,
     accepted: rtrb::Producer<AcceptedMove>,
     samples: SampleSender,
@@ -101,6 +106,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
     // Every command in the ring may be answered before anybody looks.
     let (answers, answer_receiver) = rtrb::RingBuffer::new(2 * COMMANDS);
     let (events, event_receiver) = rtrb::RingBuffer::new(EVENTS);
+    let (fault_changes, fault_change_receiver) = rtrb::RingBuffer::new(FAULT_CHANGES);
     let (array_writes, array_write_receiver) = rtrb::RingBuffer::new(ARRAY_WRITES);
     let (accepted, accepted_receiver) = rtrb::RingBuffer::new(ACCEPTED);
     let (samples, sample_receiver) = samples::link(machine);
@@ -115,6 +121,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         took_before_stop: false,
         answers,
         events,
+        fault_changes,
         array_writes,
         accepted,
         samples,
@@ -129,6 +136,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         stops,
         answers: answer_receiver,
         events: event_receiver,
+        fault_changes: fault_change_receiver,
         array_writes: array_write_receiver,
         accepted: accepted_receiver,
         samples: Some(sample_receiver),
@@ -193,6 +201,12 @@ impl Port for Rings {
 
     fn event(&mut self, event: &Event) {
         if self.events.push(*event).is_err() {
+            self.meter.lose_event();
+        }
+    }
+
+    fn fault_change(&mut self, change: &FaultChange) {
+        if self.fault_changes.push(*change).is_err() {
             self.meter.lose_event();
         }
     }

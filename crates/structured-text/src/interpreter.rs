@@ -45,6 +45,8 @@ pub enum Answer {
     Start,
     /// The value that was read.
     Value(Value),
+    /// The value that was read, which cannot change any more, such as a bit of an instruction that has ended.
+    Settled(Value),
     /// The numbers that were read.
     Array(Vec<f64>),
     /// It is done.
@@ -78,12 +80,16 @@ pub struct BoundCall {
 pub struct Interpreter {
     program: Program,
     at: usize,
-    stack: Vec<Cell>,
+    stack: Vec<Entry>,
     given: Vec<Given>,
     variables: Vec<Cell>,
     line: u32,
     budget: Budget,
     pending: Pending,
+    /// Whether a settled value was read since time last passed.
+    read_settled: bool,
+    /// Whether the condition of the last WAIT did not hold and cannot hold any more.
+    is_hopeless: bool,
 }
 
 /// What a program may still do within the present tick.
@@ -123,7 +129,14 @@ enum Pending {
     Ended,
 }
 
-/// A value on the stack.
+/// A value on the stack, and whether it would be the same if it were computed later.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    cell: Cell,
+    settled: bool,
+}
+
+/// A value.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Cell {
     Number(f64),
@@ -144,6 +157,8 @@ impl Interpreter {
             line: 1,
             budget: Budget::TICK,
             pending: Pending::Start,
+            read_settled: false,
+            is_hopeless: false,
         }
     }
 
@@ -157,6 +172,12 @@ impl Interpreter {
     pub fn is_waiting(&self) -> bool {
         let last = self.at.checked_sub(1).and_then(|last| self.program.ops.get(last));
         matches!((&self.pending, last), (Pending::Time, Some(Op::Tick)))
+    }
+
+    /// Whether it waits, as [`Interpreter::is_waiting`] says, for a condition that does not hold whatever happens: the
+    /// values that were answered as settled ([`Answer::Settled`]) decide it.
+    pub fn is_hopeless(&self) -> bool {
+        self.is_hopeless && self.is_waiting()
     }
 
     /// Goes on to the next request. Behind the end, and after an error, it is [`Request::End`] for good.
@@ -182,12 +203,13 @@ impl Interpreter {
         let pending = std::mem::replace(&mut self.pending, Pending::Ended);
         match (pending, answer) {
             (Pending::Start, Answer::Start) | (Pending::Write | Pending::Call(_), Answer::Done) => Ok(None),
-            (Pending::Value, Answer::Value(Value::Bool(truth))) => {
-                self.stack.push(Cell::Bool(truth));
+            (Pending::Value, Answer::Value(value)) => {
+                self.push(Cell::from(value), false);
                 Ok(None)
             }
-            (Pending::Value, Answer::Value(value)) => {
-                self.stack.push(Cell::Number(value.as_f64()));
+            (Pending::Value, Answer::Settled(value)) => {
+                self.read_settled = true;
+                self.push(Cell::from(value), true);
                 Ok(None)
             }
             (Pending::Array, Answer::Array(numbers)) => {
@@ -196,6 +218,7 @@ impl Interpreter {
             }
             (Pending::Time, Answer::Done) => {
                 self.budget = Budget::TICK;
+                self.read_settled = false;
                 Ok(None)
             }
             (Pending::Call(call), Answer::QueueFull) => {
@@ -225,18 +248,18 @@ impl Interpreter {
                         return Ok(self.ask(Pending::Time, Request::NextTick));
                     }
                 }
-                Op::Number(number) => self.stack.push(Cell::Number(number)),
-                Op::Bool(truth) => self.stack.push(Cell::Bool(truth)),
+                Op::Number(number) => self.push(Cell::Number(number), true),
+                Op::Bool(truth) => self.push(Cell::Bool(truth), true),
                 Op::Read(path) => {
                     if let Some(variable) = self.variable_of(path) {
-                        self.stack.push(self.variables[variable]);
+                        self.push(self.variables[variable], true);
                     } else {
                         let path = self.path(path)?;
                         return Ok(self.ask(Pending::Value, Request::Read(path)));
                     }
                 }
                 Op::Store(path) => {
-                    let value = self.pop();
+                    let value = self.pop().cell;
                     if let Some(variable) = self.variable_of(path) {
                         self.variables[variable] = value;
                     } else {
@@ -244,32 +267,45 @@ impl Interpreter {
                         return Ok(self.ask(Pending::Write, Request::Write(path, value.value())));
                     }
                 }
-                Op::Variable(variable) => self.stack.push(self.variables[variable as usize]),
-                Op::SetVariable(variable) => self.variables[variable as usize] = self.pop(),
+                Op::Variable(variable) => self.push(self.variables[variable as usize], true),
+                Op::SetVariable(variable) => self.variables[variable as usize] = self.pop().cell,
                 Op::Negate => {
-                    let number = self.pop_number()?;
-                    self.stack.push(Cell::Number(-number));
+                    let Entry { cell, settled } = self.pop();
+                    self.push(Cell::Number(-cell.number()?), settled);
                 }
                 Op::Not => {
-                    let value = match self.pop() {
+                    let Entry { cell, settled } = self.pop();
+                    let value = match cell {
                         Cell::Bool(truth) => Cell::Bool(!truth),
                         Cell::Number(number) => Cell::Number(!integer(number)? as f64),
                     };
-                    self.stack.push(value);
+                    self.push(value, settled);
                 }
                 Op::Binary(operator) => {
                     let right = self.pop();
                     let left = self.pop();
-                    self.stack.push(binary(operator, left, right)?);
+                    let value = binary(operator, left.cell, right.cell)?;
+                    let decides = |entry: Entry| {
+                        entry.settled
+                            && match operator {
+                                Binary::And => !entry.cell.holds(),
+                                Binary::Or => matches!(value, Cell::Bool(_)) && entry.cell.holds(),
+                                _ => false,
+                            }
+                    };
+                    let settled = left.settled && right.settled || decides(left) || decides(right);
+                    self.push(value, settled);
                 }
                 Op::Jump(to) => self.at = to as usize,
                 Op::JumpIfFalse(to) => {
-                    if !self.pop().holds() {
+                    if !self.pop().cell.holds() {
                         self.at = to as usize;
                     }
                 }
                 Op::JumpIfTrue(to) => {
-                    if self.pop().holds() {
+                    let Entry { cell, settled } = self.pop();
+                    self.is_hopeless = settled && self.read_settled && !cell.holds();
+                    if cell.holds() {
                         self.at = to as usize;
                     }
                 }
@@ -281,7 +317,7 @@ impl Interpreter {
                         return Err(RuntimeProblem::Step { step });
                     }
                     let goes_on = if step > 0.0 { value <= limit } else { value >= limit };
-                    self.stack.push(Cell::Bool(goes_on));
+                    self.push(Cell::Bool(goes_on), true);
                 }
                 Op::Tick => return Ok(self.ask(Pending::Time, Request::NextTick)),
                 Op::Delay => {
@@ -354,7 +390,7 @@ impl Interpreter {
             segments.push(match part {
                 Part::Fixed(segment) => segment.clone(),
                 Part::Computed => {
-                    let index = computed.next().unwrap_or(Cell::Number(0.0)).number()?;
+                    let index = computed.next().map_or(Ok(0.0), |entry| entry.cell.number())?;
                     if index.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&index) {
                         return Err(RuntimeProblem::Index { index });
                     }
@@ -365,14 +401,18 @@ impl Interpreter {
         Ok(TagPath(segments))
     }
 
-    fn pop(&mut self) -> Cell {
+    fn push(&mut self, cell: Cell, settled: bool) {
+        self.stack.push(Entry { cell, settled });
+    }
+
+    fn pop(&mut self) -> Entry {
         self.stack
             .pop()
             .expect("every operation finds what the parser had pushed")
     }
 
     fn pop_number(&mut self) -> Result<f64, RuntimeProblem> {
-        self.pop().number()
+        self.pop().cell.number()
     }
 }
 
@@ -386,6 +426,15 @@ impl Pending {
             Self::Time | Self::Again(_) => "time to pass",
             Self::Call(_) => "an instruction to be executed",
             Self::Ended => "nothing more",
+        }
+    }
+}
+
+impl From<Value> for Cell {
+    fn from(value: Value) -> Self {
+        match value {
+            Value::Bool(truth) => Self::Bool(truth),
+            value => Self::Number(value.as_f64()),
         }
     }
 }

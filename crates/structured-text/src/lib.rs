@@ -18,12 +18,14 @@
 
 mod code;
 mod error;
+mod hopeless;
 mod interpreter;
 mod lexer;
 mod parser;
 mod program;
 
 pub use error::{RuntimeError, RuntimeProblem, SyntaxError, SyntaxProblem};
+pub use hopeless::Hopeless;
 pub use interpreter::{Answer, BoundCall, Interpreter, OPERATIONS_PER_TICK, Request, STATEMENTS_PER_TICK};
 pub use program::{CallStatement, Names, OperandText, Program, unmade_control};
 

@@ -283,6 +283,44 @@ fn a_loop_of_long_expressions_goes_on_in_the_next_tick() {
     }
 }
 
+/// PC and IP of M1 are FALSE for good; A is FALSE and may change.
+#[test]
+fn a_wait_is_hopeless_when_settled_values_decide_it() {
+    #[rustfmt::skip]
+    let cases = [
+        ("M1.PC",                      true),
+        ("M1.IP OR M1.PC",             true),
+        ("M1.PC = 1",                  true),
+        ("NOT M1.PC AND M1.IP",        true),
+        ("M1.PC AND A",                true),
+        ("A AND M1.PC",                true),
+        ("M1.PC OR A",                 false),
+        ("A",                          false),
+        ("NOT M1.PC AND A",            false),
+        ("M1.PC AND A OR A",           false),
+        ("M1.PC XOR A",                false),
+        ("FALSE",                      false),
+    ];
+    for (condition, hopeless) in cases {
+        let program = Program::parse(&format!("WAIT({condition});")).unwrap_or_else(|error| panic!("{error}"));
+        let mut interpreter = Interpreter::new(program);
+        let mut answer = Answer::Start;
+        // Twice: the second time it is looked at behind a tick.
+        for _ in 0..2 {
+            loop {
+                match interpreter.resume(answer).expect("it runs") {
+                    Request::Read(path) if path.tag() == Some("M1") => answer = Answer::Settled(Value::Bool(false)),
+                    Request::Read(_) => answer = Answer::Value(Value::Bool(false)),
+                    Request::NextTick => break,
+                    other => panic!("{condition}: {other:?}"),
+                }
+            }
+            assert_eq!(interpreter.is_hopeless(), hopeless, "{condition}");
+            answer = Answer::Done;
+        }
+    }
+}
+
 #[test]
 fn a_full_queue_repeats_the_call() {
     let mut program = Program::parse("i := 5;\nMCLM(CS1, M1, 0, [i, 0, 0], 10);").expect("a move");

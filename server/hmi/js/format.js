@@ -37,6 +37,16 @@ export function clock(seconds, decimals = 3) {
   return `${sign}${head}:${rest}`;
 }
 
+/** Date and time of the day of milliseconds since 1970, by the browser's time zone: `2026-11-22 14:03:22.123`. */
+export function timestamp(milliseconds) {
+  if (!Number.isFinite(milliseconds)) return "–";
+  const date = new Date(milliseconds);
+  const two = (number, digits = 2) => String(number).padStart(digits, "0");
+  const day = [date.getFullYear(), two(date.getMonth() + 1), two(date.getDate())].join("-");
+  const time = [date.getHours(), date.getMinutes(), date.getSeconds()].map((part) => two(part)).join(":");
+  return `${day} ${time}.${two(date.getMilliseconds(), 3)}`;
+}
+
 /** A duration: `850 ms`, `12.4 s`, `3:20`. */
 export function duration(seconds) {
   if (!Number.isFinite(seconds)) return "–";

@@ -1,10 +1,12 @@
-//! What has happened to instructions, told with its text, its cause and what to do about it.
+//! What has happened to instructions and to the faults of axes: its text, its cause and what to do about it.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, UNIX_EPOCH};
 
 use arcline_controller::image::Image;
-use arcline_instruction_set::{Flag, Object};
+use arcline_controller::machine::Machine;
+use arcline_controller::{Cause, Event, FaultChange};
+use arcline_instruction_set::{Ending, Flag, Object};
 use axum::extract::ws::Utf8Bytes;
 use serde_json::{Value, json};
 use tokio::time::{MissedTickBehavior, interval};
@@ -12,7 +14,7 @@ use tokio::time::{MissedTickBehavior, interval};
 use super::Shared;
 use super::message::Refusal;
 use super::rights::Thing;
-use crate::plant::Logged;
+use crate::plant::{Change, Logged, ending};
 
 /// Time between two pushes.
 const EVERY: Duration = Duration::from_millis(100);
@@ -67,11 +69,24 @@ fn tell(shared: &Shared, image: &Image, events: &[Logged]) -> Vec<Value> {
 }
 
 fn event(shared: &Shared, image: &Image, logged: &Logged) -> Value {
-    let event = &logged.event;
+    let tick = logged.change.tick();
+    let at = logged.at.duration_since(UNIX_EPOCH).unwrap_or_default();
+    let mut told = match &logged.change {
+        Change::Instruction { event, target } => instruction(shared, image, event, *target),
+        Change::Fault(change) => fault(shared, image, change),
+    };
+    told["seq"] = logged.number.into();
+    told["tick"] = tick.into();
+    told["time_s"] = (tick as f64 * shared.plant.machine().period()).into();
+    told["at_ms"] = (at.as_micros() as f64 / 1e3).into();
+    told
+}
+
+/// A change of an instruction's status.
+fn instruction(shared: &Shared, image: &Image, event: &Event, target: Option<u16>) -> Value {
     let machine = shared.plant.machine();
     let flags = |word| -> Vec<&str> { Flag::in_word(word).map(Flag::name).collect() };
-    let object = event.mnemonic.instruction().object;
-    let object = match (object, logged.target) {
+    let object = match (event.mnemonic.instruction().object, target) {
         (Object::MotionGroup, _) => Some(Thing::Group),
         (object, place) => place.map(|place| Thing::of(object, place)),
     };
@@ -81,9 +96,6 @@ fn event(shared: &Shared, image: &Image, logged: &Logged) -> Value {
     let origins = shared.origins();
     let origin = origins.of(event.ticket.0 as u32);
     json!({
-        "seq": logged.number,
-        "tick": event.tick,
-        "time_s": event.tick as f64 * machine.period(),
         "ticket": event.ticket.0,
         "tag": image.control_name(event.control),
         "instruction": event.mnemonic.to_string(),
@@ -95,5 +107,38 @@ fn event(shared: &Shared, image: &Image, logged: &Logged) -> Value {
         "err": event.err,
         "exerr": event.exerr,
         "error": error,
+        "ended": cause(machine, image, event.cause),
+    })
+}
+
+/// A change of the faults of an axis.
+fn fault(shared: &Shared, image: &Image, change: &FaultChange) -> Value {
+    let machine = shared.plant.machine();
+    let axis = machine.axes.get(usize::from(change.axis));
+    json!({
+        "fault": {
+            "axis": axis.map(|axis| axis.name.as_str()),
+            "set": Ending::words(change.set),
+            "again": Ending::words(change.again),
+            "clear": Ending::words(change.clear),
+            "by": cause(machine, image, change.by),
+        },
+    })
+}
+
+/// What ended an instruction or cleared a fault: its text and its parts.
+fn cause(machine: &Machine, image: &Image, cause: Cause) -> Option<Value> {
+    let text = ending(machine, image, cause)?.to_string();
+    Some(match cause {
+        Cause::Itself => return None,
+        Cause::Instruction { ticket, mnemonic, .. } => json!({
+            "by": "instruction", "text": text, "ticket": ticket.0, "instruction": mnemonic.to_string(),
+        }),
+        Cause::Fault { axis, faults } => json!({
+            "by": "fault", "text": text,
+            "axis": machine.axes.get(usize::from(axis)).map(|axis| axis.name.as_str()),
+            "faults": Ending::words(faults),
+        }),
+        Cause::StopAll => json!({"by": "stop", "text": text}),
     })
 }

@@ -1,13 +1,15 @@
 //! The one program that viewers may run: it goes on from statement to statement as a client's would, on a thread of its own,
 //! with the rights of the viewer who started it.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use arcline_controller::image::TagKind;
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status;
-use arcline_structured_text::{Answer, BoundCall, Interpreter, Program, Request};
+use arcline_structured_text::{Answer, BoundCall, Hopeless, Interpreter, Program, Request};
+use arcline_tag::TagPath;
 use serde::Serialize;
 use serde_json::{Value, json};
 use tokio::sync::watch;
@@ -214,6 +216,8 @@ impl Shared {
                 mode,
                 granted: None,
                 executed: VecDeque::new(),
+                newest: BTreeMap::new(),
+                settled: Vec::new(),
             };
             let end = runtime.block_on(run.whole(Interpreter::new(program)));
             *shared.program.running() = None;
@@ -250,6 +254,10 @@ struct Run<'s> {
     /// The line that may run while it is paused.
     granted: Option<usize>,
     executed: VecDeque<(usize, Accepted)>,
+    /// The newest execution of each motion control tag, by its name in small letters.
+    newest: BTreeMap<String, (usize, Accepted)>,
+    /// The tags of `newest` that a WAIT has read and that cannot change any more.
+    settled: Vec<String>,
 }
 
 impl Run<'_> {
@@ -266,7 +274,7 @@ impl Run<'_> {
                 self.turn(line).await?;
             }
             answer = match request {
-                Request::Read(path) => Answer::Value(self.shared.read_value(&path).map_err(at)?),
+                Request::Read(path) => self.read(&path).map_err(at)?,
                 Request::ReadArray(path) => Answer::Array(self.shared.read_numbers(&path).map_err(at)?),
                 Request::Write(path, value) => {
                     let value = match value {
@@ -279,6 +287,12 @@ impl Run<'_> {
                 }
                 Request::Call(call) => self.call(call).await.map_err(at)?,
                 Request::NextTick => {
+                    if interpreter.is_hopeless()
+                        && let Some(hopeless) = self.hopeless(line)
+                    {
+                        return Err(at(Refusal::new(hopeless.to_string())));
+                    }
+                    self.settled.clear();
                     let tick = Duration::from_nanos(self.shared.plant.machine().period_ns);
                     self.pause(tick.max(LEAST_TICK)).await?;
                     Answer::Done
@@ -291,6 +305,48 @@ impl Run<'_> {
                 Request::End => return self.finish().await,
             };
         }
+    }
+
+    /// The value of a tag; of a motion control tag that the program has used, whether it can still change.
+    fn read(&mut self, path: &TagPath) -> Result<Answer, Refusal> {
+        let own = path.tag().map(str::to_ascii_lowercase);
+        let own = own.filter(|tag| self.newest.contains_key(tag));
+        if let Some(tag) = own {
+            let read = self.shared.plant.with_image(|image| {
+                let TagKind::MotionControl(slot) = image.find(&tag)?.kind else {
+                    return None;
+                };
+                Some((image.control(slot).has_ended(), image.read(path).ok()?))
+            });
+            if let Some((true, value)) = read {
+                self.settled.push(tag);
+                return Ok(Answer::Settled(value));
+            }
+        }
+        self.shared.read_value(path).map(Answer::Value)
+    }
+
+    /// Why a WAIT cannot come true any more; `None` when an instruction has begun again since the tags were read.
+    fn hopeless(&self, line: usize) -> Option<Hopeless> {
+        let plant = &self.shared.plant;
+        let mut found = None;
+        for tag in &self.settled {
+            let (called, accepted) = self.newest.get(tag)?;
+            let control = plant.instruction_instance(accepted.instance)?;
+            if !control.has_ended() {
+                return None;
+            }
+            let name = plant.with_image(|image| image.find(tag).map(|tag| tag.name.clone()));
+            let ended = plant.instruction_ending(accepted.instance);
+            let call = Some((accepted.mnemonic, *called));
+            let ending = ended.as_ref().map(|ended| &ended.ending);
+            let hopeless = Hopeless::new(line, name.as_deref().unwrap_or(tag), call, &control, ending);
+            if !control.has(Flag::Pc) {
+                return Some(hopeless);
+            }
+            found.get_or_insert(hopeless);
+        }
+        found
     }
 
     /// Waits until the statement of a line may run.
@@ -340,6 +396,9 @@ impl Run<'_> {
             Ok(accepted) => {
                 if self.executed.len() == WATCHED {
                     self.executed.pop_front();
+                }
+                if let Some(tag) = &call.control {
+                    self.newest.insert(tag.to_ascii_lowercase(), (call.line, accepted));
                 }
                 self.executed.push_back((call.line, accepted));
                 Ok(Answer::Done)

@@ -1,46 +1,88 @@
-//! The newest changes of instructions, numbered, for whoever looks at them later.
+//! The newest changes of instructions and of the faults of axes, numbered, for later readers.
 
 use std::collections::VecDeque;
+use std::time::{Duration, SystemTime};
 
-use arcline_controller::Event;
+use arcline_controller::{Event, FaultChange};
 
-/// The newest events.
-#[derive(Debug, Default)]
+/// The newest changes.
+#[derive(Debug)]
 pub(super) struct Log {
     events: VecDeque<Logged>,
     next: u64,
+    period: Duration,
 }
 
-/// An event with its number.
+/// A change with its number.
 #[derive(Clone, Copy, Debug)]
 pub struct Logged {
     /// Its number, from 1.
     pub number: u64,
+    /// When, by the system's clock.
+    pub at: SystemTime,
     /// What happened.
-    pub event: Event,
-    /// The object that the instruction acts on, by its place.
-    pub target: Option<u16>,
+    pub change: Change,
+}
+
+/// What happened.
+#[derive(Clone, Copy, Debug)]
+pub enum Change {
+    /// A change of an instruction.
+    Instruction {
+        /// The change.
+        event: Event,
+        /// The object that the instruction acts on, by its place.
+        target: Option<u16>,
+    },
+    /// A change of the faults of an axis.
+    Fault(FaultChange),
+}
+
+impl Change {
+    /// The tick in which it happened.
+    pub fn tick(&self) -> u64 {
+        match self {
+            Change::Instruction { event, .. } => event.tick,
+            Change::Fault(change) => change.tick,
+        }
+    }
 }
 
 impl Log {
-    pub(super) fn push(&mut self, event: Event, target: Option<u16>) {
+    /// For a machine with this coarse update period.
+    pub(super) fn new(period: Duration) -> Self {
+        Log {
+            events: VecDeque::new(),
+            next: 0,
+            period,
+        }
+    }
+
+    /// The time of a tick by the system's clock, which shows now when the newest tick is `newest`.
+    pub(super) fn time_of(&self, tick: u64, newest: u64) -> SystemTime {
+        let ticks = u32::try_from(newest.saturating_sub(tick)).unwrap_or(u32::MAX);
+        let now = SystemTime::now();
+        now.checked_sub(self.period.saturating_mul(ticks)).unwrap_or(now)
+    }
+
+    pub(super) fn push(&mut self, change: Change, at: SystemTime) {
         if self.events.len() == KEPT {
             self.events.pop_front();
         }
         self.next += 1;
         self.events.push_back(Logged {
             number: self.next,
-            event,
-            target,
+            at,
+            change,
         });
     }
 
-    /// The events behind a number, oldest first.
+    /// The changes behind a number, oldest first.
     pub(super) fn since(&self, number: u64) -> impl Iterator<Item = &Logged> {
         let from = self.events.partition_point(|logged| logged.number <= number);
         self.events.range(from..)
     }
 }
 
-/// Events that are kept.
+/// Changes that are kept.
 const KEPT: usize = 4096;

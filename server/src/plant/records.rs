@@ -1,8 +1,9 @@
 //! The newest executions by ticket and by instance of class 0x0303, whatever their tags show by now.
 
 use std::collections::VecDeque;
+use std::time::SystemTime;
 
-use arcline_controller::Ticket;
+use arcline_controller::{Cause, Event, Ticket};
 use arcline_instruction_set::{Flag, MotionControl};
 
 #[derive(Clone, Copy, Debug)]
@@ -10,6 +11,15 @@ struct Record {
     control: MotionControl,
     /// The object it acts on, by its place.
     target: Option<u16>,
+    ended: Option<Ended>,
+}
+
+/// The end of an execution that did not come to its end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ended {
+    pub(super) cause: Cause,
+    pub(super) tick: u64,
+    pub(super) at: SystemTime,
 }
 
 /// The newest executions.
@@ -28,7 +38,11 @@ impl Records {
         // An execution begins with EN, and no event repeats that when the tag's EN was set before.
         let mut begun = MotionControl::default();
         begun.set(Flag::En);
-        self.ring.push_back(Record { control: begun, target });
+        self.ring.push_back(Record {
+            control: begun,
+            target,
+            ended: None,
+        });
         self.newest = ticket.0;
     }
 
@@ -39,6 +53,17 @@ impl Records {
     pub(super) fn get_mut(&mut self, ticket: Ticket) -> Option<&mut MotionControl> {
         let place = self.place(ticket)?;
         self.ring.get_mut(place).map(|record| &mut record.control)
+    }
+
+    /// Notes why an execution ended, if a change says so.
+    pub(super) fn note_end(&mut self, event: &Event, at: SystemTime) {
+        let Event { cause, tick, .. } = *event;
+        if cause == Cause::Itself {
+            return;
+        }
+        if let Some(record) = self.place(event.ticket).and_then(|place| self.ring.get_mut(place)) {
+            record.ended = Some(Ended { cause, tick, at });
+        }
     }
 
     /// The object that an execution acts on.
@@ -52,10 +77,19 @@ impl Records {
     }
 
     pub(super) fn by_instance(&self, instance: u32) -> Option<MotionControl> {
+        self.of_instance(instance).map(|record| record.control)
+    }
+
+    /// Why an execution ended that did not come to its end.
+    pub(super) fn end_of(&self, instance: u32) -> Option<Ended> {
+        self.of_instance(instance)?.ended
+    }
+
+    fn of_instance(&self, instance: u32) -> Option<&Record> {
         // Instances are the low half of a ticket.
         let age = (self.newest as u32).wrapping_sub(instance) as usize;
         let place = self.ring.len().checked_sub(age.checked_add(1)?)?;
-        self.ring.get(place).map(|record| record.control)
+        self.ring.get(place)
     }
 
     pub(super) fn newest(&self) -> Option<Ticket> {

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 use arc_swap::ArcSwap;
 use arcline_controller::image::{CallRoom, Edge, Image, Staged, TagKind};
@@ -12,7 +13,7 @@ use arcline_instruction_set::{Call, ControlSlot, FaultSet, Flag, Mnemonic, Motio
 use arcline_realtime::Link;
 use tokio::sync::oneshot;
 
-use super::log::Log;
+use super::log::{Change, Log};
 use super::moves::LiveMoves;
 use super::owned::{Owned, Owner};
 use super::records::Records;
@@ -105,7 +106,14 @@ fn is_of_the_same(one: &Input, other: &Input) -> bool {
 
 impl State {
     /// On rings of which nothing has come yet.
-    pub(super) fn new(image: Image, link: Link, watch: Option<Watch>, trace: Trace, guard: Guard) -> Self {
+    pub(super) fn new(
+        image: Image,
+        link: Link,
+        watch: Option<Watch>,
+        trace: Trace,
+        guard: Guard,
+        period: Duration,
+    ) -> Self {
         let moves = LiveMoves::new(link.snapshots.output_buffer().systems.len());
         State {
             overrides: image.feed_overrides().collect(),
@@ -122,7 +130,7 @@ impl State {
             guard,
             staged: BTreeMap::new(),
             records: Records::default(),
-            log: Log::default(),
+            log: Log::new(period),
             moves,
             owned: Owned::default(),
             lost: 0,
@@ -187,10 +195,14 @@ impl State {
                 break;
             }
             let event = *event;
+            self.take_fault_changes(event.tick, tick);
             let _ = self.link.events.pop();
             self.image_mut().apply_event(&event);
             self.moves.event(&event);
-            self.log.push(event, self.records.target(event.ticket));
+            let at = self.log.time_of(event.tick, tick);
+            self.records.note_end(&event, at);
+            let target = self.records.target(event.ticket);
+            self.log.push(Change::Instruction { event, target }, at);
             let tag = self.image.control_name(event.control);
             self.trace.event(event.tick, tag, event.mnemonic, event.set);
             let record = self.records.get_mut(event.ticket);
@@ -202,6 +214,7 @@ impl State {
                 }
             }
         }
+        self.take_fault_changes(tick, tick);
         while let Ok(write) = self.link.array_writes.peek() {
             if write.tick > tick {
                 break;
@@ -245,6 +258,20 @@ impl State {
                 );
                 self.lost = lost;
             }
+        }
+    }
+
+    /// Takes the changes of faults up to a tick, ahead of the changes of instructions that they brought about. `newest`: the
+    /// newest tick.
+    fn take_fault_changes(&mut self, until: u64, newest: u64) {
+        while let Ok(change) = self.link.fault_changes.peek() {
+            if change.tick > until {
+                break;
+            }
+            let change = *change;
+            let _ = self.link.fault_changes.pop();
+            let at = self.log.time_of(change.tick, newest);
+            self.log.push(Change::Fault(change), at);
         }
     }
 

@@ -1,21 +1,22 @@
 //! Trace (CSV) and events (JSON lines), as text in one big buffer that is written out when it is full.
 
 use std::fs::File;
-use std::io::{self, Write as _};
+use std::io::{self, Write};
 use std::path::Path;
 
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
-use arcline_controller::{Controller, Event};
-use arcline_instruction_set::Flag;
+use arcline_controller::{Controller, Event, FaultChange};
+use arcline_instruction_set::{Ending, Flag};
 
-use super::Observer;
+use super::{Observer, Summary};
 
 /// What a simulation writes down.
-#[derive(Debug)]
 pub(super) struct Files {
     pub(super) trace: Option<Output>,
     pub(super) events: Option<Output>,
+    pub(super) faults: Option<Output>,
+    pub(super) summary: Summary,
 }
 
 impl Observer for Files {
@@ -30,7 +31,17 @@ impl Observer for Files {
             let time = (tick as f64 * machine.period_ns as f64) / 1e9;
             trace.row(tick, time, controller.trace());
         }
+        self.summary.tick(tick, machine, controller);
         true
+    }
+
+    fn fault(&mut self, change: &FaultChange, time: f64, machine: &Machine) {
+        let axis = machine.axes.get(usize::from(change.axis));
+        let axis = axis.map_or("", |axis| axis.name.as_str());
+        self.summary.fault(change, time, axis);
+        if let Some(faults) = &mut self.faults {
+            faults.fault(change, time, axis);
+        }
     }
 
     fn event(&mut self, event: &Event, time: f64, image: &Image) {
@@ -41,9 +52,8 @@ impl Observer for Files {
 }
 
 /// A file that is written in large pieces. A failed write is reported at the end.
-#[derive(Debug)]
 pub(super) struct Output {
-    file: File,
+    file: Box<dyn Write>,
     text: Vec<u8>,
     failed: Option<io::Error>,
 }
@@ -51,7 +61,11 @@ pub(super) struct Output {
 impl Output {
     pub(super) fn create(path: &Path) -> io::Result<Self> {
         Ok(Output {
-            file: File::create(path)?,
+            file: if is_standard_output(path) {
+                Box::new(io::stdout())
+            } else {
+                Box::new(File::create(path)?)
+            },
             text: Vec::with_capacity(BUFFER + MARGIN),
             failed: None,
         })
@@ -60,7 +74,10 @@ impl Output {
     /// Writes what is left.
     pub(super) fn finish(mut self) -> io::Result<()> {
         self.flush();
-        self.failed.map_or(Ok(()), Err)
+        match self.failed {
+            None => self.file.flush(),
+            Some(failed) => Err(failed),
+        }
     }
 
     /// The header of a trace.
@@ -125,6 +142,25 @@ impl Output {
         self.flush_if_full();
     }
 
+    /// One change of the faults of an axis.
+    pub(super) fn fault(&mut self, change: &FaultChange, time: f64, axis: &str) {
+        let text = &mut self.text;
+        text.extend_from_slice(b"{\"time_s\":");
+        number(text, time);
+        let words = |faults| {
+            let words: Vec<String> = Ending::words(faults).iter().map(|word| format!("\"{word}\"")).collect();
+            words.join(",")
+        };
+        let (set, again, clear) = (words(change.set), words(change.again), words(change.clear));
+        let tick = change.tick;
+        writeln!(
+            text,
+            ",\"tick\":{tick},\"axis\":\"{axis}\",\"set\":[{set}],\"again\":[{again}],\"clear\":[{clear}]}}"
+        )
+        .expect("a Vec takes everything");
+        self.flush_if_full();
+    }
+
     fn flush_if_full(&mut self) {
         if self.text.len() >= BUFFER {
             self.flush();
@@ -137,6 +173,11 @@ impl Output {
         }
         self.text.clear();
     }
+}
+
+/// Whether a file is standard output.
+pub(super) fn is_standard_output(path: &Path) -> bool {
+    path == Path::new("-")
 }
 
 /// The shortest decimal that reads back to the same number; whole numbers without point.

@@ -1,15 +1,17 @@
 //! The loop of a simulation: begin the tick, let the program run in it, end it, write down what happened.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use arcline_controller::image::{Edge, Image, TagKind};
 use arcline_controller::machine::Machine;
-use arcline_controller::{ContourRequest, Controller, Event, Snapshot, Ticket, UNNAMED};
+use arcline_controller::{Cause, ContourRequest, Controller, Event, FaultChange, Snapshot, Ticket, UNNAMED};
 use arcline_instruction_set::{BindError, Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, bind, describe};
-use arcline_structured_text::{Answer, BoundCall, Interpreter, Request, RuntimeError, unmade_control};
-use arcline_tag::{TagPath, Value};
+use arcline_structured_text::{Answer, BoundCall, Hopeless, Interpreter, Request, RuntimeError, unmade_control};
+use arcline_tag::TagPath;
 
 use crate::cli::QueueFull;
+use crate::plant::ending;
 
 /// How to run.
 #[derive(Clone, Copy, Debug)]
@@ -43,13 +45,19 @@ pub(crate) struct Erred {
     line: usize,
     err: i16,
     exerr: i8,
+    /// The operand at fault, where it was left out.
+    left_out: Option<&'static str>,
 }
 
 impl fmt::Display for Erred {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let tag = if self.tag.is_empty() { "without tag" } else { &self.tag };
         let text = describe(self.err, self.exerr, Some(self.mnemonic));
-        write!(f, "line {}: {} ({tag}): {text}", self.line, self.mnemonic)
+        write!(f, "line {}: {} ({tag}): {text}", self.line, self.mnemonic)?;
+        match self.left_out {
+            Some(operand) => write!(f, ": {operand} was not given"),
+            None => Ok(()),
+        }
     }
 }
 
@@ -58,6 +66,8 @@ impl fmt::Display for Erred {
 pub(crate) enum Wrong {
     #[error(transparent)]
     Runtime(#[from] RuntimeError),
+    #[error(transparent)]
+    Hopeless(#[from] Hopeless),
     #[error("line {line}: {error}")]
     Bind { line: usize, error: BindError },
     #[error("line {line}: {error}")]
@@ -91,6 +101,10 @@ pub(crate) trait Observer {
     fn tick(&mut self, tick: u64, machine: &Machine, controller: &mut Controller) -> bool;
     /// A change of an instruction's status, s after the beginning.
     fn event(&mut self, event: &Event, time: f64, image: &Image);
+    /// A change of the faults of an axis, s after the beginning.
+    fn fault(&mut self, change: &FaultChange, time: f64, machine: &Machine) {
+        let _ = (change, time, machine);
+    }
 }
 
 impl Erred {
@@ -125,6 +139,8 @@ pub(crate) struct Runner<'m> {
     program: Program,
     /// Lines of the calls, by ticket.
     lines: Vec<usize>,
+    /// Their instructions and motion control tags, by ticket.
+    calls: Vec<(Mnemonic, ControlSlot)>,
     snapshot: Snapshot,
     contour: ContourRequest,
     /// The tick whose state the image shows.
@@ -133,6 +149,14 @@ pub(crate) struct Runner<'m> {
     watched: Vec<(ControlSlot, MotionControl)>,
     /// Whether it has read anything else that changes by itself.
     reads_motion: bool,
+    /// The motion control tags that cannot change any more, of those that the WAIT has read, and their slots.
+    settled: Vec<(String, Option<ControlSlot>)>,
+    /// Whether the WAIT was without hope a tick ago.
+    was_hopeless: bool,
+    /// The newest execution of a motion control tag.
+    newest: BTreeMap<ControlSlot, (Ticket, Mnemonic)>,
+    /// What ended executions that did not come to their end.
+    causes: BTreeMap<Ticket, Cause>,
     events: Vec<Event>,
     /// What was accepted in this tick.
     accepted: Vec<(Ticket, Call)>,
@@ -150,11 +174,16 @@ impl<'m> Runner<'m> {
             options,
             program: Program::Ready(Answer::Start),
             lines: Vec::new(),
+            calls: Vec::new(),
             snapshot: Snapshot::new(machine),
             contour: ContourRequest::new(),
             shown: None,
             watched: Vec::new(),
             reads_motion: false,
+            settled: Vec::new(),
+            was_hopeless: false,
+            newest: BTreeMap::new(),
+            causes: BTreeMap::new(),
             events: Vec::new(),
             accepted: Vec::new(),
             erred: None,
@@ -173,6 +202,30 @@ impl<'m> Runner<'m> {
         }
     }
 
+    /// Executions that a fault ended before their end: line, instruction, tag, and the fault.
+    pub(super) fn stopped(&self) -> Vec<String> {
+        let by_fault = self
+            .causes
+            .iter()
+            .filter(|(_, cause)| matches!(cause, Cause::Fault { .. }));
+        let told = by_fault.filter_map(|(ticket, cause)| {
+            let (mnemonic, tag) = self.calls.get((ticket.0 as usize).checked_sub(1)?)?;
+            let ending = ending(self.machine, &self.image, *cause)?;
+            let tag = self.image.control_name(*tag);
+            let blank = if tag.is_empty() { "" } else { " " };
+            Some(format!(
+                "line {}: {mnemonic}{blank}{tag} was {ending}",
+                self.line_of(*ticket)
+            ))
+        });
+        told.collect()
+    }
+
+    /// Instructions that were executed.
+    pub(super) fn executed(&self) -> usize {
+        self.lines.len()
+    }
+
     /// Runs until everything has ended.
     pub(crate) fn run(&mut self, observer: &mut impl Observer) -> End {
         observer.begin(self.machine);
@@ -188,6 +241,9 @@ impl<'m> Runner<'m> {
                     .for_each(|(ticket, call)| observer.accepted(ticket, &call));
             }
             self.controller.plan_contours(&mut self.contour);
+            let machine = self.machine;
+            self.controller
+                .take_fault_changes(|change| observer.fault(change, time(tick), machine));
             self.controller.end_tick(|event| self.events.push(*event));
             let image = &mut self.image;
             self.controller
@@ -228,6 +284,7 @@ impl<'m> Runner<'m> {
     /// Runs the program up to its next pause.
     fn advance(&mut self, tick: u64) {
         self.watched.clear();
+        self.settled.clear();
         self.reads_motion = false;
         let mut answer = match std::mem::replace(&mut self.program, Program::Ended) {
             Program::Ready(answer) => answer,
@@ -261,7 +318,7 @@ impl<'m> Runner<'m> {
         let request = self.interpreter.resume(answer)?;
         let line = self.interpreter.line();
         Ok(match request {
-            Request::Read(path) => Next::Answer(Answer::Value(self.read(&path, tick, line)?)),
+            Request::Read(path) => Next::Answer(self.read(&path, tick, line)?),
             Request::ReadArray(path) => {
                 self.show(tick);
                 let numbers = self
@@ -278,13 +335,25 @@ impl<'m> Runner<'m> {
                 self.edge(edge, line)?;
                 Next::Answer(Answer::Done)
             }
-            Request::Call(call) => {
-                let call = self.bind(&call)?;
+            Request::Call(bound) => {
+                self.was_hopeless = false;
+                let call = self.bind(&bound)?;
                 if self.options.queue_full == QueueFull::Wait && !self.controller.has_room(&call) {
                     return Ok(Next::Pause(Program::Queued(Box::new(call), line)));
                 }
                 self.execute(&call, line);
+                if let Some(erred) = self.erred.as_mut().filter(|erred| erred.line == line) {
+                    let instruction = bound.mnemonic.instruction();
+                    erred.left_out = instruction.left_out(erred.err, erred.exerr, &bound.given);
+                }
                 Next::Answer(Answer::Done)
+            }
+            Request::NextTick if self.interpreter.is_hopeless() => {
+                if std::mem::replace(&mut self.was_hopeless, true) {
+                    return Err(self.hopeless(line).into());
+                }
+                // What ended the instruction in this very tick is known at its end.
+                Next::Pause(Program::Ready(Answer::Done))
             }
             Request::NextTick if self.interpreter.is_waiting() && !self.reads_motion => Next::Pause(Program::Watching),
             Request::NextTick => Next::Pause(Program::Ready(Answer::Done)),
@@ -298,11 +367,14 @@ impl<'m> Runner<'m> {
     }
 
     /// Reads a tag: a motion control as the controller has it in this moment, everything else from the image.
-    fn read(&mut self, path: &TagPath, tick: u64, line: usize) -> Result<Value, Wrong> {
+    ///
+    /// Nothing but the program executes instructions here: one that has ended, or never began, stays so during a WAIT.
+    fn read(&mut self, path: &TagPath, tick: u64, line: usize) -> Result<Answer, Wrong> {
+        let mut settled = false;
         let tag = path.tag().and_then(|name| self.image.find(name));
         match tag.map(|tag| tag.kind) {
-            Some(TagKind::MotionControl(slot)) => self.watch(slot),
-            Some(TagKind::Instruction(kind)) => self.watch(kind.control),
+            Some(TagKind::MotionControl(slot)) => settled = self.watch(path, slot),
+            Some(TagKind::Instruction(kind)) => settled = self.watch(path, kind.control),
             Some(TagKind::Plain) => {
                 self.image.show_uses();
                 // Output cams write it.
@@ -316,18 +388,55 @@ impl<'m> Runner<'m> {
             // A motion control that is made later in the program.
             None => {
                 if let Some(value) = unmade_control(path) {
-                    return Ok(value);
+                    self.settled.push((path.tag().unwrap_or_default().to_owned(), None));
+                    return Ok(Answer::Settled(value));
                 }
             }
         }
-        self.image.read(path).map_err(|error| Wrong::Read { line, error })
+        let value = self.image.read(path).map_err(|error| Wrong::Read { line, error })?;
+        Ok(if settled {
+            Answer::Settled(value)
+        } else {
+            Answer::Value(value)
+        })
     }
 
-    /// Brings a motion control in the image up to the moment, and remembers it for the WAIT.
-    fn watch(&mut self, slot: ControlSlot) {
+    /// Brings a motion control in the image up to the moment, and remembers it for the WAIT. Whether it cannot change any
+    /// more.
+    fn watch(&mut self, path: &TagPath, slot: ControlSlot) -> bool {
         let control = self.controller.control(slot);
         self.image.set_control(slot, control);
         self.watched.push((slot, control));
+        let settled = control.has_ended() || control == MotionControl::default();
+        if settled {
+            self.settled
+                .push((path.tag().unwrap_or_default().to_owned(), Some(slot)));
+        }
+        settled
+    }
+
+    /// Why the WAIT cannot go on: one that ended before its end if there is one among those that it reads.
+    fn hopeless(&self, line: usize) -> Hopeless {
+        let shown =
+            |slot: &Option<ControlSlot>| slot.map_or_else(MotionControl::default, |slot| self.controller.control(slot));
+        let failed = |(_, slot): &&(String, Option<ControlSlot>)| !shown(slot).has(Flag::Pc);
+        let found = self.settled.iter().find(failed).or(self.settled.first());
+        let Some((tag, slot)) = found else {
+            return Hopeless::new(line, "", None, &MotionControl::default(), None);
+        };
+        let newest = slot.and_then(|slot| self.newest.get(&slot)).copied();
+        let call = newest.map(|(ticket, mnemonic)| (mnemonic, self.line_of(ticket)));
+        let cause = newest.and_then(|(ticket, _)| self.causes.get(&ticket)).copied();
+        let ending = cause.and_then(|cause| ending(self.machine, &self.image, cause));
+        Hopeless::new(line, tag, call, &shown(slot), ending.as_ref())
+    }
+
+    fn line_of(&self, ticket: Ticket) -> usize {
+        let place = (ticket.0 as usize).checked_sub(1);
+        place
+            .and_then(|place| self.lines.get(place))
+            .copied()
+            .unwrap_or_default()
     }
 
     /// Brings axes and coordinate systems in the image up to this tick.
@@ -354,7 +463,9 @@ impl<'m> Runner<'m> {
 
     fn execute(&mut self, call: &Call, line: usize) {
         self.lines.push(line);
+        self.calls.push((call.mnemonic, call.control));
         let ticket = Ticket(self.lines.len() as u64);
+        self.newest.insert(call.control, (ticket, call.mnemonic));
         self.shown = None;
         let (material, staged) = self.image.prepare(call);
         let control = self.controller.execute_with(ticket, call, material);
@@ -410,6 +521,9 @@ impl<'m> Runner<'m> {
     fn take_events(&mut self, observer: &mut impl Observer, time: f64) {
         for event in std::mem::take(&mut self.events) {
             self.image.apply_event(&event);
+            if event.cause != Cause::Itself {
+                self.causes.insert(event.ticket, event.cause);
+            }
             observer.event(&event, time, &self.image);
             if event.set & Flag::Er.mask() != 0 {
                 self.err(event.control, event.mnemonic, event.ticket, event.err, event.exerr);
@@ -420,15 +534,13 @@ impl<'m> Runner<'m> {
     /// Remembers the first error, and ends the program unless it is to go on.
     fn err(&mut self, control: ControlSlot, mnemonic: Mnemonic, ticket: Ticket, err: i16, exerr: i8) {
         if self.erred.is_none() {
-            let line = (ticket.0 as usize)
-                .checked_sub(1)
-                .and_then(|place| self.lines.get(place));
             self.erred = Some(Erred {
                 tag: self.image.control_name(control).to_owned(),
                 mnemonic,
-                line: line.copied().unwrap_or_default(),
+                line: self.line_of(ticket),
                 err,
                 exerr,
+                left_out: None,
             });
         }
         if !self.options.keep_going {

@@ -1,6 +1,7 @@
 //! The command line from one end to the other: `arcline` and `arcline-server` as a user starts them.
 
 mod commands;
+mod endings;
 mod faults;
 mod gcode;
 mod lost;

@@ -1,10 +1,11 @@
 //! Faults of axes: every kind with every action, what they do to motion, and the way back
 //! (spec/axis-and-data-types.md §1.8, §9.3, §12).
 
+use arcline_controller::Cause;
 use arcline_instruction_set::predefined::{
     axis_fault, axis_status, cip_axis_status, coordinate_system_status, motion_status,
 };
-use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultWord, Flag};
+use arcline_instruction_set::{Ending, ExceptionAction, FAULTS, FaultKind, FaultWord, Flag};
 use arcline_tests::bench::{Bench, OK};
 
 /// Speed, rates and profile of every move here: a trapezoid at 100 units/s.
@@ -400,4 +401,113 @@ fn faults_survive_a_restart_until_they_are_reset() {
             assert_eq!(bench.axis("X").cip_state, RUNNING, "{why}");
         }
     }
+}
+
+/// What ended an instruction, by its last event; names in place of tags.
+fn ending(bench: &Bench, tag: &str) -> String {
+    let ended = bench
+        .events
+        .iter()
+        .rfind(|(name, event)| name == tag && event.clear & Flag::Ip.mask() != 0);
+    let Some((_, event)) = ended else {
+        return "it goes on".to_owned();
+    };
+    match event.cause {
+        Cause::Itself => "itself".to_owned(),
+        Cause::Instruction { mnemonic, .. } => mnemonic.to_string(),
+        Cause::Fault { axis, faults } => format!("axis {axis} {}", Ending::words(faults).join(" ")),
+        Cause::StopAll => "stop of everything".to_owned(),
+    }
+}
+
+#[test]
+fn an_end_before_the_end_has_its_cause() {
+    #[rustfmt::skip]
+    let cases = [
+        // why,                       what ends,                                             L1,        L2,        A1
+        ("a stop of the system",      "MCS(CS1, E, 0)",                                     ["MCS",    "MCS",    "it goes on"]),
+        ("a merge",                   "MCLM(CS1, E, 0, [0, 0, 9], 100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2, 1, 1, 0)", ["MCLM", "MCLM", "it goes on"]),
+        ("a stop of the axis",        "MAS(S, E, 0)",                                       ["it goes on", "it goes on", "MAS"]),
+        ("a stop of the group",       "MGS(Motion, E, 1)",                                  ["MGS",    "MGS",    "MGS"]),
+        ("an axis that is shut down", "MASD(X, E)",                                         ["MASD",   "MASD",   "it goes on"]),
+        ("the drive that goes off",   "MSF(S, E)",                                          ["it goes on", "it goes on", "MSF"]),
+    ];
+    for (why, call, expected) in cases {
+        let mut bench = moving(&[]);
+        assert_eq!(bench.call(call), OK, "{why}");
+        bench.run(5);
+        assert_eq!(["L1", "L2", "A1"].map(|tag| ending(&bench, tag)), expected, "{why}");
+    }
+    // A fault, on whose axis the moves are; and one of another axis, which they do not mind.
+    for (axis, expected) in [
+        ("X", "axis 0 overcurrent"),
+        ("Z", "axis 2 overcurrent"),
+        ("B", "it goes on"),
+    ] {
+        let mut bench = moving(&[]);
+        bench.inject(axis, &[FaultKind::Overcurrent]);
+        bench.run(5);
+        let other = "it goes on".to_owned();
+        let expected = [expected.to_owned(), expected.to_owned(), other];
+        assert_eq!(["L1", "L2", "A1"].map(|tag| ending(&bench, tag)), expected, "{axis}");
+    }
+    let mut bench = moving(&[]);
+    bench.stop_all();
+    bench.run(5);
+    assert_eq!(
+        ["L1", "L2", "A1"].map(|tag| ending(&bench, tag)),
+        ["stop of everything"; 3]
+    );
+    let mut bench = Bench::new();
+    assert_eq!(bench.call(&format!("MAM(S, A1, 0, 1, {RATES})")), OK);
+    bench.run(500);
+    assert_eq!(ending(&bench, "A1"), "itself", "it came to its end");
+}
+
+#[test]
+fn changes_of_faults_are_reported() {
+    let mut bench = Bench::new();
+    let words = |bench: &mut Bench| -> Vec<[String; 3]> {
+        let changes = std::mem::take(&mut bench.fault_changes);
+        let told = changes.iter().map(|change| {
+            assert_eq!(change.axis, 0);
+            [change.set, change.again, change.clear].map(|faults| Ending::words(faults).join(" "))
+        });
+        told.collect()
+    };
+    let row = |set: &str, again: &str, clear: &str| [set.to_owned(), again.to_owned(), clear.to_owned()];
+    bench.inject("X", &[FaultKind::Overcurrent]);
+    bench.run(10);
+    assert_eq!(
+        words(&mut bench),
+        [row("overcurrent", "", "")],
+        "once, not in every update"
+    );
+    bench.inject("X", &[FaultKind::Overcurrent, FaultKind::Overspeed]);
+    bench.run(10);
+    assert_eq!(words(&mut bench), [row("overspeed", "", "")]);
+    assert_eq!(bench.call("MAFR(X, R)"), OK);
+    bench.tick();
+    assert!(
+        matches!(bench.fault_changes[0].by, Cause::Instruction { mnemonic, .. } if mnemonic.to_string() == "MAFR"),
+        "{:?}",
+        bench.fault_changes
+    );
+    bench.run(5);
+    let both = "overcurrent overspeed";
+    assert_eq!(
+        words(&mut bench),
+        [row("", "", both), row(both, both, "")],
+        "the causes are still there"
+    );
+    bench.inject("X", &[]);
+    bench.run(5);
+    assert_eq!(words(&mut bench), Vec::<[String; 3]>::new(), "faults latch");
+    assert_eq!(bench.call("MAFR(X, R)"), OK);
+    bench.run(5);
+    assert_eq!(words(&mut bench), [row("", "", both)]);
+    // A fault later is another one.
+    bench.inject("X", &[FaultKind::Overcurrent]);
+    bench.run(5);
+    assert_eq!(words(&mut bench), [row("overcurrent", "", "")]);
 }

@@ -104,9 +104,9 @@ pub(crate) struct Change {
 
 #[derive(Args, Debug)]
 pub(crate) struct Stop {
-    /// Coordinate system
-    #[arg(value_name = "CS")]
-    pub(crate) system: Option<String>,
+    /// A coordinate system or an axis; everything when none is named
+    #[arg(value_name = "CS|AXIS")]
+    pub(crate) name: Option<String>,
     /// What to stop
     #[arg(long = "type", value_enum, default_value = "all")]
     pub(crate) kind: StopType,

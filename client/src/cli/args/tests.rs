@@ -76,9 +76,9 @@ fn slips_are_answered_with_the_nearest_name() {
 fn what_is_explained_is_told_apart() {
     use arcline_client::FaultKind;
     for (text, expected) in [
-        ("13/4", Ok(Subject::Codes(13, 4))),
-        ("54/-1", Ok(Subject::Codes(54, -1))),
-        ("43", Ok(Subject::Codes(43, 0))),
+        ("13/4", Ok(Subject::Codes(13, Some(4)))),
+        ("54/-1", Ok(Subject::Codes(54, Some(-1)))),
+        ("43", Ok(Subject::Codes(43, None))),
         ("overcurrent", Ok(Subject::Fault(FaultKind::Overcurrent))),
         ("Move1", Ok(Subject::Tag("Move1".to_owned()))),
         ("13/x", Err(())),

@@ -21,8 +21,8 @@ pub(crate) struct Explain {
 /// What is explained.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Subject {
-    /// ERR and EXERR.
-    Codes(i16, i8),
+    /// ERR, and EXERR if it was given.
+    Codes(i16, Option<i8>),
     /// A fault of an axis.
     Fault(FaultKind),
     /// A MOTION_INSTRUCTION tag or an instruction tag.
@@ -35,11 +35,16 @@ impl FromStr for Subject {
     /// `13`, `13/4`, `overcurrent`, `Move1`.
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
-        let (err, exerr) = text.split_once(['/', ':']).unwrap_or((text, "0"));
+        let (err, exerr) = match text.split_once(['/', ':']) {
+            Some((err, exerr)) => (err, Some(exerr)),
+            None => (text, None),
+        };
         if let Ok(err) = err.parse() {
-            let exerr = exerr
-                .parse()
-                .map_err(|_| format!("{exerr:?} is no EXERR, expected -128 to 127"))?;
+            let number = |exerr: &str| {
+                let wrong = |_| format!("{exerr:?} is no EXERR, expected -128 to 127");
+                exerr.parse().map_err(wrong)
+            };
+            let exerr = exerr.map(number).transpose()?;
             return Ok(Self::Codes(err, exerr));
         }
         if let Some(kind) = FaultKind::from_word(text) {

@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::predefined::axis_fault;
 use arcline_instruction_set::{Argument, Directory, Flag, Given, Mnemonic, MotionControl, MotionError, bind};
-use arcline_motion::Material;
+use arcline_motion::{Cause, Material};
 use arcline_tag::{Elementary, TagPath, Value};
 
 use super::*;
@@ -277,6 +277,7 @@ fn events_show_in_the_tag_that_owns_them() {
         err,
         exerr: -1,
         segment: 0,
+        cause: Cause::Itself,
     };
     image.apply_event(&event(true, &[Flag::En, Flag::Dn, Flag::Ip], &[], 0));
     image.apply_event(&event(false, &[Flag::Pc], &[Flag::Ip], 0));

@@ -6,6 +6,7 @@
 use arcline_instruction_set::predefined::axis_fault;
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet, FaultWord};
 
+use crate::cause::{Cause, FaultChange};
 use crate::machine::{Axis as Description, AxisKind, ExceptionActions, Travel};
 
 /// What an axis does at one update, as far as faults look at it.
@@ -38,6 +39,16 @@ pub(crate) struct Faults {
     found: FaultSet,
     /// Faults since the last reset.
     latched: FaultSet,
+    /// Those that the last check raised and that stop the axis.
+    raised: FaultSet,
+    /// Those that a reset has cleared since the last check.
+    cleared: FaultSet,
+    /// What is not reported yet: raised faults, those of them that the check behind their reset raised, cleared ones, and
+    /// what cleared them.
+    set: FaultSet,
+    again: FaultSet,
+    clear: FaultSet,
+    cleared_by: Cause,
     /// For how long the following error has been above its tolerance.
     exceeded: f64,
     /// On which side of its travel the axis is: -1, 0 within, 1.
@@ -64,6 +75,12 @@ impl Faults {
             causes: FaultSet::default(),
             found: FaultSet::default(),
             latched: FaultSet::default(),
+            raised: FaultSet::default(),
+            cleared: FaultSet::default(),
+            set: FaultSet::default(),
+            again: FaultSet::default(),
+            clear: FaultSet::default(),
+            cleared_by: Cause::Itself,
             exceeded: 0.0,
             side: 0,
             homed: description.start.homed,
@@ -72,6 +89,7 @@ impl Faults {
         faults.latched = latched
             .filter(|kind| faults.possible.contains(*kind) && faults.is_fault(*kind))
             .fold(FaultSet::default(), FaultSet::with);
+        faults.set = faults.latched;
         // An axis that starts outside stands there: that is no fault.
         faults.side = faults.side_of(description.start.position);
         faults
@@ -115,6 +133,8 @@ impl Faults {
         }
         self.causes = causes;
         self.found = found;
+        let cleared = std::mem::take(&mut self.cleared);
+        self.raised = FaultSet::default();
         let raised = found.union(self.injected);
         if raised.is_empty() {
             return None;
@@ -125,16 +145,46 @@ impl Faults {
         for (kind, action) in raised {
             if !self.latched.contains(kind) {
                 strongest = strongest.max(Some(action));
+                self.set = self.set.with(kind);
+                if action.stops() {
+                    self.raised = self.raised.with(kind);
+                }
+                if cleared.contains(kind) {
+                    self.again = self.again.with(kind);
+                }
             }
             self.latched = self.latched.with(kind);
         }
         strongest
     }
 
-    /// Clears every fault. Returns whether none of their causes is still there.
-    pub(crate) fn reset(&mut self) -> bool {
+    /// Clears every fault because of an instruction. Returns whether none of their causes is still there.
+    pub(crate) fn reset(&mut self, by: Cause) -> bool {
+        self.cleared = self.latched;
+        self.clear = self.clear.union(self.latched);
+        self.cleared_by = by;
         self.latched = FaultSet::default();
         !self.injected.union(self.found).kinds().any(|kind| self.is_fault(kind))
+    }
+
+    /// The faults that the last check raised and that stop the axis.
+    pub(crate) fn raised(&self) -> FaultSet {
+        self.raised
+    }
+
+    /// What has changed since the last call.
+    pub(crate) fn take_change(&mut self, tick: u64, axis: u16) -> Option<FaultChange> {
+        if self.set.is_empty() && self.clear.is_empty() {
+            return None;
+        }
+        Some(FaultChange {
+            tick,
+            axis,
+            set: std::mem::take(&mut self.set),
+            again: std::mem::take(&mut self.again),
+            clear: std::mem::take(&mut self.clear),
+            by: std::mem::take(&mut self.cleared_by),
+        })
     }
 
     /// Faults since the last reset.
@@ -301,7 +351,7 @@ mod tests {
         ];
         for (why, observed, reset, expected, forbidden) in cases {
             if reset {
-                faults.reset();
+                faults.reset(Cause::Itself);
             }
             assert_eq!(faults.check(&observed, PERIOD), expected, "{why}");
             assert_eq!(faults.forbids(1.0), forbidden, "{why}");
@@ -328,9 +378,9 @@ mod tests {
             assert_eq!(faults.check(&erring(2.0), PERIOD), None, "at the tolerance");
             let first = (1..20).find(|_| faults.check(&erring(-2.1), PERIOD).is_some());
             assert_eq!(first, Some(updates), "{time} s");
-            assert!(!faults.reset(), "it is still there");
+            assert!(!faults.reset(Cause::Itself), "it is still there");
             faults.check(&erring(1.0), PERIOD);
-            assert!(faults.reset());
+            assert!(faults.reset(Cause::Itself));
         }
     }
 }

@@ -11,6 +11,7 @@ use super::Release;
 use super::order::share;
 use super::pair::Link;
 use crate::axis::sum::Slot;
+use crate::cause::Cause;
 use crate::motion::Motion;
 
 impl Motion {
@@ -57,6 +58,7 @@ impl Motion {
         let link = *link;
         if let Some(execution) = self.links[index].as_mut().and_then(|link| link.execution.take()) {
             self.controls.fail(execution, error, self.clock.tick);
+            self.controls.because(execution.into());
         }
         self.brake_what_moves(link.target());
         // From the source up to where the chain of transforms begins.
@@ -74,6 +76,7 @@ impl Motion {
             }
             above = self.above_of(&next).copied();
         }
+        self.controls.because(Cause::Itself);
     }
 
     /// What brakes already brakes at the guard's rates, if that is sooner at rest.

@@ -12,6 +12,7 @@ use arcline_planner::{Clock, Ending, Instant, Move, Passage, Reach, Sample};
 use super::Motion;
 use crate::axis::Axis;
 use crate::axis::sum::Slot;
+use crate::cause::Cause;
 use crate::stop::AxisSet;
 use crate::system::{Activity, Planned, component};
 
@@ -94,7 +95,9 @@ impl Motion {
             self.systems[index].in_actual_tolerance = last.data.termination.settles();
         }
         if let Some(next) = self.systems[index].planner.next() {
-            match self.promote(index, last.as_ref(), &next, moment) {
+            self.controls.because(next.data.execution.into());
+            let promoted = self.promote(index, last.as_ref(), &next, moment);
+            match promoted {
                 Ok(at) => {
                     let clock = self.systems[index].clock(&self.clock);
                     self.systems[index].hand_over(at, &clock);
@@ -108,6 +111,7 @@ impl Motion {
                         .write(next.data.execution, Flag::Ac.mask(), 0, self.clock.tick);
                     self.join_axes(index);
                     self.calculate(index);
+                    self.controls.because(Cause::Itself);
                     return;
                 }
                 Err(error) => {
@@ -116,6 +120,7 @@ impl Motion {
                     self.cancel_pending(index);
                 }
             }
+            self.controls.because(Cause::Itself);
         }
         self.systems[index].planner.clear_active();
         self.release_axes(index);

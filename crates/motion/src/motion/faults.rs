@@ -6,6 +6,7 @@ use arcline_instruction_set::{ExceptionAction, FaultSet};
 
 use super::Motion;
 use crate::axis::AxisState;
+use crate::cause::Cause;
 use crate::instructions::shut_down;
 
 impl Motion {
@@ -20,8 +21,9 @@ impl Motion {
     /// Clears the faults of an axis. A faulted one is then stopped, a shut down one stays so. Returns whether no
     /// cause is left, which would fault it again at the next update.
     pub(crate) fn reset_faults(&mut self, axis: u16) -> bool {
+        let by = self.controls.cause();
         let axis = &mut self.axes[usize::from(axis)];
-        let gone = axis.faults.reset();
+        let gone = axis.faults.reset(by);
         if axis.state == AxisState::Faulted {
             axis.state = AxisState::Stopped;
         }
@@ -39,7 +41,11 @@ impl Motion {
                 .as_mut()
                 .is_some_and(|feeding| feeding.is_stale(&self.clock));
             if let Some(action) = axis.faults.check(&observed, period) {
-                self.act(index as u16, action);
+                let faults = axis.faults.raised();
+                let axis = index as u16;
+                self.controls.because(Cause::Fault { axis, faults });
+                self.act(axis, action);
+                self.controls.because(Cause::Itself);
             }
             let axis = &mut self.axes[index];
             if axis.state == AxisState::Aborting && !axis.in_motion() {

@@ -10,6 +10,13 @@
 //! | 5 | DINT | SEGMENT |
 //! | 6 | SINT | EXERR |
 //! | 7 | 16 bytes | the MOTION_INSTRUCTION structure; this is what Get Attributes All returns |
+//! | 8 | structure | why the instruction ended that has ended without PC and without an error |
+//!
+//! Attribute 8: USINT 0 nothing to say, 1 another instruction, 2 faults of an axis, 3 a stop of the whole machine; SHORT_STRING the
+//! other's motion control tag, or the axis; SHORT_STRING its mnemonic, or the faults as words with blanks between them; LREAL the
+//! time of the machine, s; ULINT the time, µs since 1970-01-01 UTC.
+
+use std::time::UNIX_EPOCH;
 
 use arcline_instruction_set::MotionControl;
 use arcline_proto::cip::CipStatus;
@@ -29,6 +36,27 @@ impl MotionInstructions<'_> {
             .instruction_instance(instance)
             .ok_or(CipStatus::OBJECT_DOES_NOT_EXIST)
     }
+
+    fn ending(&self, instance: u32) -> Bytes {
+        let mut bytes = Vec::new();
+        let ended = self.0.instruction_ending(instance);
+        let (code, name, what) = ended
+            .as_ref()
+            .map_or((0, "", String::new()), |ended| ended.ending.to_parts());
+        bytes.push(code);
+        for text in [name, &what] {
+            // Names have 40 characters at most, and the words of all faults fit too.
+            let text = text.as_bytes();
+            let text = text.get(..usize::from(u8::MAX)).unwrap_or(text);
+            bytes.push(text.len() as u8);
+            bytes.extend_from_slice(text);
+        }
+        let (time, at) = ended.map_or((0.0, UNIX_EPOCH), |ended| (ended.time, ended.at));
+        bytes.extend_from_slice(&f64::to_le_bytes(time));
+        let at = at.duration_since(UNIX_EPOCH).unwrap_or_default().as_micros();
+        bytes.extend_from_slice(&u64::try_from(at).unwrap_or(u64::MAX).to_le_bytes());
+        bytes.into()
+    }
 }
 
 impl Class for MotionInstructions<'_> {
@@ -40,7 +68,7 @@ impl Class for MotionInstructions<'_> {
         Extent {
             highest: newest.unwrap_or(0),
             count,
-            last_attribute: 7,
+            last_attribute: 8,
         }
     }
 
@@ -59,6 +87,7 @@ impl Class for MotionInstructions<'_> {
             5 => Ok(bytes.slice(8..12)),
             6 => Ok(bytes.slice(12..13)),
             7 => Ok(bytes),
+            8 => Ok(self.ending(instance)),
             _ => no_attribute(),
         }
     }

@@ -1,0 +1,99 @@
+//! Why an executed instruction ended that did not come to its end, as class 0x0303 tells it (attribute 8).
+
+use std::fmt;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use arcline_instruction_set::Ending;
+use arcline_proto::cip::service;
+use arcline_proto::epath::Epath;
+use arcline_proto::wire::Reader;
+use bytes::Bytes;
+
+use crate::motion::MOTION_INSTRUCTION;
+use crate::{Client, ClientError};
+
+/// The attribute.
+const ENDING: u16 = 8;
+
+/// The end of an instruction that did not come to its end.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Ended {
+    /// What ended it.
+    pub ending: Ending,
+    /// When, seconds of the machine's time.
+    pub time: f64,
+    /// When, by the server's clock.
+    pub at: SystemTime,
+}
+
+impl Client {
+    /// Why an executed instruction ended that did not come to its end; `None` for every other, and where the server does
+    /// not tell.
+    ///
+    /// # Errors
+    /// What the session meets.
+    pub async fn ending(&self, instance: u32) -> Result<Option<Ended>, ClientError> {
+        let path = Epath::attribute(MOTION_INSTRUCTION, instance, ENDING);
+        let what = "the end of an instruction";
+        match self.ask(what, service::GET_ATTRIBUTE_SINGLE, path, Bytes::new()).await {
+            Ok(reply) => Ok(read(&reply.data)),
+            Err(ClientError::Refused { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+fn read(data: &[u8]) -> Option<Ended> {
+    let mut reader = Reader::new(data);
+    let code = reader.u8()?;
+    let mut text = || {
+        let length = reader.u8()?;
+        std::str::from_utf8(reader.take(usize::from(length))?).ok()
+    };
+    let (name, what) = (text()?, text()?);
+    let time = f64::from_le_bytes(reader.array()?);
+    let at = UNIX_EPOCH.checked_add(Duration::from_micros(reader.u64()?))?;
+    let ending = Ending::from_parts(code, name, what)?;
+    Some(Ended { ending, time, at })
+}
+
+/// `stopped by a fault: X overcurrent, at 14:03:22.123 UTC, 12.345 s of machine time`; of other endings without the time.
+impl fmt::Display for Ended {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.ending)?;
+        match self.ending {
+            Ending::Fault { .. } => write!(f, ", at {}, {} s of machine time", time_of_day(self.at), self.time),
+            Ending::Instruction { .. } | Ending::StopAll => Ok(()),
+        }
+    }
+}
+
+/// The time of the day, UTC.
+fn time_of_day(at: SystemTime) -> String {
+    let since = at.duration_since(UNIX_EPOCH).unwrap_or_default();
+    let seconds = since.as_secs() % 86_400;
+    let (hours, minutes) = (seconds / 3600, seconds / 60 % 60);
+    let (seconds, milliseconds) = (seconds % 60, since.subsec_millis());
+    format!("{hours:02}:{minutes:02}:{seconds:02}.{milliseconds:03} UTC")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_end_is_read_and_told() {
+        let mut data = vec![2, 1, b'X', 11];
+        data.extend_from_slice(b"overcurrent");
+        data.extend_from_slice(&12.345_f64.to_le_bytes());
+        data.extend_from_slice(&50_602_123_000_u64.to_le_bytes());
+        let ended = read(&data).expect("it is whole");
+        let expected = "stopped by a fault: X overcurrent, at 14:03:22.123 UTC, 12.345 s of machine time";
+        assert_eq!(ended.to_string(), expected);
+        for cut in 0..data.len() {
+            assert_eq!(read(&data[..cut]), None, "{cut} bytes");
+        }
+        let none = [&[0, 0, 0][..], &[0; 16]].concat();
+        assert_eq!(read(&none), None, "it has not ended this way");
+    }
+}

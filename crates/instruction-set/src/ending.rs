@@ -1,0 +1,129 @@
+//! Why an instruction ended that did not come to its end, in words: for people, and as it travels.
+//!
+//! Not here: what ends an instruction, and when it did.
+
+use std::fmt;
+
+use crate::{FAULTS, FaultSet, Mnemonic};
+
+/// What ended an instruction before its end.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Ending {
+    /// Another instruction: one that stops, or one that takes its place.
+    Instruction {
+        /// The other instruction.
+        mnemonic: Mnemonic,
+        /// Its motion control tag; empty: none.
+        tag: String,
+    },
+    /// Faults of an axis.
+    Fault {
+        /// The axis.
+        axis: String,
+        /// The faults.
+        faults: FaultSet,
+    },
+    /// A stop of the whole machine, by no instruction.
+    StopAll,
+}
+
+impl Ending {
+    /// The words of faults, in the order of [`FAULTS`].
+    pub fn words(faults: FaultSet) -> Vec<&'static str> {
+        faults.kinds().map(|kind| kind.fault().word).collect()
+    }
+
+    /// As it travels: a code, the name of the motion control tag or of the axis, and the mnemonic or the faults.
+    pub fn to_parts(&self) -> (u8, &str, String) {
+        match self {
+            Ending::Instruction { mnemonic, tag } => (INSTRUCTION, tag, mnemonic.name().to_owned()),
+            Ending::Fault { axis, faults } => (FAULT, axis, Ending::words(*faults).join(" ")),
+            Ending::StopAll => (STOP_ALL, "", String::new()),
+        }
+    }
+
+    /// From what travelled; `None` for a code that means nothing, and for none.
+    pub fn from_parts(code: u8, name: &str, what: &str) -> Option<Ending> {
+        match code {
+            INSTRUCTION => Some(Ending::Instruction {
+                mnemonic: what.parse().ok()?,
+                tag: name.to_owned(),
+            }),
+            FAULT => {
+                let known = |word: &str| FAULTS.iter().find(|fault| fault.word == word).map(|fault| fault.kind);
+                let faults = what.split_whitespace().filter_map(known);
+                Some(Ending::Fault {
+                    axis: name.to_owned(),
+                    faults: faults.fold(FaultSet::default(), FaultSet::with),
+                })
+            }
+            STOP_ALL => Some(Ending::StopAll),
+            _ => None,
+        }
+    }
+}
+
+/// `stopped by MCS Stop1`, `superseded by MCLM Move2`, `stopped by a fault: X soft_travel_positive`.
+impl fmt::Display for Ending {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Ending::Instruction { mnemonic, tag } => {
+                let blank = if tag.is_empty() { "" } else { " " };
+                write!(f, "{} by {mnemonic}{blank}{tag}", verb(*mnemonic))
+            }
+            Ending::Fault { axis, faults } => {
+                write!(f, "stopped by a fault: {axis} {}", Ending::words(*faults).join(", "))
+            }
+            Ending::StopAll => f.write_str("stopped by a stop of the whole machine"),
+        }
+    }
+}
+
+/// What an instruction does to another one that it ends.
+fn verb(mnemonic: Mnemonic) -> &'static str {
+    use Mnemonic::{Mas, Masd, Mcs, Mcsd, Mgs, Mgsd, Mgsp, Msf};
+    match mnemonic {
+        Mcs | Mas | Mgs | Mgsp | Mcsd | Masd | Mgsd | Msf => "stopped",
+        mnemonic if mnemonic.instruction().bits.contains(&crate::Flag::Ip) => "superseded",
+        _ => "ended",
+    }
+}
+
+const INSTRUCTION: u8 = 1;
+const FAULT: u8 = 2;
+const STOP_ALL: u8 = 3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FaultKind;
+
+    #[test]
+    fn endings_are_told_and_travel() {
+        let by = |mnemonic, tag: &str| Ending::Instruction {
+            mnemonic,
+            tag: tag.to_owned(),
+        };
+        let fault = Ending::Fault {
+            axis: "X".to_owned(),
+            faults: FaultSet::default()
+                .with(FaultKind::Overcurrent)
+                .with(FaultKind::SoftTravelPositive),
+        };
+        #[rustfmt::skip]
+        let cases = [
+            (by(Mnemonic::Mcs, "Stop1"),  "stopped by MCS Stop1"),
+            (by(Mnemonic::Mas, ""),       "stopped by MAS"),
+            (by(Mnemonic::Mclm, "Move2"), "superseded by MCLM Move2"),
+            (by(Mnemonic::Mrp, "R"),      "ended by MRP R"),
+            (fault,                       "stopped by a fault: X soft_travel_positive, overcurrent"),
+            (Ending::StopAll,             "stopped by a stop of the whole machine"),
+        ];
+        for (ending, text) in cases {
+            assert_eq!(ending.to_string(), text);
+            let (code, name, what) = ending.to_parts();
+            assert_eq!(Ending::from_parts(code, name, &what), Some(ending.clone()));
+        }
+        assert_eq!(Ending::from_parts(0, "", ""), None, "it has not ended this way");
+    }
+}

@@ -1,0 +1,60 @@
+//! Why an instruction ended before its end, and the changes of an axis's faults.
+//!
+//! Not here: what ends an instruction (`motion`, `instructions`), and names: both hold indices. Nothing allocates.
+
+use arcline_instruction_set::{ControlSlot, FaultSet, Mnemonic};
+
+use crate::control::{Execution, Ticket};
+
+/// What ended an instruction that did not come to its end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Cause {
+    /// Nothing but the instruction itself, or it has not ended this way.
+    #[default]
+    Itself,
+    /// Another instruction: one that stops, or one that takes its place.
+    Instruction {
+        /// The other execution.
+        ticket: Ticket,
+        /// Its motion control tag.
+        control: ControlSlot,
+        /// The other instruction.
+        mnemonic: Mnemonic,
+    },
+    /// Faults of an axis.
+    Fault {
+        /// Index of the axis.
+        axis: u16,
+        /// The faults, of one update.
+        faults: FaultSet,
+    },
+    /// A stop of the whole machine, by no instruction.
+    StopAll,
+}
+
+impl From<Execution> for Cause {
+    fn from(execution: Execution) -> Self {
+        Cause::Instruction {
+            ticket: execution.ticket,
+            control: execution.control,
+            mnemonic: execution.mnemonic,
+        }
+    }
+}
+
+/// A change of the faults of one axis within one tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FaultChange {
+    /// When.
+    pub tick: u64,
+    /// Index of the axis.
+    pub axis: u16,
+    /// Faults that were raised.
+    pub set: FaultSet,
+    /// Of those, the ones that a reset had just cleared: their cause had never gone.
+    pub again: FaultSet,
+    /// Faults that were cleared.
+    pub clear: FaultSet,
+    /// What cleared them.
+    pub by: Cause,
+}
