@@ -14,6 +14,7 @@ mod home;
 mod masters;
 mod moves;
 mod outputs;
+mod path_speed;
 mod probes;
 mod robots;
 mod semantics;
