@@ -403,7 +403,10 @@ impl Run {
             most.min(axes[axis] * speed / velocity[axis].abs())
         });
         let rates = self.trajectory.rates(self.passed);
-        let slight = |programmed: Option<f64>| SLIGHT * pace * pace * programmed.map_or(most, |rate| most.min(rate));
+        // Where it is about to start or has all but stopped, any is one.
+        let creeps = rates.is_none_or(|rates| speed < SLIGHT * pace * rates.speed);
+        let share = if creeps { 0.0 } else { SLIGHT * pace * pace };
+        let slight = |programmed: Option<f64>| share * programmed.map_or(most, |rate| most.min(rate));
         if tangential > slight(rates.map(|rates| rates.acceleration)) {
             Phase::Accelerating
         } else if -tangential > slight(rates.map(|rates| rates.deceleration)) {

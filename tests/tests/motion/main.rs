@@ -15,6 +15,7 @@ mod home;
 mod masters;
 mod moves;
 mod outputs;
+mod path_speed;
 mod probes;
 mod robots;
 mod semantics;
