@@ -306,7 +306,7 @@ async fn pitfall_13_no_reply_is_longer_than_its_connection() {
 
 #[test]
 fn pitfall_11_a_confirmed_interval_is_kept_or_it_is_refused() {
-    use arcline_proto::io::{Assemblies, Assembly, IoConnections, IoSettings, Originator};
+    use arcline_proto::io::{Assemblies, Assembly, Datagram, IoConnections, IoSettings, Originator};
     let assembly = |instance, size| Assembly { instance, size };
     let assemblies = Assemblies {
         input: assembly(100, 8),
@@ -336,6 +336,7 @@ fn pitfall_11_a_confirmed_interval_is_kept_or_it_is_refused() {
     let intervals = [999, 1000, 1001, 2000, 5000, 9999, 10_000, 100_000];
     let mut drawn = 0;
     let mut kept = Vec::new();
+    let mut ids = Vec::new();
     for (serial, interval) in (1..).zip(intervals) {
         let parameters = |size| NetworkParameters {
             variable: false,
@@ -351,8 +352,7 @@ fn pitfall_11_a_confirmed_interval_is_kept_or_it_is_refused() {
                 originator: 1,
             },
             multiplier: 7,
-            // Nothing is sent to it: its watchdog is not to end it within the minute.
-            o_to_t_rpi: 1_000_000,
+            o_to_t_rpi: 100_000,
             o_to_t: parameters(2),
             t_to_o_rpi: interval,
             t_to_o: parameters(10),
@@ -367,6 +367,7 @@ fn pitfall_11_a_confirmed_interval_is_kept_or_it_is_refused() {
             Ok(reply) => {
                 assert_eq!(reply.t_to_o_api, interval, "confirmed as it was asked for");
                 connections.start(reply.o_to_t_id, Duration::ZERO);
+                ids.push(reply.o_to_t_id);
                 kept.push((interval, 0_u32));
             }
             Err(status) => assert_eq!((interval, codes(status)), (999, (0x01, 0x0111))),
@@ -376,7 +377,24 @@ fn pitfall_11_a_confirmed_interval_is_kept_or_it_is_refused() {
     // A minute of a thread that wakes up when something is due, and at times half a millisecond late.
     let (mut now, mut woken) = (Duration::ZERO, 0_u32);
     let mut out = BytesMut::new();
+    // The originator is heard every 5 s: no watchdog ends a connection within the minute.
+    let mut heard = 0_u32;
     while now < Duration::from_secs(60) {
+        if now >= Duration::from_secs(5) * heard {
+            heard += 1;
+            for id in &ids {
+                out.clear();
+                let data = (heard as u16).to_le_bytes();
+                Datagram {
+                    id: *id,
+                    sequence: heard,
+                    data: &data,
+                }
+                .encode(&mut out);
+                let from = SocketAddr::new(PEER, 4000);
+                assert!(connections.handle_datagram(&out, from, now), "a sign of life");
+            }
+        }
         now = connections.poll_timeout().expect("something is always due").max(now);
         woken += 1;
         let late = if woken.is_multiple_of(97) { 500 } else { 0 };
