@@ -243,6 +243,7 @@ fn a_merge_takes_over_a_contour_and_keeps_the_limits_of_the_axes() {
                 bench.execute("MAM(X, A, 0, 200, 5, 0, 5000, 0, 5000, 0, 1, 100000, 100000)");
             }
             bench.run(2);
+            let current = bench.axis("X").command[1].hypot(bench.axis("Y").command[1]);
             let mut watch = Watch::new(&bench);
             let call = line("M4", -30.0, 20.0, &format!("1, {merge}, {speed}"));
             assert_eq!(bench.call(&call), OK, "at {at}");
@@ -259,8 +260,9 @@ fn a_merge_takes_over_a_contour_and_keeps_the_limits_of_the_axes() {
                 watch.tick(&mut bench);
                 top = top.max(bench.system("XY").path_speed);
             }
-            // The path and what ramps out beside it, together.
-            assert!(top <= 200.0 * 1.25, "at {at}: {top}");
+            // The path and what ramps out beside it, together: with Merge Speed Current what still speeds up may exceed the present
+            // speed, not the programmed one.
+            assert!(top <= current.max(200.0) * 1.001, "at {at}: {top}, merged at {current}");
             assert_eq!(bench.bits("M4"), "EN DN PC");
             while !bench.control("M6").has(Flag::Pc) {
                 watch.tick(&mut bench);
@@ -305,13 +307,13 @@ fn a_merged_move_is_held_changed_stopped_and_merged_again() {
     for _ in 0..200 {
         watch.tick(&mut bench);
     }
-    // 40 along the path, which compensates at the same time for what had ramped out beside it.
+    // At most 40 with what the path compensates for at the same time: here it makes the way shorter.
     let (speed, axes) = (
         bench.system("XY").path_speed,
         ["X", "Y"].map(|axis| bench.axis(axis).command[1]),
     );
     assert!(
-        (speed - axes[0].hypot(axes[1])).abs() < 1e-9 && (speed - 40.0).abs() < 8.0,
+        (speed - axes[0].hypot(axes[1])).abs() < 1e-9 && (30.0..40.0 + 1e-9).contains(&speed),
         "{speed}"
     );
     assert_eq!(bench.call(&line("M5", 10.0, 10.0, "1, 2, 0")), OK);
