@@ -262,13 +262,16 @@ fn toggle(tag: &str) -> Vec<Bytes> {
     vec![packet(&pairs)]
 }
 
+/// Begins a load.
+type Begin<'l> = &'l dyn Fn(&mut Load);
+
 #[test]
 fn stop_waits_for_nobody() {
     let server = Server::start();
     let mut page = server.page();
     let long_program = "WHILE TRUE DO X1 := X1 + 1; END_WHILE;\n".repeat(6000);
     #[rustfmt::skip]
-    let loads: [(&str, &dyn Fn(&mut Load)); 6] = [
+    let loads: [(&str, Begin<'_>); 6] = [
         ("nothing",                      &|_| {}),
         ("32 pipelined packets of 0xF6", &|load| load.client(&server, 32, vec![packet_of_attributes(0xF6)])),
         ("200 clients toggle EnableIn",  &|load| (0..200).for_each(|_| load.client(&server, 1, toggle("Move1")))),

@@ -36,7 +36,7 @@ impl Program {
             tags: 0,
             largest: [0.0; 3],
         };
-        if seed % 4 == 0 {
+        if seed.is_multiple_of(4) {
             let profile = program.random.below(2);
             program.equal = Some(program.dynamics(0, profile));
         }

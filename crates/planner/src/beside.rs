@@ -131,7 +131,7 @@ fn relieved(from: State, limits: &Limits, fastest: f64) -> Limits {
 fn hastened(from: State, limits: &Limits, widest: f64, braking: bool) -> Limits {
     let widest = widest * (1.0 + NEARLY);
     let fits = |limits: &Limits| Profile::stop(from, limits).reach() <= widest;
-    if !(widest > 0.0) || fits(limits) {
+    if widest.is_nan() || widest <= 0.0 || fits(limits) {
         return *limits;
     }
     // Of the braking alone, or of all.
@@ -301,7 +301,7 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
             velocity: velocity.dot(&way) / square,
             acceleration: acceleration.dot(&way) / square,
         };
-        if square < LEAST_WAY || !(along.velocity > 0.0) {
+        if square < LEAST_WAY || along.velocity.is_nan() || along.velocity <= 0.0 {
             return None;
         }
         let parts = out.parts(velocity - way * along.velocity, acceleration - way * along.acceleration);
