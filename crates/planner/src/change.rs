@@ -135,7 +135,10 @@ impl<T: Copy> Planner<T> {
             let stop =
                 |limits: &Limits| Profile::led(relief.lead(from, limits), from, |level| Profile::stop(level, limits));
             if stop(&limits).reach() > stop(&old).reach() * (1.0 + NEARLY) {
-                running.in_force = *ran;
+                running.in_force = Limits {
+                    speed: running.motion.limits.speed,
+                    ..*ran
+                };
                 running.kept = true;
                 limits = old;
             }
@@ -172,7 +175,9 @@ impl<T: Copy> Planner<T> {
             bound: present.max(programmed),
         };
         let old = ran.jerk.map_or(0.0, |jerk| jerk.acceleration);
-        let relief = limits.jerk.map_or(old, |jerk| jerk.acceleration.max(old));
+        // A hold is no faster than any other change.
+        let below = running.relief.lead(from, limits).map_or(0.0, |lead| lead.jerk);
+        let relief = limits.jerk.map_or(old, |jerk| jerk.acceleration.max(old)).max(below);
         let found = beside.profile(from, limits, relief, &plan);
         Some(found.unwrap_or_else(|| beside.waiting(from, limits, relief, &plan)))
     }
