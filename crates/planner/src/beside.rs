@@ -130,7 +130,7 @@ fn relieved(from: State, limits: &Limits, fastest: f64) -> Limits {
 /// Limits whose ramps are hastened, as little as need be, until a stop takes no more than a way.
 fn hastened(from: State, limits: &Limits, widest: f64, braking: bool) -> Limits {
     let widest = widest * (1.0 + NEARLY);
-    let fits = |limits: &Limits| Profile::stop(from, limits).reach() <= widest;
+    let fits = |limits: &Limits| stop_way(from, limits) <= widest;
     if widest.is_nan() || widest <= 0.0 || fits(limits) {
         return *limits;
     }
@@ -170,10 +170,18 @@ fn hastened(from: State, limits: &Limits, widest: f64, braking: bool) -> Limits 
     faster(more)
 }
 
+/// The way of a stop that does not pass through rest.
+fn stop_way(from: State, limits: &Limits) -> f64 {
+    Profile::led(Lead::before_rest(from, limits), from, |from| {
+        Profile::stop(from, limits)
+    })
+    .reach()
+}
+
 /// Limits with which a stop, on a path that is travelled with a share of them, takes no more than a way.
 fn short(from: State, limits: &Limits, pace: f64, widest: f64) -> Limits {
     let own = paced(limits, 1.0, pace);
-    if Profile::stop(from, &own).reach() <= widest * (1.0 + NEARLY) {
+    if stop_way(from, &own) <= widest * (1.0 + NEARLY) {
         return *limits;
     }
     let own = hastened(from, &own, widest, false);

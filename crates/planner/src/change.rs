@@ -123,22 +123,30 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// Comes to rest on the path, over no more way than with the limits so far.
+    /// Comes to rest on the path, over no more way than with the limits so far, and no faster than any other change.
     fn pause(&self, running: &mut Running<T>, from: State, target: f64, ran: &Limits) -> Profile {
         let mut limits = self.limits(running);
+        let relief = running.relief;
         if self.bounds.overshoot {
             let old = Limits {
                 speed: limits.speed,
                 ..*ran
             };
-            let widest = Profile::stop(from, &old).reach();
-            if Profile::stop(from, &limits).reach() > widest * (1.0 + NEARLY) {
-                running.in_force = *ran;
+            let stop =
+                |limits: &Limits| Profile::led(relief.lead(from, limits), from, |level| Profile::stop(level, limits));
+            if stop(&limits).reach() > stop(&old).reach() * (1.0 + NEARLY) {
+                running.in_force = Limits {
+                    speed: running.motion.limits.speed,
+                    ..*ran
+                };
                 running.kept = true;
                 limits = old;
             }
         }
-        Profile::to_position_two_stage(from, target, &Limits { speed: 0.0, ..limits })
+        let standing = Limits { speed: 0.0, ..limits };
+        Profile::led(relief.lead(from, &limits), from, |level| {
+            Profile::to_position_two_stage(level, target, &standing)
+        })
     }
 
     /// The profile of a path beside what still ramps out; `None` where nothing does.
@@ -167,7 +175,9 @@ impl<T: Copy> Planner<T> {
             bound: present.max(programmed),
         };
         let old = ran.jerk.map_or(0.0, |jerk| jerk.acceleration);
-        let relief = limits.jerk.map_or(old, |jerk| jerk.acceleration.max(old));
+        // A hold is no faster than any other change.
+        let below = running.relief.lead(from, limits).map_or(0.0, |lead| lead.jerk);
+        let relief = limits.jerk.map_or(old, |jerk| jerk.acceleration.max(old)).max(below);
         let found = beside.profile(from, limits, relief, &plan);
         Some(found.unwrap_or_else(|| beside.waiting(from, limits, relief, &plan)))
     }

@@ -45,7 +45,8 @@ fn centripetal(motion: &Motion, index: usize, merge: i32) -> Point {
     system.planner.centripetal(&system.clock(&motion.clock)) * (pace * pace)
 }
 
-/// The limits that the terminated motion keeps by time, as far as they are known.
+/// The limits that the terminated motion keeps by time, as far as they are known. The speed is that of all programmed speeds
+/// together, each in the direction of its motion.
 fn in_force(motion: &Motion, index: usize, merge: i32) -> Option<Limits> {
     let system = &motion.systems[index];
     if merge == MERGE_DISABLED || system.guide.is_some() {
@@ -56,8 +57,8 @@ fn in_force(motion: &Motion, index: usize, merge: i32) -> Option<Limits> {
         return own;
     }
     let mut all = own;
-    let mut square = 0.0;
-    for axis in system.description.linear() {
+    let mut programmed = own.map_or(Point::zeros(), |own| way_of_path(motion, index) * own.speed);
+    for (axis, programmed) in system.description.linear().iter().zip(programmed.iter_mut()) {
         let sum = &motion.axes.get(usize::from(*axis))?.sum;
         let single = |slot: Slot| slot.is_single_axis() || slot == Slot::System && own.is_none();
         let moves = sum.motion_of(single);
@@ -67,17 +68,27 @@ fn in_force(motion: &Motion, index: usize, merge: i32) -> Option<Limits> {
             }
             continue;
         };
-        square += limits.speed * limits.speed;
-        all = Some(all.map_or(limits, |all| Limits {
-            speed: all.speed,
-            ..together(&all, &limits)
-        }));
+        let way = if moves.velocity == 0.0 {
+            moves.acceleration
+        } else {
+            moves.velocity
+        };
+        *programmed += limits.speed.copysign(way);
+        all = Some(all.map_or(limits, |all| together(&all, &limits)));
     }
-    let path = own.map_or(0.0, |own| own.speed);
     all.map(|all| Limits {
-        speed: path + square.sqrt(),
+        speed: programmed.norm(),
         ..all
     })
+}
+
+/// The direction of what a coordinate system does; zeros where it stands.
+fn way_of_path(motion: &Motion, index: usize) -> Point {
+    let now = |axis: &Axis| axis.sum.motion_of(|slot| slot == Slot::System);
+    let velocity = command(motion, index, |axis| now(axis).velocity);
+    let acceleration = command(motion, index, |axis| now(axis).acceleration);
+    let way = velocity.try_normalize(0.0).or_else(|| acceleration.try_normalize(0.0));
+    way.unwrap_or_default()
 }
 
 /// Ends what a merge takes over: the coordinated motion of this system and, for All Motion, what else moves its axes,

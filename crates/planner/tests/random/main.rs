@@ -16,6 +16,13 @@ fn cases(usual: u64) -> u64 {
     set.and_then(|count| count.parse().ok()).unwrap_or(usual)
 }
 
+/// The seeds of the cases: `ARCLINE_SEED` sets the first.
+fn seeds(usual: u64) -> std::ops::Range<u64> {
+    let set = std::env::var("ARCLINE_SEED").ok();
+    let first = set.and_then(|seed| seed.parse().ok()).unwrap_or(0);
+    first..first + cases(usual)
+}
+
 /// A generator of its own, so that a seed means the same case for ever (SplitMix64).
 struct Random(u64);
 

@@ -1,19 +1,19 @@
 //! Merges and changes of dynamics at any instant of a motion: bounded in speed and way, continuous, exact at the end.
 //!
-//! `ARCLINE_CASES` sets how many merges are travelled (2,000 unless told).
+//! `ARCLINE_CASES` sets how many merges are travelled (2,000 unless told), `ARCLINE_SEED` the first of them (0 unless told).
 
 use arcline_planner::geometry::{Arc, CirclePoint, Dimension, Direction, Path, Point};
 use arcline_planner::profile::{Jerk, Limits, Profile, State, jerk_from_percent_of_time};
 use arcline_planner::{Clock, Ending, Momentum, Move, Parameter, Passage, Planner};
 
-use super::{Random, cases};
+use super::{Random, seeds};
 
 const PERIOD_NS: u64 = 1_000_000;
 const PERIOD: f64 = 0.001;
 const NEARLY: f64 = 1.0 + 1e-6;
 
 fn limits(random: &mut Random, s_curve: bool) -> Limits {
-    let rate = |random: &mut Random| 50.0 * (80.0_f64).powf(random.share());
+    let rate = |random: &mut Random| 50.0 * libm::pow(80.0, random.share());
     let (speed, up, down) = (random.between(10.0, 300.0), rate(random), rate(random));
     let percent = random.between(10.0, 100.0);
     Limits {
@@ -33,7 +33,7 @@ fn direction(random: &mut Random) -> Point {
 }
 
 fn path(random: &mut Random, from: Point, along: Point) -> Path {
-    let length = 0.1 * (3000.0_f64).powf(random.share());
+    let length = 0.1 * libm::pow(3000.0, random.share());
     match (random.share() * 6.0) as u32 {
         0 => Path::line(from, from + along * length),
         1 => {
@@ -61,7 +61,7 @@ fn path(random: &mut Random, from: Point, along: Point) -> Path {
 
 /// A motion at any instant between its begin and its end, and its limits; of two moves that blend, now and then.
 fn momentum(random: &mut Random, old: &Limits) -> (Momentum, f64) {
-    let length = 0.5 * (1000.0_f64).powf(random.share());
+    let length = 0.5 * libm::pow(1000.0, random.share());
     let profile = Profile::to_position(State::default(), length, 0.0, old);
     let (first, second) = (direction(random), direction(random));
     let at = random.between(0.0, profile.duration());
@@ -102,108 +102,224 @@ fn distance(path: &Path, point: &Point) -> f64 {
 
 #[test]
 fn no_merge_runs_away() {
-    for seed in 0..cases(2000) {
-        let mut random = Random(seed);
-        let shapes = [random.share() < 0.75, random.share() < 0.75];
-        let old = limits(&mut random, shapes[0]);
-        let equal = random.share() < 0.3;
-        let new = if equal { old } else { limits(&mut random, shapes[1]) };
-        let (momentum, stop) = momentum(&mut random, &old);
-        let motion = Move {
-            path: path(&mut random, Point::new(3.0, -4.0, 0.0), momentum.velocity.normalize()),
-            turn: None,
-            corner: f64::INFINITY,
-            limits: new,
-            ending: Ending::Stop,
-            parameter: Parameter::TIME,
-            data: (),
-        };
-        if !momentum.velocity.norm().is_normal() {
-            continue;
-        }
-        let told = || format!("seed {seed}: {momentum:?}\n{motion:?}");
-        let mut clock = Clock::at(0, PERIOD_NS);
-        let mut planner = Planner::new(10, Point::zeros());
-        planner.merge(motion, momentum, &clock);
-        let speed = momentum.velocity.norm();
-        let mut bound = speed.max(old.speed).max(new.speed);
-        let first = planner.sample(&clock).expect("it moves");
-        let step = (first.velocity - momentum.velocity).norm();
-        // What is nearly along the path keeps its speed.
-        assert!(step <= 0.0018 * speed + 1e-9, "{}: it steps by {step}", told());
-        let mut change = (random.share() < 0.3).then(|| (random.between(0.0, 0.5) / PERIOD) as u64);
-        let mut last = first;
-        let mut wide = stop;
-        // Nothing decelerates harder than a stop as wide as the old one, or a change of speed as the present one over a tick.
-        loop {
-            if change == Some(clock.tick) {
-                let present = planner.sample(&clock).expect("it moves").velocity.norm();
-                let mut other = limits(&mut random, new.jerk.is_some());
-                if random.share() < 0.3 {
-                    other.speed = 0.0;
-                }
-                planner.change_limits(other, &clock);
-                let allowed = (1.5 * bound.max(other.speed)).max(present);
-                bound = allowed;
-                wide = f64::INFINITY;
-                change = None;
-                if other.speed == 0.0 {
-                    let from = clock.tick;
-                    while clock.tick < from + 300 {
-                        clock.tick += 1;
-                        let now = planner.sample(&clock).expect("it moves");
-                        assert!(now.velocity.norm() <= bound * NEARLY, "{}: while it pauses", told());
-                    }
-                    other.speed = 50.0;
-                    bound = bound.max(1.5 * 50.0);
-                    planner.change_limits(other, &clock);
-                }
-                last = planner.sample(&clock).expect("it moves");
+    let failed: Vec<u64> = seeds(2000)
+        .filter(|&seed| std::panic::catch_unwind(|| travel(seed)).is_err())
+        .collect();
+    assert!(failed.is_empty(), "seeds {failed:?}");
+}
+
+/// A merge of a random motion into a random move, whose limits change on the way now and then.
+fn travel(seed: u64) {
+    let mut random = Random(seed);
+    let shapes = [random.share() < 0.75, random.share() < 0.75];
+    let old = limits(&mut random, shapes[0]);
+    let equal = random.share() < 0.3;
+    let new = if equal { old } else { limits(&mut random, shapes[1]) };
+    let (momentum, stop) = momentum(&mut random, &old);
+    let motion = Move {
+        path: path(&mut random, Point::new(3.0, -4.0, 0.0), momentum.velocity.normalize()),
+        turn: None,
+        corner: f64::INFINITY,
+        limits: new,
+        ending: Ending::Stop,
+        parameter: Parameter::TIME,
+        data: (),
+    };
+    if !momentum.velocity.norm().is_normal() {
+        return;
+    }
+    let told = || format!("seed {seed}: {momentum:?}\n{motion:?}");
+    let mut clock = Clock::at(0, PERIOD_NS);
+    let mut planner = Planner::new(10, Point::zeros());
+    planner.merge(motion, momentum, &clock);
+    let speed = momentum.velocity.norm();
+    let mut bound = speed.max(old.speed).max(new.speed);
+    let first = planner.sample(&clock).expect("it moves");
+    let step = (first.velocity - momentum.velocity).norm();
+    // What is nearly along the path keeps its speed.
+    assert!(step <= 0.0018 * speed + 1e-9, "{}: it steps by {step}", told());
+    let mut change = (random.share() < 0.3).then(|| (random.between(0.0, 0.5) / PERIOD) as u64);
+    let mut last = first;
+    let mut wide = stop;
+    // Nothing decelerates harder than a stop as wide as the old one, or a change of speed as the present one over a tick.
+    loop {
+        if change == Some(clock.tick) {
+            let present = planner.sample(&clock).expect("it moves").velocity.norm();
+            let mut other = limits(&mut random, new.jerk.is_some());
+            if random.share() < 0.3 {
+                other.speed = 0.0;
             }
+            planner.change_limits(other, &clock);
+            let allowed = (1.5 * bound.max(other.speed)).max(present);
+            bound = allowed;
+            wide = f64::INFINITY;
+            change = None;
+            if other.speed == 0.0 {
+                let from = clock.tick;
+                while clock.tick < from + 300 {
+                    clock.tick += 1;
+                    let now = planner.sample(&clock).expect("it moves");
+                    assert!(now.velocity.norm() <= bound * NEARLY, "{}: while it pauses", told());
+                }
+                other.speed = 50.0;
+                bound = bound.max(1.5 * 50.0);
+                planner.change_limits(other, &clock);
+            }
+            last = planner.sample(&clock).expect("it moves");
+        }
+        clock.tick += 1;
+        let now = planner.sample(&clock).expect("it moves");
+        let fast = now.velocity.norm();
+        assert!(
+            fast <= bound * NEARLY,
+            "{}\n tick {}: {fast} above {bound}",
+            told(),
+            clock.tick
+        );
+        let off = if clock.tick.is_multiple_of(4) {
+            distance(&motion.path, &now.position)
+        } else {
+            0.0
+        };
+        assert!(
+            off <= wide * 1.006
+                + if matches!(motion.path, Path::Arc(_)) {
+                    motion.path.length() / 100.0
+                } else {
+                    0.0
+                }
+                + 1e-9,
+            "{}\n tick {}: {off} beside the path, more than {wide}; {now:?}",
+            told(),
+            clock.tick
+        );
+        let moved = now.position - last.position - (now.velocity + last.velocity) * (0.5 * PERIOD);
+        assert!(
+            moved.norm() <= 2e-3 * bound * PERIOD * 1000.0 * PERIOD * 500.0,
+            "{}\n tick {}: a step by {}",
+            told(),
+            clock.tick,
+            moved.norm()
+        );
+        last = now;
+        if let Some(Passage::Reached(_) | Passage::HandOver(_)) = planner.passage(&clock) {
+            break;
+        }
+        assert!(clock.tick < 1_000_000, "{}: it does not end: {now:?}", told());
+    }
+    let end = planner.sample(&clock).expect("it stands").position;
+    let off = (end - motion.path.end()).norm();
+    assert!(off < 1e-9, "{}: off the end by {off}", told());
+}
+
+/// Changes, pauses and overrides one after the other: together no faster than one of them may be.
+#[test]
+fn no_row_of_changes_runs_away() {
+    let failed: Vec<u64> = seeds(1000)
+        .filter(|&seed| std::panic::catch_unwind(|| change_again(seed)).is_err())
+        .collect();
+    assert!(failed.is_empty(), "seeds {failed:?}");
+}
+
+fn change_again(seed: u64) {
+    let mut random = Random(seed);
+    let s_curve = random.share() < 0.75;
+    let old = limits(&mut random, s_curve);
+    let new = limits(&mut random, s_curve);
+    let (momentum, _) = momentum(&mut random, &old);
+    if !momentum.velocity.norm().is_normal() {
+        return;
+    }
+    let motion = Move {
+        path: path(&mut random, Point::new(3.0, -4.0, 0.0), momentum.velocity.normalize()),
+        turn: None,
+        corner: f64::INFINITY,
+        limits: new,
+        ending: Ending::Stop,
+        parameter: Parameter::TIME,
+        data: (),
+    };
+    let mut told = format!("seed {seed}: {momentum:?}\n{motion:?}");
+    let mut clock = Clock::at(0, PERIOD_NS);
+    let mut planner = Planner::new(10, Point::zeros());
+    planner.merge(motion, momentum, &clock);
+    let (present, mut top, mut rate) = (momentum.velocity.norm(), old.speed.max(new.speed), 1.0);
+    let mut speed = new.speed;
+    for change in 0..7 {
+        let until = clock.tick + 1 + (200.0 * random.share() * random.share()) as u64;
+        // Once nothing changes, everything comes to its end.
+        while clock.tick < until || change == 6 {
             clock.tick += 1;
             let now = planner.sample(&clock).expect("it moves");
+            let most = present.max(1.5 * top) * NEARLY;
             let fast = now.velocity.norm();
-            assert!(
-                fast <= bound * NEARLY,
-                "{}\n tick {}: {fast} above {bound}",
-                told(),
-                clock.tick
-            );
-            let off = if clock.tick % 4 == 0 {
-                distance(&motion.path, &now.position)
-            } else {
-                0.0
-            };
-            assert!(
-                off <= wide * 1.006
-                    + if matches!(motion.path, Path::Arc(_)) {
-                        motion.path.length() / 100.0
-                    } else {
-                        0.0
-                    }
-                    + 1e-9,
-                "{}\n tick {}: {off} beside the path, more than {wide}; {now:?}",
-                told(),
-                clock.tick
-            );
-            let moved = now.position - last.position - (now.velocity + last.velocity) * (0.5 * PERIOD);
-            assert!(
-                moved.norm() <= 2e-3 * bound * PERIOD * 1000.0 * PERIOD * 500.0,
-                "{}\n tick {}: a step by {}",
-                told(),
-                clock.tick,
-                moved.norm()
-            );
-            last = now;
+            assert!(fast <= most, "{told}\n tick {}: {fast} above {most}", clock.tick);
             if let Some(Passage::Reached(_) | Passage::HandOver(_)) = planner.passage(&clock) {
-                break;
+                let off = (now.position - motion.path.end()).norm();
+                assert!(off < 1e-9, "{told}\n off the end by {off}");
+                return;
             }
-            assert!(clock.tick < 1_000_000, "{}: it does not end: {now:?}", told());
+            assert!(clock.tick < 1_000_000, "{told}\n it does not end: {now:?}");
         }
-        let end = planner.sample(&clock).expect("it stands").position;
-        let off = (end - motion.path.end()).norm();
-        assert!(off < 1e-9, "{}: off the end by {off}", told());
+        let last = change == 5;
+        if random.share() < 0.3 || last {
+            rate = if last {
+                1.0
+            } else {
+                random.of(&[0.0, 0.1, 0.5, 1.0, 2.0])
+            };
+            planner.set_rate(rate, &clock);
+            top = top.max(rate * speed);
+            told += &format!("\n tick {}: override {rate}", clock.tick);
+        }
+        if random.share() < 0.7 || last {
+            let mut other = limits(&mut random, s_curve);
+            if random.share() < 0.4 && !last {
+                other.speed = 0.0;
+            }
+            planner.change_limits(other, &clock);
+            speed = other.speed;
+            top = top.max(rate * speed);
+            told += &format!("\n tick {}: {other:?}", clock.tick);
+        }
     }
+}
+
+/// Out of an acceleration into a pause whose jerk would take it away too late (seed 11026 of the merges).
+#[test]
+fn a_pause_takes_an_acceleration_away_in_time() {
+    let limits = |speed: f64, deceleration: f64, jerk: [f64; 2]| Limits {
+        speed,
+        acceleration: 700.0,
+        deceleration,
+        jerk: Some(Jerk {
+            acceleration: jerk[0],
+            deceleration: jerk[1],
+        }),
+    };
+    let motion = Move {
+        path: Path::line(Point::zeros(), Point::new(120.0, 0.0, 0.0)),
+        turn: None,
+        corner: f64::INFINITY,
+        limits: limits(60.0, 30.0, [32_000.0, 300.0]),
+        ending: Ending::Stop,
+        parameter: Parameter::TIME,
+        data: (),
+    };
+    let mut clock = Clock::at(0, PERIOD_NS);
+    let mut planner = Planner::new(10, Point::zeros());
+    planner.start(motion, clock.now(), &clock);
+    clock.tick = 80;
+    let now = planner.sample(&clock).expect("it moves").along;
+    assert!(now.velocity > 40.0 && now.acceleration > 600.0, "{now:?}");
+    planner.change_limits(limits(0.0, 1200.0, [2900.0, 24_000.0]), &clock);
+    let mut top = 0.0_f64;
+    for _ in 0..1000 {
+        clock.tick += 1;
+        top = top.max(planner.sample(&clock).expect("it moves").velocity.norm());
+    }
+    assert!(top <= 1.5 * 60.0 * NEARLY && top > 60.0, "{top}");
+    assert_eq!(planner.sample(&clock).expect("it stands").velocity, Point::zeros());
 }
 
 /// Out of an acceleration, and onto gentler limits: what ramps out does so no faster than the old limits say.
