@@ -11,7 +11,7 @@ pub fn instructions() -> String {
         "# Instructions\n\nWritten by a test from the catalogue; do not edit. \"#\" is the faceplate position and the \
          EXERR of error 13. \"First\" is the\nfirst value in an instruction tag; a trailing operand that is left out is 0, \
          None, Disabled, Programmed.\nNo number has a magnitude above 1e15; a number that cannot be negative is 0, where that is legal, or at least \
-         1e-15. Positions\nlie within the range of the axis ([DECISIONS.md](DECISIONS.md), \"The range of positions\").\nErrors: see [ERRORS.md](ERRORS.md).\n",
+         1e-15. Positions\nlie within the range of the axis ([section 4.6](spec/coordinated-instructions.md#46-legal-ranges), \"The range of positions\").\nErrors: see [ERRORS.md](ERRORS.md).\n",
     );
     for object in [Object::CoordinateSystem, Object::Axis, Object::MotionGroup] {
         let _ = write!(page, "\n## Class {:#06x}: {}\n", object.class_code(), object.name());

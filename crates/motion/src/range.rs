@@ -1,4 +1,4 @@
-//! How far from 0 axes can be: 2³² coarse updates at Maximum Speed (docs/DECISIONS.md, "The range of positions").
+//! How far from 0 axes can be: 2³² coarse updates at Maximum Speed (spec/coordinated-instructions.md §4.6, "The range of positions").
 //!
 //! Beyond it a position has so few digits left that its rounding would show in the motion: at the end of the range a digit is a
 //! millionth of the way that the axis goes in one update at Maximum Speed. Not here: the range of every number

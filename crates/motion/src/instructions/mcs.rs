@@ -212,7 +212,7 @@ pub(crate) fn stop_move(motion: &mut Motion, index: usize, limits: &Limits) {
 }
 
 /// Stops the coordinated moves of the system, and those of systems that share an axis with it, on their paths, and every axis
-/// of the system by itself out of what single-axis instructions began on it (§15.1). Returns the axes that brake.
+/// of the system by itself out of what single-axis instructions began on it (spec/coordinated-instructions.md §15.1). Returns the axes that brake.
 fn stop_all(motion: &mut Motion, index: usize, call: &Call) -> Result<AxisSet, MotionError> {
     let mut braking = AxisSet::default();
     for other in 0..motion.systems.len() {
