@@ -261,8 +261,10 @@ impl Within {
             Some(axes) => least(vector, axes, self.share),
             None => vector,
         };
+        // The compensation moves along.
+        let pace = 1.0 / way.norm().max(1.0);
         Limits {
-            speed: least(own.speed, &self.axes.speed, 1.0),
+            speed: least(own.speed * pace, &self.axes.speed, 1.0),
             acceleration: least(own.acceleration, &self.axes.acceleration, self.share),
             deceleration: least(own.deceleration, &self.axes.acceleration, self.share),
             jerk: own.jerk.map(|own| Jerk {
@@ -289,15 +291,16 @@ impl Within {
                 .min((a_of(axis) / across(axis)).sqrt())
                 .min(libm::cbrt(j_of(axis) / (across(axis) * curvature * curvature)))
         });
+        let speed = own.speed / (1.0 + self.drift.norm());
         // An override may double the speed later.
-        let coupled = most_speed.min(MOST_RATE * own.speed);
+        let coupled = most_speed.min(MOST_RATE * speed);
         let rate = each().fold(f64::INFINITY, |rate, axis| {
             rate.min(a_of(axis) / along(axis))
                 .min(j_of(axis) / (3.0 * across(axis) * coupled))
         });
         let most = each().fold(f64::INFINITY, |most, axis| most.min(j_of(axis) / along(axis)));
         Limits {
-            speed: own.speed.min(most_speed),
+            speed: speed.min(most_speed),
             acceleration: own.acceleration.min(rate),
             deceleration: own.deceleration.min(rate),
             jerk: own.jerk.map(|own| Jerk {
