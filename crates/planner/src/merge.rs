@@ -126,31 +126,19 @@ fn beside<T>(motion: &Move<T>, momentum: &Momentum, axes: &AxisLimits) -> Option
     let along = Profile::to_position(State::default(), motion.path.length(), 0.0, &limits);
     let whole = parts.iter().map(|part| part.profile.duration()).fold(0.0, f64::max);
     let most = within.most_tangent();
-    let programmed = within.limits(own).speed;
-    let fastest = momentum.velocity.norm().max(own.speed) * NEARLY;
     let mut speed = 0.0_f64;
     let kept = (0..=LOOKS).all(|k| {
         let t = whole * f64::from(k) / f64::from(LOOKS);
         speed = speed.max(along.at((t + whole / f64::from(LOOKS) - wait).max(0.0)).velocity);
-        let residual: Point = parts
-            .iter()
-            .map(|part| part.direction * part.profile.at(t).velocity)
-            .sum();
-        let vector_speed = match motion.path {
-            Path::Line(_) => (residual + most * speed.min(programmed)).norm(),
-            Path::Arc(_) => residual.norm() + most.norm() * speed.min(programmed),
-        };
-        let is_slow_enough = residual.norm().max(vector_speed) <= fastest;
-        is_slow_enough
-            && (0..3).all(|axis| {
-                let residual = parts[axis].profile.at(t).velocity;
-                let path = most[axis] * speed;
-                let sum = match motion.path {
-                    Path::Line(_) => residual + path,
-                    Path::Arc(_) => residual.abs() + path,
-                };
-                residual.abs().max(sum.abs()) <= axes.speed[axis] * NEARLY
-            })
+        (0..3).all(|axis| {
+            let residual = parts[axis].profile.at(t).velocity;
+            let path = most[axis] * speed;
+            let sum = match motion.path {
+                Path::Line(_) => residual + path,
+                Path::Arc(_) => residual.abs() + path,
+            };
+            residual.abs().max(sum.abs()) <= axes.speed[axis] * NEARLY
+        })
     });
     kept.then_some(Beside { parts, wait, within })
 }
@@ -266,7 +254,6 @@ impl Within {
     }
 
     fn on_line(&self, own: &Limits, way: &Point) -> Limits {
-        let own = &slowed(own, way.norm());
         let least = |vector: f64, limits: &Point, share: f64| {
             (0..3).fold(vector, |least, axis| least.min(share * limits[axis] / way[axis].abs()))
         };
@@ -274,8 +261,10 @@ impl Within {
             Some(axes) => least(vector, axes, self.share),
             None => vector,
         };
+        // The compensation moves along.
+        let pace = 1.0 / way.norm().max(1.0);
         Limits {
-            speed: least(own.speed, &self.axes.speed, 1.0),
+            speed: least(own.speed * pace, &self.axes.speed, 1.0),
             acceleration: least(own.acceleration, &self.axes.acceleration, self.share),
             deceleration: least(own.deceleration, &self.axes.acceleration, self.share),
             jerk: own.jerk.map(|own| Jerk {
@@ -287,7 +276,6 @@ impl Within {
 
     /// Halves of the acceleration along and across; thirds of the jerk `j t + 3 v a k n - k² v³ t`.
     fn on_arc(&self, own: &Limits, normal: &Point, curvature: f64) -> Limits {
-        let own = &slowed(own, 1.0 + self.drift.norm());
         let in_plane = in_plane(normal);
         let each = || (0..3).filter(|&axis| in_plane[axis] > 1e-9);
         let along = |axis: usize| in_plane[axis] + self.drift[axis].abs();
@@ -303,15 +291,16 @@ impl Within {
                 .min((a_of(axis) / across(axis)).sqrt())
                 .min(libm::cbrt(j_of(axis) / (across(axis) * curvature * curvature)))
         });
+        let speed = own.speed / (1.0 + self.drift.norm());
         // An override may double the speed later.
-        let coupled = most_speed.min(MOST_RATE * own.speed);
+        let coupled = most_speed.min(MOST_RATE * speed);
         let rate = each().fold(f64::INFINITY, |rate, axis| {
             rate.min(a_of(axis) / along(axis))
                 .min(j_of(axis) / (3.0 * across(axis) * coupled))
         });
         let most = each().fold(f64::INFINITY, |most, axis| most.min(j_of(axis) / along(axis)));
         Limits {
-            speed: own.speed.min(most_speed),
+            speed: speed.min(most_speed),
             acceleration: own.acceleration.min(rate),
             deceleration: own.deceleration.min(rate),
             jerk: own.jerk.map(|own| Jerk {
@@ -319,20 +308,6 @@ impl Within {
                 deceleration: own.deceleration.min(most),
             }),
         }
-    }
-}
-
-/// Limits along a path of which every unit moves the axes by up to `way` units, so that the axes together keep the programmed ones.
-fn slowed(own: &Limits, way: f64) -> Limits {
-    let share = 1.0 / way.max(1.0);
-    Limits {
-        speed: share * own.speed,
-        acceleration: share * own.acceleration,
-        deceleration: share * own.deceleration,
-        jerk: own.jerk.map(|own| Jerk {
-            acceleration: share * own.acceleration,
-            deceleration: share * own.deceleration,
-        }),
     }
 }
 

@@ -43,7 +43,10 @@ fn corners_are_rounded_within_the_tolerance_and_the_end_is_exact() {
     three_sides(&mut bench);
     assert_eq!(bench.bits("M1"), "EN DN IP", "planned at the end of this update");
     bench.tick();
-    assert_eq!(bench.bits("M1"), "EN DN IP AC ACCEL");
+    // An acceleration below a hundredth of what it may have does not show.
+    assert_eq!(bench.bits("M1"), "EN DN IP AC", "{:?}", bench.axis("X").command);
+    bench.tick();
+    assert_eq!(bench.bits("M1"), "EN DN IP AC ACCEL", "{:?}", bench.axis("X").command);
     assert_eq!(bench.bits("M2"), "EN DN IP");
     assert_ne!(bench.system("XY").motion_status & cms::MOVE_PENDING_STATUS, 0);
     let mut last = [bench.axis("X").command, bench.axis("Y").command];
@@ -67,7 +70,17 @@ fn corners_are_rounded_within_the_tolerance_and_the_end_is_exact() {
     assert_eq!((bench.position("X"), bench.position("Y")), (0.0, 50.0));
     assert_eq!(last[0][1].hypot(last[1][1]), 0.0);
     // A stop at each corner would take 3 · (0.25 + 0.09) s.
-    assert!(bench.now() < 980, "{} ms", bench.now());
+    assert!(bench.now() < 970, "{} ms", bench.now());
+    // The sides are long, so they are kept to but for a millimetre beside each corner; a curve may be faster.
+    let mut anywhere = Bench::replacing(
+        "name = \"XY\"",
+        "name = \"XY\"\nqueue_depth = 20\ncorner = \"precise\"\naxis_limits = \"enforce\"\ndeviation = \"anywhere\"",
+    );
+    three_sides(&mut anywhere);
+    while !anywhere.control("M3").has(Flag::Pc) {
+        anywhere.tick();
+    }
+    assert!(anywhere.now() < 950, "{} ms", anywhere.now());
 }
 
 #[test]
@@ -255,14 +268,23 @@ fn a_merge_takes_over_a_contour_and_keeps_the_limits_of_the_axes() {
             assert_eq!(bench.call(&line("M5", -30.0, 60.0, "6, 0, 0, 0.1")), OK);
             assert_eq!(bench.call(&line("M6", 0.0, 60.0, "1")), OK);
             assert_ne!(bench.system("XY").motion_status & cms::MOVE_PENDING_STATUS, 0);
-            let mut top = 0.0_f64;
+            // Together with what ramps out it has the speed of what was programmed before; then its own.
+            let programmed = if merge == 2 { 205.0 } else { 200.0 };
+            let (mut together, mut top, begin) = (0.0_f64, 0.0_f64, bench.now());
             while !bench.control("M4").has(Flag::Pc) {
                 watch.tick(&mut bench);
-                top = top.max(bench.system("XY").path_speed);
+                let fast = bench.system("XY").path_speed;
+                together = together.max(fast);
+                if bench.now() > begin + 150 {
+                    top = top.max(fast);
+                }
             }
-            // The path and what ramps out beside it, together: with Merge Speed Current what still speeds up may exceed the present
-            // speed, not the programmed one.
-            assert!(top <= current.max(200.0) * 1.001, "at {at}: {top}, merged at {current}");
+            let most = if speed == 1 { current } else { 200.0 };
+            assert!(
+                together <= programmed * 1.000_001,
+                "at {at}: {together} of {programmed}"
+            );
+            assert!(top <= most * 1.000_001, "at {at}: {top} of {most}");
             assert_eq!(bench.bits("M4"), "EN DN PC");
             while !bench.control("M6").has(Flag::Pc) {
                 watch.tick(&mut bench);
@@ -307,15 +329,9 @@ fn a_merged_move_is_held_changed_stopped_and_merged_again() {
     for _ in 0..200 {
         watch.tick(&mut bench);
     }
-    // At most 40 with what the path compensates for at the same time: here it makes the way shorter.
-    let (speed, axes) = (
-        bench.system("XY").path_speed,
-        ["X", "Y"].map(|axis| bench.axis(axis).command[1]),
-    );
-    assert!(
-        (speed - axes[0].hypot(axes[1])).abs() < 1e-9 && (30.0..40.0 + 1e-9).contains(&speed),
-        "{speed}"
-    );
+    // The way of what has ramped out is taken back along the path, which leads less far by it.
+    let speed = bench.system("XY").path_speed;
+    assert!(speed <= 40.0 + 1e-9 && speed > 0.85 * 40.0, "{speed}");
     assert_eq!(bench.call(&line("M5", 10.0, 10.0, "1, 2, 0")), OK);
     assert_eq!(bench.bits("M4"), "EN DN");
     while !bench.control("M5").has(Flag::Pc) {
