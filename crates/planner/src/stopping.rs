@@ -8,6 +8,7 @@ use arcline_profile::{Bounds, Limits, Profile};
 
 use crate::planner::Planner;
 use crate::track::Track;
+use crate::turning::RampingOut;
 use crate::{Clock, Pace, Parameter, Sample};
 
 /// A stop on the path that has not begun.
@@ -15,6 +16,8 @@ use crate::{Clock, Pace, Parameter, Sample};
 pub struct Stopping {
     active: Track,
     tail: Option<Track>,
+    /// What is left of the turn of a move that a merge ended.
+    ramping_out: Option<RampingOut>,
     /// Seconds from its beginning to rest.
     duration: f64,
 }
@@ -38,7 +41,7 @@ impl<T: Copy> Planner<T> {
         };
         let active = halted(&self.active.as_ref()?.track, before.as_ref());
         let tail = self.tail.as_ref().map(|tail| halted(tail, None));
-        Some(Stopping::of(active, tail, clock))
+        Some(Stopping::of(active, tail, self.ramping_out, clock))
     }
 
     /// What [`Planner::stop_in_time`] would do, where `clock` shows the way that the master will have gone at `time`, and
@@ -51,7 +54,8 @@ impl<T: Copy> Planner<T> {
         };
         let active = halted(&self.active.as_ref()?.track);
         let tail = self.tail.as_ref().map(halted);
-        Some(Stopping::of(active, tail, time))
+        let out = self.ramping_out_in_time(pace, clock, time);
+        Some(Stopping::of(active, tail, out, time))
     }
 
     /// Where the coordinate system would be at an instant of a stop. The path goes on along the moves that wait. Real-time.
@@ -81,22 +85,27 @@ impl<T: Copy> Planner<T> {
 }
 
 impl Stopping {
-    fn of(active: Track, tail: Option<Track>, clock: &Clock) -> Self {
+    fn of(active: Track, tail: Option<Track>, ramping_out: Option<RampingOut>, clock: &Clock) -> Self {
         let left = |track: &Track| track.duration(clock) - track.start.elapsed(clock);
+        let turning = ramping_out.map_or(0.0, |out| out.rests_after(&clock.now(), clock));
         let duration = tail.iter().map(left).fold(left(&active), f64::max);
         Stopping {
             active,
             tail,
-            duration: duration.max(0.0),
+            ramping_out,
+            duration: duration.max(turning).max(0.0),
         }
     }
 
     fn sample<'a>(&self, trail: impl Iterator<Item = &'a Path>, clock: &Clock) -> Sample {
-        let sample = self.active.sample_along(trail, clock);
-        match &self.tail {
-            Some(tail) => tail.add_rest(sample, clock),
-            None => sample,
+        let mut sample = self.active.sample_along(trail, clock);
+        if let Some(tail) = &self.tail {
+            sample = tail.add_rest(sample, clock);
         }
+        if let Some(out) = &self.ramping_out {
+            sample.turned = Some(out.beside(sample.turned, clock));
+        }
+        sample
     }
 }
 

@@ -194,13 +194,16 @@ impl<T: Copy> Planner<T> {
     }
 
     pub(crate) fn ramp_out_in_time(&mut self, pace: &Pace, clock: &Clock, time: &Clock) {
-        if let (Some(out), Some(running)) = (self.ramping_out, &self.active) {
-            self.ramping_out = if out.is_over_at(&clock.now(), clock) {
-                None
-            } else {
-                Some(out.in_time(&running.motion.parameter, pace, clock, time))
-            };
+        if self.active.is_some() {
+            self.ramping_out = self.ramping_out_in_time(pace, clock, time);
         }
+    }
+
+    /// What of a turn still ramps out, as a function of time.
+    pub(crate) fn ramping_out_in_time(&self, pace: &Pace, clock: &Clock, time: &Clock) -> Option<RampingOut> {
+        let out = self.ramping_out.filter(|out| !out.is_over_at(&clock.now(), clock))?;
+        let parameter = &self.active.as_ref()?.motion.parameter;
+        Some(out.in_time(parameter, pace, clock, time))
     }
 }
 

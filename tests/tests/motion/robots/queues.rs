@@ -215,6 +215,41 @@ fn a_joint_that_turns_meanwhile_is_taken_along() {
     assert!(!bench.control("T").has(Flag::Er));
 }
 
+/// The guard of the joints looks at a stop in which the turn still ramps out, from where it is.
+#[test]
+fn a_robot_follows_a_turn_that_ramps_out() {
+    for (why, master) in [("by time", false), ("by a master", true)] {
+        let mut bench = bench_of(RobotMachine {
+            cart: MACHINE.cart,
+            ..DELTA_J1J2J3J6
+        });
+        assert_eq!(bench.call("MCTO(CART, ROBOT, T, NoFrame, NoFrame)"), OK, "{why}");
+        bench.run(2);
+        path(&mut bench, [5.0, 0.0, 0.0, 0.0, 0.0, 60.0], 1.0, true);
+        let (mut turn, mut merge) = (MOVE, format!("MCLM(CART, N, 1, [20, 0, 0], {LINE}, 1, 1)"));
+        if master {
+            bench.write("D.TimeUnits", 1.0);
+            dynamics(&mut bench, [2.0, 0.5, 0.5], [1.5, 0.4, 0.4]);
+            assert_eq!(bench.call("MDCC(CART, U, L, 1, 40)"), OK, "{why}");
+            assert_eq!(bench.call("MAJ(U, J, 0, 40, 0, 400, 0, 400, 0)"), OK, "{why}");
+            turn = "MCPM(CART, M, P, 1, D, 0, 1)";
+            merge = "MCLM(CART, N, 1, [20, 0, 0], 2, 4, 0.5, 4, 0.5, 4, 0, 100, 100, 6, 1, 1, 0, 0, 0, 1)".into();
+        }
+        assert_eq!(bench.call(turn), OK, "{why}");
+        bench.run(500);
+        assert!(rate(&shown(&bench)).norm() > 20.0, "{why}");
+        assert_eq!(bench.call(&merge), OK, "{why}");
+        let turned = bench.position("RZ");
+        for _ in 0..1000 {
+            smoothly(&mut bench, 0.001, [3000.0, 3000.0], why);
+            let shown = bench.control("T");
+            assert!(shown.has(Flag::Ip), "{why}: {shown:?} at RZ {}", bench.position("RZ"));
+        }
+        assert!(bench.control("N").has(Flag::Pc), "{why}");
+        assert!((bench.position("RZ") - turned).abs() > 1.0, "{why}: it ramped out");
+    }
+}
+
 /// A merge while it turns, and what comes before and behind it.
 struct Merged<'a> {
     why: &'a str,

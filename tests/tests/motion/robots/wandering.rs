@@ -1,7 +1,7 @@
 //! Random programs near the ends of robots' reach and their singularities: whatever leads the source, and however weakly it is
 //! stopped, the joints stay together with it, within their speeds and their travel, and nothing steps.
 //!
-//! `ARCLINE_CASES` sets how many programs are run (100 unless set), `ARCLINE_SEED` the first (0). A program that fails is printed as
+//! `ARCLINE_CASES` sets how many programs are run (160 unless set), `ARCLINE_SEED` the first (0). A program that fails is printed as
 //! Structured Text with the machine's configuration.
 
 use arcline_config::load;
@@ -36,8 +36,10 @@ const FASTER: f64 = 0.02;
 /// Share of a joint's Maximum Speed by which its velocity may change in one update.
 const CHANGE: f64 = 1.0;
 
-/// Units between the source and the tool; a delta in a plane takes 1e-4 across it for none.
-const TOGETHER: f64 = 2e-4;
+/// Units between the source and the tool.
+const TOGETHER: f64 = 1e-6;
+/// The same of a delta in a plane, which takes 1e-3 across its plane for none.
+const IN_A_PLANE: f64 = 1.1e-3;
 
 enum Geometry {
     Arm(Robot),
@@ -60,6 +62,8 @@ struct Wanderer {
     before: Vec<[f64; 3]>,
     /// A joint moves by itself, or has done.
     joints_move: bool,
+    /// The tick of the last MAG without a clutch.
+    geared_at: Option<u64>,
     calls: u32,
 }
 
@@ -115,6 +119,7 @@ impl Wanderer {
             before: Vec::new(),
             program: String::new(),
             joints_move: false,
+            geared_at: None,
             calls: 0,
             random,
             machine,
@@ -173,10 +178,11 @@ impl Wanderer {
         let rates = self.rates();
         let axis = *self.random.one_of(&self.axes.clone());
         let turns = axis.starts_with('R');
-        // What a contour does beside single axes' motion is not looked at here.
+        // What a contour does beside single axes' motion is not looked at here, nor long arcs and changes of dynamics, which a
+        // contour takes minutes to plan.
         let precise = self.machine.cart.contains("precise");
         let kind = if precise {
-            *self.random.one_of(&[4, 5, 7, 11, 12, 13, 15])
+            *self.random.one_of(&[4, 5, 11, 13, 15])
         } else {
             self.random.below(16)
         };
@@ -217,9 +223,13 @@ impl Wanderer {
             8 => {
                 let ratio = self.random.between(-2.0, 2.0).abs();
                 let direction = self.random.below(2);
-                self.call(&format!(
-                    "MAG({axis}, U, {tag}, {direction}, {ratio}, 1, 1, Command, Real, 1, 3000, 0)"
+                let clutch = *self.random.one_of(&["Enabled", "Enabled", "Disabled"]);
+                let geared = self.call(&format!(
+                    "MAG({axis}, U, {tag}, {direction}, {ratio}, 1, 1, Command, Real, {clutch}, 3000, 0)"
                 ));
+                if clutch == "Disabled" && geared == (0, 0) {
+                    self.geared_at = Some(self.bench.now());
+                }
                 let direction = self.random.below(2);
                 self.call(&format!("MAJ(U, JU, {direction}, {rates})"));
             }
@@ -305,8 +315,14 @@ impl Wanderer {
                 step.abs() <= (0.5 * (v1 - v0).abs() + 0.05 * most) * self.period + 1e-6,
                 "tick {at}: {joint} steps from {p0} to {p1} at {v0} and {v1} units/s"
             );
+            // Without a clutch a slave has the geared speed at once, from the other way around too.
+            let change = if self.geared_at == Some(at - 1) {
+                2.0 * CHANGE
+            } else {
+                CHANGE
+            };
             assert!(
-                (v1 - v0).abs() <= CHANGE * most,
+                (v1 - v0).abs() <= change * most,
                 "tick {at}: {joint} changes from {v0} to {v1} units/s of {most}"
             );
             // Without a transform its own faults keep it there.
@@ -342,9 +358,11 @@ impl Wanderer {
                 taken.pose.position.iter().copied().collect()
             }
         };
+        let planar = self.machine.is_oriented() && joints.len() == 3;
+        let together = if planar { IN_A_PLANE } else { TOGETHER };
         for (place, (tool, source)) in tool.iter().zip(&source).enumerate() {
             assert!(
-                (tool - source).abs() < TOGETHER,
+                (tool - source).abs() < together,
                 "tick {}: {} is at {source}, the tool at {tool}",
                 self.bench.now(),
                 self.axes[place]
@@ -371,7 +389,8 @@ impl Wanderer {
                 ));
             }
         }
-        for _ in 0..(4.0 / self.period) as u64 {
+        // An MAS with 100 units/s² may have been first.
+        for _ in 0..(12.0 / self.period) as u64 {
             self.run(1);
             if self.moving().is_none() {
                 break;
@@ -404,7 +423,7 @@ fn wander(wanderer: &mut Wanderer) {
 fn joints_stay_within_what_they_can_do_whatever_leads_them() {
     let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
     let (cases, first) = (
-        number("ARCLINE_CASES").unwrap_or(100),
+        number("ARCLINE_CASES").unwrap_or(160),
         number("ARCLINE_SEED").unwrap_or(0),
     );
     let mut failed = Vec::new();
