@@ -309,7 +309,8 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
             velocity: velocity.dot(&way) / square,
             acceleration: acceleration.dot(&way) / square,
         };
-        if square < LEAST_WAY || !(along.velocity > 0.0) {
+        // What is across the path but for rounding is across it.
+        if square < LEAST_WAY || !(along.velocity * square.sqrt() > NEARLY * velocity.norm()) {
             return None;
         }
         let parts = out.parts(velocity - way * along.velocity, acceleration - way * along.acceleration);
