@@ -42,7 +42,7 @@ pub(crate) fn resample(
         .map(|&(from, to)| (warp.warped(from), warp.warped(to)))
         .collect();
     if nodes.lead.is_some() {
-        return resample_led(trajectory, times, nodes, (&busy, &fine), whole, &warp);
+        return resample_led(trajectory, times, nodes, [&busy, &fine], whole, &warp);
     }
     let grid = grid(whole, &busy, &fine);
     let intervals = grid.len() - 1;
@@ -82,7 +82,7 @@ fn resample_led(
     trajectory: &Trajectory,
     times: &[f64],
     nodes: &Nodes,
-    (busy, fine): (&[(f64, f64)], &[(f64, f64)]),
+    [busy, fine]: [&[(f64, f64)]; 2],
     whole: f64,
     warp: &Warp,
 ) -> Nodes {
