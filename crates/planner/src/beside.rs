@@ -317,7 +317,9 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
             velocity: velocity.dot(&way) / square,
             acceleration: acceleration.dot(&way) / square,
         };
-        if square < LEAST_WAY || along.velocity.is_nan() || along.velocity <= 0.0 {
+        // What is across the path but for rounding is across it.
+        let forward = along.velocity * square.sqrt();
+        if square < LEAST_WAY || forward.is_nan() || forward <= NEARLY * velocity.norm() {
             return None;
         }
         let parts = out.parts(velocity - way * along.velocity, acceleration - way * along.acceleration);

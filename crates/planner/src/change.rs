@@ -2,7 +2,7 @@
 //!
 //! Bounded. What pending moves are given stands in `sight`.
 
-use arcline_profile::{Limits, MOST_OVERSHOOT, Profile, State, entry_speed, passing_speed};
+use arcline_profile::{Lead, Limits, MOST_OVERSHOOT, Profile, State, entry_speed, passing_speed};
 
 use crate::Clock;
 use crate::beside::Beside;
@@ -86,7 +86,7 @@ impl<T: Copy> Planner<T> {
             let profile = self.profile(&running, level, &plan);
             lead.map_or(profile, |lead| lead.then(&profile))
         } else if plan.cap == 0.0 {
-            self.pause(&mut running, from, plan.target, ran)
+            self.pause(&mut running, from, plan.target, ran, clock)
         } else {
             let limits = Limits {
                 speed: plan.cap,
@@ -118,22 +118,36 @@ impl<T: Copy> Planner<T> {
         let pace = track.residual.map_or(1.0, |residual| residual.pace);
         Relief {
             ceiling: (MOST_OVERSHOOT * programmed * pace).max(ahead),
-            // A deceleration of the old limits may be too much for the new jerk.
-            forward: running.kept,
+            // A deceleration of the old limits may be too much for the new jerk, so may one that began on an earlier move, with
+            // the rates of that.
+            forward: running.kept || track.offset != 0.0,
         }
     }
 
     /// Comes to rest on the path, over no more way than with the limits so far, and no faster than any other change.
-    fn pause(&self, running: &mut Running<T>, from: State, target: f64, ran: &Limits) -> Profile {
+    fn pause(&self, running: &mut Running<T>, from: State, target: f64, ran: &Limits, clock: &Clock) -> Profile {
         let mut limits = self.limits(running);
         let relief = running.relief;
+        // The jerk that would have taken the acceleration away always suffices.
+        let present = running.track.jerk(clock).abs();
+        let up = |limits: &Limits| limits.jerk.map_or(0.0, |jerk| jerk.acceleration);
+        let most = present.max(up(&limits)).max(up(ran));
+        let lead = |limits: &Limits| {
+            relief.lead(from, limits).map(|lead| Lead {
+                jerk: if from.acceleration * from.velocity < 0.0 {
+                    lead.jerk
+                } else {
+                    lead.jerk.min(most)
+                },
+                ..lead
+            })
+        };
         if self.bounds.overshoot {
             let old = Limits {
                 speed: limits.speed,
                 ..*ran
             };
-            let stop =
-                |limits: &Limits| Profile::led(relief.lead(from, limits), from, |level| Profile::stop(level, limits));
+            let stop = |limits: &Limits| Profile::led(lead(limits), from, |level| Profile::stop(level, limits));
             if stop(&limits).reach() > stop(&old).reach() * (1.0 + NEARLY) {
                 running.in_force = Limits {
                     speed: running.motion.limits.speed,
@@ -144,7 +158,7 @@ impl<T: Copy> Planner<T> {
             }
         }
         let standing = Limits { speed: 0.0, ..limits };
-        Profile::led(relief.lead(from, &limits), from, |level| {
+        Profile::led(lead(&limits), from, |level| {
             Profile::to_position_two_stage(level, target, &standing)
         })
     }

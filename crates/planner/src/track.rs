@@ -149,6 +149,13 @@ impl Track {
         }
     }
 
+    /// The jerk of the profile at the present tick.
+    pub(crate) fn jerk(&self, clock: &Clock) -> f64 {
+        let elapsed = self.start.elapsed(clock);
+        let [now, soon] = [elapsed, elapsed + SOON].map(|time| self.profile.at(time).acceleration);
+        (soon - now) / SOON
+    }
+
     fn along(&self, elapsed: f64) -> State {
         let mut along = self.profile.at(elapsed);
         if self.offset != 0.0 {
@@ -310,3 +317,6 @@ fn at(path: &Path, s: f64, along: State, phase: Phase) -> Sample {
         turned: None,
     }
 }
+
+/// Seconds over which an acceleration shows its jerk.
+const SOON: f64 = 1e-6;
