@@ -198,18 +198,11 @@ impl Motion {
     /// angles or positions.
     pub(crate) fn of_tail(&self, index: usize, limits: &Limits) -> Option<Limits> {
         let system = &self.systems[index];
-        let turns = system.description.orientation?;
+        system.description.orientation?;
         let (path, turn) = system.planner.tail()?;
+        // The share of the maxima that the active move brakes with: what its own turn takes away is not taken from both.
         let most = system.description.max_deceleration;
-        let stands = system
-            .planner
-            .active()
-            .is_some_and(|running| running.motion.path.stands());
-        let deceleration = if stands {
-            limits.deceleration / turns.max_deceleration * most
-        } else {
-            limits.deceleration
-        };
+        let deceleration = (limits.deceleration / self.kept_by_turn(index, most) * most).min(most);
         Some(Limits {
             deceleration: self.kept_by(index, deceleration, path, turn),
             ..*limits

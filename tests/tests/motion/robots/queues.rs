@@ -442,6 +442,11 @@ fn a_stop_in_a_blend_brakes_each_part_with_its_own_rates() {
             [1.0, 0.0, 0.0, 0.0, 0.0, 9.0],
             [60.0, 40.0, 0.0, 0.0, 0.0, 9.0],
         ),
+        (
+            "a small turn on a long way into a wide one on a short way",
+            [8.0, 0.0, 0.0, 0.0, 0.0, 5.0],
+            [9.0, 0.0, 0.0, 0.0, 0.0, 140.0],
+        ),
     ] {
         for after in [60, 110, 150, 180, 210, 240] {
             let mut bench = bench_of(MACHINE);
@@ -451,8 +456,10 @@ fn a_stop_in_a_blend_brakes_each_part_with_its_own_rates() {
             assert_eq!(bench.call("MCPM(CART, M2, Many[0], 1, D)"), OK, "{why}");
             bench.run(after);
             assert_eq!(bench.call("MCS(CART, S, 2)"), OK, "{why}");
+            let stopped = bench.now();
             while !bench.control("S").has(Flag::Pc) {
                 smoothly(&mut bench, 0.001, [20_000.0, 1800.0], &format!("{why} at {after}"));
+                assert!(bench.now() < stopped + 700, "{why} at {after}: it does not stop");
             }
         }
     }
