@@ -89,13 +89,18 @@ impl Allowance {
             return tolerance;
         }
         let (from, to) = (s - course.starts[piece], course.starts[piece + 1] - s);
-        let behind = match (piece.checked_sub(1), self.begin) {
+        let behind = self.reach_behind(piece, tolerance);
+        let open = opened(from, share * behind).max(opened(to, share * self.reaches[piece]));
+        tolerance * (straight + (1.0 - straight) * open)
+    }
+
+    /// How far the rounding at the start of a piece reaches along it.
+    fn reach_behind(&self, piece: usize, tolerance: f64) -> f64 {
+        match (piece.checked_sub(1), self.begin) {
             (Some(corner), _) => self.reaches[corner],
             (None, Begin::Running) => MOST_REACH * tolerance,
             (None, Begin::Rest) => 0.0,
-        };
-        let open = opened(from, share * behind).max(opened(to, share * self.reaches[piece]));
-        tolerance * (straight + (1.0 - straight) * open)
+        }
     }
 
     /// Whether a piece is kept to between the roundings of its corners, where the tolerance is that.
@@ -106,11 +111,12 @@ impl Allowance {
     /// The share of a tube that is left at least when it is narrowed: where pieces are kept to, the curve may be outside by many of
     /// their tubes before it has come inside.
     pub(crate) fn least_share(&self) -> f64 {
-        if self.anywhere.iter().all(|&anywhere| anywhere) {
-            0.0
-        } else {
-            LEAST_SHARE
-        }
+        if self.keeps_any() { LEAST_SHARE } else { 0.0 }
+    }
+
+    /// Whether there may be pieces that are kept to.
+    pub(crate) fn keeps_any(&self) -> bool {
+        self.anywhere.iter().any(|&anywhere| !anywhere)
     }
 
     /// Whether a piece is kept to on this side of its middle.
@@ -144,6 +150,29 @@ impl Allowance {
         let kept = self.keeps(course, joint - 1, tolerance) || self.keeps(course, joint, tolerance);
         let s = course.starts[joint];
         kept.then(|| self.aim(course, joint - 1, s).min(self.aim(course, joint, s)))
+    }
+
+    /// Places at which the tube stops narrowing or jumps, each with its piece, ascending: the outer ends of roundings on pieces that
+    /// are kept to, and the middles of pieces between different tolerances. A curve that is inside on both sides of such a place
+    /// may be outside at it.
+    pub(crate) fn edges(&self, course: &Course) -> Vec<(usize, f64)> {
+        let mut edges = Vec::new();
+        for piece in 0..course.pieces.len() {
+            let (from, to) = (course.starts[piece], course.starts[piece + 1]);
+            let behind = self.reach_behind(piece, self.tolerance(course, piece, from));
+            let middle = 0.5 * (from + to);
+            let beside = middle - BESIDE * (to - from);
+            if self.keeps_at(course, piece, from) && behind > 0.0 {
+                edges.push((piece, from + behind));
+            }
+            if self.tolerance(course, piece, beside) != self.tolerance(course, piece, middle) {
+                edges.extend([(piece, beside), (piece, middle)]);
+            }
+            if self.keeps_at(course, piece, to) && self.reaches[piece] > 0.0 {
+                edges.push((piece, to - self.reaches[piece]));
+            }
+        }
+        edges
     }
 
     /// Half the length of a curve that rounds the corner at the end of a piece, at most.
@@ -213,13 +242,15 @@ fn opened(distance: f64, reach: f64) -> f64 {
 const LONG: f64 = 50.0;
 /// Share of the tolerance that is allowed there.
 const STRAIGHT: f64 = 0.01;
-/// The same, and of the reach of a rounding, in the optimisation.
-const AIM: [f64; 2] = [0.006, 0.96];
+/// The same, and of the reach of a rounding, in the optimisation: the tube is narrow from half the distance of two nodes before its end on.
+const AIM: [f64; 2] = [0.006, 0.9];
 /// Tolerances that a rounding reaches from its corner at most.
 const MOST_REACH: f64 = 10.0;
 const LEAST_SHARE: f64 = 0.6;
 /// What is near a rounding, in reaches of it.
 const NEAR: f64 = 2.0;
+/// Just before the middle of a piece, as a share of it.
+const BESIDE: f64 = 1e-9;
 /// Pieces before and behind that a point may belong to.
 const REACH: usize = 2;
 /// Tangents that differ by no more go on in one direction: 0.1 degree (spec/coordinated-instructions.md §7.7).

@@ -53,6 +53,8 @@ pub(crate) fn problem<'a>(
     }
     let fixed: Vec<bool> = radii.iter().map(|&r| r <= SHORTEST).collect();
     let mut tube = Vec::new();
+    let edges = allowance.edges(course);
+    let widest = shares.iter().copied().fold(0.0, f64::max);
     // The first points of a led curve have next to no freedom.
     let first = if nodes.lead.is_some() { LEAD + 1 } else { 0 };
     for i in (first..count).filter(|&i| !fixed[i]) {
@@ -66,8 +68,18 @@ pub(crate) fn problem<'a>(
         if exact && pieces[i] == pieces[i + 1] && allowance.is_near_rounding(course, pieces[i], nodes.progress[i]) {
             tube.push(row(i, 0.5, pieces[i], 0.5 * (radii[i] + radii[i + 1])));
         }
+        let (here, next) = (nodes.progress[i], nodes.progress[i + 1]);
+        // Where the tube stops narrowing between two knots, a curve inside at both may be outside. One that was has it narrower there.
+        let first_edge = edges.partition_point(|&(_, s)| s <= here);
+        for &(piece, s) in edges[first_edge..].iter().take_while(|&&(_, s)| s < next) {
+            let share = shares[i].min(shares[i + 1]);
+            let width = share * allowance.aim(course, piece, s);
+            let radius = width.min(CONE * end_near(course, nodes, s));
+            if share < widest && radius > SHORTEST {
+                tube.push(TubeRow::exact(i, (s - here) / (next - here), piece, radius));
+            }
+        }
         for joint in pieces[i] + 1..=pieces[i + 1] {
-            let (here, next) = (nodes.progress[i], nodes.progress[i + 1]);
             let part = ((course.starts[joint] - here) / (next - here)).clamp(0.0, 1.0);
             // Beside a piece that is kept to, the nodes' tubes are narrower than that of the joint between them.
             let exact = allowance.at_joint(course, joint).is_some();

@@ -5,7 +5,7 @@
 
 use crate::Trajectory;
 use crate::allowance::Allowance;
-use crate::course::Course;
+use crate::course::{Course, along};
 use crate::nodes::Nodes;
 
 /// Shares of the tolerance by arc length of the course.
@@ -54,15 +54,26 @@ impl Share {
         let last = nodes.points.len() - 1;
         let mut noted = core::mem::take(&mut self.tightened);
         let old = noted.clone();
+        let mut edges = edges(trajectory, nodes, course, allowance).into_iter().peekable();
         for i in 0..last {
             let Some(knot) = nodes.knot_of(i) else { continue };
             let s = nodes.progress[i];
             let piece = course.piece_at(s);
             let (here, next) = (&trajectory.knots[knot], &trajectory.knots[knot + 1]);
+            let used = |time: f64| allowance.used(course, &trajectory.at(time).position, piece, s);
             let mut most = 0.0_f64;
-            for part in 0..PARTS {
-                let q = trajectory.at(here.time + (next.time - here.time) * part as f64 / PARTS as f64);
-                most = most.max(allowance.used(course, &q.position, piece, s));
+            let step = (next.time - here.time) / PARTS as f64;
+            let mut parts = [0.0; PARTS + 1];
+            for (part, share) in parts[..PARTS].iter_mut().enumerate() {
+                *share = used(here.time + step * part as f64);
+                most = most.max(*share);
+            }
+            if most > CLOSE && allowance.keeps_any() {
+                parts[PARTS] = used(next.time);
+                most = most.max(used(here.time + step * peak(&parts)));
+            }
+            while let Some(edge) = edges.next_if(|&edge| edge < next.time) {
+                most = most.max(used(edge));
             }
             worst = worst.max(most);
             if most > INSIDE {
@@ -86,6 +97,49 @@ impl Share {
     }
 }
 
+/// When the motion passes the places at which the tube stops narrowing, ascending.
+fn edges(trajectory: &Trajectory, nodes: &Nodes, course: &Course, allowance: &Allowance) -> Vec<f64> {
+    let last = nodes.progress.len() - 1;
+    let knot_time = |node: usize| {
+        let knot = nodes.knot_of(node).unwrap_or(0);
+        trajectory.knots[knot].time
+    };
+    let time = |(piece, s): (usize, f64)| {
+        let near = nodes.progress.partition_point(|&p| p < s).clamp(1, last);
+        let (mut low, mut high) = (
+            knot_time(near.saturating_sub(ABOUT)),
+            knot_time((near + ABOUT).min(last)),
+        );
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            let q = trajectory.at(middle).position;
+            if course.starts[piece] + along(&course.pieces[piece], &q) < s {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
+    };
+    let mut times: Vec<f64> = allowance.edges(course).into_iter().map(time).collect();
+    times.sort_by(f64::total_cmp);
+    times
+}
+
+/// Where the largest of some values at 0, 1, ... is, by the parabola through the three about it.
+fn peak(values: &[f64; PARTS + 1]) -> f64 {
+    let best = (0..=PARTS)
+        .max_by(|&a, &b| values[a].total_cmp(&values[b]))
+        .unwrap_or(0);
+    let middle = best.clamp(1, PARTS - 1);
+    let [before, here, behind] = [values[middle - 1], values[middle], values[middle + 1]];
+    let bend = before - 2.0 * here + behind;
+    if bend >= 0.0 {
+        return best as f64;
+    }
+    (middle as f64 + 0.5 * (before - behind) / bend).clamp(0.0, PARTS as f64)
+}
+
 /// Share of the tolerance that knots use where nothing else is known.
 const USUAL: f64 = 0.98;
 /// Above this the tube is tightened, so that the quotient becomes `TARGET`.
@@ -93,3 +147,8 @@ const INSIDE: f64 = 0.999;
 const TARGET: f64 = 0.975;
 /// Points measured between two knots.
 const PARTS: usize = 4;
+/// From this share on, the largest one between the measured points is looked for, where any piece is kept to.
+const CLOSE: f64 = 0.5;
+/// Nodes about a place between which the motion passes it.
+const ABOUT: usize = 3;
+const HALVINGS: u32 = 40;
