@@ -43,9 +43,6 @@ fn corners_are_rounded_within_the_tolerance_and_the_end_is_exact() {
     three_sides(&mut bench);
     assert_eq!(bench.bits("M1"), "EN DN IP", "planned at the end of this update");
     bench.tick();
-    // An acceleration below a hundredth of what it may have does not show.
-    assert_eq!(bench.bits("M1"), "EN DN IP AC", "{:?}", bench.axis("X").command);
-    bench.tick();
     assert_eq!(bench.bits("M1"), "EN DN IP AC ACCEL", "{:?}", bench.axis("X").command);
     assert_eq!(bench.bits("M2"), "EN DN IP");
     assert_ne!(bench.system("XY").motion_status & cms::MOVE_PENDING_STATUS, 0);
