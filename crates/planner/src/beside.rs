@@ -576,9 +576,9 @@ fn held(from: State, limits: &Limits, relief: f64, wait: f64, plan: &impl Fn(Sta
 const ACROSS: [f64; 3] = [1.0, 4.0, f64::INFINITY];
 /// How wide an acceleration across the velocity may lead, as a share of the stop.
 const ASIDE: f64 = 0.1;
-/// How often a stop is hastened twofold at most, and how exactly the least haste is found.
 /// The most that braking alone is hastened.
 const MOST_HASTE: f64 = 1e6;
+/// How often a stop is hastened twofold at most, and how exactly the least haste is found.
 const DOUBLINGS: usize = 24;
 const HALVINGS: usize = 20;
 const SPLITTINGS: usize = 32;
