@@ -3,7 +3,6 @@
 
 use arcline_profile::{Jerk, Limits, jerk_from_percent_of_time};
 
-use crate::follow::reach::Pace;
 use crate::machine::{Axis, CoordinateSystem};
 
 /// Speed Units, Accel Units, Decel Units, Jerk Units: % of Maximum.
@@ -59,6 +58,44 @@ impl From<&CoordinateSystem> for Maxima {
             deceleration: system.max_deceleration,
             acceleration_jerk: system.max_acceleration_jerk,
             deceleration_jerk: system.max_deceleration_jerk,
+        }
+    }
+}
+
+/// How fast a path may be travelled for the sake of robots' joints; infinite where nothing limits it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PathLimits {
+    /// Along the path, units/s.
+    pub(crate) speed: f64,
+    /// Along the path, units/s².
+    pub(crate) acceleration: f64,
+    /// Along the path, units/s².
+    pub(crate) deceleration: f64,
+}
+
+impl PathLimits {
+    pub(crate) const UNLIMITED: PathLimits = PathLimits {
+        speed: f64::INFINITY,
+        acceleration: f64::INFINITY,
+        deceleration: f64::INFINITY,
+    };
+
+    /// The lower ones of both.
+    pub(crate) fn and(&self, other: &PathLimits) -> PathLimits {
+        PathLimits {
+            speed: self.speed.min(other.speed),
+            acceleration: self.acceleration.min(other.acceleration),
+            deceleration: self.deceleration.min(other.deceleration),
+        }
+    }
+
+    /// The same by the displacement of a master that moves at `nominal` master units/s, more than 0: units per master unit, and by
+    /// the square.
+    pub(crate) fn by_master(&self, nominal: f64) -> PathLimits {
+        PathLimits {
+            speed: self.speed / nominal,
+            acceleration: self.acceleration / (nominal * nominal),
+            deceleration: self.deceleration / (nominal * nominal),
         }
     }
 }
@@ -142,7 +179,7 @@ impl Dynamics {
     }
 
     /// Takes no more than what the joints of robots let it; jerks in percent of time follow.
-    pub(crate) fn keep_to(&mut self, pace: &Pace) {
+    pub(crate) fn keep_to(&mut self, pace: &PathLimits) {
         if pace.speed < self.speed {
             self.set_speed(pace.speed);
         }

@@ -10,6 +10,7 @@
 #![forbid(unsafe_code)]
 
 mod accepted;
+mod axes;
 mod axis;
 mod cause;
 mod contour;
@@ -17,12 +18,13 @@ mod control;
 mod dynamics;
 mod events;
 mod feed_override;
-mod follow;
 mod heading;
 mod instructions;
 pub mod machine;
+mod masters;
 mod material;
 mod motion;
+mod order;
 mod output;
 mod path_data;
 mod pending;
@@ -32,6 +34,7 @@ mod snapshot;
 mod status;
 mod stop;
 mod system;
+mod transforms;
 mod verify;
 
 pub use accepted::AcceptedMove;

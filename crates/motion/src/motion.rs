@@ -2,6 +2,7 @@
 
 mod advance;
 mod faults;
+mod follow;
 mod generators;
 mod homing;
 mod links;
@@ -17,22 +18,24 @@ use arcline_planner::geometry::Point;
 use arcline_planner::precise::{AxisLimits, Trajectory};
 
 use crate::accepted::{ACCEPTED, AcceptedMove};
+use crate::axes::Axes;
+use crate::axis::AxisState;
 use crate::axis::sum::Slot;
-use crate::axis::{Axis, AxisState};
 use crate::cause::{Cause, FaultChange};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
 use crate::events::{ArrayWrite, Events};
-use crate::follow::ahead::Ahead;
-use crate::follow::order::Order;
-use crate::follow::pair::Link;
 use crate::instructions::{self, Layouts};
 use crate::machine::Machine;
 use crate::material::{Material, Sent};
+use crate::order::Order;
 use crate::output::Word;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::status;
 use crate::stop::Stop;
 use crate::system::System;
+use crate::transforms::ahead::Ahead;
+use crate::transforms::shown::Role;
+use crate::transforms::transform::Link;
 
 pub(crate) use advance::MAX_ENDS_PER_TICK;
 pub use probes::Input;
@@ -41,7 +44,7 @@ pub use probes::Input;
 #[derive(Debug)]
 pub struct Motion {
     pub(crate) clock: Clock,
-    pub(crate) axes: Vec<Axis>,
+    pub(crate) axes: Axes,
     pub(crate) systems: Vec<System>,
     pub(crate) controls: Controls,
     pub(crate) layouts: Layouts,
@@ -88,7 +91,7 @@ impl Motion {
         let clock = Clock::at(0, machine.period_ns.max(1));
         Motion {
             clock,
-            axes: machine.axes.iter().map(|axis| Axis::new(axis, &clock)).collect(),
+            axes: Axes::new(machine, &clock),
             systems: systems(machine),
             controls: Controls::new(),
             layouts: Layouts::new(),
@@ -198,7 +201,7 @@ impl Motion {
     /// The changes of faults in this tick, axis after axis: to be called once a tick, before [`Motion::finish`] or behind it.
     /// Real-time as far as `report` is; bounded by the axes.
     pub fn take_fault_changes(&mut self, mut report: impl FnMut(&FaultChange)) {
-        for (index, axis) in (0..).zip(&mut self.axes) {
+        for (index, axis) in (0..).zip(self.axes.iter_mut()) {
             if let Some(change) = axis.faults.take_change(self.clock.tick, index) {
                 report(&change);
             }
@@ -297,10 +300,10 @@ impl Motion {
     /// Every coordinate system at the present tick, in configuration order.
     pub fn systems(&self) -> impl Iterator<Item = SystemSnapshot> {
         let sources = self.links().fold(0_u64, |bits, (_, link)| bits | 1 << link.from);
-        let role = move |index: usize| status::Role {
+        let role = move |index: usize| Role {
             source: sources & (1 << index) != 0,
             target: self.links.get(index).is_some_and(Option::is_some),
-            turn: self.turn_of(index),
+            robot: self.robot_shown(index),
         };
         let systems = self.systems.iter().enumerate();
         systems.map(move |(index, system)| status::system(system, &self.axes, role(index)))

@@ -6,16 +6,15 @@ use arcline_instruction_set::predefined::{
     axis_event, axis_fault, axis_status, cip_axis_io_status, cip_axis_status, coordinate_motion_status as motion,
     coordinate_system_status as status, motion_status,
 };
-use arcline_kinematics::{Configuration, Turns};
 use arcline_planner::Clock;
-use arcline_planner::geometry::Point as Vector;
 use arcline_planner::profile::Phase;
 
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
-use crate::follow::cam::Cam;
+use crate::masters::cam::Cam;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::system::{Activity, System};
+use crate::transforms::shown::Role;
 
 /// A following error below this, units, shows as position lock (Position Lock Tolerance's default).
 const POSITION_LOCK_TOLERANCE: f64 = 0.01;
@@ -194,26 +193,6 @@ fn phase(axis: &Axis) -> Phase {
     }
 }
 
-/// A coordinate system's part in transforms under way.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Role {
-    pub(crate) source: bool,
-    pub(crate) target: bool,
-    pub(crate) turn: Turn,
-}
-
-/// What a coordinate system shows of the robot with a wrist that it is, or that it leads.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Turn {
-    /// IDs of the tool frame and the work frame.
-    pub(crate) frames: [i32; 2],
-    pub(crate) solution: (Configuration, Turns),
-    /// The tool centre in the frame of the end of the arm.
-    pub(crate) tool: Vector,
-    /// A transform with frames is under way, and nothing that is part of it moves.
-    pub(crate) tool_change: bool,
-}
-
 /// Vector speed of what coordinated motion does, units/s; the rest of it too where the axes brake by themselves.
 fn path_speed(system: &System, axes: &[Axis]) -> f64 {
     let Some(stop) = system.stop.filter(|_| !system.is_busy()) else {
@@ -238,12 +217,12 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
         path_position: system.along[1],
         path_length: system.along[2],
         feed_override: system.feed_override,
-        frames: role.turn.frames,
+        frames: role.robot.frames,
         turns: {
-            let [j1, j4, j6] = role.turn.solution.1;
+            let [j1, j4, j6] = role.robot.solution.1;
             [j1, j4, j6, 0]
         },
-        configuration: role.turn.solution.0.bits(),
+        configuration: role.robot.solution.0.bits(),
         ..SystemSnapshot::default()
     };
     for (place, axis) in system.description.axes.iter().enumerate() {
@@ -261,7 +240,7 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
     if shown.axes_faulted != 0 {
         shown.fault = axis_fault::PHYSICAL_AXIS_FAULT;
     }
-    shown.tool = system.tool(&shown.actual, &role.turn.tool);
+    shown.tool = system.tool(&shown.actual, &role.robot.tool);
     let moving = system.activity == Activity::Moving;
     let brakes = system.brakes(axes);
     let on_path = moving && !system.in_transition;
@@ -286,7 +265,7 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
         (moving && system.in_transition, motion::MOVE_TRANSITION_STATUS),
         (pending, motion::MOVE_PENDING_STATUS),
         (pending && system.is_full(), motion::MOVE_PENDING_QUEUE_FULL_STATUS),
-        (role.turn.tool_change, motion::TOOL_CHANGE_ALLOWED_STATUS),
+        (role.robot.tool_change, motion::TOOL_CHANGE_ALLOWED_STATUS),
         (role.source, motion::TRANSFORM_SOURCE_STATUS),
         (role.target, motion::TRANSFORM_TARGET_STATUS),
         (

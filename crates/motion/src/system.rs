@@ -9,14 +9,15 @@ use arcline_planner::{Clock, ContourQueue, Instant, Move, Planner, Sample};
 use crate::axis::Axis;
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
+use crate::dynamics::PathLimits;
 use crate::events::Events;
-use crate::follow::guide::{Guide, LockTo};
-use crate::follow::links::Links;
-use crate::follow::reach::Pace;
-use crate::follow::robot::three;
 use crate::machine::{AxisLimits as Limits, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES};
+use crate::masters::guide::Guide;
+use crate::masters::links::Links;
+use crate::masters::master::LockTo;
 use crate::pending::Pending;
 use crate::stop::{AxisSet, Stop};
+use crate::transforms::robot::three;
 
 /// When a move is complete (spec/coordinated-instructions.md §7.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +35,7 @@ pub(crate) struct Planned {
     pub(crate) dynamics: Dynamics,
     pub(crate) termination: Termination,
     /// How fast it may be for the sake of robots' joints, where that is kept.
-    pub(crate) pace: Pace,
+    pub(crate) pace: PathLimits,
     /// How it is master driven.
     pub(crate) lead: Option<Lead>,
     pub(crate) events: Option<Events>,

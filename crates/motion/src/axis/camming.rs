@@ -1,6 +1,6 @@
 //! What an axis keeps of cams: those that wait for the end of another, what they have ended, and the last directions.
 //!
-//! Not here: where a cam leads (`crate::follow::cam`). Real-time: nothing allocates.
+//! Not here: where a cam leads (`crate::masters::cam`). Real-time: nothing allocates.
 
 use arcline_drive::Motion as Point;
 use arcline_planner::Clock;
@@ -9,8 +9,8 @@ use super::Axis;
 use super::generator::Law;
 use super::sum::Slot;
 use crate::control::Execution;
-use crate::follow::cam::{self, Cam, Ended, Pending, Source};
-use crate::follow::gear::MasterAt;
+use crate::masters::MasterAt;
+use crate::masters::cam::{self, Cam, Ended, Pending, Source};
 
 /// Cams of one kind on one axis, next to the one that is under way.
 #[derive(Clone, Debug, Default)]

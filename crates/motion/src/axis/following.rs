@@ -9,9 +9,9 @@ use arcline_planner::profile::{Limits, Profile, State};
 use super::Axis;
 use super::generator::{Generator, Law};
 use super::sum::Slot;
-use crate::follow::gear::Gear;
+use crate::masters::gear::Gear;
 
-/// An axis's part in transforms (`crate::follow::transform`).
+/// An axis's part in transforms (`crate::transforms`).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Linked {
     /// The transform that leads it, by the place of its target system.

@@ -11,9 +11,9 @@ use super::sum::Displacements;
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
 use crate::events::MoveEvents;
-use crate::follow::cam::Cam;
-use crate::follow::gear::Gear;
-use crate::follow::guide::Guide;
+use crate::masters::cam::Cam;
+use crate::masters::gear::Gear;
+use crate::masters::guide::Guide;
 
 /// How a generator comes to its position.
 #[derive(Clone, Debug)]

@@ -19,9 +19,9 @@ use arcline_planner::{Clock, Instant};
 
 use crate::control::Execution;
 use crate::dynamics::Maxima;
-use crate::follow::cam::Cam;
-use crate::follow::links::AxisLinks;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
+use crate::masters::cam::Cam;
+use crate::masters::links::AxisLinks;
 use crate::output::OutputCams;
 use crate::range::range;
 use average::Average;

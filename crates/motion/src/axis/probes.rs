@@ -5,7 +5,7 @@
 //! units, times microseconds since the first tick. Nothing allocates.
 
 use crate::control::Execution;
-use crate::follow::cam::Lock;
+use crate::masters::cam::Lock;
 
 /// The watch of one axis.
 #[derive(Clone, Copy, Debug, Default)]

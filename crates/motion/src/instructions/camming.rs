@@ -8,8 +8,8 @@ use crate::axis::camming::Offset;
 use crate::axis::generator::{Generator, Law};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
-use crate::follow::cam::{Cam, Lock, Mode, Pending, Program, Source};
-use crate::follow::gear::MasterAt;
+use crate::masters::MasterAt;
+use crate::masters::cam::{Cam, Lock, Mode, Pending, Program, Source};
 use crate::motion::Motion;
 use crate::range;
 

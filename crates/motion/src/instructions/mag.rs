@@ -9,7 +9,8 @@ use crate::axis::generator::{Generator, Law};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::in_units;
-use crate::follow::gear::{Gear, Reference};
+use crate::masters::Reference;
+use crate::masters::gear::Gear;
 use crate::motion::Motion;
 
 /// Places of MAG's operands.
@@ -114,7 +115,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         acceleration: 0.0,
     };
     motion.end_generator(axis, Slot::Gear);
-    let met = motion.master_at(master, reference);
+    let met = motion.axes.master_at(master, reference);
     let mut gear = Gear::new(master, reference, ratio, &met, slave, clutch, now);
     let mut generator = Generator::followed(false);
     generator.execution = Some(execution);

@@ -8,7 +8,7 @@ use super::place;
 use crate::axis::generator::Goal;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
-use crate::follow::links::Serves;
+use crate::masters::links::Serves;
 use crate::motion::Motion;
 
 /// Places of MAJ's operands.

@@ -12,7 +12,7 @@ use crate::axis::generator::Goal;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::events::{Events, Fit};
-use crate::follow::links::Serves;
+use crate::masters::links::Serves;
 use crate::motion::Motion;
 use crate::range;
 use crate::rotary::Turn;

@@ -7,8 +7,8 @@ use super::camming::on_turn;
 use super::mapc::crossing;
 use super::place;
 use crate::control::Execution;
-use crate::follow::cam::{Lock, Mode};
-use crate::follow::gear::Reference;
+use crate::masters::Reference;
+use crate::masters::cam::{Lock, Mode};
 use crate::material::Sent;
 use crate::motion::Motion;
 use crate::output::{Arming, Program, Word};
@@ -115,7 +115,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     } else {
         Reference::Command
     };
-    let point = motion.master_at(axis, reference).point;
+    let point = motion.axes.master_at(axis, reference).point;
     let state = &mut motion.axes[at];
     let word = |operand: usize, bits: u32| {
         call.tag(operand).map(|tag| Word {

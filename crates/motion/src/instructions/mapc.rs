@@ -6,8 +6,8 @@ use super::camming::{Beginning, CamLayout, begin, not_stopping, on_turn, verify_
 use super::{axis_moves, place};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
-use crate::follow::cam::{Lock, Program, Source};
-use crate::follow::gear::Reference;
+use crate::masters::Reference;
+use crate::masters::cam::{Lock, Program, Source};
 use crate::material::Sent;
 use crate::motion::Motion;
 
@@ -118,7 +118,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         slot: Slot::PositionCam,
         program,
         lock,
-        master: motion.master_at(master, reference),
+        master: motion.axes.master_at(master, reference),
     };
     begin(motion, axis, beginning, execution);
     motion.order.take();

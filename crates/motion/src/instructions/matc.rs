@@ -7,8 +7,8 @@ use super::programmed::LockLayout;
 use super::{axis_moves, place};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
-use crate::follow::cam::{self, Cam, Lock, Program, Source};
-use crate::follow::links::{MasterLink, Serves};
+use crate::masters::cam::{self, Cam, Lock, Program, Source};
+use crate::masters::links::{MasterLink, Serves};
 use crate::material::Sent;
 use crate::motion::Motion;
 use crate::system::Lead;
@@ -100,7 +100,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
                 way,
                 unwind: state.unwind,
             });
-            motion.master_at(link.master.axis, link.master.reference)
+            motion.axes.master_at(link.master.axis, link.master.reference)
         }
     };
     let beginning = Beginning {

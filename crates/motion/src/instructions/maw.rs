@@ -6,7 +6,7 @@ use super::axis_moves::not_shut_down;
 use super::camming::on_turn;
 use super::place;
 use crate::control::Execution;
-use crate::follow::cam::Lock;
+use crate::masters::cam::Lock;
 use crate::motion::Motion;
 
 /// Places of MAW's operands.

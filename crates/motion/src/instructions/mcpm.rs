@@ -14,11 +14,11 @@ use super::programmed::{self, LockLayout};
 use super::{merging, points};
 use super::{no_target, place};
 use crate::control::Execution;
+use crate::dynamics::PathLimits;
 use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, in_units, reference_speed};
-use crate::follow::links::MasterLink;
-use crate::follow::reach::Pace;
 use crate::heading;
 use crate::machine::{AxisLimits, CoordinateSystem, Orientation};
+use crate::masters::links::MasterLink;
 use crate::material::Sent;
 use crate::motion::Motion;
 use crate::path_data::{DynamicsData, PathData};
@@ -143,13 +143,13 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     verify::no_overtravel(&motion.systems[index], &motion.axes, &path.end())?;
     let mut pace = motion.verify_reach(index, &way.path, way.turn.as_ref())?;
     if motion.systems[index].description.joint_limits == AxisLimits::Ignore {
-        pace = Pace::UNLIMITED;
+        pace = PathLimits::UNLIMITED;
     }
     let mut parameter = Parameter::TIME;
     if let (Some(lead), Some(link)) = (lead, &link) {
         programmed::pace(link, lead.lock, false)?;
         merging::verify_lead(motion, index, MERGE_DISABLED, lead, false)?;
-        pace = pace.on_the_way(link.nominal);
+        pace = pace.by_master(link.nominal);
         parameter = merging::parameter(motion, index, MERGE_DISABLED, lead, link);
     }
     let pace = own.and(&pace);
@@ -216,16 +216,16 @@ impl Way {
     }
 
     /// What the move is programmed with along its way, and how fast its turn lets it be.
-    fn dynamics(&self, moves: Dynamics, turns: Dynamics) -> (Dynamics, Pace) {
+    fn dynamics(&self, moves: Dynamics, turns: Dynamics) -> (Dynamics, PathLimits) {
         let (length, angle) = (self.path.length(), self.turn.map_or(0.0, |turn| turn.angle()));
         if self.path.stands() {
-            return (turns, Pace::UNLIMITED);
+            return (turns, PathLimits::UNLIMITED);
         }
         if angle <= 0.0 || length <= 0.0 {
-            return (moves, Pace::UNLIMITED);
+            return (moves, PathLimits::UNLIMITED);
         }
         let ratio = length / angle;
-        let pace = Pace {
+        let pace = PathLimits {
             speed: turns.speed * ratio,
             acceleration: turns.acceleration * ratio,
             deceleration: turns.deceleration * ratio,

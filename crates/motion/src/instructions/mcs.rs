@@ -7,10 +7,10 @@ use super::place;
 use super::programmed::positive;
 use crate::control::Execution;
 use crate::dynamics::{in_units, jerk_in_units, resolve};
-use crate::follow::Release;
-use crate::follow::pair::Link;
 use crate::motion::Motion;
 use crate::stop::{ALL, AxisSet, COORDINATED_MOVE, COORDINATED_TRANSFORM, Stop};
+use crate::transforms::Release;
+use crate::transforms::transform::Link;
 use crate::verify;
 
 /// Places of MCS's operands.

@@ -5,14 +5,14 @@ use arcline_kinematics::{GeometryError, Robot};
 use arcline_planner::geometry::{Frame, Point};
 
 use super::place;
+use crate::axes::share;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
-use crate::follow::Follower;
-use crate::follow::order::share;
-use crate::follow::pair::{Link, Map, Positions};
-use crate::follow::robot::{CONSISTENT, Joints, RobotMap};
 use crate::motion::Motion;
+use crate::order::Follower;
 use crate::range;
+use crate::transforms::robot::{CONSISTENT, Joints, RobotMap};
+use crate::transforms::transform::{Link, Map, Positions};
 use crate::verify;
 
 /// Places of the operands of MCT, and of MCTP.

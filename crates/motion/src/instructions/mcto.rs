@@ -7,13 +7,13 @@ use arcline_planner::geometry::Point;
 
 use super::mct::{self, positions, refused};
 use super::place;
+use crate::axes::share;
 use crate::control::Execution;
-use crate::follow::order::share;
-use crate::follow::pair::{Link, Map};
-use crate::follow::robot::RobotMap;
 use crate::material::{Frames, Sent};
 use crate::motion::Motion;
 use crate::range;
+use crate::transforms::robot::RobotMap;
+use crate::transforms::transform::{Link, Map};
 
 /// Places of the operands of MCTO, and of MCTPO.
 #[derive(Clone, Copy, Debug)]

@@ -7,9 +7,9 @@ use arcline_planner::geometry::Point;
 use super::mct::{self, positions, verify_linear, verify_pair};
 use super::place;
 use crate::control::Execution;
-use crate::follow::robot::{Joints, refused, three};
 use crate::material::Sent;
 use crate::motion::Motion;
+use crate::transforms::robot::{Joints, refused, three};
 
 /// Places of MCTP's operands.
 #[derive(Clone, Copy, Debug)]

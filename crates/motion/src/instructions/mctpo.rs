@@ -6,10 +6,10 @@ use arcline_kinematics::{Configuration, Pose, Turns, Wrist, end_of_arm, tool_cen
 use super::mct::verify_linear;
 use super::{mcto, place};
 use crate::control::Execution;
-use crate::follow::robot::refused;
 use crate::machine::MAX_SYSTEM_AXES;
 use crate::material::Sent;
 use crate::motion::Motion;
+use crate::transforms::robot::refused;
 
 /// Places of MCTPO's operands.
 #[derive(Clone, Copy, Debug)]

@@ -5,10 +5,10 @@ use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
 use super::{mdcc, place};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
-use crate::follow::Follower;
-use crate::follow::cam::Cam;
-use crate::follow::links::Serves;
+use crate::masters::cam::Cam;
+use crate::masters::links::Serves;
 use crate::motion::Motion;
+use crate::order::Follower;
 
 /// Places of MDAC's operands.
 #[derive(Clone, Copy, Debug)]

@@ -4,9 +4,9 @@ use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError, OperandIndex};
 
 use super::place;
 use crate::control::Execution;
-use crate::follow::Follower;
-use crate::follow::gear::Reference;
+use crate::masters::Reference;
 use crate::motion::Motion;
+use crate::order::Follower;
 
 /// Places of MDCC's operands.
 #[derive(Clone, Copy, Debug)]

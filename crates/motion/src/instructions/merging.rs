@@ -12,7 +12,7 @@ use super::moves::{MERGE_ALL, MERGE_DISABLED};
 use super::points::command;
 use crate::axis::Axis;
 use crate::axis::sum::{Slot, together};
-use crate::follow::links::MasterLink;
+use crate::masters::links::MasterLink;
 use crate::motion::Motion;
 use crate::system::{Activity, Lead, Planned};
 

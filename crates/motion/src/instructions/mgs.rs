@@ -5,10 +5,10 @@ use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
 use super::{masd, place};
 use crate::axis::{AfterStop, AxisState};
 use crate::control::Execution;
-use crate::follow::Release;
 use crate::machine::ProgrammedStopMode;
 use crate::motion::Motion;
 use crate::stop::{AxisSet, Stop};
+use crate::transforms::Release;
 
 /// Places of MGS's operands.
 #[derive(Clone, Copy, Debug)]

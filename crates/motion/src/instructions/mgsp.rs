@@ -9,7 +9,7 @@ use crate::motion::Motion;
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     motion.target_group(call)?;
     motion.verify_operands(call)?;
-    for axis in &mut motion.axes {
+    for axis in motion.axes.iter_mut() {
         axis.cams_mut(Slot::PositionCam).offset.strobed = axis.master_offset().position;
         axis.strobed = [axis.command.position, axis.drive.actual().position].map(|position| axis.shown(position));
     }

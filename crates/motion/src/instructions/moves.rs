@@ -14,8 +14,8 @@ use super::programmed::{self, DynamicsLayout};
 use crate::accepted::AcceptedMove;
 use crate::control::Execution;
 use crate::dynamics::Maxima;
+use crate::dynamics::PathLimits;
 use crate::events::{Events, Fit};
-use crate::follow::reach::Pace;
 use crate::machine::{AxisLimits, CoordinateSystem, Corner};
 use crate::motion::Motion;
 use crate::system::{Activity, Planned, System, Termination};
@@ -150,7 +150,7 @@ pub(super) fn execute(
         .flatten();
     let mut pace = motion.verify_reach(index, &path.shifted(&shift), still.as_ref())?;
     if system.description.joint_limits == AxisLimits::Ignore {
-        pace = Pace::UNLIMITED;
+        pace = PathLimits::UNLIMITED;
     }
 
     let mut corner = f64::INFINITY;
@@ -178,7 +178,7 @@ pub(super) fn execute(
             0.0
         };
         driven = true;
-        pace = pace.on_the_way(link.nominal);
+        pace = pace.by_master(link.nominal);
         corner /= link.nominal;
     }
     if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && current > 0.0 {

@@ -147,12 +147,12 @@ mod tests {
 
     use super::*;
     use crate::control::{Execution, Ticket};
+    use crate::dynamics::PathLimits;
     use crate::dynamics::{Dynamics, Jerks, Shape};
-    use crate::follow::reach::Pace;
     use crate::instructions::programmed::ChangeLayout;
     use crate::system::Termination;
 
-    fn waiting(pace: Pace) -> Move<Planned> {
+    fn waiting(pace: PathLimits) -> Move<Planned> {
         let dynamics = Dynamics {
             speed: 40.0,
             acceleration: 300.0,
@@ -224,12 +224,12 @@ mod tests {
     fn what_is_given_at_last_is_what_all_changes_one_by_one_make() {
         for seed in 0..500 {
             let mut random = Random(seed);
-            let bounded = Pace {
+            let bounded = PathLimits {
                 speed: 95.0,
                 acceleration: 180.0,
                 deceleration: 210.0,
             };
-            let pace = if seed % 2 == 0 { Pace::UNLIMITED } else { bounded };
+            let pace = if seed % 2 == 0 { PathLimits::UNLIMITED } else { bounded };
             let first = waiting(pace);
             let mut each = first;
             each.data.dynamics.keep_to(&pace);

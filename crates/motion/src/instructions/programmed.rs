@@ -8,8 +8,9 @@ use arcline_planner::profile::{Limits, stop_distance};
 
 use super::place;
 use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, in_units, jerk_in_units, reference_speed};
-use crate::follow::guide::{Guide, LockTo, Sense};
-use crate::follow::links::MasterLink;
+use crate::masters::guide::Guide;
+use crate::masters::links::MasterLink;
+use crate::masters::master::{LockTo, Sense};
 use crate::motion::Motion;
 use crate::rotary::Turn;
 use crate::system::Lead;

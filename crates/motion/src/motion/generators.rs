@@ -11,7 +11,7 @@ use crate::axis::sum::Slot;
 use crate::axis::{AfterStop, Axis, AxisState};
 use crate::control::Execution;
 use crate::events::MoveEvents;
-use crate::follow::cam::Cam;
+use crate::masters::cam::Cam;
 
 impl Motion {
     /// Commands and drives of all axes at the present tick, and what came to its end.

@@ -10,10 +10,11 @@ use crate::axis::generator::Generator;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::Maxima;
-use crate::follow::cam::Cam;
-use crate::follow::gear::Reference;
-use crate::follow::guide::{Guide, LockTo, Master};
-use crate::follow::links::MasterLink;
+use crate::masters::Reference;
+use crate::masters::cam::Cam;
+use crate::masters::guide::Guide;
+use crate::masters::links::MasterLink;
+use crate::masters::master::{LockTo, Master};
 use crate::system::{Activity, Lead};
 
 impl Motion {
@@ -26,7 +27,7 @@ impl Motion {
         nominal: f64,
     ) -> MasterLink {
         self.link_count += 1;
-        let at = self.master_at(master, reference);
+        let at = self.axes.master_at(master, reference);
         let has_nominal = nominal > 0.0;
         let nominal = if has_nominal {
             nominal
@@ -89,7 +90,7 @@ impl Motion {
 
     fn guide(&self, link: &MasterLink, lock: LockTo, since: Instant) -> Guide {
         let Master { axis, reference, .. } = link.master;
-        let at = self.master_at(axis, reference);
+        let at = self.axes.master_at(axis, reference);
         let unwind = self.axes[usize::from(axis)].unwind;
         Guide::begin(link.id, &link.master, lock, unwind, &at, since, &self.clock)
     }

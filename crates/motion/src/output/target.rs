@@ -18,8 +18,8 @@ use arcline_planner::{Clock, Instant};
 
 use super::program::{Compensation, OUTPUT_BITS, OutputCam};
 use crate::control::Execution;
-use crate::follow::cam::{Lock, Mode};
-use crate::follow::gear::Reference;
+use crate::masters::Reference;
+use crate::masters::cam::{Lock, Mode};
 pub(super) use events::{Edge, MOST_EDGES};
 use lane::{ACTIVE, Lane, PENDING, TAIL};
 use tail::Left;

@@ -12,7 +12,7 @@ use super::super::windows::Turns;
 use super::events::instant;
 use super::{ACTIVE, Edge, PENDING, Phase, Target};
 use crate::control::Execution;
-use crate::follow::cam::Mode;
+use crate::masters::cam::Mode;
 
 /// Most a piece of an update is cut into: at the arm position and at ends of cams.
 const MOST_CUTS: usize = 4;

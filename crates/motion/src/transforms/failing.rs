@@ -7,9 +7,9 @@
 
 use arcline_instruction_set::MotionError;
 
-use super::Release;
-use super::order::share;
-use super::pair::Link;
+use super::cancel::Release;
+use super::transform::Link;
+use crate::axes::share;
 use crate::axis::sum::Slot;
 use crate::cause::Cause;
 use crate::motion::Motion;

@@ -10,9 +10,9 @@ use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, Detail, MotionError};
 
 use super::ahead::Ahead;
-use super::pair::{Link, Map, Side};
+use super::compute::bit;
 use super::robot::{RobotMap, positions};
-use super::transform::bit;
+use super::transform::{Link, Map, Side};
 use crate::axis::sum::Slot;
 use crate::machine::MAX_SYSTEM_AXES;
 use crate::motion::Motion;

@@ -4,44 +4,13 @@
 //! While nothing follows there is no order, and axes are computed one after the other. Real-time: nothing allocates; a
 //! tick is bounded by the axes, the coordinate systems and the transforms that are under way.
 
-pub(crate) mod ahead;
-pub(crate) mod cam;
-mod cancel;
-mod failing;
-pub(crate) mod gear;
-mod guard;
-pub(crate) mod guide;
-pub(crate) mod links;
-pub(crate) mod order;
-pub(crate) mod pair;
-pub(crate) mod reach;
-pub(crate) mod robot;
-mod shown;
-pub(crate) mod transform;
-
-use arcline_drive::Motion as Point;
-
+use super::Motion;
+use crate::axis::Axis;
 use crate::axis::generator::Law;
 use crate::axis::sum::Slot;
-use crate::axis::{Axis, AxisState};
-use crate::motion::Motion;
+use crate::masters::cam::{Cam, Source};
+use crate::order::{Circle, Follower, Followers, Masters, Step};
 use crate::system::System;
-use cam::{Cam, Source};
-pub(crate) use cancel::Release;
-use gear::{MasterAt, Reference};
-use order::{Circle, Followers, Masters, Step};
-use pair::Link;
-
-/// Something that is to follow from the next tick on.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Follower<'a> {
-    /// An axis and its master.
-    Axis(u16, u16),
-    /// A coordinate system and its master.
-    System(usize, u16),
-    /// The target system of a transform.
-    Target(usize, &'a Link),
-}
 
 impl Motion {
     /// Commands and drives of all axes at the present tick, in order, and what came to its end.
@@ -111,12 +80,15 @@ impl Motion {
     fn read_masters(&mut self, index: usize) {
         let mut links = self.systems[index].links;
         for link in links.iter_mut() {
-            let at = self.master_at(link.master.axis, link.master.reference);
+            let at = self.axes.master_at(link.master.axis, link.master.reference);
             link.master.read(&at, &self.clock);
         }
         self.systems[index].links = links;
         if let Some(mut guide) = self.systems[index].guide {
-            guide.advance(&self.master_at(guide.master.axis, guide.master.reference), &self.clock);
+            guide.advance(
+                &self.axes.master_at(guide.master.axis, guide.master.reference),
+                &self.clock,
+            );
             self.systems[index].guide = Some(guide);
         }
     }
@@ -127,7 +99,7 @@ impl Motion {
         if !self.axes[at].links.is_empty() {
             let mut links = self.axes[at].links;
             for link in links.iter_mut() {
-                let at = self.master_at(link.master.axis, link.master.reference);
+                let at = self.axes.master_at(link.master.axis, link.master.reference);
                 link.master.read(&at, &self.clock);
             }
             self.axes[at].links = links;
@@ -136,7 +108,10 @@ impl Motion {
             let Some(mut guide) = self.axes[at].sum.get(slot).and_then(|generator| generator.guide) else {
                 continue;
             };
-            guide.advance(&self.master_at(guide.master.axis, guide.master.reference), &self.clock);
+            guide.advance(
+                &self.axes.master_at(guide.master.axis, guide.master.reference),
+                &self.clock,
+            );
             if let Some(generator) = self.axes[at].sum.get_mut(slot) {
                 generator.guide = Some(guide);
             }
@@ -147,7 +122,7 @@ impl Motion {
         for slot in Axis::CAMS {
             let cam = self.axes[usize::from(axis)].cam(slot);
             if let Some(Source::Axis { master, reference }) = cam.map(Cam::source) {
-                let at = self.master_at(master, reference);
+                let at = self.axes.master_at(master, reference);
                 let at = self.axes[usize::from(axis)].offset_master(slot, at, &self.clock);
                 self.axes[usize::from(axis)].follow_cam(slot, &at);
             }
@@ -155,29 +130,11 @@ impl Motion {
         let Some(gear) = self.axes[usize::from(axis)].gear() else {
             return;
         };
-        let at = self.master_at(gear.master, gear.reference);
+        let at = self.axes.master_at(gear.master, gear.reference);
         if let Some(generator) = self.axes[usize::from(axis)].sum.get_mut(Slot::Gear)
             && let Law::Geared(gear) = &mut generator.law
         {
             generator.now = gear.follow(&at, generator.now.position, &self.clock);
-        }
-    }
-
-    /// What a slave reads of its master now. A master without torque moves where its drive does.
-    pub(crate) fn master_at(&self, master: u16, reference: Reference) -> MasterAt {
-        let axis = &self.axes[usize::from(master)];
-        let commanded = matches!(axis.state, AxisState::Running | AxisState::Starting);
-        let (point, read) = match reference {
-            Reference::Command if commanded => (axis.command, Reference::Command),
-            _ => (axis.drive.actual(), Reference::Actual),
-        };
-        MasterAt {
-            point: Point {
-                position: point.position - axis.redefined,
-                ..point
-            },
-            read,
-            redefined: axis.redefined,
         }
     }
 

@@ -9,7 +9,7 @@ use arcline_planner::geometry::{Point as Vector, angle_rates, angles};
 use arcline_planner::profile::{Bounds, Jerk, Limits, Profile, State};
 use arcline_planner::{Clock, ContourStopping, Move, Pace, Sample, Stopping};
 
-use super::pair::{Link, Side};
+use super::transform::{Link, Side};
 use crate::axis::generator::{Generator, Law};
 use crate::axis::sum::Slot;
 use crate::machine::MAX_SYSTEM_AXES;

@@ -12,8 +12,8 @@ use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, MotionError};
 
 use super::guard;
-use super::pair::{Link, Map, Side, add};
 use super::robot::positions;
+use super::transform::{Link, Map, Side, add};
 use crate::axis::generator::Generator;
 use crate::axis::sum::Slot;
 use crate::machine::MAX_SYSTEMS;
@@ -120,7 +120,7 @@ impl Motion {
     }
 
     /// Where the source leads the target before anything leads it back.
-    pub(super) fn compute_down(&mut self, index: usize) {
+    pub(crate) fn compute_down(&mut self, index: usize) {
         let Some(mut link) = self.links[index].filter(|link| link.failed.is_none()) else {
             return;
         };
@@ -188,7 +188,7 @@ impl Motion {
     }
 
     /// What the target's own motion adds to the source now.
-    pub(super) fn compute_back(&mut self, index: usize) {
+    pub(crate) fn compute_back(&mut self, index: usize) {
         let Some(link) = self.links[index] else {
             return;
         };
@@ -231,7 +231,7 @@ impl Motion {
     }
 
     /// Where the source leads the target now.
-    pub(super) fn compute_lead(&mut self, index: usize) {
+    pub(crate) fn compute_lead(&mut self, index: usize) {
         let Some(mut link) = self.links[index] else {
             return;
         };
@@ -319,7 +319,7 @@ impl Motion {
     }
 
     /// What all transforms make of an axis now.
-    pub(super) fn compose(&mut self, axis: u16) {
+    pub(crate) fn compose(&mut self, axis: u16) {
         if !self.axes[usize::from(axis)].is_linked() {
             return;
         }

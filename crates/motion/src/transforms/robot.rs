@@ -11,7 +11,7 @@ use arcline_kinematics::{
 };
 use arcline_planner::geometry::{Frame, Point as Vector};
 
-use super::pair::{Positions, Side};
+use super::transform::{Positions, Side};
 use crate::machine::{MAX_PRIMARY_AXES, MAX_SYSTEM_AXES};
 use crate::material::Frames;
 

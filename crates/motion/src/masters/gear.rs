@@ -9,14 +9,7 @@ use arcline_drive::Motion as Point;
 use arcline_planner::profile::{Limits, Profile, State};
 use arcline_planner::{Clock, Instant};
 
-/// What of the master is followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Reference {
-    /// Where its drive is.
-    Actual,
-    /// Where it is commanded to be.
-    Command,
-}
+use super::{MasterAt, Reference};
 
 /// A gearing under way.
 #[derive(Clone, Debug)]
@@ -97,15 +90,4 @@ impl Gear {
     pub(crate) fn is_locked(&self, clock: &Clock) -> bool {
         self.since.elapsed(clock) >= self.clutch.duration()
     }
-}
-
-/// A master at the present tick.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MasterAt {
-    /// Its motion, without what its position was redefined by.
-    pub(crate) point: Point,
-    /// Which of its positions this is.
-    pub(crate) read: Reference,
-    /// What its position was redefined by: it shows so much more.
-    pub(crate) redefined: f64,
 }

@@ -3,7 +3,8 @@
 //! It is worked out when a link is made. A link that ended leaves an order that is still right. Not here: what a step
 //! does. Nothing allocates after [`Order::new`]; working an order out is bounded by axes × links.
 
-use super::pair::Link;
+use crate::axes::share;
+use crate::transforms::transform::Link;
 
 /// A part of the computation of one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +26,17 @@ pub(crate) enum Step {
 /// The axes of a machine follow each other in a circle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Circle;
+
+/// Something that is to follow from the next tick on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Follower<'a> {
+    /// An axis and its master.
+    Axis(u16, u16),
+    /// A coordinate system and its master.
+    System(usize, u16),
+    /// The target system of a transform.
+    Target(usize, &'a Link),
+}
 
 /// Who follows whom.
 pub(crate) struct Followers<'a, M, S> {
@@ -257,11 +269,6 @@ impl Order {
             Step::System(index) => 2 * axes + 3 * systems + usize::from(index),
         }
     }
-}
-
-/// Whether two lists of axes have one in common.
-pub(crate) fn share(some: &[u16], others: &[u16]) -> bool {
-    some.iter().any(|axis| others.contains(axis))
 }
 
 #[cfg(test)]

@@ -4,8 +4,8 @@
 use arcline_drive::Motion as Point;
 use arcline_planner::profile::{Jerk, Limits, Profile, State};
 
-use super::pair::{Link, Positions, Side};
-use super::transform::bit;
+use super::compute::bit;
+use super::transform::{Link, Positions, Side};
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
 use crate::motion::Motion;

@@ -10,7 +10,7 @@ use arcline_cam::Profile;
 use arcline_drive::Motion as Point;
 use arcline_planner::{Clock, Instant};
 
-use super::gear::{MasterAt, Reference};
+use super::{MasterAt, Reference};
 use crate::control::Execution;
 
 /// What a cam's profile is over.

@@ -4,7 +4,7 @@
 //! A link moves nothing. What is begun by it follows a guide of its own, which goes on when the link is replaced. A link to
 //! another master waits behind the active one until a motion begins by it. Not here: what breaks links (`motion::links`).
 
-use super::guide::Master;
+use super::master::Master;
 use crate::control::Execution;
 
 /// A link to a master.

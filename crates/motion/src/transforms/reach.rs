@@ -9,20 +9,10 @@ use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, MotionError};
 use arcline_planner::geometry::{Path, Point as Vector, Turn, angle_rates, angles};
 
-use super::pair::{Link, Map, Side, add};
 use super::robot::RobotMap;
+use super::transform::{Link, Map, Side, add};
+use crate::dynamics::PathLimits;
 use crate::motion::Motion;
-
-/// How fast a path may be travelled for the joints' sake; infinite where nothing limits it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pace {
-    /// Along the path, units/s.
-    pub(crate) speed: f64,
-    /// Along the path, units/s².
-    pub(crate) acceleration: f64,
-    /// Along the path, units/s².
-    pub(crate) deceleration: f64,
-}
 
 /// What a coordinate system does on a way.
 struct Course<'a> {
@@ -32,31 +22,7 @@ struct Course<'a> {
     heading: Vector,
 }
 
-impl Pace {
-    pub(crate) const UNLIMITED: Pace = Pace {
-        speed: f64::INFINITY,
-        acceleration: f64::INFINITY,
-        deceleration: f64::INFINITY,
-    };
-
-    /// What both let it be.
-    pub(crate) fn and(&self, other: &Pace) -> Pace {
-        Pace {
-            speed: self.speed.min(other.speed),
-            acceleration: self.acceleration.min(other.acceleration),
-            deceleration: self.deceleration.min(other.deceleration),
-        }
-    }
-
-    /// The same by the way of a master that moves at `nominal` master units/s, more than 0: in units per master unit, and by the square.
-    pub(crate) fn on_the_way(&self, nominal: f64) -> Pace {
-        Pace {
-            speed: self.speed / nominal,
-            acceleration: self.acceleration / (nominal * nominal),
-            deceleration: self.deceleration / (nominal * nominal),
-        }
-    }
-
+impl PathLimits {
     /// At a place where a joint does so much per unit of the path, and changes that by so much per unit. Half of its
     /// acceleration is left for each of the two.
     fn slow(&mut self, joint: &Point, speed: f64, [acceleration, deceleration]: [f64; 2]) {
@@ -76,8 +42,13 @@ impl Motion {
     ///
     /// # Errors
     /// 67, 68 or 72: what the transform would fail with on the way, and 72 too for a joint beyond its soft travel.
-    pub(crate) fn verify_reach(&self, system: usize, path: &Path, turn: Option<&Turn>) -> Result<Pace, MotionError> {
-        let mut pace = Pace::UNLIMITED;
+    pub(crate) fn verify_reach(
+        &self,
+        system: usize,
+        path: &Path,
+        turn: Option<&Turn>,
+    ) -> Result<PathLimits, MotionError> {
+        let mut pace = PathLimits::UNLIMITED;
         let course = Course {
             path,
             turn,
@@ -198,7 +169,7 @@ impl Motion {
         system: usize,
         link: &Link,
         course: &Course<'_>,
-        pace: &mut Pace,
+        pace: &mut PathLimits,
     ) -> Result<(), MotionError> {
         let Map::Robot(robot) = &link.map else {
             return Ok(());
@@ -253,7 +224,7 @@ impl Motion {
         robot: &RobotMap,
         way: &Between<'_>,
         source: &mut impl FnMut(f64) -> Side,
-        pace: &mut Pace,
+        pace: &mut PathLimits,
     ) -> Result<(), MotionError> {
         let [mut low, mut high] = way.ends;
         let rises = way.joints[0][way.place].velocity > 0.0;
@@ -271,7 +242,7 @@ impl Motion {
     }
 
     /// Within their soft travel; what they do per unit of the path slows it down.
-    fn verify_joints(&self, link: &Link, joints: &Side, pace: &mut Pace) -> Result<(), MotionError> {
+    fn verify_joints(&self, link: &Link, joints: &Side, pace: &mut PathLimits) -> Result<(), MotionError> {
         for (place, (axis, joint)) in link.target().iter().zip(joints).enumerate() {
             let axis = &self.axes[usize::from(*axis)];
             if axis.faults.forbids_position(joint.position) {

@@ -2,17 +2,39 @@
 //!
 //! Not here: the words of their tags (`crate::status`). Nothing allocates.
 
-use super::order::Step;
-use super::pair::{Link, Positions};
+use arcline_kinematics::{Configuration, Turns};
+use arcline_planner::geometry::Point as Vector;
+
+use super::transform::{Link, Positions};
 use crate::motion::Motion;
-use crate::status::Turn;
+use crate::order::Step;
+
+/// A coordinate system's part in transforms under way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Role {
+    pub(crate) source: bool,
+    pub(crate) target: bool,
+    pub(crate) robot: RobotShown,
+}
+
+/// What a coordinate system shows of the robot with a wrist that it is, or that it leads.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct RobotShown {
+    /// IDs of the tool frame and the work frame.
+    pub(crate) frames: [i32; 2],
+    pub(crate) solution: (Configuration, Turns),
+    /// The tool centre in the frame of the end of the arm.
+    pub(crate) tool: Vector,
+    /// A transform with frames is under way, and nothing that is part of it moves.
+    pub(crate) tool_change: bool,
+}
 
 impl Motion {
     /// What a coordinate system shows of the robot with a wrist that it is, or that it leads first.
-    pub(crate) fn turn_of(&self, index: usize) -> Turn {
+    pub(crate) fn robot_shown(&self, index: usize) -> RobotShown {
         let system = &self.systems[index];
         if !system.is_oriented() {
-            return Turn::default();
+            return RobotShown::default();
         }
         let mut links = self.links();
         let own = links.find(|(target, link)| *target == index || link.from == index);
@@ -30,13 +52,13 @@ impl Motion {
             _ => Default::default(),
         };
         let Some((_, link, wrist)) = linked else {
-            return Turn {
+            return RobotShown {
                 solution,
-                ..Turn::default()
+                ..RobotShown::default()
             };
         };
         let [work, tool] = wrist.ids;
-        Turn {
+        RobotShown {
             frames: [tool, work],
             solution,
             tool: wrist.tool(),

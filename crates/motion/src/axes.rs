@@ -1,0 +1,88 @@
+//! The axes of a machine, by their index in its configuration.
+//!
+//! Not here: what one axis is (`crate::axis`). Nothing allocates after [`Axes::new`].
+
+use std::ops::{Deref, DerefMut, Index, IndexMut};
+
+use arcline_planner::Clock;
+
+use crate::axis::{Axis, AxisState};
+use crate::machine::Machine;
+use crate::masters::{MasterAt, Reference};
+use arcline_drive::Motion as Point;
+
+/// Every axis of a machine at the present tick.
+#[derive(Debug)]
+pub(crate) struct Axes(Vec<Axis>);
+
+impl Axes {
+    /// The axes of a machine at rest. The only allocation.
+    pub(crate) fn new(machine: &Machine, clock: &Clock) -> Self {
+        Axes(machine.axes.iter().map(|axis| Axis::new(axis, clock)).collect())
+    }
+
+    /// What a slave reads of a master now. A master without torque moves where its drive does.
+    pub(crate) fn master_at(&self, master: u16, reference: Reference) -> MasterAt {
+        let axis = &self[master];
+        let commanded = matches!(axis.state, AxisState::Running | AxisState::Starting);
+        let (point, read) = match reference {
+            Reference::Command if commanded => (axis.command, Reference::Command),
+            _ => (axis.drive.actual(), Reference::Actual),
+        };
+        MasterAt {
+            point: Point {
+                position: point.position - axis.redefined,
+                ..point
+            },
+            read,
+            redefined: axis.redefined,
+        }
+    }
+}
+
+impl Deref for Axes {
+    type Target = [Axis];
+
+    fn deref(&self) -> &[Axis] {
+        &self.0
+    }
+}
+
+impl DerefMut for Axes {
+    fn deref_mut(&mut self) -> &mut [Axis] {
+        &mut self.0
+    }
+}
+
+impl Index<u16> for Axes {
+    type Output = Axis;
+
+    fn index(&self, axis: u16) -> &Axis {
+        &self.0[usize::from(axis)]
+    }
+}
+
+impl IndexMut<u16> for Axes {
+    fn index_mut(&mut self, axis: u16) -> &mut Axis {
+        &mut self.0[usize::from(axis)]
+    }
+}
+
+impl Index<usize> for Axes {
+    type Output = Axis;
+
+    fn index(&self, axis: usize) -> &Axis {
+        &self.0[axis]
+    }
+}
+
+impl IndexMut<usize> for Axes {
+    fn index_mut(&mut self, axis: usize) -> &mut Axis {
+        &mut self.0[axis]
+    }
+}
+
+/// Whether two lists of axes have one in common.
+pub(crate) fn share(some: &[u16], others: &[u16]) -> bool {
+    some.iter().any(|axis| others.contains(axis))
+}

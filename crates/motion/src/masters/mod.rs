@@ -1,0 +1,31 @@
+//! Motions that are functions of a master axis: gears, cams, and moves that a link to a master drives.
+//!
+//! A follower is computed behind its master in the same tick (`crate::order`). Nothing allocates.
+
+pub(crate) mod cam;
+pub(crate) mod gear;
+pub(crate) mod guide;
+pub(crate) mod links;
+pub(crate) mod master;
+
+use arcline_drive::Motion as Point;
+
+/// What of the master is followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reference {
+    /// Where its drive is.
+    Actual,
+    /// Where it is commanded to be.
+    Command,
+}
+
+/// A master at the present tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MasterAt {
+    /// Its motion, without what its position was redefined by.
+    pub(crate) point: Point,
+    /// Which of its positions this is.
+    pub(crate) read: Reference,
+    /// What its position was redefined by: it shows so much more.
+    pub(crate) redefined: f64,
+}
