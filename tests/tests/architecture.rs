@@ -9,11 +9,11 @@ use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, PackageId};
 const MAY_USE: &[(&str, &[&str])] = &[
     ("arcline-tag",             &[]),
     ("arcline-geometry",        &[]),
-    ("arcline-kinematics",      &["arcline-geometry"]),
+    ("arcline-kinematics",      &["arcline-geometry", "arcline-profile"]),
     ("arcline-profile",         &[]),
     ("arcline-cam",             &[]),
     ("arcline-contour",         &["arcline-geometry", "arcline-profile"]),
-    ("arcline-drive",           &[]),
+    ("arcline-drive",           &["arcline-profile"]),
     ("arcline-proto",           &["arcline-tag"]),
     ("arcline-instruction-set", &["arcline-tag"]),
     ("arcline-structured-text", &["arcline-instruction-set", "arcline-tag"]),

@@ -3,7 +3,7 @@
 use crate::trajectory::{Knot, State};
 use crate::{Bounds, Point, Trajectory};
 use arcline_geometry::Line;
-use arcline_profile::{Jerk, Limits, Profile, State as Along};
+use arcline_profile::{Jerk, KinematicState as Along, Limits, Profile};
 
 /// The motion along a line of more than zero length.
 pub(crate) fn straight(line: &Line, bounds: &Bounds) -> Trajectory {

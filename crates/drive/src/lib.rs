@@ -14,20 +14,11 @@ mod servo;
 mod settings;
 mod settling;
 
+use arcline_profile::KinematicState;
+
 pub use servo::Servo;
 pub use settings::Settings;
 pub use settling::Settling;
-
-/// Position and velocity of the command or of the axis itself.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Motion {
-    /// Position units.
-    pub position: f64,
-    /// Position units per second.
-    pub velocity: f64,
-    /// Position units per second². Of a servo's axis: the mean over the last period.
-    pub acceleration: f64,
-}
 
 /// What keeps a drive from doing what its loop asks for, at the present tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -45,7 +36,7 @@ pub enum Saturation {
 #[derive(Clone, Copy, Debug)]
 pub enum Drive {
     /// Follows the command without error.
-    Ideal(Motion),
+    Ideal(KinematicState),
     /// Follows through a position loop.
     Servo(Servo),
 }
@@ -58,7 +49,7 @@ const STANDSTILL: f64 = 1e-6;
 impl Drive {
     /// An ideal drive at rest.
     pub fn ideal(position: f64) -> Self {
-        Drive::Ideal(standing(position))
+        Drive::Ideal(KinematicState::at_rest(position))
     }
 
     /// A servo at rest.
@@ -67,7 +58,7 @@ impl Drive {
     }
 
     /// What the axis does, as its encoder sees it: the position is a whole number of counts, if it has an encoder.
-    pub fn actual(&self) -> Motion {
+    pub fn actual(&self) -> KinematicState {
         match self {
             Drive::Ideal(actual) => *actual,
             Drive::Servo(servo) => servo.measured(),
@@ -110,7 +101,7 @@ impl Drive {
     }
 
     /// Follows the command for one period, at whose end it is `command`. Real-time.
-    pub fn cycle(&mut self, command: Motion, period: f64) {
+    pub fn cycle(&mut self, command: KinematicState, period: f64) {
         match self {
             Drive::Ideal(actual) => *actual = command,
             Drive::Servo(servo) => servo.cycle(command, period),
@@ -118,7 +109,7 @@ impl Drive {
     }
 
     /// One period without torque: the axis coasts to rest and the command goes with it. Real-time.
-    pub fn coast(&mut self, period: f64) -> Motion {
+    pub fn coast(&mut self, period: f64) -> KinematicState {
         let mut now = self.axis();
         if now.velocity != 0.0 {
             let left = libm::exp(-period / COAST_TIME_CONSTANT);
@@ -126,7 +117,7 @@ impl Drive {
             now.velocity *= left;
             now.acceleration = -now.velocity / COAST_TIME_CONSTANT;
             if now.velocity.abs() < STANDSTILL {
-                now = standing(now.position);
+                now = KinematicState::at_rest(now.position);
             }
         }
         self.place(now);
@@ -143,30 +134,22 @@ impl Drive {
 
     /// Removes torque and speed at once: the axis stands where its encoder sees it.
     pub fn halt(&mut self) {
-        self.place(standing(self.actual().position));
+        self.place(KinematicState::at_rest(self.actual().position));
     }
 
     /// What the axis really does, between the counts of its encoder.
-    fn axis(&self) -> Motion {
+    fn axis(&self) -> KinematicState {
         match self {
             Drive::Ideal(actual) => *actual,
             Drive::Servo(servo) => servo.actual(),
         }
     }
 
-    fn place(&mut self, now: Motion) {
+    fn place(&mut self, now: KinematicState) {
         match self {
             Drive::Ideal(actual) => *actual = now,
             Drive::Servo(servo) => servo.place(now),
         }
-    }
-}
-
-fn standing(position: f64) -> Motion {
-    Motion {
-        position,
-        velocity: 0.0,
-        acceleration: 0.0,
     }
 }
 

@@ -15,7 +15,9 @@ use std::f64::consts::TAU;
 use crate::encoder::Encoder;
 use crate::regime::{Limits, Loop, Regime, State};
 use crate::settings::Settings;
-use crate::{Motion, Saturation, standing};
+use arcline_profile::KinematicState;
+
+use crate::Saturation;
 
 /// A simulated servo drive and its mechanics.
 #[derive(Clone, Copy, Debug)]
@@ -23,9 +25,9 @@ pub struct Servo {
     control: Loop,
     limits: Option<Limits>,
     encoder: Encoder,
-    command: Motion,
+    command: KinematicState,
     error: f64,
-    actual: Motion,
+    actual: KinematicState,
     regime: Regime,
     /// How long the regime has lasted within the last period.
     lasted: f64,
@@ -56,21 +58,21 @@ impl Servo {
                 resolution: settings.encoder_resolution,
                 origin: settings.encoder_origin,
             },
-            command: standing(position),
+            command: KinematicState::at_rest(position),
             error: 0.0,
-            actual: standing(position),
+            actual: KinematicState::at_rest(position),
             regime: Regime::Linear,
             lasted: 0.0,
             rest: 0.0,
         }
     }
 
-    pub(crate) fn actual(&self) -> Motion {
+    pub(crate) fn actual(&self) -> KinematicState {
         self.actual
     }
 
-    pub(crate) fn measured(&self) -> Motion {
-        Motion {
+    pub(crate) fn measured(&self) -> KinematicState {
+        KinematicState {
             position: self.encoder.read(self.actual.position),
             ..self.actual
         }
@@ -124,9 +126,9 @@ impl Servo {
     }
 
     /// The axis is there, and the command is what the encoder makes of it.
-    pub(crate) fn place(&mut self, now: Motion) {
+    pub(crate) fn place(&mut self, now: KinematicState) {
         self.actual = now;
-        self.command = Motion {
+        self.command = KinematicState {
             position: self.encoder.read(now.position),
             ..now
         };
@@ -149,7 +151,7 @@ impl Servo {
         self.rest = seconds;
     }
 
-    pub(crate) fn cycle(&mut self, command: Motion, period: f64) {
+    pub(crate) fn cycle(&mut self, command: KinematicState, period: f64) {
         let rest = std::mem::take(&mut self.rest);
         if 0.0 < rest && rest < period && command.velocity == 0.0 {
             let before = self.actual.velocity;
@@ -162,7 +164,7 @@ impl Servo {
     }
 
     /// A period, or the part of one that ends where the command comes to rest.
-    fn span(&mut self, command: Motion, period: f64) {
+    fn span(&mut self, command: KinematicState, period: f64) {
         let before = self.command;
         self.command = command;
         let stood = before == command && command.velocity == 0.0;
@@ -206,7 +208,7 @@ impl Servo {
     }
 
     /// A whole period without limits.
-    fn linear(&mut self, before: &Motion, velocity: &Velocity, period: f64) {
+    fn linear(&mut self, before: &KinematicState, velocity: &Velocity, period: f64) {
         let command = self.command;
         let [p0, p1, p2] = self.control.particular(velocity);
         let decayed = (self.error - p0) * libm::exp(-self.control.gain * period);
@@ -220,7 +222,7 @@ impl Servo {
 
     fn follow(&mut self, error: f64, velocity: f64, period: f64) {
         self.error = error;
-        self.actual = Motion {
+        self.actual = KinematicState {
             position: self.command.position - error,
             velocity,
             acceleration: (velocity - self.actual.velocity) / period,
@@ -230,7 +232,7 @@ impl Servo {
 
 impl Velocity {
     /// That of the cubic through both ends of a period.
-    fn between(before: &Motion, after: &Motion, period: f64) -> Self {
+    fn between(before: &KinematicState, after: &KinematicState, period: f64) -> Self {
         let slope = (after.position - before.position) / period;
         let c1 = (6.0 * slope - 4.0 * before.velocity - 2.0 * after.velocity) / period;
         let c2 = 3.0 * (before.velocity + after.velocity - 2.0 * slope) / (period * period);

@@ -4,7 +4,9 @@
 //! and may come near and leave again within one period: it is followed in steps that its speed and its torque do not
 //! let it outrun. Not here: what is near enough, and for whom. Units: position units, seconds.
 
-use crate::{Drive, Saturation, standing};
+use arcline_profile::KinematicState;
+
+use crate::{Drive, Saturation};
 
 /// Halvings of a span: to the last bit of a period.
 const HALVINGS: u32 = 60;
@@ -120,7 +122,7 @@ impl<const N: usize> Settling<N> {
         if at > 0.0 {
             for (drive, end) in drives.iter_mut().zip(self.ends) {
                 drive.rest_for(self.rest - (self.period - at));
-                drive.cycle(standing(end), at);
+                drive.cycle(KinematicState::at_rest(end), at);
             }
         }
         drives

@@ -7,8 +7,8 @@ use super::*;
 const PERIOD: f64 = 0.001;
 
 /// A command at constant speed from rest at 0.
-fn at_speed(k: u32, period: f64, speed: f64) -> Motion {
-    Motion {
+fn at_speed(k: u32, period: f64, speed: f64) -> KinematicState {
+    KinematicState {
         position: speed * f64::from(k) * period,
         velocity: speed,
         acceleration: 0.0,
@@ -34,7 +34,7 @@ fn a_redefined_position_moves_nothing() {
             let command = at_speed(k, PERIOD, 500.0);
             drive.cycle(command, PERIOD);
             shifted.cycle(
-                Motion {
+                KinematicState {
                     position: command.position - 32.3,
                     ..command
                 },
@@ -71,7 +71,7 @@ fn the_response_does_not_depend_on_the_update_period() {
         // x(t) = t² (3 - 2 t): a cubic, so every period sees the same command.
         for k in 1..=(1.0 / period).round() as u32 {
             let t = f64::from(k) * period;
-            let command = Motion {
+            let command = KinematicState {
                 position: t * t * (3.0 - 2.0 * t),
                 velocity: 6.0 * t * (1.0 - t),
                 acceleration: 6.0 - 12.0 * t,
@@ -105,7 +105,7 @@ fn full_feedforward_and_ideal_drives_have_no_error() {
 fn an_error_decays_with_the_gain_and_can_be_asked_for_backwards() {
     let mut drive = Drive::servo(0.0, &Settings::unlimited(40.0, 0.0));
     drive.cycle(at_speed(1, PERIOD, 100.0), PERIOD);
-    let at = Motion {
+    let at = KinematicState {
         velocity: 0.0,
         ..at_speed(1, PERIOD, 100.0)
     };
@@ -166,7 +166,7 @@ fn a_command_that_comes_to_rest_within_a_period_is_followed_as_it_is() {
     // Down from 100 u/s at 10,000 u/s²: at rest after 10 ms, within a period of 4 ms or not.
     let command = |t: f64| {
         let left = (0.01 - t).max(0.0);
-        Motion {
+        KinematicState {
             position: 0.5 - 5000.0 * left * left,
             velocity: 10_000.0 * left,
             acceleration: 0.0,

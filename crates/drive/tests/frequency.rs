@@ -2,7 +2,8 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use arcline_drive::{Drive, Motion, Settings};
+use arcline_drive::{Drive, Settings};
+use arcline_profile::KinematicState;
 
 /// Gain and phase, in radians, of the actual position over a sine of the command at a whole number of hertz.
 fn response(drive: Drive, hertz: u32, period: f64) -> (f64, f64) {
@@ -12,7 +13,7 @@ fn response(drive: Drive, hertz: u32, period: f64) -> (f64, f64) {
     let (mut sine, mut cosine) = (0.0, 0.0);
     for tick in 1..=2 * second {
         let (s, c) = libm::sincos(omega * f64::from(tick) * period);
-        let command = Motion {
+        let command = KinematicState {
             position: s,
             velocity: omega * c,
             acceleration: -omega * omega * s,

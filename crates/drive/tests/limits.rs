@@ -2,13 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use arcline_drive::{Drive, Motion, Saturation, Settings};
+use arcline_drive::{Drive, Saturation, Settings};
+use arcline_profile::KinematicState;
 
 /// `p(t) = c0 + c1 t + c2 t² + c3 t³`: every update period sees the same command.
 type Cubic = [f64; 4];
 
-fn command([c0, c1, c2, c3]: Cubic, t: f64) -> Motion {
-    Motion {
+fn command([c0, c1, c2, c3]: Cubic, t: f64) -> KinematicState {
+    KinematicState {
         position: c0 + t * (c1 + t * (c2 + t * c3)),
         velocity: c1 + t * (2.0 * c2 + t * 3.0 * c3),
         acceleration: 2.0 * c2 + 6.0 * t * c3,
@@ -139,9 +140,9 @@ fn a_limit_that_is_not_reached_changes_no_bit() {
 fn a_limited_drive_settles_and_tells_since_when() {
     // A leap of 20 u: more than the torque can do at once, so it swings over and back, and rests.
     let settings = within(40.0, 0.0, 300.0, 4000.0);
-    let at = |position| Motion {
+    let at = |position| KinematicState {
         position,
-        ..Motion::default()
+        ..KinematicState::default()
     };
     let run = |period: f64| {
         let mut drive = Drive::servo(0.0, &settings);
@@ -180,7 +181,7 @@ mod any {
     use proptest::prelude::*;
 
     /// The cubic through both ends of a period, as the drive takes it, `t` after its beginning.
-    fn between([a, b]: [Motion; 2], period: f64, t: f64) -> Motion {
+    fn between([a, b]: [KinematicState; 2], period: f64, t: f64) -> KinematicState {
         let slope = (b.position - a.position) / period;
         let c2 = (3.0 * slope - 2.0 * a.velocity - b.velocity) / period;
         let c3 = (a.velocity + b.velocity - 2.0 * slope) / (period * period);
@@ -202,7 +203,7 @@ mod any {
             cuts in prop::collection::vec(0.001..1.0, 1..100),
         ) {
             let settings = within(bandwidth, feedforward, speed, torque);
-            let at = |place: usize| Motion {
+            let at = |place: usize| KinematicState {
                 position: leap * positions[place] + velocities[0] * period * place as f64,
                 velocity: velocities[place],
                 acceleration: 0.0,

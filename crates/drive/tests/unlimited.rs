@@ -1,9 +1,10 @@
 //! A drive without limits computes what it always has, to the last bit: traces and clients rely on it.
 
-use arcline_drive::{Drive, Motion, Settings};
+use arcline_drive::{Drive, Settings};
+use arcline_profile::KinematicState;
 
 /// A command that speeds up, cruises, brakes, stands, and leaps once.
-fn command(tick: u32, period: f64) -> Motion {
+fn command(tick: u32, period: f64) -> KinematicState {
     let t = f64::from(tick) * period;
     let (position, velocity, acceleration) = match t {
         t if t < 0.25 => (1000.0 * t * t, 2000.0 * t, 2000.0),
@@ -15,7 +16,7 @@ fn command(tick: u32, period: f64) -> Motion {
         t if t < 1.0 => (250.0, 0.0, 0.0),
         _ => (251.0, 0.0, 0.0),
     };
-    Motion {
+    KinematicState {
         position,
         velocity,
         acceleration,
@@ -28,7 +29,7 @@ fn fingerprint(bandwidth: f64, feedforward: f64, period: f64) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     for tick in 1..=(1.5 / period).round() as u32 {
         drive.cycle(command(tick, period), period);
-        let Motion {
+        let KinematicState {
             position,
             velocity,
             acceleration,

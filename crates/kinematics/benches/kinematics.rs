@@ -7,8 +7,9 @@
 use std::hint::black_box;
 
 use arcline_kinematics::{
-    Arm, Geometry, Moving, Number, OrientedRobot, Parameters, Pose, Robot, Turns, Wrist, end_of_arm, tool_centre,
+    Arm, Geometry, Number, OrientedRobot, Parameters, Pose, Robot, Turns, Wrist, end_of_arm, tool_centre,
 };
+use arcline_profile::KinematicState;
 use criterion::{Criterion, criterion_group, criterion_main};
 
 const POINTS: usize = 1024;
@@ -56,9 +57,9 @@ fn bench(c: &mut Criterion) {
         });
         c.bench_function(&format!("{name} inverse with velocity and acceleration"), |b| {
             b.iter(|| {
-                let point = points[next.next().unwrap_or(0)].map(|at| Moving {
+                let point = points[next.next().unwrap_or(0)].map(|at| KinematicState {
                     velocity: 10.0,
-                    ..Moving::constant(at)
+                    ..KinematicState::constant(at)
                 });
                 robot.inverse(black_box(point), Arm::default())
             });
@@ -95,9 +96,9 @@ fn six_axes(c: &mut Criterion) {
     c.bench_function("six axes inverse with velocity and acceleration", |b| {
         b.iter(|| {
             let taken = black_box(&taken[next.next().unwrap_or(0)]);
-            let point = taken.pose.coordinates().map(|at| Moving {
+            let point = taken.pose.coordinates().map(|at| KinematicState {
                 velocity: 10.0,
-                ..Moving::constant(at)
+                ..KinematicState::constant(at)
             });
             robot.inverse(&Pose::new(point), taken.configuration, taken.turns)
         });
@@ -114,10 +115,10 @@ fn six_axes(c: &mut Criterion) {
     c.bench_function("six axes inverse behind frames, moving", |b| {
         b.iter(|| {
             let (centre, configuration) = black_box(&centres[next.next().unwrap_or(0)]);
-            let centre = Pose::new(centre.map(|at| Moving {
+            let centre = Pose::new(centre.map(|at| KinematicState {
                 velocity: 10.0,
                 acceleration: -20.0,
-                ..Moving::constant(at)
+                ..KinematicState::constant(at)
             }));
             robot.inverse(&end_of_arm(&work, &centre, &tool), *configuration, Turns::default())
         });

@@ -1,7 +1,7 @@
 //! Kinematics: where the tool of a robot is when its joints are somewhere, and the reverse.
 //!
 //! A [`Robot`] is a geometry with its parameters. Both directions are closed forms, written once over [`Number`]: plain
-//! numbers map positions, [`Moving`] ones map velocities and accelerations along, by exact differentiation. Everything is
+//! numbers map positions, [`arcline_profile::KinematicState`] ones map velocities and accelerations along, by exact differentiation. Everything is
 //! total and safe in the tick: no allocation, no loop that is not bounded, no panic.
 //!
 //! An [`OrientedRobot`] has a wrist behind its arm and maps a [`Pose`].
@@ -19,7 +19,7 @@ mod robot;
 mod two_links;
 
 pub use error::{GeometryError, KinematicsError};
-pub use number::{Moving, Number};
+pub use number::Number;
 pub use oriented::{Configuration, OrientedRobot, Taken, Turns, Wrist};
 pub use pose::{Pose, end_of_arm, tool_centre};
 pub use robot::{Arm, Elbow, Geometry, Parameters, Robot};

@@ -1,11 +1,13 @@
 //! What a geometry computes with: plain numbers, or numbers that move.
 //!
-//! Every transform is written once over [`Number`]. With `f64` it maps a position; with [`Moving`] it maps position,
+//! Every transform is written once over [`Number`]. With `f64` it maps a position; with [`KinematicState`] it maps position,
 //! velocity and acceleration together, by the rules of differentiation and not by differences. Units: those of the
 //! number, seconds.
 
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use arcline_profile::KinematicState;
 
 /// A real number, or one together with its change over time.
 pub trait Number:
@@ -80,34 +82,12 @@ impl Number for f64 {
     }
 }
 
-/// A number with its first and second derivative in time.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moving {
-    /// What it is now.
-    pub position: f64,
-    /// Per second.
-    pub velocity: f64,
-    /// Per second squared.
-    pub acceleration: f64,
-}
-
-impl Moving {
-    /// At rest.
-    #[must_use]
-    pub fn standing(position: f64) -> Self {
-        Moving {
-            position,
-            ..Moving::default()
-        }
-    }
-}
-
-impl Number for Moving {
+impl Number for KinematicState {
     const NEAREST: f64 = 1e-6;
     const LEAST_BEND: f64 = 1e-6;
 
     fn constant(position: f64) -> Self {
-        Moving::standing(position)
+        KinematicState::at_rest(position)
     }
 
     fn value(self) -> f64 {
@@ -117,10 +97,10 @@ impl Number for Moving {
     fn sqrt(self) -> Self {
         let root = self.position.sqrt();
         if self.velocity == 0.0 && self.acceleration == 0.0 {
-            return Moving::constant(root);
+            return KinematicState::constant(root);
         }
         let velocity = self.velocity / (2.0 * root);
-        Moving {
+        KinematicState {
             position: root,
             velocity,
             acceleration: (self.acceleration - 2.0 * velocity * velocity) / (2.0 * root),
@@ -130,7 +110,7 @@ impl Number for Moving {
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = libm::sincos(self.position);
         let square = self.velocity * self.velocity;
-        let moving = |position: f64, slope: f64| Moving {
+        let moving = |position: f64, slope: f64| KinematicState {
             position,
             velocity: slope * self.velocity,
             acceleration: slope * self.acceleration - position * square,
@@ -144,11 +124,11 @@ impl Number for Moving {
         let turns = |a: f64, b: f64| x.position * a - y.position * b;
         let (first, second) = (turns(y.velocity, x.velocity), turns(y.acceleration, x.acceleration));
         if first == 0.0 && second == 0.0 {
-            return Moving::constant(position);
+            return KinematicState::constant(position);
         }
         let square = x.position * x.position + y.position * y.position;
         let change = 2.0 * (x.position * x.velocity + y.position * y.velocity);
-        Moving {
+        KinematicState {
             position,
             velocity: first / square,
             acceleration: (second - first * change / square) / square,
@@ -157,95 +137,6 @@ impl Number for Moving {
 
     fn is_finite(self) -> bool {
         self.position.is_finite() && self.velocity.is_finite() && self.acceleration.is_finite()
-    }
-}
-
-impl Add for Moving {
-    type Output = Moving;
-
-    fn add(self, other: Moving) -> Moving {
-        Moving {
-            position: self.position + other.position,
-            velocity: self.velocity + other.velocity,
-            acceleration: self.acceleration + other.acceleration,
-        }
-    }
-}
-
-impl Sub for Moving {
-    type Output = Moving;
-
-    fn sub(self, other: Moving) -> Moving {
-        self + -other
-    }
-}
-
-impl Neg for Moving {
-    type Output = Moving;
-
-    fn neg(self) -> Moving {
-        self * -1.0
-    }
-}
-
-impl Mul for Moving {
-    type Output = Moving;
-
-    fn mul(self, other: Moving) -> Moving {
-        Moving {
-            position: self.position * other.position,
-            velocity: self.velocity * other.position + self.position * other.velocity,
-            acceleration: self.acceleration * other.position
-                + 2.0 * self.velocity * other.velocity
-                + self.position * other.acceleration,
-        }
-    }
-}
-
-impl Div for Moving {
-    type Output = Moving;
-
-    fn div(self, other: Moving) -> Moving {
-        let inverse = 1.0 / other.position;
-        let position = self.position * inverse;
-        let velocity = (self.velocity - position * other.velocity) * inverse;
-        Moving {
-            position,
-            velocity,
-            acceleration: (self.acceleration - 2.0 * velocity * other.velocity - position * other.acceleration)
-                * inverse,
-        }
-    }
-}
-
-impl Add<f64> for Moving {
-    type Output = Moving;
-
-    fn add(self, other: f64) -> Moving {
-        Moving {
-            position: self.position + other,
-            ..self
-        }
-    }
-}
-
-impl Sub<f64> for Moving {
-    type Output = Moving;
-
-    fn sub(self, other: f64) -> Moving {
-        self + -other
-    }
-}
-
-impl Mul<f64> for Moving {
-    type Output = Moving;
-
-    fn mul(self, factor: f64) -> Moving {
-        Moving {
-            position: self.position * factor,
-            velocity: self.velocity * factor,
-            acceleration: self.acceleration * factor,
-        }
     }
 }
 

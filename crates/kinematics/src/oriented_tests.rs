@@ -2,7 +2,9 @@
 
 use proptest::prelude::*;
 
-use crate::{Configuration, KinematicsError, Moving, OrientedRobot, Parameters, Pose, Wrist, end_of_arm, tool_centre};
+use arcline_profile::KinematicState;
+
+use crate::{Configuration, KinematicsError, OrientedRobot, Parameters, Pose, Wrist, end_of_arm, tool_centre};
 
 const EVERY: [Wrist; 5] = [
     Wrist::DeltaJ1J2J6,
@@ -134,7 +136,7 @@ fn what_moves_is_differentiated() {
     for wrist in EVERY {
         let robot = robot(wrist);
         let at = |seconds: f64| -> [f64; 6] { std::array::from_fn(|k| joints[k] + speeds[k] * seconds) };
-        let moving: [Moving; 6] = std::array::from_fn(|k| Moving {
+        let moving: [KinematicState; 6] = std::array::from_fn(|k| KinematicState {
             position: joints[k],
             velocity: speeds[k],
             acceleration: 0.0,
@@ -186,7 +188,11 @@ fn what_moves_stays_off_a_straight_wrist() {
         .inverse(&taken.pose, taken.configuration, taken.turns)
         .expect("it stands");
     assert!(apart(&robot.forward(&standing).expect("joints").pose, &taken.pose) < 1e-9);
-    let moving = robot.inverse(&taken.pose.standing::<Moving>(), taken.configuration, taken.turns);
+    let moving = robot.inverse(
+        &taken.pose.standing::<KinematicState>(),
+        taken.configuration,
+        taken.turns,
+    );
     assert_eq!(moving.expect_err("J4 and J6 are one"), KinematicsError::Origin);
 }
 

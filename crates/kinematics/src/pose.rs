@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::number::Number;
 
-/// Where something is, and how it is turned; with [`crate::Moving`] also how that changes.
+/// Where something is, and how it is turned; with [`arcline_profile::KinematicState`] also how that changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose<N: Number = f64> {
     /// Its origin, position units.

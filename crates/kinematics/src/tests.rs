@@ -2,7 +2,9 @@
 
 use proptest::prelude::*;
 
-use crate::{Arm, Elbow, Geometry, GeometryError, KinematicsError, Moving, Number, Parameters, Robot};
+use arcline_profile::KinematicState;
+
+use crate::{Arm, Elbow, Geometry, GeometryError, KinematicsError, Number, Parameters, Robot};
 
 const EVERY: [Geometry; 8] = [
     Geometry::ArticulatedIndependent2,
@@ -205,7 +207,7 @@ fn what_cannot_be_reached() {
     // The end of the reach can be held, but not moved through.
     let robot = robot(ScaraIndependent, 10.0, 10.0, none, none, none);
     assert!(robot.inverse([20.0, 0.0, 0.0], arm).is_ok());
-    let moving = [20.0, 0.0, 0.0].map(Moving::constant);
+    let moving = [20.0, 0.0, 0.0].map(KinematicState::constant);
     assert_eq!(robot.inverse(moving, arm).map(drop), far(1));
 }
 
@@ -269,7 +271,7 @@ fn forward_is_the_inverse_of_inverse() {
                     "{geometry:?} {arm:?}: {point:?} becomes {joints:?}, {back:?}"
                 );
                 if geometry.is_arm() && robot.arm(joints) != *arm {
-                    let bent = robot.inverse(point.map(Moving::constant), *arm).is_ok();
+                    let bent = robot.inverse(point.map(KinematicState::constant), *arm).is_ok();
                     assert!(!bent, "{geometry:?} {arm:?}: {point:?}");
                 }
                 worst = worst.max(off);
@@ -337,8 +339,8 @@ impl Random {
 }
 
 /// A motion of three coordinates at time `t`: position, velocity, acceleration.
-fn motion(at: [f64; 3], velocity: [f64; 3], acceleration: [f64; 3], t: f64) -> [Moving; 3] {
-    [0, 1, 2].map(|k| Moving {
+fn motion(at: [f64; 3], velocity: [f64; 3], acceleration: [f64; 3], t: f64) -> [KinematicState; 3] {
+    [0, 1, 2].map(|k| KinematicState {
         position: at[k] + velocity[k] * t + 0.5 * acceleration[k] * t * t,
         velocity: velocity[k] + acceleration[k] * t,
         acceleration: acceleration[k],

@@ -9,7 +9,7 @@ use arcline_planner::Clock;
 use crate::axis::{Axis, AxisState};
 use crate::machine::Machine;
 use crate::masters::{MasterAt, Reference};
-use arcline_drive::Motion as Point;
+use arcline_profile::KinematicState;
 
 /// Every axis of a machine at the present tick.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ impl Axes {
             _ => (axis.drive.actual(), Reference::Actual),
         };
         MasterAt {
-            point: Point {
+            point: KinematicState {
                 position: point.position - axis.redefined,
                 ..point
             },

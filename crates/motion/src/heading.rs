@@ -5,7 +5,7 @@
 //! the other two change by half a turn at once, as the reference's mirror rule has it. Real-time: nothing allocates. Units: degrees.
 
 use arcline_planner::geometry::{Path, Point, Turn, angle_rates, angles, continued, nearest, rotation, turn_rates};
-use arcline_planner::profile::Limits;
+use arcline_planner::profile::{KinematicState, Limits};
 use arcline_planner::{Sample, Turning};
 
 use crate::axis::Axis;
@@ -232,7 +232,7 @@ impl Motion {
                 .get_mut(usize::from(*axis))
                 .filter(|_| place < MAX_PRIMARY_AXES)
             {
-                axis.set_coordinated(arcline_drive::Motion {
+                axis.set_coordinated(KinematicState {
                     position: component(&position, place),
                     velocity: component(&velocity, place),
                     acceleration: component(&acceleration, place),

@@ -1,6 +1,6 @@
 //! Status words, from the state at a tick.
 
-use arcline_drive::{Motion as Point, Saturation};
+use arcline_drive::Saturation;
 use arcline_instruction_set::FaultWord;
 use arcline_instruction_set::predefined::{
     axis_event, axis_fault, axis_status, cip_axis_io_status, cip_axis_status, coordinate_motion_status as motion,
@@ -8,6 +8,7 @@ use arcline_instruction_set::predefined::{
 };
 use arcline_planner::Clock;
 use arcline_planner::profile::Phase;
+use arcline_profile::KinematicState;
 
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
@@ -180,7 +181,7 @@ fn phase(axis: &Axis) -> Phase {
     {
         return only.shown_phase;
     }
-    let Point {
+    let KinematicState {
         velocity, acceleration, ..
     } = axis.command;
     let rising = velocity * acceleration;

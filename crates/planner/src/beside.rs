@@ -9,7 +9,7 @@
 //! Position units and seconds (master units in place of seconds). Bounded; no allocation.
 
 use arcline_geometry::{Path, Point};
-use arcline_profile::{Jerk, Lead, Limits, Phase, Profile, State};
+use arcline_profile::{Jerk, KinematicState, Lead, Limits, Phase, Profile};
 
 use crate::Clock;
 use crate::junction::{braking, is_along};
@@ -27,7 +27,7 @@ impl<T: Copy> Planner<T> {
             return;
         }
         let widest = momentum.before.filter(|_| self.bounds.overshoot).map(|before| {
-            let from = State {
+            let from = KinematicState {
                 position: 0.0,
                 velocity: speed,
                 acceleration: momentum.acceleration.dot(&momentum.velocity) / speed,
@@ -46,7 +46,7 @@ impl<T: Copy> Planner<T> {
         let across = (momentum.acceleration - direction * along).norm();
         let level = across <= NO_ACCELERATION * momentum.acceleration.norm();
         if path.length() > 0.0 && level && is_along(&momentum.velocity, &tangent) {
-            let from = State {
+            let from = KinematicState {
                 position: 0.0,
                 velocity: speed,
                 acceleration: along,
@@ -74,7 +74,7 @@ impl<T: Copy> Planner<T> {
         let pieces = if path.length() == 0.0 {
             Pieces {
                 parts: out.and_back(),
-                from: State::default(),
+                from: KinematicState::default(),
                 limits: motion.limits,
                 profile: None,
             }
@@ -102,7 +102,7 @@ impl<T: Copy> Planner<T> {
         if !self.bounds.overshoot {
             return limits;
         }
-        let from = State {
+        let from = KinematicState {
             position: 0.0,
             velocity: speed,
             acceleration: momentum.acceleration.dot(&momentum.velocity) / speed,
@@ -122,7 +122,7 @@ impl<T: Copy> Planner<T> {
 }
 
 /// Limits with the jerks that take an acceleration away before a motion is faster than `fastest`, or passes through rest.
-fn relieved(from: State, limits: &Limits, fastest: f64) -> Limits {
+fn relieved(from: KinematicState, limits: &Limits, fastest: f64) -> Limits {
     let mut limits = *limits;
     let lead = forward(from, &limits, fastest);
     if let (Some(lead), Some(jerk)) = (lead, &mut limits.jerk) {
@@ -136,7 +136,7 @@ fn relieved(from: State, limits: &Limits, fastest: f64) -> Limits {
 }
 
 /// Limits whose ramps are hastened, as little as need be, until a stop takes no more than a way.
-fn hastened(from: State, limits: &Limits, widest: f64, braking: bool) -> Limits {
+fn hastened(from: KinematicState, limits: &Limits, widest: f64, braking: bool) -> Limits {
     let widest = widest * (1.0 + NEARLY);
     let fits = |limits: &Limits| stop_way(from, limits) <= widest;
     if widest.is_nan() || widest <= 0.0 || fits(limits) {
@@ -179,7 +179,7 @@ fn hastened(from: State, limits: &Limits, widest: f64, braking: bool) -> Limits 
 }
 
 /// The way of a stop that does not pass through rest.
-fn stop_way(from: State, limits: &Limits) -> f64 {
+fn stop_way(from: KinematicState, limits: &Limits) -> f64 {
     Profile::led(Lead::before_rest(from, limits), from, |from| {
         Profile::stop(from, limits)
     })
@@ -187,7 +187,7 @@ fn stop_way(from: State, limits: &Limits) -> f64 {
 }
 
 /// Limits with which a stop, on a path that is travelled with a share of them, takes no more than a way.
-fn short(from: State, limits: &Limits, pace: f64, widest: f64) -> Limits {
+fn short(from: KinematicState, limits: &Limits, pace: f64, widest: f64) -> Limits {
     let own = paced(limits, 1.0, pace);
     if stop_way(from, &own) <= widest * (1.0 + NEARLY) {
         return *limits;
@@ -205,7 +205,7 @@ fn short(from: State, limits: &Limits, pace: f64, widest: f64) -> Limits {
 }
 
 /// The lead that keeps a motion below a speed, and from passing through rest.
-pub(crate) fn forward(from: State, limits: &Limits, ceiling: f64) -> Option<Lead> {
+pub(crate) fn forward(from: KinematicState, limits: &Limits, ceiling: f64) -> Option<Lead> {
     if from.velocity * from.acceleration < 0.0 {
         Lead::before_rest(from, limits)
     } else {
@@ -228,7 +228,7 @@ struct RampOut {
 struct Pieces {
     parts: [Part; 3],
     /// Where the path begins.
-    from: State,
+    from: KinematicState,
     /// Its limits.
     limits: Limits,
     /// How the path is travelled; `None`: as its limits let it.
@@ -295,7 +295,7 @@ fn pieces<T: Copy>(motion: &Move<T>, out: RampOut, rate: f64, bound: Option<f64>
 fn apart<T>(motion: &Move<T>, out: &RampOut) -> Pieces {
     Pieces {
         parts: out.parts(out.momentum.velocity, out.momentum.acceleration),
-        from: State::default(),
+        from: KinematicState::default(),
         limits: motion.limits,
         profile: None,
     }
@@ -312,7 +312,7 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
     for _ in 0..SPLITTINGS {
         let way = tangent - drift;
         let square = way.norm_squared();
-        let along = State {
+        let along = KinematicState {
             position: 0.0,
             velocity: velocity.dot(&way) / square,
             acceleration: acceleration.dot(&way) / square,
@@ -356,7 +356,7 @@ impl RampOut {
         }
         let nothing = Part::new(Point::zeros(), Profile::rest(0.0));
         let first = if speed > 0.0 {
-            let from = State {
+            let from = KinematicState {
                 position: 0.0,
                 velocity: speed,
                 acceleration: along,
@@ -368,9 +368,9 @@ impl RampOut {
         };
         let second = match across.try_normalize(0.0) {
             Some(direction) => {
-                let from = State {
+                let from = KinematicState {
                     acceleration: across.norm(),
-                    ..State::default()
+                    ..KinematicState::default()
                 };
                 let limits = self.limits.hastened(self.across);
                 let limits = hastened(from, &limits, ASIDE * self.widest, false);
@@ -407,10 +407,10 @@ impl Beside<'_> {
     /// jerk with which an acceleration is taken away before a hold. `None` where a hold is too fast.
     pub(crate) fn profile(
         &self,
-        from: State,
+        from: KinematicState,
         limits: &Limits,
         relief: f64,
-        plan: impl Fn(State, &Limits) -> Profile,
+        plan: impl Fn(KinematicState, &Limits) -> Profile,
     ) -> Option<Profile> {
         let free = Profile::led(forward(from, limits, self.bound / self.most_way()), from, |from| {
             plan(from, limits)
@@ -440,10 +440,10 @@ impl Beside<'_> {
     /// The path holds its speed until everything has ramped out.
     pub(crate) fn waiting(
         &self,
-        from: State,
+        from: KinematicState,
         limits: &Limits,
         relief: f64,
-        plan: impl Fn(State, &Limits) -> Profile,
+        plan: impl Fn(KinematicState, &Limits) -> Profile,
     ) -> Profile {
         held(from, limits, relief, self.until(), &plan)
     }
@@ -533,7 +533,13 @@ impl Beside<'_> {
 }
 
 /// A plan behind a hold that ends so many seconds from now, unless the plan must slow down before.
-fn held(from: State, limits: &Limits, relief: f64, wait: f64, plan: &impl Fn(State, &Limits) -> Profile) -> Profile {
+fn held(
+    from: KinematicState,
+    limits: &Limits,
+    relief: f64,
+    wait: f64,
+    plan: &impl Fn(KinematicState, &Limits) -> Profile,
+) -> Profile {
     let lead = if from.acceleration * from.velocity < 0.0 {
         let own = limits.jerk.map_or(f64::INFINITY, |jerk| jerk.deceleration);
         let critical = Lead::before_rest(from, limits).map_or(0.0, |lead| lead.jerk);

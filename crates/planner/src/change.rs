@@ -2,7 +2,7 @@
 //!
 //! Bounded. What pending moves are given stands in `sight`.
 
-use arcline_profile::{Lead, Limits, MOST_OVERSHOOT, Profile, State, entry_speed, passing_speed};
+use arcline_profile::{KinematicState, Lead, Limits, MOST_OVERSHOOT, Profile, entry_speed, passing_speed};
 
 use crate::Clock;
 use crate::beside::Beside;
@@ -125,7 +125,14 @@ impl<T: Copy> Planner<T> {
     }
 
     /// Comes to rest on the path, over no more way than with the limits so far, and no faster than any other change.
-    fn pause(&self, running: &mut Running<T>, from: State, target: f64, ran: &Limits, clock: &Clock) -> Profile {
+    fn pause(
+        &self,
+        running: &mut Running<T>,
+        from: KinematicState,
+        target: f64,
+        ran: &Limits,
+        clock: &Clock,
+    ) -> Profile {
         let mut limits = self.limits(running);
         let relief = running.relief;
         // The jerk that would have taken the acceleration away always suffices.
@@ -167,10 +174,10 @@ impl<T: Copy> Planner<T> {
     fn beside_again(
         &self,
         running: &Running<T>,
-        from: State,
+        from: KinematicState,
         limits: &Limits,
         ran: &Limits,
-        plan: impl Fn(State, &Limits) -> Profile,
+        plan: impl Fn(KinematicState, &Limits) -> Profile,
         clock: &Clock,
     ) -> Option<Profile> {
         let track = &running.track;
@@ -197,7 +204,7 @@ impl<T: Copy> Planner<T> {
     }
 
     /// The way to the start of the active path, which has other rates, is planned again. The state there.
-    fn approach_again(&self, running: &mut Running<T>, mut approach: Approach, clock: &Clock) -> State {
+    fn approach_again(&self, running: &mut Running<T>, mut approach: Approach, clock: &Clock) -> KinematicState {
         let elapsed = approach.start.elapsed(clock);
         let mut from = approach.profile.at(elapsed);
         from.position -= approach.offset;
@@ -221,7 +228,7 @@ impl<T: Copy> Planner<T> {
         running.track.approach = Some(approach);
         // Beyond the place, it comes back to rest there.
         let velocity = approach.profile.end().velocity;
-        State {
+        KinematicState {
             position: 0.0,
             velocity,
             acceleration: 0.0,
@@ -238,7 +245,7 @@ impl<T: Copy> Planner<T> {
     }
 
     /// The profile of the active path from its beginning, which lies ahead.
-    fn plan_from(&mut self, mut running: Running<T>, from: State, clock: &Clock) -> bool {
+    fn plan_from(&mut self, mut running: Running<T>, from: KinematicState, clock: &Clock) -> bool {
         let plan = self.plan(&running, from);
         running.track.profile = self.profile(&running, from, &plan);
         running.track.offset = 0.0;

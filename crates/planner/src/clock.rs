@@ -4,7 +4,7 @@
 //! A master's way has no ticks: a clock of it shows the way itself, in master units. Everything that is planned over it has
 //! master units where it has seconds otherwise. How fast the way goes on is its [`Pace`].
 
-use arcline_profile::State;
+use arcline_profile::KinematicState;
 
 use crate::Sample;
 
@@ -132,8 +132,8 @@ pub struct Pace {
 
 impl Pace {
     /// A state by the way as one by time.
-    pub fn in_time(&self, state: State) -> State {
-        State {
+    pub fn in_time(&self, state: KinematicState) -> KinematicState {
+        KinematicState {
             velocity: state.velocity * self.speed,
             acceleration: state.acceleration * self.speed * self.speed + state.velocity * self.acceleration,
             ..state
@@ -141,15 +141,15 @@ impl Pace {
     }
 
     /// A state by time as one by the way; at rest where the way does not go on.
-    pub fn on_the_way(&self, state: State) -> State {
+    pub fn on_the_way(&self, state: KinematicState) -> KinematicState {
         if self.speed <= 0.0 {
-            return State {
+            return KinematicState {
                 position: state.position,
-                ..State::default()
+                ..KinematicState::default()
             };
         }
         let velocity = state.velocity / self.speed;
-        State {
+        KinematicState {
             velocity,
             acceleration: (state.acceleration - velocity * self.acceleration) / (self.speed * self.speed),
             ..state
@@ -203,7 +203,7 @@ mod tests {
             speed: 50.0,
             acceleration: 30.0,
         };
-        let state = State {
+        let state = KinematicState {
             position: 7.0,
             velocity: 2.0,
             acceleration: -0.5,

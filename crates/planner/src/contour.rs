@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 use arcline_contour::{Deviation, Trajectory};
 use arcline_geometry::Point;
-use arcline_profile::{Jerk, Limits, Phase, State};
+use arcline_profile::{Jerk, KinematicState, Limits, Phase};
 
 use crate::{Clock, Instant, Move, QueueFull, ROUNDING, Sample};
 use pace::{Pace, Wanted};
@@ -356,7 +356,7 @@ impl<T: Copy> ContourQueue<T> {
 
 impl Run {
     /// Where the coordinate system is at a place of the trajectory's own time that goes on like this.
-    fn at(&self, pace: State) -> Sample {
+    fn at(&self, pace: KinematicState) -> Sample {
         let duration = self.trajectory.duration();
         let own = if pace.position >= duration - ROUNDING {
             duration
@@ -376,7 +376,7 @@ impl Run {
             position: at.position,
             velocity,
             acceleration,
-            along: State {
+            along: KinematicState {
                 position: self.gone_at(own),
                 velocity: speed,
                 acceleration: tangential,

@@ -1,6 +1,6 @@
 //! How the oldest pending move becomes the active one: from rest, blending, at a speed, or with the profile running on.
 
-use arcline_profile::{Lead, Profile, State};
+use arcline_profile::{KinematicState, Lead, Profile};
 
 use crate::junction::{Junction, junction};
 use crate::look_ahead::{Ends, turns_back};
@@ -36,7 +36,7 @@ impl<T: Copy> Planner<T> {
             Junction::Blend { .. } if early => {
                 self.tail = Some(last.track);
                 self.tail_turns = last.turn_limits();
-                self.run(next, State::default(), at, None, true, clock);
+                self.run(next, KinematicState::default(), at, None, true, clock);
             }
             Junction::Overtake { .. } if early && self.overtake(&last, next, at, clock) => {}
             Junction::Pass { .. } | Junction::Overtake { .. } if early => {
@@ -59,7 +59,7 @@ impl<T: Copy> Planner<T> {
                 let from = if last.exit > 0.0 {
                     passing(end)
                 } else {
-                    State::default()
+                    KinematicState::default()
                 };
                 self.run(next, from, at, None, false, clock);
             }
@@ -145,8 +145,8 @@ impl<T: Copy> Planner<T> {
 }
 
 /// The state in which a junction is passed, on the path behind it.
-fn passing(end: State) -> State {
-    State { position: 0.0, ..end }
+fn passing(end: KinematicState) -> KinematicState {
+    KinematicState { position: 0.0, ..end }
 }
 
 /// Share of a distance that is rounding.

@@ -7,7 +7,7 @@
 //! the path must be left. A corner that is met faster than the axes can follow it is a rest: the motion goes beyond it along
 //! the end tangent, as beyond an end, and comes back. Bounded: a fixed number of bounds is looked at (spec/motion-core.md §7).
 
-use arcline_profile::{Jerk, Limits, Passing, Profile, State, passing_speed};
+use arcline_profile::{Jerk, KinematicState, Limits, Passing, Profile, passing_speed};
 
 use crate::junction::{Junction, Link, junction};
 use crate::planner::{Planner, Running, paced};
@@ -19,7 +19,7 @@ const LED_OVER: usize = 6;
 
 impl<T: Copy> Planner<T> {
     /// What the profile of a move that is in state `from` aims at.
-    pub(crate) fn plan(&self, running: &Running<T>, from: State) -> Plan {
+    pub(crate) fn plan(&self, running: &Running<T>, from: KinematicState) -> Plan {
         let limits = self.limits(running);
         let length = running.motion.path.length();
         let mut cap = limits.speed;
@@ -115,7 +115,7 @@ impl<T: Copy> Planner<T> {
     }
 
     /// A profile that does what a plan says.
-    pub(crate) fn profile(&self, running: &Running<T>, from: State, plan: &Plan) -> Profile {
+    pub(crate) fn profile(&self, running: &Running<T>, from: KinematicState, plan: &Plan) -> Profile {
         // The exit speed may be above that of a move that is held.
         let limits = Limits {
             speed: plan.cap.max(plan.exit),
@@ -198,7 +198,7 @@ impl<T: Copy> Planner<T> {
                     speed: next.limits.speed * self.queue.rate(),
                     ..next.limits
                 };
-                let rising = Profile::to_position(State::default(), next.path.length(), 0.0, &limits);
+                let rising = Profile::to_position(KinematicState::default(), next.path.length(), 0.0, &limits);
                 begins + (braking - rising.accelerates_until()).max(0.0)
             }
         };
@@ -252,7 +252,7 @@ pub(crate) enum Ends {
 }
 
 /// Whether a deceleration can only be taken back when the motion has passed through rest.
-pub(crate) fn turns_back(from: &State, limits: &Limits) -> bool {
+pub(crate) fn turns_back(from: &KinematicState, limits: &Limits) -> bool {
     let relieved = |jerk: Jerk| 0.5 * from.acceleration * from.acceleration / jerk.deceleration;
     let least = (1.0 + ROUNDING) * from.velocity;
     from.acceleration < 0.0 && limits.jerk.is_some_and(|jerk| least < relieved(jerk))

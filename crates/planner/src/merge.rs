@@ -7,7 +7,7 @@
 
 use arcline_contour::AxisLimits;
 use arcline_geometry::{Path, Point};
-use arcline_profile::{Jerk, Limits, Profile, State};
+use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
 use crate::planner::{Momentum, Move, NO_ACCELERATION, Planner};
 use crate::track::{Part, Residual};
@@ -43,7 +43,7 @@ impl<T: Copy> Planner<T> {
         };
         let at_rest = momentum.velocity == Point::zeros() && momentum.acceleration == Point::zeros();
         if at_rest || kept(&motion.path, &momentum) {
-            let from = State {
+            let from = KinematicState {
                 position: 0.0,
                 velocity: momentum.velocity.norm(),
                 acceleration: motion.path.start_tangent().dot(&momentum.acceleration),
@@ -68,7 +68,14 @@ impl<T: Copy> Planner<T> {
             pace: 1.0,
         };
         let start = clock.now().after(plan.wait, clock);
-        self.run_within(motion, State::default(), start, Some(residual), plan.within, clock);
+        self.run_within(
+            motion,
+            KinematicState::default(),
+            start,
+            Some(residual),
+            plan.within,
+            clock,
+        );
     }
 
     /// The limits that a change of the active move may have.
@@ -79,7 +86,7 @@ impl<T: Copy> Planner<T> {
     fn run_within(
         &mut self,
         mut motion: Move<T>,
-        from: State,
+        from: KinematicState,
         at: Instant,
         residual: Option<Residual>,
         within: Within,
@@ -123,7 +130,7 @@ fn beside<T>(motion: &Move<T>, momentum: &Momentum, axes: &AxisLimits) -> Option
         speed: MOST_RATE * own.speed,
         ..*own
     });
-    let along = Profile::to_position(State::default(), motion.path.length(), 0.0, &limits);
+    let along = Profile::to_position(KinematicState::default(), motion.path.length(), 0.0, &limits);
     let whole = parts.iter().map(|part| part.profile.duration()).fold(0.0, f64::max);
     let most = within.most_tangent();
     let mut speed = 0.0_f64;
@@ -198,7 +205,7 @@ fn ramped_out(momentum: &Momentum, own: &Limits, axes: &AxisLimits, path: &Path,
                 deceleration: slow,
             }
         });
-        let from = State {
+        let from = KinematicState {
             position: 0.0,
             velocity: momentum.velocity[axis],
             acceleration: momentum.acceleration[axis],

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use arcline_geometry::{Path, Point, Turn};
-use arcline_profile::{Bounds, Jerk, Lead, Limits, Profile, State};
+use arcline_profile::{Bounds, Jerk, KinematicState, Lead, Limits, Profile};
 
 use crate::beside::forward;
 use crate::junction::Ending;
@@ -107,7 +107,7 @@ impl Relief {
         forward: false,
     };
 
-    pub(crate) fn lead(&self, from: State, limits: &Limits) -> Option<Lead> {
+    pub(crate) fn lead(&self, from: KinematicState, limits: &Limits) -> Option<Lead> {
         if self.ceiling.is_infinite() {
             None
         } else if self.forward {
@@ -247,7 +247,7 @@ impl<T: Copy> Planner<T> {
     pub fn start(&mut self, motion: Move<T>, at: Instant, clock: &Clock) {
         self.tail = None;
         self.queue.forget_corners();
-        self.run(motion, State::default(), at, None, false, clock);
+        self.run(motion, KinematicState::default(), at, None, false, clock);
     }
 
     /// Puts a move behind the last one. What the active one does at its end may change with it.
@@ -409,7 +409,7 @@ impl<T: Copy> Planner<T> {
     pub(crate) fn run(
         &mut self,
         motion: Move<T>,
-        from: State,
+        from: KinematicState,
         at: Instant,
         residual: Option<Residual>,
         blended: bool,
@@ -429,7 +429,7 @@ impl<T: Copy> Planner<T> {
     }
 
     /// As [`Planner::run`] at the present tick, out of another motion along the path.
-    pub(crate) fn run_relieved(&mut self, motion: Move<T>, from: State, relief: Relief, clock: &Clock) {
+    pub(crate) fn run_relieved(&mut self, motion: Move<T>, from: KinematicState, relief: Relief, clock: &Clock) {
         self.run(motion, from, clock.now(), None, false, clock);
         let Some(mut running) = self.active else { return };
         running.relief = relief;
@@ -445,7 +445,7 @@ impl<T: Copy> Planner<T> {
         &mut self,
         motion: Move<T>,
         residual: Residual,
-        from: State,
+        from: KinematicState,
         along: Option<Profile>,
         clock: &Clock,
     ) {
@@ -457,7 +457,7 @@ impl<T: Copy> Planner<T> {
     }
 
     /// Begins a move on a track whose profile is still to be planned from `from`.
-    pub(crate) fn begin(&mut self, motion: Move<T>, track: Track, from: State, blended: bool, clock: &Clock) {
+    pub(crate) fn begin(&mut self, motion: Move<T>, track: Track, from: KinematicState, blended: bool, clock: &Clock) {
         self.clear_trail();
         let mut running = Running {
             motion,
@@ -480,7 +480,7 @@ impl<T: Copy> Planner<T> {
     }
 
     /// What the profile of a move aims at, and the profile, behind what takes a present acceleration away.
-    pub(crate) fn planned(&self, running: &Running<T>, from: State) -> (Plan, Profile) {
+    pub(crate) fn planned(&self, running: &Running<T>, from: KinematicState) -> (Plan, Profile) {
         let lead = running.relief.lead(from, &self.limits(running));
         let level = lead.map_or(from, |lead| lead.end());
         let plan = self.plan(running, level);

@@ -1,7 +1,7 @@
 //! One path in execution: the geometry, the profile along it, and what is superposed.
 
 use arcline_geometry::{Path, PathPoint, Point, Turn, Turned};
-use arcline_profile::{Bounds, Limits, Phase, Profile, State};
+use arcline_profile::{Bounds, KinematicState, Limits, Phase, Profile};
 
 use crate::{Clock, Instant, Pace, ROUNDING};
 
@@ -65,7 +65,7 @@ pub struct Sample {
     /// Acceleration of the axes, units/s².
     pub acceleration: Point,
     /// State along the path: distance from its start, speed, tangential acceleration.
-    pub along: State,
+    pub along: KinematicState,
     /// What the speed along the path does.
     pub phase: Phase,
     /// The orientation, and its rates in radians/s and radians/s², while a move turns it.
@@ -137,7 +137,7 @@ impl Track {
     }
 
     /// State along the path at the present tick; before its start the distance is negative.
-    pub(crate) fn state(&self, clock: &Clock) -> State {
+    pub(crate) fn state(&self, clock: &Clock) -> KinematicState {
         let elapsed = self.start.elapsed(clock);
         match &self.approach {
             Some(approach) if elapsed < 0.0 => {
@@ -156,7 +156,7 @@ impl Track {
         (soon - now) / SOON
     }
 
-    fn along(&self, elapsed: f64) -> State {
+    fn along(&self, elapsed: f64) -> KinematicState {
         let mut along = self.profile.at(elapsed);
         if self.offset != 0.0 {
             along.position -= self.offset;
@@ -301,7 +301,7 @@ impl Part {
     }
 }
 
-fn at(path: &Path, s: f64, along: State, phase: Phase) -> Sample {
+fn at(path: &Path, s: f64, along: KinematicState, phase: Phase) -> Sample {
     let PathPoint {
         position,
         tangent,

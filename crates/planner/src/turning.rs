@@ -6,7 +6,7 @@
 //! Bounded; nothing allocates. Radians, seconds.
 
 use arcline_geometry::{Path, Point, Spin, Turn, Turned};
-use arcline_profile::{Jerk, Limits, Profile, State};
+use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
 use crate::junction::braking;
 use crate::planner::{Parameter, Planner, Running};
@@ -40,7 +40,7 @@ impl Turning {
     pub fn on_the_way(&self, pace: &Pace, nominal: f64) -> Turning {
         let mut own = *self;
         for place in 0..own.rate.len() {
-            let state = pace.on_the_way(State {
+            let state = pace.on_the_way(KinematicState {
                 position: 0.0,
                 velocity: self.rate[place],
                 acceleration: self.change[place],
@@ -76,14 +76,14 @@ impl Turning {
         let across = change - along * along.dot(&change);
         let limits = braking(&self.limits, speed);
         let profiles = [
-            State {
+            KinematicState {
                 position: 0.0,
                 velocity: speed,
                 acceleration: along.dot(&change),
             },
-            State {
+            KinematicState {
                 acceleration: across.norm(),
-                ..State::default()
+                ..KinematicState::default()
             },
         ]
         .map(|from| Profile::stop(from, &limits));

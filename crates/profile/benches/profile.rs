@@ -7,12 +7,12 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use arcline_profile::{Jerk, Limits, Profile, State, entry_speed, exit_speed};
+use arcline_profile::{Jerk, KinematicState, Limits, Profile, entry_speed, exit_speed};
 use criterion::{Criterion, criterion_group, criterion_main};
 use rsruckig::prelude::*;
 
 struct Case {
-    from: State,
+    from: KinematicState,
     target: f64,
     limits: Limits,
     input: InputParameter<1>,
@@ -31,7 +31,7 @@ fn cases(count: usize) -> Vec<Case> {
         .map(|_| {
             let decade = |seed: &mut u64| 10f64.powi((random(seed) * 3.0) as i32 - 1) * (0.3 + random(seed));
             let (speed, acceleration, jerk) = (decade(&mut seed), decade(&mut seed), decade(&mut seed));
-            let from = State {
+            let from = KinematicState {
                 position: 0.0,
                 velocity: speed * (2.0 * random(&mut seed) - 1.0),
                 acceleration: acceleration * (2.0 * random(&mut seed) - 1.0),

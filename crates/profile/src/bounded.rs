@@ -7,9 +7,10 @@
 //!
 //! Position units and seconds. Real-time safe, as the rest of the crate.
 
+use crate::KinematicState;
 use crate::builder::MAX_SEGMENTS;
 use crate::limits::{Jerk, Limits, Shape};
-use crate::profile::{Profile, Segment, State};
+use crate::profile::{Profile, Segment};
 
 /// The Dynamics Configuration Bits of an axis or a coordinate system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +61,7 @@ pub const MOST_OVERSHOOT: f64 = 1.5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lead {
     /// Where it begins.
-    pub from: State,
+    pub from: KinematicState,
     /// Position units per second cubed, above 0. What has no time to be taken away is dropped at once.
     pub jerk: f64,
     /// Seconds for which the speed is held afterwards.
@@ -71,7 +72,7 @@ impl Lead {
     /// The lead that keeps the speed of what is planned from a state at or below `ceiling`; `None` where the jerks of the
     /// limits do. What passes through rest counts with its speed on the other side.
     #[must_use]
-    pub fn below(from: State, limits: &Limits, ceiling: f64) -> Option<Lead> {
+    pub fn below(from: KinematicState, limits: &Limits, ceiling: f64) -> Option<Lead> {
         let Shape::SCurve(own) = limits.shape() else {
             return None;
         };
@@ -101,7 +102,7 @@ impl Lead {
 
     /// The lead that takes a deceleration away before the motion passes through rest; `None` where the jerk of the limits does.
     #[must_use]
-    pub fn before_rest(from: State, limits: &Limits) -> Option<Lead> {
+    pub fn before_rest(from: KinematicState, limits: &Limits) -> Option<Lead> {
         let Shape::SCurve(own) = limits.shape() else {
             return None;
         };
@@ -121,7 +122,7 @@ impl Lead {
 
     /// The state in which it ends: at a constant speed.
     #[must_use]
-    pub fn end(&self) -> State {
+    pub fn end(&self) -> KinematicState {
         let mut level = self.level();
         level.position += level.velocity * self.hold;
         level
@@ -158,14 +159,14 @@ impl Lead {
         if time.is_finite() { time } else { 0.0 }
     }
 
-    fn level(&self) -> State {
-        let State {
+    fn level(&self) -> KinematicState {
+        let KinematicState {
             position,
             velocity,
             acceleration,
         } = self.from;
         let time = self.relief();
-        State {
+        KinematicState {
             position: position + time * (velocity + time * acceleration / 3.0),
             velocity: velocity + 0.5 * time * acceleration,
             acceleration: 0.0,
@@ -176,7 +177,7 @@ impl Lead {
 impl Profile {
     /// A plan from a state, behind the lead if there is one.
     #[must_use]
-    pub fn led(lead: Option<Lead>, from: State, plan: impl FnOnce(State) -> Profile) -> Profile {
+    pub fn led(lead: Option<Lead>, from: KinematicState, plan: impl FnOnce(KinematicState) -> Profile) -> Profile {
         match lead {
             Some(lead) => lead.then(&plan(lead.end())),
             None => plan(from),
@@ -186,7 +187,7 @@ impl Profile {
     /// A stop within the bounds (spec/coordinated-instructions.md §5.4): `before` are the limits with which the motion ran so far. With bits 0 and 1 its speed
     /// neither passes through rest nor rises above 1.5 times the larger of the present and the programmed one.
     #[must_use]
-    pub fn stop_within(from: State, limits: &Limits, before: Option<&Limits>, bounds: Bounds) -> Profile {
+    pub fn stop_within(from: KinematicState, limits: &Limits, before: Option<&Limits>, bounds: Bounds) -> Profile {
         let mut limits = *limits;
         if let Some(jerk) = &mut limits.jerk {
             if from.velocity * from.acceleration >= 0.0 {
@@ -254,7 +255,7 @@ impl Limits {
 }
 
 /// The jerk that takes a deceleration away as the motion comes to rest.
-fn critical_jerk(from: &State) -> Option<f64> {
+fn critical_jerk(from: &KinematicState) -> Option<f64> {
     let brakes = from.velocity * from.acceleration < 0.0;
     let jerk = 0.5 * from.acceleration * from.acceleration / from.velocity.abs();
     brakes.then_some(jerk * (1.0 + ROUNDING))

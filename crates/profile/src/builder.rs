@@ -1,6 +1,7 @@
 //! Where planned segments go: into a profile, or into a displacement only.
 
-use crate::profile::{Profile, Segment, State};
+use crate::KinematicState;
+use crate::profile::{Profile, Segment};
 
 /// A stop of five segments and a return of seven make twelve; 3.4 needs eleven (spec/motion-core.md §3.4). Two more lead in
 /// ([`crate::Lead`]).
@@ -84,8 +85,8 @@ impl<'a> Builder<'a> {
     }
 
     /// The present state in the caller's frame.
-    pub(crate) fn state(&self) -> State {
-        State {
+    pub(crate) fn state(&self) -> KinematicState {
+        KinematicState {
             position: self.profile.start.position + self.sign * self.now.x,
             velocity: self.sign * self.now.v,
             acceleration: self.sign * self.now.a,
@@ -142,7 +143,7 @@ impl<'a> Builder<'a> {
                 let now = self.segment(index).0;
                 self.rewind(index, now);
                 self.push(time, segment.jerk);
-                let end = State {
+                let end = KinematicState {
                     position: target,
                     ..self.state()
                 };
@@ -154,13 +155,13 @@ impl<'a> Builder<'a> {
     }
 
     #[inline]
-    pub(crate) fn finish(self, end: State, arrives: bool) {
+    pub(crate) fn finish(self, end: KinematicState, arrives: bool) {
         let profile = self.profile;
         profile.len = self.len;
         profile.duration = self.time;
         profile.arrives = arrives;
         // No negative zeros.
-        profile.end = State {
+        profile.end = KinematicState {
             position: end.position,
             velocity: end.velocity + 0.0,
             acceleration: end.acceleration + 0.0,
@@ -190,7 +191,7 @@ impl Sink for Builder<'_> {
         if self.time + time > self.time && self.len < MAX_SEGMENTS {
             let Trial { x, v, a } = self.now;
             self.profile.times[self.len] = self.time;
-            let state = State {
+            let state = KinematicState {
                 position: x,
                 velocity: v,
                 acceleration: a,

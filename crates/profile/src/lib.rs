@@ -16,6 +16,7 @@
 mod bounded;
 mod builder;
 mod early;
+mod kinematic_state;
 mod limits;
 mod lookahead;
 mod passing;
@@ -30,7 +31,8 @@ mod trapezoid;
 mod tests;
 
 pub use bounded::{Bounds, Lead, MOST_OVERSHOOT};
+pub use kinematic_state::KinematicState;
 pub use limits::{Jerk, Limits, jerk_from_percent_of_time, percent_of_time_from_jerk};
 pub use lookahead::{entry_speed, exit_speed, stop_distance};
 pub use passing::{Passing, passing_speed};
-pub use profile::{Phase, Profile, State};
+pub use profile::{Phase, Profile};

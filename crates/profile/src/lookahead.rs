@@ -4,9 +4,9 @@
 //! Units: position units and seconds; speeds along the direction of the move. Real-time safe:
 //! constant time but for one case of [`exit_speed`], which is bounded. What is not finite counts as 0.
 
+use crate::KinematicState;
 use crate::builder::Trial;
 use crate::limits::{Limits, SCurve, Shape, Side, Trapezoid, sane};
-use crate::profile::State;
 use crate::ramp::{approach, ramp};
 use crate::{peak, root};
 
@@ -42,7 +42,7 @@ pub fn entry_speed(length: f64, end_speed: f64, limits: &Limits) -> f64 {
 /// [`Profile::to_position`](crate::Profile::to_position) then ends with more than was asked, and the
 /// next move must brake.
 #[must_use]
-pub fn exit_speed(from: State, length: f64, limits: &Limits) -> f64 {
+pub fn exit_speed(from: KinematicState, length: f64, limits: &Limits) -> f64 {
     let length = sane(length).max(0.0);
     let now = Trial {
         x: 0.0,

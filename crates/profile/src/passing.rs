@@ -3,10 +3,10 @@
 //! Position units and seconds; speeds along the direction of the move. Not a plan: nothing here makes a profile.
 //! Real-time safe: at most a fixed number of ramps is tried. What is not finite counts as 0.
 
+use crate::KinematicState;
 use crate::builder::Trial;
 use crate::limits::{Limits, SCurve, Shape, sane};
 use crate::lookahead::exit_speed;
-use crate::profile::State;
 use crate::ramp::ramp;
 use crate::root;
 
@@ -28,7 +28,7 @@ pub struct Passing {
 /// can stop behind it too from what this returns. Where the way is too short even to bring the acceleration to 0, it
 /// is the speed that results when that is begun at once.
 #[must_use]
-pub fn passing_speed(from: State, length: f64, wanted: f64, limits: &Limits) -> Passing {
+pub fn passing_speed(from: KinematicState, length: f64, wanted: f64, limits: &Limits) -> Passing {
     let (length, wanted) = (sane(length).max(0.0), sane(wanted).max(0.0));
     let upwards = Limits {
         speed: wanted,

@@ -6,10 +6,11 @@
 //! closed terms (`peak`); where it is left earlier (still slowing down, or turning round), the
 //! switch time is the root of a monotone function (`root`).
 
+use crate::KinematicState;
 use crate::builder::{Builder, Sink, Trial};
 use crate::limits::{SCurve, way};
 use crate::peak::{self, Peak};
-use crate::profile::{Profile, State};
+use crate::profile::Profile;
 use crate::ramp::{approach, change_by, ramp};
 use crate::{early, root};
 
@@ -210,7 +211,7 @@ fn run(builder: &mut Builder<'_>, peak: &Peak, end_speed: f64, limits: &SCurve) 
 fn stop(profile: &mut Profile, target: f64, limits: &SCurve) {
     let mut builder = Builder::new(profile, 1.0);
     ramp(&mut builder, 0.0, limits);
-    let end = State {
+    let end = KinematicState {
         velocity: 0.0,
         acceleration: 0.0,
         ..builder.state()
@@ -221,7 +222,7 @@ fn stop(profile: &mut Profile, target: f64, limits: &SCurve) {
 /// No stop from here ends farther away than this, to either side: the acceleration is brought to 0 at
 /// most twice (the motion passes through rest between), and what is left is less than a stop from the
 /// largest speed there can be.
-fn farthest_stop(from: &State, limits: &SCurve) -> f64 {
+fn farthest_stop(from: &KinematicState, limits: &SCurve) -> f64 {
     let relieving = from.acceleration.abs() * limits.up.per_jerk.max(limits.down.per_jerk);
     let fastest = from.velocity.abs() + 0.5 * from.acceleration.abs() * relieving;
     MARGIN * fastest * (2.0 * relieving + 0.5 * peak::ramp_time(fastest, &limits.down).0)
@@ -231,7 +232,7 @@ fn farthest_stop(from: &State, limits: &SCurve) -> f64 {
 const MARGIN: f64 = 1.0 + 1e-9;
 
 /// Displacement of the stop from here in closed form, to a few digits less than [`ramp_displacement`].
-fn stop_displacement(from: &State, limits: &SCurve) -> f64 {
+fn stop_displacement(from: &KinematicState, limits: &SCurve) -> f64 {
     let (up, down) = (&limits.up, &limits.down);
     let mirrored = from.velocity < 0.0 || (from.velocity == 0.0 && from.acceleration < 0.0);
     let sign = if mirrored { -1.0 } else { 1.0 };
@@ -266,12 +267,12 @@ fn stop_displacement(from: &State, limits: &SCurve) -> f64 {
 /// Relative difference of displacements below which every digit of them counts.
 const CLOSE: f64 = 1e-6;
 
-fn ramp_displacement(from: &State, velocity: f64, limits: &SCurve) -> f64 {
+fn ramp_displacement(from: &KinematicState, velocity: f64, limits: &SCurve) -> f64 {
     ramp_excursion(from, velocity, limits).0
 }
 
 /// The displacement of a ramp, and the largest size of one at the ends of its segments.
-fn ramp_excursion(from: &State, velocity: f64, limits: &SCurve) -> (f64, f64) {
+fn ramp_excursion(from: &KinematicState, velocity: f64, limits: &SCurve) -> (f64, f64) {
     let mut excursion = Excursion {
         trial: Trial {
             x: 0.0,
@@ -312,12 +313,12 @@ impl Sink for Excursion {
 }
 
 /// Differences of displacement below this are rounding.
-pub(crate) fn nearness(from: &State, target: f64, x: f64, x0: f64) -> f64 {
+pub(crate) fn nearness(from: &KinematicState, target: f64, x: f64, x0: f64) -> f64 {
     2e-15 * x.abs().max(x0.abs()) + 2e-16 * from.position.abs().max(target.abs())
 }
 
-fn arrived(target: f64, velocity: f64) -> State {
-    State {
+fn arrived(target: f64, velocity: f64) -> KinematicState {
+    KinematicState {
         position: target,
         velocity,
         acceleration: 0.0,

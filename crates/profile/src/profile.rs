@@ -3,20 +3,10 @@
 //! Seconds and position units. Sampling evaluates the segment from its start and never integrates,
 //! so rounding does not grow with time.
 
+use crate::KinematicState;
 use crate::builder::{Builder, MAX_SEGMENTS};
 use crate::limits::{Limits, Shape, sane};
 use crate::{position, ramp, trapezoid};
-
-/// Position (units), velocity (units/s) and acceleration (units/s^2) at an instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct State {
-    /// Position units.
-    pub position: f64,
-    /// Position units per second.
-    pub velocity: f64,
-    /// Position units per second squared.
-    pub acceleration: f64,
-}
 
 /// What a motion does at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +21,7 @@ pub enum Phase {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Segment {
-    pub(crate) state: State,
+    pub(crate) state: KinematicState,
     pub(crate) jerk: f64,
 }
 
@@ -42,9 +32,9 @@ pub struct Profile {
     pub(crate) times: [f64; MAX_SEGMENTS],
     pub(crate) segments: [Segment; MAX_SEGMENTS],
     pub(crate) len: usize,
-    pub(crate) start: State,
+    pub(crate) start: KinematicState,
     pub(crate) duration: f64,
-    pub(crate) end: State,
+    pub(crate) end: KinematicState,
     pub(crate) arrives: bool,
 }
 
@@ -52,7 +42,7 @@ impl Profile {
     /// At rest at `position`, with a duration of 0.
     #[must_use]
     pub fn rest(position: f64) -> Profile {
-        let state = State {
+        let state = KinematicState {
             position,
             velocity: 0.0,
             acceleration: 0.0,
@@ -75,7 +65,7 @@ impl Profile {
     /// Real-time safe: at most 64 evaluations of at most nine segments.
     #[must_use]
     #[inline]
-    pub fn to_position(from: State, target: f64, end_speed: f64, limits: &Limits) -> Profile {
+    pub fn to_position(from: KinematicState, target: f64, end_speed: f64, limits: &Limits) -> Profile {
         let mut profile = Profile::unplanned(from);
         profile.plan_to_position(from, target, end_speed, limits);
         profile
@@ -85,7 +75,7 @@ impl Profile {
     /// stop, then a move back from rest (spec/motion-core.md §5.2: after a change of dynamics).
     #[must_use]
     #[inline]
-    pub fn to_position_two_stage(from: State, target: f64, limits: &Limits) -> Profile {
+    pub fn to_position_two_stage(from: KinematicState, target: f64, limits: &Limits) -> Profile {
         let mut profile = Profile::unplanned(from);
         profile.plan_in_two_stages(from, target, limits);
         profile
@@ -95,7 +85,7 @@ impl Profile {
     /// `limits.speed` is not read.
     #[must_use]
     #[inline]
-    pub fn to_velocity(from: State, velocity: f64, limits: &Limits) -> Profile {
+    pub fn to_velocity(from: KinematicState, velocity: f64, limits: &Limits) -> Profile {
         let mut profile = Profile::unplanned(from);
         profile.plan_to_velocity(from, velocity, limits);
         profile
@@ -103,7 +93,7 @@ impl Profile {
 
     /// To rest, wherever that is: [`Profile::to_velocity`] 0.
     #[must_use]
-    pub fn stop(from: State, limits: &Limits) -> Profile {
+    pub fn stop(from: KinematicState, limits: &Limits) -> Profile {
         Profile::to_velocity(from, 0.0, limits)
     }
 
@@ -115,13 +105,13 @@ impl Profile {
 
     /// The state at time 0.
     #[must_use]
-    pub fn start(&self) -> State {
+    pub fn start(&self) -> KinematicState {
         self.start
     }
 
     /// The exact end state.
     #[must_use]
-    pub fn end(&self) -> State {
+    pub fn end(&self) -> KinematicState {
         self.end
     }
 
@@ -134,7 +124,7 @@ impl Profile {
     /// The state `t` seconds after the start. Before 0 the start state; from the duration on the end
     /// state, whose velocity goes on. Real-time safe: one pass over at most 14 start times.
     #[must_use]
-    pub fn at(&self, t: f64) -> State {
+    pub fn at(&self, t: f64) -> KinematicState {
         if t >= self.duration {
             let mut end = self.end;
             if end.velocity != 0.0 {
@@ -249,7 +239,7 @@ impl Profile {
     // The plans work in place and their callers are inlined: a profile is too large to be copied for
     // nothing. Each of them finishes the profile.
 
-    fn plan_to_position(&mut self, from: State, target: f64, end_speed: f64, limits: &Limits) {
+    fn plan_to_position(&mut self, from: KinematicState, target: f64, end_speed: f64, limits: &Limits) {
         let (target, end_speed) = (sane_position(target), sane(end_speed));
         self.start = sane_state(&from);
         match limits.shape() {
@@ -258,7 +248,7 @@ impl Profile {
         }
     }
 
-    fn plan_in_two_stages(&mut self, from: State, target: f64, limits: &Limits) {
+    fn plan_in_two_stages(&mut self, from: KinematicState, target: f64, limits: &Limits) {
         let target = sane_position(target);
         self.start = sane_state(&from);
         match limits.shape() {
@@ -268,7 +258,7 @@ impl Profile {
         }
     }
 
-    fn plan_to_velocity(&mut self, from: State, velocity: f64, limits: &Limits) {
+    fn plan_to_velocity(&mut self, from: KinematicState, velocity: f64, limits: &Limits) {
         let velocity = sane(velocity);
         self.start = sane_state(&from);
         let mut builder = Builder::new(self, 1.0);
@@ -276,7 +266,7 @@ impl Profile {
             Shape::SCurve(limits) => ramp::ramp(&mut builder, velocity, &limits),
             Shape::Trapezoid(limits) => trapezoid::ramp(&mut builder, velocity, &limits),
         }
-        let end = State {
+        let end = KinematicState {
             velocity,
             acceleration: 0.0,
             ..builder.state()
@@ -286,7 +276,7 @@ impl Profile {
 
     /// Room for a plan from `start`.
     #[inline]
-    fn unplanned(start: State) -> Profile {
+    fn unplanned(start: KinematicState) -> Profile {
         Profile {
             times: [0.0; MAX_SEGMENTS],
             segments: [Segment::default(); MAX_SEGMENTS],
@@ -317,13 +307,13 @@ impl Profile {
 }
 
 impl Segment {
-    pub(crate) fn at(&self, u: f64) -> State {
-        let State {
+    pub(crate) fn at(&self, u: f64) -> KinematicState {
+        let KinematicState {
             position,
             velocity,
             acceleration,
         } = self.state;
-        State {
+        KinematicState {
             position: position + u * (velocity + u * (0.5 * acceleration + u * (self.jerk * SIXTH))),
             velocity: velocity + u * (acceleration + u * (0.5 * self.jerk)),
             acceleration: acceleration + u * self.jerk,
@@ -370,8 +360,8 @@ const ROUNDING: f64 = 4e-15;
 /// Multiplied, since a division takes three times as long.
 const SIXTH: f64 = 1.0 / 6.0;
 
-fn sane_state(state: &State) -> State {
-    State {
+fn sane_state(state: &KinematicState) -> KinematicState {
+    KinematicState {
         position: sane_position(state.position),
         velocity: sane(state.velocity),
         acceleration: sane(state.acceleration),

@@ -47,7 +47,7 @@ impl Random {
         }
     }
 
-    fn state(&mut self, limits: &Limits) -> State {
+    fn state(&mut self, limits: &Limits) -> KinematicState {
         // Zeros and exact limits are the cases that go wrong.
         let velocity = match self.bits() % 8 {
             0 => 0.0,
@@ -61,7 +61,7 @@ impl Random {
             3 => -limits.deceleration,
             _ => self.between(-1.2, 1.2) * limits.acceleration.max(limits.deceleration),
         };
-        State {
+        KinematicState {
             position: 0.0,
             velocity,
             acceleration,
@@ -188,7 +188,7 @@ fn random_states_to_rest() {
         let limits = random.limits(2.0);
         let (from, target) = (random.state(&limits), random.target(&limits));
         let profile = Profile::to_position(from, target, 0.0, &limits);
-        let end = State {
+        let end = KinematicState {
             position: target,
             velocity: 0.0,
             acceleration: 0.0,
@@ -208,8 +208,8 @@ fn random_states_to_rest() {
     assert!(longest <= 11, "{longest} segments");
 }
 
-fn mirror(state: State) -> State {
-    State {
+fn mirror(state: KinematicState) -> KinematicState {
+    KinematicState {
         position: -state.position,
         velocity: -state.velocity,
         acceleration: -state.acceleration,
@@ -228,7 +228,7 @@ fn random_states_by_trapezoid() {
         let profile = Profile::to_position(from, target, 0.0, &limits);
         assert_eq!(
             profile.end(),
-            State {
+            KinematicState {
                 position: target,
                 velocity: 0.0,
                 acceleration: 0.0
@@ -246,7 +246,7 @@ fn random_states_by_trapezoid() {
             ..limits
         };
         let slower = Profile::to_position(
-            State {
+            KinematicState {
                 acceleration: 0.0,
                 ..from
             },
@@ -371,7 +371,7 @@ fn durations_equal_the_closed_form() {
         let limits = random.limits(2.0);
         let distance = limits.speed * limits.speed / limits.acceleration * random.decades(-4.0, 2.0);
         let expected = closed_form(distance, 0.0, 0.0, &limits).expect("from rest");
-        let found = Profile::to_position(State::default(), distance, 0.0, &limits).duration();
+        let found = Profile::to_position(KinematicState::default(), distance, 0.0, &limits).duration();
         worst = worst.max((found - expected).abs() / expected.max(1.0));
         assert!(
             (found - expected).abs() <= 1e-12 * expected.max(1.0),
@@ -381,9 +381,9 @@ fn durations_equal_the_closed_form() {
         let v0 = random.unit() * limits.speed;
         let vf = random.unit() * limits.speed;
         if let Some(expected) = closed_form(distance, v0, vf, &limits) {
-            let from = State {
+            let from = KinematicState {
                 velocity: v0,
-                ..State::default()
+                ..KinematicState::default()
             };
             let profile = Profile::to_position(from, distance, vf, &limits);
             let found = profile.duration();
@@ -420,7 +420,7 @@ fn conformance_tables() {
                 deceleration: j,
             }),
         };
-        let ramp = Profile::to_velocity(State::default(), v, &limits);
+        let ramp = Profile::to_velocity(KinematicState::default(), v, &limits);
         assert!(
             (ramp.duration() - time).abs() < 1e-6,
             "{v} {a} {percent}: {}",
@@ -449,7 +449,7 @@ fn conformance_tables() {
             deceleration: 20.0,
             jerk,
         };
-        let profile = Profile::to_position(State::default(), length, 0.0, &limits);
+        let profile = Profile::to_position(KinematicState::default(), length, 0.0, &limits);
         assert!(
             (profile.duration() - time).abs() < 1e-6,
             "{length} {percent:?}: {}",
@@ -515,7 +515,7 @@ fn scaling_by_powers_of_two() {
                 deceleration: j.deceleration * k / (m * m * m),
             }),
         };
-        let start = State {
+        let start = KinematicState {
             position: 0.0,
             velocity: from.velocity * k / m,
             acceleration: from.acceleration * k / (m * m),
@@ -532,9 +532,9 @@ fn longer_takes_longer() {
     for case in 0..cases(5_000) {
         let mut random = Random(case ^ 0x6666);
         let limits = random.limits(2.0);
-        let from = State {
+        let from = KinematicState {
             velocity: random.unit() * limits.speed,
-            ..State::default()
+            ..KinematicState::default()
         };
         let stop = Profile::stop(from, &limits).end().position;
         let more = random.target(&limits).abs();
@@ -567,7 +567,7 @@ fn any_number_gives_a_profile() {
             7 => -random.decades(-12.0, 12.0),
             _ => random.decades(-12.0, 12.0),
         };
-        let from = State {
+        let from = KinematicState {
             position: wild(),
             velocity: wild(),
             acceleration: wild(),
@@ -623,7 +623,7 @@ fn limits_spread_over_decades() {
         let profile = Profile::to_position(from, target, 0.0, &limits);
         assert_eq!(
             profile.end(),
-            State {
+            KinematicState {
                 position: target,
                 velocity: 0.0,
                 acceleration: 0.0
@@ -650,9 +650,9 @@ fn edge_cases() {
         }),
     };
     let none = Profile::to_position(
-        State {
+        KinematicState {
             position: 3.0,
-            ..State::default()
+            ..KinematicState::default()
         },
         3.0,
         0.0,
@@ -661,7 +661,7 @@ fn edge_cases() {
     assert_eq!((none.duration(), none.len), (0.0, 0));
     assert_eq!(Profile::rest(3.0).at(1.0).position, 3.0);
     // Speed 0 is a pause.
-    let moving = State {
+    let moving = KinematicState {
         position: 0.0,
         velocity: 5.0,
         acceleration: 1.0,
@@ -680,7 +680,7 @@ fn edge_cases() {
         assert!(!paused.arrives());
         assert_eq!(paused.end().velocity, 0.0);
         let resting = Profile::to_position(
-            State::default(),
+            KinematicState::default(),
             100.0,
             0.0,
             &Limits {

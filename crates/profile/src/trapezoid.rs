@@ -3,10 +3,11 @@
 //!
 //! `v0, vf` entry and exit speed, `vp` peak, `V, A, D` limits, as in the paper.
 
+use crate::KinematicState;
 use crate::builder::{Builder, Sink};
 use crate::limits::{Trapezoid, way};
 use crate::position::nearness;
-use crate::profile::{Profile, State};
+use crate::profile::Profile;
 
 pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, limits: &Trapezoid) {
     let from = &profile.start();
@@ -15,7 +16,7 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
     if limits.speed == 0.0 {
         let mut builder = Builder::new(profile, 1.0);
         ramp(&mut builder, 0.0, limits);
-        let end = State {
+        let end = KinematicState {
             velocity: 0.0,
             acceleration: 0.0,
             ..builder.state()
@@ -25,7 +26,7 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
     let end_speed = end_speed.clamp(-limits.speed, limits.speed);
     let x = way(from.position, target);
     let x0 = 0.5 * from.velocity * from.velocity.abs() * per_decel;
-    let end = State {
+    let end = KinematicState {
         position: target,
         velocity: end_speed,
         acceleration: 0.0,

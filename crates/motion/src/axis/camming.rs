@@ -2,8 +2,8 @@
 //!
 //! Not here: where a cam leads (`crate::masters::cam`). Real-time: nothing allocates.
 
-use arcline_drive::Motion as Point;
 use arcline_planner::Clock;
+use arcline_profile::KinematicState;
 
 use super::Axis;
 use super::generator::Law;
@@ -85,12 +85,12 @@ impl Axis {
     }
 
     /// The offset of the position cam's master now.
-    pub(crate) fn master_offset(&self) -> Point {
+    pub(crate) fn master_offset(&self) -> KinematicState {
         match self.sum.get(Slot::MasterOffset) {
             Some(generator) => generator.now,
-            None => Point {
+            None => KinematicState {
                 position: self.cams(Slot::PositionCam).offset.rest,
-                ..Point::default()
+                ..KinematicState::default()
             },
         }
     }

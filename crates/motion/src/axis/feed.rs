@@ -4,8 +4,8 @@
 //! expected: it lags by that much, and a slave sees no steps. The first position, and the first one after a fault, is
 //! where the axis is without having moved there. Units: position units as written, seconds. Nothing allocates.
 
-use arcline_drive::Motion as Point;
 use arcline_planner::{Clock, Instant};
+use arcline_profile::KinematicState;
 
 use super::Axis;
 use crate::machine::Feed;
@@ -79,7 +79,7 @@ impl Feeding {
     }
 
     /// Where the axis is.
-    pub(crate) fn at(&self, clock: &Clock) -> Point {
+    pub(crate) fn at(&self, clock: &Clock) -> KinematicState {
         let elapsed = self.since.map_or(self.interval, |since| since.elapsed(clock));
         let way = self.to - self.from;
         let moves = self.since.is_some() && elapsed <= self.interval;
@@ -88,7 +88,7 @@ impl Feeding {
         } else {
             1.0
         };
-        Point {
+        KinematicState {
             position: if share < 1.0 { self.from + way * share } else { self.to },
             velocity: if moves && self.interval > 0.0 {
                 way / self.interval
@@ -108,12 +108,12 @@ impl Feeding {
 
 impl Axis {
     /// Where an axis that is fed is now.
-    pub(crate) fn fed(&self, clock: &Clock) -> Option<Point> {
+    pub(crate) fn fed(&self, clock: &Clock) -> Option<KinematicState> {
         Some(self.feeding?.at(clock))
     }
 
     /// Shows a position that somebody outside has written.
-    pub(crate) fn show(&mut self, now: Point, period: f64) {
+    pub(crate) fn show(&mut self, now: KinematicState, period: f64) {
         self.drive.cycle(now, period);
         self.sum.place(now.position);
         self.command = now;

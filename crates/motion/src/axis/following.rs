@@ -2,9 +2,9 @@
 //!
 //! Not here: where it follows to (`crate::follow`).
 
-use arcline_drive::Motion as Point;
 use arcline_planner::Instant;
-use arcline_planner::profile::{Limits, Profile, State};
+use arcline_planner::profile::{Limits, Profile};
+use arcline_profile::KinematicState;
 
 use super::Axis;
 use super::generator::{Generator, Law};
@@ -46,8 +46,8 @@ impl Axis {
     }
 
     /// What a cancelled transform moved brakes, together with what earlier ones did.
-    pub(crate) fn part(&mut self, moved: Point, limits: &Limits, now: Instant) {
-        let mut from = State {
+    pub(crate) fn part(&mut self, moved: KinematicState, limits: &Limits, now: Instant) {
+        let mut from = KinematicState {
             position: self.command.position,
             velocity: moved.velocity,
             acceleration: moved.acceleration,

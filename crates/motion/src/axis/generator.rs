@@ -3,9 +3,9 @@
 //! Real-time: nothing allocates. Units: position units in the generator's own frame ([`super::sum`]), seconds; a profile over a
 //! master's way has master units in place of seconds.
 
-use arcline_drive::Motion as Point;
-use arcline_planner::profile::{Limits, MOST_OVERSHOOT, Phase, Profile, State};
+use arcline_planner::profile::{Limits, MOST_OVERSHOOT, Phase, Profile};
 use arcline_planner::{Clock, Instant, ROUNDING};
+use arcline_profile::KinematicState;
 
 use super::sum::Displacements;
 use crate::control::Execution;
@@ -49,7 +49,7 @@ pub(crate) enum Goal {
 pub(crate) struct Generator {
     pub(crate) law: Law,
     /// Where it is, in its frame.
-    pub(crate) now: Point,
+    pub(crate) now: KinematicState,
     /// The instruction that reports its end.
     pub(crate) execution: Option<Execution>,
     /// `None` where there is nothing to change: stops, and what others compute.
@@ -96,7 +96,7 @@ impl Generator {
     pub(crate) fn followed(s_curve: bool) -> Self {
         Generator {
             law: Law::Followed,
-            now: Point::default(),
+            now: KinematicState::default(),
             execution: None,
             program: None,
             stopping: false,
@@ -122,18 +122,9 @@ impl Generator {
     /// One along a profile that begins at an instant.
     pub(crate) fn planned(profile: Profile, start: Instant) -> Self {
         let mut generator = Generator::followed(false);
-        generator.now = point(profile.start());
+        generator.now = profile.start();
         generator.law = Law::Planned { profile, start };
         generator
-    }
-
-    /// Where it is, in its frame.
-    pub(crate) fn state(&self) -> State {
-        State {
-            position: self.now.position,
-            velocity: self.now.velocity,
-            acceleration: self.now.acceleration,
-        }
     }
 
     /// Notes the limits that its profile keeps.
@@ -174,10 +165,10 @@ impl Generator {
     }
 
     /// Its state by what it is a function of.
-    pub(crate) fn planned_state(&self, time: &Clock) -> State {
+    pub(crate) fn planned_state(&self, time: &Clock) -> KinematicState {
         match (&self.law, &self.guide) {
             (Law::Planned { profile, start }, Some(_)) => profile.at(start.elapsed(&self.clock(time))),
-            _ => self.state(),
+            _ => self.now,
         }
     }
 
@@ -214,7 +205,7 @@ impl Generator {
         }
         let offset = -turns * unwind;
         self.now.position += offset;
-        let profile = Profile::to_velocity(self.state(), velocity, &program.dynamics.limits());
+        let profile = Profile::to_velocity(self.now, velocity, &program.dynamics.limits());
         self.follow(profile, clock.now());
         offset
     }
@@ -238,13 +229,9 @@ impl Generator {
             let at_end = profile.arrives() && elapsed >= profile.duration() - ROUNDING;
             self.over = (self.stopping || !endless) && at_end;
             self.now = if self.over {
-                Point {
-                    velocity: 0.0,
-                    acceleration: 0.0,
-                    ..point(profile.end())
-                }
+                KinematicState::at_rest(profile.end().position)
             } else {
-                point(self.guide.map_or(state, |guide| guide.pace().in_time(state)))
+                self.guide.map_or(state, |guide| guide.pace().in_time(state))
             };
         }
     }
@@ -252,11 +239,3 @@ impl Generator {
 
 /// Turns of a jog that are folded away at once.
 const FOLDED_TURNS: f64 = 16.0;
-
-fn point(state: State) -> Point {
-    Point {
-        position: state.position,
-        velocity: state.velocity,
-        acceleration: state.acceleration,
-    }
-}

@@ -10,9 +10,9 @@
 
 mod update;
 
-use arcline_drive::Motion as Point;
-use arcline_planner::profile::{Limits, Profile, State};
+use arcline_planner::profile::{Limits, Profile};
 use arcline_planner::{Clock, Instant};
+use arcline_profile::KinematicState;
 
 use super::generator::Generator;
 use super::sensor::{ahead, modulo};
@@ -65,7 +65,7 @@ enum Sought {
 impl Axis {
     /// Begins a sequence at the present tick. All other generators of an axis that is homed actively have ended;
     /// `from` is what it did until then, and braking is within `stop`.
-    pub(crate) fn begin_homing(&mut self, execution: Execution, from: Point, stop: &Limits, clock: &Clock) {
+    pub(crate) fn begin_homing(&mut self, execution: Execution, from: KinematicState, stop: &Limits, clock: &Clock) {
         let active = self.home.mode == HomeMode::Active;
         let driven = active && self.state == AxisState::Running;
         self.homed = false;
@@ -91,7 +91,7 @@ impl Axis {
         self.homing = Some(homing);
         if driven {
             let started_at = [from.position, self.drive.actual().position];
-            let from = State {
+            let from = KinematicState {
                 position: from.position,
                 velocity: from.velocity,
                 acceleration: if stop.jerk.is_some() { from.acceleration } else { 0.0 },
@@ -305,7 +305,7 @@ impl Axis {
     /// Goes on in the same direction, to the first Home Position at which it can stand.
     fn go_on_home(&mut self, place: f64, turn: f64, direction: f64, instant: Instant) {
         self.align(place);
-        let Point { position, velocity, .. } = self.command;
+        let KinematicState { position, velocity, .. } = self.command;
         let stop = velocity * velocity / (2.0 * self.home.deceleration);
         let least = modulo(direction * (self.home.position - position), turn);
         let distance = least + turn * ((stop - least) / turn).ceil().max(0.0);
@@ -341,8 +341,8 @@ impl Axis {
         }
     }
 
-    fn present(&self) -> State {
-        State {
+    fn present(&self) -> KinematicState {
+        KinematicState {
             position: self.command.position,
             velocity: self.command.velocity,
             acceleration: 0.0,

@@ -12,10 +12,11 @@ mod redefine;
 mod sensor;
 pub(crate) mod sum;
 
-use arcline_drive::{Drive, Motion as Point};
+use arcline_drive::Drive;
 use arcline_instruction_set::ExceptionAction;
-use arcline_planner::profile::{Bounds, Jerk, Limits, Profile, State};
+use arcline_planner::profile::{Bounds, Jerk, Limits, Profile};
 use arcline_planner::{Clock, Instant};
+use arcline_profile::KinematicState;
 
 use crate::control::Execution;
 use crate::dynamics::Maxima;
@@ -72,7 +73,7 @@ pub(crate) struct Axis {
     pub(crate) state: AxisState,
     pub(crate) drive: Drive,
     /// What [`Sum::command`] says at the present tick.
-    pub(crate) command: Point,
+    pub(crate) command: KinematicState,
     pub(crate) sum: Sum,
     /// Something began since the command of this tick was computed.
     pub(crate) stale: bool,
@@ -137,7 +138,7 @@ impl Axis {
         Axis {
             state,
             drive,
-            command: standing(position),
+            command: KinematicState::at_rest(position),
             sum: Sum::at_rest(position),
             stale: false,
             homed: start.homed,
@@ -267,7 +268,7 @@ impl Axis {
     }
 
     /// A coordinate system says where its part of the axis's motion is.
-    pub(crate) fn set_coordinated(&mut self, now: Point) {
+    pub(crate) fn set_coordinated(&mut self, now: KinematicState) {
         self.sum.set(Slot::System, now);
         self.command = self.sum.command();
     }
@@ -297,7 +298,7 @@ impl Axis {
             return;
         };
         let limits = &harder(limits, generator.brake.as_ref());
-        let mut from = generator.state();
+        let mut from = generator.now;
         if limits.jerk.is_none() {
             from.acceleration = 0.0;
         }
@@ -342,16 +343,10 @@ impl Axis {
     pub(crate) fn brake_all(&mut self, limits: &Limits, execution: Option<Execution>, now: Instant) {
         let brakes = self.sum.active().filter_map(|(_, generator)| generator.brake);
         let limits = &brakes.fold(*limits, |limits, brake| harder(&limits, Some(&brake)));
-        let Point {
-            position,
-            velocity,
-            acceleration,
-        } = self.command;
-        let from = State {
-            position,
-            velocity,
-            acceleration: if limits.jerk.is_some() { acceleration } else { 0.0 },
-        };
+        let mut from = self.command;
+        if limits.jerk.is_none() {
+            from.acceleration = 0.0;
+        }
         let started_at = self.started_at;
         let before = self.sum.in_force(|_| true);
         let profile = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
@@ -364,7 +359,7 @@ impl Axis {
         stop.parting = self.is_parting();
         stop.coordinated = self.has_coordinated_motion();
         self.after_stop = AfterStop::Hold;
-        self.sum.place(position);
+        self.sum.place(from.position);
         self.begin(Slot::Stop, stop);
         self.started_at = started_at;
     }
@@ -373,7 +368,7 @@ impl Axis {
     /// gives goes on. Whoever had begun it is told nothing here.
     pub(crate) fn brake_own(&mut self, limits: &Limits, now: Instant) {
         let moved = self.sum.motion_of(Slot::is_own);
-        let from = State {
+        let from = KinematicState {
             position: self.command.position,
             velocity: moved.velocity,
             acceleration: if limits.jerk.is_some() { moved.acceleration } else { 0.0 },
@@ -466,7 +461,7 @@ impl Axis {
     fn stand_at(&mut self, position: f64) {
         self.after_stop = AfterStop::Hold;
         self.sum.place(position);
-        self.command = standing(position);
+        self.command = KinematicState::at_rest(position);
     }
 }
 
@@ -495,13 +490,5 @@ fn harder(limits: &Limits, under_way: Option<&Limits>) -> Limits {
         deceleration: limits.deceleration.max(under_way.deceleration),
         jerk,
         ..*limits
-    }
-}
-
-fn standing(position: f64) -> Point {
-    Point {
-        position,
-        velocity: 0.0,
-        acceleration: 0.0,
     }
 }

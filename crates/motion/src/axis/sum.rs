@@ -5,9 +5,9 @@
 //! generator that is alone reaches its end to the last bit. Nothing is integrated, and nothing here knows instructions'
 //! operands. Units: position units, seconds. Nothing allocates.
 
-use arcline_drive::Motion as Point;
 use arcline_planner::Clock;
 use arcline_planner::profile::{Jerk, Limits};
+use arcline_profile::KinematicState;
 
 use super::generator::{Generator, Law};
 
@@ -196,8 +196,8 @@ impl Sum {
     }
 
     /// Velocity and acceleration of some kinds of generators together; the position is 0.
-    pub(crate) fn motion_of(&self, which: impl Fn(Slot) -> bool) -> Point {
-        let mut total = Point::default();
+    pub(crate) fn motion_of(&self, which: impl Fn(Slot) -> bool) -> KinematicState {
+        let mut total = KinematicState::default();
         for (slot, generator) in self.moving() {
             if which(slot) {
                 total.velocity += generator.now.velocity;
@@ -228,7 +228,7 @@ impl Sum {
     }
 
     /// Says where a generator that somebody else computes is, in its own frame.
-    pub(crate) fn set(&mut self, slot: Slot, now: Point) {
+    pub(crate) fn set(&mut self, slot: Slot, now: KinematicState) {
         if let Some(generator) = self.get_mut(slot) {
             generator.now = now;
         }
@@ -251,8 +251,8 @@ impl Sum {
     }
 
     /// Position, velocity and acceleration of the axis.
-    pub(crate) fn command(&self) -> Point {
-        let mut total = Point::default();
+    pub(crate) fn command(&self) -> KinematicState {
+        let mut total = KinematicState::default();
         let mut lead = None;
         for (slot, generator) in self.moving() {
             total.velocity += generator.now.velocity;
@@ -312,7 +312,7 @@ pub(crate) fn together(one: &Limits, other: &Limits) -> Limits {
 
 #[cfg(test)]
 mod tests {
-    use arcline_planner::profile::{Profile, State};
+    use arcline_planner::profile::Profile;
 
     use super::*;
 
@@ -324,9 +324,9 @@ mod tests {
 
     /// A move from where the axis is commanded to be, superimposed on what runs.
     fn begin_move(sum: &mut Sum, slot: Slot, target: f64, clock: &Clock) {
-        let from = State {
+        let from = KinematicState {
             position: sum.command().position,
-            ..State::default()
+            ..KinematicState::default()
         };
         let limits = Limits {
             speed: 70.0,

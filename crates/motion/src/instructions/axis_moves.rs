@@ -1,9 +1,9 @@
 //! What MAM, MAJ and MCD share: verification, what a merge takes over, and how a generator begins.
 
-use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, Call, Culprit, Flag, Mnemonic, MotionError};
 use arcline_planner::Pace;
-use arcline_planner::profile::{Bounds, Lead, Limits, MOST_OVERSHOOT, Profile, State};
+use arcline_planner::profile::{Bounds, Lead, Limits, MOST_OVERSHOOT, Profile};
+use arcline_profile::KinematicState;
 
 use super::place;
 use super::programmed::{self, DynamicsLayout};
@@ -50,20 +50,15 @@ impl AxisMoveLayout {
 
     /// Velocity and acceleration of what the instruction takes over: of its own kind, or of all that single-axis
     /// instructions move. The position is where the axis is commanded to be.
-    pub(super) fn taken_over(&self, axis: &Axis, slot: Slot, call: &Call) -> State {
-        let taken = match slot {
+    pub(super) fn taken_over(&self, axis: &Axis, slot: Slot, call: &Call) -> KinematicState {
+        match slot {
             Slot::MasterOffset => axis.master_offset(),
-            _ => Point {
+            _ => KinematicState {
                 position: axis.command.position,
                 ..axis
                     .sum
                     .motion_of(|other| other == slot || (self.merges(call) && other.is_single_axis()))
             },
-        };
-        State {
-            position: taken.position,
-            velocity: taken.velocity,
-            acceleration: taken.acceleration,
         }
     }
 
@@ -85,7 +80,7 @@ impl AxisMoveLayout {
         slot: Slot,
         call: &Call,
         beginning: Beginning,
-        plan: impl FnOnce(State) -> Profile,
+        plan: impl FnOnce(KinematicState) -> Profile,
     ) {
         let Beginning {
             execution,
@@ -185,7 +180,7 @@ pub(super) struct Beginning {
 
 /// What takes a present acceleration away so that new limits overshoot the programmed speeds, new and old, by no more than half
 /// (spec/coordinated-instructions.md §5.4).
-pub(super) fn relief(bounds: Bounds, from: State, limits: &Limits, before: Option<&Limits>) -> Option<Lead> {
+pub(super) fn relief(bounds: Bounds, from: KinematicState, limits: &Limits, before: Option<&Limits>) -> Option<Lead> {
     if !bounds.overshoot {
         return None;
     }
@@ -194,8 +189,8 @@ pub(super) fn relief(bounds: Bounds, from: State, limits: &Limits, before: Optio
 }
 
 /// A trapezoid begins with an acceleration of its own.
-pub(super) fn steady(from: State, limits: &Limits) -> State {
-    State {
+pub(super) fn steady(from: KinematicState, limits: &Limits) -> KinematicState {
+    KinematicState {
         acceleration: if limits.jerk.is_some() { from.acceleration } else { 0.0 },
         ..from
     }

@@ -1,7 +1,7 @@
 //! MAG, Motion Axis Gear (spec/axis-and-data-types.md §3.5).
 
-use arcline_drive::Motion as Point;
 use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError, OperandIndex};
+use arcline_profile::KinematicState;
 
 use super::programmed::positive;
 use super::{axis_moves, place};
@@ -106,7 +106,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     let now = motion.clock.now();
     // A gearing before this one, or what is left of it, gives the speed to clutch from.
-    let slave = Point {
+    let slave = KinematicState {
         position: motion.axes[at].command.position,
         velocity: motion.axes[at]
             .sum

@@ -1,7 +1,7 @@
 //! MCD, Motion Change Dynamics (spec/axis-and-data-types.md §3.6).
 
 use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError};
-use arcline_planner::profile::{Lead, Limits, Profile, State};
+use arcline_planner::profile::{KinematicState, Lead, Limits, Profile};
 
 use super::axis_moves;
 use super::place;
@@ -99,7 +99,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 }
 
 /// The limits with which a pause takes no more way than with those so far (spec/coordinated-instructions.md §5.4).
-fn pause(from: State, limits: &Limits, before: Option<&Limits>) -> Limits {
+fn pause(from: KinematicState, limits: &Limits, before: Option<&Limits>) -> Limits {
     let reach = |limits: &Limits| Profile::stop(from, limits).reach();
     match before {
         Some(before) if reach(limits) > reach(before) * (1.0 + NEARLY) => Limits {

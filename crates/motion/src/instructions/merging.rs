@@ -5,7 +5,7 @@
 
 use arcline_instruction_set::MotionError;
 use arcline_planner::geometry::Point;
-use arcline_planner::profile::{Limits, State};
+use arcline_planner::profile::{KinematicState, Limits};
 use arcline_planner::{Ending, Momentum, Move, Pace, Parameter};
 
 use super::moves::{MERGE_ALL, MERGE_DISABLED};
@@ -124,7 +124,7 @@ pub(super) fn on_the_way(pace: &Pace, momentum: &Momentum) -> Momentum {
         before: None,
     };
     for place in 0..taken.velocity.len() {
-        let state = pace.on_the_way(State {
+        let state = pace.on_the_way(KinematicState {
             position: 0.0,
             velocity: momentum.velocity[place],
             acceleration: momentum.acceleration[place],

@@ -7,8 +7,8 @@
 use std::sync::Arc;
 
 use arcline_cam::Profile;
-use arcline_drive::Motion as Point;
 use arcline_planner::{Clock, Instant};
+use arcline_profile::KinematicState;
 
 use super::{MasterAt, Reference};
 use crate::control::Execution;
@@ -162,7 +162,12 @@ impl Cam {
 
     /// Brings the slave to where the master leads it; `slave` is where it is. At the end of the profile a pending cam takes
     /// over. Returns the slave in its generator's frame, and what has ended.
-    pub(crate) fn follow(&mut self, at: &MasterAt, slave: f64, pending: &mut Option<Pending>) -> (Point, Ended) {
+    pub(crate) fn follow(
+        &mut self,
+        at: &MasterAt,
+        slave: f64,
+        pending: &mut Option<Pending>,
+    ) -> (KinematicState, Ended) {
         if self.read != at.read {
             // Command and actual position differ: the slave does not jump from the one to the other.
             self.read = at.read;
@@ -172,7 +177,7 @@ impl Cam {
         let before = std::mem::replace(&mut self.last, at.point.position);
         if let Some(lock) = self.lock {
             let Some(crossed) = lock.crossed(before, at.point.position) else {
-                return (standing(slave), Ended::Nothing);
+                return (KinematicState::at_rest(slave), Ended::Nothing);
             };
             self.lock = None;
             self.master_from = crossed;
@@ -205,7 +210,7 @@ impl Cam {
     }
 
     /// Where the master leads the slave, and where it has left the profile. `hands_over`: another cam waits for that.
-    fn led(&mut self, master: &Point, hands_over: bool) -> (Point, Option<Exit>) {
+    fn led(&mut self, master: &KinematicState, hands_over: bool) -> (KinematicState, Option<Exit>) {
         let Program {
             profile,
             slave_scale,
@@ -222,7 +227,7 @@ impl Cam {
             if self.starting && way * gone < 0.0 {
                 self.master_from = master.position;
                 self.follows = false;
-                return (standing(self.slave_from), None);
+                return (KinematicState::at_rest(self.slave_from), None);
             }
             self.starting &= gone == 0.0;
             // The other way nothing is followed, until the master is back where it turned.
@@ -258,7 +263,7 @@ impl Cam {
                 master: if outside { master.position } else { left },
                 slave,
             };
-            return (standing(slave), Some(exit));
+            return (KinematicState::at_rest(slave), Some(exit));
         }
         self.turn = turn;
         let inside = place - turn * length;
@@ -277,7 +282,7 @@ impl Cam {
         } else {
             0.0
         };
-        let point = Point {
+        let point = KinematicState {
             position: self.slave_from + slave_scale * risen,
             velocity: slave_scale * value.slope * rate,
             acceleration: slave_scale * (value.curvature * rate * rate + value.slope * change),
@@ -318,21 +323,13 @@ impl Lock {
 /// Time as a master.
 pub(crate) fn time(since: Instant, clock: &Clock) -> MasterAt {
     MasterAt {
-        point: Point {
+        point: KinematicState {
             position: since.elapsed(clock),
             velocity: 1.0,
             acceleration: 0.0,
         },
         read: Reference::Command,
         redefined: 0.0,
-    }
-}
-
-fn standing(position: f64) -> Point {
-    Point {
-        position,
-        velocity: 0.0,
-        acceleration: 0.0,
     }
 }
 

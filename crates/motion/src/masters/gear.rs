@@ -5,9 +5,9 @@
 //! of time and of where the master is, whatever the update period, and nothing is integrated. Units: position units of
 //! either axis, seconds.
 
-use arcline_drive::Motion as Point;
-use arcline_planner::profile::{Limits, Profile, State};
+use arcline_planner::profile::{Limits, Profile};
 use arcline_planner::{Clock, Instant};
+use arcline_profile::KinematicState;
 
 use super::{MasterAt, Reference};
 
@@ -37,14 +37,14 @@ impl Gear {
         reference: Reference,
         ratio: f64,
         at: &MasterAt,
-        slave: Point,
+        slave: KinematicState,
         clutch: Option<f64>,
         now: Instant,
     ) -> Self {
         let difference = slave.velocity - ratio * at.point.velocity;
         let clutch = match clutch {
             Some(rate) if difference != 0.0 => Profile::stop(
-                State {
+                KinematicState {
                     position: 0.0,
                     velocity: difference,
                     acceleration: 0.0,
@@ -71,7 +71,7 @@ impl Gear {
     }
 
     /// Where the slave is, in its generator's frame.
-    pub(crate) fn follow(&mut self, at: &MasterAt, slave: f64, clock: &Clock) -> Point {
+    pub(crate) fn follow(&mut self, at: &MasterAt, slave: f64, clock: &Clock) -> KinematicState {
         let slip = self.clutch.at(self.since.elapsed(clock));
         if self.read != at.read {
             // Command and actual position differ: the slave does not jump from the one to the other.
@@ -79,7 +79,7 @@ impl Gear {
             self.master_from = at.point.position;
             self.slave_from = slave - slip.position;
         }
-        Point {
+        KinematicState {
             position: self.slave_from + self.ratio * (at.point.position - self.master_from) + slip.position,
             velocity: self.ratio * at.point.velocity + slip.velocity,
             acceleration: self.ratio * at.point.acceleration + slip.acceleration,

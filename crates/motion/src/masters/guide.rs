@@ -197,7 +197,7 @@ impl Guide {
 
 #[cfg(test)]
 mod tests {
-    use arcline_drive::Motion as Point;
+    use arcline_profile::KinematicState;
 
     use super::super::Reference;
     use super::*;
@@ -206,9 +206,9 @@ mod tests {
 
     fn at(position: f64) -> MasterAt {
         MasterAt {
-            point: Point {
+            point: KinematicState {
                 position,
-                ..Point::default()
+                ..KinematicState::default()
             },
             read: Reference::Command,
             redefined: 0.0,

@@ -2,8 +2,8 @@
 //!
 //! Units: master units, seconds.
 
-use arcline_drive::Motion as Point;
 use arcline_planner::{Clock, Instant};
+use arcline_profile::KinematicState;
 
 use super::{MasterAt, Reference};
 
@@ -42,7 +42,7 @@ pub(crate) struct Master {
     pub(super) offset: f64,
     /// At the tick before.
     pub(super) before: f64,
-    pub(super) now: Point,
+    pub(super) now: KinematicState,
     tick: u64,
 }
 
@@ -70,7 +70,7 @@ impl Master {
             self.read = at.read;
             self.offset = self.now.position - at.point.position;
         }
-        self.now = Point {
+        self.now = KinematicState {
             position: at.point.position + self.offset,
             ..at.point
         };

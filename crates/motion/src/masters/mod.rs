@@ -8,7 +8,7 @@ pub(crate) mod guide;
 pub(crate) mod links;
 pub(crate) mod master;
 
-use arcline_drive::Motion as Point;
+use arcline_profile::KinematicState;
 
 /// What of the master is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub(crate) enum Reference {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MasterAt {
     /// Its motion, without what its position was redefined by.
-    pub(crate) point: Point,
+    pub(crate) point: KinematicState,
     /// Which of its positions this is.
     pub(crate) read: Reference,
     /// What its position was redefined by: it shows so much more.

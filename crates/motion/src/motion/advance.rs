@@ -6,7 +6,7 @@
 use arcline_drive::Settling;
 use arcline_instruction_set::{Flag, MotionError};
 use arcline_planner::geometry::Point;
-use arcline_planner::profile::{Phase, State};
+use arcline_planner::profile::{KinematicState, Phase};
 use arcline_planner::{Clock, Ending, Instant, Move, Passage, Reach, Sample};
 
 use super::Motion;
@@ -205,7 +205,7 @@ impl Motion {
         for place in 0..self.systems[index].description.linear().len() {
             let axis = self.systems[index].description.linear()[place];
             if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
-                axis.set_coordinated(arcline_drive::Motion {
+                axis.set_coordinated(KinematicState {
                     position: component(end, place),
                     ..Default::default()
                 });
@@ -357,7 +357,7 @@ struct Moment {
 }
 
 /// What a speed along the path does, whatever causes it.
-fn course(along: &State) -> Phase {
+fn course(along: &KinematicState) -> Phase {
     let rising = along.velocity * along.acceleration;
     if rising > 0.0 || (along.velocity == 0.0 && along.acceleration != 0.0) {
         Phase::Accelerating
@@ -371,7 +371,7 @@ fn course(along: &State) -> Phase {
 fn seat(places: &[u16], axes: &mut [Axis], sample: &Sample) {
     for (place, axis) in places.iter().enumerate() {
         if let Some(axis) = axes.get_mut(usize::from(*axis)) {
-            axis.set_coordinated(arcline_drive::Motion {
+            axis.set_coordinated(KinematicState {
                 position: component(&sample.position, place),
                 velocity: component(&sample.velocity, place),
                 acceleration: component(&sample.acceleration, place),

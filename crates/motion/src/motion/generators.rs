@@ -160,7 +160,7 @@ impl Motion {
         let own = generator.timed(&self.clock);
         let sooner = own.is_some()
             && generator
-                .soonest(own, generator.state(), limits, self.axes[at].bounds)
+                .soonest(own, generator.now, limits, self.axes[at].bounds)
                 .is_none();
         if let Some(ended) = ended {
             self.end_move(ended, 0);

@@ -13,8 +13,8 @@ mod program;
 mod target;
 mod windows;
 
-use arcline_drive::Motion as Point;
 use arcline_planner::Clock;
+use arcline_profile::KinematicState;
 
 pub use program::{BitCompensation, CamElement, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS, OutputCam, OutputCamError};
 pub(crate) use target::{Arming, Outcome, Program, Target, Word};
@@ -54,14 +54,14 @@ impl OutputCams {
     }
 
     /// The axis is there when an update begins, with the speed that instructions have given it.
-    pub(crate) fn begin_update(&mut self, target: usize, at: Point) {
+    pub(crate) fn begin_update(&mut self, target: usize, at: KinematicState) {
         if let Some(target) = self.targets.get_mut(target) {
             target.began = at;
         }
     }
 
     /// The axis has come to where it is now.
-    pub(crate) fn look(&mut self, target: usize, at: Point, clock: &Clock) -> Outcome {
+    pub(crate) fn look(&mut self, target: usize, at: KinematicState, clock: &Clock) -> Outcome {
         let Some(target) = self.targets.get_mut(target) else {
             return Outcome::default();
         };

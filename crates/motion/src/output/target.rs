@@ -13,8 +13,8 @@ mod way;
 
 use std::sync::Arc;
 
-use arcline_drive::Motion as Point;
 use arcline_planner::{Clock, Instant};
+use arcline_profile::KinematicState;
 
 use super::program::{Compensation, OUTPUT_BITS, OutputCam};
 use crate::control::Execution;
@@ -93,9 +93,9 @@ pub(crate) struct Target {
     came_forward: Option<bool>,
     forward: bool,
     /// The axis as the states know it.
-    last: Point,
+    last: KinematicState,
     /// The axis when the update that is under way began: instructions have changed its speed since.
-    pub(super) began: Point,
+    pub(super) began: KinematicState,
     /// Bits that are latched, and since when.
     on: u32,
     since: [Instant; OUTPUT_BITS],
@@ -130,8 +130,8 @@ impl Target {
             turns: 0.0,
             came_forward: None,
             forward: true,
-            last: Point::default(),
-            began: Point::default(),
+            last: KinematicState::default(),
+            began: KinematicState::default(),
             on: 0,
             since: [now; OUTPUT_BITS],
             left: None,
@@ -161,7 +161,13 @@ impl Target {
     }
 
     /// A cam in place of the one that is there, whose durations run out where both have one output. Returns whose it was.
-    pub(crate) fn begin(&mut self, program: Program, arming: &Arming, at: Point, clock: &Clock) -> Option<Execution> {
+    pub(crate) fn begin(
+        &mut self,
+        program: Program,
+        arming: &Arming,
+        at: KinematicState,
+        clock: &Clock,
+    ) -> Option<Execution> {
         let before = self.lanes[ACTIVE].program.as_ref().map(|program| program.execution);
         let ended = before.filter(|_| self.is_alive());
         if self.phase != Phase::Free && self.output.tag == arming.output.tag {
@@ -231,7 +237,7 @@ impl Target {
     }
 
     /// The axis has come to where it is now.
-    pub(super) fn look(&mut self, to: Point, clock: &Clock, edges: &mut Vec<Edge>) -> [Option<Execution>; 2] {
+    pub(super) fn look(&mut self, to: KinematicState, clock: &Clock, edges: &mut Vec<Edge>) -> [Option<Execution>; 2] {
         let mut ended = [None; 2];
         if self.left.is_none() {
             // Its last bits have been written.

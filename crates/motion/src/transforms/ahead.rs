@@ -4,10 +4,10 @@
 //! superposed motions of now. Not here: what the joints make of it ([`super::guard`]). Real-time: nothing allocates; bounded by the
 //! transforms, the coordinate systems and the axes. Units: position units, seconds.
 
-use arcline_drive::Motion as Point;
 use arcline_planner::geometry::{Point as Vector, angle_rates, angles};
-use arcline_planner::profile::{Bounds, Jerk, Limits, Profile, State};
+use arcline_planner::profile::{Bounds, Jerk, Limits, Profile};
 use arcline_planner::{Clock, ContourStopping, Move, Pace, Sample, Stopping};
+use arcline_profile::KinematicState;
 
 use super::transform::{Link, Side};
 use crate::axis::generator::{Generator, Law};
@@ -22,7 +22,7 @@ pub(crate) struct Ahead {
     paths: Vec<PathStop>,
     axes: Vec<AxisStop>,
     /// How far each axis of the machine is from where it is now, and how fast.
-    steps: Vec<Point>,
+    steps: Vec<KinematicState>,
 }
 
 /// How a coordinate system comes to rest on its path.
@@ -82,7 +82,7 @@ impl Ahead {
         Ahead {
             paths: Vec::with_capacity(systems),
             axes: Vec::with_capacity(AXIS_STOPS),
-            steps: vec![Point::default(); axes],
+            steps: vec![KinematicState::default(); axes],
         }
     }
 
@@ -97,7 +97,7 @@ impl Ahead {
     }
 
     /// How far an axis is from where it is now, at the instant that was looked at last, by what moves it itself.
-    pub(super) fn step(&self, axis: u16) -> Point {
+    pub(super) fn step(&self, axis: u16) -> KinematicState {
         self.steps[usize::from(axis)]
     }
 }
@@ -109,7 +109,7 @@ impl Motion {
         ahead.axes.clear();
         let involved = self.involved(link);
         for axis in involved.iter() {
-            ahead.steps[usize::from(axis)] = Point::default();
+            ahead.steps[usize::from(axis)] = KinematicState::default();
             self.plan_axis(axis, ahead);
         }
         for (index, system) in self.systems.iter().enumerate() {
@@ -118,7 +118,7 @@ impl Motion {
                 continue;
             }
             for axis in system.taken() {
-                ahead.steps[usize::from(*axis)] = Point::default();
+                ahead.steps[usize::from(*axis)] = KinematicState::default();
             }
             if let Some(course) = self.path_course(index)
                 && ahead.paths.len() < ahead.paths.capacity()
@@ -136,11 +136,11 @@ impl Motion {
     /// Brings the steps of a plan to an instant, `seconds` after the next update.
     pub(super) fn look_at(&self, ahead: &mut Ahead, seconds: f64) {
         for stop in &ahead.axes {
-            ahead.steps[usize::from(stop.axis)] = Point::default();
+            ahead.steps[usize::from(stop.axis)] = KinematicState::default();
         }
         for stop in &ahead.paths {
             for axis in self.systems[stop.system].taken() {
-                ahead.steps[usize::from(*axis)] = Point::default();
+                ahead.steps[usize::from(*axis)] = KinematicState::default();
             }
         }
         for stop in &ahead.axes {
@@ -269,7 +269,7 @@ impl Motion {
         generator.map_or(0.0, |generator| generator.now.position)
     }
 
-    fn step_along(&self, stop: &mut PathStop, sample: &Sample, steps: &mut [Point]) {
+    fn step_along(&self, stop: &mut PathStop, sample: &Sample, steps: &mut [KinematicState]) {
         let system = &self.systems[stop.system].description;
         let mut add = |axes: &[u16], [position, velocity, acceleration]: [Vector; 3]| {
             for (place, axis) in axes.iter().enumerate() {
@@ -330,12 +330,12 @@ fn highest(jerk: Jerk) -> f64 {
 }
 
 /// The state of a generator at the next update: by its profile, or as it moves now.
-fn coming(generator: &Generator, own: Option<(&Profile, f64)>, period: f64) -> State {
+fn coming(generator: &Generator, own: Option<(&Profile, f64)>, period: f64) -> KinematicState {
     match own {
         Some((profile, since)) => profile.at(since),
         None => {
-            let now = generator.state();
-            State {
+            let now = generator.now;
+            KinematicState {
                 position: now.position + (now.velocity + 0.5 * now.acceleration * period) * period,
                 velocity: now.velocity + now.acceleration * period,
                 ..now
@@ -349,7 +349,7 @@ impl Generator {
     pub(crate) fn soonest(
         &self,
         own: Option<(&Profile, f64)>,
-        mut from: State,
+        mut from: KinematicState,
         limits: &Limits,
         bounds: Bounds,
     ) -> Option<Profile> {

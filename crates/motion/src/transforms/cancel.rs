@@ -1,8 +1,8 @@
 //! The end of a transform: nothing leads any more, and what it moved brakes (spec/coordinated-instructions.md §15.1,
 //! §19.7).
 
-use arcline_drive::Motion as Point;
-use arcline_planner::profile::{Jerk, Limits, Profile, State};
+use arcline_planner::profile::{Jerk, Limits, Profile};
+use arcline_profile::KinematicState;
 
 use super::compute::bit;
 use super::transform::{Link, Positions, Side};
@@ -120,7 +120,7 @@ impl Motion {
         }
     }
 
-    fn part(&mut self, axis: u16, moved: &Point, limits: &Limits, braking: &mut AxisSet) {
+    fn part(&mut self, axis: u16, moved: &KinematicState, limits: &Limits, braking: &mut AxisSet) {
         let state = &mut self.axes[usize::from(axis)];
         let limits = &within_travel(state, moved, limits);
         let stands = moved.velocity == 0.0 && (moved.acceleration == 0.0 || limits.jerk.is_none());
@@ -147,10 +147,10 @@ impl Motion {
 }
 
 /// A stop that ends within the travel of the axis, however short that is, at the rates of `limits` otherwise.
-fn within_travel(axis: &Axis, moved: &Point, limits: &Limits) -> Limits {
+fn within_travel(axis: &Axis, moved: &KinematicState, limits: &Limits) -> Limits {
     let [down, up] = axis.faults.room(axis.command.position);
     let room = if moved.velocity < 0.0 { -down } else { up };
-    let from = State {
+    let from = KinematicState {
         position: 0.0,
         velocity: moved.velocity,
         acceleration: limits.jerk.map_or(0.0, |_| moved.acceleration),

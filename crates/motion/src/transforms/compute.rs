@@ -8,8 +8,8 @@
 //! Not here: when something is computed ([`super::order`]), what MCT refuses (`instructions::mct`), what happens when a
 //! robot cannot follow ([`super::failing`]), what is shown of it ([`super::shown`]). Nothing allocates. Units: position units, seconds.
 
-use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, MotionError};
+use arcline_profile::KinematicState;
 
 use super::guard;
 use super::robot::positions;
@@ -46,8 +46,8 @@ impl Motion {
     }
 
     /// What the targets' own motions add to an axis, but for one transform's.
-    fn led_back(&self, axis: u16, but: Option<usize>) -> Point {
-        let mut total = Point::default();
+    fn led_back(&self, axis: u16, but: Option<usize>) -> KinematicState {
+        let mut total = KinematicState::default();
         for link in self.followed_by(axis, but) {
             if let Some(place) = link.source().iter().position(|other| *other == axis) {
                 add(&mut total, &link.back[place]);
@@ -57,29 +57,29 @@ impl Motion {
     }
 
     /// Where transforms would lead an axis without the motion that leads it back.
-    fn lead(&self, axis: u16) -> Point {
+    fn lead(&self, axis: u16) -> KinematicState {
         let linked = &self.axes[usize::from(axis)].linked;
         let mut lead = match self.leader(axis) {
             Some((link, place)) => link.led[place],
-            None => standing(linked.rest),
+            None => KinematicState::at_rest(linked.rest),
         };
         lead.position += linked.settled;
         lead
     }
 
     /// An axis without what one transform leads it back by.
-    fn without(&self, axis: u16, link: usize) -> Point {
+    fn without(&self, axis: u16, link: usize) -> KinematicState {
         let mut total = self.seen(axis, self.lead(axis));
         add(&mut total, &self.led_back(axis, Some(link)));
         total
     }
 
     /// An axis without what one transform and later ones lead it back by, ever before the whole is known.
-    fn above(&self, axis: u16, link: usize) -> Point {
+    fn above(&self, axis: u16, link: usize) -> KinematicState {
         let linked = &self.axes[usize::from(axis)].linked;
         let mut lead = match self.leader(axis) {
             Some((link, place)) => link.down[place],
-            None => standing(linked.rest),
+            None => KinematicState::at_rest(linked.rest),
         };
         lead.position += linked.settled;
         let mut total = self.seen(axis, lead);
@@ -94,7 +94,7 @@ impl Motion {
     }
 
     /// An axis with what moves it besides transforms, which lead it somewhere.
-    fn seen(&self, axis: u16, lead: Point) -> Point {
+    fn seen(&self, axis: u16, lead: KinematicState) -> KinematicState {
         let state = &self.axes[usize::from(axis)];
         let mut total = state.sum.motion_of(|slot| slot != Slot::Transform);
         // `lead` is in the frame of the generator; the axis is where that shows.
@@ -106,7 +106,7 @@ impl Motion {
     }
 
     /// What has been added to an axis by others than the transforms that lead it, ever since it became part of one.
-    fn added(&self, axis: u16) -> Point {
+    fn added(&self, axis: u16) -> KinematicState {
         let state = &self.axes[usize::from(axis)];
         let mut added = state.sum.motion_of(|slot| slot != Slot::Transform);
         added.position = state.sum.seen_from(Slot::Transform, Some(0.0)).unwrap_or(0.0) + state.linked.settled;
@@ -353,8 +353,8 @@ impl Motion {
         for (place, axis) in targets.iter().enumerate().take(link.counts[1]) {
             let rest = self.axes[usize::from(*axis)].linked.rest;
             link.offset[place] = rest - placed[place].position;
-            link.down[place] = standing(rest);
-            link.led[place] = standing(rest);
+            link.down[place] = KinematicState::at_rest(rest);
+            link.led[place] = KinematicState::at_rest(rest);
             // No machine has more systems than a byte counts.
             self.axes[usize::from(*axis)].linked.leader = Some(target as u8);
         }
@@ -370,12 +370,4 @@ impl Motion {
 pub(super) fn bit(index: usize) -> u64 {
     const { assert!(MAX_SYSTEMS <= 64) };
     1 << index
-}
-
-fn standing(position: f64) -> Point {
-    Point {
-        position,
-        velocity: 0.0,
-        acceleration: 0.0,
-    }
 }

@@ -6,8 +6,8 @@
 //! ([`super::failing`]). Real-time: nothing allocates; the number of looks is fixed. Units: position units, degrees of joints,
 //! seconds.
 
-use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, Detail, MotionError};
+use arcline_profile::KinematicState;
 
 use super::ahead::Ahead;
 use super::compute::bit;
@@ -29,9 +29,9 @@ struct Look {
 }
 
 impl Look {
-    fn joint(&self, place: usize) -> Point {
+    fn joint(&self, place: usize) -> KinematicState {
         let (led, own) = (&self.led[place], &self.own[place]);
-        Point {
+        KinematicState {
             position: led.position + own.position,
             velocity: led.velocity + own.velocity,
             acceleration: 0.0,
@@ -166,7 +166,7 @@ impl Motion {
         let (mut source, mut seconds) = (Side::default(), self.clock.period());
         for (axis, point) in link.source().iter().zip(&mut source) {
             let state = &self.axes[usize::from(*axis)];
-            *point = Point {
+            *point = KinematicState {
                 acceleration: 0.0,
                 ..state.command
             };
@@ -322,7 +322,7 @@ impl Stop<'_> {
 }
 
 /// Whether a joint got further in an update than its speed lets it.
-pub(super) fn too_far(before: &Point, now: &Point, speed: f64, period: f64) -> bool {
+pub(super) fn too_far(before: &KinematicState, now: &KinematicState, speed: f64, period: f64) -> bool {
     now.velocity.abs() > speed * (1.0 + SLACK)
         || (now.position - before.position).abs() > speed * period * (1.0 + SLACK) + SMALL
 }

@@ -5,9 +5,9 @@
 //! axis nor the edge of the workspace lies between two of them. Real-time: nothing allocates; the number of looks is fixed.
 //! Units: position units, degrees of joints.
 
-use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, MotionError};
 use arcline_planner::geometry::{Path, Point as Vector, Turn, angle_rates, angles};
+use arcline_profile::KinematicState;
 
 use super::robot::RobotMap;
 use super::transform::{Link, Map, Side, add};
@@ -25,7 +25,7 @@ struct Course<'a> {
 impl PathLimits {
     /// At a place where a joint does so much per unit of the path, and changes that by so much per unit. Half of its
     /// acceleration is left for each of the two.
-    fn slow(&mut self, joint: &Point, speed: f64, [acceleration, deceleration]: [f64; 2]) {
+    fn slow(&mut self, joint: &KinematicState, speed: f64, [acceleration, deceleration]: [f64; 2]) {
         let (slope, bend) = (joint.velocity.abs(), joint.acceleration.abs());
         let [speed, acceleration, deceleration] = [speed, acceleration, deceleration].map(|limit| SHARE * limit);
         self.speed = self.speed.min(speed / slope);
@@ -81,7 +81,7 @@ impl Motion {
             let axes = self.systems[system].description.linear();
             let source = self.when(link, &|axis| {
                 let place = axes.iter().position(|own| *own == axis);
-                place.map_or_else(Point::default, |place| Point {
+                place.map_or_else(KinematicState::default, |place| KinematicState {
                     position: at[place] - self.axes[usize::from(axis)].command.position,
                     velocity: turn[place],
                     acceleration: 0.0,
@@ -110,7 +110,7 @@ impl Motion {
     }
 
     /// Where the source of a link is when axes of it, or of what leads it, are a step from where they are, and how fast.
-    pub(super) fn when(&self, link: &Link, step: &impl Fn(u16) -> Point) -> Side {
+    pub(super) fn when(&self, link: &Link, step: &impl Fn(u16) -> KinematicState) -> Side {
         let mut whole = self.step_of(link, step, self.links.len());
         for (axis, point) in link.source().iter().zip(&mut whole) {
             point.position += self.axes[usize::from(*axis)].command.position;
@@ -119,7 +119,7 @@ impl Motion {
     }
 
     /// How far the source of a link is led by steps of its own axes, and of those that lead it.
-    pub(super) fn step_of(&self, link: &Link, step: &impl Fn(u16) -> Point, depth: usize) -> Side {
+    pub(super) fn step_of(&self, link: &Link, step: &impl Fn(u16) -> KinematicState, depth: usize) -> Side {
         let mut whole = Side::default();
         for (axis, point) in link.source().iter().zip(&mut whole) {
             *point = step(*axis);
@@ -156,11 +156,13 @@ impl Motion {
             let among = |axes: &[u16]| axes.iter().position(|own| *own == axis);
             let moved = among(description.linear()).map(|place| (place, linear));
             let turned = || among(description.oriented()).zip(turned);
-            moved.or_else(turned).map_or_else(Point::default, |(place, of)| Point {
-                position: of[0][place] - self.axes[usize::from(axis)].command.position,
-                velocity: of[1][place],
-                acceleration: of[2][place],
-            })
+            moved
+                .or_else(turned)
+                .map_or_else(KinematicState::default, |(place, of)| KinematicState {
+                    position: of[0][place] - self.axes[usize::from(axis)].command.position,
+                    velocity: of[1][place],
+                    acceleration: of[2][place],
+                })
         })
     }
 

@@ -4,12 +4,12 @@
 //! orientation that joints lead back. Not here: who leads whom ([`super::transform`]). Real-time: nothing allocates.
 //! Units: position units, degrees of joints and of orientation, seconds.
 
-use arcline_drive::Motion as Point;
 use arcline_instruction_set::{AxisIndex, Detail, MotionError};
 use arcline_kinematics::{
-    Arm, Configuration, KinematicsError, Moving, OrientedRobot, Pose, Robot, Taken, Turns, end_of_arm, tool_centre,
+    Arm, Configuration, KinematicsError, OrientedRobot, Pose, Robot, Taken, Turns, end_of_arm, tool_centre,
 };
 use arcline_planner::geometry::{Frame, Point as Vector};
+use arcline_profile::KinematicState;
 
 use super::transform::{Positions, Side};
 use crate::machine::{MAX_PRIMARY_AXES, MAX_SYSTEM_AXES};
@@ -70,7 +70,10 @@ impl WristMap {
     }
 
     /// The tool centre in the work frame.
-    pub(crate) fn point(&self, joints: &[Moving; MAX_SYSTEM_AXES]) -> Result<Pose<Moving>, KinematicsError> {
+    pub(crate) fn point(
+        &self,
+        joints: &[KinematicState; MAX_SYSTEM_AXES],
+    ) -> Result<Pose<KinematicState>, KinematicsError> {
         let Taken { pose, .. } = self.robot.forward(joints)?;
         Ok(tool_centre(&self.work, &pose, &self.tool))
     }
@@ -97,8 +100,8 @@ impl RobotMap {
             configuration: Configuration::default(),
             turned: [rx, ry, rz],
         };
-        if let Ok(point) = wrist.point(&joints.map(Moving::standing)) {
-            let angles = |coordinates: [Moving; 6]| {
+        if let Ok(point) = wrist.point(&joints.map(KinematicState::at_rest)) {
+            let angles = |coordinates: [KinematicState; 6]| {
                 let [.., rx, ry, rz] = coordinates.map(|at| at.position);
                 [rx, ry, rz]
             };
@@ -186,8 +189,8 @@ impl RobotMap {
     pub(super) fn place_back(&self, target: &Side) -> Result<Side, MotionError> {
         match (&self.mechanism, self.side) {
             (Mechanism::Wrist(wrist), _) => {
-                let point = wrist.point(&target.map(moving)).map_err(refused)?;
-                Ok(point.coordinates_near(wrist.turned).map(self::point))
+                let point = wrist.point(target).map_err(refused)?;
+                Ok(point.coordinates_near(wrist.turned))
             }
             (Mechanism::Arm { frame, robot, .. }, Joints::Target) => {
                 let tool = tool(robot, target)?;
@@ -206,7 +209,7 @@ impl RobotMap {
             && robot.geometry().has_mirror()
         {
             let tool = framed(source, |p| frame.place(p), |d| frame.turn(d));
-            let joints = robot.inverse(three(&tool).map(moving), *arm).map_err(refused)?;
+            let joints = robot.inverse(three(&tool), *arm).map_err(refused)?;
             self.last[0] = joints[0].position;
         }
         let joints = self.place(source)?;
@@ -241,8 +244,8 @@ impl RobotMap {
     }
 
     fn joints(&self, robot: &Robot, arm: Arm, tool: &Side) -> Result<Side, MotionError> {
-        let joints = robot.inverse(three(tool).map(moving), arm).map_err(refused)?;
-        let joints = self.near(wide(joints.map(point)));
+        let joints = robot.inverse(three(tool), arm).map_err(refused)?;
+        let joints = self.near(wide(joints));
         if robot.geometry().has_mirror()
             && let Some([least, most]) = robot.range(0)
             && !(least..=most).contains(&joints[0].position)
@@ -253,10 +256,10 @@ impl RobotMap {
     }
 
     fn wrist_joints(&self, wrist: &WristMap, source: &Side) -> Result<Side, MotionError> {
-        let centre = Pose::new(source.map(moving));
+        let centre = Pose::new(*source);
         let end = end_of_arm(&wrist.work, &centre, &wrist.tool);
         let joints = wrist.robot.inverse(&end, wrist.configuration, Turns::default());
-        Ok(self.near(joints.map_err(refused)?.map(point)))
+        Ok(self.near(joints.map_err(refused)?))
     }
 
     /// In the turns in which they were last.
@@ -269,8 +272,8 @@ impl RobotMap {
 }
 
 fn tool(robot: &Robot, joints: &Side) -> Result<Side, MotionError> {
-    let tool = robot.forward(three(joints).map(moving)).map_err(refused)?;
-    Ok(wide(tool.map(point)))
+    let tool = robot.forward(three(joints)).map_err(refused)?;
+    Ok(wide(tool))
 }
 
 /// Where a side is in the frame at the other end.
@@ -289,29 +292,13 @@ pub(crate) fn refused(error: KinematicsError) -> MotionError {
     }
 }
 
-fn moving(at: Point) -> Moving {
-    Moving {
-        position: at.position,
-        velocity: at.velocity,
-        acceleration: at.acceleration,
-    }
-}
-
-fn point(at: Moving) -> Point {
-    Point {
-        position: at.position,
-        velocity: at.velocity,
-        acceleration: at.acceleration,
-    }
-}
-
 /// The first three.
 pub(crate) fn three<T: Copy>(of: &[T; MAX_SYSTEM_AXES]) -> [T; MAX_PRIMARY_AXES] {
     [of[0], of[1], of[2]]
 }
 
 /// With nothing behind them.
-fn wide([first, second, third]: [Point; MAX_PRIMARY_AXES]) -> Side {
+fn wide([first, second, third]: [KinematicState; MAX_PRIMARY_AXES]) -> Side {
     let mut side = Side::default();
     (side[0], side[1], side[2]) = (first, second, third);
     side
@@ -324,10 +311,7 @@ pub(super) fn positions(side: &Side) -> Positions {
 
 /// A side that stands.
 pub(super) fn at_rest(positions: &Positions) -> Side {
-    positions.map(|position| Point {
-        position,
-        ..Point::default()
-    })
+    positions.map(KinematicState::at_rest)
 }
 
 /// The first three of a side as vectors: position, velocity, acceleration.
@@ -342,7 +326,7 @@ pub(super) fn vectors(side: &Side) -> [Vector; 3] {
 }
 
 pub(super) fn side([position, velocity, acceleration]: [Vector; 3]) -> Side {
-    wide([0, 1, 2].map(|place| Point {
+    wide([0, 1, 2].map(|place| KinematicState {
         position: position[place],
         velocity: velocity[place],
         acceleration: acceleration[place],

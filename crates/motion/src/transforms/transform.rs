@@ -3,8 +3,8 @@
 //! Not here: the axes, and when something is computed ([`super::transform`]); what a robot makes of positions
 //! ([`super::robot`]). Nothing allocates. Units: position units, degrees of joints, seconds.
 
-use arcline_drive::Motion as Point;
 use arcline_instruction_set::MotionError;
+use arcline_profile::KinematicState;
 
 pub(crate) use super::robot::Map;
 use super::robot::{RobotMap, at_rest, positions, side, vectors};
@@ -12,7 +12,7 @@ use crate::control::Execution;
 use crate::machine::MAX_SYSTEM_AXES;
 
 /// Position, velocity and acceleration of each axis of one side.
-pub(crate) type Side = [Point; MAX_SYSTEM_AXES];
+pub(crate) type Side = [KinematicState; MAX_SYSTEM_AXES];
 
 /// A position of each axis of one side.
 pub(crate) type Positions = [f64; MAX_SYSTEM_AXES];
@@ -222,7 +222,7 @@ impl Link {
 }
 
 /// One motion on top of another.
-pub(super) fn add(total: &mut Point, more: &Point) {
+pub(super) fn add(total: &mut KinematicState, more: &KinematicState) {
     total.position += more.position;
     total.velocity += more.velocity;
     total.acceleration += more.acceleration;

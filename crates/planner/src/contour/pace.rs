@@ -6,7 +6,7 @@
 //! Own seconds per second; its derivatives per second. Nothing allocates; a few ramps are tried in a tick.
 
 use arcline_contour::Trajectory;
-use arcline_profile::{Jerk, Limits, Profile, State};
+use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
 use super::guard::Guard;
 use crate::{Clock, Instant};
@@ -39,7 +39,7 @@ pub(super) struct Pace {
 impl Pace {
     /// A constant pace from the present tick on, at `own` of the trajectory's time.
     pub(super) fn constant(own: f64, pace: f64, clock: &Clock) -> Self {
-        let state = State {
+        let state = KinematicState {
             position: own,
             velocity: pace,
             acceleration: 0.0,
@@ -59,8 +59,8 @@ impl Pace {
     }
 
     /// Comes to rest from a state on, without looking at the limits of a trajectory.
-    pub(super) fn stopping(from: State, rate: f64, jerk: Option<f64>, clock: &Clock) -> Self {
-        let from = State {
+    pub(super) fn stopping(from: KinematicState, rate: f64, jerk: Option<f64>, clock: &Clock) -> Self {
+        let from = KinematicState {
             acceleration: if jerk.is_some() { from.acceleration } else { 0.0 },
             ..from
         };
@@ -97,7 +97,7 @@ impl Pace {
     }
 
     /// The trajectory's own time, the pace and its derivative at the present tick.
-    pub(super) fn at(&self, clock: &Clock) -> State {
+    pub(super) fn at(&self, clock: &Clock) -> KinematicState {
         self.ramp.at(self.start.elapsed(clock))
     }
 
@@ -161,8 +161,8 @@ impl Pace {
         (self.under_way, self.next) = (place, 0);
     }
 
-    fn constant_from(&self, now: State) -> Profile {
-        let state = State {
+    fn constant_from(&self, now: KinematicState) -> Profile {
+        let state = KinematicState {
             velocity: self.wanted.target,
             acceleration: 0.0,
             ..now
@@ -171,7 +171,7 @@ impl Pace {
     }
 
     /// Ramps by how good they are: to the end and, at the same rates, less far; then the same with gentler rates.
-    fn ramp(&self, place: usize, now: State, gap: f64) -> Profile {
+    fn ramp(&self, place: usize, now: KinematicState, gap: f64) -> Profile {
         let (reach, gentler) = (place % REACHES.len(), place / REACHES.len());
         let target = self.wanted.target - gap * REACHES[reach];
         // Twice the time, half of the rate, a quarter of its change.

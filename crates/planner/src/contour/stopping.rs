@@ -3,7 +3,7 @@
 //! [`ContourQueue::stop`] waits for room within the limits of the axes; where a robot must not go on, there is no time for
 //! that. Nothing here allocates. Position units, seconds.
 
-use arcline_profile::{Limits, State};
+use arcline_profile::{KinematicState, Limits};
 
 use super::pace::Pace;
 use super::{ContourQueue, Course, Run};
@@ -53,7 +53,7 @@ impl<T: Copy> ContourQueue<T> {
 
 impl Run {
     fn stopping(&self, limits: &Limits, way: Option<&crate::Pace>, clock: &Clock, time: &Clock) -> Pace {
-        let now: State = self.pace.at(clock);
+        let now: KinematicState = self.pace.at(clock);
         let now = way.map_or(now, |way| way.in_time(now));
         let speed = self
             .trajectory

@@ -3,7 +3,7 @@
 //! `ARCLINE_CASES` sets how many merges are travelled (2,000 unless told), `ARCLINE_SEED` the first of them (0 unless told).
 
 use arcline_planner::geometry::{Arc, CirclePoint, Dimension, Direction, Path, Point};
-use arcline_planner::profile::{Jerk, Limits, Profile, State, jerk_from_percent_of_time};
+use arcline_planner::profile::{Jerk, KinematicState, Limits, Profile, jerk_from_percent_of_time};
 use arcline_planner::{Clock, Ending, Momentum, Move, Parameter, Passage, Planner};
 
 use super::{Random, seeds};
@@ -62,7 +62,7 @@ fn path(random: &mut Random, from: Point, along: Point) -> Path {
 /// A motion at any instant between its begin and its end, and its limits; of two moves that blend, now and then.
 fn momentum(random: &mut Random, old: &Limits) -> (Momentum, f64) {
     let length = 0.5 * libm::pow(1000.0, random.share());
-    let profile = Profile::to_position(State::default(), length, 0.0, old);
+    let profile = Profile::to_position(KinematicState::default(), length, 0.0, old);
     let (first, second) = (direction(random), direction(random));
     let at = random.between(0.0, profile.duration());
     let one = profile.at(at);
@@ -79,7 +79,7 @@ fn momentum(random: &mut Random, old: &Limits) -> (Momentum, f64) {
     // How wide a stop with the old limits is.
     let speed = momentum.velocity.norm();
     let along = momentum.acceleration.dot(&momentum.velocity) / speed.max(1e-300);
-    let from = State {
+    let from = KinematicState {
         position: 0.0,
         velocity: speed,
         acceleration: along,

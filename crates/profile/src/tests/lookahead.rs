@@ -17,8 +17,8 @@ const SMOOTH: Limits = Limits {
     ..SIMPLE
 };
 
-fn moving(velocity: f64, acceleration: f64) -> State {
-    State {
+fn moving(velocity: f64, acceleration: f64) -> KinematicState {
+    KinematicState {
         position: 0.0,
         velocity,
         acceleration,
@@ -120,7 +120,7 @@ fn random_limits(random: &mut Random, case: u64) -> Limits {
     }
 }
 
-fn displacement(from: State, velocity: f64, limits: &Limits) -> f64 {
+fn displacement(from: KinematicState, velocity: f64, limits: &Limits) -> f64 {
     Profile::to_velocity(from, velocity, limits).end().position
 }
 
@@ -144,7 +144,7 @@ fn entry_speeds_against_plans() {
         let profile = Profile::to_position(moving(speed, 0.0), length, end, &Limits { speed: 1e7, ..limits });
         assert_eq!(
             profile.end(),
-            State {
+            KinematicState {
                 position: length,
                 ..moving(end, 0.0)
             },
@@ -201,7 +201,7 @@ fn exit_speeds_against_plans() {
             "{told}, expected {expected}"
         );
         let end = Profile::to_position(from, length, speed, &limits).end();
-        let wanted = State {
+        let wanted = KinematicState {
             position: length,
             ..moving(speed, 0.0)
         };
@@ -220,11 +220,11 @@ fn exit_speeds_against_plans() {
 
 #[test]
 fn ramp_times() {
-    let far = Profile::to_position(State::default(), 100.0, 0.0, &SMOOTH);
+    let far = Profile::to_position(KinematicState::default(), 100.0, 0.0, &SMOOTH);
     assert!(near(far.accelerates_until(), 6.0) && near(far.duration() - far.brakes_from(), 3.5));
     let braking = Profile::stop(moving(3.0, 0.0), &SMOOTH);
     assert_eq!((braking.accelerates_until(), braking.brakes_from()), (0.0, 0.0));
-    let up = Profile::to_velocity(State::default(), 3.0, &SMOOTH);
+    let up = Profile::to_velocity(KinematicState::default(), 3.0, &SMOOTH);
     assert_eq!(
         (up.accelerates_until(), up.brakes_from()),
         (up.duration(), up.duration())

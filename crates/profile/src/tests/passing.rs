@@ -28,7 +28,7 @@ fn places_ahead_are_passed_at_the_nearest_speed() {
         ("what is no number counts as 0",   f64::NAN, 0.0,   1.0, 0.0, &SMOOTH, 0.0, true),
     ];
     for (why, velocity, acceleration, way, wanted, limits, speed, level) in cases {
-        let from = State {
+        let from = KinematicState {
             position: 3.0,
             velocity,
             acceleration,

@@ -3,9 +3,10 @@
 //! Not here: which leg comes next ([`super`]). Units: position units, seconds. Nothing allocates; the work of an update is
 //! bounded.
 
-use arcline_drive::{Drive, Motion as Point};
+use arcline_drive::Drive;
 use arcline_planner::Clock;
 use arcline_planner::profile::Profile;
+use arcline_profile::KinematicState;
 
 use super::{Sought, Stage};
 use crate::axis::Axis;
@@ -101,9 +102,9 @@ impl Axis {
             {
                 // The mechanical stop: nothing moves on, and the command goes back to where the axis is held.
                 self.drive.halt();
-                self.pose(Point {
+                self.pose(KinematicState {
                     position: self.drive.actual().position,
-                    ..Point::default()
+                    ..KinematicState::default()
                 });
             }
             if let Some(at) = event {
@@ -132,7 +133,7 @@ impl Axis {
     }
 
     /// The command is that of a leg, in positions of the axis.
-    fn pose(&mut self, mut command: Point) {
+    fn pose(&mut self, mut command: KinematicState) {
         let frame = self.sum.seen_from(Slot::Home, Some(0.0)).unwrap_or_default();
         command.position -= frame;
         self.sum.set(Slot::Home, command);
@@ -150,17 +151,12 @@ struct Leg {
 }
 
 impl Leg {
-    fn at(&self, seconds: f64) -> Point {
-        let state = self.profile.at(self.elapsed + seconds);
-        Point {
-            position: state.position + self.frame,
-            velocity: state.velocity,
-            acceleration: state.acceleration,
-        }
+    fn at(&self, seconds: f64) -> KinematicState {
+        self.profile.at(self.elapsed + seconds) + self.frame
     }
 
     /// Its end, to the last bit.
-    fn last(&self) -> Point {
+    fn last(&self) -> KinematicState {
         self.at(f64::INFINITY)
     }
 

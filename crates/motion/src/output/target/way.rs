@@ -3,8 +3,8 @@
 //! Not here: what happens to elements on the way ([`super::events`]). Real-time: nothing allocates; an update is cut into a bounded
 //! number of pieces.
 
-use arcline_drive::Motion as Point;
 use arcline_planner::{Clock, Instant};
+use arcline_profile::KinematicState;
 
 use super::super::course::Course;
 use super::super::program::{Compensation, OUTPUT_BITS};
@@ -21,8 +21,8 @@ const ROUNDING: f64 = 1e-12;
 
 /// A way of the axis within an update, or a change of its speed at the beginning of one.
 pub(super) struct Piece {
-    pub(super) from: Point,
-    pub(super) to: Point,
+    pub(super) from: KinematicState,
+    pub(super) to: KinematicState,
     pub(super) jumps: bool,
     pub(super) period: f64,
 }
@@ -44,7 +44,13 @@ impl Piece {
 
 impl Target {
     /// The axis goes from where it was to where it is now. `ended`: whose cams end on the way.
-    pub(super) fn go(&mut self, to: Point, clock: &Clock, edges: &mut Vec<Edge>, ended: &mut [Option<Execution>; 2]) {
+    pub(super) fn go(
+        &mut self,
+        to: KinematicState,
+        clock: &Clock,
+        edges: &mut Vec<Edge>,
+        ended: &mut [Option<Execution>; 2],
+    ) {
         let period = clock.period();
         let pieces = [(self.last, self.began, true), (self.began, to, false)];
         for (from, to, jumps) in pieces {
