@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 
+use crate::enumerations::JerkUnits;
 use crate::{Flag, Mnemonic, Words, catalog};
 
 /// A kind of motion object.
@@ -177,7 +178,7 @@ impl Axes {
 }
 
 /// One operand of a faceplate.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Operand {
     /// As the faceplate prints it, such as `Accel Rate`.
     pub name: &'static str,
@@ -203,7 +204,7 @@ impl Operand {
 }
 
 /// Type and range of an operand.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub enum Kind {
     /// The object that the instruction acts on; always operand 0. Instructions without one are services of `object`.
     Target(Object),
@@ -249,7 +250,10 @@ pub enum Range {
 
 impl Range {
     /// Jerk Units that are a percentage of time: a jerk in them is at most 100.
-    pub const PERCENT_OF_TIME: [i32; 2] = [2, 6];
+    pub const PERCENT_OF_TIME: [i32; 2] = [
+        JerkUnits::PercentOfTime as i32,
+        JerkUnits::PercentOfTimeMasterDriven as i32,
+    ];
 }
 
 /// Legal lengths of an array operand.

@@ -18,6 +18,7 @@ mod form;
 mod instruction;
 mod instruction_tag;
 mod mnemonic;
+pub mod operands;
 pub mod predefined;
 mod queue;
 mod safety_margin;
@@ -41,4 +42,4 @@ pub use instruction_tag::{
 };
 pub use mnemonic::{Mnemonic, UnknownMnemonic};
 pub use safety_margin::BlendedSequence;
-pub use words::{Word, Words, list as enumerations, normalized};
+pub use words::{Enumeration, Word, Words, list as enumerations, normalized};

@@ -81,155 +81,247 @@ fn plain_digit(c: char) -> char {
     }
 }
 
+/// An enumeration as a Rust type.
+pub trait Enumeration: Copy {
+    /// Its words: the legal ones of the operands that take all of them.
+    const WORDS: &'static Words;
+    /// What a number that is none of its values reads as, until [`crate::Instruction::verify`] refuses it.
+    const FIRST: Self;
+
+    /// The value of a number.
+    fn from_number(number: i32) -> Option<Self>;
+}
+
 macro_rules! words {
-    ($($(#[$doc:meta])* $constant:ident $name:literal { $($value:literal $title:literal $([$($keyword:literal),*])?),* $(,)? }
-       $(reserved { $($r_value:literal $r_title:literal),* $(,)? })?;)*) => {
-        $($(#[$doc])* pub static $constant: Words = Words {
-            name: $name,
-            words: &[$(Word { value: $value, title: $title, keywords: &[$($($keyword),*)?] }),*],
-            reserved: &[$($(Word { value: $r_value, title: $r_title, keywords: &[] }),*)?],
-        };)*
+    ($($(#[$doc:meta])* $constant:ident $enum:ident $name:literal {
+           $first:ident = $first_value:literal $first_title:literal $([$($first_keyword:literal),*])?
+           $(, $variant:ident = $value:literal $title:literal $([$($keyword:literal),*])?)* $(,)?
+       } $({ $($(#[$part_doc:meta])* $part:ident $part_name:literal {
+           $($own:ident),* $(,)? } $(reserved { $($reserved:ident),* $(,)? })?;)* })?)*) => {
+        $(
+            $(#[$doc])*
+            #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+            pub enum $enum {
+                #[doc = $first_title]
+                $first = $first_value,
+                $(#[doc = $title] $variant = $value,)*
+            }
+
+            impl $enum {
+                /// Its number, title and keywords.
+                pub const fn definition(self) -> Word {
+                    match self {
+                        Self::$first => Word {
+                            value: $first_value,
+                            title: $first_title,
+                            keywords: &[$($($first_keyword),*)?],
+                        },
+                        $(Self::$variant => Word {
+                            value: $value,
+                            title: $title,
+                            keywords: &[$($($keyword),*)?],
+                        },)*
+                    }
+                }
+            }
+
+            impl Enumeration for $enum {
+                const WORDS: &'static Words = &$constant;
+                const FIRST: Self = Self::$first;
+
+                fn from_number(number: i32) -> Option<Self> {
+                    match number {
+                        $first_value => Some(Self::$first),
+                        $($value => Some(Self::$variant),)*
+                        _ => None,
+                    }
+                }
+            }
+
+            $(#[$doc])*
+            pub static $constant: Words = Words {
+                name: $name,
+                words: &[$enum::$first.definition(), $($enum::$variant.definition()),*],
+                reserved: &[],
+            };
+
+            $($(
+                $(#[$part_doc])*
+                pub static $part: Words = Words {
+                    name: $part_name,
+                    words: &[$($enum::$own.definition()),*],
+                    reserved: &[$($($enum::$reserved.definition()),*)?],
+                };
+            )*)?
+        )*
 
         /// Every enumeration.
-        pub static ALL: &[&Words] = &[$(&$constant),*];
+        pub static ALL: &[&Words] = &[$(&$constant, $($(&$part,)*)?)*];
     };
 }
 
-/// The enumerations, by the operand that takes them.
+/// The enumerations: each as a Rust type, as its words, and as the parts of them that some operands take.
 pub mod list {
-    use super::{Word, Words};
+    use super::{Enumeration, Word, Words};
 
     words! {
         /// MCLM, MCCM.
-        MOVE_TYPE "Move Type" { 0 "Absolute", 1 "Incremental" };
+        MOVE_TYPE MoveType "Move Type" { Absolute = 0 "Absolute", Incremental = 1 "Incremental" }
         /// MCCM.
-        CIRCLE_TYPE "Circle Type" { 0 "Via", 1 "Center", 2 "Radius", 3 "Center Incremental" };
+        CIRCLE_TYPE CircleType "Circle Type" {
+            Via = 0 "Via", Center = 1 "Center", Radius = 2 "Radius", CenterIncremental = 3 "Center Incremental",
+        }
         /// MCCM: names for two dimensions; Shortest and Longest for three.
-        DIRECTION "Direction" {
-            0 "CW" ["clockwise", "shortest"], 1 "CCW" ["counterclockwise", "longest"],
-            2 "CW Full" ["clockwisefull", "shortestfull"], 3 "CCW Full" ["counterclockwisefull", "longestfull"],
-        };
-        /// MCLM, MCCM, MCCD, MAJ, MCD.
-        SPEED_UNITS "Speed Units" {
-            0 "Units per sec", 1 "% of Maximum", 4 "Units per MasterUnit",
-        } reserved { 3 "Seconds", 7 "Master Units" };
+        DIRECTION CircleDirection "Direction" {
+            Clockwise = 0 "CW" ["clockwise", "shortest"], CounterClockwise = 1 "CCW" ["counterclockwise", "longest"],
+            ClockwiseFull = 2 "CW Full" ["clockwisefull", "shortestfull"],
+            CounterClockwiseFull = 3 "CCW Full" ["counterclockwisefull", "longestfull"],
+        }
         /// MAM.
-        MAM_SPEED_UNITS "Speed Units" {
-            0 "Units per sec", 1 "% of Maximum", 3 "Seconds", 4 "Units per MasterUnit", 7 "Master Units",
-        };
-        /// MCLM, MCCM, MCCD, MAJ, MCD: acceleration and deceleration.
-        RATE_UNITS "Accel/Decel Units" {
-            0 "Units per sec²", 1 "% of Maximum", 4 "Units per MasterUnit²",
-        } reserved { 3 "Seconds", 7 "Master Units" };
+        MAM_SPEED_UNITS SpeedUnits "Speed Units" {
+            UnitsPerSec = 0 "Units per sec", PercentOfMaximum = 1 "% of Maximum", Seconds = 3 "Seconds",
+            UnitsPerMasterUnit = 4 "Units per MasterUnit", MasterUnits = 7 "Master Units",
+        } {
+            /// MCLM, MCCM, MCCD, MAJ, MCD.
+            SPEED_UNITS "Speed Units" { UnitsPerSec, PercentOfMaximum, UnitsPerMasterUnit }
+                reserved { Seconds, MasterUnits };
+        }
         /// MAM.
-        MAM_RATE_UNITS "Accel/Decel Units" {
-            0 "Units per sec²", 1 "% of Maximum", 3 "Seconds", 4 "Units per MasterUnit²", 7 "Master Units",
-        };
-        /// MCS, MAS, MAG: always in time.
-        STOP_RATE_UNITS "Decel Units" {
-            0 "Units per sec²", 1 "% of Maximum",
-        } reserved { 3 "Seconds", 4 "Units per MasterUnit²", 7 "Master Units" };
-        /// MCLM, MCCM, MCCD, MAJ, MCD.
-        JERK_UNITS "Jerk Units" {
-            0 "Units per sec³", 1 "% of Maximum", 2 "% of Time", 4 "Units per MasterUnit³",
-            6 "% of Time-Master Driven",
-        } reserved { 3 "Seconds", 7 "Master Units" };
+        MAM_RATE_UNITS RateUnits "Accel/Decel Units" {
+            UnitsPerSec2 = 0 "Units per sec²", PercentOfMaximum = 1 "% of Maximum", Seconds = 3 "Seconds",
+            UnitsPerMasterUnit2 = 4 "Units per MasterUnit²", MasterUnits = 7 "Master Units",
+        } {
+            /// MCLM, MCCM, MCCD, MAJ, MCD: acceleration and deceleration.
+            RATE_UNITS "Accel/Decel Units" { UnitsPerSec2, PercentOfMaximum, UnitsPerMasterUnit2 }
+                reserved { Seconds, MasterUnits };
+            /// MCS, MAS, MAG: always in time.
+            STOP_RATE_UNITS "Decel Units" { UnitsPerSec2, PercentOfMaximum }
+                reserved { Seconds, UnitsPerMasterUnit2, MasterUnits };
+        }
         /// MAM.
-        MAM_JERK_UNITS "Jerk Units" {
-            0 "Units per sec³", 1 "% of Maximum", 2 "% of Time", 3 "Seconds", 4 "Units per MasterUnit³",
-            6 "% of Time-Master Driven", 7 "Master Units",
-        };
-        /// MCS, MAS: always in time.
-        STOP_JERK_UNITS "Jerk Units" {
-            0 "Units per sec³", 1 "% of Maximum", 2 "% of Time",
-        } reserved { 3 "Seconds", 4 "Units per MasterUnit³", 6 "% of Time-Master Driven", 7 "Master Units" };
+        MAM_JERK_UNITS JerkUnits "Jerk Units" {
+            UnitsPerSec3 = 0 "Units per sec³", PercentOfMaximum = 1 "% of Maximum", PercentOfTime = 2 "% of Time",
+            Seconds = 3 "Seconds", UnitsPerMasterUnit3 = 4 "Units per MasterUnit³",
+            PercentOfTimeMasterDriven = 6 "% of Time-Master Driven", MasterUnits = 7 "Master Units",
+        } {
+            /// MCLM, MCCM, MCCD, MAJ, MCD.
+            JERK_UNITS "Jerk Units" {
+                UnitsPerSec3, PercentOfMaximum, PercentOfTime, UnitsPerMasterUnit3, PercentOfTimeMasterDriven,
+            } reserved { Seconds, MasterUnits };
+            /// MCS, MAS: always in time.
+            STOP_JERK_UNITS "Jerk Units" { UnitsPerSec3, PercentOfMaximum, PercentOfTime }
+                reserved { Seconds, UnitsPerMasterUnit3, PercentOfTimeMasterDriven, MasterUnits };
+        }
         /// Velocity profile.
-        PROFILE "Profile" { 0 "Trapezoidal", 1 "S-curve" };
+        PROFILE VelocityProfile "Profile" { Trapezoidal = 0 "Trapezoidal", SCurve = 1 "S-curve" }
         /// MCLM, MCCM.
-        TERMINATION_TYPE "Termination Type" {
-            0 "Actual Tolerance", 1 "No Settle", 2 "Command Tolerance", 3 "No Decel",
-            4 "Follow Contour Velocity Constrained" ["contourvelocityconstrained"],
-            5 "Follow Contour Velocity Unconstrained" ["contourvelocityunconstrained"],
-            6 "Command Tolerance Programmed",
-        };
+        TERMINATION_TYPE TerminationType "Termination Type" {
+            ActualTolerance = 0 "Actual Tolerance", NoSettle = 1 "No Settle", CommandTolerance = 2 "Command Tolerance",
+            NoDecel = 3 "No Decel",
+            ContourVelocityConstrained = 4 "Follow Contour Velocity Constrained" ["contourvelocityconstrained"],
+            ContourVelocityUnconstrained = 5 "Follow Contour Velocity Unconstrained" ["contourvelocityunconstrained"],
+            CommandToleranceProgrammed = 6 "Command Tolerance Programmed",
+        }
         /// MCLM, MCCM.
-        MERGE "Merge" { 0 "Disabled", 1 "Coordinated Motion", 2 "All Motion" };
+        MERGE Merge "Merge" {
+            Disabled = 0 "Disabled", CoordinatedMotion = 1 "Coordinated Motion", AllMotion = 2 "All Motion",
+        }
         /// MAM, MAJ.
-        AXIS_MERGE "Merge" { 0 "Disabled", 1 "Enabled" };
+        AXIS_MERGE AxisMerge "Merge" { Disabled = 0 "Disabled", Enabled = 1 "Enabled" }
         /// Merge Speed.
-        MERGE_SPEED "Merge Speed" { 0 "Programmed", 1 "Current" };
+        MERGE_SPEED MergeSpeed "Merge Speed" { Programmed = 0 "Programmed", Current = 1 "Current" }
         /// Master driven moves.
-        LOCK_DIRECTION "Lock Direction" {
-            0 "None", 1 "Immediate Forward Only", 2 "Immediate Reverse Only",
-            3 "Position Forward Only" ["positionforward"], 4 "Position Reverse Only" ["positionreverse"],
-        };
+        LOCK_DIRECTION LockDirection "Lock Direction" {
+            None = 0 "None", ImmediateForward = 1 "Immediate Forward Only", ImmediateReverse = 2 "Immediate Reverse Only",
+            PositionForward = 3 "Position Forward Only" ["positionforward"],
+            PositionReverse = 4 "Position Reverse Only" ["positionreverse"],
+        }
         /// The "Change …" operands.
-        NO_YES "Change" { 0 "No", 1 "Yes" };
+        NO_YES Change "Change" { No = 0 "No", Yes = 1 "Yes" }
         /// MCCD.
-        MCCD_MOTION_TYPE "Motion Type" { 1 "Coordinated Move" };
+        MCCD_MOTION_TYPE MccdMotionType "Motion Type" { CoordinatedMove = 1 "Coordinated Move" }
         /// MCCD.
-        SCOPE "Scope" { 0 "Active Motion", 1 "Active and Pending Motion" };
+        SCOPE Scope "Scope" { Active = 0 "Active Motion", ActiveAndPending = 1 "Active and Pending Motion" }
         /// MCS.
-        MCS_STOP_TYPE "Stop Type" { 0 "All", 2 "Coordinated Move", 3 "Coordinated Transform" };
+        MCS_STOP_TYPE McsStopType "Stop Type" {
+            All = 0 "All", CoordinatedMove = 2 "Coordinated Move", CoordinatedTransform = 3 "Coordinated Transform",
+        }
         /// MAS.
-        MAS_STOP_TYPE "Stop Type" {
-            0 "All", 1 "Jog", 2 "Move", 3 "Gear", 4 "Home", 5 "Tune", 6 "Test", 7 "Time Cam", 8 "Position Cam",
-            9 "Master Offset Move", 10 "Direct Control",
-        };
+        MAS_STOP_TYPE MasStopType "Stop Type" {
+            All = 0 "All", Jog = 1 "Jog", Move = 2 "Move", Gear = 3 "Gear", Home = 4 "Home", Tune = 5 "Tune",
+            Test = 6 "Test", TimeCam = 7 "Time Cam", PositionCam = 8 "Position Cam",
+            MasterOffsetMove = 9 "Master Offset Move", DirectControl = 10 "Direct Control",
+        }
         /// MGS.
-        STOP_MODE "Stop Mode" { 0 "Programmed", 1 "Fast Stop", 2 "Fast Disable" };
+        STOP_MODE StopMode "Stop Mode" { Programmed = 0 "Programmed", FastStop = 1 "Fast Stop", FastDisable = 2 "Fast Disable" }
         /// MAJ.
-        JOG_DIRECTION "Direction" { 0 "Forward", 1 "Reverse" };
+        JOG_DIRECTION JogDirection "Direction" { Forward = 0 "Forward", Reverse = 1 "Reverse" }
         /// MAM.
-        MAM_MOVE_TYPE "Move Type" {
-            0 "Absolute", 1 "Incremental", 2 "Rotary Shortest Path", 3 "Rotary Positive", 4 "Rotary Negative",
-            5 "Absolute Master Offset", 6 "Incremental Master Offset",
-        };
+        MAM_MOVE_TYPE MamMoveType "Move Type" {
+            Absolute = 0 "Absolute", Incremental = 1 "Incremental", RotaryShortestPath = 2 "Rotary Shortest Path",
+            RotaryPositive = 3 "Rotary Positive", RotaryNegative = 4 "Rotary Negative",
+            AbsoluteMasterOffset = 5 "Absolute Master Offset", IncrementalMasterOffset = 6 "Incremental Master Offset",
+        }
         /// MAG, MAPC, MATC.
-        GEAR_DIRECTION "Direction" { 0 "Same", 1 "Opposite", 2 "Reverse", 3 "Unchanged" };
+        GEAR_DIRECTION GearDirection "Direction" {
+            Same = 0 "Same", Opposite = 1 "Opposite", Reverse = 2 "Reverse", Unchanged = 3 "Unchanged",
+        }
         /// Master position that a slave follows.
-        MASTER_REFERENCE "Master Reference" { 0 "Actual", 1 "Command" };
+        MASTER_REFERENCE Reference "Master Reference" { Actual = 0 "Actual", Command = 1 "Command" } {
+            /// MAOC: what the cam follows of its axis.
+            POSITION_REFERENCE "Position Reference" { Actual, Command };
+            /// MRP.
+            POSITION_SELECT "Position Select" { Actual, Command };
+        }
         /// MAG.
-        RATIO_FORMAT "Ratio Format" { 0 "Real", 1 "Fraction" ["fractionslavemastercounts"] };
+        RATIO_FORMAT RatioFormat "Ratio Format" { Real = 0 "Real", Fraction = 1 "Fraction" ["fractionslavemastercounts"] }
         /// MAG; the reverse of Merge.
-        CLUTCH "Clutch" { 0 "Enabled", 1 "Disabled" };
+        CLUTCH Clutch "Clutch" { Enabled = 0 "Enabled", Disabled = 1 "Disabled" }
         /// MCD.
-        MCD_MOTION_TYPE "Motion Type" { 0 "Jog", 1 "Move" };
+        MCD_MOTION_TYPE McdMotionType "Motion Type" { Jog = 0 "Jog", Move = 1 "Move" }
         /// MRP.
-        REDEFINE_TYPE "Type" { 0 "Absolute", 1 "Relative" };
-        /// MRP.
-        POSITION_SELECT "Position Select" { 0 "Actual", 1 "Command" };
+        REDEFINE_TYPE RedefineType "Type" { Absolute = 0 "Absolute", Relative = 1 "Relative" }
         /// MDAC.
-        MDAC_MOTION_TYPE "Motion Type" { 0 "All", 1 "Move", 2 "Jog", 3 "Time Cam", 4 "Master Offset Move" };
+        MDAC_MOTION_TYPE MdacMotionType "Motion Type" {
+            All = 0 "All", Move = 1 "Move", Jog = 2 "Jog", TimeCam = 3 "Time Cam", MasterOffsetMove = 4 "Master Offset Move",
+        }
+        /// MAPC, MAOC.
+        EXECUTION_MODE ExecutionMode "Execution Mode" { Once = 0 "Once", Continuous = 1 "Continuous", Persistent = 2 "Persistent" } {
+            /// MATC.
+            TIME_CAM_EXECUTION_MODE "Execution Mode" { Once, Continuous };
+        }
+        /// MAPC, MAOC.
+        EXECUTION_SCHEDULE ExecutionSchedule "Execution Schedule" {
+            Immediate = 0 "Immediate", Pending = 1 "Pending", ForwardOnly = 2 "Forward Only", ReverseOnly = 3 "Reverse Only",
+            Bidirectional = 4 "Bidirectional",
+        } {
+            /// MATC.
+            TIME_CAM_EXECUTION_SCHEDULE "Execution Schedule" { Immediate, Pending };
+        }
         /// MAPC.
-        EXECUTION_MODE "Execution Mode" { 0 "Once", 1 "Continuous", 2 "Persistent" };
-        /// MATC.
-        TIME_CAM_EXECUTION_MODE "Execution Mode" { 0 "Once", 1 "Continuous" };
-        /// MAPC.
-        EXECUTION_SCHEDULE "Execution Schedule" {
-            0 "Immediate", 1 "Pending", 2 "Forward Only", 3 "Reverse Only", 4 "Bidirectional",
-        };
-        /// MATC.
-        TIME_CAM_EXECUTION_SCHEDULE "Execution Schedule" { 0 "Immediate", 1 "Pending" };
-        /// MAPC.
-        MASTER_DIRECTION "Master Direction" { 0 "Bidirectional", 1 "Forward Only", 2 "Reverse Only" };
+        MASTER_DIRECTION MasterDirection "Master Direction" {
+            Bidirectional = 0 "Bidirectional", ForwardOnly = 1 "Forward Only", ReverseOnly = 2 "Reverse Only",
+        }
         /// MAW.
-        WATCH_TRIGGER "Trigger Condition" { 0 "Forward", 1 "Reverse" };
+        WATCH_TRIGGER WatchTrigger "Trigger Condition" { Forward = 0 "Forward", Reverse = 1 "Reverse" }
         /// MAR.
-        REGISTRATION_TRIGGER "Trigger Condition" { 0 "Positive Edge", 1 "Negative Edge" };
+        REGISTRATION_TRIGGER RegistrationTrigger "Trigger Condition" {
+            PositiveEdge = 0 "Positive Edge", NegativeEdge = 1 "Negative Edge",
+        }
         /// MAR.
-        WINDOWED "Windowed Registration" { 0 "Disabled", 1 "Enabled" };
-        /// MAOC: what the cam follows of its axis.
-        POSITION_REFERENCE "Position Reference" { 0 "Actual", 1 "Command" };
+        WINDOWED Windowed "Windowed Registration" { Disabled = 0 "Disabled", Enabled = 1 "Enabled" }
         /// MDOC.
-        DISARM_TYPE "Disarm Type" { 0 "All", 1 "Specific" };
+        DISARM_TYPE DisarmType "Disarm Type" { All = 0 "All", Specific = 1 "Specific" }
         /// MATC.
-        INSTRUCTION_MODE "Instruction Mode" { 0 "Time Driven Mode", 1 "Master Driven Mode" };
+        INSTRUCTION_MODE InstructionMode "Instruction Mode" {
+            TimeDriven = 0 "Time Driven Mode", MasterDriven = 1 "Master Driven Mode",
+        }
         /// MCTP, MCTPO.
-        TRANSFORM_DIRECTION "Transform Direction" {
-            0 "Forward", 1 "Inverse", 2 "Inverse Left Arm",
-            3 "Inverse Left Arm Mirror" ["inverselftarmmirror"], 4 "Inverse Right Arm", 5 "Inverse Right Arm Mirror",
-        };
+        TRANSFORM_DIRECTION TransformDirection "Transform Direction" {
+            Forward = 0 "Forward", Inverse = 1 "Inverse", InverseLeftArm = 2 "Inverse Left Arm",
+            InverseLeftArmMirror = 3 "Inverse Left Arm Mirror" ["inverselftarmmirror"],
+            InverseRightArm = 4 "Inverse Right Arm", InverseRightArmMirror = 5 "Inverse Right Arm Mirror",
+        }
     }
 }
 

@@ -1,0 +1,409 @@
+//! How the tables of the catalogue are written: a row for each operand, groups of rows, and the structs that come of them.
+//!
+//! A row names another operand, on which its range depends, as the faceplate does; a name or a value that does not exist is an
+//! error of the compiler.
+
+use std::marker::PhantomData;
+
+use crate::enumerations::*;
+use crate::instruction::{ArrayRule, Condition, Kind, Object, Operand, Range};
+use crate::{Enumeration, RealArray, Words, WrittenArray};
+
+/// An operand whose references to others are names yet.
+#[derive(Clone, Copy)]
+pub(crate) struct Draft {
+    operand: Operand,
+    /// The operand that the condition is about.
+    condition_on: &'static str,
+    /// The operand that the range or the length of an array depends on.
+    range_on: &'static str,
+}
+
+/// An operand that is read as a `T`.
+pub(super) struct Row<T> {
+    draft: Draft,
+    value: PhantomData<fn() -> T>,
+}
+
+impl<T> Row<T> {
+    const fn new(kind: Kind, note: &'static str) -> Self {
+        Row {
+            draft: Draft {
+                operand: Operand {
+                    name: "",
+                    kind,
+                    condition: Condition::Always,
+                    initial: 0.0,
+                    note,
+                },
+                condition_on: "",
+                range_on: "",
+            },
+            value: PhantomData,
+        }
+    }
+
+    /// First value in an instruction tag.
+    pub(super) const fn first(mut self, initial: f32) -> Self {
+        self.draft.operand.initial = initial;
+        self
+    }
+
+    /// Range looked at only when the named operand is Yes.
+    pub(super) const fn changed_by(mut self, flag: &'static str) -> Self {
+        self.draft.operand.condition = Condition::Changed(0);
+        self.draft.condition_on = flag;
+        self
+    }
+
+    /// Range looked at only when the named operand has this value.
+    pub(super) const fn when(mut self, operand: &'static str, value: i32) -> Self {
+        self.draft.operand.condition = Condition::When { operand: 0, value };
+        self.draft.condition_on = operand;
+        self
+    }
+
+    /// Range or length depends on the named operand.
+    const fn ranged_by(mut self, operand: &'static str) -> Self {
+        self.draft.range_on = operand;
+        self
+    }
+
+    /// As the faceplate prints it, where that is not the name of the field.
+    pub(super) const fn named(mut self, name: &'static str) -> Self {
+        self.draft.operand.name = name;
+        self
+    }
+
+    /// The row of a field, by the name that follows from it.
+    pub(super) const fn drafts(mut self, name: &'static str) -> [Draft; 1] {
+        if self.draft.operand.name.is_empty() {
+            self.draft.operand.name = name;
+        }
+        [self.draft]
+    }
+}
+
+const FULL_SCALE: f32 = 100.0;
+const S_CURVE: i32 = VelocityProfile::SCurve as i32;
+
+pub(super) const fn target(object: Object) -> Row<()> {
+    Row::new(Kind::Target(object), "")
+}
+
+pub(super) const fn axis() -> Row<()> {
+    target(Object::Axis)
+}
+
+pub(super) const fn system() -> Row<()> {
+    target(Object::CoordinateSystem)
+}
+
+pub(super) const fn group() -> Row<()> {
+    target(Object::MotionGroup)
+}
+
+pub(super) const fn control() -> Row<()> {
+    Row::new(Kind::MotionControl, "a MOTION_INSTRUCTION tag of its own")
+}
+
+pub(super) const fn reference(object: Object, note: &'static str) -> Row<Option<u16>> {
+    Row::new(Kind::Reference(object), note)
+}
+
+/// Any value of an enumeration.
+pub(super) const fn word<E: Enumeration>() -> Row<E> {
+    word_of(E::WORDS)
+}
+
+/// Some values of an enumeration.
+pub(super) const fn word_of<E: Enumeration>(words: &'static Words) -> Row<E> {
+    Row::new(Kind::Word(words), "")
+}
+
+pub(super) const fn number(range: Range, note: &'static str) -> Row<f64> {
+    Row::new(Kind::Number(range), note)
+}
+
+pub(super) const fn count(range: Range, note: &'static str) -> Row<i32> {
+    Row::new(Kind::Integer(range), note)
+}
+
+pub(super) const fn array(rule: ArrayRule, note: &'static str) -> Row<RealArray> {
+    Row::new(Kind::Array(rule), note)
+}
+
+/// An element for each axis, or one where the named operand has a value.
+pub(super) const fn per_axis_unless(operand: &'static str, value: i32, note: &'static str) -> Row<RealArray> {
+    array(ArrayRule::PerAxisUnless { operand: 0, value }, note).ranged_by(operand)
+}
+
+pub(super) const fn array_or_none(note: &'static str) -> Row<RealArray> {
+    Row::new(Kind::ArrayOrNone, note)
+}
+
+pub(super) const fn written(elements: u16, note: &'static str) -> Row<Option<WrittenArray>> {
+    Row::new(Kind::WrittenArray(elements), note)
+}
+
+pub(super) const fn structure(type_name: &'static str, note: &'static str) -> Row<Option<u32>> {
+    Row::new(Kind::Structure(type_name), note)
+}
+
+pub(super) const fn structure_or_none(type_name: &'static str, note: &'static str) -> Row<Option<u32>> {
+    Row::new(Kind::StructureOrNone(type_name), note)
+}
+
+pub(super) const fn change() -> Row<Change> {
+    word()
+}
+
+pub(super) const fn speed() -> Row<f64> {
+    let note = "in Speed Units; 0: the move waits until MCCD or MCD gives it a speed";
+    number(Range::NotNegative, note).first(FULL_SCALE)
+}
+
+pub(super) const fn rate(note: &'static str) -> Row<f64> {
+    number(Range::Positive, note).first(FULL_SCALE)
+}
+
+pub(super) const fn accel_rate() -> Row<f64> {
+    rate("in Accel Units")
+}
+
+pub(super) const fn decel_rate() -> Row<f64> {
+    rate("in Decel Units")
+}
+
+pub(super) const fn speed_units(words: &'static Words) -> Row<SpeedUnits> {
+    word_of(words).first(SpeedUnits::PercentOfMaximum as i32 as f32)
+}
+
+pub(super) const fn rate_units(words: &'static Words) -> Row<RateUnits> {
+    word_of(words).first(RateUnits::PercentOfMaximum as i32 as f32)
+}
+
+/// A jerk, whose range depends on Jerk Units.
+pub(super) const fn jerk() -> Row<f64> {
+    number(Range::Jerk { units: 0 }, "in Jerk Units; used by an S-curve only")
+        .ranged_by("Jerk Units")
+        .first(FULL_SCALE)
+}
+
+/// The jerk of an instruction with a Profile.
+pub(super) const fn profile_jerk() -> Row<f64> {
+    jerk().when("Profile", S_CURVE)
+}
+
+pub(super) const fn jerk_units(words: &'static Words) -> Row<JerkUnits> {
+    word_of(words).first(JerkUnits::PercentOfTime as i32 as f32)
+}
+
+pub(super) const fn profile() -> Row<VelocityProfile> {
+    word().first(S_CURVE as f32)
+}
+
+/// Operands of all rows, in which every name has become an index.
+pub(super) const fn resolved<const N: usize>(parts: &[&[Draft]]) -> [Operand; N] {
+    let mut operands = [parts[0][0].operand; N];
+    let (mut part, mut row, mut index) = (0, 0, 0);
+    while index < N {
+        if row == parts[part].len() {
+            part += 1;
+            row = 0;
+            continue;
+        }
+        operands[index] = resolve(&parts[part][row], parts);
+        row += 1;
+        index += 1;
+    }
+    operands
+}
+
+const fn resolve(draft: &Draft, parts: &[&[Draft]]) -> Operand {
+    let mut operand = draft.operand;
+    match &mut operand.condition {
+        Condition::Always => {}
+        Condition::Changed(flag) => *flag = index_of(draft.condition_on, Change::Yes as i32, parts),
+        Condition::When { operand, value } => *operand = index_of(draft.condition_on, *value, parts),
+    }
+    match &mut operand.kind {
+        Kind::Number(Range::Jerk { units }) => {
+            *units = index_of(draft.range_on, JerkUnits::PercentOfTime as i32, parts);
+        }
+        Kind::Array(ArrayRule::PerAxisUnless { operand, value }) => {
+            *operand = index_of(draft.range_on, *value, parts);
+        }
+        _ => {}
+    }
+    operand
+}
+
+/// The index of the operand of a name, which has a value.
+const fn index_of(name: &str, value: i32, parts: &[&[Draft]]) -> u8 {
+    let (mut part, mut row, mut index) = (0, 0, 0);
+    while part < parts.len() {
+        if row == parts[part].len() {
+            part += 1;
+            row = 0;
+            continue;
+        }
+        let operand = &parts[part][row].operand;
+        if equal(operand.name, name) {
+            assert!(
+                has_word(operand, value),
+                "the operand that a row depends on has no such value"
+            );
+            return index;
+        }
+        row += 1;
+        index += 1;
+    }
+    panic!("a row depends on an operand that the instruction does not have");
+}
+
+const fn has_word(operand: &Operand, value: i32) -> bool {
+    let Kind::Word(words) = &operand.kind else {
+        return false;
+    };
+    let mut word = 0;
+    while word < words.words.len() {
+        if words.words[word].value == value {
+            return true;
+        }
+        word += 1;
+    }
+    false
+}
+
+const fn equal(one: &str, other: &str) -> bool {
+    let (one, other) = (one.as_bytes(), other.as_bytes());
+    let mut place = 0;
+    while place < one.len() && place < other.len() && one[place] == other[place] {
+        place += 1;
+    }
+    place == one.len() && place == other.len()
+}
+
+/// How many operands the rows are.
+pub(super) const fn total(parts: &[&[Draft]]) -> usize {
+    let (mut part, mut total) = (0, 0);
+    while part < parts.len() {
+        total += parts[part].len();
+        part += 1;
+    }
+    total
+}
+
+/// The name on the faceplate of a field: `speed_units` is "Speed Units".
+pub(super) const fn title<const N: usize>(field: &str) -> [u8; N] {
+    let mut title = [b' '; N];
+    let mut place = 0;
+    while place < N {
+        let letter = field.as_bytes()[place];
+        if place == 0 || field.as_bytes()[place - 1] == b'_' {
+            title[place] = letter.to_ascii_uppercase();
+        } else if letter != b'_' {
+            title[place] = letter;
+        }
+        place += 1;
+    }
+    title
+}
+
+macro_rules! faceplate_name {
+    ($field:ident) => {{
+        const BYTES: [u8; stringify!($field).len()] = title(stringify!($field));
+        match std::str::from_utf8(&BYTES) {
+            Ok(name) => name,
+            Err(_) => panic!("the name of a field is ASCII"),
+        }
+    }};
+}
+
+/// Operands that several instructions have one behind the other: a struct, and the rows with the words of their units.
+macro_rules! operand_groups {
+    ($($(#[$doc:meta])* $group:ident($($words:ident),*) [$($field:ident: $type:ty = $row:expr),* $(,)?];)*) => {
+        $(
+            $(#[$doc])*
+            #[derive(Clone, Copy, PartialEq, Debug)]
+            #[allow(missing_docs, reason = "docs/INSTRUCTIONS.md describes every operand")]
+            pub struct $group {
+                $(pub $field: OperandValue<$type>,)*
+            }
+
+            impl $group {
+                pub(super) const fn rows($($words: &'static Words),*) -> Rows<{ [$(stringify!($field)),*].len() }> {
+                    Rows([$({
+                        let row: Row<$type> = $row;
+                        row.drafts(faceplate_name!($field))[0]
+                    }),*])
+                }
+            }
+
+            impl Operands for $group {
+                fn read(reader: &mut Reader<'_>) -> Self {
+                    $group {
+                        $($field: Operands::read(reader),)*
+                    }
+                }
+            }
+        )*
+    };
+}
+
+/// The rows of a group of operands.
+pub(super) struct Rows<const N: usize>(pub(super) [Draft; N]);
+
+impl<const N: usize> Rows<N> {
+    /// Its operands have names of their own.
+    pub(super) const fn drafts(self, _: &str) -> [Draft; N] {
+        self.0
+    }
+}
+
+/// Instructions: the faceplate of each, and a struct of its operands but for target and motion control.
+macro_rules! instructions {
+    ($($constant:ident = $mnemonic:ident on $object:ident, $timing:ident, $bits:expr, $axes:expr, $summary:literal:
+       [$($field:ident $(as $group:ident)? $(: $type:ty)? = $row:expr),* $(,)?];)*) => {
+        $(
+            #[doc = $summary]
+            pub static $constant: Instruction = Instruction {
+                mnemonic: Mnemonic::$mnemonic,
+                title: Mnemonic::$mnemonic.title(),
+                summary: $summary,
+                object: Object::$object,
+                timing: Timing::$timing,
+                bits: $bits,
+                axes: $axes,
+                operands: &{
+                    const PARTS: &[&[Draft]] = &[$(&{
+                        let row $(: Row<$type>)? = $row;
+                        row.drafts(faceplate_name!($field))
+                    }),*];
+                    const COUNT: usize = total(PARTS);
+                    resolved::<COUNT>(PARTS)
+                },
+            };
+
+            #[doc = $summary]
+            #[derive(Clone, Copy, PartialEq, Debug)]
+            #[allow(missing_docs, reason = "docs/INSTRUCTIONS.md describes every operand")]
+            pub struct $mnemonic {
+                $($(pub $field: OperandValue<$type>,)? $(pub $field: $group,)?)*
+            }
+
+            impl Operands for $mnemonic {
+                fn read(reader: &mut Reader<'_>) -> Self {
+                    let _ = &reader;
+                    $mnemonic {
+                        $(
+                            $($field: <OperandValue<$type> as Operands>::read(reader),)?
+                            $($field: <$group as Operands>::read(reader),)?
+                        )*
+                    }
+                }
+            }
+        )*
+    };
+}
