@@ -15,6 +15,8 @@ use arcline_instruction_set::{
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
 use arcline_tag::Value;
 
+use crate::trace::Trace;
+
 /// A controller between the beginning and the end of a tick, and everything it has reported so far.
 pub struct Bench {
     project: Project,
@@ -26,6 +28,7 @@ pub struct Bench {
     tickets: u64,
     arrays: Vec<String>,
     written: BTreeMap<String, Vec<f64>>,
+    trace: Option<Trace>,
     /// Every event so far, with the name of its tag.
     pub events: Vec<(String, Event)>,
     /// Every change of the faults of an axis so far.
@@ -60,6 +63,7 @@ impl Bench {
             tickets: 0,
             arrays: Vec::new(),
             written: BTreeMap::new(),
+            trace: Trace::asked(),
             events: Vec::new(),
             fault_changes: Vec::new(),
         }
@@ -181,8 +185,17 @@ impl Bench {
         let events = &mut self.events;
         self.controller.plan_contours(&mut self.contour);
         let fault_changes = &mut self.fault_changes;
-        self.controller.take_fault_changes(|change| fault_changes.push(*change));
+        let mut trace = self.trace.take();
+        self.controller.take_fault_changes(|change| {
+            fault_changes.push(*change);
+            if let Some(trace) = &mut trace {
+                trace.fault_change(change);
+            }
+        });
         self.controller.end_tick(|event| {
+            if let Some(trace) = &mut trace {
+                trace.event(event);
+            }
             let name = controls.iter().find(|(_, slot)| **slot == event.control);
             events.push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));
         });
@@ -194,6 +207,10 @@ impl Bench {
                 }
                 _ => image.apply_array_write(write),
             });
+        if let Some(trace) = &mut trace {
+            trace.snapshot(&self.snapshot());
+        }
+        self.trace = trace;
         let seen = look(self);
         self.controller.begin_tick();
         seen

@@ -32,6 +32,7 @@ pub mod robots;
 pub mod scanner;
 pub mod server;
 pub mod terminal;
+mod trace;
 
 /// The root folder of the workspace.
 #[must_use]
