@@ -32,6 +32,19 @@ pub enum Saturation {
     Torque,
 }
 
+/// What goes out to the drive of one axis at a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SetPoint {
+    /// The drive is to hold the axis and to follow.
+    pub enable: bool,
+    /// Where the axis is to be, of the machine: without what positions were redefined by. Position units.
+    pub position: f64,
+    /// Position units per second.
+    pub velocity: f64,
+    /// Position units per second².
+    pub acceleration: f64,
+}
+
 /// A drive with its axis. Copied to look ahead.
 #[derive(Clone, Copy, Debug)]
 pub enum Drive {

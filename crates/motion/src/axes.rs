@@ -13,21 +13,30 @@ use arcline_profile::KinematicState;
 
 /// Every axis of a machine at the present tick.
 #[derive(Debug)]
-pub(crate) struct Axes(Vec<Axis>);
+pub(crate) struct Axes {
+    axes: Vec<Axis>,
+    /// The feedback of the present tick is there.
+    pub(crate) exchanged: bool,
+}
 
 impl Axes {
     /// The axes of a machine at rest. The only allocation.
     pub(crate) fn new(machine: &Machine, clock: &Clock) -> Self {
-        Axes(machine.axes.iter().map(|axis| Axis::new(axis, clock)).collect())
+        Axes {
+            axes: machine.axes.iter().map(|axis| Axis::new(axis, clock)).collect(),
+            exchanged: true,
+        }
     }
 
-    /// What a slave reads of a master now. A master without torque moves where its drive does.
-    pub(crate) fn master_at(&self, master: u16, reference: Reference) -> MasterAt {
+    /// What a slave reads of a master now. A master without torque moves where its drive does. Before the exchange of a tick, the
+    /// actual position is the one that is expected of it.
+    pub(crate) fn master_at(&self, master: u16, reference: Reference, clock: &Clock) -> MasterAt {
         let axis = &self[master];
         let commanded = matches!(axis.state, AxisState::Running | AxisState::Starting);
         let (point, read) = match reference {
             Reference::Command if commanded => (axis.command, Reference::Command),
-            _ => (axis.drive.actual(), Reference::Actual),
+            _ if self.exchanged => (axis.actual, Reference::Actual),
+            _ => (axis.expected(clock), Reference::Actual),
         };
         MasterAt {
             point: KinematicState {
@@ -44,13 +53,13 @@ impl Deref for Axes {
     type Target = [Axis];
 
     fn deref(&self) -> &[Axis] {
-        &self.0
+        &self.axes
     }
 }
 
 impl DerefMut for Axes {
     fn deref_mut(&mut self) -> &mut [Axis] {
-        &mut self.0
+        &mut self.axes
     }
 }
 
@@ -58,13 +67,13 @@ impl Index<u16> for Axes {
     type Output = Axis;
 
     fn index(&self, axis: u16) -> &Axis {
-        &self.0[usize::from(axis)]
+        &self.axes[usize::from(axis)]
     }
 }
 
 impl IndexMut<u16> for Axes {
     fn index_mut(&mut self, axis: u16) -> &mut Axis {
-        &mut self.0[usize::from(axis)]
+        &mut self.axes[usize::from(axis)]
     }
 }
 
@@ -72,13 +81,13 @@ impl Index<usize> for Axes {
     type Output = Axis;
 
     fn index(&self, axis: usize) -> &Axis {
-        &self.0[axis]
+        &self.axes[axis]
     }
 }
 
 impl IndexMut<usize> for Axes {
     fn index_mut(&mut self, axis: usize) -> &mut Axis {
-        &mut self.0[axis]
+        &mut self.axes[axis]
     }
 }
 

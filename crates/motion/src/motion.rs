@@ -9,9 +9,11 @@ mod links;
 mod outputs;
 mod probes;
 mod take_over;
+mod tick;
 
 use std::sync::Arc;
 
+use arcline_drive::SetPoint;
 use arcline_instruction_set::{Call, Flag, Mnemonic, MotionControl, MotionError, Object};
 use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
@@ -46,6 +48,8 @@ pub struct Motion {
     pub(crate) clock: Clock,
     pub(crate) axes: Axes,
     pub(crate) systems: Vec<System>,
+    /// What went out to the drives at the last exchange, in the order of the axes.
+    set_points: Vec<SetPoint>,
     pub(crate) controls: Controls,
     pub(crate) layouts: Layouts,
     /// Transforms under way, at the place of their target system.
@@ -93,6 +97,7 @@ impl Motion {
             clock,
             axes: Axes::new(machine, &clock),
             systems: systems(machine),
+            set_points: vec![SetPoint::default(); machine.axes.len()],
             controls: Controls::new(),
             layouts: Layouts::new(),
             links: vec![None; machine.systems.len()],
@@ -112,30 +117,6 @@ impl Motion {
     /// The present tick.
     pub fn tick(&self) -> u64 {
         self.clock.tick
-    }
-
-    /// Brings everything to a tick: commands, drives, and the ends of moves, stops and messages that lie before
-    /// it. Real-time: bounded by the number of axes and coordinate systems and by a fixed number of moves.
-    pub fn begin(&mut self, tick: u64) {
-        self.clock.tick = tick;
-        self.finish_messages();
-        for index in 0..self.systems.len() {
-            // Behind its masters otherwise.
-            if self.systems[index].is_busy() && !self.systems[index].follows() {
-                self.advance_system(index);
-            }
-        }
-        self.advance_axes();
-        self.look_after_transforms();
-        self.check_faults();
-        for index in 0..self.systems.len() {
-            self.finish_braking(index);
-            self.finish_stop(index);
-        }
-        self.finish_group_stop();
-        self.update_tolerances();
-        self.show_transforms();
-        self.show_links();
     }
 
     /// Executes an instruction at the present tick and returns what its motion control tag shows then.
@@ -272,7 +253,7 @@ impl Motion {
     pub fn trace(&self) -> impl Iterator<Item = [f64; 4]> {
         self.axes.iter().map(|axis| {
             let command = axis.command;
-            let actual = axis.shown(axis.drive.actual().position);
+            let actual = axis.shown(axis.actual.position);
             [
                 axis.shown(command.position),
                 command.velocity,

@@ -24,9 +24,9 @@ const STANDSTILL: f64 = 1e-3;
 
 /// One axis as its tag shows it.
 pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
-    let actual = axis.drive.actual();
+    let actual = axis.actual;
     let [first, second] = &axis.registrations;
-    let saturation = axis.drive.saturation();
+    let saturation = axis.saturation;
     let command = axis.command;
     let offset = &axis.cams(Slot::PositionCam).offset;
     AxisSnapshot {
@@ -72,7 +72,7 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
                 cip_axis_status::TRACKING_COMMAND_STATUS,
             ),
             (
-                axis.drive.error().abs() <= POSITION_LOCK_TOLERANCE,
+                axis.position_error.abs() <= POSITION_LOCK_TOLERANCE,
                 cip_axis_status::POSITION_LOCK_STATUS,
             ),
             (
@@ -95,7 +95,7 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         command: [axis.shown(command.position), command.velocity, command.acceleration],
         actual: [axis.shown(actual.position), actual.velocity, actual.acceleration],
         average_velocity: axis.average.velocity(),
-        position_error: axis.drive.error(),
+        position_error: axis.position_error,
         started_at: axis.started_at.map(|position| axis.shown(position)),
         strobed: axis.strobed,
         master_offset: [axis.master_offset().position, offset.start, offset.strobed],
@@ -235,7 +235,7 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
         shown.axes_shutdown |= u32::from(axis.state == AxisState::Shutdown) << place;
         shown.axes_servo_on |= u32::from(axis.state == AxisState::Running) << place;
         if let Some(actual) = shown.actual.get_mut(place) {
-            *actual = axis.shown(axis.drive.actual().position);
+            *actual = axis.shown(axis.actual.position);
         }
     }
     if shown.axes_faulted != 0 {

@@ -590,7 +590,7 @@ fn a_servo_and_the_actual_position_of_one() {
     }
     bench.call(&format!("MAM(P, M, 0, 90, {TRAPEZOID})"));
     let mut last = [0.0; 2];
-    for tick in 0..1500 {
+    for tick in 0..3000 {
         bench.tick();
         if tick == 400 {
             bench.call("MSF(P, S)");

@@ -112,14 +112,6 @@ impl Axis {
         Some(self.feeding?.at(clock))
     }
 
-    /// Shows a position that somebody outside has written.
-    pub(crate) fn show(&mut self, now: KinematicState, period: f64) {
-        self.drive.cycle(now, period);
-        self.sum.place(now.position);
-        self.command = now;
-        self.average.take(now.position - self.redefined);
-    }
-
     /// The axis is somewhere else without having moved there.
     pub(crate) fn place_fed(&mut self, offset: f64) {
         self.sum.redefine(offset);

@@ -73,5 +73,6 @@ impl Axis {
         self.redefine(position - self.command.position);
         self.stand_at(position);
         self.drive.cycle(self.command, 0.0);
+        self.actual = self.command;
     }
 }

@@ -90,7 +90,7 @@ impl Axis {
         }
         self.homing = Some(homing);
         if driven {
-            let started_at = [from.position, self.drive.actual().position];
+            let started_at = [from.position, self.actual.position];
             let from = KinematicState {
                 position: from.position,
                 velocity: from.velocity,
@@ -131,9 +131,24 @@ impl Axis {
         has_event && self.homing().is_some_and(|homing| homing.event.is_none())
     }
 
+    /// Whether the home point was found in the update that ends now.
+    pub(crate) fn home_was_found(&mut self) -> bool {
+        if std::mem::take(&mut self.home_reached) {
+            return true;
+        }
+        if self.is_driven_home() {
+            return false;
+        }
+        if self.homing().is_none() {
+            // It was stopped.
+            self.homing = None;
+        }
+        self.watch_home()
+    }
+
     /// The actual position without any redefinition.
     pub(crate) fn machine_position(&self) -> f64 {
-        self.drive.actual().position - self.redefined
+        self.actual.position - self.redefined
     }
 
     /// One update in which others move the axis, if anything: to be called with the positions of this tick. Whether the

@@ -12,7 +12,7 @@ mod redefine;
 mod sensor;
 pub(crate) mod sum;
 
-use arcline_drive::Drive;
+use arcline_drive::{Drive, Saturation, SetPoint};
 use arcline_instruction_set::ExceptionAction;
 use arcline_planner::profile::{Bounds, Jerk, Limits, Profile};
 use arcline_planner::{Clock, Instant};
@@ -72,6 +72,18 @@ pub(crate) enum AfterStop {
 pub(crate) struct Axis {
     pub(crate) state: AxisState,
     pub(crate) drive: Drive,
+    /// Where the feedback of the last exchange says that the axis is.
+    pub(crate) actual: KinematicState,
+    /// Command minus actual, as the drive knows it, position units.
+    pub(crate) position_error: f64,
+    /// What keeps the drive from following.
+    pub(crate) saturation: Saturation,
+    /// The drive has followed already: homing has moved it within the update.
+    followed: bool,
+    /// Homing came to its end within the update.
+    home_reached: bool,
+    /// By what the axis was behind its set-point at the last exchange.
+    lag: KinematicState,
     /// What [`Sum::command`] says at the present tick.
     pub(crate) command: KinematicState,
     pub(crate) sum: Sum,
@@ -137,6 +149,12 @@ impl Axis {
         };
         Axis {
             state,
+            actual: drive.actual(),
+            position_error: 0.0,
+            saturation: Saturation::None,
+            followed: false,
+            home_reached: false,
+            lag: KinematicState::default(),
             drive,
             command: KinematicState::at_rest(position),
             sum: Sum::at_rest(position),
@@ -264,7 +282,7 @@ impl Axis {
 
     /// The present positions are those at which the last motion began.
     pub(crate) fn mark_start(&mut self) {
-        self.started_at = [self.command.position, self.drive.actual().position];
+        self.started_at = [self.command.position, self.actual.position];
     }
 
     /// A coordinate system says where its part of the axis's motion is.
@@ -404,15 +422,54 @@ impl Axis {
         }
     }
 
-    /// The drive follows the command over the period that ends now; without torque, the command follows it.
-    pub(crate) fn follow(&mut self, period: f64) {
-        if self.has_torque() {
-            self.drive.cycle(self.command, period);
-        } else {
-            let now = self.drive.coast(period);
-            self.stand_at(now.position);
+    /// What goes out to the drive at the present tick.
+    pub(crate) fn set_point(&self) -> SetPoint {
+        SetPoint {
+            enable: self.has_torque(),
+            position: self.command.position - self.redefined,
+            velocity: self.command.velocity,
+            acceleration: self.command.acceleration,
         }
-        self.average.take(self.drive.actual().position - self.redefined);
+    }
+
+    /// The drive follows the set-point over the period that ends now; an axis that an encoder feeds has none.
+    pub(crate) fn exchange(&mut self, clock: &Clock) {
+        if let Some(now) = self.fed(clock) {
+            self.drive.cycle(now, clock.period());
+        } else if std::mem::take(&mut self.followed) {
+            // The drive has followed the legs of homing within the update.
+        } else if self.has_torque() {
+            self.drive.cycle(self.command, clock.period());
+        } else {
+            self.drive.coast(clock.period());
+        }
+    }
+
+    /// Takes the feedback of the present tick; without torque, the command is where the axis is.
+    pub(crate) fn take_feedback(&mut self, clock: &Clock) {
+        self.actual = self.drive.actual();
+        self.position_error = self.drive.error();
+        self.saturation = self.drive.saturation();
+        if let Some(now) = self.fed(clock) {
+            self.sum.place(now.position);
+            self.command = now;
+        } else if !self.has_torque() {
+            self.stand_at(self.actual.position);
+        }
+        self.lag = self.command - self.actual;
+        self.average.take(self.actual.position - self.redefined);
+    }
+
+    /// Where the axis is at the present tick, before its feedback comes: as far behind the command as at the last exchange;
+    /// without torque, as fast as then.
+    pub(crate) fn expected(&self, clock: &Clock) -> KinematicState {
+        if let Some(now) = self.fed(clock) {
+            now
+        } else if self.has_torque() {
+            self.command - self.lag
+        } else {
+            self.actual + self.actual.velocity * clock.period()
+        }
     }
 
     /// Whether its servo is off for another reason than a fault or a shutdown.
@@ -432,10 +489,10 @@ impl Axis {
     pub(crate) fn observed(&self) -> Observed {
         let loop_closed = self.has_torque() && !self.is_virtual && self.feeding.is_none();
         Observed {
-            position: self.drive.actual().position,
+            position: self.actual.position,
             homed: self.homed,
             velocity: self.command.velocity,
-            error: loop_closed.then(|| self.drive.error()),
+            error: loop_closed.then_some(self.position_error),
             lost: false,
         }
     }
@@ -445,17 +502,22 @@ impl Axis {
         self.state = state;
         self.stale = true;
         if self.is_virtual {
-            self.drive.halt();
+            self.halt();
         }
         self.stand_at(self.command.position);
     }
 
     /// Closes the loop where the axis stands.
     pub(crate) fn enable(&mut self) {
-        self.drive.halt();
-        self.stand_at(self.drive.actual().position);
+        self.halt();
+        self.stand_at(self.actual.position);
         self.state = AxisState::Starting;
         self.stale = true;
+    }
+
+    fn halt(&mut self) {
+        self.drive.halt();
+        self.actual = self.drive.actual();
     }
 
     fn stand_at(&mut self, position: f64) {

@@ -20,7 +20,7 @@ impl Axis {
     /// The same for the actual position.
     pub(crate) fn redefine_actual(&mut self, position: f64) {
         for _ in 0..2 {
-            self.redefine(position - self.drive.actual().position);
+            self.redefine(position - self.actual.position);
         }
     }
 
@@ -57,9 +57,10 @@ impl Axis {
     /// The drive goes along with a command whose positions were shifted.
     pub(super) fn shift(&mut self, offset: f64) {
         self.drive.redefine(offset);
+        self.actual = self.drive.actual();
         self.command = self.sum.command();
         self.redefined += offset;
-        self.faults.redefined(self.drive.actual().position);
+        self.faults.redefined(self.actual.position);
     }
 
     /// A position as the axis shows it: rotary ones within one turn.

@@ -115,7 +115,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         acceleration: 0.0,
     };
     motion.end_generator(axis, Slot::Gear);
-    let met = motion.axes.master_at(master, reference);
+    let met = motion.axes.master_at(master, reference, &motion.clock);
     let mut gear = Gear::new(master, reference, ratio, &met, slave, clutch, now);
     let mut generator = Generator::followed(false);
     generator.execution = Some(execution);

@@ -115,7 +115,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     } else {
         Reference::Command
     };
-    let point = motion.axes.master_at(axis, reference).point;
+    let point = motion.axes.master_at(axis, reference, &motion.clock).point;
     let state = &mut motion.axes[at];
     let word = |operand: usize, bits: u32| {
         call.tag(operand).map(|tag| Word {

@@ -118,7 +118,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         slot: Slot::PositionCam,
         program,
         lock,
-        master: motion.axes.master_at(master, reference),
+        master: motion.axes.master_at(master, reference, &motion.clock),
     };
     begin(motion, axis, beginning, execution);
     motion.order.take();

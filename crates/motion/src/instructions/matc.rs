@@ -100,7 +100,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
                 way,
                 unwind: state.unwind,
             });
-            motion.axes.master_at(link.master.axis, link.master.reference)
+            motion
+                .axes
+                .master_at(link.master.axis, link.master.reference, &motion.clock)
         }
     };
     let beginning = Beginning {

@@ -41,7 +41,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         way: Some(if call.is_one(layout.trigger) { -1.0 } else { 1.0 }),
         unwind: state.unwind,
     };
-    let now = state.drive.actual().position - state.redefined;
+    let now = state.actual.position - state.redefined;
     state.watch.arm(execution, lock, position, now);
     motion.controls.write(execution, Flag::Ip.mask(), 0, motion.clock.tick);
     motion.done_next_update(execution, axis, None);

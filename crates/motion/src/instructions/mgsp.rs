@@ -11,7 +11,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     motion.verify_operands(call)?;
     for axis in motion.axes.iter_mut() {
         axis.cams_mut(Slot::PositionCam).offset.strobed = axis.master_offset().position;
-        axis.strobed = [axis.command.position, axis.drive.actual().position].map(|position| axis.shown(position));
+        axis.strobed = [axis.command.position, axis.actual.position].map(|position| axis.shown(position));
     }
     motion.done(execution);
     Ok(())

@@ -50,7 +50,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     }
     motion.not_in_transform(axis)?;
     let state = &mut motion.axes[usize::from(axis)];
-    let (command, actual) = (state.command.position, state.drive.actual().position);
+    let (command, actual) = (state.command.position, state.actual.position);
     let offset = match (relative, call.word(layout.position_select) == COMMAND) {
         (true, _) => position,
         (false, true) => position - command,

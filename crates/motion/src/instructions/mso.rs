@@ -26,7 +26,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         }
         AxisState::Starting => {}
         AxisState::Stopped | AxisState::Stopping => {
-            if state.drive.actual().velocity != 0.0 {
+            if state.actual.velocity != 0.0 {
                 return Err(MotionError::AxisInMotion(AxisIndex(0)));
             }
             state.enable();

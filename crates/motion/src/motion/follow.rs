@@ -13,7 +13,7 @@ use crate::order::{Circle, Follower, Followers, Masters, Step};
 use crate::system::System;
 
 impl Motion {
-    /// Commands and drives of all axes at the present tick, in order, and what came to its end.
+    /// Commands of all axes at the present tick, in order.
     pub(crate) fn advance_followers(&mut self) {
         let mut followers = 0;
         for place in 0..self.order.len() {
@@ -34,7 +34,7 @@ impl Motion {
                 _ => self.compute(step),
             }
             if let Step::Whole(axis) = step {
-                self.follow_command(axis);
+                self.axes[usize::from(axis)].advance_homing(&self.clock);
                 let state = &self.axes[usize::from(axis)];
                 followers += usize::from(state.is_linked() || !masters_of_axis(state).is_empty());
             }
@@ -80,13 +80,17 @@ impl Motion {
     fn read_masters(&mut self, index: usize) {
         let mut links = self.systems[index].links;
         for link in links.iter_mut() {
-            let at = self.axes.master_at(link.master.axis, link.master.reference);
+            let at = self
+                .axes
+                .master_at(link.master.axis, link.master.reference, &self.clock);
             link.master.read(&at, &self.clock);
         }
         self.systems[index].links = links;
         if let Some(mut guide) = self.systems[index].guide {
             guide.advance(
-                &self.axes.master_at(guide.master.axis, guide.master.reference),
+                &self
+                    .axes
+                    .master_at(guide.master.axis, guide.master.reference, &self.clock),
                 &self.clock,
             );
             self.systems[index].guide = Some(guide);
@@ -99,7 +103,9 @@ impl Motion {
         if !self.axes[at].links.is_empty() {
             let mut links = self.axes[at].links;
             for link in links.iter_mut() {
-                let at = self.axes.master_at(link.master.axis, link.master.reference);
+                let at = self
+                    .axes
+                    .master_at(link.master.axis, link.master.reference, &self.clock);
                 link.master.read(&at, &self.clock);
             }
             self.axes[at].links = links;
@@ -109,7 +115,9 @@ impl Motion {
                 continue;
             };
             guide.advance(
-                &self.axes.master_at(guide.master.axis, guide.master.reference),
+                &self
+                    .axes
+                    .master_at(guide.master.axis, guide.master.reference, &self.clock),
                 &self.clock,
             );
             if let Some(generator) = self.axes[at].sum.get_mut(slot) {
@@ -122,7 +130,7 @@ impl Motion {
         for slot in Axis::CAMS {
             let cam = self.axes[usize::from(axis)].cam(slot);
             if let Some(Source::Axis { master, reference }) = cam.map(Cam::source) {
-                let at = self.axes.master_at(master, reference);
+                let at = self.axes.master_at(master, reference, &self.clock);
                 let at = self.axes[usize::from(axis)].offset_master(slot, at, &self.clock);
                 self.axes[usize::from(axis)].follow_cam(slot, &at);
             }
@@ -130,7 +138,7 @@ impl Motion {
         let Some(gear) = self.axes[usize::from(axis)].gear() else {
             return;
         };
-        let at = self.axes.master_at(gear.master, gear.reference);
+        let at = self.axes.master_at(gear.master, gear.reference, &self.clock);
         if let Some(generator) = self.axes[usize::from(axis)].sum.get_mut(Slot::Gear)
             && let Law::Geared(gear) = &mut generator.law
         {

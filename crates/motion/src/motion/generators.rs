@@ -14,7 +14,7 @@ use crate::events::MoveEvents;
 use crate::masters::cam::Cam;
 
 impl Motion {
-    /// Commands and drives of all axes at the present tick, and what came to its end.
+    /// Commands of all axes at the present tick.
     pub(super) fn advance_axes(&mut self) {
         if !self.order.is_empty() {
             self.advance_followers();
@@ -22,7 +22,7 @@ impl Motion {
         }
         for index in 0..self.axes.len() {
             self.axes[index].advance(&self.clock);
-            self.follow_command(index as u16);
+            self.axes[index].advance_homing(&self.clock);
         }
     }
 
@@ -191,7 +191,7 @@ impl Motion {
     /// The group's stop is over when every axis that it stopped is at rest.
     pub(super) fn finish_group_stop(&mut self) {
         let Some(stop) = self.group_stop else { return };
-        let moves = |axis: &Axis| axis.is_stopping() || axis.drive.actual().velocity != 0.0 && !axis.has_torque();
+        let moves = |axis: &Axis| axis.is_stopping() || axis.actual.velocity != 0.0 && !axis.has_torque();
         let mut axes = self.axes.iter().enumerate();
         if !axes.any(|(index, axis)| stop.braking.contains(index as u16) && moves(axis)) {
             self.group_stop = None;

@@ -43,34 +43,4 @@ impl Motion {
         }
         Ok(())
     }
-
-    /// The drive of an axis follows its command, and what has come to its end is told. Homing commands it here.
-    pub(crate) fn follow_command(&mut self, axis: u16) {
-        let at = usize::from(axis);
-        let period = self.clock.period();
-        let state = &mut self.axes[at];
-        let found = if state.is_driven_home() {
-            state.advance_homing(&self.clock)
-        } else {
-            if state.homing().is_none() {
-                // It was stopped.
-                state.homing = None;
-            }
-            match state.fed(&self.clock) {
-                Some(now) => state.show(now, period),
-                None => state.follow(period),
-            }
-            state.watch_home()
-        };
-        if state.in_motion() {
-            self.report_generators(axis);
-        }
-        let state = &mut self.axes[at];
-        if found && let Some(ended) = state.homing.take() {
-            state.homed = true;
-            self.end_move(ended.execution, Flag::Pc.mask());
-        }
-        self.look_out(axis);
-        self.axes[at].fold(&self.clock);
-    }
 }

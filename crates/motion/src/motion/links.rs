@@ -27,7 +27,7 @@ impl Motion {
         nominal: f64,
     ) -> MasterLink {
         self.link_count += 1;
-        let at = self.axes.master_at(master, reference);
+        let at = self.axes.master_at(master, reference, &self.clock);
         let has_nominal = nominal > 0.0;
         let nominal = if has_nominal {
             nominal
@@ -90,7 +90,7 @@ impl Motion {
 
     fn guide(&self, link: &MasterLink, lock: LockTo, since: Instant) -> Guide {
         let Master { axis, reference, .. } = link.master;
-        let at = self.axes.master_at(axis, reference);
+        let at = self.axes.master_at(axis, reference, &self.clock);
         let unwind = self.axes[usize::from(axis)].unwind;
         Guide::begin(link.id, &link.master, lock, unwind, &at, since, &self.clock)
     }

@@ -16,7 +16,7 @@ impl Motion {
             let Some(reference) = self.axes[at].outputs.reference(target) else {
                 continue;
             };
-            let point = self.axes.master_at(axis, reference).point;
+            let point = self.axes.master_at(axis, reference, &self.clock).point;
             let outcome = self.axes[at].outputs.look(target, point, &self.clock);
             for execution in outcome.ended.into_iter().flatten() {
                 self.end_move(execution, Flag::Pc.mask());
@@ -38,7 +38,7 @@ impl Motion {
         for axis in 0..self.axes.len() {
             for target in 0..self.axes[axis].outputs.len() {
                 if let Some(reference) = self.axes[axis].outputs.reference(target) {
-                    let point = self.axes.master_at(axis as u16, reference).point;
+                    let point = self.axes.master_at(axis as u16, reference, &self.clock).point;
                     self.axes[axis].outputs.begin_update(target, point);
                 }
             }

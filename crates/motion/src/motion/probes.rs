@@ -51,7 +51,7 @@ impl Motion {
                 let Some(state) = self.axes.get_mut(usize::from(axis)) else {
                     return;
                 };
-                let position = state.shown(state.drive.actual().position);
+                let position = state.shown(state.actual.position);
                 let Some(registration) = state.registrations.get_mut(usize::from(input)) else {
                     return;
                 };
@@ -80,7 +80,7 @@ impl Motion {
     /// What axes look out for is looked at.
     pub(super) fn look_out(&mut self, axis: u16) {
         let state = &mut self.axes[usize::from(axis)];
-        let now = state.drive.actual().position - state.redefined;
+        let now = state.actual.position - state.redefined;
         if let Some(execution) = state.watch.look(now) {
             self.end_move(execution, Flag::Pc.mask());
         }

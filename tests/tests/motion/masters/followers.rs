@@ -200,10 +200,20 @@ fn a_slave_is_where_its_master_makes_it_be_at_every_period() {
         for _ in 0..20 {
             jog(&mut random, &mut bench);
             for _ in 0..1 + random.below(60) {
+                // Before its feedback comes, a master is expected as far behind its command as at the last update.
+                let lag = |chain: &Chain| {
+                    let axis = bench.axis(chain.master);
+                    if chain.actual {
+                        axis.command[0] - axis.actual[0]
+                    } else {
+                        0.0
+                    }
+                };
+                let lags: Vec<f64> = chains.iter().map(lag).collect();
                 bench.tick();
-                for chain in &mut chains {
+                for (chain, lag) in chains.iter_mut().zip(lags) {
                     let now = [
-                        position(&bench, chain.master, chain.actual),
+                        position(&bench, chain.master, false) - lag,
                         position(&bench, chain.slave, false),
                     ];
                     let locked = match chain.law {

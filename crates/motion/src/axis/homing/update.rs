@@ -21,8 +21,11 @@ const SHORTEST_STEP: f64 = 1e-9;
 const BISECTIONS: usize = 60;
 
 impl Axis {
-    /// One update of an axis that homing moves: command and drive at the present tick. Whether it came to its end.
-    pub(crate) fn advance_homing(&mut self, clock: &Clock) -> bool {
+    /// One update of an axis that homing moves: command and drive at the present tick.
+    pub(crate) fn advance_homing(&mut self, clock: &Clock) {
+        if !self.is_driven_home() {
+            return;
+        }
         let began = Clock::at(clock.tick.saturating_sub(1), clock.period_ns);
         let period = clock.period();
         // Seconds of this update that the command and the drive have behind them.
@@ -90,6 +93,7 @@ impl Axis {
             at = reached;
             let command = leg.at(at);
             self.drive = next;
+            self.actual = self.drive.actual();
             self.pose(command);
             if event.is_some()
                 && matches!(
@@ -102,6 +106,7 @@ impl Axis {
             {
                 // The mechanical stop: nothing moves on, and the command goes back to where the axis is held.
                 self.drive.halt();
+                self.actual = self.drive.actual();
                 self.pose(KinematicState {
                     position: self.drive.actual().position,
                     ..KinematicState::default()
@@ -117,7 +122,8 @@ impl Axis {
         if period - driven_to >= SHORTEST_STEP {
             self.drive.cycle(self.command, period - driven_to);
         }
-        ended
+        self.followed = true;
+        self.home_reached = ended;
     }
 
     fn present_leg(&self, began: &Clock) -> Option<Leg> {
