@@ -4,42 +4,35 @@
 //! [`plan`] turns moves into a [`Trajectory`], which the tick evaluates without allocation. Planning
 //! allocates and iterates: it belongs outside the tick. It knows no update period: the result is a
 //! function of time. Units: position units and seconds.
+//!
+//! By subject: `path` (the programmed pieces and the corridor about them), `timing` (where the control points stand in time),
+//! `solve` (the optimisation), `section` and `plan` (moves from rest to rest), `extend` (while they run).
 #![forbid(unsafe_code)]
 #![allow(
     clippy::needless_range_loop,
     reason = "axes, nodes and band rows are indexed side by side"
 )]
 
-mod allowance;
-mod assemble;
-mod banded;
-mod course;
-mod ease;
-mod guess;
-mod meet;
-mod nodes;
-mod nominal;
-mod optimise;
+mod arc_length;
+mod extend;
+mod limits;
+mod path;
 mod plan;
-mod problem;
-mod rates;
-mod resample;
-mod rounding;
 mod section;
-mod setup;
-mod share;
-mod splice;
-mod steps;
-mod straight;
+mod solve;
+mod spline;
+mod timing;
 mod trajectory;
-mod tube;
-mod way;
+mod tuning;
 
 pub use arcline_geometry::{Path, Point};
-pub use plan::{Effort, plan, plan_with};
-pub use rates::Rates;
-pub use splice::{extend, replan};
+pub use extend::extend;
+pub use extend::replan::replan;
+pub use limits::{AxisLimits, Rates};
+pub use plan::plan;
 pub use trajectory::{Peaks, Piece, State, Trajectory};
+
+pub(crate) use limits::Bounds;
 
 /// One programmed move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +54,13 @@ pub struct ContourMove {
     pub deviation: Deviation,
 }
 
+impl ContourMove {
+    /// Whether it goes anywhere: shorter moves are done at once.
+    pub(crate) fn has_length(&self) -> bool {
+        self.path.length() > SAME_POINT_UNITS
+    }
+}
+
 /// Where a contour may deviate from the programmed path inside the tolerance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Deviation {
@@ -72,51 +72,5 @@ pub enum Deviation {
     Anywhere,
 }
 
-/// What each axis can do; infinite where there is no limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxisLimits {
-    /// Position units / s.
-    pub speed: Point,
-    /// Position units / s².
-    pub acceleration: Point,
-    /// Position units / s³, kept by S-curves. `None`: no limit.
-    pub jerk: Option<Point>,
-}
-
-/// All limits of one move.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Bounds {
-    pub(crate) speed: f64,
-    pub(crate) acceleration: f64,
-    pub(crate) deceleration: f64,
-    pub(crate) jerk: f64,
-    pub(crate) axes: AxisLimits,
-}
-
-impl Bounds {
-    /// The magnitude of the acceleration in any direction: the larger of the two rates.
-    pub(crate) fn norm_acceleration(&self) -> f64 {
-        self.acceleration.max(self.deceleration)
-    }
-
-    pub(crate) fn norm_jerk(&self) -> f64 {
-        self.jerk
-    }
-
-    /// The same without limits of jerk.
-    pub(crate) fn without_jerk(&self) -> Bounds {
-        Bounds {
-            jerk: f64::INFINITY,
-            axes: AxisLimits {
-                jerk: None,
-                ..self.axes
-            },
-            ..*self
-        }
-    }
-
-    /// The least jerk limit of all.
-    pub(crate) fn least_jerk(&self) -> f64 {
-        self.axes.jerk.map_or(self.jerk, |axes| self.jerk.min(axes.min()))
-    }
-}
+/// Points that are no farther apart are one, position units.
+pub(crate) const SAME_POINT_UNITS: f64 = 1e-9;

@@ -32,7 +32,7 @@ pub struct Trajectory {
     pub(crate) axes: AxisLimits,
     pub(crate) most: Peaks,
     /// Lengths of the curve from its first knot to each of them; set when it is finished.
-    pub(crate) ways: Vec<f64>,
+    pub(crate) arc_lengths: Vec<f64>,
 }
 
 /// Where a motion passes the end of a move, seconds.
@@ -130,7 +130,7 @@ impl Trajectory {
                 jerk: None,
             },
             most: Peaks::NONE,
-            ways: Vec::new(),
+            arc_lengths: Vec::new(),
         }
     }
 
@@ -146,7 +146,7 @@ impl Trajectory {
         self.least = self.rates.iter().fold(Rates::UNLIMITED, Rates::least);
         self.axes = *axes;
         self.most = self.measured();
-        self.ways = self.measure_ways();
+        self.arc_lengths = self.measure_arc_lengths();
         self
     }
 
@@ -308,66 +308,6 @@ impl Trajectory {
             .extend(next.move_ends.iter().map(|end| end.map(|time| time + shift)));
         self.end = next.end;
     }
-
-    /// The cubic B-spline with control points `nodes`, the `i`-th of them at the `i`-th knot, whose
-    /// knots are `spans` seconds apart; it starts and ends at rest.
-    pub(crate) fn spline(nodes: &[Point], spans: &[f64]) -> Trajectory {
-        let count = nodes.len();
-        let (Some(&first), Some(&last)) = (nodes.first(), nodes.last()) else {
-            return Trajectory::rest(Point::zeros());
-        };
-        if count < 2 || spans.len() + 1 != count {
-            return Trajectory::rest(last);
-        }
-        let ends = spans.len() - 1;
-        let span = |i: isize| spans[i.clamp(0, ends as isize) as usize];
-        let node = |i: isize| {
-            if i <= 0 {
-                first
-            } else {
-                nodes[(i as usize).min(count - 1)]
-            }
-        };
-        let velocity = |i: isize| (node(i + 1) - node(i)) * 3.0 / (span(i - 1) + span(i) + span(i + 1));
-        let acceleration = |i: isize| (velocity(i) - velocity(i - 1)) * 2.0 / (span(i - 1) + span(i));
-        let mut knots = Vec::with_capacity(count + 2);
-        let mut time = 0.0;
-        let mut here = Point::zeros();
-        for i in -1..=count as isize {
-            let next = acceleration(i + 1);
-            // Velocity at the knot: the two neighbours weighted by the other's span.
-            let (before, behind) = (span(i - 1), span(i));
-            let at = (velocity(i - 1) * behind + velocity(i) * before) / (before + behind);
-            // Position: from the control point back by what the curve cuts.
-            let position = position_at_knot(
-                [node(i - 1), node(i), node(i + 1)],
-                [span(i - 2), before, behind, span(i + 1)],
-            );
-            let state = if i < 0 {
-                State::rest(first)
-            } else if i == count as isize {
-                State::rest(last)
-            } else {
-                State {
-                    position,
-                    velocity: at,
-                    acceleration: here,
-                }
-            };
-            let jerk = if i == count as isize {
-                Point::zeros()
-            } else {
-                (next - here) / behind
-            };
-            knots.push(Knot { time, state, jerk });
-            time += behind;
-            here = next;
-        }
-        Trajectory {
-            end: last,
-            ..Trajectory::of(knots)
-        }
-    }
 }
 
 impl Peaks {
@@ -377,14 +317,6 @@ impl Peaks {
         jerk: Point::new(0.0, 0.0, 0.0),
         speed: 0.0,
     };
-}
-
-/// De Boor's formula at the middle knot: three control points, the four spans about them.
-fn position_at_knot(points: [Point; 3], spans: [f64; 4]) -> Point {
-    let [h0, h1, h2, h3] = spans;
-    let left = points[0] + (points[1] - points[0]) * ((h0 + h1) / (h0 + h1 + h2));
-    let right = points[1] + (points[2] - points[1]) * (h1 / (h1 + h2 + h3));
-    left + (right - left) * (h1 / (h1 + h2))
 }
 
 impl Knot {

@@ -391,7 +391,7 @@ impl Run {
     /// How far the active move has gone along the curve at an instant of the trajectory's own time, units.
     fn gone_at(&self, own: f64) -> f64 {
         let (at, gone) = self.gone;
-        (gone + self.trajectory.way(own) - self.trajectory.way(at)).max(0.0)
+        (gone + self.trajectory.arc_length(own) - self.trajectory.arc_length(at)).max(0.0)
     }
 
     /// What the speed along the curve does: a tangential acceleration of less than a hundredth of what the move and the axes may have

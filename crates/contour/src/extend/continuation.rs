@@ -1,0 +1,128 @@
+//! A section that is planned from an instant of a running trajectory on. Position units and seconds.
+
+use crate::extend::splice::braking_time;
+use crate::extend::warm_start::{Running, warm_start};
+use crate::extend::warm_start_joined::warm_start_joined;
+use crate::path::allowance::Begin;
+use crate::plan::plan;
+use crate::section::Section;
+use crate::solve::stages::Quality;
+use crate::trajectory::{Knot, State};
+use crate::tuning::TUNING;
+use crate::{AxisLimits, ContourMove, Point, Trajectory};
+
+/// What is planned on.
+pub(crate) struct Continuation<'a> {
+    pub(crate) running: &'a Trajectory,
+    /// The move of the running trajectory that is the first of `moves`.
+    pub(crate) passed: usize,
+    pub(crate) moves: &'a [ContourMove],
+    pub(crate) limits: &'a AxisLimits,
+    /// Where on the running trajectory the motion is.
+    pub(crate) now: f64,
+    /// Moves of the section.
+    pub(crate) begin: usize,
+    pub(crate) end: usize,
+}
+
+impl Continuation<'_> {
+    /// From `splice` on; the first guess follows the running motion until `leave`.
+    pub(crate) fn plan(&self, splice: f64, leave: f64) -> Option<Trajectory> {
+        let &Continuation {
+            running,
+            passed,
+            moves,
+            limits,
+            now,
+            begin,
+            end,
+        } = self;
+        // Some pieces before the one at the splice belong to the reference path: the curve there may be near them too.
+        let here = running.move_at(splice).checked_sub(passed).filter(|&here| here < end)?;
+        let back = moves[begin.min(here)..here]
+            .iter()
+            .rposition(ContourMove::has_length)
+            .map_or(here, |k| begin + k);
+        let section = Section::new(&moves[back..end], limits, Begin::Running);
+        let piece = moves[back..here].iter().filter(|m| m.has_length()).count();
+        let followed = Running {
+            trajectory: running,
+            splice,
+            leave: leave
+                .max(splice + TUNING.extend.least_followed_s)
+                .min(running.duration()),
+            piece: piece.min(section.reference.pieces.len().checked_sub(1)?),
+        };
+        let tail = section
+            .improve(warm_start(&section, followed), Quality::Full)
+            .or_else(|| self.joined(&section, followed, back))?;
+        let mut whole = cut(running, now, splice, passed, here);
+        whole.move_ends.extend(
+            tail.move_ends[here - back..]
+                .iter()
+                .map(|end| end.map(|time| (time + splice).max(splice))),
+        );
+        whole.join(tail, splice);
+        if end < moves.len() {
+            whole.append(plan(&moves[end..], limits));
+        }
+        Some(whole)
+    }
+
+    /// As a motion over the same moves that begins at rest earlier, where both are alike.
+    fn joined(&self, section: &Section<'_>, followed: Running<'_>, back: usize) -> Option<Trajectory> {
+        let &Continuation {
+            running,
+            passed,
+            moves,
+            limits,
+            begin,
+            end,
+            ..
+        } = self;
+        let run_up = braking_time(&moves[back], limits) + TUNING.extend.settle_s;
+        let began = |k: usize| running.move_end((passed + k).checked_sub(1)?);
+        let from = (begin.min(back)..back)
+            .rev()
+            .find(|&k| began(k).is_none_or(|time| time <= followed.splice - run_up))
+            .unwrap_or(begin.min(back));
+        let long = moves[from..back].iter().filter(|m| m.has_length());
+        let before = long.map(|m| m.path.length()).sum();
+        let fresh = Section::new(&moves[from..end], limits, Begin::Rest).solve(Quality::Full)?;
+        section.repair(warm_start_joined(section, followed, limits, &fresh, before)?)
+    }
+}
+
+/// The running trajectory between two instants, with the ends of its first `kept` moves from `passed` on.
+pub(crate) fn cut(running: &Trajectory, now: f64, until: f64, passed: usize, kept: usize) -> Trajectory {
+    let first = running.knots.partition_point(|knot| knot.time <= now).saturating_sub(1);
+    let behind = running.knots.partition_point(|knot| knot.time < until);
+    Trajectory {
+        move_ends: running.move_ends[passed..passed + kept].to_vec(),
+        end: running.end,
+        splice: until,
+        ..Trajectory::of(running.knots[first..behind.max(first)].to_vec())
+    }
+}
+
+impl Trajectory {
+    /// Comes to rest at its end and goes on with moves from there.
+    pub(crate) fn at_rest_then(mut self, moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
+        self.knots.push(Knot {
+            time: self.splice,
+            state: State::rest(moves[0].path.start()),
+            jerk: Point::zeros(),
+        });
+        self.append(plan(moves, limits));
+        self
+    }
+
+    /// Goes on with a motion that begins at an instant in the state that this one has there.
+    fn join(&mut self, tail: Trajectory, at: f64) {
+        self.knots.extend(tail.knots.into_iter().map(|knot| Knot {
+            time: knot.time + at,
+            ..knot
+        }));
+        self.end = tail.end;
+    }
+}

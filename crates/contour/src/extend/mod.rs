@@ -1,0 +1,97 @@
+//! Extending a trajectory while it runs: its end, where it brakes to rest, is planned anew together with more moves.
+//!
+//! From the splice on the new motion starts with the position, velocity and acceleration that the running one has there.
+//! What lies before stays as it is, to the last bit. Position units and seconds.
+
+mod continuation;
+pub(crate) mod replan;
+mod splice;
+mod warm_start;
+mod warm_start_joined;
+
+use crate::extend::continuation::{Continuation, cut};
+use crate::extend::splice::{braking_time, splice};
+use crate::plan::can_pass;
+use crate::tuning::TUNING;
+use crate::{AxisLimits, ContourMove, Trajectory};
+
+/// Plans `moves` on from a running trajectory. The first of them are those that it has left from its `passed`-th on, the
+/// others follow, of which so many are planned as about a second takes; `now` is where on it the motion is, and up to `earliest` it must stay as it is. Seconds on its own time.
+///
+/// The result has its time from the running one and numbers its moves from `moves[0]` on; it equals the running one from
+/// `now` until [`Trajectory::splice`], so it can take its place at any instant between. `None`: there is nothing to
+/// extend, it is too late, or no plan was found; then the running one goes on to its end at rest, which is always safe.
+#[must_use]
+pub fn extend(
+    running: &Trajectory,
+    passed: usize,
+    moves: &[ContourMove],
+    limits: &AxisLimits,
+    now: f64,
+    earliest: f64,
+) -> Option<Trajectory> {
+    let old = running.moves().checked_sub(passed).filter(|&old| old > 0)?;
+    // As long as what runs takes for each; more would take longer to plan, and can be extended by in its turn.
+    let begins = passed
+        .checked_sub(1)
+        .and_then(|last| running.move_end(last))
+        .unwrap_or(0.0);
+    let each = (running.duration() - begins) / old as f64;
+    let most = ((TUNING.extend.most_s / each) as usize).max(TUNING.extend.least_moves);
+    let moves = &moves[..moves.len().min(old.saturating_add(most))];
+    if moves.len() <= old {
+        return None;
+    }
+    // The section that the end belongs to: from behind the last stop on.
+    let begin = (1..=old)
+        .rev()
+        .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
+        .unwrap_or(0);
+    let end = (old + 1..moves.len())
+        .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
+        .unwrap_or(moves.len());
+    let continuation = Continuation {
+        running,
+        passed,
+        moves,
+        limits,
+        now,
+        begin,
+        end,
+    };
+    Some(extended(&continuation, old, earliest)?.planned_for(moves, limits))
+}
+
+/// `old` moves are those of the running trajectory.
+fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64) -> Option<Trajectory> {
+    let &Continuation {
+        running,
+        passed,
+        moves,
+        limits,
+        now,
+        begin,
+        ..
+    } = continuation;
+    if begin == old {
+        let end = running.duration();
+        return Some(cut(running, now, end, passed, old).at_rest_then(&moves[old..], limits));
+    }
+    let stop = begin
+        .checked_sub(1)
+        .and_then(|last| running.move_end(passed + last))
+        .filter(|&stop| stop >= earliest);
+    let braking = braking_time(&moves[old - 1], limits);
+    let latest = running.duration() - TUNING.extend.brakings * braking - TUNING.extend.settle_s;
+    let after_stop = |stop: f64| stop + TUNING.extend.after_stop_s;
+    if let Some(stop) = stop.filter(|&stop| latest <= after_stop(stop)) {
+        return Some(cut(running, now, stop, passed, begin).at_rest_then(&moves[begin..], limits));
+    }
+    let first = earliest.max(latest).max(stop.map_or(0.0, after_stop));
+    // What is not found from one instant may be from the next.
+    (0..TUNING.extend.attempts).find_map(|attempt| {
+        let first = first + TUNING.extend.later_s * f64::from(attempt);
+        let splice = splice(running, passed + begin, &moves[begin..old], limits, first)?;
+        continuation.plan(splice, running.duration() - braking)
+    })
+}

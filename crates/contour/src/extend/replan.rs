@@ -1,0 +1,63 @@
+//! Planning a running trajectory anew, with other speeds or rates. Position units and seconds.
+
+use crate::extend::continuation::Continuation;
+use crate::extend::splice::splice;
+use crate::plan::can_pass;
+use crate::tuning::TUNING;
+use crate::{AxisLimits, ContourMove, Trajectory};
+
+/// Plans a running trajectory anew: `moves` (the first of them the one that it is on, its `passed`-th) with other speeds or rates
+/// than it was planned with, at the `pace` that it is travelled at, with which it is within all of them.
+///
+/// As [`crate::extend`], but from the first instant on, for a second or so, and the result has the time that passes: own seconds
+/// divided by the pace, as have `now` and `earliest`.
+#[must_use]
+pub fn replan(
+    running: &Trajectory,
+    pace: f64,
+    passed: usize,
+    moves: &[ContourMove],
+    limits: &AxisLimits,
+    now: f64,
+    earliest: f64,
+) -> Option<Trajectory> {
+    let running = running.at_pace(pace);
+    let old = running
+        .moves()
+        .checked_sub(passed)
+        .filter(|&old| old > 0 && old <= moves.len())?;
+    if earliest > running.duration() - TUNING.extend.least_left_s {
+        return None;
+    }
+    // Not all that is known: the rest extends it later.
+    let on = |time: f64| running.move_at(time).saturating_sub(passed);
+    let far = on(earliest + TUNING.extend.replan_s).max(on(earliest) + TUNING.extend.replan_least_moves);
+    let moves = if far + 1 < old { &moves[..=far] } else { moves };
+    let last = running.move_end(passed + (moves.len() - 1).min(old - 1))?;
+    if last > earliest + TUNING.extend.replan_most_ahead_s {
+        return None;
+    }
+    (0..TUNING.extend.attempts).find_map(|attempt| {
+        let first = earliest + TUNING.extend.later_s * f64::from(attempt);
+        let here = on(first).min(moves.len() - 1);
+        let begin = (1..=here)
+            .rev()
+            .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
+            .unwrap_or(0);
+        let end = (here + 1..moves.len())
+            .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
+            .unwrap_or(moves.len());
+        let splice = splice(&running, passed + begin, &moves[begin..end], limits, first)?;
+        let continuation = Continuation {
+            running: &running,
+            passed,
+            moves,
+            limits,
+            now,
+            begin,
+            end,
+        };
+        let whole = continuation.plan(splice, splice + TUNING.extend.replan_followed_s)?;
+        Some(whole.planned_for(moves, limits))
+    })
+}

@@ -1,0 +1,213 @@
+//! The first guess of a motion that continues another one: that one up to where it brakes for its end, from there on the
+//! rounded reference path. Position units and seconds.
+
+use crate::limits::Smoothness;
+use crate::path::reference::along;
+use crate::section::Section;
+use crate::timing::control_points::{ControlPoints, GIVEN, blossom};
+use crate::timing::grid::continued_grid;
+use crate::timing::speed_profile::{Sample, sample, speeds};
+use crate::tuning::TUNING;
+use crate::{Point, State, Trajectory};
+
+/// What is continued.
+#[derive(Clone, Copy)]
+pub(crate) struct Running<'a> {
+    pub(crate) trajectory: &'a Trajectory,
+    /// From when on it is planned anew.
+    pub(crate) splice: f64,
+    /// From when on it is no longer followed.
+    pub(crate) leave: f64,
+    /// The piece of the section's reference path that it is on at the splice.
+    pub(crate) piece: usize,
+}
+
+/// A point of the guess.
+#[derive(Clone, Copy)]
+pub(crate) struct Site {
+    /// Seconds from the splice.
+    pub(crate) time: f64,
+    pub(crate) point: Point,
+    pub(crate) progress: f64,
+    /// Speed, units / s.
+    pub(crate) speed: f64,
+    cruise: bool,
+}
+
+/// Control points of the whole motion from the splice to the end of the section.
+pub(crate) fn warm_start(section: &Section<'_>, running: Running<'_>) -> ControlPoints {
+    let reference = &section.reference;
+    let mut route = followed(section, running);
+    let left = running.leave - running.splice;
+    let from = running.trajectory.at(running.leave);
+    let at = route.last().map_or(0.0, |site| site.progress);
+    go_on(section, &mut route, &from, left, at);
+    let running_knots = knots(running);
+    let followed = running_knots.len();
+    let grid = spread(section, &route, running_knots, left);
+    let mut control = ControlPoints {
+        points: Vec::with_capacity(grid.len()),
+        progress: Vec::with_capacity(grid.len()),
+        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
+        initial: Some(running.trajectory.at(running.splice)),
+        // The end of what is followed is free to be passed faster.
+        kept: (followed * 2 / 3).max(GIVEN + 1).min(followed - 1),
+    };
+    let mut i = 0;
+    for k in 0..grid.len() {
+        let before = grid[k.max(1)] - grid[k.max(1) - 1];
+        let behind = grid.get(k + 1).map_or(before, |next| next - grid[k]);
+        // The mean of three knots.
+        let time = grid[k] + (behind - before) / 3.0;
+        while i + 2 < route.len() && route[i + 1].time < time {
+            i += 1;
+        }
+        let (here, next) = (&route[i], &route[i + 1]);
+        let part = here.part_gone(next, (time - here.time).max(0.0));
+        let point = if k + 1 < followed {
+            blossom(&running.trajectory.at(running.splice + grid[k]), [-before, 0.0, behind])
+        } else {
+            here.point + (next.point - here.point) * part
+        };
+        control.points.push(point);
+        control
+            .progress
+            .push(here.progress + (next.progress - here.progress) * part);
+    }
+    let last = grid.len() - 1;
+    control.points[last] = reference.pieces[reference.pieces.len() - 1].end();
+    control.progress[last] = reference.length();
+    control.set_initial();
+    control
+}
+
+impl Site {
+    /// The part of the way to the next site that is behind after a time.
+    fn part_gone(&self, next: &Site, t: f64) -> f64 {
+        let span = next.time - self.time;
+        let gone = (self.speed + (next.speed - self.speed) / span * t / 2.0) * t;
+        let part = gone / (0.5 * (self.speed + next.speed) * span);
+        if part.is_finite() {
+            part.clamp(0.0, 1.0)
+        } else {
+            t / span
+        }
+    }
+}
+
+/// The knots of the running motion and those behind it, close together where the route is busy. `left`: the end where there is no route.
+fn spread(section: &Section<'_>, route: &[Site], running_knots: Vec<f64>, left: f64) -> Vec<f64> {
+    let whole = route.last().map_or(left, |site| site.time);
+    let busy: Vec<(f64, f64)> = route
+        .windows(2)
+        .filter(|pair| !pair[1].cruise)
+        .map(|pair| (pair[0].time, pair[1].time))
+        .collect();
+    let fine = section.allowance.roundings(&section.reference, |s| {
+        let k = route
+            .partition_point(|site| site.progress < s)
+            .clamp(1, route.len() - 1);
+        let (before, behind) = (&route[k - 1], &route[k]);
+        let part = ((s - before.progress) / (behind.progress - before.progress)).clamp(0.0, 1.0);
+        let time = before.time + (behind.time - before.time) * part;
+        if time.is_finite() { time } else { behind.time }
+    });
+    continued_grid(running_knots, whole, &busy, &fine)
+}
+
+/// The knots of the running motion from the splice until it is left, long spans divided, from one span before it on.
+/// On these the curve that is followed is a spline, to the last bit of its limits.
+pub(crate) fn knots(running: Running<'_>) -> Vec<f64> {
+    let own = &running.trajectory.knots;
+    let first = own.partition_point(|knot| knot.time <= running.splice);
+    let inner = own[first..]
+        .iter()
+        .map(|knot| knot.time)
+        .take_while(|&time| time < running.leave);
+    let mut times = vec![0.0];
+    for time in inner.chain([running.leave]) {
+        let from = times[times.len() - 1];
+        let span = time - running.splice - from;
+        // Knots that are nearly the same would be one.
+        if span < TUNING.warm_start.least_span_s && time < running.leave {
+            continue;
+        }
+        let parts = (span / TUNING.warm_start.most_span_s).ceil().max(1.0);
+        times.extend((1..=parts as usize).map(|k| from + span * k as f64 / parts));
+    }
+    while times.len() < GIVEN + 2 {
+        let last = times[times.len() - 1];
+        times.push(last + TUNING.grid.node_s);
+    }
+    times.insert(0, -times[1]);
+    times
+}
+
+/// The running motion from the splice until it is left.
+pub(crate) fn followed(section: &Section<'_>, running: Running<'_>) -> Vec<Site> {
+    let reference = &section.reference;
+    let left = running.leave - running.splice;
+    let count = (left / TUNING.warm_start.step_s).ceil().max(1.0) as usize;
+    let (mut piece, mut least) = (running.piece, 0.0);
+    (0..=count)
+        .map(|k| {
+            let time = left * k as f64 / count as f64;
+            let state = running.trajectory.at(running.splice + time);
+            piece = reference.foot(&state.position, piece).1;
+            least = f64::max(
+                least,
+                reference.starts[piece] + along(&reference.pieces[piece], &state.position),
+            );
+            Site {
+                time,
+                point: state.position,
+                progress: least,
+                speed: state.velocity.norm(),
+                cruise: state.acceleration == Point::zeros(),
+            }
+        })
+        .collect()
+}
+
+/// From a state near the reference path at arc length `at` along the rounded reference path to its end.
+fn go_on(section: &Section<'_>, route: &mut Vec<Site>, from: &State, start: f64, at: f64) {
+    let reference = &section.reference;
+    let (free, stretches) = section.without_jerk();
+    let mut samples = sample(reference, &stretches);
+    let behind = samples.partition_point(|s| s.progress <= at + TUNING.warm_start.least_step_units);
+    let base = match (behind.checked_sub(1).map(|k| &samples[k]), samples.get(behind)) {
+        (Some(here), Some(next)) => {
+            let part = ((at - here.progress) / (next.progress - here.progress)).clamp(0.0, 1.0);
+            here.point + (next.point - here.point) * part
+        }
+        (Some(end), None) => end.point,
+        _ => samples[0].point,
+    };
+    let mut ahead: Vec<Sample> = samples.drain(behind.max(1) - 1..).collect();
+    if ahead.len() < 2 {
+        return;
+    }
+    // The first one is where it is, and the offset from the rounded path fades out.
+    ahead[0].progress = at;
+    let speed = from.velocity.norm();
+    let fade = (speed * TUNING.warm_start.fade_s).max(TUNING.warm_start.least_fade_units);
+    let offset = from.position - base;
+    for (k, one) in ahead.iter_mut().enumerate() {
+        let u = ((one.progress - at) / fade).clamp(0.0, 1.0);
+        if k == 0 {
+            one.point = from.position;
+        } else {
+            one.point += offset * (1.0 - u * u * (3.0 - 2.0 * u));
+        }
+    }
+    let profile = speeds(reference, &ahead, &free, Smoothness::Trapezoid, speed * speed);
+    for k in 1..ahead.len() {
+        route.push(Site {
+            time: start + profile.times[k],
+            point: ahead[k].point,
+            progress: ahead[k].progress,
+            speed: profile.square[k].sqrt(),
+            cruise: profile.is_cruise(k - 1) && ahead[k].progress > at + fade,
+        });
+    }
+}

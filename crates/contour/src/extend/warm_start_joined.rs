@@ -1,0 +1,116 @@
+//! A first guess of a motion that continues another one, made of two that are both within their limits: the one that runs, and
+//! one over the same moves that begins at rest some moves earlier. Away from where they begin and end both are nearly the same
+//! motion, the fastest one, so where they are most alike the one goes on as the other. Position units and seconds.
+
+use crate::extend::warm_start::{Running, Site, followed, knots};
+use crate::section::{Section, Solved};
+use crate::timing::control_points::{ControlPoints, GIVEN, blossom};
+use crate::tuning::TUNING;
+use crate::{AxisLimits, State};
+
+/// Control points of the whole motion from the splice on: as it runs up to where `fresh` is most like it, then that. `fresh` is a plan of the
+/// moves of the section, and of some before them that are `before` long together. `None`: they are nowhere alike.
+pub(crate) fn warm_start_joined(
+    section: &Section<'_>,
+    running: Running<'_>,
+    limits: &AxisLimits,
+    fresh: &Solved,
+    before: f64,
+) -> Option<ControlPoints> {
+    let tolerance = section.allowance.least();
+    let unlike = |a: &State, b: &State| {
+        let mut sum = (a.position - b.position).norm() / tolerance;
+        for axis in 0..3 {
+            let rate = limits.acceleration[axis];
+            sum += (a.velocity[axis] - b.velocity[axis]).abs() / (rate * TUNING.joined.soon_s);
+            sum += (a.acceleration[axis] - b.acceleration[axis]).abs() / rate;
+        }
+        sum
+    };
+    let progress: Vec<f64> = fresh.control.progress.iter().map(|s| s - before).collect();
+    let mut best: Option<(f64, f64, f64)> = None;
+    for Site { time, progress: s, .. } in followed(section, running) {
+        let k = progress.partition_point(|&other| other < s);
+        let (Some(from), Some(to)) = (k.checked_sub(1), progress.get(k)) else {
+            continue;
+        };
+        if time < TUNING.joined.least_followed_s {
+            continue;
+        }
+        let part = ((s - progress[from]) / (to - progress[from])).clamp(0.0, 1.0);
+        let about = fresh.times[from] + (fresh.times[k] - fresh.times[from]) * part;
+        let here = running.trajectory.at(running.splice + time);
+        for shift in -TUNING.joined.shifts..=TUNING.joined.shifts {
+            let other = about + f64::from(shift) * TUNING.joined.shift_s;
+            let off = unlike(&here, &fresh.trajectory.at(other));
+            if best.is_none_or(|(least, ..)| off < least) {
+                best = Some((off, time, other));
+            }
+        }
+    }
+    let (off, time, other) = best?;
+    if off > TUNING.joined.most_unlike {
+        return None;
+    }
+    Some(joined(section, running, fresh, &progress, (time, other)))
+}
+
+/// The motion that runs until `time` after the splice, then the other one from its own time on.
+fn joined(
+    section: &Section<'_>,
+    running: Running<'_>,
+    fresh: &Solved,
+    progress: &[f64],
+    (time, other): (f64, f64),
+) -> ControlPoints {
+    let until = Running {
+        leave: running.splice + time,
+        ..running
+    };
+    let mut grid = knots(until);
+    let followed_knots = grid.len();
+    let end = grid[followed_knots - 1];
+    let first = fresh
+        .times
+        .partition_point(|&t| t <= other + TUNING.joined.least_span_s);
+    grid.extend(fresh.times[first..].iter().map(|t| t - other + end));
+    let sites = followed(section, until);
+    let spans: Vec<f64> = grid.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let state = |k: usize| {
+        if k < followed_knots {
+            running.trajectory.at(running.splice + grid[k])
+        } else {
+            fresh.trajectory.at(fresh.times[first + k - followed_knots])
+        }
+    };
+    let mut control = ControlPoints {
+        points: Vec::with_capacity(grid.len()),
+        progress: Vec::with_capacity(grid.len()),
+        spans: Vec::new(),
+        initial: Some(running.trajectory.at(running.splice)),
+        kept: (followed_knots * 2 / 3).max(GIVEN + 1).min(followed_knots - 1),
+    };
+    let mut least = 0.0_f64;
+    for (k, at) in grid.iter().enumerate() {
+        let along = if k < followed_knots {
+            let i = sites.partition_point(|site| site.time < *at).min(sites.len() - 1);
+            sites[i].progress
+        } else {
+            progress[first + k - followed_knots]
+        };
+        least = least.max(along);
+        control.progress.push(least);
+        let own = first + k.saturating_sub(followed_knots);
+        control.points.push(if k > followed_knots {
+            fresh.control.points[own]
+        } else {
+            blossom(
+                &state(k),
+                [-spans[k.max(1) - 1], 0.0, spans.get(k).copied().unwrap_or(0.0)],
+            )
+        });
+    }
+    control.spans = spans;
+    control.set_initial();
+    control
+}

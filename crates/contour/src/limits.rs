@@ -1,0 +1,117 @@
+//! What a motion has to keep: programmed rates of its moves and limits of the axes.
+
+use crate::{ContourMove, Point};
+
+/// What each axis can do; infinite where there is no limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisLimits {
+    /// Position units / s.
+    pub speed: Point,
+    /// Position units / s².
+    pub acceleration: Point,
+    /// Position units / s³, kept by S-curves. `None`: no limit.
+    pub jerk: Option<Point>,
+}
+
+/// The programmed speed and rates of one move along its path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    /// Vector speed, position units / s.
+    pub speed: f64,
+    /// Vector acceleration, position units / s².
+    pub acceleration: f64,
+    /// Vector deceleration, position units / s².
+    pub deceleration: f64,
+    /// Vector jerk, position units / s³; `None`: a trapezoid.
+    pub jerk: Option<f64>,
+}
+
+impl Rates {
+    pub(crate) const UNLIMITED: Rates = Rates {
+        speed: f64::INFINITY,
+        acceleration: f64::INFINITY,
+        deceleration: f64::INFINITY,
+        jerk: None,
+    };
+
+    /// The lesser of each.
+    pub(crate) fn least(self, other: &Rates) -> Rates {
+        Rates {
+            speed: self.speed.min(other.speed),
+            acceleration: self.acceleration.min(other.acceleration),
+            deceleration: self.deceleration.min(other.deceleration),
+            jerk: match (self.jerk, other.jerk) {
+                (Some(one), Some(two)) => Some(one.min(two)),
+                (one, two) => one.or(two),
+            },
+        }
+    }
+}
+
+/// How smooth a motion is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Smoothness {
+    /// The acceleration may jump.
+    Trapezoid,
+    /// The jerk may jump.
+    SCurve,
+}
+
+impl Smoothness {
+    /// Of a section: an S-curve if any of its moves is one.
+    pub(crate) fn of(moves: &[ContourMove]) -> Smoothness {
+        if moves.iter().any(|m| m.jerk.is_some()) {
+            Smoothness::SCurve
+        } else {
+            Smoothness::Trapezoid
+        }
+    }
+}
+
+/// All limits of one move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    pub(crate) speed: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) deceleration: f64,
+    pub(crate) jerk: f64,
+    pub(crate) axes: AxisLimits,
+}
+
+impl Bounds {
+    pub(crate) fn new(one: &ContourMove, axes: &AxisLimits, smoothness: Smoothness) -> Bounds {
+        let scurve = smoothness == Smoothness::SCurve;
+        Bounds {
+            speed: one.speed,
+            acceleration: one.acceleration,
+            deceleration: one.deceleration,
+            jerk: one.jerk.filter(|_| scurve).unwrap_or(f64::INFINITY),
+            axes: AxisLimits {
+                jerk: axes.jerk.filter(|_| scurve),
+                ..*axes
+            },
+        }
+    }
+
+    /// The magnitude of the acceleration in any direction: the larger of the two rates.
+    pub(crate) fn norm_acceleration(&self) -> f64 {
+        self.acceleration.max(self.deceleration)
+    }
+
+    /// The same without limits of jerk.
+    pub(crate) fn without_jerk(&self) -> Bounds {
+        Bounds {
+            jerk: f64::INFINITY,
+            axes: AxisLimits {
+                jerk: None,
+                ..self.axes
+            },
+            ..*self
+        }
+    }
+
+    /// The least jerk limit of all.
+    pub(crate) fn least_jerk(&self) -> f64 {
+        self.axes.jerk.map_or(self.jerk, |axes| self.jerk.min(axes.min()))
+    }
+}

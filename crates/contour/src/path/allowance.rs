@@ -1,0 +1,241 @@
+//! How far from the reference path the curve may be, by arc length: all of the tolerance about corners, a hundredth of it on a long piece
+//! between the roundings of its corners ([`Deviation::Corners`]). Lengths in position units.
+
+use crate::limits::Smoothness;
+use crate::path::reach::{MOST_REACH_TOLERANCES, most_reach};
+use crate::path::reference::{ReferencePath, along, nearest};
+use crate::tuning::TUNING;
+use crate::{Deviation, Point};
+use arcline_geometry::Path;
+
+/// Where a section begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Begin {
+    /// At rest.
+    Rest,
+    /// On a motion that runs: the corner at its start is rounded, however.
+    Running,
+}
+
+/// How far from each piece of a reference path the curve may be.
+#[derive(Clone, Debug)]
+pub(crate) struct Allowance {
+    /// Of the corner at the end of each piece.
+    tolerances: Vec<f64>,
+    /// How far the rounding of that corner reaches along the pieces on both sides of it.
+    reaches: Vec<f64>,
+    /// Whether the curve may be anywhere inside the tolerance of a piece.
+    anywhere: Vec<bool>,
+    begin: Begin,
+}
+
+impl Allowance {
+    /// `tolerances` and `deviations` belong to the pieces of the reference path; a tolerance to the corner at the end of its piece.
+    pub(crate) fn new(
+        reference: &ReferencePath,
+        tolerances: Vec<f64>,
+        deviations: impl Iterator<Item = Deviation>,
+        smoothness: Smoothness,
+        begin: Begin,
+    ) -> Allowance {
+        let reaches = reference.pieces.windows(2).zip(&tolerances);
+        let mut reaches: Vec<f64> = reaches
+            .map(|(pair, &tolerance)| most_reach(&pair[0], &pair[1], tolerance, smoothness))
+            .collect();
+        reaches.push(0.0);
+        Allowance {
+            tolerances,
+            reaches,
+            anywhere: deviations.map(|deviation| deviation == Deviation::Anywhere).collect(),
+            begin,
+        }
+    }
+
+    /// The least tolerance of all corners.
+    pub(crate) fn least(&self) -> f64 {
+        self.tolerances.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Of the corner at the end of a piece.
+    pub(crate) fn corner(&self, piece: usize) -> f64 {
+        self.tolerances[piece]
+    }
+
+    /// The tolerance at an arc length: of the nearer corner; a piece that is alone has none.
+    pub(crate) fn tolerance(&self, reference: &ReferencePath, piece: usize, s: f64) -> f64 {
+        let middle = 0.5 * (reference.starts[piece] + reference.starts[piece + 1]);
+        let (first, last) = (piece == 0, piece + 1 == reference.pieces.len());
+        if first && last {
+            0.0
+        } else if first || (!last && s >= middle) {
+            self.tolerances[piece]
+        } else {
+            self.tolerances[piece - 1]
+        }
+    }
+
+    /// How far from a piece the curve may be at an arc length.
+    pub(crate) fn at(&self, reference: &ReferencePath, piece: usize, s: f64) -> f64 {
+        self.within(reference, piece, s, [STRAIGHT, 1.0])
+    }
+
+    /// How far from it the optimisation lets it be: beside corners somewhat less, as the curve between the nodes is not looked at.
+    pub(crate) fn aim(&self, reference: &ReferencePath, piece: usize, s: f64) -> f64 {
+        self.within(
+            reference,
+            piece,
+            s,
+            [TUNING.corridor.aim_straight_share, TUNING.corridor.aim_reach_share],
+        )
+    }
+
+    /// With a share of the tolerance for the straight, and one of the reach of a rounding.
+    fn within(&self, reference: &ReferencePath, piece: usize, s: f64, [straight, share]: [f64; 2]) -> f64 {
+        let tolerance = self.tolerance(reference, piece, s);
+        if !self.keeps(reference, piece, tolerance) {
+            return tolerance;
+        }
+        let (from, to) = (s - reference.starts[piece], reference.starts[piece + 1] - s);
+        let behind = self.reach_behind(piece, tolerance);
+        let open = opened(from, share * behind).max(opened(to, share * self.reaches[piece]));
+        tolerance * (straight + (1.0 - straight) * open)
+    }
+
+    /// How far the rounding at the start of a piece reaches along it.
+    fn reach_behind(&self, piece: usize, tolerance: f64) -> f64 {
+        match (piece.checked_sub(1), self.begin) {
+            (Some(corner), _) => self.reaches[corner],
+            (None, Begin::Running) => MOST_REACH_TOLERANCES * tolerance,
+            (None, Begin::Rest) => 0.0,
+        }
+    }
+
+    /// Whether a piece is kept to between the roundings of its corners, where the tolerance is that.
+    fn keeps(&self, reference: &ReferencePath, piece: usize, tolerance: f64) -> bool {
+        !self.anywhere[piece] && reference.pieces[piece].length() > LONG * tolerance
+    }
+
+    /// Whether there may be pieces that are kept to.
+    pub(crate) fn keeps_any(&self) -> bool {
+        self.anywhere.iter().any(|&anywhere| !anywhere)
+    }
+
+    /// Whether a piece is kept to on this side of its middle.
+    pub(crate) fn keeps_at(&self, reference: &ReferencePath, piece: usize, s: f64) -> bool {
+        self.keeps(reference, piece, self.tolerance(reference, piece, s))
+    }
+
+    /// Whether a point of a piece is near the rounding of one of its piece's corners, or on an arc.
+    pub(crate) fn is_near_rounding(&self, reference: &ReferencePath, piece: usize, s: f64) -> bool {
+        let (from, to) = (s - reference.starts[piece], reference.starts[piece + 1] - s);
+        let behind = piece.checked_sub(1).map_or(0.0, |corner| self.reaches[corner]);
+        from < TUNING.corridor.near_reaches * behind
+            || to < TUNING.corridor.near_reaches * self.reaches[piece]
+            || matches!(reference.pieces[piece], Path::Arc(_))
+    }
+
+    /// Stretches of the motion in which corners beside pieces that are kept to are rounded: from when until when, for the time at an
+    /// arc length. Nodes are closer there.
+    pub(crate) fn roundings(&self, reference: &ReferencePath, time_at: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+        let joints = (0..reference.pieces.len()).filter(|&piece| piece + 1 < reference.pieces.len());
+        joints
+            .filter(|&piece| self.room(reference, piece).is_finite() && self.reaches[piece] > 0.0)
+            .map(|piece| {
+                let (s, reach) = (reference.starts[piece + 1], self.reaches[piece]);
+                (time_at(s - reach), time_at(s + reach))
+            })
+            .collect()
+    }
+
+    /// Whether one of the two pieces at a joint is kept to beside it: how far from its corner the curve may be. `None`: neither.
+    pub(crate) fn at_joint(&self, reference: &ReferencePath, joint: usize) -> Option<f64> {
+        let tolerance = self.tolerances[joint - 1];
+        let kept = self.keeps(reference, joint - 1, tolerance) || self.keeps(reference, joint, tolerance);
+        let s = reference.starts[joint];
+        kept.then(|| self.aim(reference, joint - 1, s).min(self.aim(reference, joint, s)))
+    }
+
+    /// Points at which the corridor stops narrowing or jumps, each with its piece, ascending: the outer ends of roundings on pieces that
+    /// are kept to, and the middles of pieces between different tolerances. A curve that is inside on both sides of such a point
+    /// may be outside at it.
+    pub(crate) fn edges(&self, reference: &ReferencePath) -> Vec<(usize, f64)> {
+        let mut edges = Vec::new();
+        for piece in 0..reference.pieces.len() {
+            let (from, to) = (reference.starts[piece], reference.starts[piece + 1]);
+            let behind = self.reach_behind(piece, self.tolerance(reference, piece, from));
+            let middle = 0.5 * (from + to);
+            let beside = middle - BESIDE * (to - from);
+            if self.keeps_at(reference, piece, from) && behind > 0.0 {
+                edges.push((piece, from + behind));
+            }
+            if self.tolerance(reference, piece, beside) != self.tolerance(reference, piece, middle) {
+                edges.extend([(piece, beside), (piece, middle)]);
+            }
+            if self.keeps_at(reference, piece, to) && self.reaches[piece] > 0.0 {
+                edges.push((piece, to - self.reaches[piece]));
+            }
+        }
+        edges
+    }
+
+    /// Half the length of a curve that rounds the corner at the end of a piece, at most.
+    pub(crate) fn room(&self, reference: &ReferencePath, piece: usize) -> f64 {
+        let tolerance = self.tolerances[piece];
+        let kept = self.keeps(reference, piece, tolerance) || self.keeps(reference, piece + 1, tolerance);
+        if kept { self.reaches[piece] } else { f64::INFINITY }
+    }
+
+    /// How far the rounding of the corner at the end of a piece reaches to either side: at most half a piece.
+    pub(crate) fn rounding(&self, reference: &ReferencePath, piece: usize) -> [f64; 2] {
+        let Some(next) = reference.pieces.get(piece + 1) else {
+            return [0.0; 2];
+        };
+        let before = &reference.pieces[piece];
+        let turn = (before.end_tangent() - next.start_tangent()).norm();
+        if turn <= COLLINEAR || self.tolerances[piece] <= 0.0 {
+            return [0.0; 2];
+        }
+        [before, next].map(|piece_| self.reaches[piece].min(0.5 * piece_.length()))
+    }
+
+    /// A distance from the reference path as a share of what is allowed there; of a point of the curve that belongs to a piece at `s`. 0 where
+    /// nothing is.
+    pub(crate) fn used(&self, reference: &ReferencePath, q: &Point, piece: usize, s: f64) -> f64 {
+        let tolerance = self.tolerance(reference, piece, s);
+        let (foot, _) = reference.foot(q, piece);
+        let off = (foot - q).norm();
+        if tolerance <= 0.0 {
+            return 0.0;
+        }
+        let near = piece.saturating_sub(NEIGHBOURS)..=(piece + NEIGHBOURS).min(reference.pieces.len() - 1);
+        if !near.clone().any(|near| self.keeps(reference, near, tolerance)) {
+            return off / tolerance;
+        }
+        near.map(|near| {
+            let path = &reference.pieces[near];
+            let s = reference.starts[near] + along(path, q);
+            (nearest(path, q) - q).norm() / self.at(reference, near, s)
+        })
+        .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// 0 outside of the rounding, 1 from half of its reach on.
+fn opened(distance: f64, reach: f64) -> f64 {
+    if distance < reach {
+        (2.0 * (reach - distance) / reach).min(1.0)
+    } else {
+        0.0
+    }
+}
+
+/// A piece longer than so many tolerances is kept to ([`Deviation::Corners`]).
+const LONG: f64 = 50.0;
+/// Share of the tolerance that is allowed there.
+const STRAIGHT: f64 = 0.01;
+/// Just before the middle of a piece, as a share of it.
+const BESIDE: f64 = 1e-9;
+/// Pieces before and behind that a point may belong to.
+const NEIGHBOURS: usize = 2;
+/// Tangents that differ by no more go on in one direction: 0.1 degree (spec/coordinated-instructions.md §7.7).
+const COLLINEAR: f64 = 0.1 * core::f64::consts::PI / 180.0;

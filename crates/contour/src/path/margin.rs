@@ -1,0 +1,174 @@
+//! How much of the tolerance the knots may use, so that the curve between them stays inside.
+//!
+//! Between two knots the curve may be farther off than at both, most of all where it crosses the
+//! bisector of a sharp corner. What is measured there is taken from the corridor of the next run.
+
+use crate::Trajectory;
+use crate::path::allowance::Allowance;
+use crate::path::reference::{ReferencePath, along};
+use crate::timing::control_points::ControlPoints;
+use crate::tuning::TUNING;
+
+/// Shares of the tolerance by arc length of the reference path.
+pub(crate) struct ToleranceMargin {
+    /// Where it is less than usual: from, to, share.
+    tightened: Vec<(f64, f64, f64)>,
+    usual: f64,
+}
+
+impl ToleranceMargin {
+    pub(crate) fn new() -> ToleranceMargin {
+        ToleranceMargin {
+            tightened: Vec::new(),
+            usual: TUNING.margin.usual_share,
+        }
+    }
+
+    /// The share at arc length `s`.
+    pub(crate) fn at(&self, s: f64) -> f64 {
+        let next = self.tightened.partition_point(|entry| entry.1 < s);
+        match self.tightened.get(next) {
+            Some(&(from, _, share)) if from <= s => share,
+            _ => self.usual,
+        }
+    }
+
+    /// Narrows the whole corridor in proportion to what was measured.
+    pub(crate) fn narrow(&mut self, worst: f64, allowance: &Allowance) {
+        let factor = (TUNING.margin.target / worst).clamp(least_factor(allowance), 1.0);
+        self.usual *= factor;
+        for entry in &mut self.tightened {
+            entry.2 *= factor;
+        }
+    }
+
+    /// Measures a trajectory and tightens the corridor where it is outside; returns the largest quotient
+    /// of a distance from the reference path and the tolerance.
+    pub(crate) fn tighten(
+        &mut self,
+        trajectory: &Trajectory,
+        control: &ControlPoints,
+        reference: &ReferencePath,
+        allowance: &Allowance,
+    ) -> f64 {
+        let mut worst = 0.0_f64;
+        let last = control.points.len() - 1;
+        let old = core::mem::take(&mut self.tightened);
+        let mut noted = old.clone();
+        let mut edges = edges(trajectory, control, reference, allowance).into_iter().peekable();
+        for i in 0..last {
+            let Some(knot) = control.knot_of(i) else { continue };
+            let s = control.progress[i];
+            let piece = reference.piece_at(s);
+            let next = trajectory.knots[knot + 1].time;
+            let used = |time: f64| allowance.used(reference, &trajectory.at(time).position, piece, s);
+            let mut most = most_between(trajectory.knots[knot].time, next, allowance, used);
+            while let Some(edge) = edges.next_if(|&edge| edge < next) {
+                most = most.max(used(edge));
+            }
+            worst = worst.max(most);
+            if most > TUNING.margin.inside {
+                let before = control.progress[i.saturating_sub(1)];
+                let behind = control.progress[(i + 2).min(last)];
+                let now = old.iter().find(|e| e.0 <= s && s <= e.1).map_or(self.usual, |e| e.2);
+                noted.push((
+                    before,
+                    behind,
+                    now * (TUNING.margin.target / most).max(least_factor(allowance)),
+                ));
+            }
+        }
+        noted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.merge(noted);
+        worst
+    }
+
+    /// Overlapping stretches become one with the least share.
+    fn merge(&mut self, ascending: Vec<(f64, f64, f64)>) {
+        for entry in ascending {
+            match self.tightened.last_mut() {
+                Some(previous) if entry.0 <= previous.1 => {
+                    previous.1 = previous.1.max(entry.1);
+                    previous.2 = previous.2.min(entry.2);
+                }
+                _ => self.tightened.push(entry),
+            }
+        }
+    }
+}
+
+/// The largest quotient that `used` finds from one instant until another.
+fn most_between(from: f64, until: f64, allowance: &Allowance, used: impl Fn(f64) -> f64) -> f64 {
+    let mut most = 0.0_f64;
+    let step = (until - from) / PARTS as f64;
+    let mut parts = [0.0; PARTS + 1];
+    for (part, quotient) in parts[..PARTS].iter_mut().enumerate() {
+        *quotient = used(from + step * part as f64);
+        most = most.max(*quotient);
+    }
+    if most > TUNING.margin.close && allowance.keeps_any() {
+        parts[PARTS] = used(until);
+        most = most.max(used(from + step * peak(&parts)));
+    }
+    most
+}
+
+/// When the motion passes the points at which the corridor stops narrowing, ascending.
+fn edges(
+    trajectory: &Trajectory,
+    control: &ControlPoints,
+    reference: &ReferencePath,
+    allowance: &Allowance,
+) -> Vec<f64> {
+    let last = control.progress.len() - 1;
+    let knot_time = |node: usize| {
+        let knot = control.knot_of(node).unwrap_or(0);
+        trajectory.knots[knot].time
+    };
+    let time = |(piece, s): (usize, f64)| {
+        let near = control.progress.partition_point(|&p| p < s).clamp(1, last);
+        let (mut low, mut high) = (
+            knot_time(near.saturating_sub(TUNING.margin.edge_nodes)),
+            knot_time((near + TUNING.margin.edge_nodes).min(last)),
+        );
+        for _ in 0..TUNING.margin.edge_halvings {
+            let middle = 0.5 * (low + high);
+            let q = trajectory.at(middle).position;
+            if reference.starts[piece] + along(&reference.pieces[piece], &q) < s {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
+    };
+    let mut times: Vec<f64> = allowance.edges(reference).into_iter().map(time).collect();
+    times.sort_by(f64::total_cmp);
+    times
+}
+
+/// Where the largest of some values at 0, 1, ... is, by the parabola through the three about it.
+fn peak(values: &[f64; PARTS + 1]) -> f64 {
+    let best = (0..=PARTS)
+        .max_by(|&a, &b| values[a].total_cmp(&values[b]))
+        .unwrap_or(0);
+    let middle = best.clamp(1, PARTS - 1);
+    let [before, here, behind] = [values[middle - 1], values[middle], values[middle + 1]];
+    let bend = before - 2.0 * here + behind;
+    if bend >= 0.0 {
+        return best as f64;
+    }
+    (middle as f64 + 0.5 * (before - behind) / bend).clamp(0.0, PARTS as f64)
+}
+
+/// The least factor of one narrowing.
+fn least_factor(allowance: &Allowance) -> f64 {
+    if allowance.keeps_any() {
+        TUNING.margin.least_factor
+    } else {
+        0.0
+    }
+}
+
+/// Points measured between two knots.
+const PARTS: usize = TUNING.margin.parts;

@@ -1,0 +1,9 @@
+//! The programmed path and how far the curve may be from it.
+
+pub(crate) mod allowance;
+pub(crate) mod corridor;
+pub(crate) mod margin;
+pub(crate) mod reach;
+pub(crate) mod reference;
+pub(crate) mod rounding;
+pub(crate) mod straight;

@@ -1,0 +1,168 @@
+//! A first curve inside the corridor: the programmed pieces with every corner rounded by itself.
+//!
+//! Two lines get a Bezier curve whose inner control points all lie on the corner: run through evenly,
+//! it is what one axis braking while the other accelerates draws, with constant acceleration
+//! (degree 2, trapezoid) or constant jerk (degree 3, S-curve). Everything else gets a quintic that
+//! takes over direction and curvature on both sides (spec/motion-core.md §6.4). This is only where
+//! the optimisation starts from. Lengths in position units.
+
+use crate::Point;
+use crate::limits::Smoothness;
+use crate::path::allowance::Allowance;
+use crate::path::reach::{SAME_DIRECTION, reach_of_lines};
+use crate::path::reference::{ReferencePath, nearest};
+use crate::tuning::TUNING;
+use arcline_geometry::Path;
+
+/// A stretch of the rounded curve, with the arc length of the reference path that it stands for.
+#[derive(Clone, Debug)]
+pub(crate) struct Stretch {
+    pub(crate) shape: Shape,
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Shape {
+    /// Part of a piece of the reference path.
+    Piece(usize),
+    /// A Bezier curve of degree `len - 1`.
+    Bezier([Point; 6], usize),
+}
+
+impl Stretch {
+    /// Whether it is part of an arc of the reference path.
+    pub(crate) fn is_arc(&self, reference: &ReferencePath) -> bool {
+        matches!(self.shape, Shape::Piece(index) if matches!(reference.pieces[index], Path::Arc(_)))
+    }
+
+    /// The point at `u`, `0 <= u <= 1`.
+    pub(crate) fn at(&self, reference: &ReferencePath, u: f64) -> Point {
+        match &self.shape {
+            Shape::Piece(index) => {
+                let local = self.from + (self.to - self.from) * u - reference.starts[*index];
+                reference.pieces[*index]
+                    .at(local.clamp(0.0, reference.pieces[*index].length()))
+                    .position
+            }
+            Shape::Bezier(points, count) => {
+                let mut work = *points;
+                for level in (1..*count).rev() {
+                    for i in 0..level {
+                        work[i] += (work[i + 1] - work[i]) * u;
+                    }
+                }
+                work[0]
+            }
+        }
+    }
+}
+
+/// The reference path with every joint rounded.
+pub(crate) fn round(reference: &ReferencePath, allowance: &Allowance, smoothness: Smoothness) -> Vec<Stretch> {
+    let count = reference.pieces.len();
+    let mut stretches = Vec::with_capacity(2 * count);
+    let mut begin = 0.0;
+    for index in 0..count {
+        let (from, to) = (reference.starts[index], reference.starts[index + 1]);
+        let corner = (index + 1 < count).then(|| {
+            // Half of a piece for each of its ends, all of it where the reference path itself ends.
+            let before = if index == 0 { to - from } else { 0.5 * (to - from) };
+            let behind = reference.starts[index + 2] - to;
+            let behind = if index + 2 == count { behind } else { 0.5 * behind };
+            let room = before
+                .min(behind)
+                .min(TUNING.rounding.inside_share * allowance.room(reference, index));
+            corner(reference, index, allowance.corner(index), room, smoothness)
+        });
+        let (reach, shape) = corner.map_or((0.0, None), |(reach, shape)| (reach, Some(shape)));
+        if to - reach > begin {
+            stretches.push(Stretch {
+                shape: Shape::Piece(index),
+                from: begin,
+                to: to - reach,
+            });
+        }
+        begin = to + reach;
+        if let Some(shape) = shape
+            && reach > 0.0
+        {
+            stretches.push(Stretch {
+                shape,
+                from: to - reach,
+                to: to + reach,
+            });
+        }
+    }
+    stretches
+}
+
+/// How far the rounding of the joint behind piece `index` reaches to either side, and its curve.
+fn corner(reference: &ReferencePath, index: usize, tolerance: f64, room: f64, smoothness: Smoothness) -> (f64, Shape) {
+    let (before, behind) = (&reference.pieces[index], &reference.pieces[index + 1]);
+    let (u1, u2) = (before.end_tangent(), behind.start_tangent());
+    let (sine, cosine) = (u1.cross(&u2).norm(), u1.dot(&u2));
+    let limit = TUNING.rounding.inside_share * tolerance;
+    if let (Path::Line(_), Path::Line(_)) = (before, behind) {
+        if sine <= SAME_DIRECTION && cosine > 0.0 {
+            return (0.0, Shape::Piece(index));
+        }
+        let reach = reach_of_lines(before, behind, limit, smoothness).min(room);
+        let (first, middle, last) = (before.end() - u1 * reach, before.end(), behind.start() + u2 * reach);
+        let shape = match smoothness {
+            Smoothness::Trapezoid => Shape::Bezier([first, middle, last, last, last, last], 3),
+            Smoothness::SCurve => Shape::Bezier([first, middle, middle, last, last, last], 4),
+        };
+        return (reach, shape);
+    }
+    // Shortened until it is inside.
+    let mut reach = room.min(most_of_arc(before, behind));
+    for _ in 0..TUNING.rounding.shortenings {
+        let shape = quintic(before, behind, reach);
+        let stretch = Stretch {
+            shape,
+            from: 0.0,
+            to: 0.0,
+        };
+        let off = (1..TUNING.rounding.measured)
+            .map(|k| {
+                let q = stretch.at(reference, f64::from(k) / f64::from(TUNING.rounding.measured));
+                (nearest(before, &q) - q).norm().min((nearest(behind, &q) - q).norm())
+            })
+            .fold(0.0, f64::max);
+        if off <= limit {
+            return (reach, stretch.shape);
+        }
+        reach *= TUNING.rounding.shorten;
+    }
+    (0.0, Shape::Piece(index))
+}
+
+/// How far a rounding goes along the shorter of two arcs, at most.
+fn most_of_arc(before: &Path, behind: &Path) -> f64 {
+    [before, behind]
+        .iter()
+        .map(|path| match path {
+            Path::Line(_) => f64::INFINITY,
+            Path::Arc(arc) => TUNING.rounding.arc_share * arc.radius(),
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+fn quintic(before: &Path, behind: &Path, reach: f64) -> Shape {
+    let p = before.at(before.length() - reach);
+    let q = behind.at(reach);
+    let speed = 2.0 * reach;
+    let (a, b) = (speed / 5.0, speed * speed / 20.0);
+    Shape::Bezier(
+        [
+            p.position,
+            p.position + p.tangent * a,
+            p.position + p.tangent * (2.0 * a) + p.curvature * b,
+            q.position - q.tangent * (2.0 * a) + q.curvature * b,
+            q.position - q.tangent * a,
+            q.position,
+        ],
+        6,
+    )
+}

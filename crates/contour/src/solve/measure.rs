@@ -1,0 +1,74 @@
+//! Whether the spline through the control points keeps its limits, exactly. Position units and seconds.
+
+use crate::Trajectory;
+use crate::limits::Bounds;
+use crate::path::reference::ReferencePath;
+use crate::solve::stages::StageResult;
+use crate::timing::control_points::ControlPoints;
+
+/// A motion with its measure.
+pub(crate) struct Measured {
+    pub(crate) trajectory: Trajectory,
+    /// The time of each node.
+    pub(crate) times: Vec<f64>,
+    /// By what factor the limits are exceeded.
+    pub(crate) excess: f64,
+}
+
+/// The spline through the control points. One that begins at rest is slowed down or sped up as a whole for its limits, where it may
+/// be the plan; one that continues a motion cannot be.
+pub(crate) fn measured(
+    control: &ControlPoints,
+    bounds: &[Bounds],
+    reference: &ReferencePath,
+    result: StageResult,
+) -> Measured {
+    let trajectory = control.spline(&control.spans);
+    let excess = excess(&trajectory, control, bounds, reference);
+    if control.initial.is_some() {
+        return Measured {
+            times: control.times(&trajectory),
+            trajectory,
+            excess,
+        };
+    }
+    let factor = if result == StageResult::Start { 1.0 } else { excess };
+    let spans: Vec<f64> = control.spans.iter().map(|span| span * factor).collect();
+    let trajectory = control.spline(&spans);
+    Measured {
+        times: control.times(&trajectory),
+        trajectory,
+        excess: 1.0,
+    }
+}
+
+/// By what factor the trajectory must take longer to keep every limit; below 1 it may be shorter.
+fn excess(trajectory: &Trajectory, control: &ControlPoints, bounds: &[Bounds], reference: &ReferencePath) -> f64 {
+    let mut factor = 0.0_f64;
+    let last = control.progress.len() - 1;
+    for (k, pair) in trajectory.knots.windows(2).enumerate() {
+        let (knot, next) = (&pair[0], &pair[1]);
+        let bound = &bounds[reference.piece_at(control.progress[control.node_at(k).min(last)])];
+        // Velocity is a parabola between knots: inside the hull of its Bezier points.
+        let middle = knot.state.velocity + knot.state.acceleration * (0.5 * (next.time - knot.time));
+        for velocity in [knot.state.velocity, middle] {
+            factor = factor.max(velocity.norm() / bound.speed);
+            for axis in 0..3 {
+                factor = factor.max(velocity[axis].abs() / bound.axes.speed[axis]);
+            }
+        }
+        factor = factor.max((knot.state.acceleration.norm() / bound.norm_acceleration()).sqrt());
+        for axis in 0..3 {
+            factor = factor.max((knot.state.acceleration[axis].abs() / bound.axes.acceleration[axis]).sqrt());
+        }
+        if bound.jerk.is_finite() {
+            factor = factor.max(libm::cbrt(knot.jerk.norm() / bound.jerk));
+        }
+        if let Some(jerk) = bound.axes.jerk {
+            for axis in 0..3 {
+                factor = factor.max(libm::cbrt(knot.jerk[axis].abs() / jerk[axis]));
+            }
+        }
+    }
+    if factor > 0.0 { factor } else { 1.0 }
+}

@@ -1,0 +1,13 @@
+//! The optimisation of timing and shape together: what is limited, and how a faster motion within the limits is found.
+
+mod assemble;
+mod banded;
+pub(crate) mod derivatives;
+pub(crate) mod measure;
+mod merit;
+pub(crate) mod optimise;
+pub(crate) mod problem;
+mod relax;
+pub(crate) mod setup;
+pub(crate) mod stages;
+mod step_lengths;

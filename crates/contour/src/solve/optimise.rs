@@ -1,0 +1,248 @@
+//! The joint optimisation of timing and shape by a barrier method.
+//!
+//! Minimised is `weight * time - sum of log(1 - (quantity / limit)²)` over what [`crate::solve::problem`] limits, for growing weights, by
+//! Gauss-Newton steps on a band matrix; a step that would leave the feasible set is shortened, so **every iterate keeps
+//! all limits and the corridor**, and the work can end at any time. Units are those of the problem.
+
+use crate::Point;
+use crate::solve::banded::Banded;
+use crate::solve::problem::Problem;
+use crate::solve::step_lengths::smooth_lengths;
+use crate::tuning::TUNING;
+
+/// Weights of the time and how many steps each may take.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BarrierSchedule {
+    pub(crate) first: f64,
+    pub(crate) last: f64,
+    pub(crate) factor: f64,
+    pub(crate) steps: usize,
+}
+
+/// A motion within all limits.
+#[derive(Clone)]
+struct Iterate {
+    offsets: Vec<[f64; 2]>,
+    points: Vec<Point>,
+    spans: Vec<f64>,
+}
+
+/// What the steps work on.
+struct Search {
+    now: Iterate,
+    trial: Iterate,
+    matrix: Banded,
+    gradient: Vec<f64>,
+    /// The step of full length: for each node the logarithm of its span and its offsets.
+    step: Vec<f64>,
+    /// Least slacks by node.
+    slack: Vec<f64>,
+    trial_slack: Vec<f64>,
+    /// Lengths of the step by node: as each needs it, and smoothed.
+    wanted: Vec<f64>,
+    lengths: Vec<f64>,
+}
+
+impl Search {
+    fn new(problem: &Problem<'_>) -> Search {
+        let count = problem.points.len();
+        let block = problem.block();
+        let now = Iterate {
+            offsets: vec![[0.0; 2]; count],
+            points: problem.points.clone(),
+            spans: problem.spans.clone(),
+        };
+        Search {
+            trial: now.clone(),
+            now,
+            matrix: Banded::new(count * block, 5 * block - 1),
+            gradient: vec![0.0; count * block],
+            step: vec![0.0; count * block],
+            slack: vec![0.0; count],
+            trial_slack: vec![0.0; count],
+            wanted: vec![1.0; count],
+            lengths: vec![1.0; count],
+        }
+    }
+}
+
+impl Problem<'_> {
+    /// Improves `spans` and `points` in place; returns the number of steps taken.
+    pub(crate) fn run(&mut self, schedule: BarrierSchedule) -> usize {
+        let mut search = Search::new(self);
+        for row in &mut self.corridor {
+            row.radius = f64::INFINITY;
+        }
+        self.close_in(&search.now);
+        let mut weight = schedule.first;
+        let mut steps = 0;
+        loop {
+            let mut value = self.merit(weight, &search.now.points, &search.now.spans);
+            if !value.is_finite() {
+                break;
+            }
+            for step in 0..schedule.steps + TUNING.relax.most_closing {
+                // Before it works harder the limits have to be the full ones.
+                if step >= schedule.steps && !self.is_relaxed() {
+                    break;
+                }
+                if self.close_in(&search.now) {
+                    value = self.merit(weight, &search.now.points, &search.now.spans);
+                }
+                let decrement = self.find_step(weight, &mut search);
+                steps += 1;
+                let converged = -decrement < TUNING.barrier.converged * self.points.len() as f64;
+                if !decrement.is_finite() || (converged && !self.is_relaxed()) {
+                    break;
+                }
+                let Some(less) = self.take_step(weight, value, &mut search) else {
+                    break;
+                };
+                value = less;
+            }
+            if weight >= schedule.last {
+                break;
+            }
+            weight = (weight * schedule.factor).min(schedule.last);
+        }
+        self.points = search.now.points;
+        self.spans = search.now.spans;
+        steps
+    }
+
+    /// Unknowns for each node: its span and its offsets.
+    pub(crate) fn block(&self) -> usize {
+        1 + self.lateral
+    }
+
+    /// Where the start is outside, corridor and limits are wider and close in from step to step. Whether anything has changed.
+    fn close_in(&mut self, now: &Iterate) -> bool {
+        let weighed = self.weigh_corridor(&now.points, &now.spans);
+        let narrower = self.narrow_corridor(&now.points) || weighed;
+        self.tighten_limits(&now.points, &now.spans) || narrower
+    }
+
+    /// Narrows the corridor to its target, but leaves room where the curve is outside: some of what there
+    /// was, or where that is infinite, a share of the distance.
+    fn narrow_corridor(&mut self, points: &[Point]) -> bool {
+        let mut changed = false;
+        for row in self.corridor.iter_mut().filter(|row| row.radius > row.target) {
+            let off = row.off(self.reference, points).norm();
+            let slack = if row.radius.is_finite() {
+                0.5 * (row.radius - off)
+            } else {
+                TUNING.barrier.widen_share * off
+            };
+            row.radius = row.target.max(off + slack).min(row.radius);
+            changed = true;
+        }
+        changed
+    }
+
+    /// Takes other spans for the points of the curve that are exact; one that comes outside its corridor has it widened. Whether there are such.
+    fn weigh_corridor(&mut self, points: &[Point], spans: &[f64]) -> bool {
+        let mut changed = false;
+        for row in self.corridor.iter_mut().filter(|row| row.is_exact()) {
+            row.weigh(spans);
+            let off = row.off(self.reference, points).norm();
+            if off * (1.0 + TUNING.barrier.touching) > row.radius {
+                row.radius = off * (1.0 + TUNING.barrier.reweighed);
+            }
+            changed = true;
+        }
+        changed
+    }
+
+    /// The Gauss-Newton step of full length; returns its Newton decrement, below 0.
+    fn find_step(&self, weight: f64, search: &mut Search) -> f64 {
+        let Search {
+            now,
+            matrix,
+            gradient,
+            step,
+            ..
+        } = search;
+        self.assemble(weight, &now.points, &now.spans, matrix, step);
+        gradient.copy_from_slice(step);
+        matrix.solve(step);
+        -gradient.iter().zip(step.iter()).map(|(g, s)| g * s).sum::<f64>()
+    }
+
+    /// Takes the step, shortened where it would leave the feasible set and about there; returns the new value. `None`: no length of it
+    /// is an improvement.
+    fn take_step(&self, weight: f64, value: f64, search: &mut Search) -> Option<f64> {
+        let block = self.block();
+        self.slacks(&search.now.points, &search.now.spans, &mut search.slack);
+        for (i, length) in search.wanted.iter_mut().enumerate() {
+            *length = (TUNING.barrier.most_change / search.step[i * block].abs()).min(1.0);
+        }
+        for attempt in 0..TUNING.barrier.attempts {
+            smooth_lengths(&search.wanted, &mut search.lengths);
+            let trial = self.try_step(weight, search);
+            let Search {
+                gradient,
+                step,
+                lengths,
+                ..
+            } = &*search;
+            let expected: f64 = (0..step.len())
+                .map(|k| -gradient[k] * step[k] * lengths[k / block])
+                .sum();
+            if trial <= value + TUNING.barrier.sufficient * expected {
+                core::mem::swap(&mut search.now, &mut search.trial);
+                return Some(trial);
+            }
+            search.shorten(attempt);
+        }
+        None
+    }
+
+    /// The step with its smoothed lengths; returns the value there.
+    fn try_step(&self, weight: f64, search: &mut Search) -> f64 {
+        let block = self.block();
+        let Search {
+            now,
+            trial,
+            step,
+            lengths,
+            trial_slack,
+            ..
+        } = search;
+        for i in 0..lengths.len() {
+            for k in 0..self.lateral {
+                trial.offsets[i][k] = now.offsets[i][k] + lengths[i] * step[i * block + 1 + k];
+            }
+        }
+        for (i, span) in trial.spans.iter_mut().enumerate() {
+            *span = now.spans[i] * libm::exp(lengths[i] * step[i * block]);
+        }
+        if self.lateral > 0 {
+            for (i, point) in trial.points.iter_mut().enumerate() {
+                let [first, second] = trial.offsets[i];
+                *point = self.points[i] + self.normals[i][0] * first + self.normals[i][1] * second;
+            }
+        }
+        self.slacks(&trial.points, &trial.spans, trial_slack);
+        self.merit(weight, &trial.points, &trial.spans)
+    }
+}
+
+impl Search {
+    /// About the nodes that come too near to a limit; where there are none, or after too many attempts, everywhere.
+    fn shorten(&mut self, attempt: u32) {
+        let mut local = false;
+        if attempt < TUNING.barrier.local_attempts {
+            for (i, length) in self.wanted.iter_mut().enumerate() {
+                if self.trial_slack[i] < TUNING.barrier.nearer_share * self.slack[i] {
+                    *length *= 0.5;
+                    local = true;
+                }
+            }
+        }
+        if !local {
+            for length in &mut self.wanted {
+                *length *= 0.5;
+            }
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! What is optimised: timing and shape of one motion, and everything about it that is limited.
+//!
+//! A node is a control point of a cubic B-spline in time with the instant that it stands for. Unknown are, for every node
+//! `p[i] = reference + normals * offset`, its offset, and for every interval between nodes the logarithm of the time `h[i]` that it
+//! takes. What is limited are the control points of the spline's derivatives ([`crate::solve::derivatives`]); the spline
+//! lies within their hull, so the limits hold at every instant. Not here: how a better one is found
+//! ([`crate::solve::optimise`]). Units: the first time between two nodes is 1 (limits are scaled to it), lengths are position units.
+
+use crate::Point;
+use crate::limits::Bounds;
+use crate::path::corridor::CorridorRow;
+use crate::path::reference::ReferencePath;
+
+/// What is optimised.
+pub(crate) struct Problem<'a> {
+    pub(crate) reference: &'a ReferencePath,
+    pub(crate) points: Vec<Point>,
+    pub(crate) limits: Vec<Limits>,
+    pub(crate) normals: Vec<[Point; 2]>,
+    pub(crate) tangents: Vec<Point>,
+    /// What keeps the curve near the reference path.
+    pub(crate) corridor: Vec<CorridorRow>,
+    /// Nodes that stay where they are.
+    pub(crate) fixed: Vec<bool>,
+    pub(crate) spans: Vec<f64>,
+    /// In how many directions across the path a node may move: 0 (timing only), 1 (a plane) or 2 (space).
+    pub(crate) lateral: usize,
+    /// It continues a motion: the first nodes and spans are given.
+    pub(crate) continues: bool,
+    /// How many nodes are close to what the running motion does.
+    pub(crate) kept: usize,
+    /// What is left of the reciprocal limits of speed, acceleration and jerk, by node from -1 on, where the start
+    /// is outside of them; empty: all of it.
+    pub(crate) relaxed: Vec<[f64; 3]>,
+}
+
+/// Reciprocals of the limits at one node, 0 where there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Limits {
+    pub(crate) speed: Point,
+    pub(crate) acceleration: Point,
+    pub(crate) jerk: Point,
+    /// Of the vector.
+    pub(crate) vector_speed: f64,
+    pub(crate) vector_acceleration: f64,
+    pub(crate) vector_jerk: f64,
+    /// Along the path.
+    pub(crate) speeding_up: f64,
+    pub(crate) slowing_down: f64,
+}
+
+impl Limits {
+    /// Where the first time between two nodes is `span` seconds. A vector's limit beyond the corner of those of the axes is none.
+    pub(crate) fn reciprocal(bounds: &Bounds, span: f64) -> Limits {
+        let (second, third) = (span * span, span * span * span);
+        let inverse = |limit: Point, unit: f64| limit.map(|l| 1.0 / (l * unit));
+        let corner = bounds.axes.acceleration.norm();
+        let binds = bounds.acceleration.min(bounds.deceleration) < corner;
+        let jerk_corner = bounds.axes.jerk.map_or(f64::INFINITY, |jerk| jerk.norm());
+        let one = |limit: f64, unit: f64, on: bool| if on { 1.0 / (limit * unit) } else { 0.0 };
+        Limits {
+            speed: inverse(bounds.axes.speed, span),
+            acceleration: inverse(bounds.axes.acceleration, second),
+            jerk: bounds.axes.jerk.map_or(Point::zeros(), |jerk| inverse(jerk, third)),
+            vector_speed: one(bounds.speed, span, bounds.speed < bounds.axes.speed.norm()),
+            vector_acceleration: one(bounds.norm_acceleration(), second, binds),
+            vector_jerk: one(bounds.jerk, third, bounds.jerk < jerk_corner),
+            speeding_up: one(bounds.acceleration, second, binds),
+            slowing_down: one(bounds.deceleration, second, binds),
+        }
+    }
+
+    pub(crate) fn stricter(&self, other: &Limits) -> Limits {
+        Limits {
+            speed: self.speed.sup(&other.speed),
+            acceleration: self.acceleration.sup(&other.acceleration),
+            jerk: self.jerk.sup(&other.jerk),
+            vector_speed: self.vector_speed.max(other.vector_speed),
+            vector_acceleration: self.vector_acceleration.max(other.vector_acceleration),
+            vector_jerk: self.vector_jerk.max(other.vector_jerk),
+            speeding_up: self.speeding_up.max(other.speeding_up),
+            slowing_down: self.slowing_down.max(other.slowing_down),
+        }
+    }
+}
+
+impl Problem<'_> {
+    pub(crate) fn intervals(&self) -> isize {
+        self.points.len() as isize - 1
+    }
+}

@@ -1,0 +1,105 @@
+//! Starts that are outside the limits: from rest everything takes longer; a motion under way is started with relaxed limits
+//! that close in from step to step, as the corridor does.
+
+use crate::Point;
+use crate::solve::problem::Problem;
+use crate::timing::control_points::GIVEN;
+use crate::tuning::TUNING;
+
+impl Problem<'_> {
+    /// Lengthens all spans until every limit is kept with room to spare.
+    pub(crate) fn make_feasible(&mut self) {
+        if self.continues {
+            // A motion under way cannot be slowed down as a whole: the limits give way instead, and close in.
+            self.slow_down();
+            self.relaxed = vec![[0.0; 3]; self.points.len() + 1];
+            return;
+        }
+        for _ in 0..TUNING.relax.lengthenings {
+            if self.worst() < TUNING.relax.feasible {
+                return;
+            }
+            for span in &mut self.spans {
+                *span *= TUNING.relax.lengthen;
+            }
+        }
+    }
+
+    /// Lengthens the spans behind the given beginning, gradually, where most of what comes there is far from its limits.
+    fn slow_down(&mut self) {
+        let (mut most, mut far) = (0.0_f64, 0);
+        for i in self.kept as isize..=self.intervals() {
+            let [speed, acceleration, jerk] = self.quotients(i, &self.points, &self.spans);
+            let factor = speed.max(acceleration.sqrt()).max(libm::cbrt(jerk));
+            most = most.max(factor);
+            far += usize::from(factor > TUNING.relax.far);
+        }
+        if 2 * far < self.points.len() - self.kept {
+            return;
+        }
+        for (k, span) in self.spans.iter_mut().enumerate().skip(self.kept) {
+            let u = ((k - self.kept) as f64 / TUNING.relax.ramp_nodes).min(1.0);
+            *span *= 1.0 + (most / TUNING.relax.feasible - 1.0) * u * u * (3.0 - 2.0 * u);
+        }
+    }
+
+    /// The largest quotient of a quantity and its limit.
+    fn worst(&self) -> f64 {
+        let here = |i| self.quotients(i, &self.points, &self.spans);
+        (-1..=self.intervals()).flat_map(here).fold(0.0, f64::max)
+    }
+
+    /// The largest quotients of speed, acceleration and jerk at one node.
+    fn quotients(&self, i: isize, points: &[Point], spans: &[f64]) -> [f64; 3] {
+        let mut worst = [0.0_f64; 3];
+        self.for_each_quantity(i, points, spans, |q| {
+            let most = &mut worst[q.kind as usize];
+            for axis in 0..3 {
+                *most = most.max((q.value[axis] * q.axes[axis]).abs());
+            }
+            *most = most.max(q.value.norm() * q.vector);
+            let along = q.along.0.dot(&q.value);
+            *most = most.max(along * q.along.1).max(-along * q.along.2);
+        });
+        worst
+    }
+
+    /// Closes relaxed limits in, as [`Problem::close_in`] does with the corridor. Whether there are such.
+    pub(crate) fn tighten_limits(&mut self, points: &[Point], spans: &[f64]) -> bool {
+        if !self.relaxed.iter().flatten().any(|&share| share < 1.0) {
+            return false;
+        }
+        // Without them the quotients are those of the full limits.
+        let mut relaxed = core::mem::take(&mut self.relaxed);
+        for (k, shares) in relaxed.iter_mut().enumerate() {
+            let worst = self.quotients(k as isize - 1, points, spans);
+            for (share, off) in shares.iter_mut().zip(worst).filter(|(share, _)| **share < 1.0) {
+                let slack = if *share > 0.0 {
+                    (0.5 * (1.0 / *share - off)).max(TUNING.relax.least_share * off)
+                } else {
+                    first_slack(off)
+                };
+                *share = (1.0 / (off + slack).max(1.0)).max(*share);
+            }
+        }
+        self.relaxed = relaxed;
+        true
+    }
+
+    pub(crate) fn is_relaxed(&self) -> bool {
+        let full = |k: usize| if k < GIVEN + 2 { TUNING.relax.near_full } else { 1.0 };
+        let mut relaxed = self.relaxed.iter().enumerate();
+        relaxed.any(|(k, shares)| shares.iter().any(|&share| share < full(k)))
+    }
+}
+
+/// The room that a quotient of 1 or more is given at first.
+fn first_slack(off: f64) -> f64 {
+    if off < 1.0 - TUNING.relax.inside {
+        0.0
+    } else if off < 1.0 + TUNING.relax.least_share {
+        TUNING.relax.least_share * off
+    } else {
+        TUNING.relax.widen_share * off
+    }
+}

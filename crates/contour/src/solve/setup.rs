@@ -1,0 +1,213 @@
+//! The optimisation problem of one stage: limits, directions and corridor of every node.
+
+use crate::Point;
+use crate::SAME_POINT_UNITS;
+use crate::limits::Bounds;
+use crate::path::allowance::Allowance;
+use crate::path::corridor::CorridorRow;
+use crate::path::reference::ReferencePath;
+use crate::solve::problem::{Limits, Problem};
+use crate::solve::stages::Quality;
+use crate::timing::control_points::{ControlPoints, GIVEN};
+use crate::tuning::TUNING;
+
+/// What a stage is to keep.
+pub(crate) struct Conditions<'a> {
+    pub(crate) reference: &'a ReferencePath,
+    pub(crate) allowance: &'a Allowance,
+    /// Limits by piece of the reference path.
+    pub(crate) limits: &'a [Bounds],
+    /// The same for the nodes that are close to what a running motion does.
+    pub(crate) kept_limits: &'a [Bounds],
+    /// Share of the tolerance that makes the corridor, by node.
+    pub(crate) margins: &'a [f64],
+}
+
+impl<'a> Conditions<'a> {
+    /// The optimisation of the control points as they stand.
+    pub(crate) fn problem(&self, control: &ControlPoints, quality: Quality) -> Problem<'a> {
+        let span = control.spans[0];
+        let progress = control.progress.iter();
+        let pieces: Vec<usize> = progress.map(|&s| self.reference.piece_at(s)).collect();
+        let plane = plane_of(&control.points);
+        let tangents = self.tangents(control);
+        let radii = self.radii(control, &pieces);
+        let corridor = self.corridor(control, &pieces, &radii);
+        let lateral = match quality {
+            Quality::TimingOnly => 0,
+            Quality::Full if corridor.is_empty() => 0,
+            Quality::Full => 1 + usize::from(plane.is_none()),
+        };
+        Problem {
+            reference: self.reference,
+            points: control.points.clone(),
+            limits: self.limits_by_node(control, &pieces),
+            normals: tangents.iter().map(|tangent| across(tangent, plane)).collect(),
+            tangents,
+            corridor,
+            fixed: radii.iter().map(|&radius| is_fixed(radius)).collect(),
+            spans: control.spans.iter().map(|h| h / span).collect(),
+            lateral,
+            continues: control.initial.is_some(),
+            kept: control.kept,
+            relaxed: Vec::new(),
+        }
+    }
+
+    /// Beside a joint the stricter ones of both pieces.
+    fn limits_by_node(&self, control: &ControlPoints, pieces: &[usize]) -> Vec<Limits> {
+        let (count, span) = (pieces.len(), control.spans[0]);
+        let of_node = |i: usize| {
+            let bounds = if i < control.kept {
+                self.kept_limits
+            } else {
+                self.limits
+            };
+            let mut limit = Limits::reciprocal(&bounds[pieces[i]], span);
+            for other in [i.saturating_sub(1), (i + 1).min(count - 1)] {
+                if pieces[other] != pieces[i] {
+                    limit = limit.stricter(&Limits::reciprocal(&bounds[pieces[other]], span));
+                }
+            }
+            limit
+        };
+        (0..count).map(of_node).collect()
+    }
+
+    /// Directions of the curve at the nodes.
+    fn tangents(&self, control: &ControlPoints) -> Vec<Point> {
+        let points = &control.points;
+        let mut tangent = self.reference.pieces[0].start_tangent();
+        let of_node = |i: usize| {
+            let d = points[(i + 1).min(points.len() - 1)] - points[i.saturating_sub(1)];
+            if d.norm() > SAME_CONTROL_POINT_UNITS {
+                tangent = d / d.norm();
+            }
+            tangent
+        };
+        (0..points.len()).map(of_node).collect()
+    }
+
+    /// How far the nodes may be from the reference path; 0 where they stay.
+    fn radii(&self, control: &ControlPoints, pieces: &[usize]) -> Vec<f64> {
+        let count = pieces.len();
+        let given = if control.initial.is_some() { GIVEN } else { 2 };
+        let of_node = |i: usize| {
+            let s = control.progress[i];
+            let tolerance = self.allowance.aim(self.reference, pieces[i], s);
+            if i < given || i + 3 > count {
+                0.0
+            } else {
+                self.coned(control, s, self.margins[i] * tolerance)
+            }
+        };
+        (0..count).map(of_node).collect()
+    }
+
+    /// A radius, less near the ends: the motion leaves and arrives along the programmed direction, as the corridor opens like a cone.
+    fn coned(&self, control: &ControlPoints, s: f64, radius: f64) -> f64 {
+        let left = self.reference.length() - s;
+        // A motion that is continued does not begin at rest.
+        let near = if control.initial.is_some() { left } else { s.min(left) };
+        radius.min(TUNING.corridor.cone * near)
+    }
+
+    /// Points of the curve that must be near the reference path.
+    fn corridor(&self, control: &ControlPoints, pieces: &[usize], radii: &[f64]) -> Vec<CorridorRow> {
+        let Conditions {
+            reference, allowance, ..
+        } = *self;
+        let mut rows = Vec::new();
+        let edges = allowance.edges(reference);
+        let widest = self.margins.iter().copied().fold(0.0, f64::max);
+        // The first points of a curve that continues another have next to no freedom.
+        let first = if control.initial.is_some() { GIVEN + 1 } else { 0 };
+        for i in (first..pieces.len()).filter(|&i| !is_fixed(radii[i])) {
+            let (piece, s) = (pieces[i], control.progress[i]);
+            let exact = allowance.keeps_at(reference, piece, s);
+            let row = if exact { CorridorRow::exact } else { CorridorRow::new };
+            rows.push(row(i, 0.0, piece, radii[i]));
+            if is_fixed(radii[i + 1]) {
+                continue;
+            }
+            // Where the corridor is narrow the curve between two knots counts too.
+            if exact && piece == pieces[i + 1] && allowance.is_near_rounding(reference, piece, s) {
+                rows.push(row(i, 0.5, piece, 0.5 * (radii[i] + radii[i + 1])));
+            }
+            if self.margins[i].min(self.margins[i + 1]) < widest {
+                self.add_edges(control, i, &edges, &mut rows);
+            }
+            for joint in piece + 1..=pieces[i + 1] {
+                self.add_joint(control, i, joint, radii, &mut rows);
+            }
+        }
+        rows
+    }
+
+    /// Where the corridor stops narrowing behind node `i`, a curve inside at both nodes may be outside. One that was has it narrower there.
+    fn add_edges(&self, control: &ControlPoints, i: usize, edges: &[(usize, f64)], rows: &mut Vec<CorridorRow>) {
+        let (here, next) = (control.progress[i], control.progress[i + 1]);
+        let margin = self.margins[i].min(self.margins[i + 1]);
+        let first = edges.partition_point(|&(_, s)| s <= here);
+        for &(piece, s) in edges[first..].iter().take_while(|&&(_, s)| s < next) {
+            let width = margin * self.allowance.aim(self.reference, piece, s);
+            let radius = self.coned(control, s, width);
+            if !is_fixed(radius) {
+                rows.push(CorridorRow::exact(i, (s - here) / (next - here), piece, radius));
+            }
+        }
+    }
+
+    /// The joint between nodes `i` and `i + 1`, which must be near both its pieces.
+    fn add_joint(&self, control: &ControlPoints, i: usize, joint: usize, radii: &[f64], rows: &mut Vec<CorridorRow>) {
+        let start = self.reference.starts[joint];
+        let (here, next) = (control.progress[i], control.progress[i + 1]);
+        let part = ((start - here) / (next - here)).clamp(0.0, 1.0);
+        // Beside a piece that is kept to, the nodes' corridors are narrower than that of the joint between them.
+        let width = self.allowance.at_joint(self.reference, joint);
+        let row = if width.is_some() {
+            CorridorRow::exact
+        } else {
+            CorridorRow::new
+        };
+        let radius = width.map_or_else(
+            || radii[i].min(radii[i + 1]),
+            |width| self.coned(control, start, self.margins[i].min(self.margins[i + 1]) * width),
+        );
+        rows.push(row(i, part, joint - 1, radius));
+        rows.push(row(i, part, joint, radius));
+    }
+}
+
+fn is_fixed(radius: f64) -> bool {
+    radius <= SAME_POINT_UNITS
+}
+
+/// The unit normal of the plane that holds all points, when they lie in one that is normal to an axis.
+fn plane_of(points: &[Point]) -> Option<Point> {
+    let first = points[0];
+    (0..3)
+        .rev()
+        .find(|&axis| points.iter().all(|p| p[axis] == first[axis]))
+        .map(|axis| {
+            let mut normal = Point::zeros();
+            normal[axis] = 1.0;
+            normal
+        })
+}
+
+/// Two unit vectors across a tangent, the first one in the plane if there is one.
+fn across(tangent: &Point, plane: Option<Point>) -> [Point; 2] {
+    let helper = plane.unwrap_or_else(|| {
+        let axis = tangent.abs().imin();
+        let mut unit = Point::zeros();
+        unit[axis] = 1.0;
+        unit
+    });
+    let first = helper.cross(tangent);
+    let first = first / first.norm().max(1e-300);
+    [first, tangent.cross(&first)]
+}
+
+/// Control points that are no farther apart have no direction, position units.
+const SAME_CONTROL_POINT_UNITS: f64 = 1e-12;

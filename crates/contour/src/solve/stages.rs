@@ -1,0 +1,99 @@
+//! Which runs of the optimisation make a plan.
+
+use crate::limits::Smoothness;
+use crate::solve::optimise::BarrierSchedule;
+use crate::tuning::{StageTuning, TUNING};
+
+/// How good a plan is to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Quality {
+    /// The least time on corners rounded one by one.
+    TimingOnly,
+    /// The least time for timing and shape together.
+    Full,
+}
+
+/// One run of the optimisation.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stage {
+    /// Which limits it keeps.
+    pub(crate) limits: Limited,
+    pub(crate) schedule: BarrierSchedule,
+    pub(crate) result: StageResult,
+}
+
+/// The limits of a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Limited {
+    /// Speed and acceleration: without limits of jerk the optimisation is not stiff.
+    Acceleration,
+    /// Those of the jerk too.
+    Jerk,
+}
+
+/// What the result of a stage is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StageResult {
+    /// The next stage starts from it.
+    Start,
+    /// It is the plan if it is within corridor and limits.
+    Plan,
+    /// The same; it starts from one that was outside.
+    Repair,
+}
+
+impl Stage {
+    fn new(limits: Limited, tuning: &StageTuning, result: StageResult) -> Stage {
+        Stage {
+            limits,
+            schedule: BarrierSchedule {
+                first: tuning.first,
+                last: tuning.last,
+                factor: TUNING.stages.factor,
+                steps: tuning.steps,
+            },
+            result,
+        }
+    }
+}
+
+/// All stages of a plan, in their order.
+pub(crate) fn stages(smoothness: Smoothness, quality: Quality) -> Vec<Stage> {
+    let tuning = &TUNING.stages;
+    let start = |limits, of: &StageTuning| Stage::new(limits, of, StageResult::Start);
+    let mut stages = match (smoothness, quality) {
+        (Smoothness::Trapezoid, Quality::TimingOnly) => {
+            vec![Stage::new(Limited::Acceleration, &tuning.timing, StageResult::Plan)]
+        }
+        (Smoothness::SCurve, Quality::TimingOnly) => vec![
+            start(Limited::Acceleration, &tuning.without_jerk),
+            Stage::new(Limited::Jerk, &tuning.timing_with_jerk, StageResult::Plan),
+        ],
+        (Smoothness::Trapezoid, Quality::Full) => {
+            let shape = tuning.shape.iter();
+            shape.map(|of| start(Limited::Acceleration, of)).collect()
+        }
+        (Smoothness::SCurve, Quality::Full) => {
+            let shape = tuning.shape_with_jerk.iter();
+            core::iter::once(start(Limited::Acceleration, &tuning.without_jerk))
+                .chain(shape.map(|of| start(Limited::Jerk, of)))
+                .collect()
+        }
+    };
+    if quality == Quality::Full {
+        stages.extend(last_stages(smoothness));
+    }
+    stages
+}
+
+/// The stages of a plan that is nearly within corridor and limits: one and its repairs.
+pub(crate) fn last_stages(smoothness: Smoothness) -> Vec<Stage> {
+    let limits = match smoothness {
+        Smoothness::Trapezoid => Limited::Acceleration,
+        Smoothness::SCurve => Limited::Jerk,
+    };
+    let stage = |result| Stage::new(limits, &TUNING.stages.last, result);
+    let mut stages = vec![stage(StageResult::Plan)];
+    stages.resize(1 + TUNING.stages.repairs, stage(StageResult::Repair));
+    stages
+}

@@ -1,0 +1,94 @@
+//! The unknown of a plan: control points of a spline in time, from rest or from the state of a running motion. Position units and
+//! seconds.
+
+use crate::{Point, State, Trajectory};
+
+/// The curve as control points of a spline. A node is a control point with the instant that it stands for.
+#[derive(Clone, Debug)]
+pub(crate) struct ControlPoints {
+    pub(crate) points: Vec<Point>,
+    /// Arc length of the reference path that each node stands for, ascending.
+    pub(crate) progress: Vec<f64>,
+    /// Seconds from node to node.
+    pub(crate) spans: Vec<f64>,
+    /// The motion that it continues, at the knot of node 1. The first three nodes and spans are given by it.
+    pub(crate) initial: Option<State>,
+    /// How many nodes are close to what the running motion does, and keep their knots from run to run.
+    pub(crate) kept: usize,
+}
+
+/// Nodes and spans that a running motion gives.
+pub(crate) const GIVEN: usize = 3;
+
+impl ControlPoints {
+    /// Sets the first nodes, so that the curve is in that state at the knot of node 1.
+    pub(crate) fn set_initial(&mut self) {
+        let (Some(initial), &[h0, h1, h2, ..]) = (self.initial, self.spans.as_slice()) else {
+            return;
+        };
+        // The span before the first one is as long as that.
+        self.points[0] = blossom(&initial, [-2.0 * h0, -h0, 0.0]);
+        self.points[1] = blossom(&initial, [-h0, 0.0, h1]);
+        self.points[2] = blossom(&initial, [0.0, h1, h1 + h2]);
+    }
+
+    /// The motion. Its time begins at the initial state where there is one.
+    pub(crate) fn spline(&self, spans: &[f64]) -> Trajectory {
+        let mut trajectory = Trajectory::spline(&self.points, spans);
+        if let Some(initial) = self.initial {
+            // What lies before the knot of node 1 is no part of it.
+            trajectory.knots.drain(..2);
+            let start = trajectory.knots[0].time;
+            for knot in &mut trajectory.knots {
+                knot.time -= start;
+            }
+            trajectory.knots[0].state = initial;
+        }
+        trajectory
+    }
+
+    /// The time of each node on the motion.
+    pub(crate) fn times(&self, trajectory: &Trajectory) -> Vec<f64> {
+        let count = self.points.len();
+        match self.initial {
+            None => trajectory.knots[1..=count].iter().map(|k| k.time).collect(),
+            Some(_) => core::iter::once(-self.spans[0])
+                .chain(trajectory.knots[..count - 1].iter().map(|k| k.time))
+                .collect(),
+        }
+    }
+
+    /// When the motion comes to arc length `s` of its reference path; `times` are those of the nodes.
+    pub(crate) fn time_of(&self, s: f64, times: &[f64]) -> f64 {
+        let k = self.progress.partition_point(|&p| p < s).clamp(1, times.len() - 1);
+        let (p0, p1) = (self.progress[k - 1], self.progress[k]);
+        let part = if p1 > p0 {
+            ((s - p0) / (p1 - p0)).clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
+        times[k - 1] + (times[k] - times[k - 1]) * part
+    }
+
+    /// The node of a knot of the motion.
+    pub(crate) fn node_at(&self, knot: usize) -> usize {
+        match self.initial {
+            None => knot.saturating_sub(1),
+            Some(_) => knot + 1,
+        }
+    }
+
+    /// The knot of a node; `None` before the initial state.
+    pub(crate) fn knot_of(&self, node: usize) -> Option<usize> {
+        match self.initial {
+            None => Some(node + 1),
+            Some(_) => node.checked_sub(1),
+        }
+    }
+}
+
+/// The control point of three knots, given relative to the instant of a state; one of them must be 0.
+pub(crate) fn blossom(state: &State, knots: [f64; 3]) -> Point {
+    let [a, b, c] = knots;
+    state.position + state.velocity * ((a + b + c) / 3.0) + state.acceleration * ((a * b + b * c + c * a) / 6.0)
+}

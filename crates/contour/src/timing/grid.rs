@@ -1,0 +1,78 @@
+//! When the knots of a motion are: close together where it is busy, far apart where nothing happens. Seconds.
+
+use crate::tuning::TUNING;
+
+/// Where on a grid of knots the control points of a line run through evenly would stand: the means of
+/// three neighbours.
+pub(crate) fn sites(grid: &[f64]) -> impl Iterator<Item = f64> + '_ {
+    (0..grid.len()).map(|i| match (i.checked_sub(1).map(|k| grid[k]), grid.get(i + 1)) {
+        (Some(before), Some(behind)) => (before + grid[i] + behind) / 3.0,
+        _ => grid[i],
+    })
+}
+
+/// Times of the nodes from 0 to `whole`: close together within and near the `busy` stretches
+/// (ascending), farther and farther apart where nothing happens. Each of the `fine` ones (ascending) has a number of nodes, if that
+/// is closer.
+pub(crate) fn grid(whole: f64, busy: &[(f64, f64)], fine: &[(f64, f64)]) -> Vec<f64> {
+    let all: f64 = busy.iter().map(|(from, to)| to - from).sum();
+    let least = TUNING
+        .grid
+        .node_s
+        .max(
+            (all + TUNING.grid.quiet_s * busy.len().min(TUNING.grid.most_quiet) as f64).min(whole)
+                / TUNING.grid.most_nodes,
+        )
+        .min(whole / TUNING.grid.least_nodes);
+    let mut times = vec![0.0];
+    let mut t = 0.0;
+    let (mut next, mut finer) = (0, 0);
+    while t < whole {
+        while next < busy.len() && busy[next].1 < t {
+            next += 1;
+        }
+        let since = if next > 0 { t - busy[next - 1].1 } else { t };
+        let until = busy.get(next).map_or(whole, |stretch| stretch.0.min(whole)) - t;
+        let far = since.min(until) - TUNING.grid.quiet_s;
+        let mut step = least + TUNING.grid.growth * far.max(0.0);
+        while finer + 1 < fine.len() && fine[finer + 1].0 < t {
+            finer += 1;
+        }
+        for &(from, to) in fine.iter().skip(finer).take(2) {
+            let off = (from - t).max(t - to).max(0.0);
+            step = step.min(
+                ((to - from) / TUNING.grid.rounding_nodes).clamp(TUNING.grid.finest_s.min(least), least)
+                    + TUNING.grid.spread * off,
+            );
+        }
+        t += step;
+        times.push(t);
+    }
+    // Fitted to the whole, which moves every node by less than one of the last steps.
+    let scale = whole / t;
+    for time in &mut times {
+        *time *= scale;
+    }
+    let last = times.len() - 1;
+    times[last] = whole;
+    times
+}
+
+/// Knots of a motion that goes on from `kept` ones (at least `GIVEN + 1`, ascending) until `whole`, close together where
+/// it is busy. The last span is left out: there the motion comes to rest.
+pub(crate) fn continued_grid(mut kept: Vec<f64>, whole: f64, busy: &[(f64, f64)], fine: &[(f64, f64)]) -> Vec<f64> {
+    let from = kept[kept.len() - 1];
+    let mut shifted = vec![(0.0, TUNING.grid.node_s)];
+    let later = busy.iter().filter(|(_, to)| *to > from);
+    shifted.extend(later.map(|(begin, end)| ((begin - from).max(0.0), end - from)));
+    let ahead = fine.iter().filter(|(_, to)| *to > from);
+    let fine: Vec<(f64, f64)> = ahead.map(|(begin, end)| (begin - from, end - from)).collect();
+    kept.extend(
+        grid(whole - from, &shifted, &fine)
+            .into_iter()
+            .skip(1)
+            .map(|time| time + from),
+    );
+    kept.pop();
+    kept
+}

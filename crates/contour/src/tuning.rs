@@ -1,0 +1,281 @@
+//! The tuned constants of the planner, by subject. Not here: values of the specification and of formulas, which stand where they are used.
+//!
+//! Names end in the unit where there is one: `_s` seconds, `_units` position units, `_share` a part of a limit or length.
+
+/// A struct of constants: each field with its meaning, type and value in one line.
+macro_rules! constants {
+    ($(#[$about:meta])* $name:ident { $($(#[$meaning:meta])* $field:ident: $kind:ty = $value:expr,)* }) => {
+        $(#[$about])*
+        pub(crate) struct $name { $($(#[$meaning])* pub(crate) $field: $kind,)* }
+        impl $name {
+            const VALUES: $name = $name { $($field: $value,)* };
+        }
+    };
+}
+
+/// All of them.
+pub(crate) struct Tuning {
+    pub(crate) corridor: Corridor,
+    pub(crate) margin: Margin,
+    pub(crate) rounding: Rounding,
+    pub(crate) grid: Grid,
+    pub(crate) speed_profile: SpeedProfile,
+    pub(crate) stages: Stages,
+    pub(crate) barrier: Barrier,
+    pub(crate) relax: Relax,
+    pub(crate) extend: Extend,
+    pub(crate) warm_start: WarmStart,
+    pub(crate) joined: Joined,
+}
+
+pub(crate) const TUNING: Tuning = Tuning {
+    corridor: Corridor::VALUES,
+    margin: Margin::VALUES,
+    rounding: Rounding::VALUES,
+    grid: Grid::VALUES,
+    speed_profile: SpeedProfile::VALUES,
+    stages: Stages::VALUES,
+    barrier: Barrier::VALUES,
+    relax: Relax::VALUES,
+    extend: Extend::VALUES,
+    warm_start: WarmStart::VALUES,
+    joined: Joined::VALUES,
+};
+
+constants! {
+    /// How far from the reference path the optimisation lets the curve be.
+    Corridor {
+        /// Share of the tolerance that it uses on a long piece, of the hundredth that is allowed.
+        aim_straight_share: f64 = 0.006,
+        /// Share of the reach of a rounding that it uses: the corridor is narrow from half the distance of two nodes before its end on.
+        aim_reach_share: f64 = 0.9,
+        /// Reaches of a rounding within which the middle between two knots counts too.
+        near_reaches: f64 = 2.0,
+        /// How fast the corridor opens at the ends at which the motion rests, units per unit.
+        cone: f64 = 0.25,
+    }
+}
+
+constants! {
+    /// How much of the tolerance the knots may use, so that the curve between them stays inside.
+    Margin {
+        /// Share where nothing else is known.
+        usual_share: f64 = 0.98,
+        /// Above this quotient the corridor is tightened.
+        inside: f64 = 0.999,
+        /// The quotient that tightening aims at.
+        target: f64 = 0.975,
+        /// Least factor of one narrowing where pieces are kept to: the curve may be outside by many of their corridors before it
+        /// has come inside.
+        least_factor: f64 = 0.6,
+        /// Points measured between two knots.
+        parts: usize = 4,
+        /// From this quotient on, the largest one between the measured points is looked for, where any piece is kept to.
+        close: f64 = 0.5,
+        /// Nodes about an edge of the corridor between which the motion passes it, and halvings that find the instant.
+        edge_nodes: usize = 3,
+        edge_halvings: u32 = 40,
+    }
+}
+
+constants! {
+    /// The first curve inside the corridor.
+    Rounding {
+        /// Share of the tolerance that it uses.
+        inside_share: f64 = 0.9,
+        /// Share of its radius that an arc goes within a rounding at most: half a radian.
+        arc_share: f64 = 0.5,
+        /// Factor by which a rounding beside an arc is shortened until it is inside, and how often.
+        shorten: f64 = 0.7,
+        shortenings: u32 = 60,
+        /// Points of it that are measured.
+        measured: u32 = 32,
+        /// Samples of it for the speed profile.
+        samples: usize = 24,
+        /// Samples of a line for the whole length of the reference path, at least and at most for each.
+        line_samples: [f64; 3] = [400.0, 4.0, 200.0],
+        /// Samples of an arc for each radian, at least and at most for each.
+        arc_samples: [f64; 3] = [20.0, 8.0, 1000.0],
+    }
+}
+
+constants! {
+    /// How far apart the nodes are.
+    Grid {
+        /// Seconds between two nodes where the motion is short enough.
+        node_s: f64 = 0.001,
+        /// Nodes of a whole motion at least, and of its busy part at most.
+        least_nodes: f64 = 160.0,
+        most_nodes: f64 = 24_000.0,
+        /// Seconds beside a busy stretch in which nodes stay close, and seconds more between two for each second beyond.
+        quiet_s: f64 = 0.25,
+        growth: f64 = 0.08,
+        /// Busy stretches whose quiet neighbourhood is counted, at most.
+        most_quiet: usize = 1000,
+        /// Nodes in the rounding of a corner beside a piece that is kept to, the shortest time between two, and seconds more between two for
+        /// each second beyond.
+        rounding_nodes: f64 = 20.0,
+        finest_s: f64 = 5e-5,
+        spread: f64 = 0.2,
+        /// Share of the acceleration limit below which a stretch is not busy.
+        idle_share: f64 = 1e-3,
+    }
+}
+
+constants! {
+    /// The speed profile that places the first nodes.
+    SpeedProfile {
+        /// Shares of the acceleration limits across and along the curve, and of the jerk limits.
+        normal_share: f64 = 0.8,
+        tangent_share: f64 = 0.9,
+        jerk_share: f64 = 0.6,
+    }
+}
+
+/// One run of the optimisation: weights of the time, growing by [`Stages::factor`], and Gauss-Newton steps for each.
+pub(crate) struct StageTuning {
+    pub(crate) first: f64,
+    pub(crate) last: f64,
+    pub(crate) steps: usize,
+}
+
+const fn stage(first: f64, last: f64, steps: usize) -> StageTuning {
+    StageTuning { first, last, steps }
+}
+
+constants! {
+    /// The runs of the optimisation that make a plan.
+    Stages {
+        /// Of a trapezoid: timing alone; timing and shape, twice.
+        timing: StageTuning = stage(1.0, 1000.0, 8),
+        shape: [StageTuning; 2] = [stage(1.0, 300.0, 8), stage(5.0, 1000.0, 8)],
+        /// Of an S-curve, first without limits of jerk.
+        without_jerk: StageTuning = stage(1.0, 30.0, 8),
+        timing_with_jerk: StageTuning = stage(1.0, 1000.0, 8),
+        shape_with_jerk: [StageTuning; 2] = [stage(1.0, 300.0, 12), stage(5.0, 1000.0, 8)],
+        /// The last one, and how often it is repeated with the corridor narrowed where its result was outside.
+        last: StageTuning = stage(10.0, 2000.0, 8),
+        repairs: usize = 4,
+        /// Factor by which the weight of the time grows.
+        factor: f64 = 5.0,
+        /// Factor by which a motion that is continued may exceed its limits after a repair and still be expected to come inside.
+        hopeless: f64 = 1.2,
+    }
+}
+
+constants! {
+    /// Steps of the barrier method.
+    Barrier {
+        /// Newton decrement for each node at which a weight is done.
+        converged: f64 = 1e-3,
+        /// A step that leaves less than this share of a slack is shortened there.
+        nearer_share: f64 = 0.03,
+        /// Room that a point outside the corridor is given, as a share of its distance.
+        widen_share: f64 = 0.02,
+        /// A point so near to the corridor's wall is outside for other spans, and how much room it is given.
+        touching: f64 = 1e-5,
+        reweighed: f64 = 2e-3,
+        /// The logarithm of a span changes by no more than this in one step.
+        most_change: f64 = 1.0,
+        /// Attempts to shorten one step, and how many of them only about the nodes that need it.
+        attempts: u32 = 24,
+        local_attempts: u32 = 16,
+        /// Share of the expected decrease that a step must reach.
+        sufficient: f64 = 1e-4,
+        /// Relative lift of the matrix's diagonal.
+        lift: f64 = 1e-9,
+        /// Nodes to either side over which a shortened step is spread.
+        spread_nodes: usize = 48,
+    }
+}
+
+constants! {
+    /// Starts outside the limits.
+    Relax {
+        /// Quotient of limits at which the barrier starts, the factor by which spans grow until it is reached, and how often.
+        feasible: f64 = 0.7,
+        lengthen: f64 = 1.2,
+        lengthenings: u32 = 200,
+        /// Distance to a limit's quotient of 1 up to which it is kept with room to spare.
+        inside: f64 = 1e-5,
+        /// How much more a limit counts while it is relaxed: so that it is not where the others push to.
+        weight: f64 = 30.0,
+        /// Quotient beyond which a start is slowed down, and within how many nodes.
+        far: f64 = 1.5,
+        ramp_nodes: f64 = 80.0,
+        /// What counts as a full limit where a motion is continued: next to it the hull of the spline is a little wider than the
+        /// motion itself, which is measured when it is done.
+        near_full: f64 = 0.9995,
+        /// Further steps for each weight in which relaxed limits close in.
+        most_closing: usize = 24,
+        /// Room that a limit which is exceeded is given, and the least of it, as shares of the quotient.
+        widen_share: f64 = 0.3,
+        least_share: f64 = 1e-3,
+    }
+}
+
+constants! {
+    /// Where a running trajectory is left and how far it is planned on.
+    Extend {
+        /// Seconds before the braking at which it is left.
+        settle_s: f64 = 0.06,
+        /// Times of braking before its end at which it is left.
+        brakings: f64 = 1.5,
+        /// Seconds behind a stop before which it is simpler to start at the stop.
+        after_stop_s: f64 = 0.01,
+        /// Seconds by which it is extended at once, about, but at least so many moves.
+        most_s: f64 = 0.8,
+        least_moves: usize = 12,
+        /// Seconds that the running motion is followed at least, and that are left of it at least.
+        least_followed_s: f64 = 0.004,
+        least_left_s: f64 = 0.008,
+        /// Splices that are tried, and seconds between them.
+        attempts: u32 = 3,
+        later_s: f64 = 0.02,
+        /// Instants that are looked at for a splice, and seconds between them.
+        choice: u32 = 30,
+        choice_step_s: f64 = 0.001,
+        /// Weight of the acceleration in use, where that of the tolerance in use is 1.
+        acceleration_weight: f64 = 0.3,
+        /// Seconds that a trajectory which is planned anew is followed.
+        replan_followed_s: f64 = 0.01,
+        /// Seconds, and at least so many moves, for which it is planned anew.
+        replan_s: f64 = 1.0,
+        replan_least_moves: usize = 4,
+        /// Seconds beyond which planning anew would take too long: the motion goes on at its rate.
+        replan_most_ahead_s: f64 = 4.0,
+    }
+}
+
+constants! {
+    /// The first guess of a motion that continues another one.
+    WarmStart {
+        /// Shortest and longest time between the knots of a motion that is followed.
+        least_span_s: f64 = 2e-5,
+        most_span_s: f64 = 0.002,
+        /// Seconds from point to point of the motion that is followed.
+        step_s: f64 = 5e-4,
+        /// Seconds, at least so many position units, in which the offset from the rounded path fades out.
+        fade_s: f64 = 0.015,
+        least_fade_units: f64 = 1e-6,
+        /// Position units that the first step behind the followed motion goes at least.
+        least_step_units: f64 = 1e-7,
+    }
+}
+
+constants! {
+    /// The second guess of a motion that continues another one ([`crate::extend::warm_start_joined`]).
+    Joined {
+        /// Seconds in which a difference of speeds counts as much as one of accelerations.
+        soon_s: f64 = 0.01,
+        /// Other instants of the second motion that are looked at about the one at the same arc length, and seconds between them.
+        shifts: i32 = 4,
+        shift_s: f64 = 2.5e-4,
+        /// The running motion is followed for this long at least.
+        least_followed_s: f64 = 0.004,
+        /// Knots that are nearer to each other would be one.
+        least_span_s: f64 = 2e-4,
+        /// A sum of shares of tolerance, speed and acceleration up to which two motions are alike.
+        most_unlike: f64 = 1.5,
+    }
+}
