@@ -237,7 +237,7 @@ pub mod list {
             PositionReverse = 4 "Position Reverse Only" ["positionreverse"],
         }
         /// The "Change …" operands.
-        NO_YES Change "Change" { No = 0 "No", Yes = 1 "Yes" }
+        NO_YES NoYes "Change" { No = 0 "No", Yes = 1 "Yes" }
         /// MCCD.
         MCCD_MOTION_TYPE MccdMotionType "Motion Type" { CoordinatedMove = 1 "Coordinated Move" }
         /// MCCD.
@@ -316,6 +316,14 @@ pub mod list {
         INSTRUCTION_MODE InstructionMode "Instruction Mode" {
             TimeDriven = 0 "Time Driven Mode", MasterDriven = 1 "Master Driven Mode",
         }
+        /// PATH_DATA.
+        INTERPOLATION_TYPE InterpolationType "Interpolation Type" {
+            PointToPoint = 0 "Point to Point", Linear = 1 "Continuous Path Linear",
+        }
+        /// DYNAMICS_DATA.
+        UNITS_MODE UnitsMode "Units Mode" { Percent = 0 "Percent", CoordinationUnits = 1 "Coordination Units" }
+        /// DYNAMICS_DATA.
+        TIME_UNITS TimeUnits "Time Units" { Seconds = 0 "Seconds", MasterUnits = 1 "Master Units" }
         /// MCTP, MCTPO.
         TRANSFORM_DIRECTION TransformDirection "Transform Direction" {
             Forward = 0 "Forward", Inverse = 1 "Inverse", InverseLeftArm = 2 "Inverse Left Arm",

@@ -8,7 +8,8 @@ use arcline_planner::Clock;
 
 use crate::axis::{Axis, AxisState};
 use crate::machine::Machine;
-use crate::masters::{MasterAt, Reference};
+use crate::masters::MasterAt;
+use arcline_instruction_set::enumerations::Reference;
 use arcline_profile::KinematicState;
 
 /// Every axis of a machine at the present tick.

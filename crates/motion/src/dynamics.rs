@@ -1,16 +1,57 @@
 //! From programmed speeds, rates and jerks to the limits of a profile
 //! (spec/coordinated-instructions.md §4.5, §5.3).
 
+use arcline_instruction_set::enumerations::{JerkUnits, RateUnits, SpeedUnits};
 use arcline_profile::{Jerk, Limits, jerk_from_percent_of_time};
 
 use crate::machine::{Axis, CoordinateSystem};
 
-/// Speed Units, Accel Units, Decel Units, Jerk Units: % of Maximum.
-pub(crate) const PERCENT_OF_MAXIMUM: i32 = 1;
-/// Jerk Units: % of Time.
-pub(crate) const PERCENT_OF_TIME: i32 = 2;
-/// Jerk Units: % of Time, of the way of the master's in place of time.
-pub(crate) const PERCENT_OF_MASTERS_WAY: i32 = 6;
+/// The units of a speed, a rate or a jerk, as far as they mean the same for all of these.
+pub(crate) trait Units: Copy {
+    /// Whether the number is a percentage of the maximum.
+    fn is_percent_of_maximum(self) -> bool;
+
+    /// Whether master units take the place of time.
+    fn is_master_driven(self) -> bool;
+
+    /// What the number counts where it is a duration.
+    fn duration(self) -> Option<Duration>;
+}
+
+/// What the duration of a move or of a phase is counted in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Duration {
+    Seconds,
+    MasterUnits,
+}
+
+macro_rules! units {
+    ($($units:ident by_master $($driven:ident)|+;)*) => {$(
+        impl Units for $units {
+            fn is_percent_of_maximum(self) -> bool {
+                self == Self::PercentOfMaximum
+            }
+
+            fn is_master_driven(self) -> bool {
+                matches!(self, $(Self::$driven)|+)
+            }
+
+            fn duration(self) -> Option<Duration> {
+                match self {
+                    Self::Seconds => Some(Duration::Seconds),
+                    Self::MasterUnits => Some(Duration::MasterUnits),
+                    _ => None,
+                }
+            }
+        }
+    )*};
+}
+
+units! {
+    SpeedUnits by_master UnitsPerMasterUnit | MasterUnits;
+    RateUnits by_master UnitsPerMasterUnit2 | MasterUnits;
+    JerkUnits by_master UnitsPerMasterUnit3 | PercentOfTimeMasterDriven | MasterUnits;
+}
 
 /// The maxima of an axis or, along the path, of a coordinate system: units/s, units/s², units/s³.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -210,19 +251,24 @@ pub(crate) fn resolve(jerk: JerkRate, speed: f64, rate: f64) -> f64 {
     }
 }
 
-/// A programmed speed or rate in units: `units` is the word of its Units operand.
-pub(crate) fn in_units(value: f64, units: i32, maximum: f64) -> f64 {
-    if units == PERCENT_OF_MAXIMUM {
-        value / 100.0 * maximum
+/// A programmed speed or rate in position units.
+pub(crate) fn in_units(value: f64, units: impl Units, maximum: f64) -> f64 {
+    if units.is_percent_of_maximum() {
+        percent(value, maximum)
     } else {
         value
     }
 }
 
-/// A programmed jerk: `units` is the word of Jerk Units.
-pub(crate) fn jerk_in_units(value: f64, units: i32, maximum: f64) -> JerkRate {
+/// A percentage of a maximum.
+pub(crate) fn percent(value: f64, maximum: f64) -> f64 {
+    value / 100.0 * maximum
+}
+
+/// A programmed jerk.
+pub(crate) fn jerk_in_units(value: f64, units: JerkUnits, maximum: f64) -> JerkRate {
     match units {
-        PERCENT_OF_TIME | PERCENT_OF_MASTERS_WAY => JerkRate::PercentOfTime(value),
+        JerkUnits::PercentOfTime | JerkUnits::PercentOfTimeMasterDriven => JerkRate::PercentOfTime(value),
         _ => JerkRate::Units(in_units(value, units, maximum)),
     }
 }

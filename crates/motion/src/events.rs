@@ -4,7 +4,8 @@
 //! Times and master distances count from the point where the move began, whatever has changed since. What was passed before
 //! a change keeps its answer. Not here: when answers are due, and the memory of the arrays. Nothing allocates.
 
-use arcline_instruction_set::{Call, MAX_ELEMENTS, MotionError, RealArray, WrittenArray};
+use arcline_instruction_set::operands::EventOperands;
+use arcline_instruction_set::{MAX_ELEMENTS, MotionError, RealArray, WrittenArray};
 use arcline_planner::profile::Profile;
 use arcline_planner::{Clock, Instant, Reach};
 
@@ -55,12 +56,16 @@ impl Events {
     ///
     /// # Errors
     /// `MdscCalculatedDataSize` (101) where the answers have no room.
-    pub(crate) fn of(call: &Call, distance: usize, data: usize, fit: Fit) -> Result<Option<Events>, MotionError> {
-        let distances = call.array(distance);
+    pub(crate) fn of(operands: &EventOperands, fit: Fit) -> Result<Option<Events>, MotionError> {
+        let EventOperands {
+            event_distance,
+            calculated_data,
+        } = operands;
+        let distances = event_distance.as_slice();
         if distances.is_empty() {
             return Ok(None);
         }
-        let into = call.written(data).filter(|into| {
+        let into = calculated_data.filter(|into| {
             let room = usize::from(into.elements);
             match fit {
                 Fit::AtLeast => room >= distances.len(),
@@ -71,7 +76,7 @@ impl Events {
             return Err(MotionError::MdscCalculatedDataSize);
         };
         Ok(Some(Events {
-            distances: RealArray::from_slice(distances),
+            distances: **event_distance,
             into: tag,
             answers: [0.0; MAX_ELEMENTS],
         }))

@@ -6,6 +6,7 @@ mod follow;
 mod generators;
 mod homing;
 mod links;
+mod operands;
 mod outputs;
 mod probes;
 mod take_over;
@@ -14,7 +15,7 @@ mod tick;
 use std::sync::Arc;
 
 use arcline_drive::SetPoint;
-use arcline_instruction_set::{Call, Flag, Mnemonic, MotionControl, MotionError, Object};
+use arcline_instruction_set::{Call, Flag, Mnemonic, MotionControl};
 use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::{AxisLimits, Trajectory};
@@ -26,7 +27,7 @@ use crate::axis::sum::Slot;
 use crate::cause::{Cause, FaultChange};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
 use crate::events::{ArrayWrite, Events};
-use crate::instructions::{self, Layouts};
+use crate::instructions;
 use crate::machine::Machine;
 use crate::material::{Material, Sent};
 use crate::order::Order;
@@ -51,7 +52,6 @@ pub struct Motion {
     /// What went out to the drives at the last exchange, in the order of the axes.
     set_points: Vec<SetPoint>,
     pub(crate) controls: Controls,
-    pub(crate) layouts: Layouts,
     /// Transforms under way, at the place of their target system.
     pub(crate) links: Vec<Option<Link>>,
     /// The order of a tick while some axes follow others.
@@ -99,7 +99,6 @@ impl Motion {
             systems: systems(machine),
             set_points: vec![SetPoint::default(); machine.axes.len()],
             controls: Controls::new(),
-            layouts: Layouts::new(),
             links: vec![None; machine.systems.len()],
             order: Order::new(machine.axes.len(), machine.systems.len()),
             ahead: Ahead::new(machine.axes.len(), machine.systems.len()),
@@ -191,7 +190,7 @@ impl Motion {
 
     /// Whether a coordinated move would find a place in the queue of its coordinate system, or needs none, since it merges.
     pub fn has_room(&self, call: &Call) -> bool {
-        if !instructions::is_queued(call.mnemonic) || self.layouts.merges(call) {
+        if !instructions::is_queued(call.mnemonic) || instructions::merges(call) {
             return true;
         }
         let system = call.target.and_then(|index| self.systems.get(usize::from(index)));
@@ -288,42 +287,6 @@ impl Motion {
         };
         let systems = self.systems.iter().enumerate();
         systems.map(move |(index, system)| status::system(system, &self.axes, role(index)))
-    }
-
-    // What instructions use
-
-    pub(crate) fn target_axis(&self, call: &Call) -> Result<u16, MotionError> {
-        call.target
-            .filter(|index| usize::from(*index) < self.axes.len())
-            .ok_or(instructions::no_target())
-    }
-
-    /// There is one motion group.
-    pub(crate) fn target_group(&self, call: &Call) -> Result<(), MotionError> {
-        match call.target {
-            Some(0) => Ok(()),
-            _ => Err(instructions::no_target()),
-        }
-    }
-
-    pub(crate) fn target_system(&self, call: &Call) -> Result<usize, MotionError> {
-        call.target
-            .map(usize::from)
-            .filter(|index| *index < self.systems.len())
-            .ok_or(instructions::no_target())
-    }
-
-    /// Step 5 of the verification: the operands, in faceplate order.
-    pub(crate) fn verify_operands(&self, call: &Call) -> Result<(), MotionError> {
-        let instruction = call.mnemonic.instruction();
-        let axes = match instruction.object {
-            Object::CoordinateSystem => {
-                let index = self.target_system(call)?;
-                self.systems[index].description.linear().len()
-            }
-            Object::Axis | Object::MotionGroup => 1,
-        };
-        instruction.verify(call, axes).map_err(MotionError::ParameterOutOfRange)
     }
 
     /// Sets DN now.

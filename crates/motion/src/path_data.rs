@@ -2,21 +2,25 @@
 //!
 //! They are read beside the tick when the instruction is sent. Nothing is checked here: what the members may be is MCPM's to say.
 
+use arcline_instruction_set::enumerations::{
+    InterpolationType, MoveType, TerminationType, TimeUnits, UnitsMode, VelocityProfile,
+};
+
 /// A PATH_DATA.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathData {
-    /// 0 Point-to-Point, 1 Continuous Path Linear.
-    pub interpolation_type: i32,
+    /// `None`: a number that is none of its values, as of all words here.
+    pub interpolation_type: Option<InterpolationType>,
     /// X, Y, Z in position units; Rx, Ry, Rz, fixed X-Y-Z angles in degrees. The three reserved elements are not kept.
     pub position: [f64; 6],
     /// Flags of the arm's pose.
     pub robot_configuration: i32,
     /// Turns of J1, J4, J6, and one reserved.
     pub turns_counters: [i16; 4],
-    /// 0 absolute, 1 incremental.
-    pub move_type: i32,
-    /// 0, 1 or 6.
-    pub termination_type: i32,
+    /// Absolute or incremental.
+    pub move_type: Option<MoveType>,
+    /// How the move ends.
+    pub termination_type: Option<TerminationType>,
     /// The tolerance of termination type 6, position units.
     pub command_tolerance_linear: f64,
 }
@@ -24,12 +28,12 @@ pub struct PathData {
 /// A DYNAMICS_DATA.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DynamicsData {
-    /// 0 percent of the maxima, 1 coordination units.
-    pub units_mode: i32,
-    /// 0 by seconds, 1 by master units.
-    pub time_units: i32,
-    /// 0 trapezoidal, 1 S-curve.
-    pub profile: i32,
+    /// Percent of the maxima, or coordination units.
+    pub units_mode: Option<UnitsMode>,
+    /// By seconds or by master units.
+    pub time_units: Option<TimeUnits>,
+    /// Trapezoidal or S-curve.
+    pub profile: Option<VelocityProfile>,
     /// Speed, Acceleration, Deceleration: percent, or position units per time unit and its square.
     pub linear: [f64; 3],
     /// AccelerationJerk, DecelerationJerk: percent of time.

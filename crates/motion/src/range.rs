@@ -22,11 +22,11 @@ pub(crate) fn range(max_speed: f64, period: f64) -> f64 {
 ///
 /// # Errors
 /// `ParameterOutOfRange` (13) with the operand that leads there.
-pub(crate) fn verify(axis: &Axis, position: f64, operand: usize) -> Result<(), MotionError> {
+pub(crate) fn verify(axis: &Axis, position: f64, operand: OperandIndex) -> Result<(), MotionError> {
     if position.abs() <= axis.range {
         Ok(())
     } else {
-        Err(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))
+        Err(MotionError::ParameterOutOfRange(operand))
     }
 }
 
@@ -34,7 +34,12 @@ pub(crate) fn verify(axis: &Axis, position: f64, operand: usize) -> Result<(), M
 ///
 /// # Errors
 /// `ParameterOutOfRange` (13) with the operand that leads there.
-pub(crate) fn verify_point(system: &System, axes: &[Axis], point: &Point, operand: usize) -> Result<(), MotionError> {
+pub(crate) fn verify_point(
+    system: &System,
+    axes: &[Axis],
+    point: &Point,
+    operand: OperandIndex,
+) -> Result<(), MotionError> {
     for (place, axis) in system.description.linear().iter().enumerate() {
         if let Some(axis) = axes.get(usize::from(*axis)) {
             verify(axis, component(point, place), operand)?;
@@ -48,7 +53,12 @@ pub(crate) fn verify_point(system: &System, axes: &[Axis], point: &Point, operan
 ///
 /// # Errors
 /// `ParameterOutOfRange` (13) with the operand that leads there.
-pub(crate) fn verify_path(system: &System, axes: &[Axis], path: &Path, operand: usize) -> Result<(), MotionError> {
+pub(crate) fn verify_path(
+    system: &System,
+    axes: &[Axis],
+    path: &Path,
+    operand: OperandIndex,
+) -> Result<(), MotionError> {
     let Path::Arc(arc) = path else {
         return verify_point(system, axes, &path.end(), operand);
     };

@@ -3,14 +3,6 @@
 use crate::control::Execution;
 use crate::machine::MAX_AXES;
 
-/// Stop Type of MCS: everything on the axes of the coordinate system.
-pub(crate) const ALL: i32 = 0;
-/// Stop Type of MCS: the coordinated moves of the coordinate system.
-pub(crate) const COORDINATED_MOVE: i32 = 2;
-
-/// Stop Type of MCS: the transforms of the coordinate system.
-pub(crate) const COORDINATED_TRANSFORM: i32 = 3;
-
 /// What a running stop waits for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stop {

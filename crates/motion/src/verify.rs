@@ -12,11 +12,6 @@ use arcline_planner::geometry::Point;
 use crate::axis::{Axis, AxisState};
 use crate::system::{Activity, System, component};
 
-/// Whether a Units word belongs to a master axis.
-pub(crate) fn is_master_driven(units: f64) -> bool {
-    units >= 4.0
-}
-
 /// Step 8: no axis in shutdown, every axis with its servo on and without fault. Lowest index first.
 pub(crate) fn axes_ready(system: &System, axes: &[Axis]) -> Result<(), MotionError> {
     axes_on(system, axes)?;

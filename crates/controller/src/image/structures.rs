@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use arcline_instruction_set::predefined;
-use arcline_instruction_set::{Call, MotionError, OperandIndex};
+use arcline_instruction_set::{Call, Enumeration, MotionError, OperandIndex};
 use arcline_motion::{Answer, Calculation, DynamicsData, Frame, Frames, PathData, PathMove};
 use arcline_tag::Template;
 
@@ -61,19 +61,19 @@ impl Image {
         let dynamics = Members(&dynamics, self.structure_of(call, "Dynamics")?);
         Ok(PathMove {
             path: PathData {
-                interpolation_type: path.dint("InterpolationType"),
+                interpolation_type: path.word("InterpolationType"),
                 position: [0, 1, 2, 3, 4, 5].map(|place| real(path.1, path.at("Position") + 4 * place)),
                 robot_configuration: path.dint("RobotConfiguration"),
                 turns_counters: [0, 1, 2, 3]
                     .map(|place| i16::from_le_bytes(word(path.1, path.at("TurnsCounters") + 2 * place))),
-                move_type: path.dint("MoveType"),
-                termination_type: path.dint("TerminationType"),
+                move_type: path.word("MoveType"),
+                termination_type: path.word("TerminationType"),
                 command_tolerance_linear: path.real("CommandToleranceLinear"),
             },
             dynamics: DynamicsData {
-                units_mode: dynamics.dint("UnitsMode"),
-                time_units: dynamics.dint("TimeUnits"),
-                profile: dynamics.dint("Profile"),
+                units_mode: dynamics.word("UnitsMode"),
+                time_units: dynamics.word("TimeUnits"),
+                profile: dynamics.word("Profile"),
                 linear: ["Speed", "Acceleration", "Deceleration"].map(|name| dynamics.real(name)),
                 jerks: ["AccelerationJerk", "DecelerationJerk"].map(|name| dynamics.real(name)),
                 orientation: ["OrientationSpeed", "OrientationAcceleration", "OrientationDeceleration"]
@@ -108,6 +108,10 @@ impl Members<'_> {
 
     fn dint(&self, name: &str) -> i32 {
         i32::from_le_bytes(word(self.1, self.at(name)))
+    }
+
+    fn word<E: Enumeration>(&self, name: &str) -> Option<E> {
+        E::from_number(self.dint(name))
     }
 
     fn real(&self, name: &str) -> f64 {

@@ -36,10 +36,10 @@ operand_groups! {
 
     /// Deceleration and jerk of a stop: MCS, MAS.
     StopOperands() [
-        change_decel: Change = change(),
+        change_decel: NoYes = change(),
         decel_rate: f64 = decel_rate().changed_by("Change Decel"),
         decel_units: RateUnits = rate_units(&STOP_RATE_UNITS),
-        change_decel_jerk: Change = change(),
+        change_decel_jerk: NoYes = change(),
         decel_jerk: f64 = jerk().changed_by("Change Decel Jerk"),
         jerk_units: JerkUnits = jerk_units(&STOP_JERK_UNITS),
     ];

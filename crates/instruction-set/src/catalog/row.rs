@@ -154,7 +154,7 @@ pub(super) const fn structure_or_none(type_name: &'static str, note: &'static st
     Row::new(Kind::StructureOrNone(type_name), note)
 }
 
-pub(super) const fn change() -> Row<Change> {
+pub(super) const fn change() -> Row<NoYes> {
     word()
 }
 
@@ -224,7 +224,7 @@ const fn resolve(draft: &Draft, parts: &[&[Draft]]) -> Operand {
     let mut operand = draft.operand;
     match &mut operand.condition {
         Condition::Always => {}
-        Condition::Changed(flag) => *flag = index_of(draft.condition_on, Change::Yes as i32, parts),
+        Condition::Changed(flag) => *flag = index_of(draft.condition_on, NoYes::Yes as i32, parts),
         Condition::When { operand, value } => *operand = index_of(draft.condition_on, *value, parts),
     }
     match &mut operand.kind {

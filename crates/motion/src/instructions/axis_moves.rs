@@ -1,12 +1,12 @@
 //! What MAM, MAJ and MCD share: verification, what a merge takes over, and how a generator begins.
 
-use arcline_instruction_set::{AxisIndex, Call, Culprit, Flag, Mnemonic, MotionError};
+use arcline_instruction_set::enumerations::{AxisMerge, MergeSpeed};
+use arcline_instruction_set::{AxisIndex, Culprit, Flag, MotionError};
 use arcline_planner::Pace;
 use arcline_planner::profile::{Bounds, Lead, Limits, MOST_OVERSHOOT, Profile};
 use arcline_profile::KinematicState;
 
-use super::place;
-use super::programmed::{self, DynamicsLayout};
+use super::programmed::{self, Programmed};
 use crate::axis::generator::{Generator, Goal, Program};
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
@@ -16,60 +16,52 @@ use crate::events::{Events, MoveEvents};
 use crate::motion::Motion;
 use crate::system::Lead as Led;
 
-/// Places of the operands that every single-axis move has.
+/// The operands that MAM and MAJ have alike.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct AxisMoveLayout {
-    pub(super) dynamics: DynamicsLayout,
-    merge: usize,
-    merge_speed: usize,
+pub(super) struct AxisMove {
+    pub(super) programmed: Programmed,
+    pub(super) merge: AxisMerge,
+    pub(super) merge_speed: MergeSpeed,
 }
 
-impl AxisMoveLayout {
-    pub(super) fn of(mnemonic: Mnemonic) -> Self {
-        AxisMoveLayout {
-            dynamics: DynamicsLayout::of(mnemonic),
-            merge: place(mnemonic, "Merge"),
-            merge_speed: place(mnemonic, "Merge Speed"),
-        }
-    }
-
+impl AxisMove {
     /// Whether the present speed of the axis is the one to go on with.
-    pub(super) fn keeps_speed(&self, call: &Call) -> bool {
-        self.merges(call) && call.is_one(self.merge_speed)
+    pub(super) fn keeps_speed(&self) -> bool {
+        self.merges() && self.merge_speed == MergeSpeed::Current
     }
 
     /// Whether the instruction ends what other single-axis instructions move.
-    fn merges(&self, call: &Call) -> bool {
-        call.is_one(self.merge)
+    fn merges(&self) -> bool {
+        self.merge == AxisMerge::Enabled
     }
 
     /// The same of a kind: an offset of a master is apart from what moves the axis.
-    fn merges_into(&self, slot: Slot, call: &Call) -> bool {
-        slot != Slot::MasterOffset && self.merges(call)
+    fn merges_into(&self, slot: Slot) -> bool {
+        slot != Slot::MasterOffset && self.merges()
     }
 
     /// Velocity and acceleration of what the instruction takes over: of its own kind, or of all that single-axis
     /// instructions move. The position is where the axis is commanded to be.
-    pub(super) fn taken_over(&self, axis: &Axis, slot: Slot, call: &Call) -> KinematicState {
+    pub(super) fn taken_over(&self, axis: &Axis, slot: Slot) -> KinematicState {
         match slot {
             Slot::MasterOffset => axis.master_offset(),
             _ => KinematicState {
                 position: axis.command.position,
                 ..axis
                     .sum
-                    .motion_of(|other| other == slot || (self.merges(call) && other.is_single_axis()))
+                    .motion_of(|other| other == slot || (self.merges() && other.is_single_axis()))
             },
         }
     }
 
     /// The limits of what the instruction takes over, by time or by a master's way as the instruction itself.
-    fn in_force(&self, axis: &Axis, slot: Slot, call: &Call, led: bool) -> Option<Limits> {
+    fn in_force(&self, axis: &Axis, slot: Slot, led: bool) -> Option<Limits> {
         let own = axis.sum.get(slot);
         if led || slot == Slot::MasterOffset {
             return own.filter(|own| own.guide.is_some() == led)?.in_force;
         }
         axis.sum
-            .in_force(|other| other == slot || (self.merges(call) && other.is_single_axis()))
+            .in_force(|other| other == slot || (self.merges() && other.is_single_axis()))
     }
 
     /// Begins a move or a jog out of what it takes over, along the profile that `plan` makes of that.
@@ -78,7 +70,6 @@ impl AxisMoveLayout {
         motion: &mut Motion,
         axis: u16,
         slot: Slot,
-        call: &Call,
         beginning: Beginning,
         plan: impl FnOnce(KinematicState) -> Profile,
     ) {
@@ -90,11 +81,11 @@ impl AxisMoveLayout {
             events,
         } = beginning;
         let at = usize::from(axis);
-        let taken = self.taken_over(&motion.axes[at], slot, call);
+        let taken = self.taken_over(&motion.axes[at], slot);
         let taken = led.map_or(taken, |(_, pace)| pace.on_the_way(taken));
         let from = steady(taken, &dynamics.limits());
-        let before = self.in_force(&motion.axes[at], slot, call, led.is_some());
-        if self.merges_into(slot, call) {
+        let before = self.in_force(&motion.axes[at], slot, led.is_some());
+        if self.merges_into(slot) {
             motion.end_single_axis(axis, Some(slot));
         }
         motion.end_generator(axis, slot);
@@ -140,7 +131,6 @@ impl AxisMoveLayout {
         motion: &Motion,
         axis: u16,
         slot: Slot,
-        call: &Call,
         lead: Option<Led>,
     ) -> Result<Option<(Led, Pace)>, MotionError> {
         let state = &motion.axes[usize::from(axis)];
@@ -148,7 +138,7 @@ impl AxisMoveLayout {
         let (Some(lead), Some(link)) = (lead, link) else {
             return Ok(None);
         };
-        let moves = self.taken_over(state, slot, call).velocity != 0.0;
+        let moves = self.taken_over(state, slot).velocity != 0.0;
         let pace = programmed::pace(link, lead.lock, moves)?;
         if let Some(running) = state.sum.get(slot).and_then(|generator| generator.guide) {
             if running.sense != lead.lock.sense {
@@ -162,8 +152,8 @@ impl AxisMoveLayout {
     }
 
     /// The present speed of what is taken over, by time or by the way of the master: what Merge Speed Current goes on with.
-    pub(super) fn present_speed(&self, axis: &Axis, slot: Slot, call: &Call, led: Option<(Led, Pace)>) -> f64 {
-        let taken = self.taken_over(axis, slot, call);
+    pub(super) fn present_speed(&self, axis: &Axis, slot: Slot, led: Option<(Led, Pace)>) -> f64 {
+        let taken = self.taken_over(axis, slot);
         led.map_or(taken, |(_, pace)| pace.on_the_way(taken)).velocity.abs()
     }
 }

@@ -1,82 +1,35 @@
 //! What MAPC and MATC share: directions, modes, and how a cam begins or waits for the end of another.
 
-use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::enumerations::GearDirection;
+use arcline_instruction_set::operands::OperandValue;
+use arcline_instruction_set::{AxisIndex, Flag, MotionError, OperandIndex};
 
-use super::{axis_moves, place};
+use super::axis_moves;
 use crate::axis::Axis;
 use crate::axis::camming::Offset;
 use crate::axis::generator::{Generator, Law};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::masters::MasterAt;
-use crate::masters::cam::{Cam, Lock, Mode, Pending, Program, Source};
+use crate::masters::cam::{Cam, Lock, Pending, Program, Source};
 use crate::motion::Motion;
 use crate::range;
 
-/// Places of the operands that both have, under either name.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct CamLayout {
-    direction: usize,
-    pub(super) slave_scaling: usize,
-    pub(super) master_scaling: usize,
-    mode: usize,
-    schedule: usize,
-}
-
-/// Direction: the profile is added.
-const SAME: i32 = 0;
-/// Direction: the profile is subtracted.
-const OPPOSITE: i32 = 1;
-/// Direction: the other way than the last cam.
-const REVERSE: i32 = 2;
-/// Execution Mode: again from its beginning.
-const CONTINUOUS: i32 = 1;
-/// Execution Mode: again when the master comes back.
-const PERSISTENT: i32 = 2;
-/// Execution Schedule: when the cam under way ends.
-const PENDING: i32 = 1;
-
-impl CamLayout {
-    pub(super) fn of(mnemonic: Mnemonic, slave_scaling: &str, master_scaling: &str) -> Self {
-        CamLayout {
-            direction: place(mnemonic, "Direction"),
-            slave_scaling: place(mnemonic, slave_scaling),
-            master_scaling: place(mnemonic, master_scaling),
-            mode: place(mnemonic, "Execution Mode"),
-            schedule: place(mnemonic, "Execution Schedule"),
-        }
-    }
-
-    pub(super) fn mode(&self, call: &Call) -> Mode {
-        match call.word(self.mode) {
-            CONTINUOUS => Mode::Continuous,
-            PERSISTENT => Mode::Persistent,
-            _ => Mode::Once,
-        }
-    }
-
-    pub(super) fn is_pending(&self, call: &Call) -> bool {
-        call.word(self.schedule) == PENDING
-    }
-
-    /// 1 where the profile is added, -1 where it is subtracted. Without a cam before, the reverse of it is the opposite, and
-    /// what is unchanged is the same.
-    pub(super) fn direction(&self, call: &Call, before: Option<f64>) -> f64 {
-        match call.word(self.direction) {
-            SAME => 1.0,
-            OPPOSITE => -1.0,
-            REVERSE => -before.unwrap_or(1.0),
-            _ => before.unwrap_or(1.0),
-        }
+/// 1 where the profile is added, -1 where it is subtracted. Without a cam before, the reverse of it is the opposite, and
+/// what is unchanged is the same.
+pub(super) fn sign(direction: GearDirection, before: Option<f64>) -> f64 {
+    match direction {
+        GearDirection::Same => 1.0,
+        GearDirection::Opposite => -1.0,
+        GearDirection::Reverse => -before.unwrap_or(1.0),
+        GearDirection::Unchanged => before.unwrap_or(1.0),
     }
 }
 
 /// A master axis that is read from an operand, on which something lies at a position.
-pub(super) fn on_turn(axis: &Axis, position: f64, operand: usize) -> Result<(), MotionError> {
+pub(super) fn on_turn(axis: &Axis, position: &OperandValue<f64>) -> Result<(), MotionError> {
     match axis.unwind {
-        Some(unwind) if !(0.0..unwind).contains(&position) => {
-            Err(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))
-        }
+        Some(unwind) if !(0.0..unwind).contains(&**position) => Err(position.out_of_range()),
         _ => Ok(()),
     }
 }
@@ -125,7 +78,12 @@ pub(super) struct Beginning {
 ///
 /// # Errors
 /// `ParameterOutOfRange` (13) with the scaling of the slave.
-pub(super) fn verify_reach(motion: &Motion, axis: u16, program: &Program, scaling: usize) -> Result<(), MotionError> {
+pub(super) fn verify_reach(
+    motion: &Motion,
+    axis: u16,
+    program: &Program,
+    scaling: OperandIndex,
+) -> Result<(), MotionError> {
     let state = &motion.axes[usize::from(axis)];
     let way = program.profile.reach() * program.slave_scale.abs();
     range::verify(state, state.command.position.abs() + way, scaling)

@@ -1,93 +1,69 @@
 //! MAPC, Motion Axis Position Cam (spec/axis-and-data-types.md §3.9).
 
-use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::enumerations::{ExecutionSchedule, MasterDirection};
+use arcline_instruction_set::operands::Mapc;
+use arcline_instruction_set::{Call, MotionError};
 
-use super::camming::{Beginning, CamLayout, begin, not_stopping, on_turn, verify_change, verify_reach, wait};
-use super::{axis_moves, place};
+use super::axis_moves;
+use super::camming::{Beginning, begin, not_stopping, on_turn, sign, verify_change, verify_reach, wait};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
-use crate::masters::Reference;
 use crate::masters::cam::{Lock, Program, Source};
 use crate::material::Sent;
 use crate::motion::Motion;
 
-/// Places of MAPC's operands.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
-    master: usize,
-    cam: CamLayout,
-    schedule: usize,
-    master_lock: usize,
-    cam_lock: usize,
-    reference: usize,
-    master_direction: usize,
-}
-
-impl Layout {
-    pub(super) fn new() -> Self {
-        let place = |name| place(Mnemonic::Mapc, name);
-        Layout {
-            master: place("Master Axis"),
-            cam: CamLayout::of(Mnemonic::Mapc, "Slave Scaling", "Master Scaling"),
-            schedule: place("Execution Schedule"),
-            master_lock: place("Master Lock Position"),
-            cam_lock: place("Cam Lock Position"),
-            reference: place("Master Reference"),
-            master_direction: place("Master Direction"),
-        }
-    }
-}
-
 /// Execution Schedule: when the master crosses the lock position, with the way that it must go then.
-pub(super) fn crossing(schedule: i32) -> Option<Option<f64>> {
+pub(super) fn crossing(schedule: ExecutionSchedule) -> Option<Option<f64>> {
     match schedule {
-        2 => Some(Some(1.0)),
-        3 => Some(Some(-1.0)),
-        4 => Some(None),
-        _ => None,
+        ExecutionSchedule::Immediate | ExecutionSchedule::Pending => None,
+        ExecutionSchedule::ForwardOnly => Some(Some(1.0)),
+        ExecutionSchedule::ReverseOnly => Some(Some(-1.0)),
+        ExecutionSchedule::Bidirectional => Some(None),
     }
 }
 
 /// Master Direction: the only way that is followed.
-fn way(direction: i32) -> Option<f64> {
+fn way(direction: MasterDirection) -> Option<f64> {
     match direction {
-        1 => Some(1.0),
-        2 => Some(-1.0),
-        _ => None,
+        MasterDirection::Bidirectional => None,
+        MasterDirection::ForwardOnly => Some(1.0),
+        MasterDirection::ReverseOnly => Some(-1.0),
     }
 }
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
-    let layout = motion.layouts.mapc;
     let axis = motion.target_axis(call)?;
     let at = usize::from(axis);
-    motion.verify_operands(call)?;
-    let beyond = |operand: usize| MotionError::ParameterOutOfRange(OperandIndex(operand as u8));
-    let master = call
-        .object(layout.master)
-        .filter(|master| usize::from(*master) < motion.axes.len())
-        .ok_or(beyond(layout.master))?;
-    let lock_position = call.number(layout.master_lock);
-    let pending = layout.cam.is_pending(call);
-    let crossing = crossing(call.word(layout.schedule));
+    let Mapc {
+        master_axis,
+        direction,
+        cam_profile: _,
+        slave_scaling,
+        master_scaling,
+        execution_mode,
+        execution_schedule,
+        master_lock_position,
+        cam_lock_position,
+        master_reference,
+        master_direction,
+    } = motion.operands(call)?;
+    let master = motion.axis_of(&master_axis)?;
+    let pending = *execution_schedule == ExecutionSchedule::Pending;
+    let crossing = crossing(*execution_schedule);
     if crossing.is_some() {
-        on_turn(&motion.axes[usize::from(master)], lock_position, layout.master_lock)?;
+        on_turn(&motion.axes[usize::from(master)], &master_lock_position)?;
     }
     let profile = sent.cam();
-    let entry = call.number(layout.cam_lock);
+    let entry = *cam_lock_position;
     if !pending && profile.as_ref().is_ok_and(|profile| !profile.contains(entry)) {
-        return Err(beyond(layout.cam_lock));
+        return Err(cam_lock_position.out_of_range());
     }
     axis_moves::verify_axis(&motion.axes[at], false)?;
     not_stopping(&motion.axes[at], Slot::PositionCam)?;
     if motion.plan_master(axis, master).is_err() {
         return Err(MotionError::MasterAxisConflict);
     }
-    let reference = if call.word(layout.reference) == 0 {
-        Reference::Actual
-    } else {
-        Reference::Command
-    };
+    let reference = *master_reference;
     let source = Source::Axis { master, reference };
     verify_change(&motion.axes[at], Slot::PositionCam, source, pending)?;
     let profile = profile?;
@@ -96,21 +72,21 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let program = Program {
         profile,
         source,
-        slave_scale: layout.cam.direction(call, before) * call.number(layout.cam.slave_scaling),
-        master_scale: call.number(layout.cam.master_scaling),
-        mode: layout.cam.mode(call),
-        way: way(call.word(layout.master_direction)),
+        slave_scale: sign(*direction, before) * *slave_scaling,
+        master_scale: *master_scaling,
+        mode: *execution_mode,
+        way: way(*master_direction),
         entry,
         link: None,
     };
-    verify_reach(motion, axis, &program, layout.cam.slave_scaling)?;
+    verify_reach(motion, axis, &program, slave_scaling.index)?;
     if pending {
         wait(motion, axis, Slot::PositionCam, program, execution);
         return Ok(());
     }
     let state = &motion.axes[usize::from(master)];
     let lock = crossing.map(|way| Lock {
-        position: lock_position - state.redefined,
+        position: *master_lock_position - state.redefined,
         way,
         unwind: state.unwind,
     });

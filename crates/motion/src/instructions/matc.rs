@@ -1,61 +1,54 @@
 //! MATC, Motion Axis Time Cam (spec/axis-and-data-types.md §3.9): over time, or over the way of a master that MDAC links.
 
-use arcline_instruction_set::{Call, Mnemonic, MotionError};
+use arcline_instruction_set::enumerations::{ExecutionSchedule, InstructionMode, MdacMotionType};
+use arcline_instruction_set::operands::Matc;
+use arcline_instruction_set::{Call, MotionError};
 
-use super::camming::{Beginning, CamLayout, begin, not_stopping, verify_change, verify_reach, wait};
-use super::programmed::LockLayout;
-use super::{axis_moves, place};
+use super::axis_moves;
+use super::camming::{Beginning, begin, not_stopping, sign, verify_change, verify_reach, wait};
+use super::programmed::{lead, verify_lock};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::masters::cam::{self, Cam, Lock, Program, Source};
-use crate::masters::links::{MasterLink, Serves};
+use crate::masters::links::MasterLink;
 use crate::material::Sent;
 use crate::motion::Motion;
 use crate::system::Lead;
 
-/// Places of MATC's operands.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
-    cam: CamLayout,
-    lock: LockLayout,
-    instruction_mode: usize,
-}
-
-impl Layout {
-    pub(super) fn new() -> Self {
-        Layout {
-            cam: CamLayout::of(Mnemonic::Matc, "Distance Scaling", "Time Scaling"),
-            lock: LockLayout::of(Mnemonic::Matc),
-            instruction_mode: place(Mnemonic::Matc, "Instruction Mode"),
-        }
+/// What drives the cam; `None`: time.
+///
+/// # Errors
+/// A lock direction of the other mode, or of a position for a pending cam, which begins where the one before ends (95); no
+/// link (93); a position that the master never shows (13).
+fn led(motion: &Motion, at: usize, operands: &Matc) -> Result<Option<(MasterLink, Lead)>, MotionError> {
+    let master_driven = *operands.instruction_mode == InstructionMode::MasterDriven;
+    let link = motion.axes[at].links.newest(MdacMotionType::TimeCam);
+    verify_lock(&operands.lock, master_driven, link)?;
+    let Some(link) = link.filter(|_| master_driven) else {
+        return Ok(None);
+    };
+    let lead = lead(motion, &operands.lock, link)?;
+    if *operands.execution_schedule == ExecutionSchedule::Pending && lead.lock.position.is_some() {
+        return Err(MotionError::MdscLockDirectionConflict);
     }
-
-    /// What drives the cam; `None`: time.
-    ///
-    /// # Errors
-    /// A lock direction of the other mode, or of a position for a pending cam, which begins where the one before ends (95); no
-    /// link (93); a position that the master never shows (13).
-    fn led(&self, motion: &Motion, at: usize, call: &Call) -> Result<Option<(MasterLink, Lead)>, MotionError> {
-        let master_driven = call.is_one(self.instruction_mode);
-        let link = motion.axes[at].links.newest(Serves::TimeCam);
-        self.lock.verify(call, master_driven, link)?;
-        let Some(link) = link.filter(|_| master_driven) else {
-            return Ok(None);
-        };
-        let lead = self.lock.lead(motion, call, link)?;
-        if self.cam.is_pending(call) && lead.lock.position.is_some() {
-            return Err(MotionError::MdscLockDirectionConflict);
-        }
-        Ok(Some((*link, lead)))
-    }
+    Ok(Some((*link, lead)))
 }
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
-    let layout = motion.layouts.matc;
     let axis = motion.target_axis(call)?;
     let at = usize::from(axis);
-    motion.verify_operands(call)?;
-    let led = layout.led(motion, at, call)?;
+    let operands: Matc = motion.operands(call)?;
+    let Matc {
+        direction,
+        cam_profile: _,
+        distance_scaling,
+        time_scaling,
+        execution_mode,
+        execution_schedule,
+        lock: _,
+        instruction_mode: _,
+    } = operands;
+    let led = led(motion, at, &operands)?;
     axis_moves::verify_axis(&motion.axes[at], false)?;
     not_stopping(&motion.axes[at], Slot::TimeCam)?;
     let since = motion.clock.now();
@@ -63,7 +56,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         master: link.master.axis,
         reference: link.master.reference,
     });
-    let pending = layout.cam.is_pending(call);
+    let pending = *execution_schedule == ExecutionSchedule::Pending;
     verify_change(&motion.axes[at], Slot::TimeCam, source, pending)?;
     let way = led.map(|(_, lead)| lead.lock.sense.sign());
     let runs = motion.axes[at].cam(Slot::TimeCam).map(Cam::way);
@@ -77,14 +70,14 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         entry: profile.start().0,
         profile,
         source,
-        slave_scale: layout.cam.direction(call, before) * call.number(layout.cam.slave_scaling),
+        slave_scale: sign(*direction, before) * *distance_scaling,
         // The slave goes on in its direction, whichever way the master is followed.
-        master_scale: way.unwrap_or(1.0) * call.number(layout.cam.master_scaling),
-        mode: layout.cam.mode(call),
+        master_scale: way.unwrap_or(1.0) * *time_scaling,
+        mode: *execution_mode,
         way,
         link: led.map(|(link, _)| link.id),
     };
-    verify_reach(motion, axis, &program, layout.cam.slave_scaling)?;
+    verify_reach(motion, axis, &program, distance_scaling.index)?;
     if pending {
         wait(motion, axis, Slot::TimeCam, program, execution);
         return Ok(());

@@ -1,10 +1,11 @@
 //! MCCD, Motion Coordinated Change Dynamics (spec/coordinated-instructions.md §14, the reference page MCCD).
 
-use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
+use arcline_instruction_set::enumerations::Scope;
+use arcline_instruction_set::operands::Mccd;
+use arcline_instruction_set::{Call, Flag, MotionError};
 use arcline_planner::ContourQueue;
 
-use super::place;
-use super::programmed::{Change, ChangeLayout};
+use super::programmed::{Change, ChangeOperands, Rates};
 use crate::control::Execution;
 use crate::dynamics::{Dynamics, Maxima};
 use crate::machine::CoordinateSystem;
@@ -12,33 +13,48 @@ use crate::motion::Motion;
 use crate::system::{Activity, Planned};
 use crate::verify;
 
-/// Places of MCCD's operands.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
-    dynamics: ChangeLayout,
-    scope: usize,
-}
-
-/// Scope: Active and Pending Motion.
-const ACTIVE_AND_PENDING: i32 = 1;
-
-impl Layout {
-    pub(super) fn new() -> Self {
-        Layout {
-            dynamics: ChangeLayout::of(Mnemonic::Mccd),
-            scope: place(Mnemonic::Mccd, "Scope"),
-        }
-    }
-}
-
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
-    let layout = motion.layouts.mccd;
     let index = motion.target_system(call)?;
-    motion.verify_operands(call)?;
+    let Mccd {
+        motion_type: _,
+        change_speed,
+        speed,
+        speed_units,
+        change_accel,
+        accel_rate,
+        accel_units,
+        change_decel,
+        decel_rate,
+        decel_units,
+        change_accel_jerk,
+        accel_jerk,
+        change_decel_jerk,
+        decel_jerk,
+        jerk_units,
+        scope,
+    } = motion.operands(call)?;
+    let operands = ChangeOperands {
+        rates: Rates {
+            speed,
+            speed_units,
+            accel_rate,
+            accel_units,
+            decel_rate,
+            decel_units,
+            accel_jerk,
+            decel_jerk,
+            jerk_units,
+        },
+        change_speed: *change_speed,
+        change_accel: *change_accel,
+        change_decel: *change_decel,
+        change_accel_jerk: *change_accel_jerk,
+        change_decel_jerk: *change_decel_jerk,
+    };
     let system = &mut motion.systems[index];
     let active = system.active().filter(|_| system.activity == Activity::Moving);
     let driven = active.is_some_and(|active| active.lead.is_some());
-    layout.dynamics.verify_mode(call, driven)?;
+    operands.verify_mode(driven)?;
     verify::axes_ready(&motion.systems[index], &motion.axes)?;
     verify::not_homing(&motion.systems[index], &motion.axes)?;
     let s_curve = active.is_some_and(|active| active.dynamics.is_s_curve());
@@ -50,21 +66,21 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         _ => return Err(MotionError::IllegalDynamicChange),
     };
     let maxima = maxima(&system.description);
-    let read = maxima.map(|maxima| layout.dynamics.read(call, &maxima));
+    let read = maxima.map(|maxima| operands.change(&maxima));
     // Every move that is changed must be of the mode of the change.
-    let modes = [false, true].map(|driven| layout.dynamics.verify_mode(call, driven));
+    let modes = [false, true].map(|driven| operands.verify_mode(driven));
     let change = |planned: &Planned| {
         modes[usize::from(planned.lead.is_some())]?;
         changed(&read[usize::from(planned.only_turns)], planned)
     };
     let dynamics = change(&active)?;
     if system.contour_in_force().is_some() {
-        change_contour(motion, index, call.word(layout.scope), change)?;
+        change_contour(motion, index, *scope, change)?;
         calculate_again(motion, index, active.execution);
         motion.done(execution);
         return Ok(());
     }
-    if call.word(layout.scope) == ACTIVE_AND_PENDING {
+    if *scope == Scope::ActiveAndPending {
         if let Some(contour) = &mut system.contour {
             change_queued(contour, usize::MAX, change)?;
         }
@@ -98,11 +114,15 @@ fn calculate_again(motion: &mut Motion, index: usize, active: Execution) {
 fn change_contour(
     motion: &mut Motion,
     index: usize,
-    scope: i32,
+    scope: Scope,
     change: impl Fn(&Planned) -> Result<Dynamics, MotionError>,
 ) -> Result<(), MotionError> {
     let system = &mut motion.systems[index];
-    let count = if scope == ACTIVE_AND_PENDING { usize::MAX } else { 1 };
+    let count = if scope == Scope::ActiveAndPending {
+        usize::MAX
+    } else {
+        1
+    };
     let own = system.contour_clock(&motion.clock);
     if let Some(contour) = &mut system.contour {
         change_queued(contour, count, change)?;

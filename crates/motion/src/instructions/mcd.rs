@@ -1,48 +1,62 @@
 //! MCD, Motion Change Dynamics (spec/axis-and-data-types.md §3.6).
 
-use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError};
+use arcline_instruction_set::enumerations::McdMotionType;
+use arcline_instruction_set::operands::Mcd;
+use arcline_instruction_set::{AxisIndex, Call, Flag, MotionError};
 use arcline_planner::profile::{KinematicState, Lead, Limits, Profile};
 
 use super::axis_moves;
-use super::place;
-use super::programmed::ChangeLayout;
+use super::programmed::{ChangeOperands, Rates};
 use crate::axis::generator::{Goal, Program};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::motion::Motion;
 
-/// Places of MCD's operands.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
-    dynamics: ChangeLayout,
-    motion_type: usize,
-}
-
-/// Motion Type: the move of the axis; otherwise its jog.
-const MOVE: i32 = 1;
-
-impl Layout {
-    pub(super) fn new() -> Self {
-        Layout {
-            dynamics: ChangeLayout::of(Mnemonic::Mcd),
-            motion_type: place(Mnemonic::Mcd, "Motion Type"),
-        }
-    }
-}
-
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
-    let layout = motion.layouts.mcd;
     let axis = motion.target_axis(call)?;
-    motion.verify_operands(call)?;
-    let slot = if call.word(layout.motion_type) == MOVE {
-        Slot::Move
-    } else {
-        Slot::Jog
+    let Mcd {
+        motion_type,
+        change_speed,
+        speed,
+        change_accel,
+        accel_rate,
+        change_decel,
+        decel_rate,
+        change_accel_jerk,
+        accel_jerk,
+        change_decel_jerk,
+        decel_jerk,
+        speed_units,
+        accel_units,
+        decel_units,
+        jerk_units,
+    } = motion.operands(call)?;
+    let operands = ChangeOperands {
+        rates: Rates {
+            speed,
+            speed_units,
+            accel_rate,
+            accel_units,
+            decel_rate,
+            decel_units,
+            accel_jerk,
+            decel_jerk,
+            jerk_units,
+        },
+        change_speed: *change_speed,
+        change_accel: *change_accel,
+        change_decel: *change_decel,
+        change_accel_jerk: *change_accel_jerk,
+        change_decel_jerk: *change_decel_jerk,
+    };
+    let slot = match *motion_type {
+        McdMotionType::Jog => Slot::Jog,
+        McdMotionType::Move => Slot::Move,
     };
     let clock = motion.clock;
     let state = &mut motion.axes[usize::from(axis)];
     let guide = state.sum.get(slot).and_then(|generator| generator.guide);
-    layout.dynamics.verify_mode(call, guide.is_some())?;
+    operands.verify_mode(guide.is_some())?;
     let running = state.sum.get(slot).and_then(|generator| generator.program);
     axis_moves::verify_axis(state, running.is_some_and(|program| program.dynamics.is_s_curve()))?;
     axis_moves::not_stopping(state)?;
@@ -58,7 +72,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         // Without a program it only brakes.
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
     };
-    let dynamics = layout.dynamics.read(call, &maxima).of(programmed)?;
+    let dynamics = operands.change(&maxima).of(programmed)?;
     let now = axis_moves::steady(generator.planned_state(&clock), &dynamics.limits());
     let (before, paused) = (generator.in_force, programmed.speed == 0.0);
     let (goal, mut limits) = match goal {

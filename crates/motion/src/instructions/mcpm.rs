@@ -5,17 +5,19 @@
 //! The limits of both parts hold: where one of them is the stricter in everything, it determines the time. What only turns has its
 //! angle as its way. Units: position units, degrees.
 
-use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex, Range};
+use arcline_instruction_set::enumerations::{
+    InterpolationType, Merge, MoveType, TerminationType, TimeUnits, UnitsMode, VelocityProfile,
+};
+use arcline_instruction_set::operands::Mcpm;
+use arcline_instruction_set::{Call, MotionError, OperandIndex, Range};
 use arcline_planner::geometry::{Path, Point, Turn};
 use arcline_planner::{Ending, Momentum, Move, Parameter};
 
-use super::moves::{self, INCREMENTAL, MERGE_DISABLED, TakenOver};
-use super::programmed::{self, LockLayout};
-use super::{merging, points};
-use super::{no_target, place};
+use super::moves::{self, TakenOver};
+use super::{merging, no_target, points, programmed};
 use crate::control::Execution;
 use crate::dynamics::PathLimits;
-use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, in_units, reference_speed};
+use crate::dynamics::{self, Dynamics, JerkRate, Jerks, Maxima, Shape, reference_speed};
 use crate::heading;
 use crate::machine::{AxisLimits, CoordinateSystem, Orientation};
 use crate::masters::links::MasterLink;
@@ -26,98 +28,66 @@ use crate::range;
 use crate::system::{Planned, Termination};
 use crate::verify;
 
-/// Places of MCPM's operands.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
-    path: usize,
-    dynamics: usize,
-    lock: LockLayout,
+/// Members of the path in their ranges (13), and what is reserved (99).
+fn verify_path(path: &PathData, operand: OperandIndex) -> Result<(), MotionError> {
+    let finite = path.position.iter().all(|number| Range::Any.holds(*number));
+    let [base, fourth, sixth, reserved] = path.turns_counters;
+    // Only one joint turns the tool about X3.
+    let counted = base == 0 && reserved == 0 && (fourth == 0 || sixth == 0);
+    let terminated = match path.termination_type {
+        Some(TerminationType::ActualTolerance | TerminationType::NoSettle) => true,
+        Some(TerminationType::CommandToleranceProgrammed) => Range::NotNegative.holds(path.command_tolerance_linear),
+        _ => false,
+    };
+    let fits = finite && path.robot_configuration == 0 && counted && path.move_type.is_some() && terminated;
+    match path.interpolation_type.filter(|_| fits) {
+        None => Err(MotionError::ParameterOutOfRange(operand)),
+        Some(InterpolationType::PointToPoint) => Err(MotionError::FeatureNotSupported),
+        Some(InterpolationType::Linear) => Ok(()),
+    }
 }
 
-/// InterpolationType.
-const POINT_TO_POINT: i32 = 0;
-/// UnitsMode: percent of the maxima.
-const PERCENT: i32 = 0;
-/// TimeUnits: master units.
-const MASTER_UNITS: i32 = 1;
-/// Profile.
-const S_CURVE: i32 = 1;
-/// TerminationType: Command Tolerance Programmed.
-const BLENDED: i32 = 6;
-
-impl Layout {
-    pub(super) fn new() -> Self {
-        let place = |name| place(Mnemonic::Mcpm, name);
-        Layout {
-            path: place("Path"),
-            dynamics: place("Dynamics"),
-            lock: LockLayout::of(Mnemonic::Mcpm),
-        }
-    }
-
-    /// Members in their ranges (13), and what is reserved (99).
-    fn verify_path(&self, path: &PathData) -> Result<(), MotionError> {
-        let finite = path.position.iter().all(|number| Range::Any.holds(*number));
-        let tolerated = Range::NotNegative.holds(path.command_tolerance_linear);
-        let [base, fourth, sixth, reserved] = path.turns_counters;
-        // Only one joint turns the tool about X3.
-        let counted = base == 0 && reserved == 0 && (fourth == 0 || sixth == 0);
-        let fits = (0..=1).contains(&path.interpolation_type)
-            && finite
-            && path.robot_configuration == 0
-            && counted
-            && (0..=1).contains(&path.move_type)
-            && matches!(path.termination_type, 0 | 1 | BLENDED)
-            && (path.termination_type != BLENDED || tolerated);
-        if !fits {
-            return Err(MotionError::ParameterOutOfRange(OperandIndex(self.path as u8)));
-        }
-        if path.interpolation_type == POINT_TO_POINT {
-            return Err(MotionError::FeatureNotSupported);
-        }
-        Ok(())
-    }
-
-    fn verify_dynamics(&self, dynamics: &DynamicsData) -> Result<(), MotionError> {
-        let modes = [dynamics.units_mode, dynamics.time_units, dynamics.profile];
-        let rates = |[speed, acceleration, deceleration]: [f64; 3]| {
-            let above = |number: f64| Range::Positive.holds(number);
-            Range::NotNegative.holds(speed) && above(acceleration) && above(deceleration)
-        };
-        let jerks = dynamics
-            .jerks
-            .iter()
-            .all(|jerk| Range::Positive.holds(*jerk) && *jerk <= 100.0);
-        let fits = modes.iter().all(|mode| (0..=1).contains(mode))
-            && rates(dynamics.linear)
-            && rates(dynamics.orientation)
-            && (dynamics.profile != S_CURVE || jerks);
-        if fits { Ok(()) } else { Err(self.no_dynamics()) }
-    }
-
-    fn no_dynamics(&self) -> MotionError {
-        MotionError::ParameterOutOfRange(OperandIndex(self.dynamics as u8))
-    }
+/// Members of the dynamics in their ranges.
+fn are_in_range(dynamics: &DynamicsData) -> bool {
+    let rates = |[speed, acceleration, deceleration]: [f64; 3]| {
+        let above = |number: f64| Range::Positive.holds(number);
+        Range::NotNegative.holds(speed) && above(acceleration) && above(deceleration)
+    };
+    let mut jerks = dynamics.jerks.iter();
+    let shaped = match dynamics.profile {
+        None => false,
+        Some(VelocityProfile::Trapezoidal) => true,
+        Some(VelocityProfile::SCurve) => jerks.all(|jerk| Range::Positive.holds(*jerk) && *jerk <= 100.0),
+    };
+    let modes = dynamics.units_mode.is_some() && dynamics.time_units.is_some();
+    modes && shaped && rates(dynamics.linear) && rates(dynamics.orientation)
 }
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
-    let layout = motion.layouts.mcpm;
     let index = motion.target_system(call)?;
     let orientation = motion.systems[index].description.orientation.ok_or_else(no_target)?;
-    motion.verify_operands(call)?;
+    let Mcpm {
+        path: path_operand,
+        // Always 1.
+        length: _,
+        dynamics: dynamics_operand,
+        lock,
+    } = motion.operands(call)?;
     let tags = sent.path()?;
-    layout.verify_path(&tags.path)?;
-    layout.verify_dynamics(&tags.dynamics)?;
-    let driven = tags.dynamics.time_units == MASTER_UNITS;
+    verify_path(&tags.path, path_operand.index)?;
+    if !are_in_range(&tags.dynamics) {
+        return Err(dynamics_operand.out_of_range());
+    }
+    let driven = tags.dynamics.time_units == Some(TimeUnits::MasterUnits);
     let link = motion.systems[index].links.newest().copied();
-    layout.lock.verify(call, driven, link.as_ref())?;
+    programmed::verify_lock(&lock, driven, link.as_ref())?;
     let link = link.filter(|_| driven);
     // Percent by a master are of the maxima at its nominal speed (spec/coordinated-instructions.md §18.1).
-    if link.is_some_and(|link| !link.has_nominal) && tags.dynamics.units_mode == PERCENT {
-        return Err(layout.no_dynamics());
+    if link.is_some_and(|link| !link.has_nominal) && tags.dynamics.units_mode == Some(UnitsMode::Percent) {
+        return Err(dynamics_operand.out_of_range());
     }
     let lead = match &link {
-        Some(link) => Some(layout.lock.lead(motion, call, link)?),
+        Some(link) => Some(programmed::lead(motion, &lock, link)?),
         None => None,
     };
     let system = &motion.systems[index];
@@ -126,20 +96,29 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     }
     verify::axes_ready(system, &motion.axes)?;
     verify::not_homing(system, &motion.axes)?;
-    verify::stoppable(system, &motion.axes, tags.dynamics.profile == S_CURVE)?;
+    verify::stoppable(
+        system,
+        &motion.axes,
+        tags.dynamics.profile == Some(VelocityProfile::SCurve),
+    )?;
     let (start, shift) = (points::start_point(motion, index), points::queue_shift(motion, index));
     let headings = [motion.heading(index), motion.heading_shift(index)];
     let way = Way::of(&tags.path, &(start + shift), headings);
-    range::verify_point(&motion.systems[index], &motion.axes, &way.path.end(), layout.path)?;
+    range::verify_point(
+        &motion.systems[index],
+        &motion.axes,
+        &way.path.end(),
+        path_operand.index,
+    )?;
     let (termination, ending) = termination(&tags.path, &system.description, &way)?;
     let maxima = Maxima::from(&system.description);
     let [moves_by, turns_by] = rates(&tags.dynamics, &maxima, &orientation, link.as_ref());
     let (mut dynamics, own) = way.dynamics(moves_by, turns_by);
     if !(dynamics.acceleration > 0.0 && dynamics.deceleration > 0.0) {
-        return Err(layout.no_dynamics());
+        return Err(dynamics_operand.out_of_range());
     }
     let path = way.path.shifted(&-shift);
-    moves::verify_conflicts(motion, index, MERGE_DISABLED)?;
+    moves::verify_conflicts(motion, index, Merge::Disabled)?;
     verify::no_overtravel(&motion.systems[index], &motion.axes, &path.end())?;
     let mut pace = motion.verify_reach(index, &way.path, way.turn.as_ref())?;
     if motion.systems[index].description.joint_limits == AxisLimits::Ignore {
@@ -148,9 +127,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let mut parameter = Parameter::TIME;
     if let (Some(lead), Some(link)) = (lead, &link) {
         programmed::pace(link, lead.lock, false)?;
-        merging::verify_lead(motion, index, MERGE_DISABLED, lead, false)?;
+        merging::verify_lead(motion, index, Merge::Disabled, lead, false)?;
         pace = pace.by_master(link.nominal);
-        parameter = merging::parameter(motion, index, MERGE_DISABLED, lead, link);
+        parameter = merging::parameter(motion, index, Merge::Disabled, lead, link);
     }
     let pace = own.and(&pace);
     dynamics.keep_to(&pace);
@@ -175,7 +154,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let at_rest = TakenOver {
         momentum: Momentum::default(),
         residual: None,
-        merge: MERGE_DISABLED,
+        merge: Merge::Disabled,
     };
     moves::launch(motion, index, planned, way.path, at_rest)
 }
@@ -197,7 +176,7 @@ impl Way {
         let [_, fourth, sixth, _] = data.turns_counters;
         let turns = f64::from(i32::from(sixth) - i32::from(fourth));
         let (mut end, angles) = (Point::new(x, y, z), Point::new(rx, ry, rz));
-        let turn = if data.move_type == INCREMENTAL {
+        let turn = if data.move_type == Some(MoveType::Incremental) {
             end += start;
             heading::turn_by(&heading, &(heading + angles), turns)
         } else {
@@ -238,10 +217,14 @@ impl Way {
 /// blended, or half of it where both ends are.
 fn termination(data: &PathData, system: &CoordinateSystem, way: &Way) -> Result<(Termination, Ending), MotionError> {
     match data.termination_type {
-        0 if system.actual_tolerance <= 0.0 => Err(MotionError::InvalidActualTolerance),
-        0 => Ok((Termination::ActualTolerance, Ending::Stop)),
-        BLENDED if system.joint_limits == AxisLimits::Enforce => Err(MotionError::FeatureNotSupported),
-        BLENDED => {
+        Some(TerminationType::ActualTolerance) if system.actual_tolerance <= 0.0 => {
+            Err(MotionError::InvalidActualTolerance)
+        }
+        Some(TerminationType::ActualTolerance) => Ok((Termination::ActualTolerance, Ending::Stop)),
+        Some(TerminationType::CommandToleranceProgrammed) if system.joint_limits == AxisLimits::Enforce => {
+            Err(MotionError::FeatureNotSupported)
+        }
+        Some(TerminationType::CommandToleranceProgrammed) => {
             let tolerance = if way.path.stands() {
                 f64::MAX
             } else {
@@ -255,29 +238,31 @@ fn termination(data: &PathData, system: &CoordinateSystem, way: &Way) -> Result<
 
 /// What both parts are programmed with, in units; percent of the maxima by a master are of these at its nominal speed (spec/coordinated-instructions.md §18.1).
 fn rates(data: &DynamicsData, linear: &Maxima, orientation: &Orientation, link: Option<&MasterLink>) -> [Dynamics; 2] {
-    let percent = data.units_mode == PERCENT;
+    let percent = data.units_mode == Some(UnitsMode::Percent);
     let nominal = link.filter(|_| percent).map_or(1.0, |link| link.nominal);
     let [acceleration, deceleration] = data.jerks.map(JerkRate::PercentOfTime);
     let jerks = Jerks {
         acceleration,
         deceleration,
     };
-    let shape = if data.profile == S_CURVE {
+    let shape = if data.profile == Some(VelocityProfile::SCurve) {
         Shape::SCurve(jerks)
     } else {
         Shape::Trapezoidal(jerks)
     };
-    let units = if percent {
-        crate::dynamics::PERCENT_OF_MAXIMUM
-    } else {
-        0
+    let in_units = |number: f64, maximum: f64| {
+        if percent {
+            dynamics::percent(number, maximum)
+        } else {
+            number
+        }
     };
     let part = |[speed, acceleration, deceleration]: [f64; 3], maxima: [f64; 3]| {
-        let speed = in_units(speed, units, maxima[0]) / nominal;
+        let speed = in_units(speed, maxima[0]) / nominal;
         Dynamics {
             speed,
-            acceleration: in_units(acceleration, units, maxima[1]) / (nominal * nominal),
-            deceleration: in_units(deceleration, units, maxima[2]) / (nominal * nominal),
+            acceleration: in_units(acceleration, maxima[1]) / (nominal * nominal),
+            deceleration: in_units(deceleration, maxima[2]) / (nominal * nominal),
             shape,
             last_speed: reference_speed(speed, maxima[0] / nominal),
         }

@@ -1,92 +1,62 @@
 //! MCS, Motion Coordinated Stop (spec/coordinated-instructions.md §15, the reference page MCS).
 
-use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::enumerations::{JerkUnits, McsStopType, NoYes, RateUnits};
+use arcline_instruction_set::operands::{Mcs, StopOperands};
+use arcline_instruction_set::{Call, Flag, MotionError};
 use arcline_planner::profile::{Jerk, Limits};
 
-use super::place;
-use super::programmed::positive;
+use super::programmed::{positive, stop_change};
 use crate::control::Execution;
-use crate::dynamics::{in_units, jerk_in_units, resolve};
+use crate::dynamics::{Maxima, reference_speed, resolve};
 use crate::motion::Motion;
-use crate::stop::{ALL, AxisSet, COORDINATED_MOVE, COORDINATED_TRANSFORM, Stop};
+use crate::stop::{AxisSet, Stop};
 use crate::transforms::Release;
 use crate::transforms::transform::Link;
 use crate::verify;
 
-/// Places of MCS's operands.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
-    stop_type: usize,
-    change_decel: usize,
-    decel_rate: usize,
-    decel_units: usize,
-    change_decel_jerk: usize,
-    decel_jerk: usize,
-    jerk_units: usize,
-}
-
-/// Decel Units that a stop with orientation knows.
-const PERCENT_OF_MAXIMUM: i32 = 1;
-/// Jerk Units that a stop with orientation knows.
-const PERCENT_OF_TIME: i32 = 2;
-
-impl Layout {
-    pub(super) fn new() -> Self {
-        let place = |name| place(Mnemonic::Mcs, name);
-        Layout {
-            stop_type: place("Stop Type"),
-            change_decel: place("Change Decel"),
-            decel_rate: place("Decel Rate"),
-            decel_units: place("Decel Units"),
-            change_decel_jerk: place("Change Decel Jerk"),
-            decel_jerk: place("Decel Jerk"),
-            jerk_units: place("Jerk Units"),
-        }
-    }
-}
-
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
-    let layout = motion.layouts.mcs;
     let index = motion.target_system(call)?;
-    motion.verify_operands(call)?;
-    verify_units(motion, index, call)?;
+    let Mcs {
+        stop_type,
+        rates: operands,
+    } = motion.operands(call)?;
+    verify_units(motion, index, &operands)?;
     verify::axes_on(&motion.systems[index], &motion.axes)?;
     verify::stoppable(&motion.systems[index], &motion.axes, is_s_curve(motion, index))?;
-    let stop_type = call.word(layout.stop_type);
-    let rates = rates(motion, index, call)?;
-    if stop_type == ALL {
-        verify_sharing(motion, index, call)?;
+    let rates = rates(motion, index, &operands)?;
+    if *stop_type == McsStopType::All {
+        verify_sharing(motion, index, &operands)?;
     }
 
     // A weaker stop while a stop of all is running takes over its bits only.
     let running = motion.systems[index].stop;
     motion.end_stop(index);
     let mut braking = running.map(|stop| stop.braking).unwrap_or_default();
-    let of_moves = stop_type != COORDINATED_TRANSFORM || running.is_some_and(|stop| stop.of_moves);
-    if stop_type != COORDINATED_TRANSFORM {
+    let of_moves = *stop_type != McsStopType::CoordinatedTransform || running.is_some_and(|stop| stop.of_moves);
+    if *stop_type != McsStopType::CoordinatedTransform {
         motion.keep_stopping_link(index);
     }
-    match stop_type {
-        ALL => {
+    match *stop_type {
+        McsStopType::All => {
             for place in 0..motion.systems[index].description.axes.len() {
                 let axis = motion.systems[index].description.axes[place];
                 braking.extend(cancel(motion, &rates.release, |link, _| link.has(axis)));
             }
-            braking.extend(stop_all(motion, index, call)?);
+            braking.extend(stop_all(motion, index, &operands)?);
             for place in 0..motion.systems[index].description.axes.len() {
                 motion.unlink_slave(motion.systems[index].description.axes[place]);
             }
         }
         // A stop of all that is under way goes on as it is.
-        COORDINATED_MOVE if !is_ending(motion, index) => {
+        McsStopType::CoordinatedMove if !is_ending(motion, index) => {
             let limits = rates.along_path(motion, index);
             stop_move(motion, index, &limits);
         }
-        COORDINATED_TRANSFORM => {
+        McsStopType::CoordinatedTransform => {
             let own = |link: &Link, target| target == index || link.from == index;
             braking.extend(cancel(motion, &rates.release, own));
         }
-        _ => {}
+        McsStopType::CoordinatedMove => {}
     }
     motion.systems[index].stop = Some(Stop {
         execution,
@@ -99,20 +69,17 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 }
 
 /// With orientation one rate cannot be of X, Y, Z and of Rx, Ry, Rz: only shares of the maxima are possible (spec/coordinated-instructions.md §4.4, §15).
-fn verify_units(motion: &Motion, index: usize, call: &Call) -> Result<(), MotionError> {
-    let layout = &motion.layouts.mcs;
+fn verify_units(motion: &Motion, index: usize, operands: &StopOperands) -> Result<(), MotionError> {
     if motion.systems[index].description.orientation.is_none() {
         return Ok(());
     }
-    let units = [
-        (layout.change_decel, layout.decel_units, PERCENT_OF_MAXIMUM),
-        (layout.change_decel_jerk, layout.jerk_units, PERCENT_OF_TIME),
-    ];
-    let wrong = |(change, units, only): &(usize, usize, i32)| call.is_one(*change) && call.word(*units) != *only;
-    match units.iter().find(|one| wrong(one)) {
-        Some((_, units, _)) => Err(MotionError::ParameterOutOfRange(OperandIndex(*units as u8))),
-        None => Ok(()),
+    if *operands.change_decel == NoYes::Yes && *operands.decel_units != RateUnits::PercentOfMaximum {
+        return Err(operands.decel_units.out_of_range());
     }
+    if *operands.change_decel_jerk == NoYes::Yes && *operands.jerk_units != JerkUnits::PercentOfTime {
+        return Err(operands.jerk_units.out_of_range());
+    }
+    Ok(())
 }
 
 /// Deceleration and jerk that a stop is executed with.
@@ -149,34 +116,28 @@ impl Rates {
     }
 }
 
-fn rates(motion: &Motion, index: usize, call: &Call) -> Result<Rates, MotionError> {
-    let layout = &motion.layouts.mcs;
+fn rates(motion: &Motion, index: usize, operands: &StopOperands) -> Result<Rates, MotionError> {
     let system = &motion.systems[index];
     let description = &system.description;
-    let mut release = Release::default();
-    if call.is_one(layout.change_decel) {
-        release.deceleration = Some(in_units(
-            call.number(layout.decel_rate),
-            call.word(layout.decel_units),
-            description.max_deceleration,
-        ));
-    }
+    let changed = stop_change(operands, &Maxima::from(description));
+    let mut release = Release {
+        deceleration: changed.deceleration,
+        ..Release::default()
+    };
     let deceleration = release.deceleration.unwrap_or(description.max_deceleration);
-    positive(deceleration, layout.decel_rate)?;
-    if call.is_one(layout.change_decel_jerk) {
-        let programmed = jerk_in_units(
-            call.number(layout.decel_jerk),
-            call.word(layout.jerk_units),
-            description.max_deceleration_jerk,
-        );
+    positive(deceleration, operands.decel_rate.index)?;
+    if let Some(programmed) = changed.jerk {
         let sample = system.sample(&motion.clock);
         let speed = sample.map_or(0.0, |(sample, _)| sample.along.velocity.abs());
-        let reference = if speed > 0.0 { speed } else { description.max_speed };
-        release.jerk = Some(resolve(programmed, reference, deceleration));
+        release.jerk = Some(resolve(
+            programmed,
+            reference_speed(speed, description.max_speed),
+            deceleration,
+        ));
     }
     let jerk = release.jerk.unwrap_or(description.max_deceleration_jerk);
     if is_s_curve(motion, index) {
-        positive(jerk, layout.decel_jerk)?;
+        positive(jerk, operands.decel_jerk.index)?;
     }
     Ok(Rates {
         deceleration,
@@ -213,13 +174,13 @@ pub(crate) fn stop_move(motion: &mut Motion, index: usize, limits: &Limits) {
 
 /// Stops the coordinated moves of the system, and those of systems that share an axis with it, on their paths, and every axis
 /// of the system by itself out of what single-axis instructions began on it (spec/coordinated-instructions.md §15.1). Returns the axes that brake.
-fn stop_all(motion: &mut Motion, index: usize, call: &Call) -> Result<AxisSet, MotionError> {
+fn stop_all(motion: &mut Motion, index: usize, operands: &StopOperands) -> Result<AxisSet, MotionError> {
     let mut braking = AxisSet::default();
     for other in 0..motion.systems.len() {
         if !motion.systems[other].is_busy() || !shares(motion, index, other) {
             continue;
         }
-        let limits = rates(motion, other, call)?.along_path(motion, other);
+        let limits = rates(motion, other, operands)?.along_path(motion, other);
         stop_move(motion, other, &limits);
         for place in 0..motion.systems[other].taken().len() {
             let axis = motion.systems[other].taken()[place];
@@ -247,13 +208,13 @@ fn shares(motion: &Motion, index: usize, other: usize) -> bool {
 }
 
 /// A stop of all also stops moves of other systems, at their own maxima where the operands give no rates: there must be some.
-fn verify_sharing(motion: &Motion, index: usize, call: &Call) -> Result<(), MotionError> {
+fn verify_sharing(motion: &Motion, index: usize, operands: &StopOperands) -> Result<(), MotionError> {
     for other in 0..motion.systems.len() {
         if other == index || !motion.systems[other].is_busy() || !shares(motion, index, other) {
             continue;
         }
         verify::stoppable(&motion.systems[other], &motion.axes, is_s_curve(motion, other))?;
-        rates(motion, other, call)?;
+        rates(motion, other, operands)?;
     }
     Ok(())
 }

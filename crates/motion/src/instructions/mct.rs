@@ -1,10 +1,10 @@
 //! MCT, Motion Coordinated Transform (spec/coordinated-instructions.md §19, §20), and what MCTP shares with it.
 
-use arcline_instruction_set::{AxisIndex, Call, Detail, Flag, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::operands::{Mct, OperandValue};
+use arcline_instruction_set::{AxisIndex, Call, Detail, Flag, MotionError, RealArray};
 use arcline_kinematics::{GeometryError, Robot};
 use arcline_planner::geometry::{Frame, Point};
 
-use super::place;
 use crate::axes::share;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
@@ -14,14 +14,6 @@ use crate::range;
 use crate::transforms::robot::{CONSISTENT, Joints, RobotMap};
 use crate::transforms::transform::{Link, Map, Positions};
 use crate::verify;
-
-/// Places of the operands of MCT, and of MCTP.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
-    target: usize,
-    orientation: usize,
-    translation: usize,
-}
 
 /// Largest angle of an orientation, degrees.
 const LARGEST_ANGLE: f64 = 360.0;
@@ -43,55 +35,46 @@ pub(super) const OFFSETS: Detail = Detail(10);
 /// EXERR of error 61: the dimensions differ.
 const DIMENSIONS_DIFFER: Detail = Detail(17);
 
-impl Layout {
-    pub(super) fn of(mnemonic: Mnemonic) -> Self {
-        let place = |name| place(mnemonic, name);
-        Layout {
-            target: place("Target System"),
-            orientation: place("Orientation"),
-            translation: place("Translation"),
+/// How the target lies in the source: MCT, MCTP.
+pub(super) fn frame(
+    orientation: &RealArray,
+    translation: &OperandValue<RealArray>,
+    dimension: usize,
+) -> Result<Frame, MotionError> {
+    let angles = vector(orientation.as_slice());
+    let shifts = vector(translation.as_slice());
+    for (place, angle) in angles.iter().enumerate() {
+        // What would turn the axes out of the space that there is: 19.3.
+        let turns_out = match dimension {
+            3 => false,
+            2 => place != 2,
+            _ => true,
+        };
+        if angle.abs() > LARGEST_ANGLE || (turns_out && *angle != 0.0) {
+            return Err(MotionError::InvalidOrientationAngle(Detail(place as i8)));
         }
     }
-
-    /// The place of the target system.
-    pub(super) fn target(&self, motion: &Motion, call: &Call) -> Result<usize, MotionError> {
-        object(motion, call, self.target)
+    if shifts.iter().skip(dimension).any(|shift| *shift != 0.0) {
+        return Err(translation.out_of_range());
     }
-
-    /// How the target lies in the source.
-    pub(super) fn frame(&self, call: &Call, dimension: usize) -> Result<Frame, MotionError> {
-        let orientation = vector(call.array(self.orientation));
-        let translation = vector(call.array(self.translation));
-        for (place, angle) in orientation.iter().enumerate() {
-            // What would turn the axes out of the space that there is: 19.3.
-            let turns_out = match dimension {
-                3 => false,
-                2 => place != 2,
-                _ => true,
-            };
-            if angle.abs() > LARGEST_ANGLE || (turns_out && *angle != 0.0) {
-                return Err(MotionError::InvalidOrientationAngle(Detail(place as i8)));
-            }
-        }
-        if translation.iter().skip(dimension).any(|shift| *shift != 0.0) {
-            return Err(MotionError::ParameterOutOfRange(OperandIndex(self.translation as u8)));
-        }
-        Ok(Frame::new(orientation, translation))
-    }
+    Ok(Frame::new(angles, shifts))
 }
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
-    let layout = motion.layouts.mct;
     let source = motion.target_system(call)?;
-    motion.verify_operands(call)?;
-    let target = layout.target(motion, call)?;
+    let Mct {
+        target_system,
+        orientation,
+        translation,
+    } = motion.operands(call)?;
+    let target = motion.system_of(&target_system)?;
     let robot = verify_pair(motion, source, target)?;
     verify_free(motion, target)?;
     let [from, to] = [source, target].map(|index| &motion.systems[index].description.axes);
-    let frame = layout.frame(call, from.len())?;
-    let translation = vector(call.array(layout.translation));
+    let frame = frame(&orientation, &translation, from.len())?;
+    let shift = vector(translation.as_slice());
     for index in [source, target] {
-        range::verify_point(&motion.systems[index], &motion.axes, &translation, layout.translation)?;
+        range::verify_point(&motion.systems[index], &motion.axes, &shift, translation.index)?;
     }
     let map = match robot {
         None => Map::Frames(frame),
@@ -105,14 +88,6 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     let link = Link::new(Some(execution), source, map, from, to);
     begin(motion, execution, target, link)
-}
-
-/// The coordinate system that an operand behind the first one names.
-pub(super) fn object(motion: &Motion, call: &Call, operand: usize) -> Result<usize, MotionError> {
-    let place = call.object(operand).map(usize::from);
-    place
-        .filter(|place| *place < motion.systems.len())
-        .ok_or(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))
 }
 
 /// The two systems cannot be linked.

@@ -1,12 +1,12 @@
 //! MCTO, Motion Coordinated Transform with Orientation (spec/coordinated-instructions.md §19, §24), and what MCTPO shares
 //! with it.
 
-use arcline_instruction_set::{Call, Detail, Mnemonic, MotionError, OperandIndex, Range};
+use arcline_instruction_set::operands::{Mcto, OperandValue};
+use arcline_instruction_set::{Call, Detail, MotionError, OperandIndex, Range};
 use arcline_kinematics::{GeometryError, OrientedRobot};
 use arcline_planner::geometry::Point;
 
 use super::mct::{self, positions, refused};
-use super::place;
 use crate::axes::share;
 use crate::control::Execution;
 use crate::material::{Frames, Sent};
@@ -15,81 +15,69 @@ use crate::range;
 use crate::transforms::robot::RobotMap;
 use crate::transforms::transform::{Link, Map};
 
-/// Places of the operands of MCTO, and of MCTPO.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
-    robot: usize,
-    work: usize,
-    tool: usize,
+/// The Cartesian system, the robot's, and the robot.
+///
+/// # Errors
+/// 61: the two cannot be linked (spec/coordinated-instructions.md §19.6, §24).
+pub(super) fn pair(
+    motion: &Motion,
+    call: &Call,
+    robot_system: &OperandValue<Option<u16>>,
+) -> Result<(usize, usize, OrientedRobot), MotionError> {
+    let source = motion.target_system(call)?;
+    let target = motion.system_of(robot_system)?;
+    if source == target {
+        return Err(refused(mct::SAME_SYSTEM));
+    }
+    let [from, to] = [source, target].map(|index| &motion.systems[index]);
+    if from.description.orientation.is_none() {
+        return Err(refused(mct::WRONG_SOURCE));
+    }
+    let Some(robot) = to.wrist else {
+        return Err(refused(mct::WRONG_TARGET));
+    };
+    if share(&from.description.axes, &to.description.axes) {
+        return Err(refused(mct::AXIS_IN_BOTH));
+    }
+    match robot {
+        Ok(robot) => Ok((source, target, robot)),
+        Err(GeometryError::LinkLengths) => Err(refused(mct::LINK_LENGTHS)),
+        Err(GeometryError::Offsets) => Err(refused(mct::OFFSETS)),
+    }
 }
 
-impl Layout {
-    pub(super) fn of(mnemonic: Mnemonic) -> Self {
-        let place = |name| place(mnemonic, name);
-        Layout {
-            robot: place("Robot System"),
-            work: place("Work Frame"),
-            tool: place("Tool Frame"),
+/// Numbers that are some, angles within their ranges (spec/coordinated-instructions.md §22.8): 74 tells the angle, those of the work frame from 0, those
+/// of the tool frame from 3.
+pub(super) fn verify_frames([work, tool]: [OperandIndex; 2], frames: &Frames) -> Result<(), MotionError> {
+    let both = [(work, &frames.work, 0), (tool, &frames.tool, 3)];
+    for (operand, frame, _) in both {
+        if !frame.coordinates.iter().all(|number| Range::Any.holds(*number)) {
+            return Err(MotionError::ParameterOutOfRange(operand));
         }
     }
-
-    /// The Cartesian system, the robot's, and the robot.
-    ///
-    /// # Errors
-    /// 61: the two cannot be linked (spec/coordinated-instructions.md §19.6, §24).
-    pub(super) fn pair(&self, motion: &Motion, call: &Call) -> Result<(usize, usize, OrientedRobot), MotionError> {
-        let source = motion.target_system(call)?;
-        let target = mct::object(motion, call, self.robot)?;
-        if source == target {
-            return Err(refused(mct::SAME_SYSTEM));
-        }
-        let [from, to] = [source, target].map(|index| &motion.systems[index]);
-        if from.description.orientation.is_none() {
-            return Err(refused(mct::WRONG_SOURCE));
-        }
-        let Some(robot) = to.wrist else {
-            return Err(refused(mct::WRONG_TARGET));
-        };
-        if share(&from.description.axes, &to.description.axes) {
-            return Err(refused(mct::AXIS_IN_BOTH));
-        }
-        match robot {
-            Ok(robot) => Ok((source, target, robot)),
-            Err(GeometryError::LinkLengths) => Err(refused(mct::LINK_LENGTHS)),
-            Err(GeometryError::Offsets) => Err(refused(mct::OFFSETS)),
+    for (_, frame, first) in both {
+        let [.., rx, ry, rz] = frame.coordinates;
+        let turn = |angle: f64| angle > -180.0 && angle <= 180.0;
+        let held = [turn(rx), ry.abs() <= 90.0, turn(rz)];
+        if let Some(place) = held.iter().position(|held| !held) {
+            return Err(MotionError::InvalidOrientationAngle(Detail(first + place as i8)));
         }
     }
-
-    /// Numbers that are some, angles within their ranges (spec/coordinated-instructions.md §22.8): 74 tells the angle, those of the work frame from 0, those
-    /// of the tool frame from 3.
-    pub(super) fn verify_frames(&self, frames: &Frames) -> Result<(), MotionError> {
-        let both = [(self.work, &frames.work, 0), (self.tool, &frames.tool, 3)];
-        for (operand, frame, _) in both {
-            if !frame.coordinates.iter().all(|number| Range::Any.holds(*number)) {
-                return Err(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)));
-            }
-        }
-        for (_, frame, first) in both {
-            let [.., rx, ry, rz] = frame.coordinates;
-            let turn = |angle: f64| angle > -180.0 && angle <= 180.0;
-            let held = [turn(rx), ry.abs() <= 90.0, turn(rz)];
-            if let Some(place) = held.iter().position(|held| !held) {
-                return Err(MotionError::InvalidOrientationAngle(Detail(first + place as i8)));
-            }
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
-    let layout = motion.layouts.mcto;
     motion.target_system(call)?;
-    motion.verify_operands(call)?;
+    let Mcto {
+        robot_system,
+        work_frame,
+        tool_frame,
+    } = motion.operands(call)?;
     let frames = sent.frames()?;
-    let (source, target, robot) = layout.pair(motion, call)?;
+    let (source, target, robot) = pair(motion, call, &robot_system)?;
     mct::verify_free(motion, target)?;
-    layout.verify_frames(frames)?;
-    for (frame, operand) in [(&frames.work, layout.work), (&frames.tool, layout.tool)] {
+    verify_frames([work_frame.index, tool_frame.index], frames)?;
+    for (frame, operand) in [(&frames.work, work_frame.index), (&frames.tool, tool_frame.index)] {
         let [x, y, z, ..] = frame.coordinates;
         range::verify_point(&motion.systems[source], &motion.axes, &Point::new(x, y, z), operand)?;
     }

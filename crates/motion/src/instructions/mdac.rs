@@ -1,45 +1,25 @@
 //! MDAC, Master Driven Axis Control (spec/axis-and-data-types.md §3.8).
 
-use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
+use arcline_instruction_set::operands::Mdac;
+use arcline_instruction_set::{Call, Flag, MotionError};
 
-use super::{mdcc, place};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::masters::cam::Cam;
-use crate::masters::links::Serves;
 use crate::motion::Motion;
 use crate::order::Follower;
 
-/// Places of MDAC's operands.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
-    master: usize,
-    motion_type: usize,
-    reference: usize,
-}
-
-impl Layout {
-    pub(super) fn new() -> Self {
-        let place = |name| place(Mnemonic::Mdac, name);
-        Layout {
-            master: place("Master Axis"),
-            motion_type: place("Motion Type"),
-            reference: place("Master Reference"),
-        }
-    }
-}
-
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
-    let layout = motion.layouts.mdac;
     let axis = motion.target_axis(call)?;
     let at = usize::from(axis);
-    motion.verify_operands(call)?;
-    let master = mdcc::master(motion, call, layout.master)?;
-    let reference = mdcc::reference(call, layout.reference);
-    let serves = Serves::ALL
-        .get(call.word(layout.motion_type) as usize)
-        .copied()
-        .unwrap_or(Serves::All);
+    let Mdac {
+        master_axis,
+        motion_type,
+        master_reference,
+    } = motion.operands(call)?;
+    let master = motion.axis_of(&master_axis)?;
+    let reference = *master_reference;
+    let serves = *motion_type;
     if motion.plan_order(Follower::Axis(axis, master)).is_err() {
         return Err(MotionError::MasterAxisConflict);
     }

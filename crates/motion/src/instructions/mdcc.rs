@@ -1,38 +1,22 @@
 //! MDCC, Master Driven Coordinated Control (spec/coordinated-instructions.md §8.2, §8.3, §18).
 
-use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::enumerations::Reference;
+use arcline_instruction_set::operands::Mdcc;
+use arcline_instruction_set::{Call, Flag, MotionError};
 
-use super::place;
 use crate::control::Execution;
-use crate::masters::Reference;
 use crate::motion::Motion;
 use crate::order::Follower;
 
-/// Places of MDCC's operands.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
-    master: usize,
-    reference: usize,
-    nominal: usize,
-}
-
-impl Layout {
-    pub(super) fn new() -> Self {
-        let place = |name| place(Mnemonic::Mdcc, name);
-        Layout {
-            master: place("Master Axis"),
-            reference: place("Master Reference"),
-            nominal: place("Nominal Master Velocity"),
-        }
-    }
-}
-
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
-    let layout = motion.layouts.mdcc;
     let index = motion.target_system(call)?;
-    motion.verify_operands(call)?;
-    let master = master(motion, call, layout.master)?;
-    let reference = reference(call, layout.reference);
+    let Mdcc {
+        master_axis,
+        master_reference,
+        nominal_master_velocity,
+    } = motion.operands(call)?;
+    let master = motion.axis_of(&master_axis)?;
+    let reference = *master_reference;
     let system = &motion.systems[index];
     if system.has(master) || motion.plan_order(Follower::System(index, master)).is_err() {
         return Err(MotionError::MasterAxisConflict);
@@ -43,7 +27,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if system.is_busy() && active.is_some_and(|active| other_reference(active.axis, active.reference)) {
         return Err(MotionError::MdscInvalidModeOrMasterChange);
     }
-    let link = motion.new_link(execution, master, reference, call.number(layout.nominal));
+    let link = motion.new_link(execution, master, reference, *nominal_master_velocity);
     let ended = motion.systems[index].links.make(link);
     for execution in ended {
         motion.end_link(execution);
@@ -53,22 +37,3 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     motion.controls.write(execution, made, 0, motion.clock.tick);
     Ok(())
 }
-
-/// The operand that names the master.
-pub(super) fn master(motion: &Motion, call: &Call, operand: usize) -> Result<u16, MotionError> {
-    call.object(operand)
-        .filter(|master| usize::from(*master) < motion.axes.len())
-        .ok_or(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))
-}
-
-/// The operand that says what of the master is read.
-pub(super) fn reference(call: &Call, operand: usize) -> Reference {
-    if call.word(operand) == ACTUAL {
-        Reference::Actual
-    } else {
-        Reference::Command
-    }
-}
-
-/// Master Reference: actual position.
-const ACTUAL: i32 = 0;

@@ -1,38 +1,25 @@
 //! MDOC, Motion Disarm Output Cam (spec/axis-and-data-types.md §5).
 
-use arcline_instruction_set::{Call, Mnemonic, MotionError};
+use arcline_instruction_set::enumerations::DisarmType;
+use arcline_instruction_set::operands::Mdoc;
+use arcline_instruction_set::{Call, MotionError};
 
-use super::{maoc, place};
+use super::maoc;
 use crate::control::Execution;
 use crate::motion::Motion;
 
-/// Places of MDOC's operands.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
-    target: usize,
-    disarm_type: usize,
-}
-
-impl Layout {
-    pub(super) fn new() -> Self {
-        let place = |name| place(Mnemonic::Mdoc, name);
-        Layout {
-            target: place("Execution Target"),
-            disarm_type: place("Disarm Type"),
-        }
-    }
-}
-
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
-    let layout = motion.layouts.mdoc;
     let axis = motion.target_axis(call)?;
-    motion.verify_operands(call)?;
-    // All of them, or one.
-    let targets = if call.is_one(layout.disarm_type) {
-        let target = maoc::target(motion, axis, call, layout.target)?;
-        target..target + 1
-    } else {
-        0..motion.axes[usize::from(axis)].outputs.len()
+    let Mdoc {
+        execution_target,
+        disarm_type,
+    } = motion.operands(call)?;
+    let targets = match *disarm_type {
+        DisarmType::Specific => {
+            let target = maoc::target(motion, axis, *execution_target)?;
+            target..target + 1
+        }
+        DisarmType::All => 0..motion.axes[usize::from(axis)].outputs.len(),
     };
     for target in targets {
         motion.disarm_output(axis, target);

@@ -4,11 +4,11 @@
 //! Not here: the path and the dynamics of the move ([`super::moves`]).
 
 use arcline_instruction_set::MotionError;
+use arcline_instruction_set::enumerations::Merge;
 use arcline_planner::geometry::Point;
 use arcline_planner::profile::{KinematicState, Limits};
 use arcline_planner::{Ending, Momentum, Move, Pace, Parameter};
 
-use super::moves::{MERGE_ALL, MERGE_DISABLED};
 use super::points::command;
 use crate::axis::Axis;
 use crate::axis::sum::{Slot, together};
@@ -17,11 +17,11 @@ use crate::motion::Motion;
 use crate::system::{Activity, Lead, Planned};
 
 /// What the axes do of which a merge makes the start of its move: of coordinated motion, or of all motion.
-pub(super) fn terminated(motion: &Motion, index: usize, merge: i32) -> Momentum {
+pub(super) fn terminated(motion: &Motion, index: usize, merge: Merge) -> Momentum {
     let quantity = |axis: &Axis| match merge {
-        MERGE_DISABLED => Default::default(),
+        Merge::Disabled => Default::default(),
         // What a transform gives goes on.
-        MERGE_ALL => axis.sum.motion_of(|slot| !slot.is_of_transforms()),
+        Merge::AllMotion => axis.sum.motion_of(|slot| !slot.is_of_transforms()),
         _ => axis
             .sum
             .get(Slot::System)
@@ -36,9 +36,9 @@ pub(super) fn terminated(motion: &Motion, index: usize, merge: i32) -> Momentum 
 }
 
 /// The acceleration that the curvature of a terminated path gives: it ends with the path.
-fn centripetal(motion: &Motion, index: usize, merge: i32) -> Point {
+fn centripetal(motion: &Motion, index: usize, merge: Merge) -> Point {
     let system = &motion.systems[index];
-    if merge == MERGE_DISABLED || !system.is_busy() {
+    if merge == Merge::Disabled || !system.is_busy() {
         return Point::zeros();
     }
     let pace = system.guide.map_or(1.0, |guide| guide.pace().speed);
@@ -47,13 +47,13 @@ fn centripetal(motion: &Motion, index: usize, merge: i32) -> Point {
 
 /// The limits that the terminated motion keeps by time, as far as they are known. The speed is that of all programmed speeds
 /// together, each in the direction of its motion.
-fn in_force(motion: &Motion, index: usize, merge: i32) -> Option<Limits> {
+fn in_force(motion: &Motion, index: usize, merge: Merge) -> Option<Limits> {
     let system = &motion.systems[index];
-    if merge == MERGE_DISABLED || system.guide.is_some() {
+    if merge == Merge::Disabled || system.guide.is_some() {
         return None;
     }
     let own = system.planner.before();
-    if merge != MERGE_ALL {
+    if merge != Merge::AllMotion {
         return own;
     }
     let mut all = own;
@@ -93,7 +93,7 @@ fn way_of_path(motion: &Motion, index: usize) -> Point {
 
 /// Ends what a merge takes over: the coordinated motion of this system and, for All Motion, what else moves its axes,
 /// the coordinated motion of other systems too. Axes that the new move does not take brake by themselves.
-pub(super) fn terminate(motion: &mut Motion, index: usize, merge: i32) {
+pub(super) fn terminate(motion: &mut Motion, index: usize, merge: Merge) {
     motion.cancel_pending(index);
     motion.end_active(index);
     motion.systems[index].planner.clear_active();
@@ -102,7 +102,7 @@ pub(super) fn terminate(motion: &mut Motion, index: usize, merge: i32) {
         motion.rest_system(index);
     }
     motion.part_axes(index);
-    if merge != MERGE_ALL {
+    if merge != Merge::AllMotion {
         return;
     }
     for place in 0..motion.systems[index].description.linear().len() {
@@ -140,7 +140,7 @@ pub(super) fn on_the_way(pace: &Pace, momentum: &Momentum) -> Momentum {
 pub(super) fn verify_lead(
     motion: &Motion,
     index: usize,
-    merge: i32,
+    merge: Merge,
     lead: Lead,
     idle: bool,
 ) -> Result<(), MotionError> {
@@ -148,7 +148,7 @@ pub(super) fn verify_lead(
     if system.activity != Activity::Moving {
         return Ok(());
     }
-    let before = if merge == MERGE_DISABLED {
+    let before = if merge == Merge::Disabled {
         system.moves().last().filter(|last| last.ending != Ending::Stop)
     } else {
         system.moves().next()
@@ -165,9 +165,9 @@ pub(super) fn verify_lead(
 }
 
 /// What a master driven move is a function of: the way of the move before it, or one that begins with it.
-pub(super) fn parameter(motion: &mut Motion, index: usize, merge: i32, lead: Lead, link: &MasterLink) -> Parameter {
+pub(super) fn parameter(motion: &mut Motion, index: usize, merge: Merge, lead: Lead, link: &MasterLink) -> Parameter {
     let system = &motion.systems[index];
-    if merge == MERGE_DISABLED && system.activity == Activity::Moving && lead.lock.position.is_none() {
+    if merge == Merge::Disabled && system.activity == Activity::Moving && lead.lock.position.is_none() {
         let led = |last: &&Move<Planned>| {
             let before = last.data.lead;
             before.is_some_and(|before| before.link == lead.link && before.lock.sense == lead.lock.sense)

@@ -1,8 +1,10 @@
 //! MGS, Motion Group Stop (spec/axis-and-data-types.md §4): every axis by itself, not along a path.
 
-use arcline_instruction_set::{Call, Flag, Mnemonic, MotionError};
+use arcline_instruction_set::enumerations::StopMode;
+use arcline_instruction_set::operands::Mgs;
+use arcline_instruction_set::{Call, Flag, MotionError};
 
-use super::{masd, place};
+use super::masd;
 use crate::axis::{AfterStop, AxisState};
 use crate::control::Execution;
 use crate::machine::ProgrammedStopMode;
@@ -10,27 +12,13 @@ use crate::motion::Motion;
 use crate::stop::{AxisSet, Stop};
 use crate::transforms::Release;
 
-/// Places of MGS's operands.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Layout {
-    stop_mode: usize,
-}
-
-impl Layout {
-    pub(super) fn new() -> Self {
-        Layout {
-            stop_mode: place(Mnemonic::Mgs, "Stop Mode"),
-        }
-    }
-}
-
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     motion.target_group(call)?;
-    motion.verify_operands(call)?;
-    let mode = match call.word(motion.layouts.mgs.stop_mode) {
-        1 => Some(ProgrammedStopMode::FastStop),
-        2 => Some(ProgrammedStopMode::FastDisable),
-        _ => None,
+    let Mgs { stop_mode } = motion.operands(call)?;
+    let mode = match *stop_mode {
+        StopMode::Programmed => None,
+        StopMode::FastStop => Some(ProgrammedStopMode::FastStop),
+        StopMode::FastDisable => Some(ProgrammedStopMode::FastDisable),
     };
     if let Some(stop) = motion.group_stop.take() {
         motion.end_move(stop.execution, 0);

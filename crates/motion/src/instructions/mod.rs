@@ -48,88 +48,23 @@ mod points;
 mod programmed;
 mod seconds;
 
-use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::enumerations::Merge;
+use arcline_instruction_set::operands::{Mccm, Mclm, Operands};
+use arcline_instruction_set::{Call, Enumeration, Mnemonic, MotionError, OperandIndex};
 
 use crate::control::Execution;
 use crate::material::Sent;
 use crate::motion::Motion;
 pub(crate) use masd::shut_down;
 
-use moves::MoveLayout;
-
-/// Places of the operands on the faceplates, looked up in the catalogue once.
-#[derive(Debug)]
-pub(crate) struct Layouts {
-    mclm: MoveLayout,
-    mccm: MoveLayout,
-    circle: mccm::CircleLayout,
-    mccd: mccd::Layout,
-    mcs: mcs::Layout,
-    mam: mam::Layout,
-    maj: maj::Layout,
-    mcd: mcd::Layout,
-    mas: mas::Layout,
-    mag: mag::Layout,
-    mapc: mapc::Layout,
-    matc: matc::Layout,
-    maoc: maoc::Layout,
-    mdoc: mdoc::Layout,
-    maw: maw::Layout,
-    mar: mar::Layout,
-    mdr: mdr::Layout,
-    mct: mct::Layout,
-    mdcc: mdcc::Layout,
-    mcpm: mcpm::Layout,
-    mdac: mdac::Layout,
-    mctp: mctp::Layout,
-    mcto: mcto::Layout,
-    mctpo: mctpo::Layout,
-    mgs: mgs::Layout,
-    mrp: mrp::Layout,
-}
-
-impl Layouts {
-    pub(crate) fn new() -> Self {
-        Layouts {
-            mclm: MoveLayout::of(Mnemonic::Mclm),
-            mccm: MoveLayout::of(Mnemonic::Mccm),
-            circle: mccm::CircleLayout::new(),
-            mccd: mccd::Layout::new(),
-            mcs: mcs::Layout::new(),
-            mam: mam::Layout::new(),
-            maj: maj::Layout::new(),
-            mcd: mcd::Layout::new(),
-            mas: mas::Layout::new(),
-            mag: mag::Layout::new(),
-            mapc: mapc::Layout::new(),
-            matc: matc::Layout::new(),
-            maoc: maoc::Layout::new(),
-            mdoc: mdoc::Layout::new(),
-            maw: maw::Layout::new(),
-            mar: mar::Layout::new(),
-            mdr: mdr::Layout::new(),
-            mct: mct::Layout::of(Mnemonic::Mct),
-            mdcc: mdcc::Layout::new(),
-            mcpm: mcpm::Layout::new(),
-            mdac: mdac::Layout::new(),
-            mctp: mctp::Layout::new(),
-            mcto: mcto::Layout::of(Mnemonic::Mcto),
-            mctpo: mctpo::Layout::new(),
-            mgs: mgs::Layout::new(),
-            mrp: mrp::Layout::new(),
-        }
-    }
-}
-
-impl Layouts {
-    /// Whether a call is of a coordinated move that merges: it ends what is under way and takes no place in the queue.
-    pub(crate) fn merges(&self, call: &Call) -> bool {
-        match call.mnemonic {
-            Mnemonic::Mclm => self.mclm.merges(call),
-            Mnemonic::Mccm => self.mccm.merges(call),
-            _ => false,
-        }
-    }
+/// Whether a call is of a coordinated move that merges: it ends what is under way and takes no place in the queue.
+pub(crate) fn merges(call: &Call) -> bool {
+    let merge = match call.mnemonic {
+        Mnemonic::Mclm => Mclm::of(call).merge.index,
+        Mnemonic::Mccm => Mccm::of(call).merge.index,
+        _ => return false,
+    };
+    Merge::from_number(call.word(usize::from(merge.0))) != Some(Merge::Disabled)
 }
 
 /// Verifies an instruction and does it. Real-time.
@@ -188,13 +123,4 @@ pub(crate) fn is_queued(mnemonic: Mnemonic) -> bool {
 /// The error of an instruction whose target does not exist: its first operand.
 pub(crate) fn no_target() -> MotionError {
     MotionError::ParameterOutOfRange(OperandIndex(0))
-}
-
-/// Place of a named operand on an instruction's faceplate.
-fn place(mnemonic: Mnemonic, name: &str) -> usize {
-    let operands = mnemonic.instruction().operands;
-    operands
-        .iter()
-        .position(|operand| operand.name == name)
-        .unwrap_or_else(|| panic!("the catalogue lists no operand {name} of {mnemonic}"))
 }

@@ -2,15 +2,16 @@
 //!
 //! Not here: where moves begin and end ([`super::points`]), and what they are merged with or follow ([`super::merging`]).
 
-use arcline_instruction_set::{AxisIndex, Call, Flag, Mnemonic, MotionError};
+use arcline_instruction_set::enumerations::{Merge, MergeSpeed, TerminationType};
+use arcline_instruction_set::operands::EventOperands;
+use arcline_instruction_set::{AxisIndex, Call, Flag, MotionError};
 use arcline_planner::geometry::{Path, Point, Turn};
 use arcline_planner::profile::Phase;
 use arcline_planner::{Ending, Momentum, Move, Parameter, TurnResidual};
 
 use super::merging::{on_the_way, parameter, terminate, terminated, verify_lead};
-use super::place;
 use super::points::{command, queue_shift, start_point};
-use super::programmed::{self, DynamicsLayout};
+use super::programmed::{self, Programmed};
 use crate::accepted::AcceptedMove;
 use crate::control::Execution;
 use crate::dynamics::Maxima;
@@ -21,78 +22,48 @@ use crate::motion::Motion;
 use crate::system::{Activity, Planned, System, Termination};
 use crate::verify;
 
-/// Places of the operands that every coordinated move has.
+/// The operands that every coordinated move has beside its path.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct MoveLayout {
-    pub(super) move_type: usize,
-    pub(super) position: usize,
-    dynamics: DynamicsLayout,
-    termination_type: usize,
-    merge: usize,
-    merge_speed: usize,
-    command_tolerance: usize,
-    event_distance: usize,
-    calculated_data: usize,
+pub(super) struct MoveOperands {
+    pub(super) programmed: Programmed,
+    pub(super) termination_type: TerminationType,
+    pub(super) merge: Merge,
+    pub(super) merge_speed: MergeSpeed,
+    pub(super) command_tolerance: f64,
+    pub(super) events: EventOperands,
 }
 
-/// Move Type: the position counts from the start of the move.
-pub(super) const INCREMENTAL: i32 = 1;
-/// Merge: Disabled.
-pub(super) const MERGE_DISABLED: i32 = 0;
-/// Merge: All Motion.
-pub(super) const MERGE_ALL: i32 = 2;
-/// Merge Speed: Current.
-const CURRENT: i32 = 1;
-
-impl MoveLayout {
-    pub(super) fn of(mnemonic: Mnemonic) -> Self {
-        let place = |name| place(mnemonic, name);
-        MoveLayout {
-            move_type: place("Move Type"),
-            position: place("Position"),
-            dynamics: DynamicsLayout::of(mnemonic),
-            termination_type: place("Termination Type"),
-            merge: place("Merge"),
-            merge_speed: place("Merge Speed"),
-            command_tolerance: place("Command Tolerance"),
-            event_distance: place("Event Distance"),
-            calculated_data: place("Calculated Data"),
-        }
-    }
-
-    /// Whether the move takes over at once, whatever waits.
-    pub(super) fn merges(&self, call: &Call) -> bool {
-        call.word(self.merge) != MERGE_DISABLED
-    }
-
+impl MoveOperands {
     /// How the move completes, and what happens there if it has a successor.
-    fn termination(&self, call: &Call, system: &CoordinateSystem) -> Result<(Termination, Ending), MotionError> {
-        let word = call.word(self.termination_type);
-        let blended = matches!(word, 2 | 3 | 6);
+    fn termination(&self, system: &CoordinateSystem) -> Result<(Termination, Ending), MotionError> {
+        use TerminationType::{
+            ActualTolerance, CommandTolerance, CommandToleranceProgrammed, ContourVelocityConstrained,
+            ContourVelocityUnconstrained, NoDecel, NoSettle,
+        };
+        let ending = match self.termination_type {
+            ActualTolerance | NoSettle => Ending::Stop,
+            CommandTolerance => Ending::Blend {
+                tolerance: system.command_tolerance,
+            },
+            NoDecel => Ending::Blend {
+                tolerance: f64::INFINITY,
+            },
+            ContourVelocityConstrained => Ending::Contour { constrained: true },
+            ContourVelocityUnconstrained => Ending::Contour { constrained: false },
+            CommandToleranceProgrammed => Ending::Blend {
+                tolerance: self.command_tolerance,
+            },
+        };
+        let blended = matches!(ending, Ending::Blend { .. });
         let superposed = blended && system.corner == Corner::Logix;
         let (axes, joints) = (system.axis_limits, system.joint_limits);
         if superposed && axes == AxisLimits::Enforce || blended && joints == AxisLimits::Enforce {
             return Err(MotionError::FeatureNotSupported);
         }
-        let ending = match word {
-            0 if system.actual_tolerance <= 0.0 => return Err(MotionError::InvalidActualTolerance),
-            2 => Ending::Blend {
-                tolerance: system.command_tolerance,
-            },
-            3 => Ending::Blend {
-                tolerance: f64::INFINITY,
-            },
-            4 => Ending::Contour { constrained: true },
-            5 => Ending::Contour { constrained: false },
-            6 => Ending::Blend {
-                tolerance: call.number(self.command_tolerance),
-            },
-            _ => Ending::Stop,
-        };
-        let settles = if word == 0 {
-            Termination::ActualTolerance
-        } else {
-            Termination::Command
+        let settles = match self.termination_type {
+            ActualTolerance if system.actual_tolerance <= 0.0 => return Err(MotionError::InvalidActualTolerance),
+            ActualTolerance => Termination::ActualTolerance,
+            _ => Termination::Command,
         };
         Ok((settles, ending))
     }
@@ -104,20 +75,17 @@ pub(super) fn execute(
     motion: &mut Motion,
     execution: Execution,
     call: &Call,
-    layout: &MoveLayout,
-    least_axes: usize,
+    operands: &MoveOperands,
     path: impl FnOnce(&Motion, &System, Point) -> Result<Path, MotionError>,
 ) -> Result<(), MotionError> {
     let index = motion.target_system(call)?;
-    if motion.systems[index].description.linear().len() < least_axes {
-        return Err(super::no_target());
-    }
     motion.verify_operands(call)?;
-    layout.dynamics.verify_units(call)?;
+    let programmed = &operands.programmed;
+    programmed.verify_units()?;
     let link = motion.systems[index].links.newest().copied();
-    layout.dynamics.verify_link(call, link.as_ref())?;
-    let lead = layout.dynamics.lead(motion, call, link.as_ref())?;
-    let events = Events::of(call, layout.event_distance, layout.calculated_data, Fit::AtLeast)?;
+    programmed.verify_link(link.as_ref())?;
+    let lead = programmed.lead(motion, link.as_ref())?;
+    let events = Events::of(&operands.events, Fit::AtLeast)?;
     let system = &motion.systems[index];
     // What an axis does by time is its master's to decide.
     if system.description.axis_limits == AxisLimits::Enforce && lead.is_some() {
@@ -125,27 +93,27 @@ pub(super) fn execute(
     }
     verify::axes_ready(system, &motion.axes)?;
     verify::not_homing(system, &motion.axes)?;
-    let mut dynamics = layout.dynamics.read(call, &Maxima::from(&system.description))?;
+    let mut dynamics = programmed.dynamics(&Maxima::from(&system.description))?;
     verify::stoppable(system, &motion.axes, dynamics.is_s_curve())?;
-    let (termination, ending) = layout.termination(call, &system.description)?;
-    let merge = call.word(layout.merge);
-    let start = if merge == MERGE_DISABLED {
+    let (termination, ending) = operands.termination(&system.description)?;
+    let merge = operands.merge;
+    let start = if merge == Merge::Disabled {
         start_point(motion, index)
     } else {
         command(motion, index, |axis| axis.command.position)
     };
     // The queue goes on in the frame in which it began, the operands are of the positions as they are now.
     let shift = match merge {
-        MERGE_DISABLED => queue_shift(motion, index),
+        Merge::Disabled => queue_shift(motion, index),
         _ => Point::zeros(),
     };
-    let programmed = path(motion, system, start + shift)?;
-    let path = programmed.shifted(&-shift);
+    let in_positions = path(motion, system, start + shift)?;
+    let path = in_positions.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
     verify::no_overtravel(system, &motion.axes, &path.end())?;
     // What queues begins with the orientation at the end of the queue, and keeps it.
-    let still = (merge == MERGE_DISABLED).then(|| motion.still(index)).flatten();
-    let mut heading = (merge == MERGE_DISABLED)
+    let still = (merge == Merge::Disabled).then(|| motion.still(index)).flatten();
+    let mut heading = (merge == Merge::Disabled)
         .then(|| motion.queued_heading(index))
         .flatten();
     let mut pace = motion.verify_reach(index, &path.shifted(&shift), still.as_ref())?;
@@ -154,12 +122,12 @@ pub(super) fn execute(
     }
 
     let mut corner = f64::INFINITY;
-    if merge == MERGE_DISABLED && system.description.joint_limits == AxisLimits::Enforce {
+    if merge == Merge::Disabled && system.description.joint_limits == AxisLimits::Enforce {
         corner = motion.corner_pace(index, &path, &shift);
     }
     let mut momentum = terminated(motion, index, merge);
     let mut turning = match merge {
-        MERGE_DISABLED => None,
+        Merge::Disabled => None,
         _ => motion.turning(index),
     };
     let mut current = command(motion, index, |axis| axis.command.velocity).norm();
@@ -168,7 +136,7 @@ pub(super) fn execute(
         let turns = turning.is_some_and(|turning| turning.rate != Point::zeros());
         let moves = momentum.velocity != Point::zeros() || turns;
         let by_master = programmed::pace(link, lead.lock, moves)?;
-        let idle = merge != MERGE_DISABLED && !moves && link.master.velocity() == 0.0;
+        let idle = merge != Merge::Disabled && !moves && link.master.velocity() == 0.0;
         verify_lead(motion, index, merge, lead, idle)?;
         momentum = on_the_way(&by_master, &momentum);
         turning = turning.map(|turning| turning.on_the_way(&by_master, link.nominal));
@@ -181,7 +149,7 @@ pub(super) fn execute(
         pace = pace.by_master(link.nominal);
         corner /= link.nominal;
     }
-    if merge != MERGE_DISABLED && call.word(layout.merge_speed) == CURRENT && current > 0.0 {
+    if merge != Merge::Disabled && operands.merge_speed == MergeSpeed::Current && current > 0.0 {
         dynamics.keep_speed(current);
     }
     dynamics.keep_to(&pace);
@@ -217,7 +185,7 @@ pub(super) fn execute(
         residual,
         merge,
     };
-    launch(motion, index, planned, programmed, taken)
+    launch(motion, index, planned, in_positions, taken)
 }
 
 /// What a move goes on from.
@@ -226,7 +194,7 @@ pub(super) struct TakenOver {
     pub(super) momentum: Momentum,
     /// A turn that ramps out beside the move.
     pub(super) residual: Option<TurnResidual>,
-    pub(super) merge: i32,
+    pub(super) merge: Merge,
 }
 
 /// Starts or queues a move that was verified. `programmed`: its path in positions as they are now.
@@ -258,7 +226,7 @@ pub(super) fn launch(
         },
     };
     if motion.systems[index].contour.is_some() {
-        if merge != MERGE_DISABLED {
+        if merge != Merge::Disabled {
             terminate(motion, index, merge);
         }
         // What does not move is not merged, and planned like any other move.
@@ -268,7 +236,7 @@ pub(super) fn launch(
             motion.controls.write(execution, accepted, 0, tick);
             return Ok(());
         }
-    } else if merge == MERGE_DISABLED && motion.systems[index].is_busy() {
+    } else if merge == Merge::Disabled && motion.systems[index].is_busy() {
         let system = &mut motion.systems[index];
         let clock = system.clock(&motion.clock);
         system
@@ -280,7 +248,7 @@ pub(super) fn launch(
         motion.accept(accepted_move);
         motion.controls.write(execution, accepted, 0, tick);
         return Ok(());
-    } else if merge != MERGE_DISABLED {
+    } else if merge != Merge::Disabled {
         terminate(motion, index, merge);
     }
     motion.lead_system(index, lead, motion.clock.now())?;
@@ -312,13 +280,13 @@ pub(super) fn launch(
 }
 
 /// Step 11: the queue, a stop under way, another coordinate system that holds one of the axes.
-pub(super) fn verify_conflicts(motion: &Motion, index: usize, merge: i32) -> Result<(), MotionError> {
+pub(super) fn verify_conflicts(motion: &Motion, index: usize, merge: Merge) -> Result<(), MotionError> {
     let system = &motion.systems[index];
-    if merge == MERGE_DISABLED && system.activity == Activity::Moving && system.is_full() {
+    if merge == Merge::Disabled && system.activity == Activity::Moving && system.is_full() {
         return Err(MotionError::CoordinateSystemQueueFull);
     }
     verify::not_stopping(system, &motion.axes)?;
-    if merge == MERGE_ALL {
+    if merge == Merge::AllMotion {
         return Ok(());
     }
     for (other_index, other) in motion.systems.iter().enumerate() {

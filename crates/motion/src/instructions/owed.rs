@@ -149,7 +149,7 @@ mod tests {
     use crate::control::{Execution, Ticket};
     use crate::dynamics::PathLimits;
     use crate::dynamics::{Dynamics, Jerks, Shape};
-    use crate::instructions::programmed::ChangeLayout;
+    use crate::instructions::programmed::Rates;
     use crate::system::Termination;
 
     fn waiting(pace: PathLimits) -> Move<Planned> {
@@ -215,7 +215,7 @@ mod tests {
                 deceleration: self.value(),
                 acceleration_jerk: jerk(self),
                 deceleration_jerk: jerk(self),
-                places: ChangeLayout::of(Mnemonic::Mccd).rates,
+                rates: Rates::of_nothing(),
             }
         }
     }

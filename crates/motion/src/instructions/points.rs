@@ -2,7 +2,8 @@
 //!
 //! Not here: paths between them. Units: position units.
 
-use arcline_instruction_set::{Call, MotionError, OperandIndex};
+use arcline_instruction_set::enumerations::MoveType;
+use arcline_instruction_set::{MotionError, OperandIndex, RealArray};
 use arcline_planner::geometry::Point;
 
 use crate::axis::Axis;
@@ -40,21 +41,20 @@ pub(super) fn start_point(motion: &Motion, index: usize) -> Point {
 }
 
 /// The operand's point, absolute or counted from the start; axes beyond the operand keep the start's.
-pub(super) fn target_point(values: &[f64], start: &Point, incremental: bool) -> Point {
+pub(super) fn target_point(values: &[f64], start: &Point, move_type: MoveType) -> Point {
     let mut target = *start;
     for (place, (coordinate, value)) in target.iter_mut().zip(values).enumerate() {
-        *coordinate = if incremental {
-            component(start, place) + value
-        } else {
-            *value
+        *coordinate = match move_type {
+            MoveType::Incremental => component(start, place) + value,
+            MoveType::Absolute => *value,
         };
     }
     target
 }
 
 /// The elements of an array operand that belong to the axes of a coordinate system.
-pub(super) fn primary<'a>(system: &System, call: &'a Call, operand: usize) -> &'a [f64] {
-    let values = call.array(operand);
+pub(super) fn primary<'a>(system: &System, operand: &'a RealArray) -> &'a [f64] {
+    let values = operand.as_slice();
     &values[..system.description.linear().len().min(values.len())]
 }
 
@@ -75,14 +75,14 @@ pub(super) fn unwind(
     start: &Point,
     values: &[f64],
     target: &mut Point,
-    operand: usize,
+    operand: OperandIndex,
 ) -> Result<(), MotionError> {
     for (place, unwind) in unwinds(motion, system) {
         if let Some(position) = values.get(place) {
             let turn = Turn::at(component(start, place), unwind);
             target[place] = turn
                 .signed(*position)
-                .ok_or(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))?;
+                .ok_or(MotionError::ParameterOutOfRange(operand))?;
         }
     }
     Ok(())

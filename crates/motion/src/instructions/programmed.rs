@@ -2,141 +2,152 @@
 //!
 //! Not here: what becomes of them, and MAM's durations in seconds.
 
-use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::enumerations::{JerkUnits, LockDirection, NoYes, RateUnits, SpeedUnits, VelocityProfile};
+use arcline_instruction_set::operands::{DynamicsOperands, LockOperands, OperandValue, StopOperands};
+use arcline_instruction_set::{MotionError, OperandIndex};
 use arcline_planner::Pace;
 use arcline_planner::profile::{Limits, stop_distance};
 
-use super::place;
-use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, in_units, jerk_in_units, reference_speed};
+use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, Units, in_units, jerk_in_units, reference_speed};
 use crate::masters::guide::Guide;
 use crate::masters::links::MasterLink;
 use crate::masters::master::{LockTo, Sense};
 use crate::motion::Motion;
 use crate::rotary::Turn;
 use crate::system::Lead;
-use crate::verify::is_master_driven;
 
-/// Profile: S-curve.
-const S_CURVE: i32 = 1;
-
-/// Places of magnitudes and of their units.
+/// Speed, rates and jerks with their units, of a move, a jog or a change.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rates {
-    pub(super) speed: usize,
-    pub(super) speed_units: usize,
-    pub(super) accel_rate: usize,
-    pub(super) accel_units: usize,
-    pub(super) decel_rate: usize,
-    pub(super) decel_units: usize,
-    pub(super) accel_jerk: usize,
-    pub(super) decel_jerk: usize,
-    pub(super) jerk_units: usize,
+    pub(super) speed: OperandValue<f64>,
+    pub(super) speed_units: OperandValue<SpeedUnits>,
+    pub(super) accel_rate: OperandValue<f64>,
+    pub(super) accel_units: OperandValue<RateUnits>,
+    pub(super) decel_rate: OperandValue<f64>,
+    pub(super) decel_units: OperandValue<RateUnits>,
+    pub(super) accel_jerk: OperandValue<f64>,
+    pub(super) decel_jerk: OperandValue<f64>,
+    pub(super) jerk_units: OperandValue<JerkUnits>,
 }
 
 impl Rates {
-    fn of(mnemonic: Mnemonic) -> Self {
-        let place = |name| place(mnemonic, name);
+    #[cfg(test)]
+    pub(super) fn of_nothing() -> Self {
+        fn zero<T>(value: T) -> OperandValue<T> {
+            OperandValue {
+                value,
+                index: OperandIndex(0),
+            }
+        }
         Rates {
-            speed: place("Speed"),
-            speed_units: place("Speed Units"),
-            accel_rate: place("Accel Rate"),
-            accel_units: place("Accel Units"),
-            decel_rate: place("Decel Rate"),
-            decel_units: place("Decel Units"),
-            accel_jerk: place("Accel Jerk"),
-            decel_jerk: place("Decel Jerk"),
-            jerk_units: place("Jerk Units"),
+            speed: zero(0.0),
+            speed_units: zero(SpeedUnits::UnitsPerSec),
+            accel_rate: zero(0.0),
+            accel_units: zero(RateUnits::UnitsPerSec2),
+            decel_rate: zero(0.0),
+            decel_units: zero(RateUnits::UnitsPerSec2),
+            accel_jerk: zero(0.0),
+            decel_jerk: zero(0.0),
+            jerk_units: zero(JerkUnits::UnitsPerSec3),
         }
     }
 
-    fn speed(&self, call: &Call, maxima: &Maxima) -> f64 {
-        in_units(call.number(self.speed), call.word(self.speed_units), maxima.speed)
+    fn speed(&self, maxima: &Maxima) -> f64 {
+        in_units(*self.speed, *self.speed_units, maxima.speed)
     }
 
-    fn acceleration(&self, call: &Call, maxima: &Maxima) -> f64 {
-        let units = call.word(self.accel_units);
-        in_units(call.number(self.accel_rate), units, maxima.acceleration)
+    fn acceleration(&self, maxima: &Maxima) -> f64 {
+        in_units(*self.accel_rate, *self.accel_units, maxima.acceleration)
     }
 
-    fn deceleration(&self, call: &Call, maxima: &Maxima) -> f64 {
-        let units = call.word(self.decel_units);
-        in_units(call.number(self.decel_rate), units, maxima.deceleration)
+    fn deceleration(&self, maxima: &Maxima) -> f64 {
+        in_units(*self.decel_rate, *self.decel_units, maxima.deceleration)
     }
 
-    fn jerks(&self, call: &Call, maxima: &Maxima) -> Jerks {
-        let jerk = |value, maximum| jerk_in_units(call.number(value), call.word(self.jerk_units), maximum);
+    fn jerks(&self, maxima: &Maxima) -> Jerks {
+        let units = *self.jerk_units;
         Jerks {
-            acceleration: jerk(self.accel_jerk, maxima.acceleration_jerk),
-            deceleration: jerk(self.decel_jerk, maxima.deceleration_jerk),
+            acceleration: jerk_in_units(*self.accel_jerk, units, maxima.acceleration_jerk),
+            deceleration: jerk_in_units(*self.decel_jerk, units, maxima.deceleration_jerk),
         }
     }
 
     /// A percentage of a maximum that is 0 leaves nothing to move with.
     fn verify(&self, dynamics: &Dynamics) -> Result<(), MotionError> {
-        positive(dynamics.acceleration, self.accel_rate)?;
-        positive(dynamics.deceleration, self.decel_rate)?;
+        positive(dynamics.acceleration, self.accel_rate.index)?;
+        positive(dynamics.deceleration, self.decel_rate.index)?;
         if let Some(jerk) = dynamics.limits().jerk {
-            positive(jerk.acceleration, self.accel_jerk)?;
-            positive(jerk.deceleration, self.decel_jerk)?;
+            positive(jerk.acceleration, self.accel_jerk.index)?;
+            positive(jerk.deceleration, self.decel_jerk.index)?;
         }
         Ok(())
     }
 }
 
-/// Places of the operands that say how something moves: MCLM, MCCM, MAM, MAJ.
+/// How a move or a jog is programmed: MCLM, MCCM, MAM, MAJ.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct DynamicsLayout {
+pub(super) struct Programmed {
     pub(super) rates: Rates,
-    profile: usize,
-    lock: LockLayout,
+    profile: VelocityProfile,
+    lock: LockOperands,
 }
 
-/// Places of the operands that say how something is locked to a master: those of [`DynamicsLayout`], and MATC's.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LockLayout {
-    position: usize,
-    direction: usize,
-}
-
-/// Lock Direction, from 1 on: at once forward and reverse, and at a position forward and reverse.
-const IMMEDIATE_REVERSE: i32 = 2;
-const POSITION_FORWARD: i32 = 3;
-const POSITION_REVERSE: i32 = 4;
-
-impl DynamicsLayout {
-    pub(super) fn of(mnemonic: Mnemonic) -> Self {
-        DynamicsLayout {
-            rates: Rates::of(mnemonic),
-            profile: place(mnemonic, "Profile"),
-            lock: LockLayout::of(mnemonic),
+impl Programmed {
+    pub(super) fn new(dynamics: DynamicsOperands, lock: LockOperands) -> Self {
+        let DynamicsOperands {
+            speed,
+            speed_units,
+            accel_rate,
+            accel_units,
+            decel_rate,
+            decel_units,
+            profile,
+            accel_jerk,
+            decel_jerk,
+            jerk_units,
+        } = dynamics;
+        let rates = Rates {
+            speed,
+            speed_units,
+            accel_rate,
+            accel_units,
+            decel_rate,
+            decel_units,
+            accel_jerk,
+            decel_jerk,
+            jerk_units,
+        };
+        Programmed {
+            rates,
+            profile: *profile,
+            lock,
         }
     }
 
-    pub(super) fn is_s_curve(&self, call: &Call) -> bool {
-        call.word(self.profile) == S_CURVE
+    pub(super) fn is_s_curve(&self) -> bool {
+        self.profile == VelocityProfile::SCurve
     }
 
     /// The shape with these jerks.
-    pub(super) fn shape(&self, call: &Call, jerks: Jerks) -> Shape {
-        if self.is_s_curve(call) {
-            Shape::SCurve(jerks)
-        } else {
-            Shape::Trapezoidal(jerks)
+    pub(super) fn shape(&self, jerks: Jerks) -> Shape {
+        match self.profile {
+            VelocityProfile::SCurve => Shape::SCurve(jerks),
+            VelocityProfile::Trapezoidal => Shape::Trapezoidal(jerks),
         }
     }
 
-    /// Speed, rates and jerks in units.
+    /// Speed, rates and jerks in position units.
     ///
     /// # Errors
     /// `ParameterOutOfRange` (13) where a percentage of a maximum is 0.
-    pub(super) fn read(&self, call: &Call, maxima: &Maxima) -> Result<Dynamics, MotionError> {
+    pub(super) fn dynamics(&self, maxima: &Maxima) -> Result<Dynamics, MotionError> {
         let rates = &self.rates;
-        let speed = rates.speed(call, maxima);
+        let speed = rates.speed(maxima);
         let dynamics = Dynamics {
             speed,
-            acceleration: rates.acceleration(call, maxima),
-            deceleration: rates.deceleration(call, maxima),
-            shape: self.shape(call, rates.jerks(call, maxima)),
+            acceleration: rates.acceleration(maxima),
+            deceleration: rates.deceleration(maxima),
+            shape: self.shape(rates.jerks(maxima)),
             last_speed: reference_speed(speed, maxima.speed),
         };
         rates.verify(&dynamics)?;
@@ -144,93 +155,82 @@ impl DynamicsLayout {
     }
 
     /// One mode for all units: 94.
-    pub(super) fn verify_units(&self, call: &Call) -> Result<(), MotionError> {
+    pub(super) fn verify_units(&self) -> Result<(), MotionError> {
         let rates = &self.rates;
-        let master = is_master_driven(call.number(rates.speed_units));
-        let others = [rates.accel_units, rates.decel_units, rates.jerk_units];
-        if others
-            .iter()
-            .any(|units| is_master_driven(call.number(*units)) != master)
-        {
+        let others = [
+            rates.accel_units.is_master_driven(),
+            rates.decel_units.is_master_driven(),
+            rates.jerk_units.is_master_driven(),
+        ];
+        if others.iter().any(|other| *other != self.is_master_driven()) {
             return Err(MotionError::MdscUnitsConflict);
         }
         Ok(())
     }
 
     /// Whether the speed is by a master.
-    pub(super) fn is_master_driven(&self, call: &Call) -> bool {
-        is_master_driven(call.number(self.rates.speed_units))
+    fn is_master_driven(&self) -> bool {
+        self.rates.speed_units.is_master_driven()
     }
 
     /// A lock direction of the mode of the units (95), and a link for what is master driven (93).
-    pub(super) fn verify_link(&self, call: &Call, link: Option<&MasterLink>) -> Result<(), MotionError> {
-        self.lock.verify(call, self.is_master_driven(call), link)
+    pub(super) fn verify_link(&self, link: Option<&MasterLink>) -> Result<(), MotionError> {
+        verify_lock(&self.lock, self.is_master_driven(), link)
     }
 
-    /// How a call is driven by its link; `None`: by time.
+    /// How the motion is driven by its link; `None`: by time.
     ///
     /// # Errors
     /// `ParameterOutOfRange` (13) where a rotary master never shows the Lock Position.
-    pub(super) fn lead(
-        &self,
-        motion: &Motion,
-        call: &Call,
-        link: Option<&MasterLink>,
-    ) -> Result<Option<Lead>, MotionError> {
-        let Some(link) = link.filter(|_| self.is_master_driven(call)) else {
+    pub(super) fn lead(&self, motion: &Motion, link: Option<&MasterLink>) -> Result<Option<Lead>, MotionError> {
+        let Some(link) = link.filter(|_| self.is_master_driven()) else {
             return Ok(None);
         };
-        self.lock.lead(motion, call, link).map(Some)
+        lead(motion, &self.lock, link).map(Some)
     }
 }
 
-impl LockLayout {
-    pub(super) fn of(mnemonic: Mnemonic) -> Self {
-        LockLayout {
-            position: place(mnemonic, "Lock Position"),
-            direction: place(mnemonic, "Lock Direction"),
-        }
+/// A lock direction of the mode (95), and a link for what is master driven (93).
+pub(super) fn verify_lock(
+    lock: &LockOperands,
+    master_driven: bool,
+    link: Option<&MasterLink>,
+) -> Result<(), MotionError> {
+    if (*lock.lock_direction != LockDirection::None) != master_driven {
+        return Err(MotionError::MdscLockDirectionConflict);
     }
+    if master_driven && link.is_none() {
+        return Err(MotionError::MdscNotActivated);
+    }
+    Ok(())
+}
 
-    /// A lock direction of the mode (95), and a link for what is master driven (93).
-    pub(super) fn verify(
-        &self,
-        call: &Call,
-        master_driven: bool,
-        link: Option<&MasterLink>,
-    ) -> Result<(), MotionError> {
-        if (call.word(self.direction) != 0) != master_driven {
-            return Err(MotionError::MdscLockDirectionConflict);
-        }
-        if master_driven && link.is_none() {
-            return Err(MotionError::MdscNotActivated);
-        }
-        Ok(())
+/// How a motion is driven by a link.
+///
+/// # Errors
+/// `ParameterOutOfRange` (13) where a rotary master never shows the Lock Position.
+pub(super) fn lead(motion: &Motion, lock: &LockOperands, link: &MasterLink) -> Result<Lead, MotionError> {
+    let LockOperands {
+        lock_position,
+        lock_direction,
+    } = lock;
+    let (sense, at_position) = match **lock_direction {
+        LockDirection::None | LockDirection::ImmediateForward => (Sense::Forward, false),
+        LockDirection::ImmediateReverse => (Sense::Reverse, false),
+        LockDirection::PositionForward => (Sense::Forward, true),
+        LockDirection::PositionReverse => (Sense::Reverse, true),
+    };
+    let position = at_position.then_some(**lock_position);
+    let unwind = motion.axes[usize::from(link.master.axis)].unwind;
+    if let (Some(position), Some(unwind)) = (position, unwind)
+        && !Turn::contains(unwind, position)
+    {
+        return Err(lock_position.out_of_range());
     }
-
-    /// How a call is driven by a link.
-    ///
-    /// # Errors
-    /// `ParameterOutOfRange` (13) where a rotary master never shows the Lock Position.
-    pub(super) fn lead(&self, motion: &Motion, call: &Call, link: &MasterLink) -> Result<Lead, MotionError> {
-        let direction = call.word(self.direction);
-        let position = (direction >= POSITION_FORWARD).then(|| call.number(self.position));
-        let unwind = motion.axes[usize::from(link.master.axis)].unwind;
-        if let (Some(position), Some(unwind)) = (position, unwind)
-            && !Turn::contains(unwind, position)
-        {
-            return Err(MotionError::ParameterOutOfRange(OperandIndex(self.position as u8)));
-        }
-        let sense = if matches!(direction, IMMEDIATE_REVERSE | POSITION_REVERSE) {
-            Sense::Reverse
-        } else {
-            Sense::Forward
-        };
-        Ok(Lead {
-            link: link.id,
-            lock: LockTo { sense, position },
-        })
-    }
+    Ok(Lead {
+        link: link.id,
+        lock: LockTo { sense, position },
+    })
 }
 
 /// With what a master driven motion takes over one at a speed: how its master moves (97, 98). One that waits for a lock takes
@@ -265,57 +265,32 @@ pub(super) fn verify_reduction(speed: f64, limits: &Limits, way: f64) -> Result<
     Ok(())
 }
 
-/// Places of the operands that change how something moves: MCCD, MCD.
+/// What changes how something moves: MCCD, MCD.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ChangeLayout {
+pub(super) struct ChangeOperands {
     pub(super) rates: Rates,
-    change_speed: usize,
-    change_accel: usize,
-    change_decel: usize,
-    change_accel_jerk: usize,
-    change_decel_jerk: usize,
+    pub(super) change_speed: NoYes,
+    pub(super) change_accel: NoYes,
+    pub(super) change_decel: NoYes,
+    pub(super) change_accel_jerk: NoYes,
+    pub(super) change_decel_jerk: NoYes,
 }
 
-impl ChangeLayout {
-    pub(super) fn of(mnemonic: Mnemonic) -> Self {
-        let place = |name| place(mnemonic, name);
-        ChangeLayout {
-            rates: Rates::of(mnemonic),
-            change_speed: place("Change Speed"),
-            change_accel: place("Change Accel"),
-            change_decel: place("Change Decel"),
-            change_accel_jerk: place("Change Accel Jerk"),
-            change_decel_jerk: place("Change Decel Jerk"),
-        }
-    }
-
-    pub(super) fn changes_speed(&self, call: &Call) -> bool {
-        call.is_one(self.change_speed)
-    }
-
+impl ChangeOperands {
     /// Every unit of a change must be of the mode of what is under way: 94, and 105 for the speed's.
-    pub(super) fn verify_mode(&self, call: &Call, driven: bool) -> Result<(), MotionError> {
+    pub(super) fn verify_mode(&self, driven: bool) -> Result<(), MotionError> {
         let rates = &self.rates;
-        let master = |units: usize| is_master_driven(call.number(units));
+        let changes_jerk = [self.change_accel_jerk, self.change_decel_jerk].contains(&NoYes::Yes);
         let changed = [
-            (call.is_one(self.change_accel), rates.accel_units),
-            (call.is_one(self.change_decel), rates.decel_units),
-            (
-                call.is_one(self.change_accel_jerk) || call.is_one(self.change_decel_jerk),
-                rates.jerk_units,
-            ),
+            (self.change_accel == NoYes::Yes, rates.accel_units.is_master_driven()),
+            (self.change_decel == NoYes::Yes, rates.decel_units.is_master_driven()),
+            (changes_jerk, rates.jerk_units.is_master_driven()),
         ];
-        let mixed = |mode: bool| {
-            changed
-                .iter()
-                .any(|(changed, units)| *changed && master(*units) != mode)
+        let mode = match self.change_speed {
+            NoYes::Yes => rates.speed_units.is_master_driven(),
+            NoYes::No => driven,
         };
-        let mode = if self.changes_speed(call) {
-            master(rates.speed_units)
-        } else {
-            driven
-        };
-        if mixed(mode) {
+        if changed.iter().any(|(changed, master)| *changed && *master != mode) {
             Err(MotionError::MdscUnitsConflict)
         } else if mode != driven {
             Err(MotionError::MdscInvalidModeOrMasterChange)
@@ -324,18 +299,18 @@ impl ChangeLayout {
         }
     }
 
-    /// What the call changes, read once for all moves.
-    pub(super) fn read(&self, call: &Call, maxima: &Maxima) -> Change {
+    /// What is changed, in position units, once for all moves.
+    pub(super) fn change(&self, maxima: &Maxima) -> Change {
         let rates = &self.rates;
-        let jerks = rates.jerks(call, maxima);
-        let wanted = |place: usize| call.is_one(place);
+        let jerks = rates.jerks(maxima);
+        let wanted = |change: NoYes| change == NoYes::Yes;
         Change {
-            speed: wanted(self.change_speed).then(|| rates.speed(call, maxima)),
-            acceleration: wanted(self.change_accel).then(|| rates.acceleration(call, maxima)),
-            deceleration: wanted(self.change_decel).then(|| rates.deceleration(call, maxima)),
+            speed: wanted(self.change_speed).then(|| rates.speed(maxima)),
+            acceleration: wanted(self.change_accel).then(|| rates.acceleration(maxima)),
+            deceleration: wanted(self.change_decel).then(|| rates.deceleration(maxima)),
             acceleration_jerk: wanted(self.change_accel_jerk).then_some(jerks.acceleration),
             deceleration_jerk: wanted(self.change_decel_jerk).then_some(jerks.deceleration),
-            places: *rates,
+            rates: *rates,
         }
     }
 }
@@ -348,7 +323,7 @@ pub(crate) struct Change {
     pub(super) deceleration: Option<f64>,
     pub(super) acceleration_jerk: Option<JerkRate>,
     pub(super) deceleration_jerk: Option<JerkRate>,
-    pub(super) places: Rates,
+    pub(super) rates: Rates,
 }
 
 impl Change {
@@ -365,7 +340,7 @@ impl Change {
         let jerks = dynamics.jerks_mut();
         jerks.acceleration = self.acceleration_jerk.unwrap_or(jerks.acceleration);
         jerks.deceleration = self.deceleration_jerk.unwrap_or(jerks.deceleration);
-        self.places.verify(&dynamics)?;
+        self.rates.verify(&dynamics)?;
         Ok(dynamics)
     }
 
@@ -379,23 +354,48 @@ impl Change {
             Some(JerkRate::Units(jerk)) if s_curve => Some(jerk),
             _ => None,
         };
-        let places = &self.places;
+        let rates = &self.rates;
         let changed = [
-            (self.acceleration, places.accel_rate),
-            (self.deceleration, places.decel_rate),
-            (jerk(self.acceleration_jerk), places.accel_jerk),
-            (jerk(self.deceleration_jerk), places.decel_jerk),
+            (self.acceleration, rates.accel_rate.index),
+            (self.deceleration, rates.decel_rate.index),
+            (jerk(self.acceleration_jerk), rates.accel_jerk.index),
+            (jerk(self.deceleration_jerk), rates.decel_jerk.index),
         ];
         let mut changed = changed.into_iter().filter_map(|(value, place)| Some((value?, place)));
         changed.try_for_each(|(value, place)| positive(value, place))
     }
 }
 
+/// What a stop changes of its maxima.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StopChange {
+    pub(super) deceleration: Option<f64>,
+    pub(super) jerk: Option<JerkRate>,
+}
+
+/// What MCS or MAS changes, in position units.
+pub(super) fn stop_change(operands: &StopOperands, maxima: &Maxima) -> StopChange {
+    let StopOperands {
+        change_decel,
+        decel_rate,
+        decel_units,
+        change_decel_jerk,
+        decel_jerk,
+        jerk_units,
+    } = *operands;
+    let deceleration = in_units(*decel_rate, *decel_units, maxima.deceleration);
+    let jerk = jerk_in_units(*decel_jerk, *jerk_units, maxima.deceleration_jerk);
+    StopChange {
+        deceleration: (*change_decel == NoYes::Yes).then_some(deceleration),
+        jerk: (*change_decel_jerk == NoYes::Yes).then_some(jerk),
+    }
+}
+
 /// A percentage of a maximum that is 0 leaves nothing to move with.
-pub(super) fn positive(value: f64, operand: usize) -> Result<(), MotionError> {
+pub(super) fn positive(value: f64, operand: OperandIndex) -> Result<(), MotionError> {
     if value > 0.0 {
         Ok(())
     } else {
-        Err(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)))
+        Err(MotionError::ParameterOutOfRange(operand))
     }
 }

@@ -8,30 +8,24 @@
 //! v = D / (T − (Ta + Td)/2)      a = v / (Ta − Tj)      j = a / Tj
 //! ```
 
-use arcline_instruction_set::{Call, MotionError, OperandIndex};
+use arcline_instruction_set::MotionError;
 
-use super::programmed::{DynamicsLayout, Rates};
-use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape};
+use super::programmed::{Programmed, Rates};
+use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, Units};
 
-/// The word of every Units operand for a duration in seconds.
-pub(super) const SECONDS: i32 = 3;
-
-/// The same for a duration in master units, over which the master goes.
-pub(super) const MASTER_UNITS: i32 = 7;
-
-/// Whether the word of Speed Units makes a duration of the speed.
-pub(super) fn is_duration(units: i32) -> bool {
-    matches!(units, SECONDS | MASTER_UNITS)
+/// Whether the operand Speed is a duration.
+pub(super) fn is_duration(rates: &Rates) -> bool {
+    rates.speed_units.duration().is_some()
 }
 
-/// Where the speed is a duration, everything is, and only there.
-pub(super) fn verify_units(rates: &Rates, call: &Call, duration: i32) -> Result<(), MotionError> {
-    let is_duration = |units: usize| call.word(units) == duration;
-    let others = [rates.accel_units, rates.decel_units, rates.jerk_units];
-    let same = others
-        .iter()
-        .all(|units| is_duration(*units) == is_duration(rates.speed_units));
-    if same {
+/// Where the speed is a duration, everything is, in the same units, and only there.
+pub(super) fn verify_units(rates: &Rates) -> Result<(), MotionError> {
+    let others = [
+        rates.accel_units.duration(),
+        rates.decel_units.duration(),
+        rates.jerk_units.duration(),
+    ];
+    if others.iter().all(|other| *other == rates.speed_units.duration()) {
         Ok(())
     } else {
         Err(MotionError::MdscUnitsConflict)
@@ -39,17 +33,16 @@ pub(super) fn verify_units(rates: &Rates, call: &Call, duration: i32) -> Result<
 }
 
 /// The phases have room within the move, and an S-curve's ramps within the phases.
-pub(super) fn verify_durations(layout: &DynamicsLayout, call: &Call) -> Result<(), MotionError> {
-    let rates = &layout.rates;
-    let [whole, accel, decel] = [rates.speed, rates.accel_rate, rates.decel_rate].map(|operand| call.number(operand));
-    let beyond = |operand: usize| Err(MotionError::ParameterOutOfRange(OperandIndex(operand as u8)));
+pub(super) fn verify_durations(programmed: &Programmed) -> Result<(), MotionError> {
+    let rates = &programmed.rates;
+    let [whole, accel, decel] = [*rates.speed, *rates.accel_rate, *rates.decel_rate];
     if accel + decel > whole {
-        return beyond(rates.speed);
+        return Err(rates.speed.out_of_range());
     }
-    if layout.is_s_curve(call) {
+    if programmed.is_s_curve() {
         for (ramp, phase) in [(rates.accel_jerk, accel), (rates.decel_jerk, decel)] {
-            if call.number(ramp) > 0.5 * phase {
-                return beyond(ramp);
+            if *ramp > 0.5 * phase {
+                return Err(ramp.out_of_range());
             }
         }
     }
@@ -57,11 +50,11 @@ pub(super) fn verify_durations(layout: &DynamicsLayout, call: &Call) -> Result<(
 }
 
 /// Speed, rates and jerks that cover a distance in the programmed time. Over no distance they are the axis's maxima.
-pub(super) fn dynamics(layout: &DynamicsLayout, call: &Call, distance: f64, maxima: &Maxima) -> Dynamics {
-    let rates = &layout.rates;
-    let [whole, accel, decel] = [rates.speed, rates.accel_rate, rates.decel_rate].map(|operand| call.number(operand));
-    let [accel_ramp, decel_ramp] = if layout.is_s_curve(call) {
-        [rates.accel_jerk, rates.decel_jerk].map(|operand| call.number(operand))
+pub(super) fn dynamics(programmed: &Programmed, distance: f64, maxima: &Maxima) -> Dynamics {
+    let rates = &programmed.rates;
+    let [whole, accel, decel] = [*rates.speed, *rates.accel_rate, *rates.decel_rate];
+    let [accel_ramp, decel_ramp] = if programmed.is_s_curve() {
+        [*rates.accel_jerk, *rates.decel_jerk]
     } else {
         [0.0; 2]
     };
@@ -76,7 +69,7 @@ pub(super) fn dynamics(layout: &DynamicsLayout, call: &Call, distance: f64, maxi
             speed: maxima.speed,
             acceleration: maxima.acceleration,
             deceleration: maxima.deceleration,
-            shape: layout.shape(call, most),
+            shape: programmed.shape(most),
             last_speed: maxima.speed,
         };
     }
@@ -86,7 +79,7 @@ pub(super) fn dynamics(layout: &DynamicsLayout, call: &Call, distance: f64, maxi
         speed,
         acceleration,
         deceleration,
-        shape: if layout.is_s_curve(call) {
+        shape: if programmed.is_s_curve() {
             Shape::SCurve(jerks(acceleration / accel_ramp, deceleration / decel_ramp))
         } else {
             Shape::Trapezoidal(most)

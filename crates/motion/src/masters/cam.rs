@@ -10,8 +10,9 @@ use arcline_cam::Profile;
 use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
-use super::{MasterAt, Reference};
+use super::MasterAt;
 use crate::control::Execution;
+use arcline_instruction_set::enumerations::{ExecutionMode, Reference};
 
 /// What a cam's profile is over.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,17 +21,6 @@ pub(crate) enum Source {
     Axis { master: u16, reference: Reference },
     /// Seconds since it began.
     Time { since: Instant },
-}
-
-/// What a cam does at the ends of its profile.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Mode {
-    /// It is over.
-    Once,
-    /// It begins again, from where it has led the slave.
-    Continuous,
-    /// It waits for the master to come back.
-    Persistent,
 }
 
 /// A position of the master at which a cam is locked.
@@ -53,7 +43,9 @@ pub(crate) struct Program {
     pub(crate) slave_scale: f64,
     /// Master units per unit of the profile; below 0 where the master goes in reverse while the profile goes on.
     pub(crate) master_scale: f64,
-    pub(crate) mode: Mode,
+    /// What it does at the ends of its profile: it is over (Once), begins again from where it has led the slave (Continuous), or
+    /// waits for the master to come back (Persistent).
+    pub(crate) mode: ExecutionMode,
     /// The only way of the master that is followed: 1 or -1.
     pub(crate) way: Option<f64>,
     /// Where the profile is entered when the cam is locked.
@@ -157,7 +149,7 @@ impl Cam {
 
     /// Whether it comes to an end by itself.
     pub(crate) fn will_end(&self) -> bool {
-        matches!(self.program.source, Source::Time { .. }) && self.program.mode == Mode::Once
+        matches!(self.program.source, Source::Time { .. }) && self.program.mode == ExecutionMode::Once
     }
 
     /// Brings the slave to where the master leads it; `slave` is where it is. At the end of the profile a pending cam takes
@@ -240,10 +232,10 @@ impl Cam {
         let (start, length) = (profile.start().0, profile.length());
         let rounding = ROUNDING * length;
         let turn = match mode {
-            Mode::Continuous => ((place - start) / length).floor(),
-            Mode::Once | Mode::Persistent => 0.0,
+            ExecutionMode::Continuous => ((place - start) / length).floor(),
+            ExecutionMode::Once | ExecutionMode::Persistent => 0.0,
         };
-        let ends = *mode == Mode::Once || hands_over;
+        let ends = *mode == ExecutionMode::Once || hands_over;
         let (first, last) = (start + self.turn * length, start + (self.turn + 1.0) * length);
         let beyond = |end: f64, sign: f64| {
             let (now, then) = (sign * (place - end), sign * (before - end));
@@ -268,7 +260,8 @@ impl Cam {
         self.turn = turn;
         let inside = place - turn * length;
         let value = profile.at(inside);
-        let within = *mode == Mode::Continuous || (start - rounding..=start + length + rounding).contains(&inside);
+        let within =
+            *mode == ExecutionMode::Continuous || (start - rounding..=start + length + rounding).contains(&inside);
         self.follows = moves && within;
         self.segment = value.segment;
         let risen = turn * profile.rise() + value.y - profile.at(entry).y;

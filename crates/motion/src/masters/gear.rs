@@ -9,7 +9,8 @@ use arcline_planner::profile::{Limits, Profile};
 use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
-use super::{MasterAt, Reference};
+use super::MasterAt;
+use arcline_instruction_set::enumerations::Reference;
 
 /// A gearing under way.
 #[derive(Clone, Debug)]

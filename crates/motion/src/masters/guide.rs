@@ -199,8 +199,8 @@ impl Guide {
 mod tests {
     use arcline_profile::KinematicState;
 
-    use super::super::Reference;
     use super::*;
+    use arcline_instruction_set::enumerations::Reference;
 
     const PERIOD_NS: u64 = 1_000_000;
 

@@ -6,6 +6,7 @@
 
 use super::master::Master;
 use crate::control::Execution;
+use arcline_instruction_set::enumerations::MdacMotionType;
 
 /// A link to a master.
 #[derive(Clone, Copy, Debug)]
@@ -91,53 +92,42 @@ impl Links {
     }
 }
 
-/// What of an axis a link serves: Motion Type of MDAC.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Serves {
-    All,
-    Move,
-    Jog,
-    TimeCam,
-    MasterOffsetMove,
-}
-
-impl Serves {
-    /// In the order of the enumeration, from 0.
-    pub(crate) const ALL: [Serves; 5] = [
-        Serves::All,
-        Serves::Move,
-        Serves::Jog,
-        Serves::TimeCam,
-        Serves::MasterOffsetMove,
-    ];
-}
+/// The kinds of motion that a link of all kinds serves.
+const KINDS: [MdacMotionType; 4] = [
+    MdacMotionType::Move,
+    MdacMotionType::Jog,
+    MdacMotionType::TimeCam,
+    MdacMotionType::MasterOffsetMove,
+];
 
 /// The links of one axis.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct AxisLinks([Links; Serves::ALL.len()]);
+pub(crate) struct AxisLinks([Links; 1 + KINDS.len()]);
 
 impl AxisLinks {
     /// Those of one Motion Type.
-    pub(crate) fn of(&self, serves: Serves) -> &Links {
+    pub(crate) fn of(&self, serves: MdacMotionType) -> &Links {
         &self.0[serves as usize]
     }
 
     /// Those of one Motion Type, to change.
-    pub(crate) fn of_mut(&mut self, serves: Serves) -> &mut Links {
+    pub(crate) fn of_mut(&mut self, serves: MdacMotionType) -> &mut Links {
         &mut self.0[serves as usize]
     }
 
     /// The link by which a new motion begins: of its own kind, or of all kinds.
-    pub(crate) fn newest(&self, serves: Serves) -> Option<&MasterLink> {
-        self.of(serves).newest().or_else(|| self.of(Serves::All).newest())
+    pub(crate) fn newest(&self, serves: MdacMotionType) -> Option<&MasterLink> {
+        self.of(serves)
+            .newest()
+            .or_else(|| self.of(MdacMotionType::All).newest())
     }
 
     /// Whether a link of all kinds would stand beside one of a kind.
-    pub(crate) fn conflict(&self, serves: Serves) -> bool {
-        let taken = |other: Serves| !self.of(other).is_empty();
+    pub(crate) fn conflict(&self, serves: MdacMotionType) -> bool {
+        let taken = |other: MdacMotionType| !self.of(other).is_empty();
         match serves {
-            Serves::All => Serves::ALL[1..].iter().any(|other| taken(*other)),
-            _ => taken(Serves::All),
+            MdacMotionType::All => KINDS.iter().any(|other| taken(*other)),
+            _ => taken(MdacMotionType::All),
         }
     }
 

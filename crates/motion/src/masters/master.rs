@@ -5,7 +5,8 @@
 use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
-use super::{MasterAt, Reference};
+use super::MasterAt;
+use arcline_instruction_set::enumerations::Reference;
 
 /// What an instruction says about the lock (Lock Direction and Lock Position).
 #[derive(Clone, Copy, Debug, PartialEq)]

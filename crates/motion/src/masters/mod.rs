@@ -8,16 +8,8 @@ pub(crate) mod guide;
 pub(crate) mod links;
 pub(crate) mod master;
 
+use arcline_instruction_set::enumerations::Reference;
 use arcline_profile::KinematicState;
-
-/// What of the master is followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Reference {
-    /// Where its drive is.
-    Actual,
-    /// Where it is commanded to be.
-    Command,
-}
 
 /// A master at the present tick.
 #[derive(Clone, Copy, Debug)]

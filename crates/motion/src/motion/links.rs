@@ -10,12 +10,12 @@ use crate::axis::generator::Generator;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::Maxima;
-use crate::masters::Reference;
 use crate::masters::cam::Cam;
 use crate::masters::guide::Guide;
 use crate::masters::links::MasterLink;
 use crate::masters::master::{LockTo, Master};
 use crate::system::{Activity, Lead};
+use arcline_instruction_set::enumerations::Reference;
 
 impl Motion {
     /// A link to a master as it is now. `nominal`: how fast the master moves in general; its Maximum Speed where that is 0.

@@ -20,7 +20,7 @@ pub use program::{BitCompensation, CamElement, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS,
 pub(crate) use target::{Arming, Outcome, Program, Target, Word};
 
 use crate::control::Execution;
-use crate::masters::Reference;
+use arcline_instruction_set::enumerations::Reference;
 use target::{Edge, MOST_EDGES};
 
 /// The execution targets of one axis.

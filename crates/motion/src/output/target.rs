@@ -18,8 +18,8 @@ use arcline_profile::KinematicState;
 
 use super::program::{Compensation, OUTPUT_BITS, OutputCam};
 use crate::control::Execution;
-use crate::masters::Reference;
-use crate::masters::cam::{Lock, Mode};
+use crate::masters::cam::Lock;
+use arcline_instruction_set::enumerations::{ExecutionMode, Reference};
 pub(super) use events::{Edge, MOST_EDGES};
 use lane::{ACTIVE, Lane, PENDING, TAIL};
 use tail::Left;
@@ -28,7 +28,7 @@ use tail::Left;
 #[derive(Clone, Debug)]
 pub(crate) struct Program {
     pub(crate) cam: Arc<OutputCam>,
-    pub(crate) mode: Mode,
+    pub(crate) mode: ExecutionMode,
     pub(crate) execution: Execution,
 }
 

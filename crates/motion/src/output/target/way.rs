@@ -3,6 +3,7 @@
 //! Not here: what happens to elements on the way ([`super::events`]). Real-time: nothing allocates; an update is cut into a bounded
 //! number of pieces.
 
+use arcline_instruction_set::enumerations::ExecutionMode;
 use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
@@ -12,7 +13,6 @@ use super::super::windows::Turns;
 use super::events::instant;
 use super::{ACTIVE, Edge, PENDING, Phase, Target};
 use crate::control::Execution;
-use crate::masters::cam::Mode;
 
 /// Most a piece of an update is cut into: at the arm position and at ends of cams.
 const MOST_CUTS: usize = 4;
@@ -77,7 +77,7 @@ impl Target {
 
     /// Turns that are those of the armed cam: behind it comes the pending one, before it there was another.
     pub(super) fn turns_of_active(&self) -> Turns {
-        let repeats = |mode: Mode| mode == Mode::Continuous;
+        let repeats = |mode: ExecutionMode| mode == ExecutionMode::Continuous;
         if !self.lanes[ACTIVE]
             .program
             .as_ref()
@@ -146,7 +146,7 @@ impl Target {
     /// Where, on its way from a share on, the axis leaves a cam that ends there: the share, and the place.
     fn exit(&self, way: &Course, share: f64) -> Option<(f64, f64)> {
         let program = self.lanes[ACTIVE].program.as_ref()?;
-        if program.mode != Mode::Once && self.lanes[PENDING].program.is_none() {
+        if program.mode != ExecutionMode::Once && self.lanes[PENDING].program.is_none() {
             return None;
         }
         let zero = self.zero();
@@ -191,7 +191,7 @@ impl Target {
         if self.phase != Phase::Armed {
             return;
         }
-        let (cam, repeats) = (&program.cam, program.mode == Mode::Continuous);
+        let (cam, repeats) = (&program.cam, program.mode == ExecutionMode::Continuous);
         let length = cam.end - cam.start;
         let from_base = self.last.position - self.base;
         let is_behind = |forward: bool| {
