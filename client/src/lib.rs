@@ -38,6 +38,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod attribute;
 mod client;
 mod discover;
 mod ended;
@@ -57,7 +58,9 @@ mod template;
 mod trace;
 mod write;
 
-pub use arcline_instruction_set::{FaultKind, FaultSet, Flag, Given, Mnemonic, MotionControl, Object};
+pub use arcline_instruction_set::{
+    ATTRIBUTES, Attribute, FaultKind, FaultSet, Flag, Given, Mnemonic, MotionControl, Object,
+};
 pub use arcline_proto::identity::Identity;
 pub use arcline_tag::{Elementary, TagType, Value, nearest};
 

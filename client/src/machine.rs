@@ -32,7 +32,7 @@ impl Client {
     pub async fn axes_of(&self, system: &str) -> Result<Vec<SystemAxis>, ClientError> {
         let instance = self.instance(Object::CoordinateSystem, system).await?;
         let names = self.objects(Object::Axis).await?;
-        let data = self.attribute(system, Object::CoordinateSystem, instance, AXES).await?;
+        let data = self.bytes_of(system, Object::CoordinateSystem, instance, AXES).await?;
         let mut reader = Reader::new(&data);
         let count = reader.u16().ok_or(CUT)?;
         let mut axes = Vec::new();
@@ -42,7 +42,7 @@ impl Client {
                 .checked_sub(1)
                 .and_then(|place| names.get(place))
                 .ok_or(CUT)?;
-            let text = self.attribute(name, Object::Axis, instance.into(), UNITS).await?;
+            let text = self.bytes_of(name, Object::Axis, instance.into(), UNITS).await?;
             let (length, text) = text.split_first().ok_or(CUT)?;
             let text = text.get(..usize::from(*length)).ok_or(CUT)?;
             axes.push(SystemAxis {
@@ -59,11 +59,11 @@ impl Client {
     /// [`ClientError::Refused`] when the server does not tell it; otherwise what the session meets.
     pub async fn axis_count(&self, instance: u32) -> Result<usize, ClientError> {
         let what = "the axes of a coordinate system";
-        let data = self.attribute(what, Object::CoordinateSystem, instance, AXES).await?;
+        let data = self.bytes_of(what, Object::CoordinateSystem, instance, AXES).await?;
         Reader::new(&data).u16().map(usize::from).ok_or(CUT)
     }
 
-    async fn attribute(&self, what: &str, object: Object, instance: u32, id: u16) -> Result<Bytes, ClientError> {
+    async fn bytes_of(&self, what: &str, object: Object, instance: u32, id: u16) -> Result<Bytes, ClientError> {
         let path = Epath::attribute(object.class_code(), instance, id);
         let reply = self
             .ask(what, service::GET_ATTRIBUTE_SINGLE, path, Bytes::new())

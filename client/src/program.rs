@@ -12,7 +12,7 @@ use arcline_proto::cip::CipStatus;
 use arcline_structured_text::{
     Answer, BoundCall, Hopeless, Interpreter, Names, Program, Request, RuntimeError, SyntaxError, unmade_control,
 };
-use arcline_tag::{DataType, PathError, PathSegment, TagPath};
+use arcline_tag::{DataType, PathError, PathSegment, TagPath, Value};
 
 use crate::reading::Reading;
 use crate::tags::TagTable;
@@ -217,6 +217,14 @@ impl<'c> Runner<'c> {
                     .write(&path.to_string(), Input::from(value))
                     .await
                     .map(|()| Answer::Done),
+                Request::GetAttribute(of) => {
+                    let value = self.client.attribute(of.attribute, &of.name).await;
+                    value.map(|value| Answer::Value(Value::Lreal(value)))
+                }
+                Request::SetAttribute(of, value) => {
+                    let done = self.client.set_attribute(of.attribute, &of.name, value).await;
+                    done.map(|()| Answer::Done)
+                }
                 Request::Call(call) => self.execute(call, on_event).await,
                 Request::NextTick => {
                     if self.interpreter.is_hopeless()

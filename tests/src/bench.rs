@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use arcline_config::Project;
 use arcline_controller::image::{Edge, Image};
-use arcline_controller::machine::Start;
+use arcline_controller::machine::{DynamicsBits, Start};
 use arcline_controller::{ContourRequest, Controller, Event, FaultChange, Snapshot, Ticket, Written};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{
@@ -159,6 +159,13 @@ impl Bench {
         let index = self.project.machine.system(system);
         let index = index.expect("the machine has the coordinate system");
         self.controller.set_override(index, share);
+    }
+
+    /// Sets the Dynamics Configuration Bits of an axis or a coordinate system now.
+    pub fn set_dynamics_bits(&mut self, object: Object, name: &str, bits: u32) {
+        let index = self.object(object, name).expect("the machine has the object");
+        self.controller
+            .set_dynamics_bits(object, index, DynamicsBits::from_bits(bits));
     }
 
     /// Puts causes of faults on an axis now, in place of those that were put there; they are found at the next tick.

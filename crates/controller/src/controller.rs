@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use arcline_instruction_set::{Call, ControlSlot, FaultSet, MotionControl};
-use arcline_motion::machine::{self, Machine};
+use arcline_instruction_set::{Call, ControlSlot, FaultSet, MotionControl, Object};
+use arcline_motion::machine::{self, DynamicsBits, Machine};
 use arcline_motion::{
     AcceptedMove, ArrayWrite, ContourRequest, Event, FaultChange, Input, Material, Motion, Ticket, Trajectory,
 };
@@ -25,6 +25,15 @@ pub enum Command {
         system: u16,
         /// The share.
         rate: f64,
+    },
+    /// Set the Dynamics Configuration Bits of an axis or a coordinate system.
+    DynamicsBits {
+        /// The class of the object.
+        object: Object,
+        /// Index of the object in its class.
+        index: u16,
+        /// The bits.
+        bits: DynamicsBits,
     },
     /// Put causes of faults on an axis, and take all others away that were put there.
     Inject {
@@ -163,6 +172,7 @@ impl Controller {
                 }
                 Some(Command::RungFalse(control)) => self.rung_false(control),
                 Some(Command::Override { system, rate }) => self.set_override(system, rate),
+                Some(Command::DynamicsBits { object, index, bits }) => self.set_dynamics_bits(object, index, bits),
                 Some(Command::Inject { axis, causes }) => self.inject(axis, causes),
                 Some(Command::Input(input)) => self.input(input),
                 Some(Command::StopAll) => self.stop_all(),
@@ -217,6 +227,11 @@ impl Controller {
     /// Takes a share of the programmed speeds of a coordinate system's moves: see [`Motion::set_override`]. Real-time.
     pub fn set_override(&mut self, system: u16, rate: f64) {
         self.motion.set_override(system, rate);
+    }
+
+    /// Sets the Dynamics Configuration Bits of an axis or a coordinate system: see [`Motion::set_dynamics_bits`]. Real-time.
+    pub fn set_dynamics_bits(&mut self, object: Object, index: u16, bits: DynamicsBits) {
+        self.motion.set_dynamics_bits(object, index, bits);
     }
 
     /// Puts causes of faults on an axis: see [`Motion::inject`]. Real-time.

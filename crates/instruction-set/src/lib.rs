@@ -5,6 +5,7 @@
 //! for a network. Numbers stand in the units of their operands.
 #![forbid(unsafe_code)]
 
+mod attribute;
 mod bind;
 mod call;
 pub mod catalog;
@@ -25,6 +26,7 @@ mod safety_margin;
 mod verify;
 mod words;
 
+pub use attribute::{ATTRIBUTES, Attribute, DYNAMICS_CONFIGURATION_BITS, Quantity};
 pub use bind::{BindError, Directory, Given, MAPC_CAM_TYPE, bind};
 pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray, WrittenArray};
 pub use control::{Flag, MotionControl};

@@ -16,6 +16,7 @@ mod cause;
 mod contour;
 mod control;
 mod dynamics;
+mod dynamics_bits;
 mod events;
 mod feed_override;
 mod heading;

@@ -47,6 +47,10 @@ pub(crate) enum Op {
     GiveRead(u32),
     /// Calls with the operands given.
     Call(u32),
+    /// Pushes the value of an attribute.
+    GetAttribute(u32),
+    /// Pops a number and sets an attribute to it.
+    SetAttribute(u32),
     End,
 }
 

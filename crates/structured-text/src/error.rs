@@ -127,6 +127,22 @@ pub enum SyntaxProblem {
         /// The nearest name.
         suggestion: Option<String>,
     },
+    /// An attribute that the class does not have.
+    #[error("GSV and SSV know no attribute `{name}` of an object of the class {what}{}", suggest(.suggestion))]
+    UnknownAttribute {
+        /// The class.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// The nearest name.
+        suggestion: Option<String>,
+    },
+    /// SSV of an attribute that only the configuration sets.
+    #[error("SSV cannot set {name}, only the configuration can; GSV reads it")]
+    ReadOnlyAttribute {
+        /// The attribute.
+        name: &'static str,
+    },
     /// A path that is no path.
     #[error("{error}")]
     Path {

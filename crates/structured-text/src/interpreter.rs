@@ -5,7 +5,7 @@ use arcline_tag::{PathSegment, TagPath, Value};
 
 use crate::code::{Binary, Op, Part};
 use crate::error::{RuntimeError, RuntimeProblem};
-use crate::program::Program;
+use crate::program::{ObjectAttribute, Program};
 
 /// Statements and turns of loops that run within one tick at most; then the rest waits for the next one,
 /// so that `WHILE TRUE DO END_WHILE;` hangs nothing.
@@ -30,6 +30,10 @@ pub enum Request {
     /// An instruction is to be executed in this tick, as a false-to-true transition of its rung; answered
     /// with [`Answer::Done`], erred or not, or with [`Answer::QueueFull`].
     Call(BoundCall),
+    /// The value of an attribute, answered with [`Answer::Value`].
+    GetAttribute(ObjectAttribute),
+    /// An attribute is to be set, answered with [`Answer::Done`].
+    SetAttribute(ObjectAttribute, f64),
     /// The program goes on in the next tick, answered with [`Answer::Done`].
     NextTick,
     /// The program goes on after that many seconds, 0 or more, answered with [`Answer::Done`].
@@ -364,6 +368,15 @@ impl Interpreter {
                         line: statement.line,
                     };
                     return Ok(self.ask(Pending::Call(call.clone()), Request::Call(call)));
+                }
+                Op::GetAttribute(place) => {
+                    let attribute = self.program.attributes[place as usize].clone();
+                    return Ok(self.ask(Pending::Value, Request::GetAttribute(attribute)));
+                }
+                Op::SetAttribute(place) => {
+                    let value = self.pop_number()?;
+                    let attribute = self.program.attributes[place as usize].clone();
+                    return Ok(self.ask(Pending::Write, Request::SetAttribute(attribute, value)));
                 }
                 Op::End => return Ok(self.ask(Pending::Ended, Request::End)),
             }

@@ -27,7 +27,7 @@ mod program;
 pub use error::{RuntimeError, RuntimeProblem, SyntaxError, SyntaxProblem};
 pub use hopeless::Hopeless;
 pub use interpreter::{Answer, BoundCall, Interpreter, OPERATIONS_PER_TICK, Request, STATEMENTS_PER_TICK};
-pub use program::{CallStatement, Names, OperandText, Program, unmade_control};
+pub use program::{CallStatement, Names, ObjectAttribute, OperandText, Program, unmade_control};
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,7 @@
 //! From tokens to operations, in one pass: the parser's state and what every rule of the grammar uses. The rules
 //! are in the files of this folder, one for each kind.
 
+mod attribute;
 mod call;
 mod expression;
 mod path;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use arcline_instruction_set::{Mnemonic, Object, predefined};
+use arcline_instruction_set::{Attribute, Mnemonic, Object, predefined};
 use arcline_tag::{DataType, Location, PathError, TagPath, TagType, Value, nearest};
 
 use crate::code::{Meaning, Op, Path, Use};
@@ -18,6 +18,7 @@ pub struct Program {
     pub(crate) paths: Vec<Path>,
     pub(crate) words: Vec<String>,
     pub(crate) calls: Vec<CallStatement>,
+    pub(crate) attributes: Vec<ObjectAttribute>,
     pub(crate) uses: Vec<Use>,
     /// How many variables there are, hidden ones of FOR included.
     pub(crate) variables: u32,
@@ -38,6 +39,15 @@ pub struct CallStatement {
     pub line: usize,
     /// Column of the mnemonic in characters, from 1.
     pub column: usize,
+}
+
+/// An attribute of one axis or coordinate system, as GSV and SSV name it.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct ObjectAttribute {
+    /// The attribute of the class.
+    pub attribute: &'static Attribute,
+    /// Name of the axis or coordinate system, as written.
+    pub name: String,
 }
 
 /// An operand as it stands in the program.
@@ -127,6 +137,7 @@ impl Program {
             paths: Vec::new(),
             words: Vec::new(),
             calls: Vec::new(),
+            attributes: Vec::new(),
             uses: Vec::new(),
             variables: 0,
         }

@@ -84,6 +84,14 @@ fn trace(text: &str, tags: &[(&str, f64)], limit: usize) -> String {
                 tags.insert(path.to_string().to_ascii_lowercase(), value.as_f64());
                 Answer::Done
             }
+            Request::GetAttribute(of) => {
+                let _ = writeln!(out, "get {} of {}", of.attribute.name, of.name);
+                Answer::Value(Value::Lreal(7.0))
+            }
+            Request::SetAttribute(of, value) => {
+                let _ = writeln!(out, "set {} of {} to {value}", of.attribute.name, of.name);
+                Answer::Done
+            }
             Request::Call(call) => {
                 let given: Vec<String> = call.given.iter().map(ToString::to_string).collect();
                 let control = call.control.unwrap_or_default();
@@ -185,6 +193,10 @@ fn programs_ask_in_order() {
         ("a radius is a number", "MCCM(XY, M1, 0, [1, 2], 2, -60.0, 0);",
          "MCCM XY M1: 0 an array of 2 2 -60 0 @1\nend\n"),
         ("no control", "MSO(X);", "MSO X :  @1\nend\n"),
+        ("an attribute is read and set", "GSV(Axis, X, MaximumSpeed, Recipe[1 + 1]);\nssv(coordinatesystem, CS1, dynamicsconfigurationbits, 8 - Count);",
+         "get MaximumSpeed of X\nRecipe[2] := Lreal(7.0)\nset DynamicsConfigurationBits of CS1 to 1\nend\n"),
+        ("an attribute in a variable", "GSV(Axis, X, DynamicsConfigurationBits, bits); Count := bits + 1;",
+         "get DynamicsConfigurationBits of X\nCount := Lreal(8.0)\nend\n"),
         ("nothing", " ; ; // only this\n", "end\n"),
     ];
     for (why, text, expected) in cases {
@@ -220,6 +232,12 @@ fn errors_have_a_place() {
         ("EXIT outside of a loop", "EXIT;", "line 1, column 1: found `EXIT`, expected it only within FOR, WHILE or REPEAT"),
         ("a number too large", "Count := 1e999;", "line 1, column 10: `1e999` is not a number that can be read"),
         ("a bit too far", "Count := Count.64;", "line 1, column 16: found `64`, expected a bit from 0 to 63"),
+        ("a class without attributes", "GSV(Program, X, MaximumSpeed, Count);", "line 1, column 5: found `Program`, expected the class Axis or CoordinateSystem"),
+        ("no axis with attributes", "GSV(Axis, CS1, MaximumSpeed, Count);", "line 1, column 11: there is no axis `CS1`"),
+        ("no attribute", "GSV(Axis, X, MaxSpeed, Count);", "line 1, column 14: GSV and SSV know no attribute `MaxSpeed` of an object of the class axis, did you mean `MaximumSpeed`?"),
+        ("an attribute of the configuration", "SSV(Axis, X, MaximumSpeed, 5);", "line 1, column 14: SSV cannot set MaximumSpeed, only the configuration can; GSV reads it"),
+        ("no destination", "GSV(Axis, X, MaximumSpeed, 5);", "line 1, column 28: found `5`, expected the tag or variable of the destination"),
+        ("no source", "SSV(Axis, X, DynamicsConfigurationBits);", "line 1, column 39: found `)`, expected `,` and the source behind the attribute"),
         ("an operand is missing", "MCLM(CS1, M1, , 1);", "line 1, column 15: found `,`, expected a number, a tag or `(`"),
     ];
     for (why, text, expected) in cases {
@@ -452,6 +470,7 @@ mod hostile {
                     let Ok(request) = interpreter.resume(answer) else { break };
                     answer = match request {
                         Request::Read(_) => Answer::Value(Value::Dint(1)),
+                        Request::GetAttribute(_) => Answer::Value(Value::Lreal(1.0)),
                         Request::ReadArray(_) => Answer::Array(Vec::new()),
                         Request::End => break,
                         _ => Answer::Done,
@@ -462,6 +481,8 @@ mod hostile {
     }
 
     const TOKENS: &[&str] = &[
+        "GSV(Axis, X, MaximumSpeed,",
+        "SSV(Axis, X, DynamicsConfigurationBits,",
         "IF",
         "THEN",
         "ELSE",

@@ -6,7 +6,7 @@ use std::sync::{Arc, PoisonError};
 
 use arcline_controller::image::Image;
 use arcline_instruction_set::{Directory as _, Flag, Given, Mnemonic, Object};
-use arcline_structured_text::{Answer, BoundCall, Interpreter, Program, Request, unmade_control};
+use arcline_structured_text::{Answer, BoundCall, Interpreter, ObjectAttribute, Program, Request, unmade_control};
 use arcline_tag::{TagPath, Value};
 use serde_json::{Value as Json, json};
 
@@ -103,7 +103,12 @@ impl Shared {
                 }
                 Request::Read(path) => Answer::Value(self.read_value(&path)?),
                 Request::ReadArray(path) => Answer::Array(self.read_numbers(&path)?),
-                Request::Write(..) | Request::NextTick | Request::Delay(_) | Request::End => {
+                Request::GetAttribute(of) => Answer::Value(Value::Lreal(self.attribute(&of)?)),
+                Request::SetAttribute(..)
+                | Request::Write(..)
+                | Request::NextTick
+                | Request::Delay(_)
+                | Request::End => {
                     return Err(Refusal::new("not an instruction"));
                 }
             };
@@ -219,6 +224,36 @@ impl Shared {
         let place = self.system(system)?;
         self.check_right(viewer, Thing::System(place))?;
         self.write_override(place, percent as f32).await
+    }
+
+    /// The value of an attribute that GSV names.
+    pub(super) fn attribute(&self, of: &ObjectAttribute) -> Result<f64, Refusal> {
+        let machine = self.plant.machine();
+        let value = self.plant.with_image(|image| {
+            let index = image.object(of.attribute.object, &of.name)?;
+            image.attribute(machine, of.attribute, index)
+        });
+        value.ok_or_else(|| no_object(&of.name))
+    }
+
+    /// Sets an attribute that SSV names.
+    pub(super) async fn set_attribute(
+        &self,
+        viewer: ViewerId,
+        of: &ObjectAttribute,
+        value: f64,
+    ) -> Result<(), Refusal> {
+        let object = of.attribute.object;
+        let index = self.plant.with_image(|image| image.object(object, &of.name));
+        let index = index.ok_or_else(|| no_object(&of.name))?;
+        self.check_right(viewer, Thing::of(object, index))?;
+        let (done, written) = self.plant.write(|image, edges| {
+            edges.push(image.set_attribute(of.attribute, index, value)?);
+            Ok::<_, arcline_controller::image::WriteError>(())
+        });
+        let kept = self.plant.fire(written).await;
+        done.map_err(|error| Refusal::new(error.to_string()))?;
+        kept.map_err(|error| Refusal::new(error.to_string()))
     }
 
     /// Holds a coordinate system. Anybody may.

@@ -53,7 +53,12 @@ impl Shared {
                 Request::Read(path) => Answer::Value(self.read_value(&path)?),
                 Request::ReadArray(path) => Answer::Array(self.read_numbers(&path)?),
                 Request::Call(call) => return self.verify_call(&call),
-                Request::Write(..) | Request::NextTick | Request::Delay(_) | Request::End => return Ok(()),
+                Request::GetAttribute(of) => Answer::Value(arcline_tag::Value::Lreal(self.attribute(&of)?)),
+                Request::SetAttribute(..)
+                | Request::Write(..)
+                | Request::NextTick
+                | Request::Delay(_)
+                | Request::End => return Ok(()),
             };
         }
     }

@@ -285,6 +285,14 @@ impl Run<'_> {
                     self.shared.write(self.viewer, &path, &value).await.map_err(at)?;
                     Answer::Done
                 }
+                Request::GetAttribute(of) => {
+                    let value = self.shared.attribute(&of).map_err(at)?;
+                    Answer::Value(arcline_tag::Value::Lreal(value))
+                }
+                Request::SetAttribute(of, value) => {
+                    self.shared.set_attribute(self.viewer, &of, value).await.map_err(at)?;
+                    Answer::Done
+                }
                 Request::Call(call) => self.call(call).await.map_err(at)?,
                 Request::NextTick => {
                     if interpreter.is_hopeless()

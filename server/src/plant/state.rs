@@ -8,8 +8,9 @@ use std::time::Duration;
 
 use arc_swap::ArcSwap;
 use arcline_controller::image::{CallRoom, Edge, Image, Staged, TagKind};
+use arcline_controller::machine::DynamicsBits;
 use arcline_controller::{Command, Input, MAX_COMMANDS_PER_TICK, Snapshot, Ticket};
-use arcline_instruction_set::{Call, ControlSlot, FaultSet, Flag, Mnemonic, MotionControl, MotionError};
+use arcline_instruction_set::{Call, ControlSlot, FaultSet, Flag, Mnemonic, MotionControl, MotionError, Object};
 use arcline_realtime::Link;
 use tokio::sync::oneshot;
 
@@ -61,6 +62,8 @@ pub(super) struct State {
     overrides: Vec<f32>,
     /// The injected causes of faults that the controller has been sent.
     injected: Vec<FaultSet>,
+    /// The Dynamics Configuration Bits that the controller has been sent.
+    dynamics_bits: Vec<(Object, u16, DynamicsBits)>,
     /// Sees what is kept over a restart.
     pub(super) watch: Option<Watch>,
     /// Sees what triggers it.
@@ -77,6 +80,7 @@ struct Later {
     inputs: VecDeque<Input>,
     overrides: bool,
     injected: bool,
+    dynamics_bits: bool,
 }
 
 impl Later {
@@ -118,6 +122,7 @@ impl State {
         State {
             overrides: image.feed_overrides().collect(),
             injected: image.injected_faults().collect(),
+            dynamics_bits: image.dynamics_bits().collect(),
             image,
             changed: false,
             done: Vec::new(),
@@ -372,6 +377,9 @@ impl State {
         if self.later.injected {
             self.send_injected();
         }
+        if self.later.dynamics_bits {
+            self.send_dynamics_bits();
+        }
     }
 
     /// Whether anything waits for an answer or for room.
@@ -429,6 +437,27 @@ impl State {
         }
     }
 
+    /// Sends the controller the Dynamics Configuration Bits that have changed.
+    fn send_dynamics_bits(&mut self) {
+        self.later.dynamics_bits = false;
+        let all: Vec<_> = self.image.dynamics_bits().collect();
+        for (place, (object, index, bits)) in all.into_iter().enumerate() {
+            if self
+                .dynamics_bits
+                .get(place)
+                .is_none_or(|sent| *sent == (object, index, bits))
+            {
+                continue;
+            }
+            if !self.has_room_beside_stops() {
+                self.later.dynamics_bits = true;
+                return;
+            }
+            self.dynamics_bits[place] = (object, index, bits);
+            self.push(Command::DynamicsBits { object, index, bits });
+        }
+    }
+
     pub(super) fn edge(&mut self, owner: Option<Owner>, edge: Edge) -> Option<oneshot::Receiver<()>> {
         let id = match edge {
             Edge::Rising(id) | Edge::Falling(id) => id,
@@ -438,6 +467,10 @@ impl State {
             }
             Edge::FaultInject => {
                 self.send_injected();
+                return None;
+            }
+            Edge::DynamicsBits => {
+                self.send_dynamics_bits();
                 return None;
             }
             Edge::Input => {

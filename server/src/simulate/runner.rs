@@ -8,7 +8,7 @@ use arcline_controller::machine::Machine;
 use arcline_controller::{Cause, ContourRequest, Controller, Event, FaultChange, Snapshot, Ticket, UNNAMED};
 use arcline_instruction_set::{BindError, Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, bind, describe};
 use arcline_structured_text::{Answer, BoundCall, Hopeless, Interpreter, Request, RuntimeError, unmade_control};
-use arcline_tag::TagPath;
+use arcline_tag::{TagPath, Value};
 
 use crate::cli::QueueFull;
 use crate::plant::ending;
@@ -75,6 +75,8 @@ pub(crate) enum Wrong {
         line: usize,
         error: arcline_controller::image::ControlError,
     },
+    #[error("line {line}: there is no axis or coordinate system {name}")]
+    NoObject { line: usize, name: String },
     #[error("line {line}: {error}")]
     Read {
         line: usize,
@@ -199,6 +201,9 @@ impl<'m> Runner<'m> {
         }
         for (axis, causes) in (0..).zip(self.image.injected_faults()) {
             self.controller.inject(axis, causes);
+        }
+        for (object, index, bits) in self.image.dynamics_bits() {
+            self.controller.set_dynamics_bits(object, index, bits);
         }
     }
 
@@ -333,6 +338,21 @@ impl<'m> Runner<'m> {
                     .write_value(&path, value)
                     .map_err(|error| Wrong::Write { line, error })?;
                 self.edge(edge, line)?;
+                Next::Answer(Answer::Done)
+            }
+            Request::GetAttribute(of) => {
+                let index = self.image.object(of.attribute.object, &of.name).unwrap_or(u16::MAX);
+                let value = self.image.attribute(self.machine, of.attribute, index);
+                let value = value.ok_or(Wrong::NoObject { line, name: of.name })?;
+                Next::Answer(Answer::Value(Value::Lreal(value)))
+            }
+            Request::SetAttribute(of, value) => {
+                let index = self.image.object(of.attribute.object, &of.name).unwrap_or(u16::MAX);
+                let edge = self
+                    .image
+                    .set_attribute(of.attribute, index, value)
+                    .map_err(|error| Wrong::Write { line, error })?;
+                self.edge(Some(edge), line)?;
                 Next::Answer(Answer::Done)
             }
             Request::Call(bound) => {
@@ -491,6 +511,11 @@ impl<'m> Runner<'m> {
             Some(Edge::FaultInject) => {
                 for (axis, causes) in (0..).zip(self.image.injected_faults()) {
                     self.controller.inject(axis, causes);
+                }
+            }
+            Some(Edge::DynamicsBits) => {
+                for (object, index, bits) in self.image.dynamics_bits() {
+                    self.controller.set_dynamics_bits(object, index, bits);
                 }
             }
             Some(Edge::Input) => {

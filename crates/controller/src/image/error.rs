@@ -62,6 +62,22 @@ pub enum WriteError {
         /// The most.
         high: f32,
     },
+    /// An attribute that only the configuration sets.
+    #[error("{name} cannot be set while the machine runs, only by the configuration")]
+    NotSettable {
+        /// The attribute.
+        name: &'static str,
+    },
+    /// A number that the attribute cannot have.
+    #[error("{name} cannot be {value}, expected a whole number from 0 to {most}")]
+    NotInRange {
+        /// The attribute.
+        name: &'static str,
+        /// The number.
+        value: f64,
+        /// The most it can be.
+        most: u32,
+    },
     /// A fault that the axis cannot have.
     #[error("{name}[{axis}] cannot be {bits:#x}, expected bits of {possible:#x}")]
     NoSuchFault {

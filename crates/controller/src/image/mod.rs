@@ -7,6 +7,7 @@
 //!
 //! All bytes are little-endian, offsets are bytes.
 
+mod attributes;
 mod calls;
 mod cam_tags;
 mod cams;
@@ -102,6 +103,8 @@ pub struct Image {
     inputs: inputs::Inputs,
     /// Output cams that are used.
     outputs: outputs::Outputs,
+    /// Attributes that can be set.
+    attributes: Shared<attributes::Attributes>,
 }
 
 impl Image {
@@ -132,6 +135,7 @@ impl Image {
             profiles: cams::Profiles::default(),
             inputs: inputs::Inputs::new(machine),
             outputs: outputs::Outputs::default(),
+            attributes: Shared::new(attributes::Attributes::new(machine)),
         };
         image.add(
             &machine.group,

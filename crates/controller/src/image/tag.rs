@@ -147,8 +147,8 @@ impl PlainTag {
     }
 }
 
-/// A write that the controller is to know of: `EnableIn` of an instruction tag changed, or an override or injected
-/// faults were written.
+/// A write that the controller is to know of: `EnableIn` of an instruction tag changed, or an override, injected
+/// faults or Dynamics Configuration Bits were written.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Edge {
     /// False to true: the instruction executes.
@@ -159,6 +159,8 @@ pub enum Edge {
     FeedOverride,
     /// The tag `FaultInject` was written: [`Image::injected_faults`](super::Image::injected_faults).
     FaultInject,
+    /// Dynamics Configuration Bits were set: [`Image::dynamics_bits`](super::Image::dynamics_bits).
+    DynamicsBits,
     /// A plain tag that the machine reads was written: [`Image::take_inputs`](super::Image::take_inputs).
     Input,
 }

@@ -87,6 +87,7 @@ fn attributes(axis: &Axis, group: &str) -> Vec<Attribute> {
     list.push(("MaximumDeceleration", write_real(axis.max_deceleration)));
     list.push(("MaximumAccelerationJerk", write_real(axis.max_acceleration_jerk)));
     list.push(("MaximumDecelerationJerk", write_real(axis.max_deceleration_jerk)));
+    list.push(("DynamicsConfigurationBits", axis.dynamics_bits.bits().to_string()));
     let stop = match axis.programmed_stop_mode {
         ProgrammedStopMode::FastStop => "Fast Stop",
         ProgrammedStopMode::FastDisable => "Fast Disable",
@@ -193,6 +194,7 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Vec<Attribute> {
         ("TransformDimension", names.len().to_string()),
         ("MaximumAccelerationJerk", write_real(system.max_acceleration_jerk)),
         ("MaximumDecelerationJerk", write_real(system.max_deceleration_jerk)),
+        ("DynamicsConfigurationBits", system.dynamics_bits.bits().to_string()),
     ];
     if let Some(maxima) = &system.orientation {
         let numbers = [maxima.max_speed, maxima.max_acceleration, maxima.max_deceleration];

@@ -6,7 +6,7 @@ use arcline_config::is_name;
 use arcline_controller::machine::{
     MAX_AXES, MAX_OUTPUT_TARGETS, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, MAX_SYSTEMS, ProgrammedStopMode,
 };
-use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet, FaultWord};
+use arcline_instruction_set::{DYNAMICS_CONFIGURATION_BITS, ExceptionAction, FAULTS, FaultSet, FaultWord};
 use roxmltree::Node;
 use toml::{Table, Value};
 
@@ -232,7 +232,34 @@ impl<'a, 't> Importer<'a, 't> {
             }
             table.extend(number.map(|number| (key.to_owned(), Value::Float(number))));
         }
+        self.dynamics_bits(node, table)?;
         Ok(holds)
+    }
+
+    /// The Dynamics Configuration Bits, in decimal or as `16#0000_0007`; all three are the default of a configuration too.
+    fn dynamics_bits(&mut self, node: Node<'a, 't>, table: &mut Table) -> Result<(), L5xError> {
+        let attribute = "DynamicsConfigurationBits";
+        let Some(word) = node.attribute(attribute).map(str::trim) else {
+            return Ok(());
+        };
+        let bits = match word.strip_prefix("16#") {
+            Some(digits) => u32::from_str_radix(&digits.replace('_', ""), 16),
+            None => word.parse(),
+        };
+        let Ok(bits) = bits else {
+            return Err(self
+                .source
+                .wrong(node, attribute, "a whole number such as 7 or 16#0000_0007"));
+        };
+        let known = bits & DYNAMICS_CONFIGURATION_BITS;
+        if known != bits {
+            let words = "of Dynamics Configuration Bits only bits 0 to 2 have a meaning";
+            self.source.report_attribute(node, attribute, Reason::Changed(words));
+        }
+        if known != DYNAMICS_CONFIGURATION_BITS {
+            put(table, "dynamics_configuration_bits", Value::Integer(known.into()));
+        }
+        Ok(())
     }
 
     /// The length of a turn, of a rotary axis.

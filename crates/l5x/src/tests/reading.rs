@@ -39,12 +39,12 @@ fn axes_systems_and_the_group() {
                 MotionExceptionAction="Unsupported StopPlanner Disable Unsupported"/></Data></Tag>
         <Tag Name="Table" TagType="Base" DataType="AXIS_VIRTUAL" ExternalAccess="Read/Write"><Data Format="Axis">
             <AxisParameters MotionGroup="Group1" ConversionConstant="8000.0" RotaryAxis="Rotary" PositionUnwind="2880000"
-                MaximumSpeed="0.0" MaximumAcceleration="0.0" MaximumDeceleration="0.0" DynamicsConfigurationBits="7"/></Data></Tag>
+                MaximumSpeed="0.0" MaximumAcceleration="0.0" MaximumDeceleration="0.0" DynamicsConfigurationBits="16#0000_0003"/></Data></Tag>
         <Tag Name="CS" TagType="Base" DataType="COORDINATE_SYSTEM" ExternalAccess="Read/Write"><Data Format="CoordinateSystem">
             <CoordinateSystemParameters MotionGroup="Group1" SystemType="Cartesian" Dimension="2" Axes="Lift Table"
                 CoordinationMode="Primary Primary" ConversionRatioNumerator="1.0 1.0" MaximumPendingMoves="1" MaximumSpeed="9.0"
                 MaximumAcceleration="8.0" MaximumDeceleration="7.0" MaximumAccelerationJerk="6.0" MaximumDecelerationJerk="5.0"
-                ActualPositionTolerance="0.25" CommandPositionTolerance="0.5" LinkLength1="0.0"/></Data></Tag>
+                ActualPositionTolerance="0.25" CommandPositionTolerance="0.5" LinkLength1="0.0" DynamicsConfigurationBits="13"/></Data></Tag>
         <Tag Name="Delta" TagType="Base" DataType="COORDINATE_SYSTEM" ExternalAccess="Read/Write"><Data Format="CoordinateSystem">
             <CoordinateSystemParameters SystemType="Delta" Dimension="3" Axes="{none} {none} {none}"/></Data></Tag>
         </Tags>"#,
@@ -79,6 +79,7 @@ type = "virtual"
 max_speed = 100.0
 max_acceleration = 1000.0
 max_deceleration = 0.0
+dynamics_configuration_bits = 3
 unwind = 360.0
 home = {  }
 exception_actions = {  }
@@ -91,6 +92,7 @@ max_acceleration = 8.0
 max_deceleration = 7.0
 max_acceleration_jerk = 6.0
 max_deceleration_jerk = 5.0
+dynamics_configuration_bits = 5
 actual_tolerance = 0.25
 command_tolerance = 0.5
 queue_depth = 1
@@ -112,6 +114,9 @@ queue_depth = 1
             format!(
                 "1 × {parameters}/@MaximumAccelerationJerk: changed: 0 or not given: becomes acceleration² / speed"
             ),
+            "1 × Controller/Tags/Tag[COORDINATE_SYSTEM]/Data/CoordinateSystemParameters/@DynamicsConfigurationBits: \
+             changed: of Dynamics Configuration Bits only bits 0 to 2 have a meaning"
+                .to_owned(),
         ]
     );
 }

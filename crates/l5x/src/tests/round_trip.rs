@@ -56,6 +56,7 @@ fn what_l5x_has_no_place_for() {
         name = "V"
         type = "virtual"
         max_speed = 10.0
+        dynamics_configuration_bits = 0
         max_acceleration = 10.0
         unwind = 6.283185307179586
         home = { sequence = "marker", speed = 2.0, return_speed = 1.0 }
@@ -82,6 +83,7 @@ fn what_l5x_has_no_place_for() {
         name = "CS2"
         axes = ["V"]
         max_speed = 10.0
+        dynamics_configuration_bits = 5
         max_acceleration = 10.0
         [[coordinate_system]]
         name = "Robot"

@@ -69,7 +69,9 @@ impl<'t> Parser<'t> {
             Some(_) => Err(self.unexpected(&token, block_expected(ends))),
             None => {
                 self.advance()?;
-                if self.peek.is("(") {
+                if self.peek.is("(") && Self::is_system_value(&token) {
+                    self.system_value(token)
+                } else if self.peek.is("(") {
                     self.call(token)
                 } else {
                     self.assignment(token)

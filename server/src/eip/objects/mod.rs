@@ -201,13 +201,11 @@ pub(crate) fn serve(
                     object,
                     machine: device.plant.machine(),
                     image,
-                    overrides: RefCell::default(),
-                    injected: RefCell::default(),
+                    settings: RefCell::default(),
                 };
                 let reply = with(&objects);
-                let (overrides, injected) = (objects.overrides.take(), objects.injected.take());
-                write_overrides(memory, &overrides);
-                write_injected(memory, &injected);
+                let settings = objects.settings.take();
+                write_settings(memory, &settings);
                 reply
             }
             None => Reply::error(request.service, unknown()),
@@ -225,24 +223,13 @@ pub(crate) const fn is_table_change(code: u8) -> bool {
     matches!(code, service::CREATE | service::DELETE)
 }
 
-/// Overrides that were set as attributes are in range: they are written like the tag.
-fn write_overrides(memory: &mut Memory<'_>, overrides: &[(u16, f32)]) {
+/// Writes attributes that were set, in order.
+fn write_settings(memory: &mut Memory<'_>, settings: &[motion_attributes::Setting]) {
     let Memory::Write(image, edges) = memory else { return };
-    for (system, percent) in overrides {
-        match image.set_feed_override(*system, *percent) {
+    for setting in settings {
+        match setting.write(image) {
             Ok(edge) => edges.extend(edge),
-            Err(error) => tracing::warn!(%error, "an override was not written"),
-        }
-    }
-}
-
-/// Injected faults that were set as attributes are in range: they are written like the tag.
-fn write_injected(memory: &mut Memory<'_>, injected: &[(u16, u32)]) {
-    let Memory::Write(image, edges) = memory else { return };
-    for (axis, bits) in injected {
-        match image.inject_faults(*axis, *bits) {
-            Ok(edge) => edges.extend(edge),
-            Err(error) => tracing::warn!(%error, "injected faults were not written"),
+            Err(error) => tracing::warn!(%error, "an attribute was not written"),
         }
     }
 }

@@ -13,13 +13,15 @@
 //! | 8 | | position units, SHORT_STRING | actual position tolerance, LREAL |
 //! | 9 | | injected faults, UDINT, can be set | command position tolerance, LREAL |
 //! | 10 | | what can be injected, UDINT | feed override, REAL, percent, 0 to 200; can be set |
-//! | 11 | | | the last feed override that was not 0, REAL, percent |
+//! | 11 | | Dynamics Configuration Bits, UDINT, 0 to 7; can be set | the last feed override that was not 0, REAL, percent |
 //! | 12, 13 | | | LinkLength1, LinkLength2, LREAL |
 //! | 14 to 16 | | | BaseOffset1 to BaseOffset3, LREAL |
 //! | 17 to 19 | | | EndEffectorOffset1 to EndEffectorOffset3, LREAL |
 //! | 20 to 25 | | | ZeroAngleOffset1 to ZeroAngleOffset6, LREAL, degrees |
+//! | 26 | | | Dynamics Configuration Bits, UDINT, 0 to 7; can be set |
 //!
-//! Attribute 10 of a coordinate system is its element of the tag `FeedOverride`, attribute 9 of an axis that of the tag
+//! Dynamics Configuration Bits hold for the instructions that are executed afterwards, up to a restart
+//! (spec/axis-and-data-types.md §9.6); the numbers of numeric attributes are those of [`Attribute`]. Attribute 10 of a coordinate system is its element of the tag `FeedOverride`, attribute 9 of an axis that of the tag
 //! `FaultInject`: bits of docs/FAULTS.md. A value out of range is refused with 0x09.
 //!
 //! Attributes 12 to 25 are those of a robot (spec/coordinated-instructions.md §22.1), 0 of a Cartesian system.
@@ -27,9 +29,9 @@
 
 use std::cell::RefCell;
 
-use arcline_controller::image::{FEED_OVERRIDE_PERCENT, Image};
+use arcline_controller::image::{Edge, FEED_OVERRIDE_PERCENT, Image, WriteError};
 use arcline_controller::machine::{Axis, CoordinateSystem, Machine};
-use arcline_instruction_set::{FaultSet, Object};
+use arcline_instruction_set::{Attribute, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object};
 use arcline_proto::cip::CipStatus;
 use bytes::{BufMut, Bytes, BytesMut};
 
@@ -40,10 +42,32 @@ pub(super) struct MotionObjects<'a> {
     pub(super) object: Object,
     pub(super) machine: &'a Machine,
     pub(super) image: &'a Image,
-    /// Overrides that were set, for the tag memory: place of the coordinate system and percent.
-    pub(super) overrides: RefCell<Vec<(u16, f32)>>,
-    /// Injected faults that were set, for the tag memory: place of the axis and bits.
-    pub(super) injected: RefCell<Vec<(u16, u32)>>,
+    /// What was set, in order, for the tag memory.
+    pub(super) settings: RefCell<Vec<Setting>>,
+}
+
+/// An attribute that was set to a value in range, for the tag memory.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Setting {
+    /// The feed override of a coordinate system by its index, percent.
+    FeedOverride(u16, f32),
+    /// The injected faults of an axis by its index, bits.
+    InjectedFaults(u16, u32),
+    /// A numeric attribute of the object of that index.
+    Attribute(&'static Attribute, u16, u32),
+}
+
+impl Setting {
+    /// Writes it like the tag that shows it.
+    pub(super) fn write(self, image: &mut Image) -> Result<Option<Edge>, WriteError> {
+        match self {
+            Setting::FeedOverride(system, percent) => image.set_feed_override(system, percent),
+            Setting::InjectedFaults(axis, bits) => image.inject_faults(axis, bits),
+            Setting::Attribute(attribute, index, value) => {
+                image.set_attribute(attribute, index, value.into()).map(Some)
+            }
+        }
+    }
 }
 
 /// Objects of a kind; instances count from 1.
@@ -66,6 +90,19 @@ impl Class for MotionObjects<'_> {
 
     fn attribute(&self, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
         let place = usize::try_from(instance).unwrap_or(usize::MAX).wrapping_sub(1);
+        if let Some(attribute) = Attribute::numbered(self.object, id) {
+            let index = u16::try_from(place).map_err(|_| unknown())?;
+            let value = self
+                .image
+                .attribute(self.machine, attribute, index)
+                .ok_or_else(unknown)?;
+            return if attribute.is_settable() {
+                // Exact: such a value is a small whole number.
+                u32_value(value as u32)
+            } else {
+                f64_value(value)
+            };
+        }
         match self.object {
             Object::MotionGroup => group(self.machine, id),
             Object::Axis => {
@@ -92,7 +129,7 @@ impl Class for MotionObjects<'_> {
     fn all(&self) -> &'static [u16] {
         match self.object {
             Object::MotionGroup => &[1, 2, 3],
-            Object::Axis => &[1, 2, 3, 4, 5, 6, 7, 8, INJECTED, POSSIBLE],
+            Object::Axis => &[1, 2, 3, 4, 5, 6, 7, 8, INJECTED, POSSIBLE, 11],
             Object::CoordinateSystem => &[
                 1,
                 2,
@@ -119,6 +156,7 @@ impl Class for MotionObjects<'_> {
                 23,
                 24,
                 25,
+                26,
             ],
         }
     }
@@ -129,32 +167,37 @@ impl Class for MotionObjects<'_> {
             Object::Axis => id == INJECTED,
             Object::CoordinateSystem => id == FEED_OVERRIDE,
         };
+        let settable = settable || Attribute::numbered(self.object, id).is_some_and(Attribute::is_settable);
         settable.then_some(4)
     }
 
-    fn set(&self, instance: u32, _id: u16, value: &[u8]) -> Result<(), CipStatus> {
+    fn set(&self, instance: u32, id: u16, value: &[u8]) -> Result<(), CipStatus> {
         let value = *value.first_chunk().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
-        if self.object == Object::Axis {
-            return self.inject(instance, u32::from_le_bytes(value));
-        }
-        let percent = f32::from_le_bytes(value);
-        if !FEED_OVERRIDE_PERCENT.contains(&percent) {
-            return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
-        }
-        let place = u16::try_from(instance.wrapping_sub(1)).map_err(|_| unknown())?;
-        self.overrides.borrow_mut().push((place, percent));
-        Ok(())
-    }
-}
-
-impl MotionObjects<'_> {
-    fn inject(&self, instance: u32, bits: u32) -> Result<(), CipStatus> {
-        let place = u16::try_from(instance.wrapping_sub(1)).map_err(|_| unknown())?;
-        let possible = self.image.possible_faults(place).ok_or_else(unknown)?;
-        if bits & !possible.bits() != 0 {
-            return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
-        }
-        self.injected.borrow_mut().push((place, bits));
+        let index = u16::try_from(instance.wrapping_sub(1)).map_err(|_| unknown())?;
+        let word = u32::from_le_bytes(value);
+        let setting = match (Attribute::numbered(self.object, id), self.object) {
+            (Some(attribute), _) => {
+                if word > DYNAMICS_CONFIGURATION_BITS {
+                    return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
+                }
+                Setting::Attribute(attribute, index, word)
+            }
+            (None, Object::Axis) => {
+                let possible = self.image.possible_faults(index).ok_or_else(unknown)?;
+                if word & !possible.bits() != 0 {
+                    return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
+                }
+                Setting::InjectedFaults(index, word)
+            }
+            (None, _) => {
+                let percent = f32::from_le_bytes(value);
+                if !FEED_OVERRIDE_PERCENT.contains(&percent) {
+                    return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
+                }
+                Setting::FeedOverride(index, percent)
+            }
+        };
+        self.settings.borrow_mut().push(setting);
         Ok(())
     }
 }
@@ -172,11 +215,6 @@ fn axis(axis: &Axis, id: u16) -> Result<Bytes, CipStatus> {
     match id {
         1 => Ok(short_string(&axis.name)),
         2 => u8_value(u8::from(!axis.is_virtual())),
-        3 => f64_value(axis.max_speed),
-        4 => f64_value(axis.max_acceleration),
-        5 => f64_value(axis.max_deceleration),
-        6 => f64_value(axis.max_acceleration_jerk),
-        7 => f64_value(axis.max_deceleration_jerk),
         8 => Ok(short_string(&axis.units)),
         _ => no_attribute(),
     }
@@ -186,13 +224,6 @@ fn system(system: &CoordinateSystem, id: u16) -> Result<Bytes, CipStatus> {
     match id {
         1 => Ok(short_string(&system.name)),
         2 => Ok(instances(system.axes.iter().copied())),
-        3 => f64_value(system.max_speed),
-        4 => f64_value(system.max_acceleration),
-        5 => f64_value(system.max_deceleration),
-        6 => f64_value(system.max_acceleration_jerk),
-        7 => f64_value(system.max_deceleration_jerk),
-        8 => f64_value(system.actual_tolerance),
-        9 => f64_value(system.command_tolerance),
         _ => robot(system, id),
     }
 }

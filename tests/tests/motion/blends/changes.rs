@@ -1,7 +1,7 @@
 //! MCCD of the move that is under way (spec/coordinated-instructions.md §14): every unit, both jerks, jerks in percent of time,
 //! and what §14.4 derives for rates that are lowered too late.
 
-use arcline_instruction_set::Flag;
+use arcline_instruction_set::{Flag, Object};
 use arcline_tests::bench::{Bench, OK};
 
 const PERIOD: f64 = 0.001;
@@ -150,6 +150,97 @@ fn an_acceleration_that_returns_too_slowly_takes_the_speed_beyond_the_programmed
         assert!(cruise > 1000, "{why}: back at the programmed speed for {cruise} ms");
         assert_eq!(bench.position("X"), 2000.0, "{why}");
     }
+}
+
+/// Dynamics Configuration Bits that are set while the machine runs count from the next instruction on
+/// (spec/axis-and-data-types.md §9.6): the fastest of a move whose jerk a change lowers.
+#[test]
+fn the_bound_of_the_overshoot_is_switched_while_the_machine_runs() {
+    let fastest = |before: u32, at_the_change: Option<u32>, after: Option<u32>| {
+        let mut bench = Bench::replacing(
+            "name = \"XY\"",
+            &format!("name = \"XY\"\ndynamics_configuration_bits = {before}"),
+        );
+        bench.execute("MCLM(XY, M1, 0, [2000, 0], 200, 0, 2000, 0, 2000, 0, 1, 50000, 50000, 0, 1)");
+        bench.run(60);
+        if let Some(bits) = at_the_change {
+            bench.set_dynamics_bits(Object::CoordinateSystem, "XY", bits);
+        }
+        assert_eq!(
+            bench.call("MCCD(XY, C1, 1, No, 0, 0, No, 0, 0, No, 0, 0, Yes, 10000, No, 0, 0)"),
+            OK
+        );
+        if let Some(bits) = after {
+            bench.set_dynamics_bits(Object::CoordinateSystem, "XY", bits);
+        }
+        let mut top = 0.0_f64;
+        while !bench.control("M1").has(Flag::Pc) {
+            bench.tick();
+            top = top.max(bench.axis("X").command[1]);
+        }
+        assert_eq!(bench.position("X"), 2000.0);
+        top
+    };
+    let (bounded, free) = (fastest(7, None, None), fastest(3, None, None));
+    assert!((bounded - 300.0).abs() < 1e-2 && free > 301.0, "{bounded}, {free}");
+    #[rustfmt::skip]
+    let cases = [
+        ("switched off before the change",  7, Some(3), None,    free),
+        ("switched on before the change",   3, Some(7), None,    bounded),
+        ("switched off after the change",   7, None,    Some(3), bounded),
+        ("switched on after the change",    3, None,    Some(7), free),
+    ];
+    for (why, before, at, after, expected) in cases {
+        assert_eq!(fastest(before, at, after), expected, "{why}");
+    }
+}
+
+/// The same of an axis: MCD in a move, and MAS while an S-curve brakes, whose reversal bit 1 prevents.
+#[test]
+fn the_bits_of_an_axis_are_switched_while_the_machine_runs() {
+    let fastest = |bits: Option<u32>| {
+        let mut bench = Bench::new();
+        bench.execute("MAM(X, M1, 0, 2000, 200, 0, 2000, 0, 2000, 0, 1, 50000, 50000, 0)");
+        bench.run(60);
+        if let Some(bits) = bits {
+            bench.set_dynamics_bits(Object::Axis, "X", bits);
+        }
+        assert_eq!(
+            bench.call("MCD(X, C1, 1, No, 0, No, 0, No, 0, Yes, 10000, No, 0, 0, 0, 0, 0)"),
+            OK
+        );
+        let mut top = 0.0_f64;
+        while !bench.control("M1").has(Flag::Pc) {
+            bench.tick();
+            top = top.max(bench.axis("X").command[1]);
+        }
+        top
+    };
+    let (bounded, free) = (fastest(None), fastest(Some(3)));
+    assert!(bounded < 300.0 + 1e-2 && free > bounded + 1.0, "{bounded}, {free}");
+    let lowest = |bits: Option<u32>| {
+        let mut bench = Bench::new();
+        bench.execute("MAJ(X, J1, 0, 200, 0, 2000, 0, 2000, 0, 1, 50000, 50000, 0)");
+        bench.run(400);
+        bench.execute("MAS(X, S1, Jog, Yes, 2000, 0, Yes, 50000, 0)");
+        bench.run(80);
+        if let Some(bits) = bits {
+            bench.set_dynamics_bits(Object::Axis, "X", bits);
+        }
+        bench.execute("MAS(X, S2, Jog, Yes, 2000, 0, Yes, 9000, 0)");
+        let mut least = 0.0_f64;
+        while !bench.control("S2").has(Flag::Pc) {
+            bench.tick();
+            least = least.min(bench.axis("X").command[1]);
+        }
+        least
+    };
+    assert_eq!(lowest(None), 0.0, "no reversal");
+    assert!(lowest(Some(5)) < -1.0, "a reversal: {}", lowest(Some(5)));
+    // An object that does not exist, and a restart, which brings the configured bits back.
+    let mut bench = Bench::new();
+    bench.set_dynamics_bits(Object::MotionGroup, "Motion", 0);
+    assert_eq!(bench.machine().axes[0].dynamics_bits.bits(), 7);
 }
 
 #[test]

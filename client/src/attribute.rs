@@ -1,0 +1,55 @@
+//! The numeric attributes of axes and coordinate systems: what GSV and SSV name.
+
+use arcline_instruction_set::Attribute;
+use arcline_proto::cip::service;
+use arcline_proto::epath::Epath;
+use bytes::Bytes;
+
+use crate::{Client, ClientError};
+
+impl Client {
+    /// The value of a numeric attribute of an axis or a coordinate system, in the units that the attribute's
+    /// [`Quantity`](arcline_instruction_set::Quantity) names.
+    ///
+    /// # Errors
+    /// [`ClientError::UnknownObject`] when there is no object of that name.
+    pub async fn attribute(&self, attribute: &Attribute, name: &str) -> Result<f64, ClientError> {
+        let path = self.attribute_path(attribute, name).await?;
+        let reply = self
+            .ask(name, service::GET_ATTRIBUTE_SINGLE, path, Bytes::new())
+            .await?;
+        let value = if attribute.is_settable() {
+            reply.data.first_chunk().map(|bytes| u32::from_le_bytes(*bytes).into())
+        } else {
+            reply.data.first_chunk().map(|bytes| f64::from_le_bytes(*bytes))
+        };
+        value.ok_or(ClientError::Malformed {
+            what: "an attribute is shorter than its type",
+        })
+    }
+
+    /// Sets an attribute that can be set, such as the Dynamics Configuration Bits of an axis: it holds for the instructions that are
+    /// executed afterwards, until the server restarts.
+    ///
+    /// # Errors
+    /// [`ClientError::UnknownObject`] when there is no object of that name; [`ClientError::Refused`]: 0x09 for a value that the
+    /// attribute cannot have, 0x0E for an attribute that only the configuration sets.
+    pub async fn set_attribute(&self, attribute: &Attribute, name: &str, value: f64) -> Result<(), ClientError> {
+        let path = self.attribute_path(attribute, name).await?;
+        // What is no UDINT becomes one that no attribute can have.
+        let whole = value >= 0.0 && value.fract() == 0.0 && value <= f64::from(u32::MAX);
+        let word = if whole { value as u32 } else { u32::MAX };
+        let value = Bytes::copy_from_slice(&word.to_le_bytes());
+        self.ask(name, service::SET_ATTRIBUTE_SINGLE, path, value).await?;
+        Ok(())
+    }
+
+    async fn attribute_path(&self, attribute: &Attribute, name: &str) -> Result<Epath, ClientError> {
+        let instance = self.instance(attribute.object, name).await?;
+        Ok(Epath::attribute(
+            attribute.object.class_code(),
+            instance,
+            attribute.number,
+        ))
+    }
+}

@@ -1,0 +1,101 @@
+//! The numeric attributes of axes and coordinate systems. Most are the machine's; the Dynamics Configuration Bits can be set.
+//!
+//! The image is the only copy of these bits outside the controller: every way to set them writes them here, and the caller sends the
+//! controller the change ([`Edge::DynamicsBits`]). They begin at the machine's values, and a restart brings those back.
+
+use arcline_instruction_set::{Attribute, DYNAMICS_CONFIGURATION_BITS, Object, Quantity};
+
+use super::{Edge, Image, WriteError};
+use crate::machine::{DynamicsBits, Machine};
+
+/// The Dynamics Configuration Bits of every axis and every coordinate system, in configuration order.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Attributes {
+    axes: Vec<DynamicsBits>,
+    systems: Vec<DynamicsBits>,
+}
+
+impl Attributes {
+    pub(super) fn new(machine: &Machine) -> Self {
+        Attributes {
+            axes: machine.axes.iter().map(|axis| axis.dynamics_bits).collect(),
+            systems: machine.systems.iter().map(|system| system.dynamics_bits).collect(),
+        }
+    }
+}
+
+impl Image {
+    /// The Dynamics Configuration Bits of every axis, then of every coordinate system: class, index and bits.
+    pub fn dynamics_bits(&self) -> impl Iterator<Item = (Object, u16, DynamicsBits)> {
+        let axes = (0..).zip(&self.attributes.axes);
+        let axes = axes.map(|(index, bits)| (Object::Axis, index, *bits));
+        let systems = (0..).zip(&self.attributes.systems);
+        axes.chain(systems.map(|(index, bits)| (Object::CoordinateSystem, index, *bits)))
+    }
+
+    /// The value of an attribute of an object of the machine that the image was made for; `None`: no such object.
+    pub fn attribute(&self, machine: &Machine, attribute: &Attribute, index: u16) -> Option<f64> {
+        let place = usize::from(index);
+        if attribute.quantity == Quantity::DynamicsConfigurationBits {
+            let bits = match attribute.object {
+                Object::MotionGroup => return None,
+                Object::Axis => self.attributes.axes.get(place),
+                Object::CoordinateSystem => self.attributes.systems.get(place),
+            };
+            return Some(bits?.bits().into());
+        }
+        match attribute.object {
+            Object::MotionGroup => None,
+            Object::Axis => {
+                let axis = machine.axes.get(place)?;
+                Some(match attribute.quantity {
+                    Quantity::MaximumSpeed => axis.max_speed,
+                    Quantity::MaximumAcceleration => axis.max_acceleration,
+                    Quantity::MaximumDeceleration => axis.max_deceleration,
+                    Quantity::MaximumAccelerationJerk => axis.max_acceleration_jerk,
+                    Quantity::MaximumDecelerationJerk => axis.max_deceleration_jerk,
+                    Quantity::ActualPositionTolerance
+                    | Quantity::CommandPositionTolerance
+                    | Quantity::DynamicsConfigurationBits => return None,
+                })
+            }
+            Object::CoordinateSystem => {
+                let system = machine.systems.get(place)?;
+                Some(match attribute.quantity {
+                    Quantity::MaximumSpeed => system.max_speed,
+                    Quantity::MaximumAcceleration => system.max_acceleration,
+                    Quantity::MaximumDeceleration => system.max_deceleration,
+                    Quantity::MaximumAccelerationJerk => system.max_acceleration_jerk,
+                    Quantity::MaximumDecelerationJerk => system.max_deceleration_jerk,
+                    Quantity::ActualPositionTolerance => system.actual_tolerance,
+                    Quantity::CommandPositionTolerance => system.command_tolerance,
+                    Quantity::DynamicsConfigurationBits => return None,
+                })
+            }
+        }
+    }
+
+    /// Sets an attribute of an object.
+    ///
+    /// # Errors
+    /// [`WriteError::NotSettable`] for one that cannot be set, [`WriteError::NotInRange`] for a value that it cannot have,
+    /// [`WriteError::NoSuchTag`] when there is no such object; then nothing has changed.
+    pub fn set_attribute(&mut self, attribute: &Attribute, index: u16, value: f64) -> Result<Edge, WriteError> {
+        let name = attribute.name;
+        if !attribute.is_settable() {
+            return Err(WriteError::NotSettable { name });
+        }
+        let most = DYNAMICS_CONFIGURATION_BITS;
+        if !(0.0..=f64::from(most)).contains(&value) || value.fract() != 0.0 {
+            return Err(WriteError::NotInRange { name, value, most });
+        }
+        let bits = match attribute.object {
+            Object::MotionGroup => return Err(WriteError::NoSuchTag),
+            Object::Axis => &mut self.attributes.axes,
+            Object::CoordinateSystem => &mut self.attributes.systems,
+        };
+        let bits = bits.get_mut(usize::from(index)).ok_or(WriteError::NoSuchTag)?;
+        *bits = DynamicsBits::from_bits(value as u32);
+        Ok(Edge::DynamicsBits)
+    }
+}

@@ -1,0 +1,117 @@
+//! The numeric attributes of axes and coordinate systems: their names in GSV and SSV of Structured Text, and their numbers in the
+//! attribute services of the classes 0x0301 and 0x0302 (spec/axis-and-data-types.md §9.2, §9.6).
+//!
+//! Attributes that are texts or lists, and those that a tag shows (feed override, injected faults), are not here.
+
+use crate::Object;
+
+/// A numeric attribute of an axis or a coordinate system.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Attribute {
+    /// The class that has it.
+    pub object: Object,
+    /// Its name in GSV and SSV, such as `MaximumSpeed`.
+    pub name: &'static str,
+    /// Its number in the attribute services.
+    pub number: u16,
+    /// Its meaning.
+    pub quantity: Quantity,
+}
+
+/// What an [`Attribute`] is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Quantity {
+    /// Maximum Speed, position units/s.
+    MaximumSpeed,
+    /// Maximum Acceleration, position units/s².
+    MaximumAcceleration,
+    /// Maximum Deceleration, position units/s².
+    MaximumDeceleration,
+    /// Maximum Acceleration Jerk, position units/s³.
+    MaximumAccelerationJerk,
+    /// Maximum Deceleration Jerk, position units/s³.
+    MaximumDecelerationJerk,
+    /// Actual Position Tolerance, position units.
+    ActualPositionTolerance,
+    /// Command Position Tolerance, position units.
+    CommandPositionTolerance,
+    /// Dynamics Configuration Bits, 0 to [`DYNAMICS_CONFIGURATION_BITS`]. The only one that can be set.
+    DynamicsConfigurationBits,
+}
+
+/// All Dynamics Configuration Bits.
+pub const DYNAMICS_CONFIGURATION_BITS: u32 = 7;
+
+impl Attribute {
+    /// The attribute of that name, case ignored.
+    #[must_use]
+    pub fn named(object: Object, name: &str) -> Option<&'static Attribute> {
+        let mut all = ATTRIBUTES.iter();
+        all.find(|one| one.object == object && one.name.eq_ignore_ascii_case(name))
+    }
+
+    /// The attribute of that number.
+    #[must_use]
+    pub fn numbered(object: Object, number: u16) -> Option<&'static Attribute> {
+        ATTRIBUTES
+            .iter()
+            .find(|one| one.object == object && one.number == number)
+    }
+
+    /// Whether SSV and the Set Attribute services can set it. Such an attribute is a UDINT on the wire, any other an LREAL.
+    #[must_use]
+    pub fn is_settable(&self) -> bool {
+        self.quantity == Quantity::DynamicsConfigurationBits
+    }
+}
+
+/// Every attribute of the table.
+pub const ATTRIBUTES: &[Attribute] = &[
+    axis("MaximumSpeed", 3, Quantity::MaximumSpeed),
+    axis("MaximumAcceleration", 4, Quantity::MaximumAcceleration),
+    axis("MaximumDeceleration", 5, Quantity::MaximumDeceleration),
+    axis("MaximumAccelerationJerk", 6, Quantity::MaximumAccelerationJerk),
+    axis("MaximumDecelerationJerk", 7, Quantity::MaximumDecelerationJerk),
+    axis("DynamicsConfigurationBits", 11, Quantity::DynamicsConfigurationBits),
+    system("MaximumSpeed", 3, Quantity::MaximumSpeed),
+    system("MaximumAcceleration", 4, Quantity::MaximumAcceleration),
+    system("MaximumDeceleration", 5, Quantity::MaximumDeceleration),
+    system("MaximumAccelerationJerk", 6, Quantity::MaximumAccelerationJerk),
+    system("MaximumDecelerationJerk", 7, Quantity::MaximumDecelerationJerk),
+    system("ActualPositionTolerance", 8, Quantity::ActualPositionTolerance),
+    system("CommandPositionTolerance", 9, Quantity::CommandPositionTolerance),
+    system("DynamicsConfigurationBits", 26, Quantity::DynamicsConfigurationBits),
+];
+
+const fn axis(name: &'static str, number: u16, quantity: Quantity) -> Attribute {
+    Attribute {
+        object: Object::Axis,
+        name,
+        number,
+        quantity,
+    }
+}
+
+const fn system(name: &'static str, number: u16, quantity: Quantity) -> Attribute {
+    Attribute {
+        object: Object::CoordinateSystem,
+        name,
+        number,
+        quantity,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_numbers_of_a_class_are_unique() {
+        for one in ATTRIBUTES {
+            assert_eq!(Attribute::named(one.object, &one.name.to_uppercase()), Some(one));
+            assert_eq!(Attribute::numbered(one.object, one.number), Some(one));
+        }
+        assert_eq!(Attribute::named(Object::Axis, "ActualPositionTolerance"), None);
+        assert_eq!(Attribute::numbered(Object::MotionGroup, 3), None);
+    }
+}
