@@ -3,12 +3,24 @@
 //!
 //! `ARCLINE_CASES` sets how many random sequences of pairs are run (150 unless told).
 
+use arcline_instruction_set::{Kind, Mnemonic};
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::follow::CAM_TAGS;
 use arcline_tests::random::Random;
+use arcline_tests::robots::{PATH_TAGS, SIX_AXES};
 
-/// Instructions with numbers in braces: what a good program has there. In `<` and `>` stand speeds, rates, jerks and scalings, which a
-/// program may make as high as it likes; the axis then goes as fast as that.
+/// A machine of the scan.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Of {
+    /// The default machine, with a cam and output cams.
+    Axes,
+    /// A robot of six joints behind X, Y, Z, Rx, Ry, Rz.
+    Robot,
+}
+
+/// Calls and, in front of them, values of the tags that they read, separated by semicolons. Numbers in braces are those of a good
+/// program. In `<` and `>` stand speeds, rates, jerks and scalings, which a program may make as high as it likes; the axis then goes as
+/// fast as that.
 const CALLS: &[&str] = &[
     "MCLM(XY, W, {0}, [{9},{5}], <50>, 0, <500>, 0, <500>, 0, {1}, <90>, <90>, 2, {1}, 0, 0, {0}, {0}, 0)",
     "MCLM(XY, W, 1, [{9},{5}], <50>, 0, <500>, 0, <500>, 0, 1, <9000>, <9000>, 0, 5, 1, {1}, {0}, {0}, 0, [{3}], Answer1)",
@@ -39,7 +51,53 @@ const CALLS: &[&str] = &[
     "MCCP(W, Cam, {2}, {0}, {0}, Profile[0])",
     "MCSV(W, Profile[0], {2}, Answer1, Answer2, Answer3)",
     "MCTP(CS1, CS3, W, [{10},{20},{30}], [{1},{2},{3}], {0}, [{1},{2},{3}], Answer4)",
+    "MDAC(Y, Z, L, {0}, {1}); MAM(Y, W, 1, {12}, <2>, 4, <1>, 4, <1>, 4, 0, 100, 100, 6, 0, 0, {1}, 1)",
+    "MDAC(Y, Z, L, 0, 1); MAM(Y, W, 1, 12, <20>, 7, <2>, 7, <2>, 7, 0, <1>, <1>, 7, 0, 0, {1}, 1)",
+    "MDAC(Y, Z, L, 0, 1); MAJ(Y, W, {0}, <2>, 4, <1>, 4, <1>, 4, 0, 100, 100, 6, 0, 0, {1}, 1)",
+    "MDCC(XY, Z, L, 1, {20}); MCLM(XY, W, 1, [{9},{5}], <2>, 4, <1>, 4, <1>, 4, 0, 100, 100, 6, 0, 0, 0, 0, {1}, 1)",
+    "MAOC(X, {0}, W, Out, 0, Mark, {0}, {50}, 0, {1}, {2}, {3}, {4}, {1})",
+    "MAOC(X, 1, W, Out, In, Mark, 0, {50}, Comp, 2, 0, {0}, {0}, 1)",
+    "Mark.OutputBit := {3}; Mark.LatchType := {1}; Mark.UnlatchType := {2}; Mark.Left := {5}; Mark.Right := {9}; Mark.Duration := {1}; \
+     Mark.EnableType := {1}; Mark.EnableBit := {4}; MAOC(X, 2, W, Out, In, Mark, 0, 50, Comp, 2, 0, 0, 0, 1)",
+    "Comp[1].Offset := {1}; Comp[1].LatchDelay := {0.01}; Comp[1].UnlatchDelay := {0.01}; Comp[1].Mode := {1}; Comp[1].CycleTime := {0.1}; \
+     Comp[1].DutyCycle := {50}; Mark.OutputBit := 1; MAOC(X, 3, W, Out, In, Mark, 0, 50, Comp, 2, 0, 0, 0, 1)",
+    "MDOC(X, {0}, W, {1})",
+    "MDR(X, W, {1})",
+    "MGS(Motion, W, {1})",
 ];
+
+/// The same of the robot.
+const ROBOT_CALLS: &[&str] = &[
+    "Way.Position[0] := {9}; Way.Position[1] := {5}; Way.Position[2] := {1}; Way.Position[3] := {1}; Way.Position[4] := {2}; \
+     Way.Position[5] := {10}; MCPM(CART, W, Way, 1, Pace)",
+    "Way.InterpolationType := {1}; Way.RobotConfiguration := {0}; Way.TurnsCounters[1] := {0}; Way.MoveType := {1}; \
+     Way.TerminationType := {3}; Way.CommandToleranceLinear := {0.5}; Way.Position[0] := 4; MCPM(CART, W, Way, {1}, Pace, {0}, {0})",
+    "Pace.UnitsMode := {1}; Pace.TimeUnits := {0}; Pace.Profile := {1}; Pace.Speed := <50>; Pace.Acceleration := <500>; \
+     Pace.Deceleration := <500>; Pace.AccelerationJerk := <90>; Pace.DecelerationJerk := <90>; Pace.OrientationSpeed := <45>; \
+     Pace.OrientationAcceleration := <450>; Pace.OrientationDeceleration := <450>; MCPM(CART, W, Way, 1, Pace)",
+    "Work.X := {10}; Work.Y := {1}; Work.Z := {-5}; Work.Rx := {1}; Work.Ry := {2}; Work.Rz := {3}; MCTO(CART, ROBOT, W, Work, Tool)",
+    "Tool.ID := {3}; Tool.X := {1}; Tool.Y := {1}; Tool.Z := {40}; Tool.Rx := {1}; Tool.Ry := {2}; Tool.Rz := {15}; \
+     MCTO(CART, ROBOT, W, NoFrame, Tool)",
+    "MCTPO(CART, ROBOT, W, NoFrame, NoFrame, {0}, [{5},{70},{-80},{10},{-60},{20}], Place, Bits, Turns)",
+    "Bits := {2}; Turns[0] := {1}; MCTPO(CART, ROBOT, W, NoFrame, NoFrame, {1}, [{250},{10},{200},{180},{0},{45}], Place, Bits, Turns)",
+    "MCLM(CART, W, 0, [{9},{5},{1},{1},{2},{3}], <50>, 0, <500>, 0, <500>, 0, 0, 100, 100, 2, 3, 0, 0, {0}, {0}, 0)",
+];
+
+const AXES_TAGS: &str = r#"
+[[tag]]
+name = "Out"
+type = "DINT"
+[[tag]]
+name = "In"
+type = "DINT"
+[[tag]]
+name = "Mark"
+type = "OUTPUT_CAM"
+value = { OutputBit = 1, Left = 3.0, Right = 8.0 }
+[[tag]]
+name = "Comp"
+type = "OUTPUT_COMPENSATION[32]"
+"#;
 
 /// Literals of Structured Text; the last three are infinity, its negative and no number.
 const WILD: &[&str] = &[
@@ -60,10 +118,23 @@ const WILD: &[&str] = &[
     "1E200",
     "1E308",
     "-1E308",
-    "(1E308*10.0)",
-    "(-1E308*10.0)",
-    "(1E308*10.0-1E308*10.0)",
+    INFINITE,
+    NEGATIVE,
+    NONE,
 ];
+const INFINITE: &str = "(1E308*10.0)";
+const NEGATIVE: &str = "(-1E308*10.0)";
+const NONE: &str = "(1E308*10.0-1E308*10.0)";
+
+/// The number that a literal means.
+fn number(literal: &str) -> f64 {
+    match literal {
+        INFINITE => f64::INFINITY,
+        NEGATIVE => f64::NEG_INFINITY,
+        NONE => f64::NAN,
+        literal => literal.parse().expect("a literal"),
+    }
+}
 
 const BEGIN: [&str; 4] = [
     "MCLM(XY, Begin1, 0, [40, 30], 60, 0, 900, 0, 900, 0, 1, 100, 100, 2, 5)",
@@ -71,12 +142,25 @@ const BEGIN: [&str; 4] = [
     "MAM(Y, Begin3, 1, 30, 20, 0, 200, 0, 200, 0, 1, 100, 100, 2)",
     "MAJ(A, Begin4, 0, 20, 0, 200, 0, 200, 0, 0, 100, 100, 2)",
 ];
+const BEGIN_ROBOT: [&str; 3] = [
+    "MCTO(CART, ROBOT, Begin1, NoFrame, NoFrame)",
+    "MAJ(U, Begin2, 0, 20, 0, 200, 0, 200, 0, 0, 100, 100, 2)",
+    "MCPM(CART, Begin3, Way, 1, Pace)",
+];
 /// Programmed with what went before it at the end of the queue, and stopped.
 const AFTER: [&str; 2] = [
     "MCLM(XY, After1, 1, [3, -2], 60, 0, 900, 0, 900, 0, 0, 100, 100, 2, 1)",
     "MAM(X, After2, 1, 3, 60, 0, 900, 0, 900, 0, 0, 100, 100, 2)",
 ];
+const AFTER_ROBOT: [&str; 2] = [
+    "MCLM(CART, After1, 1, [3, -2, 0, 0, 0, 0], 60, 0, 900, 0, 900, 0, 0, 100, 100, 2, 1)",
+    "MAM(U, After2, 1, 3, 60, 0, 900, 0, 900, 0, 0, 100, 100, 2)",
+];
 const STOP: [&str; 2] = ["MCS(XY, Stop1, 0, 0, 100, 0, 0, 100, 2)", "MGS(Motion, Stop2, 1)"];
+const STOP_ROBOT: [&str; 2] = ["MCS(CART, Stop1, 0, 0, 100, 0, 0, 100, 2)", "MGS(Motion, Stop2, 1)"];
+
+/// Both machines with their calls.
+const SCANS: [(Of, &[&str]); 2] = [(Of::Axes, CALLS), (Of::Robot, ROBOT_CALLS)];
 
 /// A number of a call: its place in the text, and whether it may make an axis fast.
 type Slot = (std::ops::Range<usize>, bool);
@@ -111,23 +195,37 @@ fn with(call: &str, given: &[(usize, &str)]) -> String {
 
 struct Scan {
     bench: Bench,
+    of: Of,
     /// Something that was accepted goes as fast as it likes.
     fast: bool,
     calls: Vec<String>,
 }
 
 impl Scan {
-    fn new(moving: bool) -> Self {
-        let mut bench = Bench::with(&format!("{}{CAM_TAGS}", arcline_config::DEFAULT));
-        assert_eq!(bench.call("MCCP(Make, Cam, 2, 0, 0, Profile[0])"), OK);
+    fn new(of: Of, moving: bool) -> Self {
+        let bench = match of {
+            Of::Axes => {
+                let cams = "name = \"X\"\noutput_cam_execution_targets = 4";
+                let config = arcline_config::DEFAULT.replacen("name = \"X\"", cams, 1);
+                let mut bench = Bench::with(&format!("{config}{CAM_TAGS}{AXES_TAGS}"));
+                assert_eq!(bench.call("MCCP(Make, Cam, 2, 0, 0, Profile[0])"), OK);
+                bench
+            }
+            Of::Robot => Bench::with(&format!("{}{PATH_TAGS}", SIX_AXES.config())),
+        };
         let mut scan = Scan {
             bench,
+            of,
             fast: false,
             calls: Vec::new(),
         };
         if moving {
-            for call in BEGIN {
-                scan.calls.push(call.to_owned());
+            let begin = match of {
+                Of::Axes => &BEGIN[..],
+                Of::Robot => &BEGIN_ROBOT,
+            };
+            for call in begin {
+                scan.calls.push((*call).to_owned());
                 assert_eq!(scan.bench.call(call), OK, "{call}");
             }
             scan.run(60);
@@ -138,7 +236,13 @@ impl Scan {
     fn call(&mut self, call: &str, given: &[(usize, &str)], ticks: u64) {
         let text = with(call, given);
         self.calls.push(text.clone());
-        let accepted = self.bench.call(&text) == OK;
+        let mut accepted = true;
+        for statement in text.split(';') {
+            match statement.split_once(" := ") {
+                Some((tag, value)) => self.bench.write(tag.trim(), number(value.trim())),
+                None => accepted = self.bench.call(statement.trim()) == OK,
+            }
+        }
         let slots = slots(call);
         self.fast |= accepted && given.iter().any(|(place, _)| slots[*place].1);
         self.run(ticks);
@@ -176,10 +280,14 @@ impl Scan {
     }
 
     fn finish(&mut self) {
-        for call in AFTER {
+        let (after, stop) = match self.of {
+            Of::Axes => (AFTER, STOP),
+            Of::Robot => (AFTER_ROBOT, STOP_ROBOT),
+        };
+        for call in after {
             self.call(call, &[], 20);
         }
-        for call in STOP {
+        for call in stop {
             self.call(call, &[], 40);
         }
     }
@@ -187,17 +295,42 @@ impl Scan {
 
 #[test]
 fn no_wild_number_alone_moves_an_axis() {
-    for call in CALLS {
-        for place in 0..slots(call).len() {
-            for moving in [false, true] {
-                let mut scan = Scan::new(moving);
-                for value in WILD {
-                    scan.call(call, &[(place, value)], 4);
+    for (of, calls) in SCANS {
+        for call in calls {
+            for place in 0..slots(call).len() {
+                for moving in [false, true] {
+                    let mut scan = Scan::new(of, moving);
+                    for value in WILD {
+                        scan.call(call, &[(place, value)], 4);
+                    }
+                    scan.finish();
                 }
-                scan.finish();
             }
         }
     }
+}
+
+/// An instruction is in the scan, or no operand of it takes a number.
+#[test]
+fn every_instruction_that_takes_a_number_is_in_the_scan() {
+    let scanned: Vec<&str> = SCANS
+        .iter()
+        .flat_map(|(_, calls)| calls.iter())
+        .flat_map(|row| row.split(';'))
+        .filter_map(|statement| statement.trim().split_once('(').map(|(name, _)| name))
+        .collect();
+    let mut missing = Vec::new();
+    for mnemonic in Mnemonic::ALL {
+        let takes_numbers = mnemonic
+            .instruction()
+            .operands
+            .iter()
+            .any(|operand| !matches!(operand.kind, Kind::Target(_) | Kind::MotionControl | Kind::Reference(_)));
+        if takes_numbers && !scanned.contains(&mnemonic.to_string().as_str()) {
+            missing.push(mnemonic.to_string());
+        }
+    }
+    assert_eq!(missing, Vec::<String>::new());
 }
 
 #[test]
@@ -205,9 +338,10 @@ fn no_wild_numbers_together_move_an_axis() {
     let cases = std::env::var("ARCLINE_CASES").ok().and_then(|cases| cases.parse().ok());
     for seed in 0..cases.unwrap_or(150) {
         let mut random = Random(seed);
-        let mut scan = Scan::new(random.below(2) == 0);
+        let (of, calls) = SCANS[usize::from(random.below(4) == 0)];
+        let mut scan = Scan::new(of, random.below(2) == 0);
         for _ in 0..12 {
-            let call = random.one_of(CALLS);
+            let call = random.one_of(calls);
             let count = slots(call).len() as u64;
             let given: Vec<(usize, &str)> = (0..2)
                 .map(|_| (random.below(count) as usize, *random.one_of(WILD)))
