@@ -167,7 +167,7 @@ fn the_bound_of_the_overshoot_is_switched_while_the_machine_runs() {
             bench.set_dynamics_bits(Object::CoordinateSystem, "XY", bits);
         }
         assert_eq!(
-            bench.call("MCCD(XY, C1, 1, No, 0, 0, No, 0, 0, No, 0, 0, Yes, 10000, No, 0, 0)"),
+            bench.call("MCCD(XY, C1, 1, No, 0, 0, No, 0, 0, No, 0, 0, Yes, 5000, No, 0, 0)"),
             OK
         );
         if let Some(bits) = after {
@@ -206,7 +206,7 @@ fn the_bits_of_an_axis_are_switched_while_the_machine_runs() {
             bench.set_dynamics_bits(Object::Axis, "X", bits);
         }
         assert_eq!(
-            bench.call("MCD(X, C1, 1, No, 0, No, 0, No, 0, Yes, 10000, No, 0, 0, 0, 0, 0)"),
+            bench.call("MCD(X, C1, 1, No, 0, No, 0, No, 0, Yes, 5000, No, 0, 0, 0, 0, 0)"),
             OK
         );
         let mut top = 0.0_f64;
@@ -220,14 +220,13 @@ fn the_bits_of_an_axis_are_switched_while_the_machine_runs() {
     assert!(bounded < 300.0 + 1e-2 && free > bounded + 1.0, "{bounded}, {free}");
     let lowest = |bits: Option<u32>| {
         let mut bench = Bench::new();
-        bench.execute("MAJ(X, J1, 0, 200, 0, 2000, 0, 2000, 0, 1, 50000, 50000, 0)");
-        bench.run(400);
-        bench.execute("MAS(X, S1, Jog, Yes, 2000, 0, Yes, 50000, 0)");
-        bench.run(80);
+        bench.execute("MAM(X, M1, 0, 100, 200, 0, 2000, 0, 2000, 0, 1, 50000, 50000, 0)");
+        // It brakes from 500 ms on, at 80 units/s and full deceleration now.
+        bench.run(580);
         if let Some(bits) = bits {
             bench.set_dynamics_bits(Object::Axis, "X", bits);
         }
-        bench.execute("MAS(X, S2, Jog, Yes, 2000, 0, Yes, 9000, 0)");
+        assert_eq!(bench.call("MAS(X, S2, Move, Yes, 2000, 0, Yes, 9000, 0)"), OK);
         let mut least = 0.0_f64;
         while !bench.control("S2").has(Flag::Pc) {
             bench.tick();
