@@ -63,7 +63,7 @@ impl fmt::Display for Ended {
         write!(f, "{}", self.ending)?;
         match self.ending {
             Ending::Fault { .. } => write!(f, ", at {}, {} s of machine time", time_of_day(self.at), self.time),
-            Ending::Instruction { .. } | Ending::StopAll => Ok(()),
+            Ending::Instruction { .. } | Ending::StopAll | Ending::Jog(_) => Ok(()),
         }
     }
 }

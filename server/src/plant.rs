@@ -519,6 +519,7 @@ pub(crate) fn ending(machine: &Machine, image: &Image, cause: Cause) -> Option<E
             faults,
         },
         Cause::StopAll => Ending::StopAll,
+        Cause::Jog(why) => Ending::Jog(why),
     })
 }
 

@@ -147,8 +147,8 @@ pub(crate) async fn stop(client: &Client, command: Stop, output: &Output) -> Res
         }
     }
     let wait = async |execution: &Execution| {
-        let control = wait::complete(client, execution, Course::default(), output).await?;
-        output.execution(execution, &control);
+        let completed = wait::complete(client, execution, Course::default(), output).await?;
+        output.completed(execution, &completed);
         Ok(())
     };
     each(executions, wait, output).await
@@ -280,12 +280,12 @@ async fn execute(
     let execution = client
         .execute(operands.mnemonic(), target, tag, operands.given())
         .await?;
-    let control = if motion.waiting.no_wait {
-        execution.control
+    let completed = if motion.waiting.no_wait {
+        execution.control.into()
     } else {
         wait::complete(client, &execution, course, output).await?
     };
-    output.execution(&execution, &control);
+    output.completed(&execution, &completed);
     Ok(())
 }
 

@@ -9,6 +9,7 @@ use arcline_client::{ClientError, Ended, Execution, Flag, MotionControl};
 use arcline_instruction_set::Ending;
 
 use super::Failure;
+use super::wait::Completed;
 
 /// Where results go.
 #[derive(Debug)]
@@ -44,13 +45,24 @@ impl Output {
 
     /// Prints how an instruction stands.
     pub(crate) fn execution(&self, execution: &Execution, control: &MotionControl) {
+        self.completed(execution, &Completed::from(*control));
+    }
+
+    /// Prints how an instruction has ended: `MAJ S: stopped by MAS`.
+    pub(crate) fn completed(&self, execution: &Execution, completed: &Completed) {
+        let Completed { control, ended } = completed;
         let bits: Vec<&str> = Flag::in_word(control.flags).map(Flag::name).collect();
-        let text = format!("{} {}: {}", execution.mnemonic, execution.target, bits.join(" "));
+        let how = ended.as_ref().map_or_else(|| bits.join(" "), ToString::to_string);
+        let text = format!("{} {}: {how}", execution.mnemonic, execution.target);
         self.result(text, || {
-            json!({
+            let mut object = json!({
                 "instruction": execution.mnemonic.name(), "target": execution.target, "tag": execution.tag,
                 "instance": execution.instance, "status": bits, "ERR": control.err, "EXERR": control.exerr,
-            })
+            });
+            if let Some(ended) = ended {
+                object["ended"] = ending(ended);
+            }
+            object
         });
     }
 
@@ -111,6 +123,7 @@ fn ending(ended: &Ended) -> Json {
         }
         Ending::Fault { axis, faults } => json!({"by": "fault", "axis": axis, "faults": Ending::words(*faults)}),
         Ending::StopAll => json!({"by": "stop"}),
+        Ending::Jog(why) => json!({"by": "dead-man", "reason": why.word()}),
     };
     object["time_s"] = ended.time.into();
     object["unix_s"] = at.into();

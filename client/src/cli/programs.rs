@@ -17,12 +17,12 @@ pub(crate) async fn exec(client: &Client, command: &Exec, output: &Output) -> Re
     let Some((_, execution)) = runner.executions().next() else {
         return Ok(());
     };
-    let control = if command.waiting.no_wait || !moves::is_waited_for(execution) {
-        execution.control
+    let completed = if command.waiting.no_wait || !moves::is_waited_for(execution) {
+        execution.control.into()
     } else {
         wait::complete(client, execution, Course::default(), output).await?
     };
-    output.execution(execution, &control);
+    output.completed(execution, &completed);
     Ok(())
 }
 

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value as Json, json};
 
-use arcline_client::{Client, ClientError, Object, Reading, Tag};
+use arcline_client::{Client, ClientError, FaultSet, Object, Progress, Reading, Tag, shown_faults};
+use arcline_instruction_set::Ending;
 
 use super::output::table;
 use super::{Failure, Output};
@@ -42,7 +43,7 @@ impl Kind {
     pub(super) fn header(self) -> &'static [&'static str] {
         match self {
             Self::Axis => &["axis", "position", "command", "velocity", "servo", "homed", "state"],
-            Self::System => &["coordinate system", "position", "state"],
+            Self::System => &["coordinate system", "position", "active move", "state"],
             Self::Group => &["motion group", "synced", "faults"],
             Self::RealTime => &[
                 "real time",
@@ -90,6 +91,8 @@ pub(super) struct Looked {
     systems: Vec<String>,
     /// How many axes those that are looked at have.
     axes: BTreeMap<String, usize>,
+    /// Instances of the axes and coordinate systems: they count from 1 in the order of their tags.
+    instances: BTreeMap<String, u32>,
 }
 
 impl Looked {
@@ -119,6 +122,11 @@ impl Looked {
         let asked = |tag: &Tag| names.is_empty() || names.iter().any(|name| name.eq_ignore_ascii_case(&tag.name));
         let systems = all.iter().filter(|(_, kind)| *kind == Kind::System);
         let systems: Vec<String> = systems.map(|(tag, _)| tag.name.clone()).collect();
+        let mut instances = BTreeMap::new();
+        for of in [Kind::Axis, Kind::System] {
+            let names = all.iter().filter(|(_, kind)| *kind == of);
+            instances.extend(names.map(|(tag, _)| tag.name.clone()).zip(1..));
+        }
         let objects: Vec<(Tag, Kind)> = all.into_iter().filter(|(tag, _)| asked(tag)).collect();
         let mut axes = BTreeMap::new();
         for (name, instance) in systems.iter().zip(1..) {
@@ -129,7 +137,12 @@ impl Looked {
                 };
             }
         }
-        Ok(Self { objects, systems, axes })
+        Ok(Self {
+            objects,
+            systems,
+            axes,
+            instances,
+        })
     }
 
     /// Reads them, as far as possible at the same moment.
@@ -144,16 +157,38 @@ impl Looked {
         for ((tag, kind), reading) in self.objects.iter().zip(client.read_many(&paths).await?) {
             let reading = reading?;
             shown.push(match kind {
-                Kind::Axis => axis(tag, &reading),
+                Kind::Axis => axis(tag, &reading, self.kinds_of_faults(client, tag, &reading).await?),
                 Kind::System => {
                     let axes = self.axes.get(&tag.name).copied().unwrap_or(PRIMARY_AXES);
-                    system(tag, &reading, axes, overrides.get(&tag.name).copied())
+                    let progress = match self.instances.get(&tag.name) {
+                        Some(instance) => client.progress(*instance).await?,
+                        None => None,
+                    };
+                    system(tag, &reading, axes, overrides.get(&tag.name).copied(), progress)
                 }
                 Kind::Group => group(tag, &reading),
                 Kind::RealTime => real_time(tag, &reading),
             });
         }
         Ok(shown)
+    }
+
+    /// The words of an axis's faults; none where it has none, or the server does not show their kinds.
+    async fn kinds_of_faults(
+        &self,
+        client: &Client,
+        tag: &Tag,
+        reading: &Reading,
+    ) -> Result<Vec<&'static str>, Failure> {
+        let shown = shown_faults(reading);
+        let faults = match self.instances.get(&tag.name) {
+            // The tag of a virtual axis has no words for them.
+            Some(instance) if shown == FaultSet::default() && !words(reading, AXIS_FAULTS).is_empty() => {
+                client.faults_of(*instance).await?
+            }
+            _ => shown,
+        };
+        Ok(Ending::words(faults))
     }
 
     /// The feed override of every coordinate system, percent; none where the server has no such tag.
@@ -244,7 +279,7 @@ const NO_MOTION: &[&str] = &[
     "MasterOffsetMoveLockStatus",
 ];
 
-fn axis(tag: &Tag, reading: &Reading) -> Shown {
+fn axis(tag: &Tag, reading: &Reading, kinds: Vec<&str>) -> Shown {
     let (position, command) = (reading.number("ActualPosition"), reading.number("CommandPosition"));
     let velocity = reading.number("CommandVelocity");
     let (servo, homed) = (reading.flag("ServoActionStatus"), reading.flag("AxisHomedStatus"));
@@ -252,7 +287,12 @@ fn axis(tag: &Tag, reading: &Reading) -> Shown {
     let motion = format!("{} {}", words(reading, AXIS_STATUS), words(reading, AXIS_MOTION));
     // An axis that moves for a reason without a word is not at rest.
     let otherwise = if velocity == 0.0 { "at rest" } else { "moving" };
-    let state = [motion.trim(), faults.as_str()].join(" ");
+    let told = if kinds.is_empty() {
+        faults.clone()
+    } else {
+        format!("fault: {}", kinds.join(", "))
+    };
+    let state = [motion.trim(), told.as_str()].join(" ");
     let state = or(state.trim().to_owned(), otherwise);
     let row = vec![
         tag.name.clone(),
@@ -266,7 +306,7 @@ fn axis(tag: &Tag, reading: &Reading) -> Shown {
     let object = json!({
         "kind": "axis", "name": tag.name, "type": tag.type_name(), "position": position, "command": command,
         "velocity": velocity, "servo": servo, "homed": homed, "state": state,
-        "faults": faults.split_whitespace().collect::<Vec<_>>(),
+        "faults": faults.split_whitespace().collect::<Vec<_>>(), "fault_kinds": kinds,
     });
     Shown {
         kind: Kind::Axis,
@@ -277,7 +317,7 @@ fn axis(tag: &Tag, reading: &Reading) -> Shown {
     }
 }
 
-fn system(tag: &Tag, reading: &Reading, axes: usize, percent: Option<f64>) -> Shown {
+fn system(tag: &Tag, reading: &Reading, axes: usize, percent: Option<f64>, progress: Option<Progress>) -> Shown {
     let mut position = reading
         .member("ActualPosition")
         .and_then(Reading::numbers)
@@ -314,14 +354,31 @@ fn system(tag: &Tag, reading: &Reading, axes: usize, percent: Option<f64>) -> Sh
     let object = json!({
         "kind": "coordinate system", "name": tag.name, "position": position, "ready": reading.flag("ReadyStatus"),
         "state": state, "faults": faults.split_whitespace().collect::<Vec<_>>(), "override": percent,
+        "active_move": progress.map(|progress| json!({
+            "share": progress.share(), "remaining": progress.remaining, "length": progress.length,
+            "time_left_s": progress.time_left,
+        })),
     });
     Shown {
         kind: Kind::System,
         name: tag.name.clone(),
-        row: vec![tag.name.clone(), shown.join(", "), state],
+        row: vec![tag.name.clone(), shown.join(", "), told(progress), state],
         object,
         position,
     }
+}
+
+/// `40 %, 60.0 to go, 0.62 s left`.
+fn told(progress: Option<Progress>) -> String {
+    let Some(progress) = progress else {
+        return "none".to_owned();
+    };
+    let share = (100.0 * progress.share()).floor();
+    let mut text = format!("{share:.0} %, {:.1} to go", progress.remaining);
+    if let Some(time) = progress.time_left {
+        text.push_str(&format!(", {time:.2} s left"));
+    }
+    text
 }
 
 fn group(tag: &Tag, reading: &Reading) -> Shown {

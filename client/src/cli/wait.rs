@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use arcline_client::{Client, ClientError, Execution, Flag, Given, Mnemonic, MotionControl, Object, Operands};
+use arcline_client::{Client, ClientError, Ended, Execution, Flag, Given, Mnemonic, MotionControl, Object, Operands};
 
 use super::{Failure, Output};
 
@@ -30,19 +30,34 @@ pub(crate) struct Course {
     pub(crate) length: Option<f64>,
 }
 
-/// Waits for PC, or for the end of what has none. Ctrl-C stops what was begun and fails with [`Failure::Interrupted`].
+/// The end of an instruction.
+#[derive(Clone, Debug)]
+pub(crate) struct Completed {
+    /// What its motion control tag showed.
+    pub(crate) control: MotionControl,
+    /// What ended it, of an instruction that comes to no end by itself.
+    pub(crate) ended: Option<Box<Ended>>,
+}
+
+impl From<MotionControl> for Completed {
+    fn from(control: MotionControl) -> Self {
+        Completed { control, ended: None }
+    }
+}
+
+/// Waits for PC, or for the end of an instruction that has none. Ctrl-C stops the motion and fails with [`Failure::Interrupted`].
 pub(crate) async fn complete(
     client: &Client,
     execution: &Execution,
     course: Course,
     output: &Output,
-) -> Result<MotionControl, Failure> {
+) -> Result<Completed, Failure> {
     let stopping = Stopping::of(execution);
     tokio::select! {
         result = watched(client, execution, course, output) => match result {
             // A jog comes to no end by itself.
-            Err(ClientError::Ended { control, .. }) if !execution.completes() => Ok(control),
-            result => Ok(result?),
+            Err(ClientError::Ended { control, ended, .. }) if !execution.completes() => Ok(Completed { control, ended }),
+            result => Ok(result?.into()),
         },
         () = interrupted() => Err(interrupt(client, stopping, output).await),
     }
@@ -211,7 +226,7 @@ impl Travelled {
         match length {
             Some(length) if speed > 0.0 => {
                 let left = (length - distance).max(0.0) / speed;
-                format!("{distance:.1} of {length:.1}, {speed:.1}/s, {left:.1} s left")
+                format!("{distance:.1} of {length:.1}, {speed:.1}/s, about {left:.1} s left")
             }
             Some(length) => format!("{distance:.1} of {length:.1}"),
             None => format!("{distance:.1} done, {speed:.1}/s"),
@@ -230,7 +245,7 @@ mod tests {
         travelled.at(vec![0.0, 0.0], start);
         assert_eq!(travelled.message(Some(10.0)), "0.0 of 10.0");
         travelled.at(vec![3.0, 4.0], start + Duration::from_secs(2));
-        assert_eq!(travelled.message(Some(10.0)), "5.0 of 10.0, 2.5/s, 2.0 s left");
+        assert_eq!(travelled.message(Some(10.0)), "5.0 of 10.0, 2.5/s, about 2.0 s left");
         assert_eq!(travelled.message(None), "5.0 done, 2.5/s");
         let mut travelled = Travelled::default();
         travelled.moving(0.0, start);

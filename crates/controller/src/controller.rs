@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use arcline_instruction_set::{Call, ControlSlot, FaultSet, MotionControl, Object};
+use arcline_instruction_set::{Call, ControlSlot, FaultSet, JogEnd, MotionControl, Object};
 use arcline_motion::machine::{self, DynamicsBits, Machine};
 use arcline_motion::{
     AcceptedMove, ArrayWrite, ContourRequest, Event, FaultChange, Input, Material, Motion, Ticket, Trajectory,
@@ -59,6 +59,8 @@ pub enum StopRequest {
         axis: u16,
         /// The instruction.
         ticket: Ticket,
+        /// Why it ends.
+        why: JogEnd,
     },
 }
 
@@ -156,7 +158,7 @@ impl Controller {
         for _ in 0..MAX_STOPS_PER_TICK {
             match port.next_stop() {
                 Some(StopRequest::All) => self.stop_all(),
-                Some(StopRequest::Jog { axis, ticket }) => self.end_jog(axis, ticket),
+                Some(StopRequest::Jog { axis, ticket, why }) => self.end_jog(axis, ticket, why),
                 None => break,
             }
         }
@@ -250,8 +252,8 @@ impl Controller {
     }
 
     /// Stops the jog that an instruction began on an axis, at full deceleration: see [`Motion::end_jog`]. Real-time.
-    pub fn end_jog(&mut self, axis: u16, ticket: Ticket) {
-        self.motion.end_jog(axis, ticket);
+    pub fn end_jog(&mut self, axis: u16, ticket: Ticket, why: JogEnd) {
+        self.motion.end_jog(axis, ticket, why);
     }
 
     /// Fills a request for the next contour that is to be planned; false when there is none. Real-time.

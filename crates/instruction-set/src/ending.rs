@@ -25,6 +25,44 @@ pub enum Ending {
     },
     /// A stop of the whole machine, by no instruction.
     StopAll,
+    /// The end of a jog, by no instruction.
+    Jog(JogEnd),
+}
+
+/// Why the server ends a jog by itself, at full deceleration.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum JogEnd {
+    /// The dead-man switch: the button of the page was not kept pressed.
+    Released,
+    /// The client that began it was silent for longer than `jog_silence_ms`.
+    Silent,
+    /// The connection of the client that began it is lost.
+    Lost,
+}
+
+impl JogEnd {
+    /// All of them.
+    pub const ALL: [JogEnd; 3] = [JogEnd::Released, JogEnd::Silent, JogEnd::Lost];
+
+    /// The word of it on the wire.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            JogEnd::Released => "released",
+            JogEnd::Silent => "silent",
+            JogEnd::Lost => "lost",
+        }
+    }
+
+    /// A sentence about it, after "a jog is stopped: ".
+    #[must_use]
+    pub const fn reason(self) -> &'static str {
+        match self {
+            JogEnd::Released => "its button was not kept pressed",
+            JogEnd::Silent => "its client was silent for too long",
+            JogEnd::Lost => "its client is lost",
+        }
+    }
 }
 
 impl Ending {
@@ -39,6 +77,7 @@ impl Ending {
             Ending::Instruction { mnemonic, tag } => (INSTRUCTION, tag, mnemonic.name().to_owned()),
             Ending::Fault { axis, faults } => (FAULT, axis, Ending::words(*faults).join(" ")),
             Ending::StopAll => (STOP_ALL, "", String::new()),
+            Ending::Jog(end) => (JOG, "", end.word().to_owned()),
         }
     }
 
@@ -58,12 +97,17 @@ impl Ending {
                 })
             }
             STOP_ALL => Some(Ending::StopAll),
+            JOG => {
+                let end = JogEnd::ALL.into_iter().find(|end| end.word() == what);
+                end.map(Ending::Jog)
+            }
             _ => None,
         }
     }
 }
 
-/// `stopped by MCS Stop1`, `superseded by MCLM Move2`, `stopped by a fault: X soft_travel_positive`.
+/// `stopped by MCS Stop1`, `superseded by MCLM Move2`, `stopped by a fault: X soft_travel_positive`, `stopped by the dead-man switch: its
+/// button was not kept pressed`.
 impl fmt::Display for Ending {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -75,6 +119,8 @@ impl fmt::Display for Ending {
                 write!(f, "stopped by a fault: {axis} {}", Ending::words(*faults).join(", "))
             }
             Ending::StopAll => f.write_str("stopped by a stop of the whole machine"),
+            Ending::Jog(JogEnd::Lost) => f.write_str("stopped by the loss of its client"),
+            Ending::Jog(end) => write!(f, "stopped by the dead-man switch: {}", end.reason()),
         }
     }
 }
@@ -92,6 +138,7 @@ fn verb(mnemonic: Mnemonic) -> &'static str {
 const INSTRUCTION: u8 = 1;
 const FAULT: u8 = 2;
 const STOP_ALL: u8 = 3;
+const JOG: u8 = 4;
 
 #[cfg(test)]
 mod tests {
@@ -118,12 +165,16 @@ mod tests {
             (by(Mnemonic::Mrp, "R"),      "ended by MRP R"),
             (fault,                       "stopped by a fault: X soft_travel_positive, overcurrent"),
             (Ending::StopAll,             "stopped by a stop of the whole machine"),
+            (Ending::Jog(JogEnd::Released), "stopped by the dead-man switch: its button was not kept pressed"),
+            (Ending::Jog(JogEnd::Silent), "stopped by the dead-man switch: its client was silent for too long"),
+            (Ending::Jog(JogEnd::Lost),   "stopped by the loss of its client"),
         ];
         for (ending, text) in cases {
             assert_eq!(ending.to_string(), text);
             let (code, name, what) = ending.to_parts();
             assert_eq!(Ending::from_parts(code, name, &what), Some(ending.clone()));
         }
+        assert_eq!(Ending::from_parts(4, "", "none"), None, "no such end of a jog");
         assert_eq!(Ending::from_parts(0, "", ""), None, "it has not ended this way");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Not here: what ends an instruction (`motion`, `instructions`), and names: both hold indices. Nothing allocates.
 
-use arcline_instruction_set::{ControlSlot, FaultSet, Mnemonic};
+use arcline_instruction_set::{ControlSlot, FaultSet, JogEnd, Mnemonic};
 
 use crate::control::{Execution, Ticket};
 
@@ -30,6 +30,8 @@ pub enum Cause {
     },
     /// A stop of the whole machine, by no instruction.
     StopAll,
+    /// The end of a jog, by no instruction.
+    Jog(JogEnd),
 }
 
 impl From<Execution> for Cause {

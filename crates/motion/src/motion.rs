@@ -15,7 +15,7 @@ mod tick;
 use std::sync::Arc;
 
 use arcline_drive::SetPoint;
-use arcline_instruction_set::{Call, Flag, Mnemonic, MotionControl};
+use arcline_instruction_set::{Call, Flag, JogEnd, Mnemonic, MotionControl};
 use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::{AxisLimits, Trajectory};
@@ -227,7 +227,7 @@ impl Motion {
 
     /// Stops the jog that an instruction began on an axis, at the axis's full deceleration, and makes the stops that are under way
     /// on the axis as hard. It cannot be refused; a jog that another instruction began goes on. Real-time.
-    pub fn end_jog(&mut self, axis: u16, ticket: Ticket) {
+    pub fn end_jog(&mut self, axis: u16, ticket: Ticket, why: JogEnd) {
         let at = usize::from(axis);
         if at >= self.axes.len() {
             return;
@@ -243,7 +243,9 @@ impl Motion {
                 self.axes[at].brake(slot, &limits, execution, self.clock.now());
                 self.axes[at].stale = true;
             } else if own {
+                self.controls.because(Cause::Jog(why));
                 self.stop_generator(axis, slot, &limits, None);
+                self.controls.because(Cause::Itself);
             }
         }
     }
@@ -286,7 +288,10 @@ impl Motion {
             robot: self.robot_shown(index),
         };
         let systems = self.systems.iter().enumerate();
-        systems.map(move |(index, system)| status::system(system, &self.axes, role(index)))
+        systems.map(move |(index, system)| SystemSnapshot {
+            time_left: system.time_left(&self.clock),
+            ..status::system(system, &self.axes, role(index))
+        })
     }
 
     /// Sets DN now.

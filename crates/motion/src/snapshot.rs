@@ -89,6 +89,9 @@ pub struct SystemSnapshot {
     pub path_position: f64,
     /// Length of that, units; 0 when nothing is active.
     pub path_length: f64,
+    /// Seconds until the active move is at its end or its successor becomes active, as planned now; `None` where no time is known:
+    /// nothing is active, it is held or stopped, or a master leads it.
+    pub time_left: Option<f64>,
     /// Share of the programmed speeds, 0 to 2.
     pub feed_override: f64,
 }
@@ -111,6 +114,7 @@ impl Default for SystemSnapshot {
             path_speed: 0.0,
             path_position: 0.0,
             path_length: 0.0,
+            time_left: None,
             feed_override: 1.0,
         }
     }

@@ -233,6 +233,18 @@ impl System {
         Some((sample, planned))
     }
 
+    /// Seconds until the active move is at its end or its successor becomes active, as planned now. `None` where no time is known:
+    /// nothing is active, it is held, it is stopped, or a master leads it.
+    pub(crate) fn time_left(&self, time: &Clock) -> Option<f64> {
+        if self.activity != Activity::Moving || self.guide.is_some() {
+            return None;
+        }
+        match self.contour_in_force() {
+            Some(contour) => contour.time_left(time),
+            None => self.planner.time_left(time),
+        }
+    }
+
     /// A move, or a stop, that comes to an end by itself: not one that waits for a master.
     pub(crate) fn will_end(&self) -> bool {
         self.is_busy()

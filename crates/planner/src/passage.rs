@@ -81,6 +81,18 @@ impl<T: Copy> Planner<T> {
         }
     }
 
+    /// Seconds, or master units, until the active move is at its end, or its successor becomes active; `None` while nothing is active
+    /// or it is paused. Real-time.
+    pub fn time_left(&self, clock: &Clock) -> Option<f64> {
+        let running = self.active.as_ref()?;
+        let end = match self.hand_over_at {
+            Some(at) => at,
+            None if running.track.profile.arrives() => self.end_of(running, clock),
+            None => return None,
+        };
+        Some((end - running.track.start.elapsed(clock)).max(0.0))
+    }
+
     /// When everything of the active move has come to its end, after the start of its track.
     fn end_of(&self, running: &Running<T>, clock: &Clock) -> f64 {
         let mut end = running.track.duration(clock);

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use arcline_controller::{StopRequest, Ticket};
+use arcline_instruction_set::JogEnd;
 
 /// The senders' end; clones are the same one. Every method may be called from any thread, and none blocks.
 #[derive(Clone, Debug)]
@@ -26,8 +27,29 @@ struct Shared {
     /// Something below was written since the tick has looked.
     any: AtomicBool,
     all: AtomicBool,
-    /// For each axis, the newest ticket whose jog is to end; 0: none.
+    /// For each axis, the newest ticket whose jog is to end, and why ([`word`]); 0: none.
     jogs: Box<[AtomicU64]>,
+}
+
+/// A request to end a jog as one word: the ticket above two bits for the reason, from 1. A newer ticket is a larger word.
+fn word(ticket: Ticket, why: JogEnd) -> u64 {
+    let why = match why {
+        JogEnd::Lost => 1,
+        JogEnd::Silent => 2,
+        JogEnd::Released => 3,
+    };
+    ticket.0 << 2 | why
+}
+
+/// The ticket and the reason of a word; `None`: no request.
+fn request(word: u64) -> Option<(Ticket, JogEnd)> {
+    let why = match word & 3 {
+        0 => return None,
+        1 => JogEnd::Lost,
+        2 => JogEnd::Silent,
+        _ => JogEnd::Released,
+    };
+    Some((Ticket(word >> 2), why))
 }
 
 impl Stops {
@@ -38,11 +60,11 @@ impl Stops {
     }
 
     /// Stops the jog that an instruction began on an axis (by its place in the machine), at the axis's full deceleration. A jog that
-    /// another instruction began goes on.
-    pub fn end_jog(&self, axis: u16, ticket: Ticket) {
+    /// another instruction began goes on. `why` is the cause of its end, if nothing else has ended it.
+    pub fn end_jog(&self, axis: u16, ticket: Ticket, why: JogEnd) {
         if let Some(jog) = self.0.jogs.get(usize::from(axis)) {
             // One instruction jogs an axis at a time: the newest.
-            jog.fetch_max(ticket.0, Ordering::AcqRel);
+            jog.fetch_max(word(ticket, why), Ordering::AcqRel);
             self.0.any.store(true, Ordering::Release);
         }
     }
@@ -79,12 +101,12 @@ impl StopReceiver {
             }
         };
         while let Some(jog) = self.shared.jogs.get(axis) {
-            let ticket = jog.swap(0, Ordering::AcqRel);
-            if ticket != 0 {
+            if let Some((ticket, why)) = request(jog.swap(0, Ordering::AcqRel)) {
                 self.next = Some(axis + 1);
                 return Some(StopRequest::Jog {
                     axis: axis as u16,
-                    ticket: Ticket(ticket),
+                    ticket,
+                    why,
                 });
             }
             axis += 1;
@@ -102,21 +124,30 @@ mod tests {
     fn a_request_is_seen_once_and_repetitions_are_one() {
         let (mut receiver, stops) = link(3);
         assert_eq!(receiver.next(), None);
-        stops.end_jog(2, Ticket(7));
-        stops.end_jog(2, Ticket(5));
-        stops.end_jog(0, Ticket(6));
-        stops.end_jog(9, Ticket(8));
+        stops.end_jog(2, Ticket(7), JogEnd::Lost);
+        stops.end_jog(2, Ticket(5), JogEnd::Released);
+        stops.end_jog(0, Ticket(6), JogEnd::Silent);
+        stops.end_jog(9, Ticket(8), JogEnd::Lost);
         for _ in 0..100_000 {
             stops.stop_all();
         }
-        let jog = |axis, ticket| {
+        let jog = |axis, ticket, why| {
             Some(StopRequest::Jog {
                 axis,
                 ticket: Ticket(ticket),
+                why,
             })
         };
         let seen: Vec<_> = (0..4).map(|_| receiver.next()).collect();
-        assert_eq!(seen, [Some(StopRequest::All), jog(0, 6), jog(2, 7), None]);
+        assert_eq!(
+            seen,
+            [
+                Some(StopRequest::All),
+                jog(0, 6, JogEnd::Silent),
+                jog(2, 7, JogEnd::Lost),
+                None
+            ]
+        );
         assert_eq!(receiver.next(), None);
         stops.stop_all();
         assert_eq!(receiver.next(), Some(StopRequest::All));

@@ -18,6 +18,7 @@ use std::time::{Duration, Instant};
 
 use arcline_controller::Ticket;
 use arcline_controller::machine::Machine;
+use arcline_instruction_set::JogEnd;
 use arcline_realtime::{Stops, prepare_beside_tick};
 use tokio::runtime::{Builder, Handle};
 use tokio::sync::Notify;
@@ -98,24 +99,6 @@ impl Signs {
 
     fn silent_since(&self) -> Duration {
         Duration::from_micros(self.0.heard.load(Ordering::Relaxed))
-    }
-}
-
-/// Why jogs are stopped.
-#[derive(Clone, Copy, Debug)]
-enum Why {
-    Released,
-    Silent,
-    Closed,
-}
-
-impl Why {
-    fn told(self) -> &'static str {
-        match self {
-            Why::Released => "its button was not kept pressed",
-            Why::Silent => "its client was silent for too long",
-            Why::Closed => "its client is lost",
-        }
     }
 }
 
@@ -246,9 +229,9 @@ impl Guard {
     pub(crate) fn release(&self, session: u64, axis: u16, grace: Duration) -> bool {
         let from = self.now() + grace;
         let is_held = |jog: &Jog| jog.owner.session == session && jog.owner.connection == HELD && jog.axis == axis;
-        let ended = self.table().end(from, is_held);
+        let ended = self.table().end(from, JogEnd::Released, is_held);
         if grace.is_zero() {
-            self.stop(&ended);
+            self.stop(&ended, JogEnd::Released);
         }
         self.0.wake.notify_one();
         !ended.is_empty()
@@ -256,9 +239,9 @@ impl Guard {
 
     /// Ends the jogs of an owner that is lost. Returns their axes.
     pub(crate) fn end(&self, owner: Owner) -> Vec<u16> {
-        let ended = self.table().end(self.now(), |jog| jog.owner == owner);
-        self.stop(&ended);
-        self.tell(&ended, Why::Closed);
+        let ended = self.table().end(self.now(), JogEnd::Lost, |jog| jog.owner == owner);
+        self.stop(&ended, JogEnd::Lost);
+        self.tell(&ended, JogEnd::Lost);
         self.0.wake.notify_one();
         let mut axes: Vec<u16> = ended.iter().map(|jog| jog.axis).collect();
         axes.dedup();
@@ -274,11 +257,11 @@ impl Guard {
     pub(crate) fn lose(&self, session: u64) {
         let face = self.clients().get(&session).and_then(|client| client.face.upgrade());
         let keeps = |owner| face.as_ref().is_some_and(|face| face.keeps_jogs(owner));
-        let ended = self
-            .table()
-            .end(self.now(), |jog| jog.owner.session == session && !keeps(jog.owner));
-        self.stop(&ended);
-        self.tell(&ended, Why::Closed);
+        let ended = self.table().end(self.now(), JogEnd::Lost, |jog| {
+            jog.owner.session == session && !keeps(jog.owner)
+        });
+        self.stop(&ended, JogEnd::Lost);
+        self.tell(&ended, JogEnd::Lost);
         if let Some(face) = face {
             face.lost(session);
         }
@@ -304,9 +287,9 @@ impl Guard {
         // Without the lock, which somebody may have for long, a jog is taken for one that runs.
         plant.try_with_executions(|runs| self.table().prune(runs));
         let released = self.table().overdue(now);
-        self.stop(&released);
+        self.stop(&released, JogEnd::Released);
         let silent = self.silent(now);
-        self.stop(&silent);
+        self.stop(&silent, JogEnd::Silent);
         let again = plant
             .try_with_executions(|runs| {
                 self.table().look_again(now, |ending| {
@@ -319,10 +302,10 @@ impl Guard {
             })
             .unwrap_or_else(|| self.table().look_again(now, |_| Seen::Moves));
         for ending in again {
-            self.0.stops.end_jog(ending.axis, ending.ticket);
+            self.0.stops.end_jog(ending.axis, ending.ticket, ending.why);
         }
-        self.tell(&released, Why::Released);
-        self.tell(&silent, Why::Silent);
+        self.tell(&released, JogEnd::Released);
+        self.tell(&silent, JogEnd::Silent);
     }
 
     /// Takes out the jogs of silent clients.
@@ -342,25 +325,24 @@ impl Guard {
         let mut ended = Vec::new();
         for (session, face) in silent {
             let keeps = |owner| face.as_ref().is_some_and(|face| face.keeps_jogs(owner));
-            ended.extend(
-                self.table()
-                    .end(now, |jog| jog.owner.session == session && !keeps(jog.owner)),
-            );
+            ended.extend(self.table().end(now, JogEnd::Silent, |jog| {
+                jog.owner.session == session && !keeps(jog.owner)
+            }));
         }
         ended
     }
 
-    fn stop(&self, jogs: &[Jog]) {
+    fn stop(&self, jogs: &[Jog], why: JogEnd) {
         for jog in jogs {
-            self.0.stops.end_jog(jog.axis, jog.ticket);
+            self.0.stops.end_jog(jog.axis, jog.ticket, why);
         }
     }
 
-    fn tell(&self, jogs: &[Jog], why: Why) {
+    fn tell(&self, jogs: &[Jog], why: JogEnd) {
         for jog in jogs {
             let axis = self.0.axes.get(usize::from(jog.axis)).map_or("?", String::as_str);
             let client = self.name_of(jog.owner.session);
-            warn!(axis, %client, "a jog is stopped: {}", why.told());
+            warn!(axis, %client, "a jog is stopped: {}", why.reason());
         }
     }
 

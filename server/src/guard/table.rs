@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use arcline_controller::Ticket;
+use arcline_instruction_set::JogEnd;
 
 use crate::plant::Owner;
 
@@ -39,6 +40,7 @@ pub(super) struct Jog {
 pub(super) struct Ending {
     pub(super) axis: u16,
     pub(super) ticket: Ticket,
+    pub(super) why: JogEnd,
     /// From when on its stop is one at full deceleration.
     from: Duration,
 }
@@ -115,7 +117,7 @@ impl Table {
     }
 
     /// Takes out jogs that are to be stopped, at full deceleration from `from` on.
-    pub(super) fn end(&mut self, from: Duration, which: impl Fn(&Jog) -> bool) -> Vec<Jog> {
+    pub(super) fn end(&mut self, from: Duration, why: JogEnd, which: impl Fn(&Jog) -> bool) -> Vec<Jog> {
         let mut ended = Vec::new();
         for client in self.clients.values_mut() {
             client.jogs.retain(|jog| {
@@ -129,6 +131,7 @@ impl Table {
         self.ending.extend(ended.iter().map(|jog| Ending {
             axis: jog.axis,
             ticket: jog.ticket,
+            why,
             from,
         }));
         ended
@@ -136,7 +139,7 @@ impl Table {
 
     /// Takes out the jogs of a client that nobody keeps.
     pub(super) fn overdue(&mut self, now: Duration) -> Vec<Jog> {
-        self.end(now, |jog| jog.until.is_some_and(|until| until <= now))
+        self.end(now, JogEnd::Released, |jog| jog.until.is_some_and(|until| until <= now))
     }
 
     /// Jogs whose owner closes in order: they go on, and are no one's.
@@ -217,7 +220,10 @@ mod tests {
         table.begin(ONE, 0, Ticket(5), None, |_| true);
         table.begin(ONE, 0, Ticket(9), None, |_| true);
         table.begin(TWO, 1, Ticket(6), None, |_| true);
-        assert_eq!(tickets(&table.end(ms(10), |jog| jog.owner == ONE)), [5, 9]);
+        assert_eq!(
+            tickets(&table.end(ms(10), JogEnd::Lost, |jog| jog.owner == ONE)),
+            [5, 9]
+        );
         assert!(
             table.look_again(ms(9), |_| Seen::Moves).is_empty(),
             "not at full deceleration yet"
@@ -240,7 +246,7 @@ mod tests {
         for ticket in 1..=100_000 {
             table.begin(ONE, 0, Ticket(ticket), None, |ticket| ticket.0 == 3);
         }
-        let jogs = table.end(ms(0), |_| true);
+        let jogs = table.end(ms(0), JogEnd::Lost, |_| true);
         assert!(jogs.len() <= MANY + 1, "{}", jogs.len());
         assert!(jogs.iter().any(|jog| jog.ticket == Ticket(3)), "the one that runs");
     }

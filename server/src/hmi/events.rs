@@ -140,5 +140,6 @@ fn cause(machine: &Machine, image: &Image, cause: Cause) -> Option<Value> {
             "faults": Ending::words(faults),
         }),
         Cause::StopAll => json!({"by": "stop", "text": text}),
+        Cause::Jog(why) => json!({"by": "dead-man", "text": text, "reason": why.word()}),
     })
 }

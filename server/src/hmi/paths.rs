@@ -39,7 +39,7 @@ pub(super) fn active(moves: &LiveMoves, system: usize, image: &Image, now: &Syst
         "instruction": live.accepted.mnemonic.to_string(),
         "progress": progress,
         "remaining": remaining,
-        "eta_s": (now.path_speed > 0.0).then(|| remaining / now.path_speed),
+        "eta_s": now.time_left,
     })
 }
 

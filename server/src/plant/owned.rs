@@ -10,7 +10,7 @@ use arcline_config::ConnectionLoss;
 use arcline_controller::machine::Machine;
 use arcline_controller::{Snapshot, Ticket, UNNAMED};
 use arcline_instruction_set::predefined::{coordinate_motion_status, motion_status};
-use arcline_instruction_set::{Call, Given, Mnemonic, bind};
+use arcline_instruction_set::{Call, Given, JogEnd, Mnemonic, bind};
 
 use super::records::Records;
 use super::state::{State, may_run};
@@ -171,7 +171,7 @@ impl State {
         }
         if mnemonic == Mnemonic::Mas {
             // A weaker stop of the whole axis may be under way.
-            self.link.stops.end_jog(target, ticket);
+            self.link.stops.end_jog(target, ticket, JogEnd::Lost);
         }
     }
 }

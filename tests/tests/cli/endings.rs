@@ -82,6 +82,75 @@ fn motion_says_what_ended_it() {
 }
 
 #[test]
+fn a_jog_says_what_stopped_it() {
+    let server = Server::start();
+    let at = server.address();
+    let ended = begin(at, &["jog", "S", "50"]);
+    moves(at, "S");
+    let _ = arcline(at, &["exec", "MAS(S, Halt, Jog)"]).expect(0);
+    let told = ended.join().expect("it ran").expect(0).stdout;
+    assert_eq!(told, "MAJ S: stopped by MAS Halt\n");
+    let ended = begin(at, &["--json", "jog", "S", "50"]);
+    moves(at, "S");
+    let _ = arcline(at, &["fault", "inject", "S", "overcurrent"]).expect(0);
+    let object = ended
+        .join()
+        .expect("it ran")
+        .expect(0)
+        .objects()
+        .pop()
+        .expect("one result");
+    assert_eq!(
+        (&object["ended"]["by"], &object["ended"]["faults"][0]),
+        (&"fault".into(), &"overcurrent".into()),
+        "{object}"
+    );
+    // The kind of the fault is in the status too.
+    let told = arcline(at, &["status", "S"]).expect(0).stdout;
+    assert!(told.contains("fault: overcurrent"), "{told}");
+    let object = arcline(at, &["--json", "status", "S"]).expect(0).objects().remove(0);
+    assert_eq!(object["fault_kinds"], serde_json::json!(["overcurrent"]), "{object}");
+}
+
+/// The share of the way, the distance to go and the time left of the active move, its deceleration included.
+#[test]
+fn status_shows_how_far_the_active_move_is() {
+    let server = Server::start();
+    let at = server.address();
+    let active = || {
+        let object = arcline(at, &["--json", "status", "CS1"]).expect(0).objects().remove(0);
+        object["active_move"].clone()
+    };
+    assert!(active().is_null(), "nothing moves");
+    // 100 s at 10 units/s, and half a ramp of 1 s each.
+    let slow = "MCLM(CS1, Slow, 0, [1000, 0, 0], 10, 0, 10, 0, 10, 0, 0, 0, 0, 0)";
+    let _ = arcline(at, &["exec", "--no-wait", slow]).expect(0);
+    moves(at, "X");
+    let shown = active();
+    let number = |member: &str| shown[member].as_f64().unwrap_or_else(|| panic!("{member}: {shown}"));
+    let (share, remaining, left) = (number("share"), number("remaining"), number("time_left_s"));
+    assert_eq!(number("length"), 1000.0);
+    assert!((share - (1.0 - remaining / 1000.0)).abs() < 1e-9, "{shown}");
+    assert!(share > 0.0 && share < 0.5, "{shown}");
+    // At full speed: the way at that speed, and 0.5 s longer for the ramp down.
+    if remaining < 990.0 {
+        assert!((left - (remaining / 10.0 + 0.5)).abs() < 0.01, "{shown}");
+    }
+    let text = arcline(at, &["status", "CS1"]).expect(0).stdout;
+    assert!(text.contains(" to go, ") && text.contains(" s left"), "{text}");
+    // A hold: how long is not known.
+    let _ = arcline(at, &["hold", "CS1"]).expect(0);
+    stands(at, "X");
+    let held = active();
+    assert!(
+        held["time_left_s"].is_null() && held["remaining"].as_f64().is_some(),
+        "{held}"
+    );
+    let _ = arcline(at, &["stop"]).expect(0);
+    assert!(active().is_null(), "it was stopped");
+}
+
+#[test]
 fn a_program_whose_wait_cannot_come_true_ends() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("wait.st");

@@ -417,6 +417,7 @@ fn ending(bench: &Bench, tag: &str) -> String {
         Cause::Instruction { mnemonic, .. } => mnemonic.to_string(),
         Cause::Fault { axis, faults } => format!("axis {axis} {}", Ending::words(faults).join(" ")),
         Cause::StopAll => "stop of everything".to_owned(),
+        Cause::Jog(why) => format!("jog {}", why.word()),
     }
 }
 

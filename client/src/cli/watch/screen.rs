@@ -201,7 +201,12 @@ mod tests {
         Shown {
             kind: Kind::System,
             name: "CS1".to_owned(),
-            row: vec!["CS1".to_owned(), format!("{position:?}"), state.to_owned()],
+            row: vec![
+                "CS1".to_owned(),
+                format!("{position:?}"),
+                "none".to_owned(),
+                state.to_owned(),
+            ],
             object: json!({"faults": []}),
             position: position.to_vec(),
         }

@@ -1,11 +1,13 @@
-//! The numeric attributes of axes and coordinate systems. Most are the machine's; the Dynamics Configuration Bits can be set.
+//! The attributes of axes and coordinate systems that no tag shows: numbers of the machine, the progress of moves, faults by their kind,
+//! and the Dynamics Configuration Bits, which can be set.
 //!
 //! The image is the only copy of these bits outside the controller: every way to set them writes them here, and the caller sends the
 //! controller the change ([`Edge::DynamicsBits`]). They begin at the machine's values, and a restart brings those back.
 
-use arcline_instruction_set::{Attribute, DYNAMICS_CONFIGURATION_BITS, Object, Quantity};
+use arcline_instruction_set::{Attribute, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object, Quantity};
 
 use super::{Edge, Image, WriteError};
+use crate::Snapshot;
 use crate::machine::{DynamicsBits, Machine};
 
 /// The Dynamics Configuration Bits of every axis and every coordinate system, in configuration order.
@@ -13,6 +15,26 @@ use crate::machine::{DynamicsBits, Machine};
 pub(super) struct Attributes {
     axes: Vec<DynamicsBits>,
     systems: Vec<DynamicsBits>,
+}
+
+/// The active move of a coordinate system.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Progress {
+    /// Distance to go along its path, units.
+    pub remaining: f64,
+    /// Length of its path, units; 0: no move is active.
+    pub length: f64,
+    /// Seconds until its end or its successor, as planned now; NaN: not known.
+    pub time_left: f64,
+}
+
+/// What attributes show of the newest snapshot and no tag does.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Shown {
+    /// Of every coordinate system, in configuration order.
+    progress: Vec<Progress>,
+    /// Of every axis, in configuration order.
+    faults: Vec<FaultSet>,
 }
 
 impl Attributes {
@@ -25,6 +47,29 @@ impl Attributes {
 }
 
 impl Image {
+    /// The active move of a coordinate system; `None`: no such system.
+    pub fn progress(&self, system: u16) -> Option<Progress> {
+        self.shown.progress.get(usize::from(system)).copied()
+    }
+
+    /// The faults of an axis; `None`: no such axis.
+    pub fn faults(&self, axis: u16) -> Option<FaultSet> {
+        self.shown.faults.get(usize::from(axis)).copied()
+    }
+
+    /// Takes over what only attributes show.
+    pub(super) fn show_attributes(&mut self, snapshot: &Snapshot) {
+        let Shown { progress, faults } = &mut self.shown;
+        progress.clear();
+        progress.extend(snapshot.systems.iter().map(|system| Progress {
+            remaining: (system.path_length - system.path_position).max(0.0),
+            length: system.path_length,
+            time_left: system.time_left.unwrap_or(f64::NAN),
+        }));
+        faults.clear();
+        faults.extend(snapshot.axes.iter().map(|axis| axis.faults));
+    }
+
     /// The Dynamics Configuration Bits of every axis, then of every coordinate system: class, index and bits.
     pub fn dynamics_bits(&self) -> impl Iterator<Item = (Object, u16, DynamicsBits)> {
         let axes = (0..).zip(&self.attributes.axes);

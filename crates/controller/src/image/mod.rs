@@ -41,6 +41,7 @@ use crate::{Event, Snapshot, UNNAMED};
 
 use shared::{Kept, Memory, Shared};
 
+pub use attributes::Progress;
 pub use cams::Staged;
 pub use error::{ControlError, ReadError, WriteError};
 pub use fault_inject::FAULT_INJECT_TAG;
@@ -105,6 +106,8 @@ pub struct Image {
     outputs: outputs::Outputs,
     /// Attributes that can be set.
     attributes: Shared<attributes::Attributes>,
+    /// What attributes show of the newest snapshot.
+    shown: attributes::Shown,
 }
 
 impl Image {
@@ -136,6 +139,7 @@ impl Image {
             inputs: inputs::Inputs::new(machine),
             outputs: outputs::Outputs::default(),
             attributes: Shared::new(attributes::Attributes::new(machine)),
+            shown: attributes::Shown::default(),
         };
         image.add(
             &machine.group,
@@ -246,6 +250,7 @@ impl Image {
     /// Takes over the state of axes, coordinate systems and group at one tick.
     pub fn apply_snapshot(&mut self, snapshot: &Snapshot) {
         self.snapshot_tick = snapshot.tick;
+        self.show_attributes(snapshot);
         self.encoder.snapshot(snapshot, self.overlapping, &mut self.bytes);
         self.show_uses();
     }

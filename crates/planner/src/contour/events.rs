@@ -29,6 +29,14 @@ impl<T: Copy> ContourQueue<T> {
         }
     }
 
+    /// Seconds, or as [`ContourQueue::reaches`], until the next move becomes active, or the contour is at its end; `None` where it is
+    /// paused or stops.
+    pub fn time_left(&self, clock: &Clock) -> Option<f64> {
+        let run = self.run.as_ref().filter(|run| run.course != Course::Stopping)?;
+        let end = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
+        run.pace.until(end, clock).map(|left| left.max(0.0))
+    }
+
     /// Whether the active move stays at rest before its end, as things are.
     pub fn is_paused(&self) -> bool {
         let Some(run) = &self.run else {

@@ -18,7 +18,9 @@
 //! | 14 to 16 | | | BaseOffset1 to BaseOffset3, LREAL |
 //! | 17 to 19 | | | EndEffectorOffset1 to EndEffectorOffset3, LREAL |
 //! | 20 to 25 | | | ZeroAngleOffset1 to ZeroAngleOffset6, LREAL, degrees |
+//! | 12 (axis) | | faults, UDINT: bits of docs/FAULTS.md | |
 //! | 26 | | | Dynamics Configuration Bits, UDINT, 0 to 7; can be set |
+//! | 27 to 29 | | | of the active move: distance to go, length of its path (0: no move is active), seconds to its end or its successor as planned now (NaN: not known), LREAL |
 //!
 //! Dynamics Configuration Bits hold for the instructions that are executed afterwards, up to a restart
 //! (spec/axis-and-data-types.md §9.6); the numbers of numeric attributes are those of [`Attribute`]. Attribute 10 of a coordinate system is its element of the tag `FeedOverride`, attribute 9 of an axis that of the tag
@@ -111,6 +113,7 @@ impl Class for MotionObjects<'_> {
                 match id {
                     INJECTED => word_value(self.image.injected_faults().nth(place.into())),
                     POSSIBLE => word_value(self.image.possible_faults(place)),
+                    FAULTS => word_value(self.image.faults(place)),
                     id => axis(described, id),
                 }
             }
@@ -120,6 +123,14 @@ impl Class for MotionObjects<'_> {
                 match id {
                     FEED_OVERRIDE => real_value(self.image.feed_overrides().nth(place.into())),
                     BEFORE_HOLD => real_value(self.image.feed_override_before_hold(place)),
+                    REMAINING..=TIME_LEFT => {
+                        let progress = self.image.progress(place).unwrap_or_default();
+                        f64_value(match id {
+                            REMAINING => progress.remaining,
+                            TIME_LEFT => progress.time_left,
+                            _ => progress.length,
+                        })
+                    }
                     id => system(described, id),
                 }
             }
@@ -129,7 +140,7 @@ impl Class for MotionObjects<'_> {
     fn all(&self) -> &'static [u16] {
         match self.object {
             Object::MotionGroup => &[1, 2, 3],
-            Object::Axis => &[1, 2, 3, 4, 5, 6, 7, 8, INJECTED, POSSIBLE, 11],
+            Object::Axis => &[1, 2, 3, 4, 5, 6, 7, 8, INJECTED, POSSIBLE, 11, FAULTS],
             Object::CoordinateSystem => &[
                 1,
                 2,
@@ -157,6 +168,9 @@ impl Class for MotionObjects<'_> {
                 24,
                 25,
                 26,
+                27,
+                28,
+                29,
             ],
         }
     }
@@ -268,6 +282,12 @@ const POSSIBLE: u16 = 10;
 const FEED_OVERRIDE: u16 = 10;
 /// Attribute of a coordinate system: the override that a hold has replaced.
 const BEFORE_HOLD: u16 = 11;
+
+/// Attribute of an axis: its faults.
+const FAULTS: u16 = 12;
+/// First and last attribute of a coordinate system that is of its active move.
+const REMAINING: u16 = 27;
+const TIME_LEFT: u16 = 29;
 
 /// First attribute of a coordinate system that is of its robot.
 const ROBOT: u16 = 12;

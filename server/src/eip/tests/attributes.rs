@@ -75,15 +75,20 @@ async fn dynamics_configuration_bits_are_set_alone_and_in_a_list() {
     // Each object has its own.
     let other = Epath::object(0x301, 3);
     assert_eq!(bits(&mut client, &other, 11).await, [7, 0, 0, 0]);
-    // The last of Get Attributes All.
-    for (class, instance) in [(0x301, 1), (0x302, 2)] {
+    // In Get Attributes All: of an axis in front of its faults, of a coordinate system in front of three LREALs of its active move.
+    for (class, instance, behind) in [(0x301, 1, 4), (0x302, 2, 24)] {
         let all = Request::new(
             service::GET_ATTRIBUTES_ALL,
             Epath::object(class, instance),
             Bytes::new(),
         );
         let all = client.ask(&all).await;
-        assert!(all.data.ends_with(&[2, 0, 0, 0]), "class {class:#x}");
+        let bits = all.data.len().saturating_sub(behind + 4);
+        assert_eq!(
+            all.data.get(bits..bits + 4),
+            Some(&[2, 0, 0, 0][..]),
+            "class {class:#x}"
+        );
     }
     let maximum = single(service::SET_ATTRIBUTE_SINGLE, &Epath::object(0x301, 1), 3, &[0; 8]);
     assert_eq!(

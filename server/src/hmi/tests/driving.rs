@@ -200,13 +200,23 @@ async fn a_jog_ends_with_the_hand_that_holds_it() {
     let ramp = 10;
     // On a machine that is busy with other tests, one try may be late.
     let mut late = Vec::new();
-    for end in ["button", "silence", "socket"] {
+    let ends = [
+        ("button", "stopped by MAS"),
+        (
+            "silence",
+            "stopped by the dead-man switch: its button was not kept pressed",
+        ),
+        ("socket", "stopped by the loss of its client"),
+        ("STOP", "stopped by a stop of the whole machine"),
+    ];
+    for (end, cause) in ends {
         let mut within = None;
         for _ in 0..3 {
             let mut viewer = bench.viewer().await;
             viewer.take("X").await;
             let jog = json!({"do": "jog", "axis": "X", "speed": speed});
             assert_eq!(viewer.ask(jog).await, Ok(json!({})), "{end}");
+            let instance = bench.plant.newest_instance().expect("a jog");
             for _ in 0..8 {
                 tokio::time::sleep(Duration::from_millis(50)).await;
                 viewer.send(json!({"do": "keep", "axis": "X"}).to_string()).await;
@@ -219,6 +229,10 @@ async fn a_jog_ends_with_the_hand_that_holds_it() {
                     assert_eq!(viewer.ask(json!({"do": "jog_end", "axis": "X"})).await, Ok(json!({})));
                     Some(viewer)
                 }
+                "STOP" => {
+                    assert_eq!(viewer.ask(json!({"do": "stop"})).await, Ok(json!({})));
+                    Some(viewer)
+                }
                 "silence" => Some(viewer),
                 _ => {
                     drop(viewer);
@@ -228,6 +242,8 @@ async fn a_jog_ends_with_the_hand_that_holds_it() {
             let ticks = stood_after(&bench, tick).await;
             drop(keeper);
             if moving == speed && ticks <= 250 + ramp {
+                let ended = bench.plant.instruction_ending(instance).expect("it is told");
+                assert_eq!(ended.ending.to_string(), cause, "{end}");
                 within = Some(ticks);
                 break;
             }
