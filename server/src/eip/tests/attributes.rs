@@ -6,6 +6,9 @@ use bytes::Bytes;
 
 use super::{Bench, Client, codes};
 
+/// Why, the data of a Set Attribute Single, its status, and the bits afterwards.
+type Set = (&'static str, &'static [u8], (u8, u16), u8);
+
 /// Axis X by class and instance, axis Y by name, coordinate system CS1, and the number of the attribute of each.
 fn paths() -> [(&'static str, Epath, u16); 3] {
     let name = |name: &str| Epath(vec![Segment::Symbol(name.into())]);
@@ -39,7 +42,7 @@ async fn dynamics_configuration_bits_are_set_alone_and_in_a_list() {
             "{what}: as configured"
         );
         #[rustfmt::skip]
-        let cases: [(&str, &[u8], (u8, u16), u8); 7] = [
+        let cases: [Set; 7] = [
             ("some",         &[5, 0, 0, 0],          (0, 0),    5),
             ("none",         &[0, 0, 0, 0],          (0, 0),    0),
             ("a fourth bit", &[8, 0, 0, 0],          (0x09, 0), 0),
