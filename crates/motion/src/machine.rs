@@ -454,3 +454,8 @@ mod tests {
         assert_eq!(default_jerk(0.0, 1.0), 0.0);
     }
 }
+
+/// The first three of what each axis of a coordinate system has: those of its primary axes, or of an arm's joints.
+pub(crate) fn three<T: Copy>(of: &[T; MAX_SYSTEM_AXES]) -> [T; MAX_PRIMARY_AXES] {
+    [of[0], of[1], of[2]]
+}

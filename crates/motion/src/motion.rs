@@ -11,6 +11,7 @@ mod outputs;
 mod probes;
 mod take_over;
 mod tick;
+mod transforms;
 
 use std::sync::Arc;
 
@@ -36,9 +37,8 @@ use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::status;
 use crate::stop::Stop;
 use crate::system::System;
+use crate::transforms::Transforms;
 use crate::transforms::ahead::Ahead;
-use crate::transforms::shown::Role;
-use crate::transforms::transform::Link;
 
 pub(crate) use advance::MAX_ENDS_PER_TICK;
 pub use probes::Input;
@@ -52,8 +52,7 @@ pub struct Motion {
     /// What went out to the drives at the last exchange, in the order of the axes.
     set_points: Vec<SetPoint>,
     pub(crate) controls: Controls,
-    /// Transforms under way, at the place of their target system.
-    pub(crate) links: Vec<Option<Link>>,
+    pub(crate) transforms: Transforms,
     /// The order of a tick while some axes follow others.
     pub(crate) order: Order,
     /// Stops that transforms are looked at with.
@@ -99,7 +98,7 @@ impl Motion {
             systems: systems(machine),
             set_points: vec![SetPoint::default(); machine.axes.len()],
             controls: Controls::new(),
-            links: vec![None; machine.systems.len()],
+            transforms: Transforms::new(machine.systems.len()),
             order: Order::new(machine.axes.len(), machine.systems.len()),
             ahead: Ahead::new(machine.axes.len(), machine.systems.len()),
             link_count: 0,
@@ -281,16 +280,11 @@ impl Motion {
 
     /// Every coordinate system at the present tick, in configuration order.
     pub fn systems(&self) -> impl Iterator<Item = SystemSnapshot> {
-        let sources = self.links().fold(0_u64, |bits, (_, link)| bits | 1 << link.from);
-        let role = move |index: usize| Role {
-            source: sources & (1 << index) != 0,
-            target: self.links.get(index).is_some_and(Option::is_some),
-            robot: self.robot_shown(index),
-        };
+        let present = self.present();
         let systems = self.systems.iter().enumerate();
         systems.map(move |(index, system)| SystemSnapshot {
             time_left: system.time_left(&self.clock),
-            ..status::system(system, &self.axes, role(index))
+            ..status::system(system, &self.axes, present.role(index))
         })
     }
 

@@ -1,10 +1,13 @@
 //! The order in which axes are computed within a tick when some follow others: what is followed comes first.
 //!
-//! It is worked out when a link is made. A link that ended leaves an order that is still right. Not here: what a step
-//! does. Nothing allocates after [`Order::new`]; working an order out is bounded by axes × links.
+//! It is worked out when a link or a transform is made: a list of edges (a step needs another one first), sorted topologically.
+//! What ended since leaves an order that is still right. Not here: what a step does. Nothing allocates after [`Order::new`];
+//! working an order out is bounded by the axes, their masters, and the pairs of transforms.
 
 use crate::axes::share;
-use crate::transforms::transform::Link;
+use crate::machine::MAX_SYSTEM_AXES;
+use crate::transforms::compute::Part;
+use crate::transforms::transform::Transform;
 
 /// A part of the computation of one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,12 +16,8 @@ pub(crate) enum Step {
     System(u16),
     /// What an axis's own generators say, what follows masters included.
     Own(u16),
-    /// Where a transform leads its target before the targets of its source lead anything back.
-    Down(u16),
-    /// What the motion of a transform's target adds to its source.
-    Back(u16),
-    /// Where a transform leads its target.
-    Lead(u16),
+    /// A part of a transform.
+    Transform(Part),
     /// The whole command of an axis; its drive follows it.
     Whole(u16),
 }
@@ -27,6 +26,11 @@ pub(crate) enum Step {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Circle;
 
+/// An order has been worked out and can be taken.
+#[derive(Debug)]
+#[must_use]
+pub(crate) struct Planned(());
+
 /// Something that is to follow from the next tick on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Follower<'a> {
@@ -34,67 +38,31 @@ pub(crate) enum Follower<'a> {
     Axis(u16, u16),
     /// A coordinate system and its master.
     System(usize, u16),
-    /// The target system of a transform.
-    Target(usize, &'a Link),
+    /// A transform of a target system.
+    Target(usize, &'a Transform),
 }
 
-/// Who follows whom.
-pub(crate) struct Followers<'a, M, S> {
-    /// Axes of the machine.
-    pub(crate) axes: usize,
-    /// The masters of an axis.
-    pub(crate) masters: M,
-    /// The axes of a coordinate system, and its masters.
-    pub(crate) systems: S,
-    /// Transforms under way, at the place of their target system.
-    pub(crate) links: &'a [Option<Link>],
-}
-
-/// Axes that one axis or coordinate system follows.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Masters {
-    axes: [u16; MOST_MASTERS],
-    count: usize,
-}
-
-/// Masters of one slave: by gear, by every link of an axis, and by what was begun by links that were replaced since.
-const MOST_MASTERS: usize = 16;
-
-impl Masters {
-    pub(crate) fn add(&mut self, axis: u16) {
-        if !self.iter().any(|known| known == axis)
-            && let Some(place) = self.axes.get_mut(self.count)
-        {
-            *place = axis;
-            self.count += 1;
-        }
-    }
-
-    pub(crate) fn iter(&self) -> impl Iterator<Item = u16> {
-        self.axes[..self.count].iter().copied()
-    }
-
-    pub(crate) fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-}
-
-impl FromIterator<u16> for Masters {
-    fn from_iter<I: IntoIterator<Item = u16>>(axes: I) -> Self {
-        let mut masters = Masters::default();
-        for axis in axes {
-            masters.add(axis);
-        }
-        masters
-    }
-}
+/// Masters of one axis at most: of its gear, its cams, its links, and its moves that links which were replaced since have begun.
+const MOST_MASTERS: usize = 17;
+/// Masters of one coordinate system at most: of its links, of one more, and of the move under way.
+const MOST_SYSTEM_MASTERS: usize = 4;
 
 /// The order of a tick's steps; empty when nothing follows.
 #[derive(Debug)]
 pub(crate) struct Order {
     steps: Vec<Step>,
     next: Vec<Step>,
+    edges: Edges,
     visits: Vec<Visit>,
+}
+
+/// Which steps need which others first.
+#[derive(Debug)]
+pub(crate) struct Edges {
+    /// A step, the edge's own number, and the step that is needed first.
+    list: Vec<(u16, u32, u16)>,
+    /// Every step of the machine at its number.
+    steps: Vec<Step>,
     axes: usize,
     systems: usize,
 }
@@ -109,13 +77,13 @@ enum Visit {
 impl Order {
     /// For a machine of so many axes and coordinate systems. The only allocation.
     pub(crate) fn new(axes: usize, systems: usize) -> Self {
-        let most = 2 * axes + 4 * systems;
+        let edges = Edges::new(axes, systems);
+        let most = edges.steps.len();
         Order {
             steps: Vec::with_capacity(most),
             next: Vec::with_capacity(most),
             visits: vec![Visit::Ahead; most],
-            axes,
-            systems,
+            edges,
         }
     }
 
@@ -136,137 +104,149 @@ impl Order {
         self.steps.clear();
     }
 
-    /// Works out an order, to be taken by [`Order::take`].
+    /// Works out the order in which steps with these edges can be computed. The present order stays until [`Order::take`].
     ///
     /// # Errors
-    /// When there is none. The present order stays.
-    pub(crate) fn plan<'a, M, S>(&mut self, followers: &Followers<'a, M, S>) -> Result<(), Circle>
-    where
-        M: Fn(u16) -> Masters,
-        S: Fn(usize) -> (&'a [u16], Masters),
-    {
+    /// When there is none.
+    pub(crate) fn plan(&mut self, add: impl FnOnce(&mut Edges)) -> Result<Planned, Circle> {
         self.next.clear();
         self.visits.fill(Visit::Ahead);
-        for axis in 0..followers.axes {
-            self.visit(Step::Whole(axis as u16), followers)?;
+        self.edges.begin();
+        add(&mut self.edges);
+        self.edges.list.sort_unstable();
+        for axis in 0..self.edges.axes {
+            self.visit(self.edges.number(Step::Whole(axis as u16)))?;
         }
-        Ok(())
+        Ok(Planned(()))
     }
 
     /// The order that was planned last is that of the next tick.
-    pub(crate) fn take(&mut self) {
+    pub(crate) fn take(&mut self, _planned: Planned) {
         std::mem::swap(&mut self.steps, &mut self.next);
     }
 
     /// A step behind all that it needs. As deep as there are steps at most.
-    fn visit<'a, M, S>(&mut self, step: Step, followers: &Followers<'a, M, S>) -> Result<(), Circle>
-    where
-        M: Fn(u16) -> Masters,
-        S: Fn(usize) -> (&'a [u16], Masters),
-    {
-        let place = self.place(step);
-        match self.visits.get(place) {
-            Some(Visit::Ahead) => {}
-            Some(Visit::UnderWay) => return Err(Circle),
-            Some(Visit::Over) | None => return Ok(()),
+    fn visit(&mut self, step: u16) -> Result<(), Circle> {
+        let place = usize::from(step);
+        match self.visits[place] {
+            Visit::Ahead => {}
+            Visit::UnderWay => return Err(Circle),
+            Visit::Over => return Ok(()),
         }
         self.visits[place] = Visit::UnderWay;
-        let links = || {
-            let links = followers.links.iter().enumerate();
-            links.filter_map(|(index, link)| link.as_ref().map(|link| (index as u16, link)))
-        };
-        match step {
-            Step::System(index) => {
-                for master in (followers.systems)(usize::from(index)).1.iter() {
-                    self.visit(Step::Whole(master), followers)?;
-                }
-            }
-            Step::Own(axis) => {
-                for index in 0..self.systems {
-                    let (axes, masters) = (followers.systems)(index);
-                    if !masters.is_empty() && axes.contains(&axis) {
-                        self.visit(Step::System(index as u16), followers)?;
-                    }
-                }
-                for master in (followers.masters)(axis).iter() {
-                    self.visit(Step::Whole(master), followers)?;
-                }
-            }
-            Step::Whole(axis) => {
-                self.visit(Step::Own(axis), followers)?;
-                for (index, link) in links() {
-                    if link.source().contains(&axis) {
-                        self.visit(Step::Back(index), followers)?;
-                    }
-                    if link.target().contains(&axis) {
-                        self.visit(Step::Lead(index), followers)?;
-                    }
-                }
-            }
-            Step::Back(index) => {
-                let Some(Some(link)) = followers.links.get(usize::from(index)) else {
-                    return Ok(());
-                };
-                for axis in link.target() {
-                    self.visit(Step::Own(*axis), followers)?;
-                }
-                for (other, further) in links() {
-                    if share(further.source(), link.target()) {
-                        self.visit(Step::Back(other), followers)?;
-                    }
-                }
-                // Behind a robot's joints what is added depends on where they are led to.
-                if link.robot().is_some() {
-                    self.visit(Step::Down(index), followers)?;
-                }
-            }
-            Step::Down(index) => {
-                let Some(Some(link)) = followers.links.get(usize::from(index)) else {
-                    return Ok(());
-                };
-                for axis in link.source() {
-                    self.visit(Step::Own(*axis), followers)?;
-                }
-                for (other, near) in links() {
-                    if other < index && share(near.source(), link.source()) {
-                        self.visit(Step::Back(other), followers)?;
-                    }
-                    if share(near.target(), link.source()) {
-                        self.visit(Step::Down(other), followers)?;
-                    }
-                }
-            }
-            Step::Lead(index) => {
-                let Some(Some(link)) = followers.links.get(usize::from(index)) else {
-                    return Ok(());
-                };
-                for axis in link.source() {
-                    self.visit(Step::Own(*axis), followers)?;
-                }
-                for (other, near) in links() {
-                    if share(near.source(), link.source()) {
-                        self.visit(Step::Back(other), followers)?;
-                    }
-                    if share(near.target(), link.source()) {
-                        self.visit(Step::Lead(other), followers)?;
-                    }
-                }
-            }
+        let mut edge = self.edges.list.partition_point(|(of, ..)| *of < step);
+        while let Some((of, _, first)) = self.edges.list.get(edge).copied()
+            && of == step
+        {
+            self.visit(first)?;
+            edge += 1;
         }
         self.visits[place] = Visit::Over;
-        self.next.push(step);
+        self.next.push(self.edges.steps[place]);
         Ok(())
     }
+}
 
-    fn place(&self, step: Step) -> usize {
-        let (axes, systems) = (self.axes, self.systems);
+impl Edges {
+    fn new(axes: usize, systems: usize) -> Self {
+        let [per_axis, per_system] = [0..axes as u16, 0..systems as u16];
+        let own = per_axis.clone().map(Step::Own);
+        let whole = per_axis.map(Step::Whole);
+        let parts = [Part::Feedback, Part::SetPoints, Part::Before];
+        let parts = parts
+            .into_iter()
+            .flat_map(|part| per_system.clone().map(move |index| Step::Transform(part(index))));
+        let of_systems = per_system.clone().map(Step::System);
+        let by_transform = 5 * MAX_SYSTEM_AXES + 1 + 5 * systems;
+        let by_system = MAX_SYSTEM_AXES + MOST_SYSTEM_MASTERS + by_transform;
+        Edges {
+            list: Vec::with_capacity(axes * (1 + MOST_MASTERS) + systems * by_system),
+            steps: own.chain(whole).chain(parts).chain(of_systems).collect(),
+            axes,
+            systems,
+        }
+    }
+
+    /// Every axis needs what its own generators say, and nothing follows.
+    fn begin(&mut self) {
+        self.list.clear();
+        for axis in 0..self.axes as u16 {
+            self.need(Step::Whole(axis), Step::Own(axis));
+        }
+    }
+
+    /// A coordinate system of these axes follows masters, if there are any.
+    pub(crate) fn system(&mut self, index: usize, axes: &[u16], masters: impl Iterator<Item = u16>) {
+        let system = Step::System(index as u16);
+        let before = self.list.len();
+        for master in masters {
+            self.need(system, Step::Whole(master));
+        }
+        if self.list.len() > before {
+            for axis in axes {
+                self.need(Step::Own(*axis), system);
+            }
+        }
+    }
+
+    /// An axis follows a master.
+    pub(crate) fn axis(&mut self, slave: u16, master: u16) {
+        self.need(Step::Own(slave), Step::Whole(master));
+    }
+
+    /// Transforms, by the index of their target system.
+    pub(crate) fn transforms<'a>(&mut self, get: impl Fn(usize) -> Option<&'a Transform>) {
+        let systems = self.systems;
+        let all = || (0..systems).filter_map(|index| Some((index as u16, get(index)?)));
+        for (index, transform) in all() {
+            let [feedback, set_points, before] =
+                [Part::Feedback, Part::SetPoints, Part::Before].map(|part| Step::Transform(part(index)));
+            for axis in transform.source.iter() {
+                self.need(Step::Whole(*axis), feedback);
+                self.need(before, Step::Own(*axis));
+                self.need(set_points, Step::Own(*axis));
+            }
+            for axis in transform.target.iter() {
+                self.need(Step::Whole(*axis), set_points);
+                self.need(feedback, Step::Own(*axis));
+            }
+            for (other, near) in all() {
+                let part = |part: fn(u16) -> Part| Step::Transform(part(other));
+                if share(&near.source, &transform.target) {
+                    self.need(feedback, part(Part::Feedback));
+                }
+                if share(&near.source, &transform.source) {
+                    if other < index {
+                        self.need(before, part(Part::Feedback));
+                    }
+                    self.need(set_points, part(Part::Feedback));
+                }
+                if share(&near.target, &transform.source) {
+                    self.need(before, part(Part::Before));
+                    self.need(set_points, part(Part::SetPoints));
+                }
+            }
+            // Behind a robot's joints what is added depends on where they are led to.
+            if transform.robot().is_some() {
+                self.need(feedback, before);
+            }
+        }
+    }
+
+    fn need(&mut self, step: Step, first: Step) {
+        let edge = (self.number(step), self.list.len() as u32, self.number(first));
+        self.list.push(edge);
+    }
+
+    fn number(&self, step: Step) -> u16 {
+        let (axes, systems) = (self.axes as u16, self.systems as u16);
         match step {
-            Step::Own(axis) => usize::from(axis),
-            Step::Whole(axis) => axes + usize::from(axis),
-            Step::Back(index) => 2 * axes + usize::from(index),
-            Step::Lead(index) => 2 * axes + systems + usize::from(index),
-            Step::Down(index) => 2 * axes + 2 * systems + usize::from(index),
-            Step::System(index) => 2 * axes + 3 * systems + usize::from(index),
+            Step::Own(axis) => axis,
+            Step::Whole(axis) => axes + axis,
+            Step::Transform(Part::Feedback(index)) => 2 * axes + index,
+            Step::Transform(Part::SetPoints(index)) => 2 * axes + systems + index,
+            Step::Transform(Part::Before(index)) => 2 * axes + 2 * systems + index,
+            Step::System(index) => 2 * axes + 3 * systems + index,
         }
     }
 }
@@ -276,43 +256,44 @@ mod tests {
     use super::*;
 
     type Gear = (u16, u16);
-    type Transform = ([u16; 2], [u16; 2]);
+    type Sides = ([u16; 2], [u16; 2]);
+
+    const fn feedback(index: u16) -> Step {
+        Step::Transform(Part::Feedback(index))
+    }
+
+    const fn set_points(index: u16) -> Step {
+        Step::Transform(Part::SetPoints(index))
+    }
 
     /// Orders gears (slave, master) and transforms (source axes, target axes) of a machine of nine axes.
-    fn plan(gears: &[Gear], transforms: &[Transform]) -> Result<Vec<Step>, Circle> {
+    fn plan(gears: &[Gear], transforms: &[Sides]) -> Result<Vec<Step>, Circle> {
         plan_driven(gears, transforms, None)
     }
 
-    /// The same; one coordinate system has masters.
-    fn plan_driven(
-        gears: &[Gear],
-        transforms: &[Transform],
-        driven: Option<(&[u16], u16)>,
-    ) -> Result<Vec<Step>, Circle> {
-        let links: Vec<Option<Link>> = transforms
+    /// The same; one coordinate system has a master.
+    fn plan_driven(gears: &[Gear], transforms: &[Sides], driven: Option<(&[u16], u16)>) -> Result<Vec<Step>, Circle> {
+        let transforms: Vec<Transform> = transforms
             .iter()
-            .map(|(source, target)| Some(Link::between(source, target)))
+            .map(|(source, target)| Transform::between(source, target))
             .collect();
-        let mut order = Order::new(9, links.len().max(usize::from(driven.is_some())));
-        order.plan(&Followers {
-            axes: 9,
-            masters: |axis| {
-                let own = gears.iter().filter(|(slave, _)| *slave == axis);
-                own.map(|(_, master)| *master).collect()
-            },
-            systems: |index| match driven {
-                Some((axes, master)) if index == 0 => (axes, [master].into_iter().collect()),
-                _ => (&[][..], Masters::default()),
-            },
-            links: &links,
+        let mut order = Order::new(9, transforms.len().max(usize::from(driven.is_some())));
+        let planned = order.plan(|edges| {
+            if let Some((axes, master)) = driven {
+                edges.system(0, axes, std::iter::once(master));
+            }
+            for (slave, master) in gears {
+                edges.axis(*slave, *master);
+            }
+            edges.transforms(|index| transforms.get(index));
         })?;
-        order.take();
+        order.take(planned);
         Ok(order.steps)
     }
 
     #[test]
     fn what_is_followed_comes_first() {
-        type Case<'a> = (&'a str, &'a [Gear], &'a [Transform], &'a [(Step, Step)]);
+        type Case<'a> = (&'a str, &'a [Gear], &'a [Sides], &'a [(Step, Step)]);
         let cases: [Case<'_>; 5] = [
             ("a master", &[(0, 5)], &[], &[(Step::Whole(5), Step::Own(0))]),
             (
@@ -326,10 +307,10 @@ mod tests {
                 &[],
                 &[([4, 5], [0, 1])],
                 &[
-                    (Step::Own(4), Step::Lead(0)),
-                    (Step::Own(0), Step::Back(0)),
-                    (Step::Back(0), Step::Whole(4)),
-                    (Step::Lead(0), Step::Whole(0)),
+                    (Step::Own(4), set_points(0)),
+                    (Step::Own(0), feedback(0)),
+                    (feedback(0), Step::Whole(4)),
+                    (set_points(0), Step::Whole(0)),
                 ],
             ),
             (
@@ -337,16 +318,16 @@ mod tests {
                 &[],
                 &[([2, 3], [0, 1]), ([4, 5], [2, 3])],
                 &[
-                    (Step::Lead(1), Step::Lead(0)),
-                    (Step::Back(0), Step::Back(1)),
-                    (Step::Back(1), Step::Whole(4)),
+                    (set_points(1), set_points(0)),
+                    (feedback(0), feedback(1)),
+                    (feedback(1), Step::Whole(4)),
                 ],
             ),
             (
                 "a gear behind a transform",
                 &[(1, 0)],
                 &[([4, 5], [0, 8])],
-                &[(Step::Lead(0), Step::Own(1))],
+                &[(set_points(0), Step::Own(1))],
             ),
         ];
         for (why, gears, transforms, pairs) in cases {
@@ -383,7 +364,7 @@ mod tests {
 
     #[test]
     fn circles_are_found() {
-        type Case<'a> = (&'a str, &'a [Gear], &'a [Transform], bool);
+        type Case<'a> = (&'a str, &'a [Gear], &'a [Sides], bool);
         #[rustfmt::skip]
         let cases: [Case<'_>; 9] = [
             ("nothing follows",                       &[], &[], true),

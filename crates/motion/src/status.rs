@@ -161,8 +161,11 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
         (pends(Slot::TimeCam), motion_status::TIME_CAM_PENDING_STATUS),
         (cam_locked(Slot::PositionCam), motion_status::POSITION_CAM_LOCK_STATUS),
         (cam_locked(Slot::TimeCam), motion_status::TIME_CAM_LOCK_STATUS),
-        (axis.is_linked(), motion_status::TRANSFORM_STATE_STATUS),
-        (axis.linked.controlled, motion_status::CONTROLLED_BY_TRANSFORM_STATUS),
+        (axis.is_transformed(), motion_status::TRANSFORM_STATE_STATUS),
+        (
+            axis.transforms.controlled,
+            motion_status::CONTROLLED_BY_TRANSFORM_STATUS,
+        ),
         (axis.has_coordinated_motion(), motion_status::COORDINATED_MOTION_STATUS),
         (
             axis.command.velocity.abs() > axis.dynamics.speed,

@@ -11,13 +11,11 @@ use crate::control::Execution;
 use crate::dynamics::Dynamics;
 use crate::dynamics::PathLimits;
 use crate::events::Events;
-use crate::machine::{AxisLimits as Limits, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES};
-use crate::masters::guide::Guide;
+use crate::machine::{AxisLimits as Limits, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES, three};
+use crate::masters::follower::{LockTo, MasterFollower};
 use crate::masters::links::Links;
-use crate::masters::master::LockTo;
 use crate::pending::Pending;
 use crate::stop::{AxisSet, Stop};
-use crate::transforms::robot::three;
 
 /// When a move is complete (spec/coordinated-instructions.md §7.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +89,7 @@ pub(crate) struct System {
     /// The MDCC whose motion is being stopped.
     pub(crate) stopping_link: Option<Execution>,
     /// What the active move is a function of, where that is not time.
-    pub(crate) guide: Option<Guide>,
+    pub(crate) guide: Option<MasterFollower>,
     /// When a master driven move with Actual Tolerance came to its programmed end.
     pub(crate) ended: Option<Instant>,
     /// The plan that Calculated Data is of, and the tick from which on it is computed again.
@@ -190,12 +188,13 @@ impl System {
     /// What its planned contours are functions of at the present tick: time, or the time that a master at the speed they were planned
     /// for would have taken for its way.
     pub(crate) fn contour_clock(&self, time: &Clock) -> Clock {
-        self.guide
-            .map_or(*time, |guide| Clock::of_way(guide.way() / self.contour_speed()))
+        self.guide.map_or(*time, |guide| {
+            Clock::of_way(guide.displacement() / self.contour_speed())
+        })
     }
 
     /// How the time of its planned contours goes on, where a master leads.
-    pub(crate) fn contour_pace(&self, guide: &Guide) -> arcline_planner::Pace {
+    pub(crate) fn contour_pace(&self, guide: &MasterFollower) -> arcline_planner::Pace {
         let (pace, speed) = (guide.pace(), self.contour_speed());
         arcline_planner::Pace {
             speed: pace.speed / speed,

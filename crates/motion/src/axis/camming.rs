@@ -66,7 +66,7 @@ impl Axis {
     }
 
     /// Brings a cam to where its master leads it.
-    pub(crate) fn follow_cam(&mut self, slot: Slot, at: &MasterAt) {
+    pub(crate) fn follow_cam(&mut self, slot: Slot, at: &MasterAt, clock: &Clock) {
         let cams = &mut self.cams[usize::from(slot == Slot::TimeCam)];
         let Some(generator) = self.sum.get_mut(slot) else {
             return;
@@ -75,7 +75,7 @@ impl Axis {
         if generator.over {
             return;
         }
-        let (now, ended) = cam.follow(at, generator.now.position, &mut cams.pending);
+        let (now, ended) = cam.follow(at, generator.now.position, &mut cams.pending, clock);
         generator.now = now;
         match ended {
             Ended::Nothing => {}
@@ -122,7 +122,7 @@ impl Axis {
     /// The same with time as the master.
     pub(crate) fn follow_time(&mut self, clock: &Clock) {
         if let Some(Source::Time { since }) = self.cam(Slot::TimeCam).map(Cam::source) {
-            self.follow_cam(Slot::TimeCam, &cam::time(since, clock));
+            self.follow_cam(Slot::TimeCam, &cam::time(since, clock), clock);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What an axis keeps of gears and transforms: its master, its part in transforms, and the brake of what one moved.
 //!
-//! Not here: where it follows to (`crate::follow`).
+//! Not here: where it follows to (`crate::masters`, `crate::transforms`).
 
 use arcline_planner::Instant;
 use arcline_planner::profile::{Limits, Profile};
@@ -11,25 +11,25 @@ use super::generator::{Generator, Law};
 use super::sum::Slot;
 use crate::masters::gear::Gear;
 
-/// An axis's part in transforms (`crate::transforms`).
+/// An axis's part in transforms.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Linked {
-    /// The transform that leads it, by the place of its target system.
-    pub(crate) leader: Option<u8>,
-    /// Transforms whose targets lead it back, a bit for each.
-    pub(crate) led_back_by: u64,
-    /// Where it would be led to when nothing leads it any more, in the frame of its generator.
+pub(crate) struct TransformPart {
+    /// The transform whose target the axis belongs to, by the index of its target system.
+    pub(crate) target_of: Option<u8>,
+    /// Transforms whose sources the axis belongs to, a bit for each.
+    pub(crate) source_of: u64,
+    /// Where the axis would be led to when nothing leads it any more, in the frame of its generator.
     pub(crate) rest: f64,
-    /// What transforms that are over had led it back by.
+    /// The feedback of transforms that are over.
     pub(crate) settled: f64,
-    /// A transform moves it.
+    /// A transform moves the axis.
     pub(crate) controlled: bool,
 }
 
 impl Axis {
     /// Whether it is part of a transform.
-    pub(crate) fn is_linked(&self) -> bool {
-        self.linked.leader.is_some() || self.linked.led_back_by != 0
+    pub(crate) fn is_transformed(&self) -> bool {
+        self.transforms.target_of.is_some() || self.transforms.source_of != 0
     }
 
     /// The master and the law of its gearing.

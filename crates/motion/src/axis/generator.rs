@@ -12,8 +12,8 @@ use crate::control::Execution;
 use crate::dynamics::Dynamics;
 use crate::events::MoveEvents;
 use crate::masters::cam::Cam;
+use crate::masters::follower::MasterFollower;
 use crate::masters::gear::Gear;
-use crate::masters::guide::Guide;
 
 /// How a generator comes to its position.
 #[derive(Clone, Debug)]
@@ -63,7 +63,7 @@ pub(crate) struct Generator {
     /// ACCEL and DECEL of its instruction, as last written.
     pub(crate) shown_phase: Phase,
     /// What a planned one is a function of, where that is not time.
-    pub(crate) guide: Option<Guide>,
+    pub(crate) guide: Option<MasterFollower>,
     /// TrackingMaster of its instruction, as last written.
     pub(crate) shown_tracking: bool,
     /// Event Distance and Calculated Data of its instruction.

@@ -29,7 +29,7 @@ use average::Average;
 use camming::Cams;
 use faults::{Faults, Observed};
 use feed::Feeding;
-use following::Linked;
+use following::TransformPart;
 use generator::Generator;
 use homing::Homing;
 use probes::{Registration, Watch};
@@ -105,7 +105,7 @@ pub(crate) struct Axis {
     pub(crate) range: f64,
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
-    pub(crate) linked: Linked,
+    pub(crate) transforms: TransformPart,
     /// Links to masters (MDAC).
     pub(crate) links: AxisLinks,
     /// Of position cams, and of time cams.
@@ -170,7 +170,7 @@ impl Axis {
             range: range(description.max_speed, clock.period()),
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
-            linked: Linked::default(),
+            transforms: TransformPart::default(),
             links: AxisLinks::default(),
             cams: Default::default(),
             stop_mode: description.programmed_stop_mode,
@@ -199,7 +199,7 @@ impl Axis {
 
     /// Whether something moves the axis, or holds it to move it.
     pub(crate) fn in_motion(&self) -> bool {
-        self.linked.controlled || self.moves_itself()
+        self.transforms.controlled || self.moves_itself()
     }
 
     /// The same, but for transforms.

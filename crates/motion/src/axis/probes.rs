@@ -5,7 +5,7 @@
 //! units, times microseconds since the first tick. Nothing allocates.
 
 use crate::control::Execution;
-use crate::masters::cam::Lock;
+use crate::masters::displacement::Crossing;
 
 /// The watch of one axis.
 #[derive(Clone, Copy, Debug, Default)]
@@ -21,7 +21,7 @@ pub(crate) struct Watch {
 struct ArmedWatch {
     execution: Execution,
     /// What the position is passed at, without what the axis was redefined by.
-    lock: Lock,
+    crossing: Crossing,
     /// The position as it was programmed.
     position: f64,
     /// Where the axis was at the last update.
@@ -34,11 +34,11 @@ impl Watch {
     }
 
     /// `now`: the actual position, without what it was redefined by.
-    pub(crate) fn arm(&mut self, execution: Execution, lock: Lock, position: f64, now: f64) {
+    pub(crate) fn arm(&mut self, execution: Execution, crossing: Crossing, position: f64, now: f64) {
         self.seen = false;
         self.armed = Some(ArmedWatch {
             execution,
-            lock,
+            crossing,
             position,
             last: now,
         });
@@ -53,7 +53,7 @@ impl Watch {
     pub(crate) fn look(&mut self, now: f64) -> Option<Execution> {
         let armed = self.armed.as_mut()?;
         let before = std::mem::replace(&mut armed.last, now);
-        armed.lock.crossed(before, now)?;
+        armed.crossing.crossed(before, now)?;
         self.position = armed.position;
         self.seen = true;
         self.disarm()

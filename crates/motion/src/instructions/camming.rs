@@ -11,7 +11,8 @@ use crate::axis::generator::{Generator, Law};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::masters::MasterAt;
-use crate::masters::cam::{Cam, Lock, Pending, Program, Source};
+use crate::masters::cam::{Cam, Pending, Program, Source};
+use crate::masters::displacement::Crossing;
 use crate::motion::Motion;
 use crate::range;
 
@@ -69,7 +70,7 @@ pub(super) fn verify_change(axis: &Axis, slot: Slot, source: Source, pending: bo
 pub(super) struct Beginning {
     pub(super) slot: Slot,
     pub(super) program: Program,
-    pub(super) lock: Option<Lock>,
+    pub(super) lock: Option<Crossing>,
     /// The master as it is now.
     pub(super) master: MasterAt,
 }
@@ -110,10 +111,11 @@ pub(super) fn begin(motion: &mut Motion, axis: u16, beginning: Beginning, execut
         motion.end_generator(axis, Slot::MasterOffset);
         motion.axes[usize::from(axis)].cams_mut(slot).offset = Offset::default();
     }
+    let clock = motion.clock;
     let state = &mut motion.axes[usize::from(axis)];
     state.cams_mut(slot).direction = Some(program.slave_scale.signum());
     let slave = state.command.position;
-    let cam = Cam::new(program, lock, &master, slave);
+    let cam = Cam::new(program, lock, &master, slave, &clock);
     let segment = cam.segment();
     let mut generator = Generator::followed(false);
     generator.execution = Some(execution);
@@ -121,7 +123,7 @@ pub(super) fn begin(motion: &mut Motion, axis: u16, beginning: Beginning, execut
     generator.law = Law::Cammed(cam);
     state.begin(slot, generator);
     // What is executed next at this tick finds the slave in motion.
-    state.follow_cam(slot, &master);
+    state.follow_cam(slot, &master, &clock);
     state.command = state.sum.command();
     state.stale = true;
     accept(motion, execution);

@@ -12,7 +12,9 @@ use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::in_units;
 use crate::masters::gear::Gear;
+use crate::masters::master::Master;
 use crate::motion::Motion;
+use crate::order::{Circle, Follower};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
@@ -41,9 +43,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     axis_moves::verify_axis(&motion.axes[at], false)?;
     axis_moves::not_stopping(&motion.axes[at])?;
-    if motion.plan_master(axis, master).is_err() {
-        return Err(MotionError::MasterAxisConflict);
-    }
+    let order = motion.plan_order(Follower::Axis(axis, master));
+    let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
     let running = motion.axes[at].gear().map(|gear| gear.ratio);
     // Slave units per master unit. A count of a simulated axis is a position unit: its conversion constant is 1.
     let magnitude = match *ratio_format {
@@ -71,16 +72,17 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     motion.end_generator(axis, Slot::Gear);
     let met = motion.axes.master_at(master, reference, &motion.clock);
-    let mut gear = Gear::new(master, reference, ratio, &met, slave, clutch, now);
+    let read = Master::new(master, reference, &met, &motion.clock);
+    let mut gear = Gear::new(read, ratio, slave, clutch, now);
     let mut generator = Generator::followed(false);
     generator.execution = Some(execution);
     // What is executed next at this tick finds the slave in motion.
-    generator.now = gear.follow(&met, slave.position, &motion.clock);
+    generator.now = gear.follow(&met, &motion.clock);
     generator.law = Law::Geared(gear);
     let state = &mut motion.axes[at];
     state.begin(Slot::Gear, generator);
     state.stale = true;
-    motion.order.take();
+    motion.order.take(order);
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
     motion.controls.write(execution, accepted, 0, motion.clock.tick);
     Ok(())

@@ -8,7 +8,7 @@ use super::axis_moves::not_shut_down;
 use super::camming::on_turn;
 use super::mapc::crossing;
 use crate::control::Execution;
-use crate::masters::cam::Lock;
+use crate::masters::displacement::Crossing;
 use crate::material::Sent;
 use crate::motion::Motion;
 use crate::output::{Arming, Program, Word};
@@ -93,9 +93,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
             bits,
         })
     };
-    let lock = crossing(*execution_schedule).map(|way| Lock {
+    let lock = crossing(*execution_schedule).map(|sense| Crossing {
         position: *axis_arm_position - state.redefined,
-        way,
+        sense,
         unwind: state.unwind,
     });
     let Some(place) = state.outputs.target_mut(target) else {

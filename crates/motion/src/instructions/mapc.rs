@@ -8,26 +8,28 @@ use super::axis_moves;
 use super::camming::{Beginning, begin, not_stopping, on_turn, sign, verify_change, verify_reach, wait};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
-use crate::masters::cam::{Lock, Program, Source};
+use crate::masters::cam::{Program, Source};
+use crate::masters::displacement::{Crossing, Sense};
 use crate::material::Sent;
 use crate::motion::Motion;
+use crate::order::{Circle, Follower};
 
-/// Execution Schedule: when the master crosses the lock position, with the way that it must go then.
-pub(super) fn crossing(schedule: ExecutionSchedule) -> Option<Option<f64>> {
+/// Execution Schedule: when the master crosses the lock position, with the direction in which it must go then.
+pub(super) fn crossing(schedule: ExecutionSchedule) -> Option<Option<Sense>> {
     match schedule {
         ExecutionSchedule::Immediate | ExecutionSchedule::Pending => None,
-        ExecutionSchedule::ForwardOnly => Some(Some(1.0)),
-        ExecutionSchedule::ReverseOnly => Some(Some(-1.0)),
+        ExecutionSchedule::ForwardOnly => Some(Some(Sense::Forward)),
+        ExecutionSchedule::ReverseOnly => Some(Some(Sense::Reverse)),
         ExecutionSchedule::Bidirectional => Some(None),
     }
 }
 
-/// Master Direction: the only way that is followed.
-fn way(direction: MasterDirection) -> Option<f64> {
+/// Master Direction: the only one that is followed.
+fn sense(direction: MasterDirection) -> Option<Sense> {
     match direction {
         MasterDirection::Bidirectional => None,
-        MasterDirection::ForwardOnly => Some(1.0),
-        MasterDirection::ReverseOnly => Some(-1.0),
+        MasterDirection::ForwardOnly => Some(Sense::Forward),
+        MasterDirection::ReverseOnly => Some(Sense::Reverse),
     }
 }
 
@@ -60,9 +62,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     }
     axis_moves::verify_axis(&motion.axes[at], false)?;
     not_stopping(&motion.axes[at], Slot::PositionCam)?;
-    if motion.plan_master(axis, master).is_err() {
-        return Err(MotionError::MasterAxisConflict);
-    }
+    let order = motion.plan_order(Follower::Axis(axis, master));
+    let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
     let reference = *master_reference;
     let source = Source::Axis { master, reference };
     verify_change(&motion.axes[at], Slot::PositionCam, source, pending)?;
@@ -75,7 +76,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         slave_scale: sign(*direction, before) * *slave_scaling,
         master_scale: *master_scaling,
         mode: *execution_mode,
-        way: way(*master_direction),
+        sense: sense(*master_direction),
         entry,
         link: None,
     };
@@ -85,9 +86,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         return Ok(());
     }
     let state = &motion.axes[usize::from(master)];
-    let lock = crossing.map(|way| Lock {
+    let lock = crossing.map(|sense| Crossing {
         position: *master_lock_position - state.redefined,
-        way,
+        sense,
         unwind: state.unwind,
     });
     let beginning = Beginning {
@@ -97,6 +98,6 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         master: motion.axes.master_at(master, reference, &motion.clock),
     };
     begin(motion, axis, beginning, execution);
-    motion.order.take();
+    motion.order.take(order);
     Ok(())
 }

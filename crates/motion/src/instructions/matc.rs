@@ -9,7 +9,8 @@ use super::camming::{Beginning, begin, not_stopping, sign, verify_change, verify
 use super::programmed::{lead, verify_lock};
 use crate::axis::sum::Slot;
 use crate::control::Execution;
-use crate::masters::cam::{self, Cam, Lock, Program, Source};
+use crate::masters::cam::{self, Cam, Program, Source};
+use crate::masters::displacement::{Crossing, Sense};
 use crate::masters::links::MasterLink;
 use crate::material::Sent;
 use crate::motion::Motion;
@@ -58,9 +59,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     });
     let pending = *execution_schedule == ExecutionSchedule::Pending;
     verify_change(&motion.axes[at], Slot::TimeCam, source, pending)?;
-    let way = led.map(|(_, lead)| lead.lock.sense.sign());
-    let runs = motion.axes[at].cam(Slot::TimeCam).map(Cam::way);
-    if runs.is_some_and(|runs| runs != way) {
+    let sense = led.map(|(_, lead)| lead.lock.sense);
+    let runs = motion.axes[at].cam(Slot::TimeCam).map(Cam::sense);
+    if runs.is_some_and(|runs| runs != sense) {
         return Err(MotionError::MdscDirectionMismatch);
     }
     let profile = sent.cam()?;
@@ -72,9 +73,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         source,
         slave_scale: sign(*direction, before) * *distance_scaling,
         // The slave goes on in its direction, whichever way the master is followed.
-        master_scale: way.unwrap_or(1.0) * *time_scaling,
+        master_scale: sense.map_or(1.0, Sense::sign) * *time_scaling,
         mode: *execution_mode,
-        way,
+        sense,
         link: led.map(|(link, _)| link.id),
     };
     verify_reach(motion, axis, &program, distance_scaling.index)?;
@@ -88,9 +89,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Some((link, lead)) => {
             motion.take_up_link(axis, link.id);
             let state = &motion.axes[usize::from(link.master.axis)];
-            lock = lead.lock.position.map(|position| Lock {
+            lock = lead.lock.position.map(|position| Crossing {
                 position: position - state.redefined,
-                way,
+                sense,
                 unwind: state.unwind,
             });
             motion

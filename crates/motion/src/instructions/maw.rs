@@ -7,7 +7,7 @@ use arcline_instruction_set::{Call, Flag, MotionError};
 use super::axis_moves::not_shut_down;
 use super::camming::on_turn;
 use crate::control::Execution;
-use crate::masters::cam::Lock;
+use crate::masters::displacement::{Crossing, Sense};
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
@@ -22,16 +22,16 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if state.watch.is_armed() {
         return Err(MotionError::ExecutionCollision);
     }
-    let lock = Lock {
+    let crossing = Crossing {
         position: *position - state.redefined,
-        way: Some(match *trigger_condition {
-            WatchTrigger::Forward => 1.0,
-            WatchTrigger::Reverse => -1.0,
+        sense: Some(match *trigger_condition {
+            WatchTrigger::Forward => Sense::Forward,
+            WatchTrigger::Reverse => Sense::Reverse,
         }),
         unwind: state.unwind,
     };
     let now = state.actual.position - state.redefined;
-    state.watch.arm(execution, lock, *position, now);
+    state.watch.arm(execution, crossing, *position, now);
     motion.controls.write(execution, Flag::Ip.mask(), 0, motion.clock.tick);
     motion.done_next_update(execution, axis, None);
     Ok(())

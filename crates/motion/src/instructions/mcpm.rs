@@ -120,7 +120,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let path = way.path.shifted(&-shift);
     moves::verify_conflicts(motion, index, Merge::Disabled)?;
     verify::no_overtravel(&motion.systems[index], &motion.axes, &path.end())?;
-    let mut pace = motion.verify_reach(index, &way.path, way.turn.as_ref())?;
+    let mut pace = motion
+        .present()
+        .verify_reach(index, &way.path, way.turn.as_ref(), headings[0])?;
     if motion.systems[index].description.joint_limits == AxisLimits::Ignore {
         pace = PathLimits::UNLIMITED;
     }

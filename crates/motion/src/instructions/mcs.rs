@@ -11,7 +11,7 @@ use crate::dynamics::{Maxima, reference_speed, resolve};
 use crate::motion::Motion;
 use crate::stop::{AxisSet, Stop};
 use crate::transforms::Release;
-use crate::transforms::transform::Link;
+use crate::transforms::transform::Transform;
 use crate::verify;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
@@ -40,7 +40,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         McsStopType::All => {
             for place in 0..motion.systems[index].description.axes.len() {
                 let axis = motion.systems[index].description.axes[place];
-                braking.extend(cancel(motion, &rates.release, |link, _| link.has(axis)));
+                braking.extend(cancel(motion, &rates.release, |transform, _| transform.has(axis)));
             }
             braking.extend(stop_all(motion, index, &operands)?);
             for place in 0..motion.systems[index].description.axes.len() {
@@ -53,7 +53,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             stop_move(motion, index, &limits);
         }
         McsStopType::CoordinatedTransform => {
-            let own = |link: &Link, target| target == index || link.from == index;
+            let own = |transform: &Transform, target| target == index || transform.source_system == index;
             braking.extend(cancel(motion, &rates.release, own));
         }
         McsStopType::CoordinatedMove => {}
@@ -147,10 +147,14 @@ fn rates(motion: &Motion, index: usize, operands: &StopOperands) -> Result<Rates
 }
 
 /// Cancels transforms by themselves and the place of their target system. Returns the axes that brake.
-fn cancel(motion: &mut Motion, release: &Release, which: impl Fn(&Link, usize) -> bool) -> AxisSet {
+fn cancel(motion: &mut Motion, release: &Release, which: impl Fn(&Transform, usize) -> bool) -> AxisSet {
     let mut braking = AxisSet::default();
-    for index in 0..motion.links.len() {
-        if motion.links[index].is_some_and(|link| which(&link, index)) {
+    for index in 0..motion.transforms.most() {
+        if motion
+            .transforms
+            .get(index)
+            .is_some_and(|transform| which(transform, index))
+        {
             braking.extend(motion.cancel_transform(index, release));
         }
     }

@@ -9,10 +9,11 @@ use crate::axes::share;
 use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::motion::Motion;
-use crate::order::Follower;
+use crate::order::{Circle, Follower, Planned};
 use crate::range;
 use crate::transforms::robot::{CONSISTENT, Joints, RobotMap};
-use crate::transforms::transform::{Link, Map, Positions};
+use crate::transforms::sides::Positions;
+use crate::transforms::transform::{Map, Transform};
 use crate::verify;
 
 /// Largest angle of an orientation, degrees.
@@ -86,8 +87,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             Map::Robot(RobotMap::new(frame, robot, side, joints))
         }
     };
-    let link = Link::new(Some(execution), source, map, from, to);
-    begin(motion, execution, target, link)
+    let transform = Transform::new(Some(execution), source, map, from, to);
+    begin(motion, execution, target, transform)
 }
 
 /// The two systems cannot be linked.
@@ -96,20 +97,26 @@ pub(super) fn refused(detail: Detail) -> MotionError {
 }
 
 /// Begins a transform of a pair that can be linked, in the state in which both sides are.
-pub(super) fn begin(motion: &mut Motion, execution: Execution, target: usize, link: Link) -> Result<(), MotionError> {
-    verify_linear(motion, link.source())?;
-    verify_linear(motion, link.target())?;
-    for index in [link.from, target] {
+pub(super) fn begin(
+    motion: &mut Motion,
+    execution: Execution,
+    target: usize,
+    transform: Transform,
+) -> Result<(), MotionError> {
+    verify_linear(motion, &transform.source)?;
+    verify_linear(motion, &transform.target)?;
+    for index in [transform.source_system, target] {
         let system = &motion.systems[index];
         verify::axes_ready(system, &motion.axes)?;
         verify::not_homing(system, &motion.axes)?;
         verify::stoppable(system, &motion.axes, true)?;
     }
-    verify_chain(motion, target, &link)?;
-    verify_at_rest(motion, &link)?;
-    meet(motion, &link)?;
+    let order = verify_chain(motion, target, &transform)?;
+    verify_at_rest(motion, &transform)?;
+    meet(motion, &transform)?;
 
-    motion.begin_transform(target, link);
+    motion.transforms.begin(target, transform, &mut motion.axes);
+    motion.order.take(order);
     let started = Flag::Dn.mask() | Flag::Ip.mask();
     motion.controls.write(execution, started, 0, motion.clock.tick);
     Ok(())
@@ -182,33 +189,34 @@ pub(super) fn verify_linear(motion: &Motion, axes: &[u16]) -> Result<(), MotionE
 }
 
 /// Each target once, no circles; nothing that was cancelled still brakes.
-fn verify_chain(motion: &mut Motion, target: usize, link: &Link) -> Result<(), MotionError> {
-    if motion.links[target].is_some_and(|running| running.from == link.from && !running.braking) {
+fn verify_chain(motion: &mut Motion, target: usize, transform: &Transform) -> Result<Planned, MotionError> {
+    let same = motion.transforms.get(target);
+    if same.is_some_and(|running| running.source_system == transform.source_system && !running.braking) {
         return Err(MotionError::TransformInProgress);
     }
-    let mut axes = link.source().iter().chain(link.target());
-    let brakes = |axis: &u16| {
-        let mut links = motion.links().filter(|(_, other)| other.braking);
-        motion.axes[usize::from(*axis)].is_parting() || links.any(|(_, other)| other.has(*axis))
+    let brakes = |axis: u16| {
+        let mut braking = motion.transforms.iter().filter(|(_, other)| other.braking);
+        motion.axes[axis].is_parting() || braking.any(|(_, other)| other.has(axis))
     };
-    if axes.any(brakes) {
+    if transform.axes().any(brakes) {
         return Err(MotionError::TransformIsCanceling);
     }
-    if motion.links().any(|(_, other)| share(other.target(), link.target()))
-        || motion.plan_order(Follower::Target(target, link)).is_err()
-    {
+    let mut others = motion.transforms.iter();
+    if others.any(|(_, other)| share(&other.target, &transform.target)) {
         return Err(MotionError::CoordinateSystemChaining);
     }
-    Ok(())
+    drop(others);
+    let order = motion.plan_order(Follower::Target(target, transform));
+    order.map_err(|Circle| MotionError::CoordinateSystemChaining)
 }
 
 /// Nothing moves the axes of either side; a gear may hold them.
-fn verify_at_rest(motion: &Motion, link: &Link) -> Result<(), MotionError> {
-    for side in [link.source(), link.target()] {
+fn verify_at_rest(motion: &Motion, transform: &Transform) -> Result<(), MotionError> {
+    for side in [&transform.source, &transform.target] {
         let moving = side.iter().position(|axis| {
             let axis = &motion.axes[usize::from(*axis)];
             let held = |slot| matches!(slot, Slot::Transform | Slot::Gear);
-            axis.linked.controlled || axis.command.velocity != 0.0 || axis.sum.active().any(|(slot, _)| !held(slot))
+            axis.transforms.controlled || axis.command.velocity != 0.0 || axis.sum.active().any(|(slot, _)| !held(slot))
         });
         if let Some(place) = moving {
             return Err(MotionError::AxisInMotion(AxisIndex(place as u8)));
@@ -219,11 +227,11 @@ fn verify_at_rest(motion: &Motion, link: &Link) -> Result<(), MotionError> {
 
 /// The source stands where the target says (spec/coordinated-instructions.md §19.1): axes without a drive, if nothing else holds them, are put there,
 /// all others must be there.
-fn meet(motion: &mut Motion, link: &Link) -> Result<(), MotionError> {
-    let source = link.source_of(&positions(motion, link.target()))?;
-    link.verify(&source)?;
+fn meet(motion: &mut Motion, transform: &Transform) -> Result<(), MotionError> {
+    let source = transform.source_of(&positions(motion, &transform.target))?;
+    transform.verify(&source)?;
     let deviates = |axis: u16, position: f64| (motion.axes[usize::from(axis)].command.position - position).abs();
-    for (place, (axis, position)) in link.source().iter().zip(source.iter()).enumerate() {
+    for (place, (axis, position)) in transform.source.iter().zip(source.iter()).enumerate() {
         let state = &motion.axes[usize::from(*axis)];
         let settable = state.is_virtual && state.sum.is_idle();
         let beyond = position.abs() > state.range;
@@ -231,7 +239,7 @@ fn meet(motion: &mut Motion, link: &Link) -> Result<(), MotionError> {
             return Err(MotionError::InvalidTransformPosition(Detail(place as i8)));
         }
     }
-    for (axis, position) in link.source().iter().zip(source.iter()) {
+    for (axis, position) in transform.source.iter().zip(source.iter()) {
         let state = &mut motion.axes[usize::from(*axis)];
         if state.is_virtual && state.sum.is_idle() && state.command.position != *position {
             state.set_virtual(*position);

@@ -13,7 +13,7 @@ use crate::material::{Frames, Sent};
 use crate::motion::Motion;
 use crate::range;
 use crate::transforms::robot::RobotMap;
-use crate::transforms::transform::{Link, Map};
+use crate::transforms::transform::{Map, Transform};
 
 /// The Cartesian system, the robot's, and the robot.
 ///
@@ -83,6 +83,6 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     }
     let [from, to] = [source, target].map(|index| &motion.systems[index].description.axes);
     let map = RobotMap::with_wrist(frames, robot, positions(motion, to), &positions(motion, from));
-    let link = Link::new(Some(execution), source, Map::Robot(map), from, to);
-    mct::begin(motion, execution, target, link)
+    let transform = Transform::new(Some(execution), source, Map::Robot(map), from, to);
+    mct::begin(motion, execution, target, transform)
 }

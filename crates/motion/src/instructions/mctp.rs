@@ -8,9 +8,10 @@ use arcline_planner::geometry::Point;
 
 use super::mct::{frame, positions, verify_linear, verify_pair};
 use crate::control::Execution;
+use crate::machine::three;
 use crate::material::Sent;
 use crate::motion::Motion;
-use crate::transforms::robot::{Joints, refused, three};
+use crate::transforms::robot::{Joints, refused};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
     let source = motion.target_system(call)?;

@@ -7,7 +7,7 @@ use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::masters::cam::Cam;
 use crate::motion::Motion;
-use crate::order::Follower;
+use crate::order::{Circle, Follower};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
@@ -20,9 +20,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let master = motion.axis_of(&master_axis)?;
     let reference = *master_reference;
     let serves = *motion_type;
-    if motion.plan_order(Follower::Axis(axis, master)).is_err() {
-        return Err(MotionError::MasterAxisConflict);
-    }
+    let order = motion.plan_order(Follower::Axis(axis, master));
+    let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
     let state = &motion.axes[at];
     if state.links.conflict(serves) {
         return Err(MotionError::MdscMdacAllConflict);
@@ -45,7 +44,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     for execution in ended {
         motion.end_link(execution);
     }
-    motion.order.take();
+    motion.order.take(order);
     let made = Flag::Dn.mask() | Flag::Ip.mask();
     motion.controls.write(execution, made, 0, motion.clock.tick);
     Ok(())

@@ -6,7 +6,7 @@ use arcline_instruction_set::{Call, Flag, MotionError};
 
 use crate::control::Execution;
 use crate::motion::Motion;
-use crate::order::Follower;
+use crate::order::{Circle, Follower};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let index = motion.target_system(call)?;
@@ -17,10 +17,11 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     } = motion.operands(call)?;
     let master = motion.axis_of(&master_axis)?;
     let reference = *master_reference;
-    let system = &motion.systems[index];
-    if system.has(master) || motion.plan_order(Follower::System(index, master)).is_err() {
+    if motion.systems[index].has(master) {
         return Err(MotionError::MasterAxisConflict);
     }
+    let order = motion.plan_order(Follower::System(index, master));
+    let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
     let system = &motion.systems[index];
     let other_reference = |guided: u16, read: Reference| guided == master && read != reference;
     let active = system.links.active.map(|link| link.master);
@@ -32,7 +33,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     for execution in ended {
         motion.end_link(execution);
     }
-    motion.order.take();
+    motion.order.take(order);
     let made = Flag::Dn.mask() | Flag::Ip.mask();
     motion.controls.write(execution, made, 0, motion.clock.tick);
     Ok(())

@@ -42,7 +42,7 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
     }
     motion.unlink_all();
     let mut braking = AxisSet::default();
-    for index in 0..motion.links.len() {
+    for index in 0..motion.transforms.most() {
         motion.cancel_transform(index, &Release::default());
     }
     for axis in 0..motion.axes.len() as u16 {

@@ -116,14 +116,17 @@ pub(super) fn execute(
     let mut heading = (merge == Merge::Disabled)
         .then(|| motion.queued_heading(index))
         .flatten();
-    let mut pace = motion.verify_reach(index, &path.shifted(&shift), still.as_ref())?;
+    let mut pace =
+        motion
+            .present()
+            .verify_reach(index, &path.shifted(&shift), still.as_ref(), motion.heading(index))?;
     if system.description.joint_limits == AxisLimits::Ignore {
         pace = PathLimits::UNLIMITED;
     }
 
     let mut corner = f64::INFINITY;
     if merge == Merge::Disabled && system.description.joint_limits == AxisLimits::Enforce {
-        corner = motion.corner_pace(index, &path, &shift);
+        corner = motion.present().corner_speed(index, &path, &shift);
     }
     let mut momentum = terminated(motion, index, merge);
     let mut turning = match merge {

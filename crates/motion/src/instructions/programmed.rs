@@ -9,9 +9,9 @@ use arcline_planner::Pace;
 use arcline_planner::profile::{Limits, stop_distance};
 
 use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, Units, in_units, jerk_in_units, reference_speed};
-use crate::masters::guide::Guide;
+use crate::masters::displacement::Sense;
+use crate::masters::follower::{LockTo, MasterFollower};
 use crate::masters::links::MasterLink;
-use crate::masters::master::{LockTo, Sense};
 use crate::motion::Motion;
 use crate::rotary::Turn;
 use crate::system::Lead;
@@ -236,7 +236,7 @@ pub(super) fn lead(motion: &Motion, lock: &LockOperands, link: &MasterLink) -> R
 /// With what a master driven motion takes over one at a speed: how its master moves (97, 98). One that waits for a lock takes
 /// over nothing (102).
 pub(super) fn pace(link: &MasterLink, lock: LockTo, moves: bool) -> Result<Pace, MotionError> {
-    let pace = Guide::pace_of(&link.master, lock.sense);
+    let pace = MasterFollower::pace_of(&link.master, lock.sense);
     if !moves {
         Ok(pace)
     } else if link.master.velocity() == 0.0 {

@@ -1,18 +1,20 @@
 //! A slave axis that a cam leads: over the position of a master axis, or over time (spec/axis-and-data-types.md §3.9).
 //!
-//! The slave's displacement since the cam was locked is a function of the master's way since then, whatever the update period,
+//! The slave's displacement since the cam was locked is a function of the master's since then, whatever the update period,
 //! and nothing is integrated: the lock and the ends of the profile stand at positions of the master, not at ticks. Time
 //! is a master that moves one unit a second. Units: position units of either axis, seconds.
 
 use std::sync::Arc;
 
 use arcline_cam::Profile;
+use arcline_instruction_set::enumerations::{ExecutionMode, Reference};
 use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
 use super::MasterAt;
+use super::displacement::{Crossing, Displacement, Going, Sense};
+use super::master::Reader;
 use crate::control::Execution;
-use arcline_instruction_set::enumerations::{ExecutionMode, Reference};
 
 /// What a cam's profile is over.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,17 +23,6 @@ pub(crate) enum Source {
     Axis { master: u16, reference: Reference },
     /// Seconds since it began.
     Time { since: Instant },
-}
-
-/// A position of the master at which a cam is locked.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lock {
-    /// As the master is read: without what it was redefined by.
-    pub(crate) position: f64,
-    /// Only a master that moves this way crosses it: 1 or -1.
-    pub(crate) way: Option<f64>,
-    /// Length of a turn of a rotary master, on each of which it lies once.
-    pub(crate) unwind: Option<f64>,
 }
 
 /// What an instruction says of a cam.
@@ -46,8 +37,8 @@ pub(crate) struct Program {
     /// What it does at the ends of its profile: it is over (Once), begins again from where it has led the slave (Continuous), or
     /// waits for the master to come back (Persistent).
     pub(crate) mode: ExecutionMode,
-    /// The only way of the master that is followed: 1 or -1.
-    pub(crate) way: Option<f64>,
+    /// The only direction in which the master is followed.
+    pub(crate) sense: Option<Sense>,
     /// Where the profile is entered when the cam is locked.
     pub(crate) entry: f64,
     /// The link to its master, where it is driven by one (MDAC).
@@ -65,20 +56,12 @@ pub(crate) struct Pending {
 #[derive(Clone, Debug)]
 pub(crate) struct Cam {
     program: Program,
-    /// Where it is going to be locked; `None`: it is.
-    lock: Option<Lock>,
-    /// What of the master is read now.
-    read: Reference,
-    /// Where the master was at the last look.
-    last: f64,
-    /// Where the master was when the cam was locked.
-    master_from: f64,
+    /// Its master, or time.
+    master: Reader,
+    /// How far the master has gone since the cam was locked.
+    displacement: Displacement,
     /// Where the slave was then, in its generator's frame.
     slave_from: f64,
-    /// It was locked at once by a link, and begins where the master turns to the way that is followed.
-    starting: bool,
-    /// Furthest way of the master since then, where only one way is followed.
-    furthest: f64,
     /// Place in the profile at the last look; that of Continuous goes on beyond its ends.
     place: f64,
     /// Which time Continuous runs, from 0; below 0 in reverse.
@@ -104,18 +87,19 @@ struct Exit {
 const ROUNDING: f64 = 1e-12;
 
 impl Cam {
-    /// The cam of a program, with its master and its slave as they are. Without a lock it is locked at once.
-    pub(crate) fn new(program: Program, lock: Option<Lock>, at: &MasterAt, slave: f64) -> Self {
-        let entry = program.entry;
+    /// The cam of a program, with its master and its slave as they are. `lock`: a position of the master, as it is read without what
+    /// it was redefined by; without one the cam is locked at once, one that a link drives where the master turns to its direction.
+    pub(crate) fn new(program: Program, lock: Option<Crossing>, at: &MasterAt, slave: f64, clock: &Clock) -> Self {
+        let (entry, from) = (program.entry, at.point.position);
+        let displacement = match lock {
+            Some(crossing) => Displacement::behind(crossing, program.sense, from),
+            None => Displacement::at_once(program.sense, from, program.link.is_some()),
+        };
         Cam {
             follows: lock.is_none(),
-            starting: lock.is_none() && program.link.is_some(),
-            lock,
-            read: at.read,
-            last: at.point.position,
-            master_from: at.point.position,
+            master: Reader::new(at, clock),
+            displacement,
             slave_from: slave,
-            furthest: 0.0,
             place: entry,
             turn: 0.0,
             segment: program.profile.at(entry).segment,
@@ -132,9 +116,9 @@ impl Cam {
         self.program.link
     }
 
-    /// The only way of the master that is followed.
-    pub(crate) fn way(&self) -> Option<f64> {
-        self.program.way
+    /// The only direction in which the master is followed.
+    pub(crate) fn sense(&self) -> Option<Sense> {
+        self.program.sense
     }
 
     /// Whether the slave follows the master now: …CamLockStatus.
@@ -159,23 +143,18 @@ impl Cam {
         at: &MasterAt,
         slave: f64,
         pending: &mut Option<Pending>,
+        clock: &Clock,
     ) -> (KinematicState, Ended) {
-        if self.read != at.read {
-            // Command and actual position differ: the slave does not jump from the one to the other.
-            self.read = at.read;
-            self.master_from += at.point.position - self.last;
-            self.last = at.point.position;
+        self.master.read(at, clock);
+        let waited = self.displacement.is_waiting();
+        let going = self.displacement.go_on(&self.master, self.master.offset);
+        if going == Going::Waits {
+            return (KinematicState::at_rest(slave), Ended::Nothing);
         }
-        let before = std::mem::replace(&mut self.last, at.point.position);
-        if let Some(lock) = self.lock {
-            let Some(crossed) = lock.crossed(before, at.point.position) else {
-                return (KinematicState::at_rest(slave), Ended::Nothing);
-            };
-            self.lock = None;
-            self.master_from = crossed;
+        if waited {
             self.slave_from = slave;
         }
-        let (point, exit) = self.led(&at.point, pending.is_some());
+        let (point, exit) = self.led(going, pending.is_some());
         let Some(exit) = exit else {
             return (point, Ended::Nothing);
         };
@@ -183,7 +162,8 @@ impl Cam {
             return (point, Ended::Cam);
         };
         self.hand_over(next.program, &exit);
-        let (point, _) = self.led(&at.point, false);
+        let going = self.displacement.go_on(&self.master, 0.0);
+        let (point, _) = self.led(going, false);
         (point, Ended::HandedOver(next.execution))
     }
 
@@ -194,39 +174,24 @@ impl Cam {
         (program.source, program.link) = (self.program.source, self.program.link);
         self.place = program.entry;
         self.program = program;
-        self.master_from = exit.master;
+        self.displacement = Displacement::at_once(self.program.sense, exit.master, false);
         self.slave_from = exit.slave;
-        self.starting = false;
-        self.furthest = 0.0;
         self.turn = 0.0;
     }
 
     /// Where the master leads the slave, and where it has left the profile. `hands_over`: another cam waits for that.
-    fn led(&mut self, master: &KinematicState, hands_over: bool) -> (KinematicState, Option<Exit>) {
+    fn led(&mut self, going: Going, hands_over: bool) -> (KinematicState, Option<Exit>) {
         let Program {
             profile,
             slave_scale,
             master_scale,
             mode,
-            way,
             entry,
             ..
         } = &self.program;
         let (slave_scale, master_scale, entry) = (*slave_scale, *master_scale, *entry);
-        let mut gone = master.position - self.master_from;
-        let mut moves = true;
-        if let Some(way) = *way {
-            if self.starting && way * gone < 0.0 {
-                self.master_from = master.position;
-                self.follows = false;
-                return (KinematicState::at_rest(self.slave_from), None);
-            }
-            self.starting &= gone == 0.0;
-            // The other way nothing is followed, until the master is back where it turned.
-            moves = way * gone >= self.furthest;
-            self.furthest = self.furthest.max(way * gone);
-            gone = way * self.furthest;
-        }
+        let master = self.master.now;
+        let gone = self.displacement.gone(&self.master);
         let place = entry + gone / master_scale;
         let before = std::mem::replace(&mut self.place, place);
         let (start, length) = (profile.start().0, profile.length());
@@ -249,7 +214,7 @@ impl Cam {
             self.follows = false;
             // Persistent may have been left long ago.
             let outside = if at_end { before - bound } else { bound - before } > rounding;
-            let left = self.master_from + (bound - entry) * master_scale;
+            let left = self.displacement.from + (bound - entry) * master_scale;
             let exit = Exit {
                 at_end,
                 master: if outside { master.position } else { left },
@@ -262,7 +227,8 @@ impl Cam {
         let value = profile.at(inside);
         let within =
             *mode == ExecutionMode::Continuous || (start - rounding..=start + length + rounding).contains(&inside);
-        self.follows = moves && within;
+        // The other way nothing is followed, until the master is back where it turned.
+        self.follows = going != Going::Back && within;
         self.segment = value.segment;
         let risen = turn * profile.rise() + value.y - profile.at(entry).y;
         let rate = if self.follows {
@@ -294,25 +260,6 @@ pub(crate) enum Ended {
     HandedOver(Execution),
 }
 
-impl Lock {
-    /// Where a master that went from one position to another has crossed it; one that stood on it has not.
-    pub(crate) fn crossed(&self, from: f64, to: f64) -> Option<f64> {
-        let sign = if to > from { 1.0 } else { -1.0 };
-        if from == to || self.way.is_some_and(|way| way != sign) {
-            return None;
-        }
-        let position = match self.unwind {
-            None => self.position,
-            Some(unwind) => {
-                let turns = sign * (from - self.position) / unwind;
-                self.position + sign * (turns.floor() + 1.0) * unwind
-            }
-        };
-        let ahead = sign * (position - from);
-        (ahead > 0.0 && ahead <= sign * (to - from)).then_some(position)
-    }
-}
-
 /// Time as a master.
 pub(crate) fn time(since: Instant, clock: &Clock) -> MasterAt {
     MasterAt {
@@ -323,35 +270,5 @@ pub(crate) fn time(since: Instant, clock: &Clock) -> MasterAt {
         },
         read: Reference::Command,
         redefined: 0.0,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn locks_are_crossed_where_they_lie() {
-        #[rustfmt::skip]
-        let cases = [
-            // why,                        position, way,        unwind,       from,   to,    crossed
-            ("forward",                    5.0,      None,       None,         4.0,    6.0,   Some(5.0)),
-            ("up to it",                   5.0,      None,       None,         4.0,    5.0,   Some(5.0)),
-            ("from it",                    5.0,      None,       None,         5.0,    6.0,   None),
-            ("not as far",                 5.0,      None,       None,         4.0,    4.9,   None),
-            ("reverse",                    5.0,      None,       None,         6.0,    4.0,   Some(5.0)),
-            ("the other way",              5.0,      Some(1.0),  None,         6.0,    4.0,   None),
-            ("that way",                   5.0,      Some(-1.0), None,         6.0,    4.0,   Some(5.0)),
-            ("at rest",                    5.0,      None,       None,         5.0,    5.0,   None),
-            ("the next turn",              10.0,     None,       Some(360.0),  360.0,  371.0, Some(370.0)),
-            ("on it, the next turn",       10.0,     None,       Some(360.0),  10.0,   370.0, Some(370.0)),
-            ("below zero",                 10.0,     None,       Some(360.0),  -360.0, -340.0, Some(-350.0)),
-            ("reverse over a turn",        10.0,     Some(-1.0), Some(360.0),  375.0,  365.0, Some(370.0)),
-            ("reverse, on it",             10.0,     None,       Some(360.0),  370.0,  369.0, None),
-        ];
-        for (why, position, way, unwind, from, to, expected) in cases {
-            let lock = Lock { position, way, unwind };
-            assert_eq!(lock.crossed(from, to), expected, "{why}");
-        }
     }
 }

@@ -10,17 +10,14 @@ use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
 use super::MasterAt;
-use arcline_instruction_set::enumerations::Reference;
+use super::master::Master;
 
 /// A gearing under way.
 #[derive(Clone, Debug)]
 pub(crate) struct Gear {
-    pub(crate) master: u16,
-    pub(crate) reference: Reference,
+    pub(crate) master: Master,
     /// Slave units per master unit, negative against the master's direction.
     pub(crate) ratio: f64,
-    /// What of the master is read now: a master without torque has no command of its own.
-    read: Reference,
     /// Where the master was when they met.
     master_from: f64,
     /// Where the slave was then, in its generator's frame.
@@ -33,16 +30,8 @@ pub(crate) struct Gear {
 impl Gear {
     /// The slave meets the master. `slave` is its position in its generator's frame and the geared speed that it has;
     /// `clutch`: the acceleration that takes it to the new one, or at once.
-    pub(crate) fn new(
-        master: u16,
-        reference: Reference,
-        ratio: f64,
-        at: &MasterAt,
-        slave: KinematicState,
-        clutch: Option<f64>,
-        now: Instant,
-    ) -> Self {
-        let difference = slave.velocity - ratio * at.point.velocity;
+    pub(crate) fn new(master: Master, ratio: f64, slave: KinematicState, clutch: Option<f64>, now: Instant) -> Self {
+        let difference = slave.velocity - ratio * master.velocity();
         let clutch = match clutch {
             Some(rate) if difference != 0.0 => Profile::stop(
                 KinematicState {
@@ -61,29 +50,22 @@ impl Gear {
         };
         Gear {
             master,
-            reference,
             ratio,
-            read: at.read,
-            master_from: at.point.position,
+            master_from: master.reader.now.position,
             slave_from: slave.position,
             clutch,
             since: now,
         }
     }
 
-    /// Where the slave is, in its generator's frame.
-    pub(crate) fn follow(&mut self, at: &MasterAt, slave: f64, clock: &Clock) -> KinematicState {
-        let slip = self.clutch.at(self.since.elapsed(clock));
-        if self.read != at.read {
-            // Command and actual position differ: the slave does not jump from the one to the other.
-            self.read = at.read;
-            self.master_from = at.point.position;
-            self.slave_from = slave - slip.position;
-        }
+    /// Where the slave is, in its generator's frame. `at`: what the master shows now.
+    pub(crate) fn follow(&mut self, at: &MasterAt, clock: &Clock) -> KinematicState {
+        self.master.read(at, clock);
+        let (slip, master) = (self.clutch.at(self.since.elapsed(clock)), &self.master.reader.now);
         KinematicState {
-            position: self.slave_from + self.ratio * (at.point.position - self.master_from) + slip.position,
-            velocity: self.ratio * at.point.velocity + slip.velocity,
-            acceleration: self.ratio * at.point.acceleration + slip.acceleration,
+            position: self.slave_from + self.ratio * (master.position - self.master_from) + slip.position,
+            velocity: self.ratio * master.velocity + slip.velocity,
+            acceleration: self.ratio * master.acceleration + slip.acceleration,
         }
     }
 

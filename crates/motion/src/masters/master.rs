@@ -1,42 +1,46 @@
-//! A master axis as its followers read it, and what an instruction says of the lock to it.
+//! A master axis as its followers read it.
 //!
-//! Units: master units, seconds.
+//! Not here: what a follower makes of it. Units: master units, seconds.
 
+use arcline_instruction_set::enumerations::Reference;
 use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
 use super::MasterAt;
-use arcline_instruction_set::enumerations::Reference;
 
-/// What an instruction says about the lock (Lock Direction and Lock Position).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LockTo {
-    pub(crate) sense: Sense,
-    /// Where the master is locked to, as it shows its position; `None`: at once.
-    pub(crate) position: Option<f64>,
-}
-
-/// In which direction the master is followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sense {
-    Forward,
-    Reverse,
-}
-
-impl Sense {
-    pub(crate) fn sign(self) -> f64 {
-        match self {
-            Sense::Forward => 1.0,
-            Sense::Reverse => -1.0,
-        }
-    }
-}
-
-/// What is read of a master, one tick after the other.
+/// A master axis, and what is read of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Master {
     pub(crate) axis: u16,
     pub(crate) reference: Reference,
+    pub(super) reader: Reader,
+}
+
+impl Master {
+    /// `at`: what the axis shows at the clock's tick.
+    pub(crate) fn new(axis: u16, reference: Reference, at: &MasterAt, clock: &Clock) -> Self {
+        Master {
+            axis,
+            reference,
+            reader: Reader::new(at, clock),
+        }
+    }
+
+    /// Reads the master at the clock's tick; again, if it has changed within the tick.
+    pub(crate) fn read(&mut self, at: &MasterAt, clock: &Clock) {
+        self.reader.read(at, clock);
+    }
+
+    /// Master units/s, with a sign.
+    pub(crate) fn velocity(&self) -> f64 {
+        self.reader.now.velocity
+    }
+}
+
+/// The position of a master, or time, one tick after the other. It stays continuous where another position of the axis is read
+/// from now on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reader {
     /// What is read now: a master without torque has no command of its own.
     read: Reference,
     /// Makes one continuous position of both.
@@ -47,11 +51,9 @@ pub(crate) struct Master {
     tick: u64,
 }
 
-impl Master {
-    pub(crate) fn new(axis: u16, reference: Reference, at: &MasterAt, clock: &Clock) -> Self {
-        Master {
-            axis,
-            reference,
+impl Reader {
+    pub(super) fn new(at: &MasterAt, clock: &Clock) -> Self {
+        Reader {
             read: at.read,
             offset: 0.0,
             before: at.point.position,
@@ -60,14 +62,13 @@ impl Master {
         }
     }
 
-    /// Where it is at the present tick; again, if that has changed within the tick.
-    pub(crate) fn read(&mut self, at: &MasterAt, clock: &Clock) {
+    pub(super) fn read(&mut self, at: &MasterAt, clock: &Clock) {
         if clock.tick != self.tick {
             self.tick = clock.tick;
             self.before = self.now.position;
         }
         if self.read != at.read {
-            // Command and actual position differ: nothing jumps from the one to the other.
+            // Command and actual position differ: no follower jumps from the one to the other.
             self.read = at.read;
             self.offset = self.now.position - at.point.position;
         }
@@ -77,12 +78,7 @@ impl Master {
         };
     }
 
-    /// Master units/s, with a sign.
-    pub(crate) fn velocity(&self) -> f64 {
-        self.now.velocity
-    }
-
-    /// Where it was at an instant of the update that ends now.
+    /// Where it was at an instant of the update that ends now: between two ticks it goes straight from one position to the other.
     pub(super) fn position_at(&self, at: Instant, clock: &Clock) -> f64 {
         let share = (at.elapsed(clock) / clock.period()).clamp(0.0, 1.0);
         self.now.position - share * (self.now.position - self.before)

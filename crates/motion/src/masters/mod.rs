@@ -3,8 +3,9 @@
 //! A follower is computed behind its master in the same tick (`crate::order`). Nothing allocates.
 
 pub(crate) mod cam;
+pub(crate) mod displacement;
+pub(crate) mod follower;
 pub(crate) mod gear;
-pub(crate) mod guide;
 pub(crate) mod links;
 pub(crate) mod master;
 

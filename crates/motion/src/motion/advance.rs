@@ -82,7 +82,9 @@ impl Motion {
         let end = system.planner.active()?.motion.path.end();
         let time = self.settled(index, &end, time)?;
         let guide = &self.systems[index].guide;
-        let own = guide.as_ref().map_or(time, |guide| guide.place_at(time, &self.clock));
+        let own = guide
+            .as_ref()
+            .map_or(time, |guide| guide.displacement_at(time, &self.clock));
         Some(Moment { own, time })
     }
 

@@ -38,7 +38,7 @@ impl Motion {
 
     /// Homing and redefining the position would break the link of an axis that a transform moves.
     pub(crate) fn not_in_transform(&self, axis: u16) -> Result<(), MotionError> {
-        if self.axes[usize::from(axis)].is_linked() {
+        if self.axes[usize::from(axis)].is_transformed() {
             return Err(MotionError::AxisInTransformMotion(AxisIndex(0)));
         }
         Ok(())

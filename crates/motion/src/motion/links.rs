@@ -11,9 +11,9 @@ use crate::axis::sum::Slot;
 use crate::control::Execution;
 use crate::dynamics::Maxima;
 use crate::masters::cam::Cam;
-use crate::masters::guide::Guide;
+use crate::masters::follower::{Beginning, LockTo, MasterFollower};
 use crate::masters::links::MasterLink;
-use crate::masters::master::{LockTo, Master};
+use crate::masters::master::Master;
 use crate::system::{Activity, Lead};
 use arcline_instruction_set::enumerations::Reference;
 
@@ -75,7 +75,7 @@ impl Motion {
     }
 
     /// The guide of what begins on an axis at the present tick; its link is the active one from now on.
-    pub(crate) fn lead_axis(&mut self, axis: u16, lead: Lead) -> Option<Guide> {
+    pub(crate) fn lead_axis(&mut self, axis: u16, lead: Lead) -> Option<MasterFollower> {
         let (link, ended) = self.axes[usize::from(axis)].links.take_up(lead.link)?;
         self.end_link(ended);
         Some(self.guide(&link, lead.lock, self.clock.now()))
@@ -88,11 +88,17 @@ impl Motion {
         }
     }
 
-    fn guide(&self, link: &MasterLink, lock: LockTo, since: Instant) -> Guide {
+    fn guide(&self, link: &MasterLink, lock: LockTo, since: Instant) -> MasterFollower {
         let Master { axis, reference, .. } = link.master;
         let at = self.axes.master_at(axis, reference, &self.clock);
         let unwind = self.axes[usize::from(axis)].unwind;
-        Guide::begin(link.id, &link.master, lock, unwind, &at, since, &self.clock)
+        let beginning = Beginning {
+            link: link.id,
+            lock,
+            unwind,
+            since,
+        };
+        MasterFollower::begin(beginning, &link.master, &at, &self.clock)
     }
 
     pub(crate) fn end_link(&mut self, execution: Option<Execution>) {

@@ -18,7 +18,7 @@ use arcline_profile::KinematicState;
 
 use super::program::{Compensation, OUTPUT_BITS, OutputCam};
 use crate::control::Execution;
-use crate::masters::cam::Lock;
+use crate::masters::displacement::Crossing;
 use arcline_instruction_set::enumerations::{ExecutionMode, Reference};
 pub(super) use events::{Edge, MOST_EDGES};
 use lane::{ACTIVE, Lane, PENDING, TAIL};
@@ -36,7 +36,7 @@ pub(crate) struct Program {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arming {
     /// Where it is armed; `None`: at once.
-    pub(crate) lock: Option<Lock>,
+    pub(crate) lock: Option<Crossing>,
     /// Position of the cam there.
     pub(crate) entry: f64,
     pub(crate) reference: Reference,
@@ -71,7 +71,7 @@ pub(crate) type Shown = [bool; 4];
 enum Phase {
     Free,
     /// Until the axis crosses the arm position.
-    Waiting(Lock),
+    Waiting(Crossing),
     Armed,
     /// It is over, but for what goes on of it.
     Ending,

@@ -9,12 +9,14 @@ use arcline_planner::profile::{Bounds, Jerk, Limits, Profile};
 use arcline_planner::{Clock, ContourStopping, Move, Pace, Sample, Stopping};
 use arcline_profile::KinematicState;
 
-use super::transform::{Link, Side};
+use super::Present;
+use super::sides::Side;
+use super::transform::Transform;
+use crate::axes::{AxisList, share};
 use crate::axis::generator::{Generator, Law};
 use crate::axis::sum::Slot;
 use crate::machine::MAX_SYSTEM_AXES;
-use crate::motion::Motion;
-use crate::system::{Planned, component};
+use crate::system::{Planned, System, component};
 
 /// Stops that have not begun; the memory is kept from look to look.
 #[derive(Debug, Default)]
@@ -52,30 +54,6 @@ struct AxisStop {
     from: f64,
 }
 
-/// The axes that a link and the transforms above it move.
-#[derive(Clone, Copy, Debug)]
-struct Involved {
-    axes: [u16; INVOLVED],
-    count: usize,
-}
-
-impl Involved {
-    fn iter(&self) -> impl Iterator<Item = u16> {
-        self.axes[..self.count].iter().copied()
-    }
-
-    fn add(&mut self, axes: &[u16]) {
-        for axis in axes {
-            if !self.iter().any(|known| known == *axis)
-                && let Some(place) = self.axes.get_mut(self.count)
-            {
-                *place = *axis;
-                self.count += 1;
-            }
-        }
-    }
-}
-
 impl Ahead {
     /// For a machine of so many axes and coordinate systems. The only allocation.
     pub(crate) fn new(axes: usize, systems: usize) -> Self {
@@ -102,19 +80,18 @@ impl Ahead {
     }
 }
 
-impl Motion {
-    /// Works out what a stop of all that leads a link would do, the target's own motion included, if it began at the next update.
-    pub(super) fn plan_ahead(&self, link: &Link, ahead: &mut Ahead) {
+impl Present<'_> {
+    /// Works out what a stop of all that leads a transform would do, the target's own motion included, if it began at the next update.
+    pub(super) fn plan_ahead(&self, transform: &Transform, ahead: &mut Ahead) {
         ahead.paths.clear();
         ahead.axes.clear();
-        let involved = self.involved(link);
-        for axis in involved.iter() {
+        let involved = self.involved(transform);
+        for axis in involved.iter().copied() {
             ahead.steps[usize::from(axis)] = KinematicState::default();
             self.plan_axis(axis, ahead);
         }
         for (index, system) in self.systems.iter().enumerate() {
-            let moves = |axis: &u16| involved.iter().any(|other| other == *axis);
-            if !system.is_busy() || !system.taken().iter().any(moves) {
+            if !system.is_busy() || !share(system.taken(), &involved) {
                 continue;
             }
             for axis in system.taken() {
@@ -166,30 +143,20 @@ impl Motion {
         }
     }
 
-    /// The axes of both sides of a link, and of the sources above it.
-    fn involved(&self, link: &Link) -> Involved {
-        let mut involved = Involved {
-            axes: [0; INVOLVED],
-            count: 0,
-        };
-        involved.add(link.target());
-        let mut above = Some(link);
-        for _ in 0..self.links.len() {
-            let Some(next) = above else { break };
-            involved.add(next.source());
-            above = self.above_of(next);
+    /// The axes of both sides of a transform, and of the sources above it.
+    fn involved(&self, transform: &Transform) -> AxisList<INVOLVED> {
+        let mut involved: AxisList<INVOLVED> = transform.target.iter().copied().collect();
+        let mut next = Some(transform);
+        for _ in 0..self.transforms.most() {
+            let Some(transform) = next else { break };
+            involved.extend(transform.source.iter().copied());
+            next = self.transforms.above(transform).map(|(_, above)| above);
         }
         involved
     }
 
-    /// The transform that leads the source of a link.
-    pub(super) fn above_of(&self, link: &Link) -> Option<&Link> {
-        let leads = |other: &&Link| other.target().iter().any(|axis| link.source().contains(axis));
-        self.links().map(|(_, other)| other).find(leads)
-    }
-
     fn plan_axis(&self, axis: u16, ahead: &mut Ahead) {
-        let state = &self.axes[usize::from(axis)];
+        let state = &self.axes[axis];
         let limits = state.guarded_stop();
         for (slot, generator) in state.sum.active() {
             if matches!(slot, Slot::Transform | Slot::MasterOffset) || ahead.axes.len() >= AXIS_STOPS {
@@ -223,7 +190,7 @@ impl Motion {
 
     fn path_course(&self, index: usize) -> Option<Course> {
         let system = &self.systems[index];
-        let limits = self.path_stop(index);
+        let limits = path_stop(system);
         let time = self.clock.next();
         let Some(guide) = &system.guide else {
             return match system.contour_in_force() {
@@ -241,7 +208,7 @@ impl Motion {
         match system.contour_in_force() {
             Some(contour) => {
                 let pace = system.contour_pace(guide);
-                let clock = system.contour_clock(&self.clock).later(gone(&pace).max(0.0));
+                let clock = system.contour_clock(self.clock).later(gone(&pace).max(0.0));
                 let stopping = contour.stopping(&limits, Some(&on(pace)), &clock, &time);
                 stopping.map(Course::Contour)
             }
@@ -265,7 +232,7 @@ impl Motion {
 
     /// Where the coordinated part of an axis's motion is.
     fn coordinated(&self, axis: u16) -> f64 {
-        let generator = self.axes[usize::from(axis)].sum.get(Slot::System);
+        let generator = self.axes[axis].sum.get(Slot::System);
         generator.map_or(0.0, |generator| generator.now.position)
     }
 
@@ -287,41 +254,45 @@ impl Motion {
         }
     }
 
-    /// The stop on the path that the guard makes: at the maxima of the coordinate system, with no less jerk than programmed.
-    pub(super) fn path_stop(&self, index: usize) -> Limits {
-        let system = &self.systems[index];
-        let own = &system.description;
-        let in_time = |motion: &Move<Planned>| motion.parameter.in_time(&motion.limits).jerk;
-        let (s_curve, programmed) = match (system.contour_in_force(), system.planner.active()) {
-            (Some(contour), _) => (
-                contour.moves().any(|planned| planned.data.dynamics.is_s_curve()),
-                contour.moves().filter_map(in_time).map(highest).fold(0.0, f64::max),
-            ),
-            (None, Some(active)) => (
-                active.motion.data.dynamics.is_s_curve(),
-                in_time(&active.motion).map_or(0.0, highest),
-            ),
-            (None, None) => (false, 0.0),
-        };
-        let jerk = own.max_deceleration_jerk.max(programmed);
-        Limits {
-            speed: own.max_speed,
-            acceleration: own.max_deceleration,
-            deceleration: own.max_deceleration,
-            jerk: s_curve.then_some(Jerk {
-                acceleration: jerk,
-                deceleration: jerk,
-            }),
-        }
-    }
-
-    /// Where the source of a link is at the instant of a plan that was looked at last.
-    pub(super) fn source_ahead(&self, link: &Link, ahead: &Ahead) -> Side {
-        let mut source = self.step_of(link, &|axis| ahead.step(axis), self.links.len());
-        for (point, above) in source.iter_mut().zip(&link.above).take(link.source().len()) {
+    /// Where the source of a transform is at the instant of a plan that was looked at last.
+    pub(super) fn source_ahead(&self, transform: &Transform, ahead: &Ahead) -> Side {
+        let transforms = self.transforms;
+        let mut source = transforms.step_of(transform, &|axis| ahead.step(axis), transforms.most());
+        for (point, above) in source
+            .iter_mut()
+            .zip(&transform.source_before)
+            .take(transform.source.len())
+        {
             point.position += above.position;
         }
         source
+    }
+}
+
+/// The stop on the path that the guard makes: at the maxima of the coordinate system, with no less jerk than programmed.
+pub(crate) fn path_stop(system: &System) -> Limits {
+    let own = &system.description;
+    let in_time = |motion: &Move<Planned>| motion.parameter.in_time(&motion.limits).jerk;
+    let (s_curve, programmed) = match (system.contour_in_force(), system.planner.active()) {
+        (Some(contour), _) => (
+            contour.moves().any(|planned| planned.data.dynamics.is_s_curve()),
+            contour.moves().filter_map(in_time).map(highest).fold(0.0, f64::max),
+        ),
+        (None, Some(active)) => (
+            active.motion.data.dynamics.is_s_curve(),
+            in_time(&active.motion).map_or(0.0, highest),
+        ),
+        (None, None) => (false, 0.0),
+    };
+    let jerk = own.max_deceleration_jerk.max(programmed);
+    Limits {
+        speed: own.max_speed,
+        acceleration: own.max_deceleration,
+        deceleration: own.max_deceleration,
+        jerk: s_curve.then_some(Jerk {
+            acceleration: jerk,
+            deceleration: jerk,
+        }),
     }
 }
 
@@ -372,7 +343,7 @@ impl Generator {
     }
 }
 
-/// Axes of a link and of what leads it: four systems.
+/// Axes of a transform and of what leads it: four systems.
 const INVOLVED: usize = 4 * MAX_SYSTEM_AXES;
 /// Generators that one look takes in; more are seen when they have led the joints too far.
 const AXIS_STOPS: usize = 32;

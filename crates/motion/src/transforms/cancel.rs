@@ -1,15 +1,21 @@
 //! The end of a transform: nothing leads any more, and what it moved brakes (spec/coordinated-instructions.md §15.1,
 //! §19.7).
 
+use arcline_planner::Instant;
 use arcline_planner::profile::{Jerk, Limits, Profile};
 use arcline_profile::KinematicState;
 
+use super::Transforms;
 use super::compute::bit;
-use super::transform::{Link, Positions, Side};
+use super::sides::{Positions, Side};
+use super::transform::Transform;
+use crate::axes::Axes;
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
-use crate::motion::Motion;
+use crate::control::Execution;
+use crate::machine::CoordinateSystem;
 use crate::stop::AxisSet;
+use crate::system::System;
 
 /// How what a cancelled transform moved comes to rest, each axis by itself. What is not said is the maximum of the
 /// coordinate system that the axis was moved for.
@@ -21,121 +27,125 @@ pub(crate) struct Release {
     pub(crate) jerk: Option<f64>,
 }
 
-impl Motion {
-    /// Cancels every transform that an axis is part of; what they moved brakes at the maxima of the coordinate systems.
-    pub(crate) fn cancel_transforms_of(&mut self, axis: u16) {
-        if !self.axes[usize::from(axis)].is_linked() {
-            return;
+/// A transform that was cancelled.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cancelled {
+    /// Its instruction, which has not ended.
+    pub(crate) execution: Option<Execution>,
+    /// The axes that brake.
+    pub(crate) braking: AxisSet,
+}
+
+impl Transforms {
+    /// Ends the transform of a target system; what it moved brakes from `now` on.
+    pub(crate) fn cancel(
+        &mut self,
+        index: usize,
+        release: &Release,
+        axes: &mut Axes,
+        systems: &[System],
+        now: Instant,
+    ) -> Option<Cancelled> {
+        let transform = self.active.get_mut(index)?.take()?;
+        let s_curve = transform.source.iter().any(|axis| axes[*axis].is_s_curve());
+        let own_s_curve = transform.target.iter().any(|axis| {
+            let mut own = axes[*axis].sum.active().filter(|(slot, _)| *slot != Slot::Transform);
+            own.any(|(_, generator)| generator.s_curve)
+        });
+        // Every axis leaves the transform before any brakes: positions stay as they are throughout.
+        self.keep_feedback(index, &transform);
+        for (axis, feedback) in transform.source.iter().zip(&transform.feedback) {
+            let part = &mut axes[*axis].transforms;
+            part.settled += feedback.position;
+            part.source_of &= !bit(index);
+            self.release(*axis, axes);
         }
-        for index in 0..self.links.len() {
-            if self.links[index].is_some_and(|link| link.has(axis)) {
-                self.cancel_transform(index, &Release::default());
+        for (axis, led) in transform.target.iter().zip(&transform.target_set_points) {
+            let part = &mut axes[*axis].transforms;
+            part.rest = led.position;
+            part.target_of = None;
+            self.release(*axis, axes);
+        }
+        let mut braking = AxisSet::default();
+        let sides = [
+            (
+                transform.source,
+                &transform.feedback,
+                transform.source_system,
+                own_s_curve,
+            ),
+            (transform.target, &transform.target_set_points, index, s_curve),
+        ];
+        for (side, motions, system, s_curve) in sides {
+            let limits = release.limits(&systems[system].description, s_curve);
+            for (axis, moved) in side.iter().zip(motions) {
+                if brake(&mut axes[*axis], moved, &limits, now) {
+                    braking.insert(*axis);
+                }
             }
         }
+        Some(Cancelled {
+            execution: transform.execution,
+            braking,
+        })
     }
 
-    /// Cancels the transform of a target system. Returns the axes that brake.
-    pub(crate) fn cancel_transform(&mut self, index: usize, release: &Release) -> AxisSet {
-        let mut braking = AxisSet::default();
-        let Some(link) = self.links.get_mut(index).and_then(Option::take) else {
-            return braking;
-        };
-        if let Some(execution) = link.execution {
-            self.end_move(execution, 0);
-        }
-        let mut s_curve = false;
-        for axis in link.source() {
-            s_curve |= self.axes[usize::from(*axis)].is_s_curve();
-        }
-        let mut own_s_curve = false;
-        for axis in link.target() {
-            let state = &self.axes[usize::from(*axis)];
-            let mut own = state.sum.active().filter(|(slot, _)| *slot != Slot::Transform);
-            own_s_curve |= own.any(|(_, generator)| generator.s_curve);
-        }
-        // Everything is let go of before anything brakes: positions stay as they are throughout.
-        self.keep_beside(index, &link);
-        for (axis, back) in link.source().iter().zip(&link.back) {
-            let linked = &mut self.axes[usize::from(*axis)].linked;
-            linked.settled += back.position;
-            linked.led_back_by &= !bit(index);
-            self.let_go(*axis);
-        }
-        for (axis, led) in link.target().iter().zip(&link.led) {
-            let linked = &mut self.axes[usize::from(*axis)].linked;
-            linked.rest = led.position;
-            linked.leader = None;
-            self.let_go(*axis);
-        }
-        for (axis, back) in link.source().iter().zip(&link.back) {
-            self.part(
-                *axis,
-                back,
-                &self.release(link.from, release, own_s_curve),
-                &mut braking,
-            );
-        }
-        for (axis, led) in link.target().iter().zip(&link.led) {
-            self.part(*axis, led, &self.release(index, release, s_curve), &mut braking);
-        }
-        braking
-    }
-
-    /// What a cancelled transform had led a source back by stays beside what earlier ones make of that source: behind joints both
+    /// The feedback of a cancelled transform stays beside what earlier ones make of its source: behind joints both
     /// together are something else than one after the other.
-    fn keep_beside(&mut self, index: usize, cancelled: &Link) {
-        for other in self.links.iter_mut().take(index).flatten() {
-            let sources = other.source;
-            for (axis, beside) in sources.iter().take(other.counts[0]).zip(&mut other.beside) {
-                if let Some(place) = cancelled.source().iter().position(|own| own == axis) {
-                    *beside += cancelled.back[place].position;
+    fn keep_feedback(&mut self, index: usize, cancelled: &Transform) {
+        for other in self.active.iter_mut().take(index).flatten() {
+            for (axis, kept) in other.source.iter().zip(&mut other.cancelled_feedback) {
+                if let Some(place) = cancelled.source.index_of(*axis) {
+                    *kept += cancelled.feedback[place].position;
                 }
             }
         }
     }
 
-    /// Once all that transforms link stands, nothing is beside any more.
-    pub(super) fn join_beside(&mut self) {
-        let aside = |(_, link): (usize, &Link)| link.beside != Positions::default();
-        if !self.links().any(aside) {
+    /// Once all that transforms link stands, no feedback of cancelled ones is beside any more.
+    pub(crate) fn join_cancelled_feedback(&mut self, axes: &Axes) {
+        let kept = |(_, transform): (usize, &Transform)| transform.cancelled_feedback != Positions::default();
+        if !self.iter().any(kept) {
             return;
         }
-        let adds = |link: &Link| link.robot().is_some() && link.back != Side::default();
-        let moves = |(_, link): (usize, &Link)| adds(link) || self.moves_either_side(link);
-        if !self.links().any(moves) {
-            for link in self.links.iter_mut().flatten() {
-                link.beside = Positions::default();
+        let adds = |transform: &Transform| transform.robot().is_some() && transform.feedback != Side::default();
+        let moves = |(_, transform): (usize, &Transform)| adds(transform) || self.moves_either_side(axes, transform);
+        if !self.iter().any(moves) {
+            for transform in self.active.iter_mut().flatten() {
+                transform.cancelled_feedback = Positions::default();
             }
         }
     }
 
     /// An axis is part of one transform less.
-    fn let_go(&mut self, axis: u16) {
-        let state = &mut self.axes[usize::from(axis)];
-        if state.is_linked() {
-            self.compose(axis);
+    fn release(&self, axis: u16, axes: &mut Axes) {
+        let state = &mut axes[axis];
+        if state.is_transformed() {
+            self.compose(axis, axes);
         } else {
-            state.linked.controlled = false;
+            state.transforms.controlled = false;
             state.end(Slot::Transform);
         }
     }
+}
 
-    fn part(&mut self, axis: u16, moved: &KinematicState, limits: &Limits, braking: &mut AxisSet) {
-        let state = &mut self.axes[usize::from(axis)];
-        let limits = &within_travel(state, moved, limits);
-        let stands = moved.velocity == 0.0 && (moved.acceleration == 0.0 || limits.jerk.is_none());
-        if !stands && state.state == AxisState::Running {
-            state.part(*moved, limits, self.clock.now());
-            braking.insert(axis);
-        }
+/// An axis that a cancelled transform moved brakes, if it moves. Whether it does.
+fn brake(axis: &mut Axis, moved: &KinematicState, limits: &Limits, now: Instant) -> bool {
+    let limits = &within_travel(axis, moved, limits);
+    let stands = moved.velocity == 0.0 && (moved.acceleration == 0.0 || limits.jerk.is_none());
+    let brakes = !stands && axis.state == AxisState::Running;
+    if brakes {
+        axis.part(*moved, limits, now);
     }
+    brakes
+}
 
-    fn release(&self, system: usize, release: &Release, s_curve: bool) -> Limits {
-        let own = &self.systems[system].description;
-        let rate = release.deceleration.unwrap_or(own.max_deceleration);
-        let jerk = release.jerk.unwrap_or(own.max_deceleration_jerk);
+impl Release {
+    fn limits(&self, system: &CoordinateSystem, s_curve: bool) -> Limits {
+        let rate = self.deceleration.unwrap_or(system.max_deceleration);
+        let jerk = self.jerk.unwrap_or(system.max_deceleration_jerk);
         Limits {
-            speed: own.max_speed,
+            speed: system.max_speed,
             acceleration: rate,
             deceleration: rate,
             jerk: s_curve.then_some(Jerk {

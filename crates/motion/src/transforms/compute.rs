@@ -1,372 +1,401 @@
-//! Transforms under way: two coordinate systems that lead each other (spec/coordinated-instructions.md §19, §20).
+//! What transforms under way make of the axes within a tick (spec/coordinated-instructions.md §19, §20).
 //!
 //! The source leads the target: where the target would be without motion of its own is what the [`Map`] makes of the
-//! source. Motion that the target has of its own leads the source back, so that both stay at the same point. Between
+//! source. Motion that the target has of its own leads the source back (feedback), so that both stay at the same point. Between
 //! Cartesian frames that is a turn of what was added. Behind a robot's joints nothing is linear: what the target adds is
-//! added to where the source leads it *before* that ([`Link::down`]), and the source is led back by where this is.
+//! added to where the source leads it *before* any feedback ([`Transform::target_before`]), and the source is led back by where this is.
 //!
-//! Not here: when something is computed ([`super::order`]), what MCT refuses (`instructions::mct`), what happens when a
-//! robot cannot follow ([`super::failing`]), what is shown of it ([`super::shown`]). Nothing allocates. Units: position units, seconds.
+//! Not here: when something is computed (`crate::order`), what MCT refuses (`instructions::mct`), what happens when a
+//! robot cannot follow ([`super::failing`]). Nothing allocates. Units: position units, seconds.
 
 use arcline_instruction_set::{AxisIndex, MotionError};
 use arcline_profile::KinematicState;
 
+use super::Transforms;
 use super::guard;
-use super::robot::positions;
-use super::transform::{Link, Map, Side, add};
+use super::sides::{Side, add, positions};
+use super::transform::{Map, Transform};
+use crate::axes::Axes;
+use crate::axis::Axis;
 use crate::axis::generator::Generator;
 use crate::axis::sum::Slot;
 use crate::machine::MAX_SYSTEMS;
-use crate::motion::Motion;
 
-impl Motion {
-    /// Transforms under way with the place of their target system.
-    pub(crate) fn links(&self) -> impl Iterator<Item = (usize, &Link)> {
-        let links = self.links.iter().enumerate();
-        links.filter_map(|(index, link)| link.as_ref().map(|link| (index, link)))
-    }
+/// A part of the computation of transforms in one tick; each is of the transform with this index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// Where the source leads the target before any feedback to the source.
+    Before(u16),
+    /// What the motion of the target adds to the source.
+    Feedback(u16),
+    /// Where the whole source leads the target.
+    SetPoints(u16),
+}
 
-    /// The transform that has this axis on its target's side, and the axis's place there.
-    pub(super) fn leader(&self, axis: u16) -> Option<(&Link, usize)> {
-        let index = self.axes[usize::from(axis)].linked.leader?;
-        let link = self.links.get(usize::from(index))?.as_ref()?;
-        let place = link.target().iter().position(|other| *other == axis)?;
-        Some((link, place))
-    }
-
-    /// Transforms that have this axis on their source's side, but for one.
-    fn followed_by(&self, axis: u16, but: Option<usize>) -> impl Iterator<Item = &Link> {
-        let mut left = self.axes[usize::from(axis)].linked.led_back_by & !but.map_or(0, bit);
-        std::iter::from_fn(move || {
-            let index = left.trailing_zeros() as usize;
-            left &= left.wrapping_sub(1);
-            self.links.get(index)
-        })
-        .flatten()
-    }
-
-    /// What the targets' own motions add to an axis, but for one transform's.
-    fn led_back(&self, axis: u16, but: Option<usize>) -> KinematicState {
-        let mut total = KinematicState::default();
-        for link in self.followed_by(axis, but) {
-            if let Some(place) = link.source().iter().position(|other| *other == axis) {
-                add(&mut total, &link.back[place]);
-            }
+impl Transforms {
+    /// Computes a part of what transforms make of the axes at the present tick. `period`: seconds. Real-time.
+    pub(crate) fn compute(&mut self, part: Part, axes: &mut Axes, period: f64) {
+        match part {
+            Part::Before(index) => self.compute_before(usize::from(index), axes, period),
+            Part::Feedback(index) => self.compute_feedback(usize::from(index), axes, period),
+            Part::SetPoints(index) => self.compute_set_points(usize::from(index), axes, period),
         }
-        total
     }
 
-    /// Where transforms would lead an axis without the motion that leads it back.
-    fn lead(&self, axis: u16) -> KinematicState {
-        let linked = &self.axes[usize::from(axis)].linked;
-        let mut lead = match self.leader(axis) {
-            Some((link, place)) => link.led[place],
-            None => KinematicState::at_rest(linked.rest),
-        };
-        lead.position += linked.settled;
-        lead
-    }
-
-    /// An axis without what one transform leads it back by.
-    fn without(&self, axis: u16, link: usize) -> KinematicState {
-        let mut total = self.seen(axis, self.lead(axis));
-        add(&mut total, &self.led_back(axis, Some(link)));
-        total
-    }
-
-    /// An axis without what one transform and later ones lead it back by, ever before the whole is known.
-    fn above(&self, axis: u16, link: usize) -> KinematicState {
-        let linked = &self.axes[usize::from(axis)].linked;
-        let mut lead = match self.leader(axis) {
-            Some((link, place)) => link.down[place],
-            None => KinematicState::at_rest(linked.rest),
-        };
-        lead.position += linked.settled;
-        let mut total = self.seen(axis, lead);
-        for other in (0..link).filter(|other| linked.led_back_by & bit(*other) != 0) {
-            if let Some(other) = &self.links[other]
-                && let Some(place) = other.source().iter().position(|own| *own == axis)
-            {
-                add(&mut total, &other.back[place]);
-            }
-        }
-        total
-    }
-
-    /// An axis with what moves it besides transforms, which lead it somewhere.
-    fn seen(&self, axis: u16, lead: KinematicState) -> KinematicState {
-        let state = &self.axes[usize::from(axis)];
-        let mut total = state.sum.motion_of(|slot| slot != Slot::Transform);
-        // `lead` is in the frame of the generator; the axis is where that shows.
-        let position = state.sum.seen_from(Slot::Transform, Some(lead.position));
-        total.position = position.unwrap_or(state.command.position);
-        total.velocity += lead.velocity;
-        total.acceleration += lead.acceleration;
-        total
-    }
-
-    /// What has been added to an axis by others than the transforms that lead it, ever since it became part of one.
-    fn added(&self, axis: u16) -> KinematicState {
-        let state = &self.axes[usize::from(axis)];
-        let mut added = state.sum.motion_of(|slot| slot != Slot::Transform);
-        added.position = state.sum.seen_from(Slot::Transform, Some(0.0)).unwrap_or(0.0) + state.linked.settled;
-        add(&mut added, &self.led_back(axis, None));
-        added
-    }
-
-    /// Whether the targets' own motions lead an axis, but for one transform's.
-    pub(super) fn is_led_back(&self, axis: u16, but: Option<usize>) -> bool {
-        self.followed_by(axis, but).any(|link| link.leads_back)
-    }
-
-    /// Where the source leads the target before anything leads it back.
-    pub(crate) fn compute_down(&mut self, index: usize) {
-        let Some(mut link) = self.links[index].filter(|link| link.failed.is_none()) else {
+    /// Where the source leads the target before any feedback to the source.
+    fn compute_before(&mut self, index: usize, axes: &Axes, period: f64) {
+        let Some(transform) = self.get(index).filter(|transform| transform.failed.is_none()) else {
             return;
         };
-        let mut above = Side::default();
-        for ((axis, point), beside) in link.source().iter().zip(&mut above).zip(link.beside) {
-            *point = self.above(*axis, index);
-            point.position -= beside;
+        let mut source = Side::default();
+        let cancelled = transform.cancelled_feedback;
+        for ((axis, point), cancelled) in transform.source.iter().zip(&mut source).zip(cancelled) {
+            *point = self.before_feedback(axes, *axis, index);
+            point.position -= cancelled;
         }
-        let placed = link.place(&above).and_then(|down| match link.is_led_aside() {
-            true => Ok(down),
-            false => self.within_speeds(&link, down, &link.down),
+        let target = transform.place(&source).and_then(|target| {
+            if !transform.is_led_by_others() {
+                within_speeds(transform, axes, [&transform.target_before, &target], period)?;
+            }
+            Ok(target)
         });
-        match placed {
-            Ok(down) => (link.above, link.down) = (above, down),
-            Err(error) => link.fail(error, self.clock.period()),
+        let Some(transform) = self.get_mut(index) else { return };
+        match target {
+            Ok(target) => (transform.source_before, transform.target_before) = (source, target),
+            Err(error) => transform.fail(error, period),
         }
-        if let (Map::Robot(robot), None) = (&mut link.map, link.failed) {
-            let mut joints = positions(&link.down);
-            for (joint, offset) in joints.iter_mut().zip(link.offset) {
+        if let (Map::Robot(robot), None) = (&mut transform.map, transform.failed) {
+            let mut joints = positions(&transform.target_before);
+            for (joint, offset) in joints.iter_mut().zip(transform.offset) {
                 *joint -= offset;
             }
-            robot.follow(&above, &joints);
+            robot.follow(&source, &joints);
         }
-        self.links[index] = Some(link);
-    }
-
-    /// Joints that the source leads further in an update than their speeds let them are led no more: they brake out of what they
-    /// did before.
-    ///
-    /// # Errors
-    /// 69, or 68 where a joint would turn at once.
-    fn within_speeds(&self, link: &Link, led: Side, before: &Side) -> Result<Side, MotionError> {
-        if !link.leads_joints() {
-            return Ok(led);
-        }
-        let period = self.clock.period();
-        for (place, axis) in link.target().iter().enumerate() {
-            let (now, before) = (&led[place], &before[place]);
-            if guard::too_far(before, now, self.axes[usize::from(*axis)].dynamics.speed, period) {
-                let at_once = (now.position - before.position).abs() > guard::AT_ONCE;
-                return Err(if at_once {
-                    MotionError::TransformAtOrigin
-                } else {
-                    MotionError::MaxJointVelocityExceeded(AxisIndex(place as u8))
-                });
-            }
-        }
-        Ok(led)
-    }
-
-    /// The same where the target's own motion leads joints back.
-    fn within_speeds_back(&self, link: &Link, back: Side) -> Result<Side, MotionError> {
-        if link.robot().is_none() || link.leads_joints() {
-            return Ok(back);
-        }
-        let period = self.clock.period();
-        for (place, axis) in link.source().iter().enumerate() {
-            // What the joint does besides is not the target's doing.
-            let most = self.axes[usize::from(*axis)].dynamics.speed + link.above[place].velocity.abs();
-            if guard::too_far(&link.back[place], &back[place], most, period) {
-                return Err(MotionError::MaxJointVelocityExceeded(AxisIndex(place as u8)));
-            }
-        }
-        Ok(back)
     }
 
     /// What the target's own motion adds to the source now.
-    pub(crate) fn compute_back(&mut self, index: usize) {
-        let Some(link) = self.links[index] else {
-            return;
-        };
-        let leads_back = link.target().iter().any(|axis| self.leads_by_itself(*axis));
-        let back = link.turn_back(&self.added_to(&link));
-        let back = back.and_then(|back| self.within_speeds_back(&link, back));
-        let period = self.clock.period();
-        if let Some(own) = &mut self.links[index] {
-            own.leads_back = leads_back;
-            match back {
-                _ if own.failed.is_some() => {}
-                Ok(back) => {
-                    own.back = back;
-                    own.follow_turn();
-                }
-                Err(error) => own.fail(error, period),
+    fn compute_feedback(&mut self, index: usize, axes: &Axes, period: f64) {
+        let Some(transform) = self.get(index) else { return };
+        let target_moves = transform.target.iter().any(|axis| self.moves_by_itself(axes, *axis));
+        let feedback = transform.feedback_of(&self.added_to(axes, transform));
+        let feedback = feedback.and_then(|feedback| {
+            within_speeds_back(transform, axes, &feedback, period)?;
+            Ok(feedback)
+        });
+        let Some(transform) = self.get_mut(index) else { return };
+        transform.target_moves = target_moves;
+        match feedback {
+            _ if transform.failed.is_some() => {}
+            Ok(feedback) => {
+                transform.feedback = feedback;
+                transform.follow_turn();
             }
+            Err(error) => transform.fail(error, period),
         }
     }
 
-    /// What has been added to the target since the transform began, or since that became part of where the source is.
-    pub(super) fn added_to(&self, link: &Link) -> Side {
-        let mut added = Side::default();
-        for ((place, axis), added) in link.target().iter().enumerate().zip(&mut added) {
-            *added = self.added(*axis);
-            added.position -= link.added_from[place];
+    /// Where the whole source leads the target now.
+    fn compute_set_points(&mut self, index: usize, axes: &mut Axes, period: f64) {
+        let Some(transform) = self.get(index) else { return };
+        let s_curve = transform.source.iter().any(|axis| axes[*axis].is_s_curve());
+        let source_moves = self.source_moves(axes, index, transform);
+        let target = self.set_points_of(axes, index, transform).and_then(|target| {
+            within_speeds(transform, axes, [&transform.target_set_points, &target], period)?;
+            Ok(target)
+        });
+        let Some(transform) = self.get_mut(index) else { return };
+        transform.source_moves = source_moves;
+        match target {
+            _ if transform.failed.is_some() => {}
+            Ok(target) => transform.target_set_points = target,
+            Err(error) => transform.fail(error, period),
         }
-        added
-    }
-
-    /// Whether an axis moves otherwise than by a transform that leads it.
-    pub(super) fn leads_by_itself(&self, axis: u16) -> bool {
-        self.axes[usize::from(axis)].moves_itself() || self.is_led_back(axis, None)
-    }
-
-    /// Whether an axis of the source leads the target.
-    pub(super) fn leads_on(&self, axis: u16, index: usize) -> bool {
-        let led = self.leader(axis).is_some_and(|(other, _)| other.leads);
-        self.axes[usize::from(axis)].moves_itself() || led || self.is_led_back(axis, Some(index))
-    }
-
-    /// Where the source leads the target now.
-    pub(crate) fn compute_lead(&mut self, index: usize) {
-        let Some(mut link) = self.links[index] else {
-            return;
-        };
-        let s_curve = link
-            .source()
-            .iter()
-            .any(|axis| self.axes[usize::from(*axis)].is_s_curve());
-        link.leads = link.source().iter().any(|axis| self.leads_on(*axis, index));
-        if link.failed.is_none() {
-            let led = self.lead_of(index, &link);
-            match led.and_then(|led| self.within_speeds(&link, led, &link.led)) {
-                Ok(led) => link.led = led,
-                Err(error) => link.fail(error, self.clock.period()),
-            }
-        }
-        self.links[index] = Some(link);
-        for axis in link.target() {
-            if let Some(generator) = self.axes[usize::from(*axis)].sum.get_mut(Slot::Transform) {
+        for axis in transform.target.iter() {
+            if let Some(generator) = axes[*axis].sum.get_mut(Slot::Transform) {
                 generator.s_curve = s_curve;
             }
         }
     }
 
-    fn lead_of(&self, index: usize, link: &Link) -> Result<Side, MotionError> {
-        let source = self.source_without(index, link);
-        let Map::Robot(robot) = &link.map else {
-            return link.place(&source);
+    fn set_points_of(&self, axes: &Axes, index: usize, transform: &Transform) -> Result<Side, MotionError> {
+        let source = self.source_without_feedback(axes, index, transform);
+        let Map::Robot(robot) = &transform.map else {
+            return transform.place(&source);
         };
-        if source == link.above {
-            return Ok(link.down);
+        if source == transform.source_before {
+            return Ok(transform.target_before);
         }
         // Later targets lead the source as well: this one follows to where all of them lead it.
         let mut whole = source;
-        for (whole, back) in whole.iter_mut().zip(&link.back) {
-            add(whole, back);
+        for (whole, feedback) in whole.iter_mut().zip(&transform.feedback) {
+            add(whole, feedback);
         }
-        let added = self.added_to(link);
-        let mut moved = *link;
+        let added = self.added_to(axes, transform);
+        let mut moved = *transform;
         let mut own = *robot;
-        own.stand(positions(&link.with(&added)));
+        own.stand(positions(&transform.with(&added)));
         moved.map = Map::Robot(own);
-        let mut led = moved.place(&whole)?;
-        for (led, added) in led.iter_mut().zip(&added) {
-            led.position -= added.position;
-            led.velocity -= added.velocity;
-            led.acceleration -= added.acceleration;
+        let mut target = moved.place(&whole)?;
+        for (target, added) in target.iter_mut().zip(&added) {
+            target.position -= added.position;
+            target.velocity -= added.velocity;
+            target.acceleration -= added.acceleration;
         }
-        Ok(led)
-    }
-
-    /// What the target of a robot's transform has moved by itself becomes part of where the source is, once all stands: the
-    /// arm is then in the solution in which its joints are.
-    pub(super) fn settle_transform(&mut self, index: usize) {
-        let Some(mut link) = self.links[index].filter(|link| link.failed.is_none()) else {
-            return;
-        };
-        let moves = link.target().iter().any(|axis| self.leads_by_itself(*axis))
-            || link.source().iter().any(|axis| self.leads_on(*axis, index));
-        let added = self.added_to(&link);
-        if moves || added == Side::default() || link.robot().is_none() {
-            return;
-        }
-        let whole = link.with(&added);
-        for (place, axis) in link.source.iter().enumerate().take(link.counts[0]) {
-            self.axes[usize::from(*axis)].linked.settled += link.back[place].position;
-            link.above[place].position += link.back[place].position;
-        }
-        link.back = Side::default();
-        for (place, (axis, added)) in link.target.iter().zip(&added).enumerate().take(link.counts[1]) {
-            link.added_from[place] = self.added(*axis).position;
-            link.offset[place] -= added.position;
-        }
-        if let Map::Robot(robot) = &mut link.map {
-            robot.settle(&link.above, &whole);
-        }
-        self.links[index] = Some(link);
-    }
-
-    fn source_without(&self, index: usize, link: &Link) -> Side {
-        let mut source = Side::default();
-        for (axis, point) in link.source().iter().zip(&mut source) {
-            *point = self.without(*axis, index);
-        }
-        source
+        Ok(target)
     }
 
     /// What all transforms make of an axis now.
-    pub(crate) fn compose(&mut self, axis: u16) {
-        if !self.axes[usize::from(axis)].is_linked() {
+    pub(crate) fn compose(&self, axis: u16, axes: &mut Axes) {
+        if !axes[axis].is_transformed() {
             return;
         }
-        let mut total = self.lead(axis);
-        add(&mut total, &self.led_back(axis, None));
-        self.show_controlled(axis);
-        let state = &mut self.axes[usize::from(axis)];
+        let mut total = self.set_point(axes, axis);
+        add(&mut total, &self.feedback_to(axes, axis, None));
+        self.show_controlled(axis, axes);
+        let state = &mut axes[axis];
         state.sum.set(Slot::Transform, total);
         state.command = state.sum.command();
     }
 
-    /// A transform begins; what it refuses has been looked at. The order of the next tick has been planned for it.
-    pub(crate) fn begin_transform(&mut self, target: usize, mut link: Link) {
-        for axis in link.source().iter().chain(link.target()) {
-            let state = &mut self.axes[usize::from(*axis)];
-            if !state.is_linked() {
-                state.linked.rest = state.command.position;
-                state.linked.settled = 0.0;
+    /// A transform of a target system begins; what it refuses has been looked at.
+    pub(crate) fn begin(&mut self, target: usize, mut transform: Transform, axes: &mut Axes) {
+        for axis in transform.axes() {
+            let state = &mut axes[axis];
+            if !state.is_transformed() {
+                state.transforms.rest = state.command.position;
+                state.transforms.settled = 0.0;
                 state.sum.begin(Slot::Transform, Generator::followed(false));
             }
             state.stale = true;
         }
-        let targets = link.target;
-        for (place, axis) in targets.iter().enumerate().take(link.counts[1]) {
-            link.added_from[place] = self.added(*axis).position;
+        let target_axes = transform.target;
+        for (place, axis) in target_axes.iter().enumerate() {
+            transform.added_at_start[place] = self.added(axes, *axis).position;
         }
-        let source = self.source_without(target, &link);
+        let source = self.source_without_feedback(axes, target, &transform);
         // What it is cannot fail: it has been verified for this position.
-        let placed = link.place(&source).unwrap_or_default();
-        link.above = source;
-        for (place, axis) in targets.iter().enumerate().take(link.counts[1]) {
-            let rest = self.axes[usize::from(*axis)].linked.rest;
-            link.offset[place] = rest - placed[place].position;
-            link.down[place] = KinematicState::at_rest(rest);
-            link.led[place] = KinematicState::at_rest(rest);
+        let placed = transform.place(&source).unwrap_or_default();
+        transform.source_before = source;
+        for (place, axis) in target_axes.iter().enumerate() {
+            let part = &mut axes[*axis].transforms;
+            transform.offset[place] = part.rest - placed[place].position;
+            transform.target_before[place] = KinematicState::at_rest(part.rest);
+            transform.target_set_points[place] = KinematicState::at_rest(part.rest);
             // No machine has more systems than a byte counts.
-            self.axes[usize::from(*axis)].linked.leader = Some(target as u8);
+            part.target_of = Some(target as u8);
         }
-        for axis in link.source() {
-            self.axes[usize::from(*axis)].linked.led_back_by |= bit(target);
+        for axis in transform.source.iter() {
+            axes[*axis].transforms.source_of |= bit(target);
         }
-        self.links[target] = Some(link);
-        self.order.take();
+        if let Some(place) = self.active.get_mut(target) {
+            *place = Some(transform);
+        }
+    }
+
+    /// What the target of a robot's transform has moved by itself becomes part of where the source is, once all stands: the
+    /// arm is then in the solution in which its joints are.
+    pub(crate) fn settle(&mut self, index: usize, axes: &mut Axes) {
+        let Some(transform) = self.get(index).filter(|transform| transform.failed.is_none()) else {
+            return;
+        };
+        let moves = transform.target.iter().any(|axis| self.moves_by_itself(axes, *axis))
+            || self.source_moves(axes, index, transform);
+        let added = self.added_to(axes, transform);
+        if moves || added == Side::default() || transform.robot().is_none() {
+            return;
+        }
+        let mut settled = *transform;
+        let whole = settled.with(&added);
+        for (place, axis) in transform.source.iter().enumerate() {
+            axes[*axis].transforms.settled += settled.feedback[place].position;
+            settled.source_before[place].position += settled.feedback[place].position;
+        }
+        settled.feedback = Side::default();
+        for (place, (axis, added)) in transform.target.iter().zip(&added).enumerate() {
+            settled.added_at_start[place] = self.added(axes, *axis).position;
+            settled.offset[place] -= added.position;
+        }
+        if let Map::Robot(robot) = &mut settled.map {
+            robot.settle(&settled.source_before, &whole);
+        }
+        self.active[index] = Some(settled);
+    }
+
+    /// The transform that has this axis on its target's side, and the axis's place there.
+    fn leader(&self, axes: &Axes, axis: u16) -> Option<(&Transform, usize)> {
+        let transform = self.get(usize::from(axes[axis].transforms.target_of?))?;
+        Some((transform, transform.target.index_of(axis)?))
+    }
+
+    /// Transforms that have this axis on their source's side, but for one.
+    fn fed_back_by(&self, axes: &Axes, axis: u16, but: Option<usize>) -> impl Iterator<Item = &Transform> {
+        let mut left = axes[axis].transforms.source_of & !but.map_or(0, bit);
+        std::iter::from_fn(move || {
+            let index = left.trailing_zeros() as usize;
+            left &= left.wrapping_sub(1);
+            self.active.get(index)
+        })
+        .flatten()
+    }
+
+    /// What the targets' own motions add to an axis, but for one transform's.
+    fn feedback_to(&self, axes: &Axes, axis: u16, but: Option<usize>) -> KinematicState {
+        let mut total = KinematicState::default();
+        for transform in self.fed_back_by(axes, axis, but) {
+            if let Some(place) = transform.source.index_of(axis) {
+                add(&mut total, &transform.feedback[place]);
+            }
+        }
+        total
+    }
+
+    /// Where transforms would lead an axis without any feedback to it.
+    fn set_point(&self, axes: &Axes, axis: u16) -> KinematicState {
+        let part = &axes[axis].transforms;
+        let mut point = match self.leader(axes, axis) {
+            Some((transform, place)) => transform.target_set_points[place],
+            None => KinematicState::at_rest(part.rest),
+        };
+        point.position += part.settled;
+        point
+    }
+
+    fn source_without_feedback(&self, axes: &Axes, index: usize, transform: &Transform) -> Side {
+        let mut source = Side::default();
+        for (axis, point) in transform.source.iter().zip(&mut source) {
+            *point = self.without_feedback(axes, *axis, index);
+        }
+        source
+    }
+
+    /// An axis without the feedback of one transform.
+    fn without_feedback(&self, axes: &Axes, axis: u16, index: usize) -> KinematicState {
+        let mut total = seen(&axes[axis], self.set_point(axes, axis));
+        add(&mut total, &self.feedback_to(axes, axis, Some(index)));
+        total
+    }
+
+    /// An axis without the feedback of one transform and of later ones, before the whole is known.
+    fn before_feedback(&self, axes: &Axes, axis: u16, index: usize) -> KinematicState {
+        let part = &axes[axis].transforms;
+        let mut point = match self.leader(axes, axis) {
+            Some((transform, place)) => transform.target_before[place],
+            None => KinematicState::at_rest(part.rest),
+        };
+        point.position += part.settled;
+        let mut total = seen(&axes[axis], point);
+        for other in (0..index).filter(|other| part.source_of & bit(*other) != 0) {
+            if let Some(other) = self.get(other)
+                && let Some(place) = other.source.index_of(axis)
+            {
+                add(&mut total, &other.feedback[place]);
+            }
+        }
+        total
+    }
+
+    /// What has been added to an axis by others than the transforms that lead it, ever since it became part of one.
+    fn added(&self, axes: &Axes, axis: u16) -> KinematicState {
+        let state = &axes[axis];
+        let mut added = state.sum.motion_of(|slot| slot != Slot::Transform);
+        added.position = state.sum.seen_from(Slot::Transform, Some(0.0)).unwrap_or(0.0) + state.transforms.settled;
+        add(&mut added, &self.feedback_to(axes, axis, None));
+        added
+    }
+
+    /// What has been added to the target since the transform began, or since that became part of where the source is.
+    pub(super) fn added_to(&self, axes: &Axes, transform: &Transform) -> Side {
+        let mut added = Side::default();
+        for ((place, axis), added) in transform.target.iter().enumerate().zip(&mut added) {
+            *added = self.added(axes, *axis);
+            added.position -= transform.added_at_start[place];
+        }
+        added
+    }
+
+    /// Whether the targets' own motions lead an axis, but for one transform's.
+    fn is_fed_back(&self, axes: &Axes, axis: u16, but: Option<usize>) -> bool {
+        self.fed_back_by(axes, axis, but)
+            .any(|transform| transform.target_moves)
+    }
+
+    /// Whether an axis moves otherwise than by a transform that leads it.
+    pub(super) fn moves_by_itself(&self, axes: &Axes, axis: u16) -> bool {
+        axes[axis].moves_itself() || self.is_fed_back(axes, axis, None)
+    }
+
+    /// Whether an axis of the source moves otherwise than by the feedback of this transform, and so moves the target.
+    pub(super) fn source_moves(&self, axes: &Axes, index: usize, transform: &Transform) -> bool {
+        transform.source.iter().any(|axis| {
+            let led = self.leader(axes, *axis).is_some_and(|(other, _)| other.source_moves);
+            axes[*axis].moves_itself() || led || self.is_fed_back(axes, *axis, Some(index))
+        })
+    }
+
+    /// Whether a transform moves an axis, as the axis shows it.
+    pub(crate) fn show_controlled(&self, axis: u16, axes: &mut Axes) {
+        let led = self
+            .leader(axes, axis)
+            .is_some_and(|(transform, _)| transform.source_moves);
+        let fed_back = self.is_fed_back(axes, axis, None);
+        axes[axis].transforms.controlled = led || fed_back;
     }
 }
 
-/// The bit of a transform in an axis's `Linked`, by the place of its target system.
+/// An axis with what moves it besides transforms, which lead it to a point of their generator's frame.
+fn seen(state: &Axis, point: KinematicState) -> KinematicState {
+    let mut total = state.sum.motion_of(|slot| slot != Slot::Transform);
+    let position = state.sum.seen_from(Slot::Transform, Some(point.position));
+    total.position = position.unwrap_or(state.command.position);
+    total.velocity += point.velocity;
+    total.acceleration += point.acceleration;
+    total
+}
+
+/// Joints that the source leads further in an update than their speeds let them are led no more: they brake out of what they
+/// did before. `period`: seconds between both states.
+///
+/// # Errors
+/// 69, or 68 where a joint would turn at once.
+fn within_speeds(
+    transform: &Transform,
+    axes: &Axes,
+    [before, now]: [&Side; 2],
+    period: f64,
+) -> Result<(), MotionError> {
+    if !transform.has_robot_target() {
+        return Ok(());
+    }
+    for (place, axis) in transform.target.iter().enumerate() {
+        let (now, before) = (&now[place], &before[place]);
+        if guard::too_far(before, now, axes[*axis].dynamics.speed, period) {
+            let at_once = (now.position - before.position).abs() > guard::AT_ONCE;
+            return Err(if at_once {
+                MotionError::TransformAtOrigin
+            } else {
+                MotionError::MaxJointVelocityExceeded(AxisIndex(place as u8))
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The same where the target's own motion leads joints back.
+fn within_speeds_back(transform: &Transform, axes: &Axes, feedback: &Side, period: f64) -> Result<(), MotionError> {
+    if transform.robot().is_none() || transform.has_robot_target() {
+        return Ok(());
+    }
+    for (place, axis) in transform.source.iter().enumerate() {
+        // What the joint does besides is not the target's doing.
+        let most = axes[*axis].dynamics.speed + transform.source_before[place].velocity.abs();
+        if guard::too_far(&transform.feedback[place], &feedback[place], most, period) {
+            return Err(MotionError::MaxJointVelocityExceeded(AxisIndex(place as u8)));
+        }
+    }
+    Ok(())
+}
+
+/// The bit of a transform in an axis's part in transforms, by the index of its target system.
 pub(super) fn bit(index: usize) -> u64 {
     const { assert!(MAX_SYSTEMS <= 64) };
     1 << index

@@ -9,13 +9,28 @@
 use arcline_instruction_set::{AxisIndex, Detail, MotionError};
 use arcline_profile::KinematicState;
 
+use super::Present;
 use super::ahead::Ahead;
 use super::compute::bit;
-use super::robot::{RobotMap, positions};
-use super::transform::{Link, Map, Side};
+use super::robot::RobotMap;
+use super::sides::{Side, positions};
+use super::transform::{Map, Transform};
 use crate::axis::sum::Slot;
 use crate::machine::MAX_SYSTEM_AXES;
-use crate::motion::Motion;
+
+/// What is to become of a transform.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Verdict {
+    GoesOn,
+    /// It goes on; what the target has moved by itself becomes part of where the source is, if all stands.
+    Settles,
+    /// The robot will not be able to follow: what moves either side must brake now.
+    Brakes(MotionError),
+    /// The robot cannot follow any more.
+    Fails(MotionError),
+    /// What failed has come to rest.
+    Ends,
+}
 
 /// The joints at an instant of a stop.
 #[derive(Clone, Copy, Debug, Default)]
@@ -61,8 +76,8 @@ struct Bounds {
 
 /// A stop that is looked at.
 struct Stop<'a> {
-    motion: &'a Motion,
-    link: &'a Link,
+    present: Present<'a>,
+    transform: &'a Transform,
     ahead: &'a mut Ahead,
     /// Follows the joints from look to look.
     robot: RobotMap,
@@ -74,32 +89,52 @@ struct Stop<'a> {
     left: u8,
 }
 
-impl Motion {
+impl Present<'_> {
+    /// What is to become of the transform of a target system, once the commands of this update are known.
+    pub(crate) fn verdict(&self, index: usize, ahead: &mut Ahead) -> Verdict {
+        let robot = |transform: &&Transform| transform.robot().is_some();
+        let Some(transform) = self.transforms.get(index).filter(robot) else {
+            return Verdict::GoesOn;
+        };
+        if let Some(error) = transform.failed {
+            return Verdict::Fails(error);
+        }
+        if transform.braking && !self.transforms.moves_either_side(self.axes, transform) {
+            return Verdict::Ends;
+        }
+        match self.look_ahead(index, transform, ahead) {
+            // What has begun since a transform brakes, brakes too.
+            Err(error) => Verdict::Brakes(error),
+            Ok(()) if transform.braking => Verdict::GoesOn,
+            Ok(()) => Verdict::Settles,
+        }
+    }
+
     /// Whether the joints could follow a stop that began at the next update, each within its speed and its travel.
     ///
     /// # Errors
     /// What they would fail with.
-    pub(super) fn look_ahead(&self, index: usize, link: &Link, ahead: &mut Ahead) -> Result<(), MotionError> {
-        let Map::Robot(robot) = &link.map else {
+    fn look_ahead(&self, index: usize, transform: &Transform, ahead: &mut Ahead) -> Result<(), MotionError> {
+        let Map::Robot(robot) = &transform.map else {
             return Ok(());
         };
-        let own = |axis: &u16| self.axes[usize::from(*axis)].moves_itself();
-        if !link.leads_joints() || !(link.leads || link.target().iter().any(own)) {
+        let own = |axis: &u16| self.axes[*axis].moves_itself();
+        if !transform.has_robot_target() || !(transform.source_moves || transform.target.iter().any(own)) {
             return Ok(());
         }
-        if self.is_led_by_others(index, link) {
-            return self.look_straight_on(link, robot);
+        if self.is_led_by_others(index, transform) {
+            return self.look_straight_on(transform, robot);
         }
-        self.plan_ahead(link, ahead);
+        self.plan_ahead(transform, ahead);
         let duration = ahead.duration();
-        let now = self.joints_now(link);
+        let now = self.joints_now(transform);
         let mut stop = Stop {
-            motion: self,
-            link,
+            present: *self,
+            transform,
             ahead,
             robot: *robot,
             now,
-            bounds: self.bounds(link, robot),
+            bounds: self.bounds(transform, robot),
             goals: [Look::default(); DEPTH],
             left: CLOSER,
         };
@@ -115,57 +150,53 @@ impl Motion {
     }
 
     /// The joints now, an update before the stop.
-    fn joints_now(&self, link: &Link) -> Look {
+    fn joints_now(&self, transform: &Transform) -> Look {
         let mut look = Look {
             at: -self.clock.period(),
-            led: link.down,
+            led: transform.target_before,
             own: Side::default(),
         };
-        for (led, offset) in look.led.iter_mut().zip(link.offset) {
+        for (led, offset) in look.led.iter_mut().zip(transform.offset) {
             led.position -= offset;
         }
-        for (axis, own) in link.target().iter().zip(&mut look.own) {
-            *own = self.axes[usize::from(*axis)]
-                .sum
-                .motion_of(|slot| slot != Slot::Transform);
+        for (axis, own) in transform.target.iter().zip(&mut look.own) {
+            *own = self.axes[*axis].sum.motion_of(|slot| slot != Slot::Transform);
         }
         look
     }
 
     /// Whether the source is led by something that is no motion of it, or of a source above it: another target of one of these.
-    fn is_led_by_others(&self, index: usize, link: &Link) -> bool {
-        let (mut chain, mut at) = (bit(index), Some(link));
-        for _ in 0..self.links.len() {
+    fn is_led_by_others(&self, index: usize, transform: &Transform) -> bool {
+        let (mut chain, mut at) = (bit(index), Some(transform));
+        for _ in 0..self.transforms.most() {
             let Some(next) = at else { break };
             let led = |axis: &u16| {
-                let others = self.axes[usize::from(*axis)].linked.led_back_by & !chain;
-                others != 0
-                    && self
-                        .links()
-                        .any(|(index, other)| others & bit(index) != 0 && other.leads_back)
+                let others = self.axes[*axis].transforms.source_of & !chain;
+                let mut all = self.transforms.iter();
+                others != 0 && all.any(|(index, other)| others & bit(index) != 0 && other.target_moves)
             };
-            if next.source().iter().any(led) {
+            if next.source.iter().any(led) {
                 return true;
             }
-            at = self.above_of(next);
-            let above = at.and_then(|above| self.links().find(|(_, other)| std::ptr::eq(*other, above)));
+            let above = self.transforms.above(next);
             chain |= above.map_or(0, |(index, _)| bit(index));
+            at = above.map(|(_, above)| above);
         }
         false
     }
 
     /// The same for a source that others lead too: it is taken to go straight on and to stop at its axes' maxima.
-    fn look_straight_on(&self, link: &Link, robot: &RobotMap) -> Result<(), MotionError> {
+    fn look_straight_on(&self, transform: &Transform, robot: &RobotMap) -> Result<(), MotionError> {
         let mut robot = *robot;
-        let added = self.added_to(link);
-        let mut joints = positions(&link.led);
-        for (joint, (added, offset)) in joints.iter_mut().zip(added.iter().zip(link.offset)) {
+        let added = self.transforms.added_to(self.axes, transform);
+        let mut joints = positions(&transform.target_set_points);
+        for (joint, (added, offset)) in joints.iter_mut().zip(added.iter().zip(transform.offset)) {
             *joint += added.position - offset;
         }
         robot.stand(joints);
         let (mut source, mut seconds) = (Side::default(), self.clock.period());
-        for (axis, point) in link.source().iter().zip(&mut source) {
-            let state = &self.axes[usize::from(*axis)];
+        for (axis, point) in transform.source.iter().zip(&mut source) {
+            let state = &self.axes[*axis];
             *point = KinematicState {
                 acceleration: 0.0,
                 ..state.command
@@ -181,8 +212,8 @@ impl Motion {
             }
             let led = robot.place(&there)?;
             robot.follow_joints(&led);
-            for (place, (axis, joint)) in link.target().iter().zip(&led).enumerate() {
-                if joint.velocity.abs() > self.axes[usize::from(*axis)].dynamics.speed * (1.0 + ROUNDING) {
+            for (place, (axis, joint)) in transform.target.iter().zip(&led).enumerate() {
+                if joint.velocity.abs() > self.axes[*axis].dynamics.speed * (1.0 + ROUNDING) {
                     return Err(MotionError::MaxJointVelocityExceeded(AxisIndex(place as u8)));
                 }
             }
@@ -190,19 +221,19 @@ impl Motion {
         Ok(())
     }
 
-    fn bounds(&self, link: &Link, robot: &RobotMap) -> [Bounds; MAX_SYSTEM_AXES] {
-        let added = self.added_to(link);
+    fn bounds(&self, transform: &Transform, robot: &RobotMap) -> [Bounds; MAX_SYSTEM_AXES] {
+        let added = self.transforms.added_to(self.axes, transform);
         std::array::from_fn(|place| {
             let mut bounds = Bounds {
                 speed: f64::INFINITY,
                 room: [f64::NEG_INFINITY, f64::INFINITY],
                 beyond: MotionError::MaxJointAngleExceeded(AxisIndex(place as u8)),
             };
-            let Some(axis) = link.target().get(place) else {
+            let Some(axis) = transform.target.get(place) else {
                 return bounds;
             };
-            let axis = &self.axes[usize::from(*axis)];
-            let now = link.down[place].position - link.offset[place];
+            let axis = &self.axes[*axis];
+            let now = transform.target_before[place].position - transform.offset[place];
             bounds.speed = axis.dynamics.speed;
             bounds.room = axis.faults.room(axis.command.position).map(|room| now + room);
             if let Some([least, most]) = robot.range(place) {
@@ -228,7 +259,7 @@ impl Stop<'_> {
         self.goals[0] = self.look(at)?;
         while count > 0 {
             let mut next = self.goals[count - 1];
-            if self.link.leads {
+            if self.transform.source_moves {
                 next.led = self.robot.near(next.led);
             }
             match self.between(&before, &next) {
@@ -245,7 +276,7 @@ impl Stop<'_> {
                 Between::Unknown => self.judge(&before, &next)?,
                 Between::Kept => {}
             }
-            if self.link.leads {
+            if self.transform.source_moves {
                 self.robot.follow_joints(&next.led);
             }
             before = next;
@@ -257,13 +288,13 @@ impl Stop<'_> {
     /// # Errors
     /// Where the joints cannot be.
     fn look(&mut self, at: f64) -> Result<Look, MotionError> {
-        self.motion.look_at(self.ahead, at);
+        self.present.look_at(self.ahead, at);
         let mut look = Look { at, ..self.now };
-        if self.link.leads {
-            let source = self.motion.source_ahead(self.link, self.ahead);
+        if self.transform.source_moves {
+            let source = self.present.source_ahead(self.transform, self.ahead);
             look.led = self.robot.place(&source)?;
         }
-        for (axis, own) in self.link.target().iter().zip(&mut look.own) {
+        for (axis, own) in self.transform.target.iter().zip(&mut look.own) {
             *own = self.ahead.step(*axis);
         }
         Ok(look)
@@ -272,7 +303,7 @@ impl Stop<'_> {
     fn between(&self, before: &Look, next: &Look) -> Between {
         let width = next.at - before.at;
         let mut verdict = Between::Kept;
-        for place in 0..self.link.target().len() {
+        for place in 0..self.transform.target.len() {
             let bounds = &self.bounds[place];
             let (from, to) = (before.joint(place), next.joint(place));
             if to.velocity.abs() > bounds.speed * (1.0 + ROUNDING) {
@@ -308,7 +339,7 @@ impl Stop<'_> {
     fn judge(&self, before: &Look, next: &Look) -> Result<(), MotionError> {
         let width = next.at - before.at;
         let mut verdict = Ok(());
-        for place in 0..self.link.target().len() {
+        for place in 0..self.transform.target.len() {
             let way = (next.joint(place).position - before.joint(place).position).abs();
             if way > self.bounds[place].speed * width * (1.0 + NEAR) + SMALL {
                 if way > AT_ONCE {

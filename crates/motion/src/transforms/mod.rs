@@ -1,16 +1,120 @@
 //! Transforms: pairs of coordinate systems that lead each other (spec/coordinated-instructions.md §19, §20).
 //!
-//! What a transform makes of positions is in [`robot`] and [`transform`], what it makes of the axes in [`compute`]; whether a robot
-//! can follow in [`reach`], [`ahead`] and [`guard`]. Nothing allocates.
+//! [`Transforms`] owns those under way and their rules: what a transform makes of positions ([`robot`], [`transform`]), what all of
+//! them make of the axes within a tick ([`compute`]), and how they end ([`cancel`]). Whether a robot can follow is looked at from a
+//! [`Present`]: a path before it begins ([`reach`]), a stop before it is too late ([`ahead`], [`guard`]). What is done about it
+//! is ordered by `Motion` (`crate::motion`). Nothing allocates after [`Transforms::new`].
 
 pub(crate) mod ahead;
 mod cancel;
-mod compute;
-mod failing;
+pub(crate) mod compute;
 mod guard;
-pub(crate) mod reach;
+mod reach;
 pub(crate) mod robot;
 pub(crate) mod shown;
+pub(crate) mod sides;
 pub(crate) mod transform;
 
+use arcline_planner::Clock;
+use arcline_profile::KinematicState;
+
+use crate::axes::{Axes, share};
+use crate::control::Execution;
+use crate::system::System;
 pub(crate) use cancel::Release;
+pub(crate) use guard::Verdict;
+use sides::{Side, add};
+use transform::Transform;
+
+/// Transforms under way.
+#[derive(Debug)]
+pub(crate) struct Transforms {
+    /// At the index of their target system.
+    active: Vec<Option<Transform>>,
+}
+
+/// Axes, coordinate systems and transforms at the present tick, to look ahead from.
+#[derive(Clone, Copy)]
+pub(crate) struct Present<'a> {
+    pub(crate) axes: &'a Axes,
+    pub(crate) systems: &'a [System],
+    pub(crate) transforms: &'a Transforms,
+    pub(crate) clock: &'a Clock,
+}
+
+impl Transforms {
+    /// None yet, in a machine of so many coordinate systems. The only allocation.
+    pub(crate) fn new(systems: usize) -> Self {
+        Transforms {
+            active: vec![None; systems],
+        }
+    }
+
+    /// The most transforms that there can be: one for each target system.
+    pub(crate) fn most(&self) -> usize {
+        self.active.len()
+    }
+
+    /// The transform of a target system.
+    pub(crate) fn get(&self, index: usize) -> Option<&Transform> {
+        self.active.get(index)?.as_ref()
+    }
+
+    fn get_mut(&mut self, index: usize) -> Option<&mut Transform> {
+        self.active.get_mut(index)?.as_mut()
+    }
+
+    /// Transforms under way with the index of their target system.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, &Transform)> {
+        let active = self.active.iter().enumerate();
+        active.filter_map(|(index, transform)| transform.as_ref().map(|transform| (index, transform)))
+    }
+
+    /// The transform that leads the source of another one, with the index of its target system.
+    pub(crate) fn above(&self, transform: &Transform) -> Option<(usize, &Transform)> {
+        self.iter().find(|(_, other)| share(&other.target, &transform.source))
+    }
+
+    /// Whether a system moves axes of the source of a transform, or of one that leads it.
+    fn leads_to(&self, system: &System, transform: &Transform, depth: usize) -> bool {
+        if transform.source.iter().any(|axis| system.has(*axis)) {
+            return true;
+        }
+        let mut others = self.iter();
+        depth > 0
+            && others
+                .any(|(_, above)| share(&above.target, &transform.source) && self.leads_to(system, above, depth - 1))
+    }
+
+    /// How far the source of a transform is led by steps of its own axes, and of those that lead it.
+    fn step_of(&self, transform: &Transform, step: &impl Fn(u16) -> KinematicState, depth: usize) -> Side {
+        let mut whole = Side::default();
+        for (axis, point) in transform.source.iter().zip(&mut whole) {
+            *point = step(*axis);
+        }
+        for (_, above) in self.iter() {
+            if depth == 0 || !share(&above.target, &transform.source) {
+                continue;
+            }
+            let led = above.turned(&self.step_of(above, step, depth - 1));
+            for (axis, led) in above.target.iter().zip(&led) {
+                if let Some(place) = transform.source.index_of(*axis) {
+                    add(&mut whole[place], led);
+                }
+            }
+        }
+        whole
+    }
+
+    /// A transform has failed: what moves either side is to brake. Returns its instruction, if that has not ended before.
+    pub(crate) fn begin_braking(&mut self, index: usize) -> Option<Execution> {
+        let transform = self.get_mut(index)?;
+        transform.braking = true;
+        transform.execution.take()
+    }
+
+    /// Whether anything moves either side of a transform.
+    fn moves_either_side(&self, axes: &Axes, transform: &Transform) -> bool {
+        transform.axes().any(|axis| axes[axis].in_motion())
+    }
+}

@@ -9,10 +9,11 @@ use arcline_instruction_set::{AxisIndex, MotionError};
 use arcline_planner::geometry::{Path, Point as Vector, Turn, angle_rates, angles};
 use arcline_profile::KinematicState;
 
+use super::Present;
 use super::robot::RobotMap;
-use super::transform::{Link, Map, Side, add};
+use super::sides::Side;
+use super::transform::{Map, Transform};
 use crate::dynamics::PathLimits;
-use crate::motion::Motion;
 
 /// What a coordinate system does on a way.
 struct Course<'a> {
@@ -36,9 +37,9 @@ impl PathLimits {
     }
 }
 
-impl Motion {
+impl Present<'_> {
     /// Whether every robot that a coordinate system leads can follow its path, and how fast. `turn`: of the system's orientation on
-    /// the way; without one it stays as it is.
+    /// the path; without one it stays as it is. `heading`: Rx, Ry, Rz at its start, degrees.
     ///
     /// # Errors
     /// 67, 68 or 72: what the transform would fail with on the way, and 72 too for a joint beyond its soft travel.
@@ -47,25 +48,32 @@ impl Motion {
         system: usize,
         path: &Path,
         turn: Option<&Turn>,
+        heading: Vector,
     ) -> Result<PathLimits, MotionError> {
         let mut pace = PathLimits::UNLIMITED;
-        let course = Course {
-            path,
-            turn,
-            heading: self.heading(system),
-        };
-        for (_, link) in self.links() {
-            if link.leads_joints() && !link.braking && self.leads_to(system, link, self.links.len()) {
-                self.verify_course(system, link, &course, &mut pace)?;
-            }
+        let course = Course { path, turn, heading };
+        for transform in self.robots_led_by(system) {
+            self.verify_course(system, transform, &course, &mut pace)?;
         }
         Ok(pace)
     }
 
+    /// Transforms to robots' joints that a coordinate system leads.
+    fn robots_led_by(&self, system: usize) -> impl Iterator<Item = &Transform> {
+        let (transforms, system) = (self.transforms, &self.systems[system]);
+        transforms
+            .iter()
+            .map(|(_, transform)| transform)
+            .filter(move |transform| {
+                let leads = || transforms.leads_to(system, transform, transforms.most());
+                transform.has_robot_target() && !transform.braking && leads()
+            })
+    }
+
     /// How fast the corner between the last move in the queue and a path behind it may be passed: the velocity of a joint changes
     /// there by no more than its limits allow within an update, as that of the source's axes does (spec/coordinated-instructions.md §7.5). `shift`: from the
-    /// queue's positions to those of now. Real-time: one look a link.
-    pub(crate) fn corner_pace(&self, system: usize, path: &Path, shift: &Vector) -> f64 {
+    /// queue's positions to those of now. Real-time: one look a transform.
+    pub(crate) fn corner_speed(&self, system: usize, path: &Path, shift: &Vector) -> f64 {
         let planner = &self.systems[system].planner;
         let active = planner.active().map(|running| &running.motion);
         let Some(last) = planner.last_pending().or(active) else {
@@ -74,23 +82,22 @@ impl Motion {
         let turn = path.start_tangent() - last.path.end_tangent();
         let at = path.start() + shift;
         let mut speed = f64::INFINITY;
-        for (_, link) in self.links() {
-            if link.braking || !link.leads_joints() || !self.leads_to(system, link, self.links.len()) {
-                continue;
-            }
+        for transform in self.robots_led_by(system) {
             let axes = self.systems[system].description.linear();
-            let source = self.when(link, &|axis| {
+            let source = self.when(transform, &|axis| {
                 let place = axes.iter().position(|own| *own == axis);
                 place.map_or_else(KinematicState::default, |place| KinematicState {
-                    position: at[place] - self.axes[usize::from(axis)].command.position,
+                    position: at[place] - self.axes[axis].command.position,
                     velocity: turn[place],
                     acceleration: 0.0,
                 })
             });
             // Where the joints cannot be found the move comes to rest before.
-            let Ok(joints) = link.place(&source) else { return 0.0 };
-            for (axis, joint) in link.target().iter().zip(&joints) {
-                let dynamics = &self.axes[usize::from(*axis)].dynamics;
+            let Ok(joints) = transform.place(&source) else {
+                return 0.0;
+            };
+            for (axis, joint) in transform.target.iter().zip(&joints) {
+                let dynamics = &self.axes[*axis].dynamics;
                 let step = dynamics.acceleration.min(dynamics.deceleration) * self.clock.period();
                 speed = speed.min(step / joint.velocity.abs());
             }
@@ -98,50 +105,25 @@ impl Motion {
         speed
     }
 
-    /// Whether a system moves axes of the source of a link, or of one that leads it.
-    pub(super) fn leads_to(&self, system: usize, link: &Link, depth: usize) -> bool {
-        let own = |axis: &u16| self.systems[system].has(*axis);
-        if link.source().iter().any(own) {
-            return true;
-        }
-        let leads = |above: &Link| above.target().iter().any(|axis| link.source().contains(axis));
-        let mut links = self.links();
-        depth > 0 && links.any(|(_, above)| leads(above) && self.leads_to(system, above, depth - 1))
-    }
-
-    /// Where the source of a link is when axes of it, or of what leads it, are a step from where they are, and how fast.
-    pub(super) fn when(&self, link: &Link, step: &impl Fn(u16) -> KinematicState) -> Side {
-        let mut whole = self.step_of(link, step, self.links.len());
-        for (axis, point) in link.source().iter().zip(&mut whole) {
-            point.position += self.axes[usize::from(*axis)].command.position;
+    /// Where the source of a transform is when axes of it, or of what leads it, are a step from where they are, and how fast.
+    fn when(&self, transform: &Transform, step: &impl Fn(u16) -> KinematicState) -> Side {
+        let mut whole = self.transforms.step_of(transform, step, self.transforms.most());
+        for (axis, point) in transform.source.iter().zip(&mut whole) {
+            point.position += self.axes[*axis].command.position;
         }
         whole
     }
 
-    /// How far the source of a link is led by steps of its own axes, and of those that lead it.
-    pub(super) fn step_of(&self, link: &Link, step: &impl Fn(u16) -> KinematicState, depth: usize) -> Side {
-        let mut whole = Side::default();
-        for (axis, point) in link.source().iter().zip(&mut whole) {
-            *point = step(*axis);
-        }
-        for (_, above) in self.links() {
-            let leads = above.target().iter().any(|axis| link.source().contains(axis));
-            if !leads || depth == 0 {
-                continue;
-            }
-            let led = above.turned(&self.step_of(above, step, depth - 1));
-            for (axis, led) in above.target().iter().zip(&led) {
-                if let Some(place) = link.source().iter().position(|own| own == axis) {
-                    add(&mut whole[place], led);
-                }
-            }
-        }
-        whole
-    }
-
-    /// Where the source of a link is at a share of the way, and how it goes on per unit of the path; the angles are near those
+    /// Where the source of a transform is at a share of the way, and how it goes on per unit of the path; the angles are near those
     /// before, and become these.
-    fn source_on(&self, system: usize, link: &Link, course: &Course<'_>, share: f64, near: &mut Vector) -> Side {
+    fn source_on(
+        &self,
+        system: usize,
+        transform: &Transform,
+        course: &Course<'_>,
+        share: f64,
+        near: &mut Vector,
+    ) -> Side {
         let description = &self.systems[system].description;
         let length = course.path.length();
         let at = course.path.at(share * length);
@@ -152,14 +134,14 @@ impl Motion {
             let [rate, change] = angle_rates(near, &turned.rate, &turned.change);
             [*near, rate, change]
         });
-        self.when(link, &|axis| {
+        self.when(transform, &|axis| {
             let among = |axes: &[u16]| axes.iter().position(|own| *own == axis);
             let moved = among(description.linear()).map(|place| (place, linear));
             let turned = || among(description.oriented()).zip(turned);
             moved
                 .or_else(turned)
                 .map_or_else(KinematicState::default, |(place, of)| KinematicState {
-                    position: of[0][place] - self.axes[usize::from(axis)].command.position,
+                    position: of[0][place] - self.axes[axis].command.position,
                     velocity: of[1][place],
                     acceleration: of[2][place],
                 })
@@ -169,20 +151,20 @@ impl Motion {
     fn verify_course(
         &self,
         system: usize,
-        link: &Link,
+        transform: &Transform,
         course: &Course<'_>,
         pace: &mut PathLimits,
     ) -> Result<(), MotionError> {
-        let Map::Robot(robot) = &link.map else {
+        let Map::Robot(robot) = &transform.map else {
             return Ok(());
         };
         let mut robot = *robot;
         let mut heading = course.heading;
-        let mut source = |share: f64| self.source_on(system, link, course, share, &mut heading);
+        let mut source = |share: f64| self.source_on(system, transform, course, share, &mut heading);
         let length = course.path.length();
         let (mut looks, mut extremes) = (LOOKS, EXTREMES);
         let mut joints = robot.begin(&source(0.0))?;
-        self.verify_joints(link, &joints, pace)?;
+        self.verify_joints(transform, &joints, pace)?;
         let mut here = 0.0;
         for step in 1..=STEPS {
             let goal = f64::from(step) / f64::from(STEPS);
@@ -197,8 +179,8 @@ impl Motion {
                     next = 0.5 * (here + next);
                     continue;
                 }
-                self.verify_joints(link, &there, pace)?;
-                for place in 0..link.target().len() {
+                self.verify_joints(transform, &there, pace)?;
+                for place in 0..transform.target.len() {
                     let way = Between {
                         place,
                         ends: [here, next],
@@ -206,7 +188,7 @@ impl Motion {
                     };
                     if extremes > 0 && way.turns_round(length) {
                         extremes -= 1;
-                        self.verify_extreme(link, &robot, &way, &mut source, pace)?;
+                        self.verify_extreme(transform, &robot, &way, &mut source, pace)?;
                     }
                 }
                 robot.follow_joints(&there);
@@ -222,7 +204,7 @@ impl Motion {
     /// Where a joint turns round between two looks it may not be able to be, however short that part of the path is.
     fn verify_extreme(
         &self,
-        link: &Link,
+        transform: &Transform,
         robot: &RobotMap,
         way: &Between<'_>,
         source: &mut impl FnMut(f64) -> Side,
@@ -233,7 +215,7 @@ impl Motion {
         for _ in 0..HALVES {
             let middle = 0.5 * (low + high);
             let joints = robot.place(&source(middle))?;
-            self.verify_joints(link, &joints, pace)?;
+            self.verify_joints(transform, &joints, pace)?;
             if (joints[way.place].velocity > 0.0) == rises {
                 low = middle;
             } else {
@@ -244,9 +226,9 @@ impl Motion {
     }
 
     /// Within their soft travel; what they do per unit of the path slows it down.
-    fn verify_joints(&self, link: &Link, joints: &Side, pace: &mut PathLimits) -> Result<(), MotionError> {
-        for (place, (axis, joint)) in link.target().iter().zip(joints).enumerate() {
-            let axis = &self.axes[usize::from(*axis)];
+    fn verify_joints(&self, transform: &Transform, joints: &Side, pace: &mut PathLimits) -> Result<(), MotionError> {
+        for (place, (axis, joint)) in transform.target.iter().zip(joints).enumerate() {
+            let axis = &self.axes[*axis];
             if axis.faults.forbids_position(joint.position) {
                 return Err(MotionError::MaxJointAngleExceeded(AxisIndex(place as u8)));
             }

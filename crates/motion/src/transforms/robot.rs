@@ -11,8 +11,8 @@ use arcline_kinematics::{
 use arcline_planner::geometry::{Frame, Point as Vector};
 use arcline_profile::KinematicState;
 
-use super::transform::{Positions, Side};
-use crate::machine::{MAX_PRIMARY_AXES, MAX_SYSTEM_AXES};
+use super::sides::{Positions, Side, positions, side, vectors, wide};
+use crate::machine::{MAX_SYSTEM_AXES, three};
 use crate::material::Frames;
 
 /// How the two sides of a transform lie to each other.
@@ -166,7 +166,7 @@ impl RobotMap {
     }
 
     /// Whether the joints are the target's.
-    pub(super) fn leads_joints(&self) -> bool {
+    pub(super) fn has_robot_target(&self) -> bool {
         self.side == Joints::Target
     }
 
@@ -290,47 +290,6 @@ pub(crate) fn refused(error: KinematicsError) -> MotionError {
         }
         KinematicsError::Origin => MotionError::TransformAtOrigin,
     }
-}
-
-/// The first three.
-pub(crate) fn three<T: Copy>(of: &[T; MAX_SYSTEM_AXES]) -> [T; MAX_PRIMARY_AXES] {
-    [of[0], of[1], of[2]]
-}
-
-/// With nothing behind them.
-fn wide([first, second, third]: [KinematicState; MAX_PRIMARY_AXES]) -> Side {
-    let mut side = Side::default();
-    (side[0], side[1], side[2]) = (first, second, third);
-    side
-}
-
-/// Positions of a side, and nothing else of it.
-pub(super) fn positions(side: &Side) -> Positions {
-    side.map(|point| point.position)
-}
-
-/// A side that stands.
-pub(super) fn at_rest(positions: &Positions) -> Side {
-    positions.map(KinematicState::at_rest)
-}
-
-/// The first three of a side as vectors: position, velocity, acceleration.
-pub(super) fn vectors(side: &Side) -> [Vector; 3] {
-    let mut vectors = [Vector::zeros(); 3];
-    for (place, point) in side.iter().enumerate().take(MAX_PRIMARY_AXES) {
-        vectors[0][place] = point.position;
-        vectors[1][place] = point.velocity;
-        vectors[2][place] = point.acceleration;
-    }
-    vectors
-}
-
-pub(super) fn side([position, velocity, acceleration]: [Vector; 3]) -> Side {
-    wide([0, 1, 2].map(|place| KinematicState {
-        position: position[place],
-        velocity: velocity[place],
-        acceleration: acceleration[place],
-    }))
 }
 
 /// A source axis this near, units, stands where the target says.

@@ -5,9 +5,10 @@
 use arcline_kinematics::{Configuration, Turns};
 use arcline_planner::geometry::Point as Vector;
 
-use super::transform::{Link, Positions};
-use crate::motion::Motion;
-use crate::order::Step;
+use super::compute::Part;
+use super::sides::Positions;
+use super::{Present, Transforms};
+use crate::axes::Axes;
 
 /// A coordinate system's part in transforms under way.
 #[derive(Clone, Copy, Debug)]
@@ -29,29 +30,41 @@ pub(crate) struct RobotShown {
     pub(crate) tool_change: bool,
 }
 
-impl Motion {
+impl Present<'_> {
+    /// A coordinate system's part in the transforms under way.
+    pub(crate) fn role(&self, index: usize) -> Role {
+        Role {
+            source: self
+                .transforms
+                .iter()
+                .any(|(_, transform)| transform.source_system == index),
+            target: self.transforms.get(index).is_some(),
+            robot: self.robot_shown(index),
+        }
+    }
+
     /// What a coordinate system shows of the robot with a wrist that it is, or that it leads first.
-    pub(crate) fn robot_shown(&self, index: usize) -> RobotShown {
+    fn robot_shown(&self, index: usize) -> RobotShown {
         let system = &self.systems[index];
         if !system.is_oriented() {
             return RobotShown::default();
         }
-        let mut links = self.links();
-        let own = links.find(|(target, link)| *target == index || link.from == index);
-        let linked = own.and_then(|(target, link)| Some((target, link, link.robot()?.wrist()?)));
+        let mut transforms = self.transforms.iter();
+        let own = transforms.find(|(target, transform)| *target == index || transform.source_system == index);
+        let linked = own.and_then(|(target, transform)| Some((target, transform, transform.robot()?.wrist()?)));
         let robot = linked.map_or(index, |(target, ..)| target);
         let joints = &self.systems[robot].description.axes;
         let solution = match &self.systems[robot].wrist {
             Some(Ok(wrist)) => {
                 let mut at = Positions::default();
                 for (at, axis) in at.iter_mut().zip(joints) {
-                    *at = self.axes[usize::from(*axis)].command.position;
+                    *at = self.axes[*axis].command.position;
                 }
                 wrist.solution(&at)
             }
             _ => Default::default(),
         };
-        let Some((_, link, wrist)) = linked else {
+        let Some((_, transform, wrist)) = linked else {
             return RobotShown {
                 solution,
                 ..RobotShown::default()
@@ -62,43 +75,33 @@ impl Motion {
             frames: [tool, work],
             solution,
             tool: wrist.tool(),
-            tool_change: !link.braking && !self.moves_either_side(link),
+            tool_change: !transform.braking && !self.transforms.moves_either_side(self.axes, transform),
         }
     }
+}
 
-    /// Who leads whom once what has come to its end in this update is over.
-    pub(crate) fn show_transforms(&mut self) {
-        for place in 0..self.order.len() {
-            match self.order.step(place) {
-                Some(Step::Back(index)) => {
-                    let index = usize::from(index);
-                    if let Some(link) = self.links[index] {
-                        let leads = link.target().iter().any(|axis| self.leads_by_itself(*axis));
-                        self.set_leads(index, |link| link.leads_back = leads);
-                    }
+impl Transforms {
+    /// A part of what transforms show once what has come to its end in this update is over: which side moves the other one.
+    pub(crate) fn show(&mut self, part: Part, axes: &Axes) {
+        match part {
+            Part::Before(_) => {}
+            Part::Feedback(index) => {
+                let index = usize::from(index);
+                let Some(transform) = self.get(index) else { return };
+                let mut target = transform.target.iter();
+                let moves = target.any(|axis| self.moves_by_itself(axes, *axis));
+                if let Some(transform) = self.get_mut(index) {
+                    transform.target_moves = moves;
                 }
-                Some(Step::Lead(index)) => {
-                    let index = usize::from(index);
-                    if let Some(link) = self.links[index] {
-                        let leads = link.source().iter().any(|axis| self.leads_on(*axis, index));
-                        self.set_leads(index, |link| link.leads = leads);
-                    }
+            }
+            Part::SetPoints(index) => {
+                let index = usize::from(index);
+                let Some(transform) = self.get(index) else { return };
+                let moves = self.source_moves(axes, index, transform);
+                if let Some(transform) = self.get_mut(index) {
+                    transform.source_moves = moves;
                 }
-                Some(Step::Whole(axis)) if self.axes[usize::from(axis)].is_linked() => self.show_controlled(axis),
-                _ => {}
             }
         }
-    }
-
-    fn set_leads(&mut self, index: usize, set: impl FnOnce(&mut Link)) {
-        if let Some(link) = &mut self.links[index] {
-            set(link);
-        }
-    }
-
-    pub(super) fn show_controlled(&mut self, axis: u16) {
-        let led = self.leader(axis).is_some_and(|(link, _)| link.leads);
-        let led_back = self.is_led_back(axis, None);
-        self.axes[usize::from(axis)].linked.controlled = led || led_back;
     }
 }

@@ -4,81 +4,75 @@
 //! ([`super::robot`]). Nothing allocates. Units: position units, degrees of joints, seconds.
 
 use arcline_instruction_set::MotionError;
-use arcline_profile::KinematicState;
 
 pub(crate) use super::robot::Map;
-use super::robot::{RobotMap, at_rest, positions, side, vectors};
+use super::robot::RobotMap;
+use super::sides::{Positions, Side, SideAxes, add, at_rest, positions, side, vectors};
 use crate::control::Execution;
-use crate::machine::MAX_SYSTEM_AXES;
 
-/// Position, velocity and acceleration of each axis of one side.
-pub(crate) type Side = [KinematicState; MAX_SYSTEM_AXES];
-
-/// A position of each axis of one side.
-pub(crate) type Positions = [f64; MAX_SYSTEM_AXES];
-
-/// A transform under way. It is kept at the place of its target system.
+/// A transform under way.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Link {
+pub(crate) struct Transform {
     pub(crate) execution: Option<Execution>,
-    /// Place of the source system.
-    pub(crate) from: usize,
+    /// Index of the source system; that of the target system is the transform's own in [`super::Transforms`].
+    pub(crate) source_system: usize,
     pub(super) map: Map,
-    pub(super) source: [u16; MAX_SYSTEM_AXES],
-    pub(super) target: [u16; MAX_SYSTEM_AXES],
-    /// Axes of the source and of the target.
-    pub(super) counts: [usize; 2],
+    /// Axes of the source, in the order of its system.
+    pub(crate) source: SideAxes,
+    /// Axes of the target, in the order of its system.
+    pub(crate) target: SideAxes,
     /// What the target was off the transformed source at the start, in the frames of its axes' generators.
     pub(super) offset: Positions,
     /// What had been added to the target at the start.
-    pub(super) added_from: Positions,
-    /// What later targets had led the source back by when their transforms were cancelled: part of where it is, but not of `above`.
-    pub(super) beside: Positions,
-    /// Where the source is without what this target and later ones lead it back by.
-    pub(super) above: Side,
+    pub(super) added_at_start: Positions,
+    /// The feedback of later transforms of the same source that were cancelled: part of where the source is, but not of
+    /// `source_before`.
+    pub(super) cancelled_feedback: Positions,
+    /// Where the source is before the feedback of this transform and of later ones.
+    pub(super) source_before: Side,
     /// Where that leads the target, in the frames of its axes' generators.
-    pub(super) down: Side,
-    /// Where the target is led to, in the frames of its axes' generators.
-    pub(super) led: Side,
+    pub(super) target_before: Side,
+    /// Where the whole source leads the target, in the frames of its axes' generators.
+    pub(super) target_set_points: Side,
     /// What the target's own motion adds to the source.
-    pub(super) back: Side,
-    /// Whether the source moves, or is held to be moved, and so leads.
-    pub(super) leads: bool,
-    /// The same of the target's own motion.
-    pub(super) leads_back: bool,
+    pub(super) feedback: Side,
+    /// Whether the source moves, or is held to be moved, and so moves the target.
+    pub(super) source_moves: bool,
+    /// Whether the target moves, or is held to be moved, otherwise than by this transform, and so moves the source.
+    pub(super) target_moves: bool,
     /// Why the target could not be led on; it goes on straight meanwhile.
     pub(super) failed: Option<MotionError>,
     /// It has failed: what moves either side brakes, and then it ends.
     pub(crate) braking: bool,
 }
 
-impl Link {
-    pub(crate) fn new(execution: Option<Execution>, from: usize, map: Map, source: &[u16], target: &[u16]) -> Self {
-        let mut link = Link {
+impl Transform {
+    /// A transform at rest, before [`super::Transforms::begin`]. `source_system`: its index.
+    pub(crate) fn new(
+        execution: Option<Execution>,
+        source_system: usize,
+        map: Map,
+        source: &[u16],
+        target: &[u16],
+    ) -> Self {
+        Transform {
             execution,
-            from,
+            source_system,
             map,
-            source: [0; MAX_SYSTEM_AXES],
-            target: [0; MAX_SYSTEM_AXES],
-            counts: [source, target].map(|axes| axes.len().min(MAX_SYSTEM_AXES)),
+            source: source.iter().copied().collect(),
+            target: target.iter().copied().collect(),
             offset: Positions::default(),
-            added_from: Positions::default(),
-            beside: Positions::default(),
-            above: Side::default(),
-            down: Side::default(),
-            led: Side::default(),
-            back: Side::default(),
-            leads: false,
-            leads_back: false,
+            added_at_start: Positions::default(),
+            cancelled_feedback: Positions::default(),
+            source_before: Side::default(),
+            target_before: Side::default(),
+            target_set_points: Side::default(),
+            feedback: Side::default(),
+            source_moves: false,
+            target_moves: false,
             failed: None,
             braking: false,
-        };
-        for (places, axes) in [(&mut link.source, source), (&mut link.target, target)] {
-            for (place, axis) in places.iter_mut().zip(axes) {
-                *place = *axis;
-            }
         }
-        link
     }
 
     /// One that turns and shifts nothing.
@@ -86,22 +80,17 @@ impl Link {
     pub(crate) fn between(source: &[u16], target: &[u16]) -> Self {
         use arcline_planner::geometry::{Frame, Point as Vector};
         let map = Map::Frames(Frame::new(Vector::zeros(), Vector::zeros()));
-        Link::new(None, 0, map, source, target)
+        Transform::new(None, 0, map, source, target)
     }
 
-    /// Axes of the source, in the order of its system.
-    pub(crate) fn source(&self) -> &[u16] {
-        &self.source[..self.counts[0]]
-    }
-
-    /// Axes of the target, in the order of its system.
-    pub(crate) fn target(&self) -> &[u16] {
-        &self.target[..self.counts[1]]
+    /// The axes of the source, then those of the target.
+    pub(crate) fn axes(&self) -> impl Iterator<Item = u16> {
+        self.source.iter().chain(self.target.iter()).copied()
     }
 
     /// Whether an axis is on either side.
     pub(crate) fn has(&self, axis: u16) -> bool {
-        self.source().contains(&axis) || self.target().contains(&axis)
+        self.axes().any(|own| own == axis)
     }
 
     /// The robot at one end.
@@ -130,17 +119,17 @@ impl Link {
         Ok(placed)
     }
 
-    /// What has been added to the target leads the source by this.
+    /// The feedback to the source of what has been added to the target.
     ///
     /// # Errors
     /// Where a robot cannot be.
-    pub(super) fn turn_back(&self, added: &Side) -> Result<Side, MotionError> {
+    pub(super) fn feedback_of(&self, added: &Side) -> Result<Side, MotionError> {
         match &self.map {
             Map::Frames(frame) => Ok(side(vectors(added).map(|vector| frame.turn_back(&vector)))),
             Map::Robot(_) if *added == Side::default() => Ok(Side::default()),
             Map::Robot(robot) => {
                 let mut back = robot.place_back(&self.with(added))?;
-                for (back, above) in back.iter_mut().zip(&self.above) {
+                for (back, above) in back.iter_mut().zip(&self.source_before) {
                     back.position -= above.position;
                     back.velocity -= above.velocity;
                     back.acceleration -= above.acceleration;
@@ -150,9 +139,9 @@ impl Link {
         }
     }
 
-    /// Where the source leads the target, with what is added to that.
+    /// Where the source leads the target before any feedback, with what is added to that.
     pub(super) fn with(&self, added: &Side) -> Side {
-        let mut whole = self.down;
+        let mut whole = self.target_before;
         for ((whole, added), offset) in whole.iter_mut().zip(added).zip(self.offset) {
             whole.position -= offset;
             add(whole, added);
@@ -160,14 +149,14 @@ impl Link {
         whole
     }
 
-    /// Whether others lead the target elsewhere than where the source leads it without them.
-    pub(super) fn is_led_aside(&self) -> bool {
-        positions(&self.down) != positions(&self.led)
+    /// Whether the feedback of others leads the target elsewhere than the source does without it.
+    pub(super) fn is_led_by_others(&self) -> bool {
+        positions(&self.target_before) != positions(&self.target_set_points)
     }
 
     /// Whether its target is a robot's joints.
-    pub(super) fn leads_joints(&self) -> bool {
-        self.robot().is_some_and(RobotMap::leads_joints)
+    pub(super) fn has_robot_target(&self) -> bool {
+        self.robot().is_some_and(RobotMap::has_robot_target)
     }
 
     /// A step of the source as one of the target; none behind a robot's joints.
@@ -183,8 +172,8 @@ impl Link {
         if let Map::Robot(robot) = &mut self.map
             && robot.wrist().is_some()
         {
-            let mut whole = self.above;
-            for (whole, back) in whole.iter_mut().zip(&self.back) {
+            let mut whole = self.source_before;
+            for (whole, back) in whole.iter_mut().zip(&self.feedback) {
                 add(whole, back);
             }
             robot.follow_turn(&whole);
@@ -194,7 +183,12 @@ impl Link {
     /// It cannot be led on: the target goes straight on for an update.
     pub(super) fn fail(&mut self, error: MotionError, period: f64) {
         self.failed = Some(error);
-        for point in self.down.iter_mut().chain(&mut self.led).chain(&mut self.back) {
+        for point in self
+            .target_before
+            .iter_mut()
+            .chain(&mut self.target_set_points)
+            .chain(&mut self.feedback)
+        {
             point.position += point.velocity * period;
             point.acceleration = 0.0;
         }
@@ -219,11 +213,4 @@ impl Link {
     pub(crate) fn verify(&self, source: &Positions) -> Result<(), MotionError> {
         self.place(&at_rest(source)).map(drop)
     }
-}
-
-/// One motion on top of another.
-pub(super) fn add(total: &mut KinematicState, more: &KinematicState) {
-    total.position += more.position;
-    total.velocity += more.velocity;
-    total.acceleration += more.acceleration;
 }

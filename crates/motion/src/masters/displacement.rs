@@ -1,0 +1,223 @@
+//! How far a master has gone since a follower was locked to it (spec/coordinated-instructions.md §8.5, §8.6).
+//!
+//! A follower is locked at a position of its master, or at once. In one direction the displacement is the furthest that the master
+//! has gone: what it goes back changes nothing, and from the furthest position on it is followed again. Nothing is integrated: a
+//! displacement is a difference of two positions. Units: master units.
+
+use super::master::Reader;
+
+/// In which direction a master is followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sense {
+    Forward,
+    Reverse,
+}
+
+impl Sense {
+    /// 1 or -1.
+    pub(crate) fn sign(self) -> f64 {
+        match self {
+            Sense::Forward => 1.0,
+            Sense::Reverse => -1.0,
+        }
+    }
+}
+
+/// A position that a master crosses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Crossing {
+    pub(crate) position: f64,
+    /// Only a master that moves in this direction crosses it.
+    pub(crate) sense: Option<Sense>,
+    /// Length of a turn of a rotary master, on each of which it lies once.
+    pub(crate) unwind: Option<f64>,
+}
+
+impl Crossing {
+    /// Where a master that went from one position to another has crossed it; one that stood on it has not.
+    pub(crate) fn crossed(&self, from: f64, to: f64) -> Option<f64> {
+        let sense = if to > from { Sense::Forward } else { Sense::Reverse };
+        if from == to || self.sense.is_some_and(|only| only != sense) {
+            return None;
+        }
+        let next = self.next(from, sense);
+        let (ahead, beyond) = (sense.sign() * (next - from), sense.sign() * (to - next));
+        (ahead > 0.0 && beyond >= 0.0).then_some(next)
+    }
+
+    /// The position by so much further.
+    fn shifted(&self, by: f64) -> Self {
+        Crossing {
+            position: self.position + by,
+            ..*self
+        }
+    }
+
+    /// Where a master that goes on in a direction comes to it; behind the master, if it lies there.
+    fn next(&self, from: f64, sense: Sense) -> f64 {
+        match self.unwind {
+            None => self.position,
+            Some(unwind) => {
+                let turns = sense.sign() * (from - self.position) / unwind;
+                self.position + sense.sign() * (turns.floor() + 1.0) * unwind
+            }
+        }
+    }
+}
+
+/// How far the lock has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Lock {
+    /// Until the master crosses a position.
+    Waiting(Crossing),
+    /// Until the master goes in the direction that is followed.
+    Starting,
+    Locked,
+}
+
+/// What a master does for its follower in an update.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Going {
+    /// It has not come to the lock.
+    Waits,
+    /// It goes on.
+    On,
+    /// It is where it has been furthest.
+    Stands,
+    /// It went back, and has not come to the furthest position again.
+    Back,
+}
+
+/// The displacement of a master since the lock.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Displacement {
+    lock: Lock,
+    /// The only direction that is followed.
+    sense: Option<Sense>,
+    /// Where the displacement begins.
+    pub(super) from: f64,
+    /// In the direction that is followed: never less than before.
+    pub(super) furthest: f64,
+}
+
+impl Displacement {
+    /// From where a master is now, at once; with `starting` as soon as the master goes in the direction that is followed.
+    pub(super) fn at_once(sense: Option<Sense>, from: f64, starting: bool) -> Self {
+        Displacement {
+            lock: if starting { Lock::Starting } else { Lock::Locked },
+            sense,
+            from,
+            furthest: 0.0,
+        }
+    }
+
+    /// From a position that the master will cross.
+    pub(super) fn behind(crossing: Crossing, sense: Option<Sense>, from: f64) -> Self {
+        Displacement {
+            lock: Lock::Waiting(crossing),
+            ..Displacement::at_once(sense, from, false)
+        }
+    }
+
+    /// Begins again at a position.
+    pub(super) fn restart(&mut self, from: f64) {
+        *self = Displacement::at_once(self.sense, from, false);
+    }
+
+    /// What the master has done since the tick before. `shift`: from the position of the lock to that of the reader.
+    pub(super) fn go_on(&mut self, master: &Reader, shift: f64) -> Going {
+        let now = master.now.position;
+        let mut locks = false;
+        if let Lock::Waiting(crossing) = self.lock {
+            let Some(crossed) = crossing.shifted(shift).crossed(master.before, now) else {
+                return Going::Waits;
+            };
+            self.restart(crossed);
+            locks = true;
+        }
+        let Some(sense) = self.sense else {
+            return Going::On;
+        };
+        let gone = sense.sign() * (now - self.from);
+        if gone > self.furthest || locks {
+            self.lock = Lock::Locked;
+            self.furthest = gone;
+            return Going::On;
+        }
+        if self.lock == Lock::Starting {
+            // It begins where the master turns to the direction that is followed.
+            self.from = now;
+        }
+        if gone < self.furthest {
+            Going::Back
+        } else {
+            Going::Stands
+        }
+    }
+
+    /// Whether the lock lies in the direction that is followed, seen from where the master was at the tick before; `shift` as in
+    /// [`Displacement::go_on`].
+    pub(super) fn is_ahead(&self, master: &Reader, shift: f64) -> bool {
+        match (self.lock, self.sense) {
+            (Lock::Waiting(crossing), Some(sense)) => {
+                let next = crossing.shifted(shift).next(master.before, sense);
+                sense.sign() * (next - master.before) > 0.0
+            }
+            _ => true,
+        }
+    }
+
+    /// Whether the lock waits for a position.
+    pub(super) fn is_waiting(&self) -> bool {
+        matches!(self.lock, Lock::Waiting(_))
+    }
+
+    /// Whether the lock has closed, and the master has gone in the direction that is followed since.
+    pub(super) fn is_locked(&self) -> bool {
+        self.lock == Lock::Locked
+    }
+
+    /// How far the master has gone, with its sign.
+    pub(super) fn gone(&self, master: &Reader) -> f64 {
+        match self.sense {
+            Some(sense) => sense.sign() * self.furthest,
+            None => master.now.position - self.from,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use Sense::{Forward, Reverse};
+
+    use super::*;
+
+    #[test]
+    fn positions_are_crossed_where_they_lie() {
+        #[rustfmt::skip]
+        let cases = [
+            // why,                        position, sense,         unwind,       from,   to,    crossed
+            ("forward",                    5.0,      None,       None,         4.0,    6.0,   Some(5.0)),
+            ("up to it",                   5.0,      None,       None,         4.0,    5.0,   Some(5.0)),
+            ("from it",                    5.0,      None,       None,         5.0,    6.0,   None),
+            ("not as far",                 5.0,      None,       None,         4.0,    4.9,   None),
+            ("reverse",                    5.0,      None,       None,         6.0,    4.0,   Some(5.0)),
+            ("the other way",              5.0,      Some(Forward), None,         6.0,    4.0,   None),
+            ("that way",                   5.0,      Some(Reverse), None,         6.0,    4.0,   Some(5.0)),
+            ("at rest",                    5.0,      None,       None,         5.0,    5.0,   None),
+            ("the next turn",              10.0,     None,       Some(360.0),  360.0,  371.0, Some(370.0)),
+            ("on it, the next turn",       10.0,     None,       Some(360.0),  10.0,   370.0, Some(370.0)),
+            ("below zero",                 10.0,     None,       Some(360.0),  -360.0, -340.0, Some(-350.0)),
+            ("reverse over a turn",        10.0,     Some(Reverse), Some(360.0),  375.0,  365.0, Some(370.0)),
+            ("reverse, on it",             10.0,     None,       Some(360.0),  370.0,  369.0, None),
+        ];
+        for (why, position, sense, unwind, from, to, expected) in cases {
+            let crossing = Crossing {
+                position,
+                sense,
+                unwind,
+            };
+            assert_eq!(crossing.crossed(from, to), expected, "{why}");
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Transforms from one tick to the next, and what happens when a robot cannot follow (spec/coordinated-instructions.md §19.8): the
+//! MCT shows the error, what leads the joints brakes on its path as long as they can follow, and the transform is over when all
+//! stands.
+//!
+//! That is looked for ahead, over the path of a stop (`crate::transforms`): so the joints stay on the path to the end, within
+//! their speeds. Real-time: nothing allocates; bounded by the transforms, the coordinate systems and the axes.
+
+use arcline_instruction_set::MotionError;
+
+use super::Motion;
+use crate::axes::share;
+use crate::axis::sum::Slot;
+use crate::cause::Cause;
+use crate::stop::AxisSet;
+use crate::transforms::ahead::path_stop;
+use crate::transforms::{Present, Release, Verdict};
+
+impl Motion {
+    /// Axes, coordinate systems and transforms as they are, to look ahead from.
+    pub(crate) fn present(&self) -> Present<'_> {
+        Present {
+            axes: &self.axes,
+            systems: &self.systems,
+            transforms: &self.transforms,
+            clock: &self.clock,
+        }
+    }
+
+    /// Once an update, when commands are known: what robots have moved by themselves becomes part of where their sources
+    /// are, transforms whose robots will not be able to follow begin to brake, those whose robots cannot follow any more end.
+    pub(super) fn look_after_transforms(&mut self) {
+        for index in 0..self.transforms.most() {
+            let present = Present {
+                axes: &self.axes,
+                systems: &self.systems,
+                transforms: &self.transforms,
+                clock: &self.clock,
+            };
+            match present.verdict(index, &mut self.ahead) {
+                Verdict::GoesOn => {}
+                Verdict::Settles => self.transforms.settle(index, &mut self.axes),
+                Verdict::Brakes(error) => self.fail_transform(index, error),
+                Verdict::Fails(error) => {
+                    self.fail_transform(index, error);
+                    self.cancel_transform(index, &Release::default());
+                }
+                Verdict::Ends => {
+                    self.cancel_transform(index, &Release::default());
+                }
+            }
+        }
+        self.transforms.join_cancelled_feedback(&self.axes);
+    }
+
+    /// Cancels every transform that an axis is part of; what they moved brakes at the maxima of the coordinate systems.
+    pub(crate) fn cancel_transforms_of(&mut self, axis: u16) {
+        if !self.axes[axis].is_transformed() {
+            return;
+        }
+        for index in 0..self.transforms.most() {
+            if self.transforms.get(index).is_some_and(|transform| transform.has(axis)) {
+                self.cancel_transform(index, &Release::default());
+            }
+        }
+    }
+
+    /// Cancels the transform of a target system. Returns the axes that brake.
+    pub(crate) fn cancel_transform(&mut self, index: usize, release: &Release) -> AxisSet {
+        let now = self.clock.now();
+        let Motion {
+            transforms,
+            axes,
+            systems,
+            ..
+        } = self;
+        let Some(cancelled) = transforms.cancel(index, release, axes, systems, now) else {
+            return AxisSet::default();
+        };
+        if let Some(execution) = cancelled.execution {
+            self.end_move(execution, 0);
+        }
+        cancelled.braking
+    }
+
+    /// The instruction shows the error; everything that leads the target, and the target itself, begins to brake.
+    fn fail_transform(&mut self, index: usize, error: MotionError) {
+        if let Some(execution) = self.transforms.begin_braking(index) {
+            self.controls.fail(execution, error, self.clock.tick);
+            self.controls.because(execution.into());
+        }
+        if let Some(target) = self.transforms.get(index).map(|transform| transform.target) {
+            self.brake_what_moves(&target);
+        }
+        // From the source up to where the chain of transforms begins.
+        let mut next = Some(index);
+        for _ in 0..self.transforms.most() {
+            let Some(transform) = next.and_then(|index| self.transforms.get(index)) else {
+                break;
+            };
+            let source = transform.source;
+            next = self.transforms.above(transform).map(|(index, _)| index);
+            self.brake_what_moves(&source);
+            // Other targets of it lead it too.
+            for other in 0..self.transforms.most() {
+                let other = self.transforms.get(other).filter(|other| share(&other.source, &source));
+                if let Some(target) = other.map(|other| other.target) {
+                    self.brake_what_moves(&target);
+                }
+            }
+        }
+        self.controls.because(Cause::Itself);
+    }
+
+    /// What brakes already brakes at the guard's rates, if that is sooner at rest.
+    fn brake_what_moves(&mut self, axes: &[u16]) {
+        for index in 0..self.systems.len() {
+            let system = &self.systems[index];
+            if system.is_busy() && share(axes, system.taken()) {
+                let limits = path_stop(system);
+                self.cancel_pending(index);
+                self.end_active(index);
+                self.stop_on_path_at_once(index, &limits);
+            }
+        }
+        for axis in axes {
+            let limits = self.axes[*axis].guarded_stop();
+            for slot in Slot::ALL.into_iter().filter(|slot| slot.is_single_axis()) {
+                self.stop_generator_soonest(*axis, slot, &limits);
+            }
+        }
+    }
+}

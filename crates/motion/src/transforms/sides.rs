@@ -1,0 +1,62 @@
+//! The axes of one side of a transform, and where they are.
+//!
+//! Units: position units or degrees, seconds.
+
+use arcline_planner::geometry::Point as Vector;
+use arcline_profile::KinematicState;
+
+use crate::axes::AxisList;
+use crate::machine::{MAX_PRIMARY_AXES, MAX_SYSTEM_AXES};
+
+/// Position, velocity and acceleration of each axis of one side.
+pub(crate) type Side = [KinematicState; MAX_SYSTEM_AXES];
+
+/// The axes of one side.
+pub(crate) type SideAxes = AxisList<MAX_SYSTEM_AXES>;
+
+/// A position of each axis of one side.
+pub(crate) type Positions = [f64; MAX_SYSTEM_AXES];
+
+/// A side with nothing behind its first three axes.
+pub(super) fn wide([first, second, third]: [KinematicState; MAX_PRIMARY_AXES]) -> Side {
+    let mut side = Side::default();
+    (side[0], side[1], side[2]) = (first, second, third);
+    side
+}
+
+/// Positions of a side, and nothing else of it.
+pub(super) fn positions(side: &Side) -> Positions {
+    side.map(|point| point.position)
+}
+
+/// A side that stands.
+pub(super) fn at_rest(positions: &Positions) -> Side {
+    positions.map(KinematicState::at_rest)
+}
+
+/// The first three of a side as vectors: position, velocity, acceleration.
+pub(super) fn vectors(side: &Side) -> [Vector; 3] {
+    let mut vectors = [Vector::zeros(); 3];
+    for (place, point) in side.iter().enumerate().take(MAX_PRIMARY_AXES) {
+        vectors[0][place] = point.position;
+        vectors[1][place] = point.velocity;
+        vectors[2][place] = point.acceleration;
+    }
+    vectors
+}
+
+/// A side of three axes.
+pub(super) fn side([position, velocity, acceleration]: [Vector; 3]) -> Side {
+    wide([0, 1, 2].map(|place| KinematicState {
+        position: position[place],
+        velocity: velocity[place],
+        acceleration: acceleration[place],
+    }))
+}
+
+/// One motion on top of another.
+pub(super) fn add(total: &mut KinematicState, more: &KinematicState) {
+    total.position += more.position;
+    total.velocity += more.velocity;
+    total.acceleration += more.acceleration;
+}
