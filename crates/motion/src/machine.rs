@@ -424,6 +424,11 @@ fn place<'a>(mut names: impl Iterator<Item = &'a str>, name: &str) -> Option<u16
         .and_then(|place| u16::try_from(place).ok())
 }
 
+/// The first three of what each axis of a coordinate system has: those of its primary axes, or of an arm's joints.
+pub(crate) fn three<T: Copy>(of: &[T; MAX_SYSTEM_AXES]) -> [T; MAX_PRIMARY_AXES] {
+    [of[0], of[1], of[2]]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -453,9 +458,4 @@ mod tests {
         assert!((default_jerk(92.083336, 894.4814) - 8688.8).abs() < 0.1);
         assert_eq!(default_jerk(0.0, 1.0), 0.0);
     }
-}
-
-/// The first three of what each axis of a coordinate system has: those of its primary axes, or of an arm's joints.
-pub(crate) fn three<T: Copy>(of: &[T; MAX_SYSTEM_AXES]) -> [T; MAX_PRIMARY_AXES] {
-    [of[0], of[1], of[2]]
 }

@@ -9,19 +9,19 @@
 
 mod course;
 mod element;
+mod execution_target;
 mod program;
-mod target;
 mod windows;
 
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
+pub(crate) use execution_target::{Arming, Outcome, Program, Target, Word};
 pub use program::{BitCompensation, CamElement, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS, OutputCam, OutputCamError};
-pub(crate) use target::{Arming, Outcome, Program, Target, Word};
 
 use crate::control::Execution;
 use arcline_instruction_set::enumerations::Reference;
-use target::{Edge, MOST_EDGES};
+use execution_target::{Edge, MOST_EDGES};
 
 /// The execution targets of one axis.
 #[derive(Clone, Debug)]

@@ -9,7 +9,7 @@ use super::super::element::{Effect, Happens, State};
 use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS};
 use super::super::windows::{Turns, Window};
 use super::way::Piece;
-use super::{ACTIVE, Lane, PENDING, Phase, TAIL, Target};
+use super::{ACTIVE, CamState, PENDING, Phase, TAIL, Target};
 
 /// An event within an update.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +18,7 @@ pub(in crate::output) struct Edge {
     /// How far from the beginning of the update.
     along: f64,
     what: Happens,
-    lane: usize,
+    cam_index: usize,
     element: usize,
 }
 
@@ -29,13 +29,13 @@ impl Target {
     /// The events between two shares of an update.
     pub(super) fn run(&mut self, piece: &Piece, from: f64, until: f64, clock: &Clock, edges: &mut Vec<Edge>) {
         edges.clear();
-        for &lane in self.live() {
-            for place in 0..self.lanes[lane].states.len() {
-                if self.state(lane, place).passed {
+        for &cam_index in self.live() {
+            for place in 0..self.cams[cam_index].states.len() {
+                if self.state(cam_index, place).passed {
                     continue;
                 }
                 for latch in [true, false] {
-                    let (course, window) = self.signal(piece, lane, place, latch);
+                    let (course, window) = self.signal(piece, cam_index, place, latch);
                     let crossed = window.crossed(course.from, course.to);
                     let [entered, left] = if latch {
                         [Happens::LatchEntered, Happens::LatchLeft]
@@ -50,7 +50,7 @@ impl Target {
                                 share,
                                 along: (value - course.from).abs(),
                                 what,
-                                lane,
+                                cam_index,
                                 element: place,
                             });
                         }
@@ -63,26 +63,26 @@ impl Target {
         for edge in edges.iter() {
             let at = instant(piece, edge.share, clock);
             self.expire(at, clock);
-            let again = edge.what == Happens::LatchEntered && self.state(edge.lane, edge.element).is_in(true);
+            let again = edge.what == Happens::LatchEntered && self.state(edge.cam_index, edge.element).is_in(true);
             if again {
                 // More than one turn in an update.
-                self.happens(edge.lane, edge.element, Happens::UnlatchLeft, at);
-                self.happens(edge.lane, edge.element, Happens::UnlatchEntered, at);
+                self.happens(edge.cam_index, edge.element, Happens::UnlatchLeft, at);
+                self.happens(edge.cam_index, edge.element, Happens::UnlatchEntered, at);
             }
-            self.happens(edge.lane, edge.element, edge.what, at);
+            self.happens(edge.cam_index, edge.element, edge.what, at);
         }
         // What rounding has made of the ends.
-        for &lane in self.live() {
-            for place in 0..self.lanes[lane].states.len() {
-                if self.state(lane, place).passed {
+        for &cam_index in self.live() {
+            for place in 0..self.cams[cam_index].states.len() {
+                if self.state(cam_index, place).passed {
                     continue;
                 }
                 let at = instant(piece, until, clock);
                 let inside = [true, false].map(|latch| {
-                    let (course, window) = self.signal(piece, lane, place, latch);
+                    let (course, window) = self.signal(piece, cam_index, place, latch);
                     window.contains(course.at(until))
                 });
-                self.correct(lane, place, inside, at);
+                self.correct(cam_index, place, inside, at);
             }
         }
     }
@@ -96,21 +96,21 @@ impl Target {
         }
     }
 
-    /// How the position of an axis that an element compares goes, in the positions of its lane, and with what it is compared.
-    fn signal(&self, piece: &Piece, lane: usize, place: usize, latch: bool) -> (Course, Window) {
-        let Some((element, compensation)) = self.lanes[lane].element(place) else {
+    /// How the position of an axis that an element compares goes, in the positions of its cam, and with what it is compared.
+    fn signal(&self, piece: &Piece, cam_index: usize, place: usize, latch: bool) -> (Course, Window) {
+        let Some((element, compensation)) = self.cams[cam_index].element(place) else {
             return (Course::step(0.0, 0.0), Window::NONE);
         };
         let delay = compensation.delay(latch);
-        (piece.course(delay), self.window(lane, element, compensation))
+        (piece.course(delay), self.window(cam_index, element, compensation))
     }
 
     /// Where an element's range is, as a position of the axis.
-    pub(super) fn window(&self, lane: usize, element: &Element, compensation: &Compensation) -> Window {
-        let Some(cam) = self.lanes[lane].cam() else {
+    pub(super) fn window(&self, cam_index: usize, element: &Element, compensation: &Compensation) -> Window {
+        let Some(cam) = self.cams[cam_index].cam() else {
             return Window::NONE;
         };
-        let (zero, turns) = match (lane, self.left, self.lanes[ACTIVE].cam()) {
+        let (zero, turns) = match (cam_index, self.trailing, self.cams[ACTIVE].cam()) {
             (TAIL, Some(left), _) => (left.zero, left.turns),
             (PENDING, _, Some(active)) => {
                 let behind = if self.forward {
@@ -132,8 +132,8 @@ impl Target {
     }
 
     pub(super) fn arm_enabled(&mut self, at: Instant) {
-        for place in 0..self.lanes[ACTIVE].states.len() {
-            let Lane { program, states } = &mut self.lanes[ACTIVE];
+        for place in 0..self.cams[ACTIVE].states.len() {
+            let CamState { program, states } = &mut self.cams[ACTIVE];
             let Some(program) = program else { return };
             let effect = states[place].arm(&program.cam.elements[place]);
             self.take(ACTIVE, place, effect, at);
@@ -141,30 +141,30 @@ impl Target {
     }
 
     /// An element is in its ranges, or it is not.
-    pub(super) fn correct(&mut self, lane: usize, place: usize, [latch, unlatch]: [bool; 2], at: Instant) {
+    pub(super) fn correct(&mut self, cam_index: usize, place: usize, [latch, unlatch]: [bool; 2], at: Instant) {
         let events = [
             (false, unlatch, Happens::UnlatchLeft, Happens::UnlatchEntered),
             (true, latch, Happens::LatchLeft, Happens::LatchEntered),
         ];
         for (which, inside, left, entered) in events {
-            if self.state(lane, place).is_in(which) != inside {
-                self.happens(lane, place, if inside { entered } else { left }, at);
+            if self.state(cam_index, place).is_in(which) != inside {
+                self.happens(cam_index, place, if inside { entered } else { left }, at);
             }
         }
     }
 
-    pub(super) fn happens(&mut self, lane: usize, place: usize, what: Happens, at: Instant) {
-        let Lane { program, states } = &mut self.lanes[lane];
+    pub(super) fn happens(&mut self, cam_index: usize, place: usize, what: Happens, at: Instant) {
+        let CamState { program, states } = &mut self.cams[cam_index];
         let (Some(program), Some(state)) = (program, states.get_mut(place)) else {
             return;
         };
         let effect = state.happens(&program.cam.elements[place], what);
-        self.take(lane, place, effect, at);
+        self.take(cam_index, place, effect, at);
     }
 
     /// What has come of an event.
-    pub(super) fn take(&mut self, lane: usize, place: usize, effect: Effect, at: Instant) {
-        let Some((element, _)) = self.lanes[lane].element(place) else {
+    pub(super) fn take(&mut self, cam_index: usize, place: usize, effect: Effect, at: Instant) {
+        let Some((element, _)) = self.cams[cam_index].element(place) else {
             return;
         };
         let (bit, duration) = (usize::from(element.bit), element.duration);
@@ -173,7 +173,7 @@ impl Target {
             Effect::Nothing => {}
             Effect::Latches => {
                 if ends {
-                    self.lanes[lane].states[place].off_at = Some(at.after(duration, &self.ticks));
+                    self.cams[cam_index].states[place].off_at = Some(at.after(duration, &self.ticks));
                 }
                 if self.on & (1 << bit) == 0 {
                     self.on |= 1 << bit;
@@ -186,12 +186,16 @@ impl Target {
 
     /// A bit is off, unless an element holds it.
     pub(super) fn release(&mut self, bit: usize) {
-        let holds = |lane: &Lane| {
-            let of_bit = |place: usize| lane.element(place).is_some_and(|(own, _)| usize::from(own.bit) == bit);
-            let mut states = lane.states.iter().enumerate();
+        let holds = |cam_index: &CamState| {
+            let of_bit = |place: usize| {
+                cam_index
+                    .element(place)
+                    .is_some_and(|(own, _)| usize::from(own.bit) == bit)
+            };
+            let mut states = cam_index.states.iter().enumerate();
             states.any(|(place, state)| state.holds && of_bit(place))
         };
-        if self.carried[bit].is_none() && !self.lanes.iter().any(holds) {
+        if self.trailing_bits[bit].is_none() && !self.cams.iter().any(holds) {
             self.on &= !(1 << bit);
         }
     }
@@ -200,17 +204,17 @@ impl Target {
     pub(super) fn expire(&mut self, at: Instant, clock: &Clock) {
         let is_over = |off_at: Instant| off_at.elapsed(clock) >= at.elapsed(clock);
         for bit in 0..OUTPUT_BITS {
-            if self.carried[bit].is_some_and(is_over) {
-                self.carried[bit] = None;
+            if self.trailing_bits[bit].is_some_and(is_over) {
+                self.trailing_bits[bit] = None;
                 self.release(bit);
             }
         }
-        for lane in [ACTIVE, PENDING, TAIL] {
-            for place in 0..self.lanes[lane].states.len() {
-                let state = &mut self.lanes[lane].states[place];
+        for cam_index in [ACTIVE, PENDING, TAIL] {
+            for place in 0..self.cams[cam_index].states.len() {
+                let state = &mut self.cams[cam_index].states[place];
                 if state.off_at.is_some_and(is_over) {
                     let effect = state.let_go();
-                    self.take(lane, place, effect, at);
+                    self.take(cam_index, place, effect, at);
                 }
             }
         }
@@ -218,34 +222,34 @@ impl Target {
 
     /// The enable bits as they are now.
     pub(super) fn enable_all(&mut self, at: Instant) {
-        for lane in [ACTIVE, PENDING, TAIL] {
-            self.enable(lane, at);
+        for cam_index in [ACTIVE, PENDING, TAIL] {
+            self.enable(cam_index, at);
         }
     }
 
     /// The same for one cam.
-    pub(super) fn enable(&mut self, lane: usize, at: Instant) {
+    pub(super) fn enable(&mut self, cam_index: usize, at: Instant) {
         let own = self.written;
         let output = (self.output.bits & !own.mask) | (own.bits & own.mask);
         let input = self.input.map_or(0, |input| input.bits);
-        let armed = lane == ACTIVE && self.phase == Phase::Armed;
-        for place in 0..self.lanes[lane].states.len() {
-            let Some((element, _)) = self.lanes[lane].element(place) else {
+        let armed = cam_index == ACTIVE && self.phase == Phase::Armed;
+        for place in 0..self.cams[cam_index].states.len() {
+            let Some((element, _)) = self.cams[cam_index].element(place) else {
                 continue;
             };
-            if self.state(lane, place).is_over() {
+            if self.state(cam_index, place).is_over() {
                 continue;
             }
             let element = *element;
             let word = if element.enable.of_output { output } else { input };
             let enabled = (word & (1 << element.enable.bit) != 0) != element.enable.inverted;
-            let effect = self.lanes[lane].states[place].enable(&element, enabled, armed);
-            self.take(lane, place, effect, at);
+            let effect = self.cams[cam_index].states[place].enable(&element, enabled, armed);
+            self.take(cam_index, place, effect, at);
         }
     }
 
-    pub(super) fn state(&self, lane: usize, place: usize) -> State {
-        self.lanes[lane].states.get(place).copied().unwrap_or_default()
+    pub(super) fn state(&self, cam_index: usize, place: usize) -> State {
+        self.cams[cam_index].states.get(place).copied().unwrap_or_default()
     }
 }
 

@@ -1,6 +1,6 @@
 //! A cam of an execution target with the states of its elements.
 //!
-//! Not here: what happens to them ([`super::events`]). Nothing allocates behind [`Lane::new`].
+//! Not here: what happens to them ([`super::events`]). Nothing allocates behind [`CamState::new`].
 
 use std::sync::Arc;
 
@@ -17,14 +17,14 @@ pub(super) const PENDING: usize = 1;
 pub(super) const TAIL: usize = 2;
 
 #[derive(Clone, Debug)]
-pub(super) struct Lane {
+pub(super) struct CamState {
     pub(super) program: Option<Program>,
     pub(super) states: Vec<State>,
 }
 
-impl Lane {
+impl CamState {
     pub(super) fn new() -> Self {
-        Lane {
+        CamState {
             program: None,
             states: Vec::with_capacity(MAX_OUTPUT_ELEMENTS),
         }

@@ -6,8 +6,8 @@
 //! redefined by; the cam's own begin at `zero` of them. Real-time: nothing allocates; an update is bounded by the elements of three
 //! cams. Units: position units, seconds.
 
+mod cam_state;
 mod events;
-mod lane;
 mod tail;
 mod way;
 
@@ -20,9 +20,9 @@ use super::program::{Compensation, OUTPUT_BITS, OutputCam};
 use crate::control::Execution;
 use crate::masters::displacement::Crossing;
 use arcline_instruction_set::enumerations::{ExecutionMode, Reference};
+use cam_state::{ACTIVE, CamState, PENDING, TAIL};
 pub(super) use events::{Edge, MOST_EDGES};
-use lane::{ACTIVE, Lane, PENDING, TAIL};
-use tail::Left;
+use tail::Trailing;
 
 /// An output cam that an instruction has brought.
 #[derive(Clone, Debug)]
@@ -81,7 +81,7 @@ enum Phase {
 pub(crate) struct Target {
     phase: Phase,
     /// The cam that is armed, the pending one, and the one before.
-    lanes: [Lane; 3],
+    cams: [CamState; 3],
     pub(crate) reference: Reference,
     entry: f64,
     output: Word,
@@ -100,10 +100,10 @@ pub(crate) struct Target {
     on: u32,
     since: [Instant; OUTPUT_BITS],
     /// How the cam before was left, while edges of it are to come or durations run.
-    left: Option<Left>,
+    trailing: Option<Trailing>,
     /// Durations of elements that nothing else is left of, and how their bits show.
-    carried: [Option<Instant>; OUTPUT_BITS],
-    carried_as: [Compensation; OUTPUT_BITS],
+    trailing_bits: [Option<Instant>; OUTPUT_BITS],
+    trailing_bits_as: [Compensation; OUTPUT_BITS],
     /// The bits that are cams' now, as they were written last.
     written: Word,
     /// Bits that are set as they were written last, also those of cams that are over.
@@ -121,7 +121,7 @@ impl Target {
         let now = clock.now();
         Target {
             phase: Phase::Free,
-            lanes: [Lane::new(), Lane::new(), Lane::new()],
+            cams: [CamState::new(), CamState::new(), CamState::new()],
             reference: Reference::Actual,
             entry: 0.0,
             output: Word::default(),
@@ -134,9 +134,9 @@ impl Target {
             began: KinematicState::default(),
             on: 0,
             since: [now; OUTPUT_BITS],
-            left: None,
-            carried: [None; OUTPUT_BITS],
-            carried_as: [Compensation::default(); OUTPUT_BITS],
+            trailing: None,
+            trailing_bits: [None; OUTPUT_BITS],
+            trailing_bits_as: [Compensation::default(); OUTPUT_BITS],
             written: Word::default(),
             set: 0,
             locked: false,
@@ -154,7 +154,7 @@ impl Target {
     pub(super) fn shown(&self) -> Shown {
         [
             self.is_alive(),
-            self.lanes[PENDING].program.is_some(),
+            self.cams[PENDING].program.is_some(),
             self.locked,
             self.in_transition,
         ]
@@ -168,7 +168,7 @@ impl Target {
         at: KinematicState,
         clock: &Clock,
     ) -> Option<Execution> {
-        let before = self.lanes[ACTIVE].program.as_ref().map(|program| program.execution);
+        let before = self.cams[ACTIVE].program.as_ref().map(|program| program.execution);
         let ended = before.filter(|_| self.is_alive());
         if self.phase != Phase::Free && self.output.tag == arming.output.tag {
             self.carry(ACTIVE);
@@ -177,7 +177,7 @@ impl Target {
             self.set = 0;
         }
         self.phase = Phase::Free;
-        self.lanes[ACTIVE].load(program);
+        self.cams[ACTIVE].load(program);
         self.on &= self.held();
         self.entry = arming.entry;
         self.reference = arming.reference;
@@ -200,8 +200,8 @@ impl Target {
 
     /// A cam that waits for the end of the armed one. Returns whose had waited.
     pub(crate) fn wait(&mut self, program: Program, clock: &Clock) -> Option<Execution> {
-        let before = self.lanes[PENDING].program.take().map(|program| program.execution);
-        self.lanes[PENDING].load(program);
+        let before = self.cams[PENDING].program.take().map(|program| program.execution);
+        self.cams[PENDING].load(program);
         self.enable(PENDING, clock.now());
         self.settle(clock);
         before
@@ -211,7 +211,7 @@ impl Target {
     pub(super) fn disarm(&mut self) -> [Option<Execution>; 2] {
         let alive = self.is_alive();
         self.forget();
-        let [active, pending, _] = &mut self.lanes;
+        let [active, pending, _] = &mut self.cams;
         let ended = [active.take().filter(|_| alive), pending.take()];
         self.phase = Phase::Free;
         self.written = Word::default();
@@ -239,10 +239,10 @@ impl Target {
     /// The axis has come to where it is now.
     pub(super) fn look(&mut self, to: KinematicState, clock: &Clock, edges: &mut Vec<Edge>) -> [Option<Execution>; 2] {
         let mut ended = [None; 2];
-        if self.left.is_none() {
+        if self.trailing.is_none() {
             // Its last bits have been written.
-            self.lanes[TAIL].take();
-            if self.phase == Phase::Ending && self.carried.iter().all(Option::is_none) {
+            self.cams[TAIL].take();
+            if self.phase == Phase::Ending && self.trailing_bits.iter().all(Option::is_none) {
                 self.phase = Phase::Free;
                 return ended;
             }
@@ -281,7 +281,7 @@ impl Target {
 
     /// The bits that cams set and clear now.
     fn owned(&self) -> u32 {
-        let mask = |lane: usize| self.lanes[lane].cam().map_or(0, |cam| cam.mask);
+        let mask = |cam_index: usize| self.cams[cam_index].cam().map_or(0, |cam| cam.mask);
         let active = if self.phase == Phase::Armed { mask(ACTIVE) } else { 0 };
         let pending = if self.leads { mask(PENDING) } else { 0 };
         active | pending | self.tail()
@@ -292,9 +292,10 @@ impl Target {
         let mut bits = 0;
         for bit in (0..OUTPUT_BITS).filter(|bit| mask & (1 << bit) != 0) {
             let of_cam = |cam: &&Arc<OutputCam>| cam.mask & (1 << bit) != 0;
-            let cams = [ACTIVE, TAIL, PENDING].map(|lane| self.lanes[lane].cam());
+            let cams = [ACTIVE, TAIL, PENDING].map(|cam_index| self.cams[cam_index].cam());
             let cam = cams.into_iter().flatten().find(of_cam);
-            let Compensation { inverted, pulses, .. } = cam.map_or(self.carried_as[bit], |cam| cam.compensation[bit]);
+            let Compensation { inverted, pulses, .. } =
+                cam.map_or(self.trailing_bits_as[bit], |cam| cam.compensation[bit]);
             let mut on = self.on & (1 << bit) != 0;
             if let Some((cycle, duty)) = pulses.filter(|_| on) {
                 let cycles = self.since[bit].elapsed(clock) / cycle;

@@ -71,14 +71,14 @@ impl Target {
 
     /// Where the positions of the armed cam begin.
     pub(super) fn zero(&self) -> f64 {
-        let length = self.lanes[ACTIVE].cam().map_or(0.0, |cam| cam.end - cam.start);
+        let length = self.cams[ACTIVE].cam().map_or(0.0, |cam| cam.end - cam.start);
         self.base + self.turns * length
     }
 
     /// Turns that are those of the armed cam: behind it comes the pending one, before it there was another.
     pub(super) fn turns_of_active(&self) -> Turns {
         let repeats = |mode: ExecutionMode| mode == ExecutionMode::Continuous;
-        if !self.lanes[ACTIVE]
+        if !self.cams[ACTIVE]
             .program
             .as_ref()
             .is_some_and(|program| repeats(program.mode))
@@ -86,7 +86,7 @@ impl Target {
             return Turns::ONE;
         }
         let mut turns = Turns::ALL;
-        if self.lanes[PENDING].program.is_some() {
+        if self.cams[PENDING].program.is_some() {
             if self.forward {
                 turns.last = 0.0;
             } else {
@@ -145,8 +145,8 @@ impl Target {
 
     /// Where, on its way from a share on, the axis leaves a cam that ends there: the share, and the place.
     fn exit(&self, way: &Course, share: f64) -> Option<(f64, f64)> {
-        let program = self.lanes[ACTIVE].program.as_ref()?;
-        if program.mode != ExecutionMode::Once && self.lanes[PENDING].program.is_none() {
+        let program = self.cams[ACTIVE].program.as_ref()?;
+        if program.mode != ExecutionMode::Once && self.cams[PENDING].program.is_none() {
             return None;
         }
         let zero = self.zero();
@@ -168,8 +168,8 @@ impl Target {
     /// The cam is armed where the axis is at a place. `ahead`: where it is with a delay.
     pub(super) fn arm(&mut self, place: f64, ahead: impl Fn(f64) -> f64, at: Instant) {
         (self.base, self.turns) = (place - self.entry, 0.0);
-        for element in 0..self.lanes[ACTIVE].states.len() {
-            let Some((own, compensation)) = self.lanes[ACTIVE].element(element) else {
+        for element in 0..self.cams[ACTIVE].states.len() {
+            let Some((own, compensation)) = self.cams[ACTIVE].element(element) else {
                 continue;
             };
             let window = self.window(ACTIVE, own, compensation);
@@ -185,7 +185,7 @@ impl Target {
         self.expire(now, clock);
         self.let_pass(now);
         (self.locked, self.leads, self.in_transition) = (false, false, false);
-        let Some(program) = self.lanes[ACTIVE].program.as_ref() else {
+        let Some(program) = self.cams[ACTIVE].program.as_ref() else {
             return;
         };
         if self.phase != Phase::Armed {
@@ -206,7 +206,7 @@ impl Target {
             self.came_forward = None;
         }
         let turns = ((self.last.position - self.zero() - cam.start) / length).floor();
-        if repeats && self.lanes[PENDING].program.is_none() {
+        if repeats && self.cams[PENDING].program.is_none() {
             self.turns += turns;
         }
         let place = self.last.position - self.zero();
@@ -221,7 +221,7 @@ impl Target {
                 }
             })
         };
-        self.leads = self.lanes[PENDING].cam().is_some_and(|cam| {
+        self.leads = self.cams[PENDING].cam().is_some_and(|cam| {
             (0..OUTPUT_BITS).any(|bit| cam.mask & (1 << bit) != 0 && beyond(&cam.compensation[bit]))
         });
         self.in_transition = self.leads || self.lags();

@@ -14,7 +14,7 @@ use crate::control::Execution;
 
 /// How a cam was left.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Left {
+pub(super) struct Trailing {
     /// Where its positions begin.
     pub(super) zero: f64,
     /// Of those that it was repeated in.
@@ -29,25 +29,25 @@ impl Target {
     pub(super) fn leave(&mut self, place: f64, at: Instant) -> Option<Execution> {
         let zero = self.zero();
         let middle = |start: f64, end: f64| 0.5 * (start + end);
-        let forward = self.lanes[ACTIVE]
+        let forward = self.cams[ACTIVE]
             .cam()
             .is_none_or(|cam| place - zero > middle(cam.start, cam.end));
-        let left = Left {
+        let left = Trailing {
             zero,
             turns: self.turns_of_active(),
             forward,
             place,
         };
         self.make_room(at);
-        let over = self.lanes[ACTIVE].program.as_ref().map(|program| program.execution);
-        self.lanes.swap(ACTIVE, TAIL);
-        self.left = Some(left);
-        if self.lanes[PENDING].program.is_none() {
+        let over = self.cams[ACTIVE].program.as_ref().map(|program| program.execution);
+        self.cams.swap(ACTIVE, TAIL);
+        self.trailing = Some(left);
+        if self.cams[PENDING].program.is_none() {
             self.phase = Phase::Ending;
             return over;
         }
-        self.lanes.swap(ACTIVE, PENDING);
-        let entry = self.lanes[ACTIVE]
+        self.cams.swap(ACTIVE, PENDING);
+        let entry = self.cams[ACTIVE]
             .cam()
             .map_or(0.0, |cam| if forward { cam.start } else { cam.end });
         (self.base, self.turns) = (place - entry, 0.0);
@@ -58,12 +58,12 @@ impl Target {
 
     /// Elements whose edges have all come are over where the axis is now.
     pub(super) fn let_pass(&mut self, at: Instant) {
-        let Some(left) = self.left else { return };
+        let Some(left) = self.trailing else { return };
         let axis = self.last;
         let is_back = (axis.position < left.place) == left.forward && axis.position != left.place;
         let mut goes_on = false;
-        for place in 0..self.lanes[TAIL].states.len() {
-            let Some(cam) = self.lanes[TAIL].cam() else { break };
+        for place in 0..self.cams[TAIL].states.len() {
+            let Some(cam) = self.cams[TAIL].cam() else { break };
             let compensation = &cam.compensation[usize::from(cam.elements[place].bit)];
             let bound = left.zero + compensation.offset + if left.forward { cam.end } else { cam.start };
             let is_beyond = [true, false].into_iter().all(|latch| {
@@ -76,64 +76,68 @@ impl Target {
             goes_on |= !self.state(TAIL, place).is_over();
         }
         if !goes_on {
-            self.left = None;
+            self.trailing = None;
         }
     }
 
     /// Whether edges of a cam that is over are still to come.
     pub(super) fn lags(&self) -> bool {
-        self.left.is_some() && self.lanes[TAIL].states.iter().any(|state| !state.passed)
+        self.trailing.is_some() && self.cams[TAIL].states.iter().any(|state| !state.passed)
     }
 
     /// The bits of what goes on.
     pub(super) fn tail(&self) -> u32 {
-        let lane = &self.lanes[TAIL];
-        let elements = lane.states.iter().enumerate().filter(|(_, state)| !state.is_over());
-        let bits = elements.filter_map(|(place, _)| Some(1 << lane.element(place)?.0.bit));
+        let cam_index = &self.cams[TAIL];
+        let elements = cam_index
+            .states
+            .iter()
+            .enumerate()
+            .filter(|(_, state)| !state.is_over());
+        let bits = elements.filter_map(|(place, _)| Some(1 << cam_index.element(place)?.0.bit));
         bits.fold(self.carried_bits(), |all, bit: u32| all | bit)
     }
 
     /// Bits that something other than the armed cam holds.
     pub(super) fn held(&self) -> u32 {
         let mut bits = self.carried_bits();
-        for lane in [&self.lanes[PENDING], &self.lanes[TAIL]] {
-            for (place, _) in lane.states.iter().enumerate().filter(|(_, state)| state.holds) {
-                bits |= lane.element(place).map_or(0, |(element, _)| 1 << element.bit);
+        for cam_index in [&self.cams[PENDING], &self.cams[TAIL]] {
+            for (place, _) in cam_index.states.iter().enumerate().filter(|(_, state)| state.holds) {
+                bits |= cam_index.element(place).map_or(0, |(element, _)| 1 << element.bit);
             }
         }
         bits
     }
 
-    /// Durations that are under way go on without the elements of a lane, and bits show as they did.
-    pub(super) fn carry(&mut self, lane: usize) {
-        for place in 0..self.lanes[lane].states.len() {
-            let Some((element, compensation)) = self.lanes[lane].element(place) else {
+    /// Durations that are under way go on without the elements of a cam, and bits show as they did.
+    pub(super) fn carry(&mut self, cam_index: usize) {
+        for place in 0..self.cams[cam_index].states.len() {
+            let Some((element, compensation)) = self.cams[cam_index].element(place) else {
                 continue;
             };
             let bit = usize::from(element.bit);
-            self.carried_as[bit] = *compensation;
-            let state = &mut self.lanes[lane].states[place];
+            self.trailing_bits_as[bit] = *compensation;
+            let state = &mut self.cams[cam_index].states[place];
             let Some(off_at) = state.off_at.take() else { continue };
             state.holds = false;
             let is_later = |other: &Instant| other.elapsed(&self.ticks) < off_at.elapsed(&self.ticks);
-            self.carried[bit] = self.carried[bit].filter(is_later).or(Some(off_at));
+            self.trailing_bits[bit] = self.trailing_bits[bit].filter(is_later).or(Some(off_at));
         }
     }
 
     /// Nothing goes on.
     pub(super) fn forget(&mut self) {
-        self.carried = [None; OUTPUT_BITS];
-        self.lanes[TAIL].take();
-        self.left = None;
+        self.trailing_bits = [None; OUTPUT_BITS];
+        self.cams[TAIL].take();
+        self.trailing = None;
     }
 
     /// The cam before the one that is over gives its place to that.
     fn make_room(&mut self, at: Instant) {
-        for place in 0..self.lanes[TAIL].states.len() {
+        for place in 0..self.cams[TAIL].states.len() {
             self.pass(place, at);
         }
         self.carry(TAIL);
-        self.lanes[TAIL].take();
+        self.cams[TAIL].take();
     }
 
     /// An element is over, but for a duration. Bits that it does not hold by its position stay as they are.
@@ -148,13 +152,15 @@ impl Target {
         if state.is_in(false) || state.holds {
             self.happens(TAIL, place, Happens::UnlatchLeft, at);
         }
-        let state = &mut self.lanes[TAIL].states[place];
+        let state = &mut self.cams[TAIL].states[place];
         state.passed = true;
         state.holds = state.off_at.is_some();
     }
 
     fn carried_bits(&self) -> u32 {
-        let bits = self.carried.iter().enumerate();
-        bits.fold(0, |all, (bit, carried)| all | u32::from(carried.is_some()) << bit)
+        let bits = self.trailing_bits.iter().enumerate();
+        bits.fold(0, |all, (bit, trailing_bits)| {
+            all | u32::from(trailing_bits.is_some()) << bit
+        })
     }
 }
