@@ -10,7 +10,7 @@ use arcline_controller::machine::{DynamicsBits, Start};
 use arcline_controller::{ContourRequest, Controller, Event, FaultChange, Snapshot, Ticket, Written};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{
-    ControlSlot, Directory, FaultKind, FaultSet, Flag, Given, MotionControl, Object, WrittenArray, bind,
+    ControlSlot, Directory, FaultKind, FaultSet, Flag, Given, MotionControl, Object, TagAddress, WrittenArray, bind,
 };
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
 use arcline_tag::Value;
@@ -108,8 +108,8 @@ impl Bench {
         let target = self.object(object, &call.target);
         let bound = bind(call.mnemonic, target, control, &call.given, self).unwrap_or_else(|error| panic!("{error}"));
         self.tickets += 1;
-        let (material, staged) = self.image.prepare(&bound);
-        let shown = self.controller.execute_with(Ticket(self.tickets), &bound, material);
+        let (data, staged) = self.image.prepare(&bound);
+        let shown = self.controller.execute_with(Ticket(self.tickets), &bound, data);
         if let Some(staged) = staged {
             self.image.settle(staged, &shown);
         }
@@ -207,13 +207,15 @@ impl Bench {
             events.push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));
         });
         let (arrays, written, image) = (&self.arrays, &mut self.written, &mut self.image);
-        self.controller
-            .take_array_writes(|write| match (&write.values, arrays.get(write.tag as usize)) {
+        self.controller.take_array_writes(|write| {
+            let own = arrays.get(write.tag.offset() / 4).filter(|_| write.tag.tag() == 0);
+            match (&write.values, own) {
                 (Written::Numbers(numbers), Some(name)) => {
                     drop(written.insert(name.clone(), numbers.as_slice().to_vec()));
                 }
                 _ => image.apply_array_write(write),
-            });
+            }
+        });
         if let Some(trace) = &mut trace {
             trace.snapshot(&self.snapshot());
         }
@@ -350,13 +352,13 @@ impl Directory for Bench {
             let elements = name.trim_start_matches(|letter: char| !letter.is_ascii_digit()).parse();
             let place = self.arrays.iter().position(|known| known == name)?;
             Some(WrittenArray {
-                tag: place as u32,
+                tag: TagAddress::new(0, 4 * place)?,
                 elements: elements.unwrap_or(4),
             })
         })
     }
 
-    fn structure(&self, type_name: &str, name: &str) -> Option<u32> {
+    fn structure(&self, type_name: &str, name: &str) -> Option<TagAddress> {
         self.image.structure(type_name, name)
     }
 }

@@ -12,7 +12,7 @@ use arcline_config::Project;
 use arcline_controller::image::{Image, Staged};
 use arcline_controller::{Command, Controller, Ticket};
 use arcline_instruction_set::{
-    Call, ControlSlot, Directory, Flag, Given, Mnemonic, MotionControl, Object, WrittenArray, bind,
+    Call, ControlSlot, Directory, Flag, Given, Mnemonic, MotionControl, Object, TagAddress, WrittenArray, bind,
 };
 use arcline_realtime::{Link, link, step};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
@@ -116,11 +116,14 @@ impl Directory for Names<'_> {
     }
 
     fn real_array(&self, name: &str) -> Option<WrittenArray> {
-        let data = (name == "Data").then_some(WrittenArray { tag: 0, elements: 4 });
+        let data = (name == "Data").then_some(WrittenArray {
+            tag: TagAddress::default(),
+            elements: 4,
+        });
         data.or_else(|| image(self.0).real_array(name))
     }
 
-    fn structure(&self, type_name: &str, name: &str) -> Option<u32> {
+    fn structure(&self, type_name: &str, name: &str) -> Option<TagAddress> {
         image(self.0).structure(type_name, name)
     }
 }
@@ -187,10 +190,10 @@ impl Outer {
     fn burst(&mut self, calls: &[Call]) {
         for call in calls {
             let ticket = Ticket(self.sent.len() as u64);
-            let (material, staged) = self.image.prepare(call);
-            let command = match material {
+            let (data, staged) = self.image.prepare(call);
+            let command = match data {
                 None => Command::Call(ticket, *call),
-                Some(material) => Command::CallWith(ticket, *call, material),
+                Some(data) => Command::CallWith(ticket, *call, data),
             };
             if self.link.commands.push(command).is_ok() {
                 self.sent.push(call.mnemonic);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use arcline_instruction_set::{Call, ControlSlot, FaultSet, JogEnd, MotionControl, Object};
 use arcline_motion::machine::{self, DynamicsBits, Machine};
 use arcline_motion::{
-    AcceptedMove, ArrayWrite, ContourRequest, Event, FaultChange, Input, Material, Motion, Ticket, Trajectory,
+    AcceptedMove, ArrayWrite, CallData, ContourRequest, Event, FaultChange, Input, Motion, Ticket, Trajectory,
 };
 
 use crate::snapshot::Snapshot;
@@ -16,7 +16,7 @@ pub enum Command {
     /// Execute an instruction: a false-to-true transition of its rung condition.
     Call(Ticket, Call),
     /// The same with what the instruction has from tags.
-    CallWith(Ticket, Call, Material),
+    CallWith(Ticket, Call, CallData),
     /// The rung condition of the instruction with this motion control tag is false.
     RungFalse(ControlSlot),
     /// Take a share of the programmed speeds of a coordinate system's moves, 0 to 2; 0 holds.
@@ -168,8 +168,8 @@ impl Controller {
                     let control = self.execute(ticket, &call);
                     port.answer(ticket, control);
                 }
-                Some(Command::CallWith(ticket, call, material)) => {
-                    let control = self.execute_with(ticket, &call, Some(material));
+                Some(Command::CallWith(ticket, call, data)) => {
+                    let control = self.execute_with(ticket, &call, Some(data));
                     port.answer(ticket, control);
                 }
                 Some(Command::RungFalse(control)) => self.rung_false(control),
@@ -217,8 +217,8 @@ impl Controller {
     }
 
     /// The same with what the instruction has from tags. Real-time.
-    pub fn execute_with(&mut self, ticket: Ticket, call: &Call, material: Option<Material>) -> MotionControl {
-        self.motion.execute_with(ticket, call, material)
+    pub fn execute_with(&mut self, ticket: Ticket, call: &Call, data: Option<CallData>) -> MotionControl {
+        self.motion.execute_with(ticket, call, data)
     }
 
     /// A false rung condition. Real-time.

@@ -11,7 +11,7 @@ pub mod samples;
 mod snapshot;
 
 pub use arcline_motion::{
-    AcceptedMove, ArrayWrite, AxisSnapshot, CONTROL_SLOTS, Cause, ContourRequest, Event, FaultChange, Input, Material,
+    AcceptedMove, ArrayWrite, AxisSnapshot, CONTROL_SLOTS, CallData, Cause, ContourRequest, Event, FaultChange, Input,
     Path, Point, SystemSnapshot, Ticket, Trajectory, UNNAMED, Written, machine,
 };
 pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port, StopRequest};

@@ -8,7 +8,10 @@ mod error;
 mod given;
 
 use crate::instruction::{Kind, Object};
-use crate::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, Mnemonic, OperandIndex, RealArray, WrittenArray};
+use crate::{
+    Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, Mnemonic, OperandIndex, RealArray, TagAddress,
+    WrittenArray,
+};
 
 pub use error::BindError;
 pub use given::Given;
@@ -24,7 +27,7 @@ pub trait Directory {
     fn real_array(&self, name: &str) -> Option<WrittenArray>;
 
     /// A tag of a structure type such as `PATH_DATA`. Machines without such tags have none.
-    fn structure(&self, type_name: &str, name: &str) -> Option<u32> {
+    fn structure(&self, type_name: &str, name: &str) -> Option<TagAddress> {
         let _ = (type_name, name);
         None
     }
@@ -36,7 +39,7 @@ pub trait Directory {
 /// A number for an array is an array of one element, an array of one element is a number, and the number 0
 /// is "none" where an operand can be none. Elements behind the ninth of Position and its like are dropped,
 /// since no instruction uses them; Event Distance, whose length means something, is refused instead.
-/// MAPC takes one more operand behind Cam Lock Position, which newer faceplates have, and ignores it.
+/// One more operand that newer faceplates have is dropped ([`crate::Operand::ignored_before`]).
 ///
 /// # Errors
 /// See [`BindError`].
@@ -49,8 +52,11 @@ pub fn bind(
 ) -> Result<Call, BindError> {
     let instruction = mnemonic.instruction();
     let most = instruction.given_operands().count();
-    let cam_type = (mnemonic == Mnemonic::Mapc && given.len() == most + 1).then_some(GIVEN_CAM_TYPE);
-    if given.len() > most && cam_type.is_none() {
+    let ignored = instruction
+        .ignored_operand()
+        .filter(|_| given.len() == most + 1)
+        .and_then(|ignored| instruction.given_operands().position(|operand| operand == ignored));
+    if given.len() > most && ignored.is_none() {
         return Err(BindError::TooMany {
             mnemonic,
             given: given.len(),
@@ -60,7 +66,7 @@ pub fn bind(
     let mut values = given
         .iter()
         .enumerate()
-        .filter(|(k, _)| Some(*k) != cam_type)
+        .filter(|(k, _)| Some(*k) != ignored)
         .map(|(_, value)| value)
         .peekable();
     let mut arguments = [Argument::None; MAX_OPERANDS];
@@ -89,11 +95,6 @@ pub fn bind(
         arguments,
     })
 }
-
-/// Faceplate position of Cam Type on a MAPC that has it: newer faceplates do. What stands there means nothing.
-pub const MAPC_CAM_TYPE: usize = 11;
-/// Its place among the given operands.
-const GIVEN_CAM_TYPE: usize = 9;
 
 struct Binder<'a> {
     mnemonic: Mnemonic,

@@ -36,6 +36,34 @@ impl RealArray {
     }
 }
 
+/// Where the data begin that an operand names: in which tag, and at which of its bytes.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
+pub struct TagAddress(u32);
+
+impl TagAddress {
+    /// `None`: the tag's number or the offset is too large, or the offset is no multiple of 4.
+    pub fn new(tag: u32, offset: usize) -> Option<Self> {
+        let tag = u16::try_from(tag).ok()?;
+        let word = u16::try_from(offset / 4).ok().filter(|_| offset.is_multiple_of(4))?;
+        Some(TagAddress(u32::from(tag) << 16 | u32::from(word)))
+    }
+
+    /// The tag, by its number in the [`crate::Directory`].
+    pub const fn tag(self) -> u32 {
+        self.0 >> 16
+    }
+
+    /// The first byte.
+    pub const fn offset(self) -> usize {
+        (self.0 & 0xFFFF) as usize * 4
+    }
+
+    /// The address of the REAL that is so many elements behind.
+    pub fn element(self, index: usize) -> Option<Self> {
+        TagAddress::new(self.tag(), self.offset() + 4 * index)
+    }
+}
+
 /// One bound operand.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub enum Argument {
@@ -48,8 +76,8 @@ pub enum Argument {
     Array(RealArray),
     /// Another motion object, by its index.
     Object(u16),
-    /// A structure tag that is read, by what [`crate::Directory`] calls it.
-    Tag(u32),
+    /// A structure tag that is read.
+    Tag(TagAddress),
     /// A REAL array tag that is written.
     Written(WrittenArray),
 }
@@ -57,8 +85,8 @@ pub enum Argument {
 /// A REAL array that an instruction writes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct WrittenArray {
-    /// What [`crate::Directory`] calls it.
-    pub tag: u32,
+    /// Its first element.
+    pub tag: TagAddress,
     /// Elements from there to its end.
     pub elements: u16,
 }
@@ -102,11 +130,6 @@ impl Call {
         self.number(operand).round_ties_even() as i32
     }
 
-    /// Whether the operand is the word 1: Yes, Enabled, S-curve.
-    pub fn is_one(&self, operand: usize) -> bool {
-        self.word(operand) == 1
-    }
-
     /// An operand as an array; empty if none, one element if it is a number.
     pub fn array(&self, operand: usize) -> &[f64] {
         match self.arguments.get(operand) {
@@ -133,7 +156,7 @@ impl Call {
     }
 
     /// An operand as a structure tag.
-    pub fn tag(&self, operand: usize) -> Option<u32> {
+    pub fn tag(&self, operand: usize) -> Option<TagAddress> {
         match self.argument(operand) {
             Argument::Tag(tag) => Some(tag),
             _ => None,

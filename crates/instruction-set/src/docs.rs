@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::enumerations::NoYes;
 use crate::instruction::{ArrayRule, Axes, Condition, Instruction, Kind, Object, Operand, Range, services};
 use crate::{ERRORS, ExceptionAction, FAULTS, FaultWord, Words};
 
@@ -130,7 +131,7 @@ pub fn operand_values(instruction: &Instruction, operand: &Operand) -> String {
     };
     match operand.condition {
         Condition::Always => values,
-        Condition::Changed(flag) => format!("{values}, if {}", condition(instruction, flag, 1)),
+        Condition::Changed(flag) => format!("{values}, if {}", condition(instruction, flag, NoYes::Yes as i32)),
         Condition::When { operand, value } => {
             format!("{values}, if {}", condition(instruction, operand, value))
         }

@@ -1,9 +1,9 @@
 //! What a form of an instruction shows besides its operands: units, which fields matter, and the target position dialog
 //! (the reference page MCCM, "MCCM Target Position Entry Dialog Box").
 
-use crate::enumerations::{CIRCLE_TYPE, MOVE_TYPE};
+use crate::Mnemonic;
+use crate::enumerations::{CircleType, MoveType, NoYes};
 use crate::instruction::{Condition, Instruction, Kind, Range};
-use crate::{Mnemonic, Words};
 
 /// What the number of an operand is counted in.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -24,9 +24,9 @@ pub enum Unit {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct TargetRow {
     /// Value of Move Type.
-    pub move_type: i32,
+    pub move_type: MoveType,
     /// Value of Circle Type; `None`: the instruction has none.
-    pub circle_type: Option<i32>,
+    pub circle_type: Option<CircleType>,
     /// Title of the column of end points.
     pub target: &'static str,
     /// Title of the column of vias, centres or the radius.
@@ -78,7 +78,7 @@ impl Instruction {
     pub fn shown_when(&self, place: usize) -> Option<(usize, i32)> {
         match self.operands.get(place)?.condition {
             Condition::Always => None,
-            Condition::Changed(flag) => Some((flag.into(), YES)),
+            Condition::Changed(flag) => Some((flag.into(), NoYes::Yes as i32)),
             Condition::When { operand, value } => Some((operand.into(), value)),
         }
     }
@@ -96,16 +96,13 @@ impl Instruction {
 impl TargetRow {
     /// As people read it: `Absolute, Center Incremental`.
     pub fn title(&self) -> String {
-        let word = |words: &'static Words, value| words.word(value).map_or("?", |word| word.title);
+        let move_type = self.move_type.definition().title;
         match self.circle_type {
-            None => word(&MOVE_TYPE, self.move_type).to_owned(),
-            Some(circle) => format!("{}, {}", word(&MOVE_TYPE, self.move_type), word(&CIRCLE_TYPE, circle)),
+            None => move_type.to_owned(),
+            Some(circle) => format!("{move_type}, {}", circle.definition().title),
         }
     }
 }
-
-/// "Change …": Yes.
-const YES: i32 = 1;
 
 const TARGET_POSITION: &str = "Target Position";
 const TARGET_INCREMENT: &str = "Target Increment";
@@ -115,7 +112,10 @@ static LINE_DIALOG: TargetDialog = TargetDialog {
     vias: None,
     move_type: "MoveType",
     circle_type: None,
-    rows: &[row(0, None, None, false), row(1, None, None, false)],
+    rows: &[
+        row(MoveType::Absolute, None, None, false),
+        row(MoveType::Incremental, None, None, false),
+    ],
 };
 
 /// The reference page's table "Target Position Entry Dialog Box Changes", row by row.
@@ -126,25 +126,25 @@ static CIRCLE_DIALOG: TargetDialog = TargetDialog {
     move_type: "MoveType",
     circle_type: Some("CircleType"),
     rows: &[
-        row(0, Some(0), Some("Via Position"), true),
-        row(1, Some(0), Some("Via Increment"), false),
-        row(0, Some(1), Some("Center Position"), true),
-        row(1, Some(1), Some("Center Increment"), false),
-        row(0, Some(2), Some("Radius"), false),
-        row(1, Some(2), Some("Radius"), false),
-        row(0, Some(3), Some("Center Incremental"), false),
-        row(1, Some(3), Some("Center Incremental"), false),
+        row(MoveType::Absolute, Some(CircleType::Via), Some("Via Position"), true),
+        row(MoveType::Incremental, Some(CircleType::Via), Some("Via Increment"), false),
+        row(MoveType::Absolute, Some(CircleType::Center), Some("Center Position"), true),
+        row(MoveType::Incremental, Some(CircleType::Center), Some("Center Increment"), false),
+        row(MoveType::Absolute, Some(CircleType::Radius), Some("Radius"), false),
+        row(MoveType::Incremental, Some(CircleType::Radius), Some("Radius"), false),
+        row(MoveType::Absolute, Some(CircleType::CenterIncremental), Some("Center Incremental"), false),
+        row(MoveType::Incremental, Some(CircleType::CenterIncremental), Some("Center Incremental"), false),
     ],
 };
 
 /// Targets can be set to the actual positions when the move is absolute.
 const fn row(
-    move_type: i32,
-    circle_type: Option<i32>,
+    move_type: MoveType,
+    circle_type: Option<CircleType>,
     via: Option<&'static str>,
     vias_from_actuals: bool,
 ) -> TargetRow {
-    let absolute = move_type == 0;
+    let absolute = matches!(move_type, MoveType::Absolute);
     TargetRow {
         move_type,
         circle_type,

@@ -122,6 +122,14 @@ impl Instruction {
             .map(|(k, _)| k)
     }
 
+    /// Faceplate position in front of which newer faceplates have one more operand, which is ignored.
+    pub fn ignored_operand(&self) -> Option<usize> {
+        let operands = self.operands.iter();
+        operands
+            .map(|operand| operand.ignored_before)
+            .position(|name| name.is_some())
+    }
+
     /// Faceplate position of an operand by its name or member name, case and blanks ignored.
     pub fn operand(&self, name: &str) -> Option<usize> {
         let name = crate::normalized(name).replace('/', "");
@@ -191,6 +199,8 @@ pub struct Operand {
     pub initial: f32,
     /// Unit and meaning.
     pub note: &'static str,
+    /// The name of one more operand that newer faceplates have in front of this one. It is accepted, ignored, and not counted.
+    pub ignored_before: Option<&'static str>,
 }
 
 impl Operand {

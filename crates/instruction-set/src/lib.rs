@@ -27,8 +27,8 @@ mod verify;
 mod words;
 
 pub use attribute::{ATTRIBUTES, Attribute, DYNAMICS_CONFIGURATION_BITS, Quantity};
-pub use bind::{BindError, Directory, Given, MAPC_CAM_TYPE, bind};
-pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray, WrittenArray};
+pub use bind::{BindError, Directory, Given, bind};
+pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray, TagAddress, WrittenArray};
 pub use control::{Flag, MotionControl};
 pub use ending::{Ending, JogEnd};
 pub use error::{AxisIndex, Culprit, Detail, ERRORS, ErrorText, Extended, MotionError, OperandIndex, describe};

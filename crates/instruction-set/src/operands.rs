@@ -5,7 +5,7 @@
 use std::ops::Deref;
 
 use crate::instruction::Kind;
-use crate::{Call, Enumeration, MotionError, OperandIndex, RealArray, WrittenArray};
+use crate::{Call, Enumeration, MotionError, OperandIndex, RealArray, TagAddress, WrittenArray};
 
 pub use crate::catalog::typed::*;
 
@@ -114,7 +114,7 @@ impl FromCall for Option<u16> {
 }
 
 /// A structure tag.
-impl FromCall for Option<u32> {
+impl FromCall for Option<TagAddress> {
     fn from_call(call: &Call, operand: usize) -> Self {
         call.tag(operand)
     }

@@ -1,6 +1,6 @@
 //! Which calls take a place in the queue of a coordinate system.
 
-use crate::enumerations::MERGE;
+use crate::enumerations::{MERGE, Merge};
 use crate::{Given, Instruction, Object};
 
 impl Instruction {
@@ -19,7 +19,7 @@ impl Instruction {
             None | Some(Given::Missing) => true,
             Some(Given::Number(number)) => *number == 0.0,
             Some(Given::Integer(number)) => *number == 0,
-            Some(Given::Word(word) | Given::Name(word)) => MERGE.parse_word(word) == Some(0),
+            Some(Given::Word(word) | Given::Name(word)) => MERGE.parse_word(word) == Some(Merge::Disabled as i32),
             Some(Given::Array(_)) => false,
         }
     }

@@ -4,6 +4,7 @@
 //! Not here: what depends on the state of the machine, such as positions beyond the unwind, or units that
 //! do not go together (94, 95).
 
+use crate::enumerations::NoYes;
 use crate::instruction::{ArrayRule, Condition, Instruction, Kind, Operand, Range};
 use crate::{Argument, Call, OperandIndex};
 
@@ -33,7 +34,7 @@ impl Operand {
     fn accepts(&self, call: &Call, place: usize, axes: usize) -> bool {
         let applies = match self.condition {
             Condition::Always => true,
-            Condition::Changed(flag) if !call.is_one(usize::from(flag)) => return true,
+            Condition::Changed(flag) if call.word(usize::from(flag)) != NoYes::Yes as i32 => return true,
             Condition::Changed(_) => true,
             Condition::When { operand, value } => call.word(usize::from(operand)) == value,
         };

@@ -5,7 +5,7 @@
 //! a change keeps its answer. Not here: when answers are due, and the memory of the arrays. Nothing allocates.
 
 use arcline_instruction_set::operands::EventOperands;
-use arcline_instruction_set::{MAX_ELEMENTS, MotionError, RealArray, WrittenArray};
+use arcline_instruction_set::{MAX_ELEMENTS, MotionError, RealArray, TagAddress, WrittenArray};
 use arcline_planner::profile::Profile;
 use arcline_planner::{Clock, Instant, Reach};
 
@@ -15,7 +15,7 @@ pub struct ArrayWrite {
     /// When.
     pub tick: u64,
     /// The tag, by what the directory calls it.
-    pub tag: u32,
+    pub tag: TagAddress,
     /// What.
     pub values: Written,
 }
@@ -47,7 +47,7 @@ pub(crate) enum Fit {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Events {
     distances: RealArray,
-    into: u32,
+    into: TagAddress,
     answers: [f64; MAX_ELEMENTS],
 }
 
@@ -160,7 +160,7 @@ mod tests {
     fn negative_distances_are_skipped_and_passed_ones_keep_their_answers() {
         let mut events = Events {
             distances: RealArray::from_slice(&[0.0, -3.0, 40.0]),
-            into: 7,
+            into: TagAddress::new(7, 0).expect("an address"),
             answers: [0.0; MAX_ELEMENTS],
         };
         let first = |distance: f64| Reach::At(100.0 - distance);
@@ -176,7 +176,7 @@ mod tests {
         };
         assert!(events.answer(later));
         let written = events.write(6);
-        assert_eq!((written.tick, written.tag), (6, 7));
+        assert_eq!((written.tick, written.tag.tag()), (6, 7));
         assert_eq!(written.values, numbers([120.0, -1.0, 60.0]));
         assert!(!events.answer(|_| Reach::Never), "a paused move answers nothing");
         assert_eq!(events.write(7).values, numbers([120.0, -1.0, 60.0]));

@@ -25,12 +25,12 @@ use crate::accepted::{ACCEPTED, AcceptedMove};
 use crate::axes::Axes;
 use crate::axis::AxisState;
 use crate::axis::sum::Slot;
+use crate::call_data::{CallData, ReceivedData};
 use crate::cause::{Cause, FaultChange};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
 use crate::events::{ArrayWrite, Events};
 use crate::instructions;
 use crate::machine::Machine;
-use crate::material::{Material, Sent};
 use crate::order::Order;
 use crate::output::Word;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
@@ -124,23 +124,23 @@ impl Motion {
     }
 
     /// The same with what the instruction has from tags. Real-time.
-    pub fn execute_with(&mut self, ticket: Ticket, call: &Call, material: Option<Material>) -> MotionControl {
+    pub fn execute_with(&mut self, ticket: Ticket, call: &Call, data: Option<CallData>) -> MotionControl {
         let execution = Execution {
             ticket,
             control: call.control,
             mnemonic: call.mnemonic,
         };
         let tick = self.clock.tick;
-        let sent = Sent(material);
+        let data = ReceivedData(data);
         self.controls.because(execution.into());
         let result = self
             .controls
             .begin(execution, tick)
-            .and_then(|()| instructions::execute(self, execution, call, &sent));
+            .and_then(|()| instructions::execute(self, execution, call, &data));
         if let Err(error) = result {
             self.controls.fail(execution, error, tick);
-            if sent.verdict() == Err(error) {
-                self.controls.set_segment(execution, sent.element() as i32, tick);
+            if data.verdict() == Err(error) {
+                self.controls.set_segment(execution, data.element() as i32, tick);
             }
         }
         self.controls.because(Cause::Itself);

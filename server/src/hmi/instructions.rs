@@ -125,8 +125,8 @@ fn range(instruction: &Instruction, range: Range) -> Value {
 fn dialog(dialog: &TargetDialog) -> Value {
     let rows = dialog.rows.iter().map(|row| {
         json!({
-            "move_type": row.move_type,
-            "circle_type": row.circle_type,
+            "move_type": row.move_type as i32,
+            "circle_type": row.circle_type.map(|circle| circle as i32),
             "target": row.target,
             "via": row.via,
             "targets_from_actuals": row.targets_from_actuals,

@@ -4,7 +4,8 @@
 //! Deceleration Jerk, as in Logix, only for S-curves: a trapezoid steps, and no maximum is meant for that.
 
 use arcline_controller::machine::{Axis, Travel};
-use arcline_instruction_set::{Call, enumerations};
+use arcline_instruction_set::Call;
+use arcline_instruction_set::enumerations::VelocityProfile;
 
 /// Share by which a peak may be above its limit: what rounding leaves.
 const ROUNDING: f64 = 1e-6;
@@ -24,8 +25,7 @@ impl Shape {
     /// What an instruction says; `None`: it has no profile.
     pub(super) fn of(call: &Call) -> Option<Self> {
         let place = call.instruction().operand("Profile")?;
-        let curve = enumerations::PROFILE.parse_word("S-curve").map(f64::from);
-        Some(if Some(call.number(place)) == curve {
+        Some(if call.word(place) == VelocityProfile::SCurve as i32 {
             Self::SCurve
         } else {
             Self::Trapezoid

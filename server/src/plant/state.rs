@@ -310,13 +310,13 @@ impl State {
         let ticket = self.ticket(call.target);
         let (sender, receiver) = oneshot::channel();
         self.waiting.insert(ticket, sender);
-        let (material, staged) = self.image_mut().prepare(&call);
+        let (data, staged) = self.image_mut().prepare(&call);
         if let Some(staged) = staged {
             self.staged.insert(ticket, staged);
         }
-        self.push(match material {
+        self.push(match data {
             None => Command::Call(ticket, call),
-            Some(material) => Command::CallWith(ticket, call, material),
+            Some(data) => Command::CallWith(ticket, call, data),
         });
         (ticket, receiver)
     }

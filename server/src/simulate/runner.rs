@@ -487,8 +487,8 @@ impl<'m> Runner<'m> {
         let ticket = Ticket(self.lines.len() as u64);
         self.newest.insert(call.control, (ticket, call.mnemonic));
         self.shown = None;
-        let (material, staged) = self.image.prepare(call);
-        let control = self.controller.execute_with(ticket, call, material);
+        let (data, staged) = self.image.prepare(call);
+        let control = self.controller.execute_with(ticket, call, data);
         if let Some(staged) = staged {
             self.image.settle(staged, &control);
         }

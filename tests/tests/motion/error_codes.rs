@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use arcline_instruction_set::{FaultKind, Flag, Mnemonic, MotionError};
+use arcline_instruction_set::{FaultKind, Flag, Mnemonic, MotionError, Timing};
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::follow::CAM_TAGS;
 
@@ -995,5 +995,59 @@ fn every_executed_instruction_is_in_the_table() {
                 .expect("the instructions");
         let arm = format!("Mnemonic::{mnemonic:?} => ");
         assert_eq!(text.contains(&arm), listed, "{mnemonic}");
+    }
+}
+
+/// DN comes as the timing of the catalogue says, and IP with it (spec/axis-and-data-types.md §1.1).
+#[test]
+fn dn_comes_when_the_catalogue_says() {
+    let machine = machine();
+    // A servo that is on already, and a position that is home already, are done at once.
+    let instead = [("MSO(X, T)", (OFF, "MSO(X, T)")), ("MAH(X, T)", ("", "MAH(H, T)"))];
+    let instead = |call: &'static str| instead.iter().find(|(other, _)| *other == call).map(|(_, good)| *good);
+    let good = GOOD.iter().map(|call| instead(call).unwrap_or(("", *call)));
+    let mut seen = BTreeSet::new();
+    for (steps, call) in good.chain(GOOD_MOVING.iter().copied()) {
+        let timing = mnemonic(call).parse::<Mnemonic>().expect(call).instruction().timing;
+        let mut bench = prepared(&machine, steps);
+        let shown = bench.execute(&filled(call));
+        bench.tick();
+        let later = bench.control("T");
+        let (at_once, in_process) = (shown.has(Flag::Dn), shown.has(Flag::Ip));
+        let as_listed = match timing {
+            Timing::Immediate => at_once,
+            Timing::Message => !at_once && !in_process && later.has(Flag::Dn),
+            // A stop of nothing is complete at once.
+            Timing::Process => at_once && (in_process || shown.has(Flag::Pc)),
+            Timing::MessageProcess => !at_once && in_process,
+        };
+        assert!(
+            as_listed && !shown.has(Flag::Er),
+            "{call}: {timing:?}, but {shown:?}, then {later:?}"
+        );
+        seen.insert(mnemonic(call));
+    }
+    assert_eq!(seen.len(), Mnemonic::ALL.len());
+}
+
+/// Every instruction takes its operands apart by a pattern without `..`, so that the compiler finds an operand that no code
+/// reads.
+#[test]
+fn every_operand_is_read_by_its_instruction() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates");
+    for mnemonic in Mnemonic::ALL
+        .iter()
+        .filter(|mnemonic| mnemonic.instruction().given_operands().count() > 0)
+    {
+        let file = format!("motion/src/instructions/{}.rs", mnemonic.name().to_lowercase());
+        let pattern = format!("let {mnemonic:?} {{");
+        let taken_apart = [file.as_str(), "controller/src/image/cams.rs"].iter().any(|file| {
+            let text = fs::read_to_string(folder.join(file)).expect("a source");
+            let patterns = text.split(&pattern).skip(1);
+            patterns
+                .filter_map(|rest| rest.split('}').next())
+                .any(|fields| !fields.contains(".."))
+        });
+        assert!(taken_apart, "{mnemonic}");
     }
 }

@@ -1,7 +1,7 @@
 //! Names for instructions: objects and arrays among the tags, and the call that an instruction tag is.
 
 use arcline_instruction_set::{
-    BindError, Call, Directory, Object, WrittenArray, bind, instruction_tag_given, instruction_tag_target,
+    BindError, Call, Directory, Object, TagAddress, WrittenArray, bind, instruction_tag_given, instruction_tag_target,
 };
 use arcline_tag::{DataType, Elementary};
 
@@ -35,7 +35,7 @@ impl Image {
         }
     }
 
-    fn apply_numbers(&mut self, tag: u32, numbers: &[f64]) {
+    fn apply_numbers(&mut self, tag: TagAddress, numbers: &[f64]) {
         let Some((id, offset, elements)) = self.written_array(tag) else {
             return;
         };
@@ -50,8 +50,8 @@ impl Image {
 
     /// Where a REAL array that an instruction writes stands: `tag` is what [`Directory::real_array`] gave.
     /// Tag, byte offset and number of elements.
-    pub fn written_array(&self, tag: u32) -> Option<(TagId, usize, usize)> {
-        let (id, offset) = (TagId(tag >> 16), (tag & 0xFFFF) as usize * 4);
+    pub fn written_array(&self, tag: TagAddress) -> Option<(TagId, usize, usize)> {
+        let (id, offset) = place(tag);
         let tag = self.tag(id)?;
         let end = match &tag.tag_type.data_type {
             DataType::Structure(template) => {
@@ -67,6 +67,11 @@ impl Image {
     }
 }
 
+/// The tag and the first byte of an address.
+pub(super) fn place(address: TagAddress) -> (TagId, usize) {
+    (TagId(address.tag()), address.offset())
+}
+
 impl Directory for Image {
     fn object(&self, object: Object, name: &str) -> Option<u16> {
         match (self.find(name)?.kind, object) {
@@ -80,13 +85,10 @@ impl Directory for Image {
 
     fn real_array(&self, name: &str) -> Option<WrittenArray> {
         let (id, place) = self.locate(&name.parse().ok()?).ok()?;
-        let offset = u32::try_from(place.offset / 4)
-            .ok()
-            .filter(|offset| *offset <= 0xFFFF)?;
         let real = place.data_type == DataType::Elementary(Elementary::Real) && place.bit.is_none();
         let for_instructions = self.tag(id)?.kind != TagKind::FeedOverride;
         let writable = for_instructions && self.writable(id, place.offset, 4 * place.elements as usize);
-        let tag = (real && writable && id.0 <= 0xFFFF).then_some(id.0 << 16 | offset)?;
+        let tag = TagAddress::new(id.0, place.offset).filter(|_| real && writable)?;
         let (_, _, elements) = self.written_array(tag)?;
         Some(WrittenArray {
             tag,
@@ -94,7 +96,7 @@ impl Directory for Image {
         })
     }
 
-    fn structure(&self, type_name: &str, name: &str) -> Option<u32> {
+    fn structure(&self, type_name: &str, name: &str) -> Option<TagAddress> {
         let (id, place) = self.locate(&name.parse().ok()?).ok()?;
         // INT[4] is an array of four or more.
         let (type_name, least) = match type_name.strip_suffix(']').and_then(|array| array.split_once('[')) {
@@ -102,9 +104,8 @@ impl Directory for Image {
             None => (type_name, 1),
         };
         let named = place.data_type.name().eq_ignore_ascii_case(type_name) && place.bit.is_none();
-        let named = named && place.elements >= least && place.offset.is_multiple_of(4);
+        let named = named && place.elements >= least;
         let plain = self.tag(id)?.kind == TagKind::Plain;
-        let offset = u32::try_from(place.offset / 4).ok()?;
-        (named && plain && offset <= 0xFFFF && id.0 <= 0xFFFF).then_some(id.0 << 16 | offset)
+        TagAddress::new(id.0, place.offset).filter(|_| named && plain)
     }
 }

@@ -3,12 +3,14 @@
 //! The elements of a CAM_PROFILE array are the segments of its profile, as far as their Status says that there is one;
 //! the last one is the last point. Not here: what instructions do with them ([`super::cams`]).
 
+use arcline_instruction_set::operands::OperandValue;
 use arcline_instruction_set::predefined::cam_profile_status::{BEING_CALCULATED, CALCULATED, NOT_CALCULATED};
-use arcline_instruction_set::{Call, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::{MotionError, TagAddress};
 use arcline_motion::cam::{Point, Profile, Segment, SegmentType};
 use arcline_tag::{DataType, Member};
 
-use super::cams::{Refusal, operand};
+use super::calls::place;
+use super::cams::Refusal;
 use super::structures::{real, word};
 use super::{Image, TagId};
 
@@ -24,11 +26,9 @@ pub(super) struct Place {
 
 impl Image {
     /// The array that an operand names.
-    pub(super) fn array_of(&self, call: &Call, mnemonic: Mnemonic, name: &str, size: usize) -> Result<Place, Refusal> {
-        let at = operand(mnemonic, name);
-        let unknown = || MotionError::ParameterOutOfRange(OperandIndex(at as u8));
-        let tag = call.tag(at).ok_or_else(unknown)?;
-        let (id, offset) = (TagId(tag >> 16), (tag & 0xFFFF) as usize * 4);
+    pub(super) fn array_of(&self, operand: &OperandValue<Option<TagAddress>>, size: usize) -> Result<Place, Refusal> {
+        let unknown = || operand.out_of_range();
+        let (id, offset) = operand.map(place).ok_or_else(unknown)?;
         let tag_type = &self.tag(id).ok_or_else(unknown)?.tag_type;
         let elements = elements_from(&tag_type.data_type, tag_type.elements() as usize, offset, size);
         match elements {

@@ -5,11 +5,13 @@
 
 use std::sync::Arc;
 
+use arcline_instruction_set::operands::{Mapc, Matc, Mccp, Mcpm, Mcsv, Mcto, Mctp, Mctpo, OperandValue, Operands};
 use arcline_instruction_set::predefined::cam_profile_status::{BEING_CALCULATED, CALCULATED, NOT_CALCULATED};
-use arcline_instruction_set::{Call, Detail, Flag, Mnemonic, MotionControl, MotionError, OperandIndex};
+use arcline_instruction_set::{Call, Detail, Flag, Mnemonic, MotionControl, MotionError, TagAddress, WrittenArray};
 use arcline_motion::cam::{CalculateError, Profile};
-use arcline_motion::{Answer, Material};
+use arcline_motion::{CallData, Results};
 
+use super::calls::place;
 use super::cam_tags::{CAM, Place, SEGMENT};
 use super::shared::Kept;
 use super::{Image, TagId};
@@ -17,16 +19,16 @@ use super::{Image, TagId};
 /// What an instruction writes to tags when it is done.
 #[derive(Clone, Debug)]
 #[must_use = "a profile stays \"being calculated\" until it is settled"]
-pub struct Staged(Result_);
+pub struct Staged(Written);
 
 #[derive(Clone, Debug)]
-enum Result_ {
+enum Written {
     Profile(Place, Profile),
-    Numbers(Vec<(u32, f64)>),
-    /// What the tick calculates, for an array.
-    Answer(u32, Arc<Answer>),
-    /// The same of MCTPO: six numbers for an array, and what is behind them for a DINT and an INT[4].
-    Pose([u32; 3], Arc<Answer>),
+    Numbers(Vec<(TagAddress, f64)>),
+    /// Results of the tick, for an array.
+    Results(TagAddress, Arc<Results>),
+    /// Results of MCTPO: six numbers for an array, the others for a DINT and an INT[4].
+    Pose([TagAddress; 3], Arc<Results>),
 }
 
 /// Profiles of the tags that something is done with.
@@ -40,27 +42,33 @@ pub(super) struct Profiles {
 impl Image {
     /// What a call needs of tags, and what it writes to them: the latter is for [`Image::settle`] once the instruction was
     /// executed.
-    pub fn prepare(&mut self, call: &Call) -> (Option<Material>, Option<Staged>) {
+    pub fn prepare(&mut self, call: &Call) -> (Option<CallData>, Option<Staged>) {
         let prepared = match call.mnemonic {
             Mnemonic::Mccp => self.calculate_profile(call),
             Mnemonic::Mcsv => self.calculate_values(call),
-            Mnemonic::Mapc | Mnemonic::Matc => self.use_profile(call),
+            Mnemonic::Mapc => self.use_profile(&Mapc::of(call).cam_profile),
+            Mnemonic::Matc => self.use_profile(&Matc::of(call).cam_profile),
             Mnemonic::Maoc => self.prepare_output_cam(call),
-            Mnemonic::Mcto => self
-                .frames(call)
-                .map(|frames| (Material::Frames(frames), None))
-                .map_err(Refusal::from),
+            Mnemonic::Mcto => {
+                let Mcto {
+                    work_frame, tool_frame, ..
+                } = Mcto::of(call);
+                let frames = self.frames(&work_frame, &tool_frame);
+                frames
+                    .map(|frames| (CallData::Frames(frames), None))
+                    .map_err(Refusal::from)
+            }
             Mnemonic::Mcpm => self
-                .path_move(call)
-                .map(|path| (Material::Path(path), None))
+                .path_move(&Mcpm::of(call))
+                .map(|path| (CallData::Path(path), None))
                 .map_err(Refusal::from),
-            Mnemonic::Mctpo => self.calculate_pose(call),
-            Mnemonic::Mctp => return Self::expect_numbers(call, "Transform Position"),
+            Mnemonic::Mctpo => self.calculate_pose(&Mctpo::of(call)),
+            Mnemonic::Mctp => return Self::expect_results(*Mctp::of(call).transform_position),
             _ => return (None, None),
         };
         match prepared {
-            Ok((material, staged)) => (Some(material), staged),
-            Err(Refusal { error, element }) => (Some(Material::Refused { error, element }), None),
+            Ok((data, staged)) => (Some(data), staged),
+            Err(Refusal { error, element }) => (Some(CallData::Refused { error, element }), None),
         }
     }
 
@@ -68,7 +76,7 @@ impl Image {
     pub fn settle(&mut self, staged: Staged, control: &MotionControl) {
         let done = control.has(Flag::Dn) && !control.has(Flag::Er);
         match staged.0 {
-            Result_::Profile(place, profile) => {
+            Written::Profile(place, profile) => {
                 self.profiles.calculated.retain(|other| *other != place);
                 if done {
                     self.write_profile(place, &profile);
@@ -78,22 +86,21 @@ impl Image {
                     self.set_status(place, status);
                 }
             }
-            Result_::Answer(tag, answer) => {
-                // The elements of an array follow each other in what a tag is called.
-                for (place, number) in (tag..).zip(answer.numbers().filter(|_| done)) {
-                    self.write_number(place, number);
+            Written::Results(array, results) => {
+                for (index, number) in results.numbers().enumerate().filter(|_| done) {
+                    self.write_element(array, index, number);
                 }
             }
-            Result_::Pose([position, configuration, turns], answer) => {
-                for (place, number) in answer.numbers().enumerate().filter(|_| done) {
+            Written::Pose([position, configuration, turns], results) => {
+                for (place, number) in results.numbers().enumerate().filter(|_| done) {
                     match place {
-                        0..=5 => self.write_number(position + place as u32, number),
+                        0..=5 => self.write_element(position, place, number),
                         6 => self.write_bytes(configuration, 0, &(number as i32).to_le_bytes()),
                         _ => self.write_bytes(turns, 2 * (place - 7), &(number as i16).to_le_bytes()),
                     }
                 }
             }
-            Result_::Numbers(numbers) => {
+            Written::Numbers(numbers) => {
                 for (tag, number) in numbers.into_iter().filter(|_| done) {
                     self.write_number(tag, number);
                 }
@@ -116,31 +123,34 @@ impl Image {
         self.profiles.used.retain(|(_, profile)| Arc::strong_count(profile) > 1);
     }
 
-    /// A place for what the tick calculates, where the operand names an array.
-    fn expect_numbers(call: &Call, name: &str) -> (Option<Material>, Option<Staged>) {
-        let Some(array) = call.written(operand(call.mnemonic, name)) else {
+    /// The results that the tick calculates, where the operand names an array for them.
+    fn expect_results(array: Option<WrittenArray>) -> (Option<CallData>, Option<Staged>) {
+        let Some(array) = array else {
             return (None, None);
         };
-        let answer = Arc::new(Answer::new(usize::from(array.elements)));
+        let results = Arc::new(Results::new(usize::from(array.elements)));
         (
-            Some(Material::Answer(answer.clone())),
-            Some(Staged(Result_::Answer(array.tag, answer))),
+            Some(CallData::Results(results.clone())),
+            Some(Staged(Written::Results(array.tag, results))),
         )
     }
 
-    /// What MCTPO reads, and what it writes.
-    fn calculate_pose(&mut self, call: &Call) -> Prepared {
-        let calculation = self.calculation(call)?;
-        let tags = ["Robot Configuration", "Turns Counter"].map(|name| call.tag(operand(call.mnemonic, name)));
-        let position = call.written(operand(call.mnemonic, "Transform Position"));
-        let staged = match (position, tags) {
-            (Some(position), [Some(configuration), Some(turns)]) => {
+    /// The tags that MCTPO reads, and those that it writes.
+    fn calculate_pose(&mut self, operands: &Mctpo) -> Prepared {
+        let calculation = self.calculation(operands)?;
+        let tags = (
+            *operands.transform_position,
+            *operands.robot_configuration,
+            *operands.turns_counter,
+        );
+        let staged = match tags {
+            (Some(position), Some(configuration), Some(turns)) => {
                 let tags = [position.tag, configuration, turns];
-                Some(Staged(Result_::Pose(tags, calculation.answer.clone())))
+                Some(Staged(Written::Pose(tags, calculation.results.clone())))
             }
             _ => None,
         };
-        Ok((Material::Calculation(calculation), staged))
+        Ok((CallData::Calculation(calculation), staged))
     }
 
     /// Instructions that use a profile of these elements.
@@ -150,15 +160,21 @@ impl Image {
     }
 
     fn calculate_profile(&mut self, call: &Call) -> Prepared {
-        let cam = self.array_of(call, Mnemonic::Mccp, "Cam", CAM)?;
-        let place = self.array_of(call, Mnemonic::Mccp, CAM_PROFILE_OPERAND, SEGMENT)?;
-        let [length, start_slope, end_slope] =
-            ["Length", "Start Slope", "End Slope"].map(|name| call.number(operand(Mnemonic::Mccp, name)));
-        let length = length.round_ties_even();
-        if !(2.0..=cam.elements as f64).contains(&length) {
+        let Mccp {
+            cam,
+            length,
+            start_slope,
+            end_slope,
+            cam_profile,
+        } = Mccp::of(call);
+        let points = self.array_of(&cam, CAM)?;
+        let place = self.array_of(&cam_profile, SEGMENT)?;
+        let Some(length) = usize::try_from(*length)
+            .ok()
+            .filter(|length| (2..=points.elements).contains(length))
+        else {
             return Err(MotionError::IllegalCamLength.into());
-        }
-        let length = length as usize;
+        };
         if place.elements < length {
             return Err(MotionError::IllegalCamProfileLength.into());
         }
@@ -168,48 +184,51 @@ impl Image {
         if self.users(place) > 0 {
             return Err(MotionError::CamProfileBeingUsed.into());
         }
-        let points = self.points(cam, length)?;
-        let profile = Profile::calculate(&points, start_slope, end_slope).map_err(|error| match error {
+        let points = self.points(points, length)?;
+        let profile = Profile::calculate(&points, *start_slope, *end_slope).map_err(|error| match error {
             CalculateError::TooFew { .. } => Refusal::from(MotionError::IllegalCamLength),
             CalculateError::Order { place } => Refusal::element(MotionError::IllegalCamOrder, place),
             // A number that is none: an operand out of range.
             CalculateError::NotFinite { place } => Refusal {
-                error: MotionError::ParameterOutOfRange(OperandIndex(operand(Mnemonic::Mccp, "Cam") as u8)),
+                error: cam.out_of_range(),
                 element: place as u32,
             },
         })?;
         self.profiles.calculated.push(place);
         self.set_status(place, BEING_CALCULATED);
-        Ok((Material::Done, Some(Staged(Result_::Profile(place, profile)))))
+        Ok((CallData::Done, Some(Staged(Written::Profile(place, profile)))))
     }
 
     fn calculate_values(&mut self, call: &Call) -> Prepared {
-        let place = self.array_of(call, Mnemonic::Mcsv, CAM_PROFILE_OPERAND, SEGMENT)?;
-        let profile = self.profile(place)?;
-        let master = operand(Mnemonic::Mcsv, "Master Value");
-        let x = call.number(master);
-        if !profile.contains(x) {
-            return Err(MotionError::ParameterOutOfRange(OperandIndex(master as u8)).into());
+        let Mcsv {
+            cam_profile,
+            master_value,
+            slave_value,
+            slope_value,
+            slope_derivative,
+        } = Mcsv::of(call);
+        let profile = self.profile(self.array_of(&cam_profile, SEGMENT)?)?;
+        if !profile.contains(*master_value) {
+            return Err(master_value.out_of_range().into());
         }
-        let value = profile.at(x);
+        let value = profile.at(*master_value);
         let results = [
-            ("Slave Value", value.y),
-            ("Slope Value", value.slope),
-            ("Slope Derivative", value.curvature),
+            (slave_value, value.y),
+            (slope_value, value.slope),
+            (slope_derivative, value.curvature),
         ];
-        let numbers = results.into_iter().filter_map(|(name, number)| {
-            let tag = call.written(operand(Mnemonic::Mcsv, name))?.tag;
-            Some((tag, number))
-        });
-        Ok((Material::Done, Some(Staged(Result_::Numbers(numbers.collect())))))
+        let numbers = results
+            .into_iter()
+            .filter_map(|(array, number)| Some((array.as_ref()?.tag, number)));
+        Ok((CallData::Done, Some(Staged(Written::Numbers(numbers.collect())))))
     }
 
-    fn use_profile(&mut self, call: &Call) -> Prepared {
+    fn use_profile(&mut self, cam_profile: &OperandValue<Option<TagAddress>>) -> Prepared {
         self.show_uses();
-        let place = self.array_of(call, call.mnemonic, CAM_PROFILE_OPERAND, SEGMENT)?;
+        let place = self.array_of(cam_profile, SEGMENT)?;
         let profile = Arc::new(self.profile(place)?);
         self.profiles.used.push((place, profile.clone()));
-        Ok((Material::Cam(profile), None))
+        Ok((CallData::Cam(profile), None))
     }
 
     /// The profile of these elements, if it can be used.
@@ -224,7 +243,13 @@ impl Image {
         self.profiles.calculated.iter().any(|other| other.overlaps(&place))
     }
 
-    fn write_number(&mut self, tag: u32, number: f64) {
+    fn write_element(&mut self, array: TagAddress, index: usize, number: f64) {
+        if let Some(element) = array.element(index) {
+            self.write_number(element, number);
+        }
+    }
+
+    fn write_number(&mut self, tag: TagAddress, number: f64) {
         if let Some((id, offset, 1..)) = self.written_array(tag) {
             let bytes = (number as f32).to_le_bytes();
             self.put(id, offset, &bytes);
@@ -233,8 +258,9 @@ impl Image {
     }
 
     /// Bytes of a plain tag from where an operand begins.
-    fn write_bytes(&mut self, tag: u32, behind: usize, bytes: &[u8]) {
-        let (id, offset) = (TagId(tag >> 16), (tag & 0xFFFF) as usize * 4 + behind);
+    fn write_bytes(&mut self, tag: TagAddress, behind: usize, bytes: &[u8]) {
+        let (id, offset) = place(tag);
+        let offset = offset + behind;
         self.put(id, offset, bytes);
         self.note_written(id, offset, bytes.len());
     }
@@ -249,7 +275,7 @@ impl Image {
     }
 }
 
-pub(super) type Prepared = Result<(Material, Option<Staged>), Refusal>;
+pub(super) type Prepared = Result<(CallData, Option<Staged>), Refusal>;
 
 /// What an instruction errs with, and the element to blame.
 pub(super) struct Refusal {
@@ -272,11 +298,3 @@ impl From<MotionError> for Refusal {
         Refusal { error, element: 0 }
     }
 }
-
-/// Place of an operand on the faceplate.
-pub(super) fn operand(mnemonic: Mnemonic, name: &str) -> usize {
-    let operands = mnemonic.instruction().operands;
-    operands.iter().position(|operand| operand.name == name).unwrap_or(0)
-}
-
-const CAM_PROFILE_OPERAND: &str = "Cam Profile";

@@ -6,12 +6,14 @@
 
 use std::sync::Arc;
 
-use arcline_instruction_set::{Call, Mnemonic, MotionError};
-use arcline_motion::{BitCompensation, CamElement, Input, Material, OUTPUT_BITS, OutputCam, OutputCamError};
+use arcline_instruction_set::operands::{Maoc, Operands};
+use arcline_instruction_set::{Call, MotionError, TagAddress};
+use arcline_motion::{BitCompensation, CallData, CamElement, Input, OUTPUT_BITS, OutputCam, OutputCamError};
 use arcline_tag::TagPath;
 
+use super::calls::place;
 use super::cam_tags::Place;
-use super::cams::{Prepared, Refusal, operand};
+use super::cams::{Prepared, Refusal};
 use super::shared::Kept;
 use super::structures::{real, word};
 use super::{Image, TagId};
@@ -20,34 +22,42 @@ use super::{Image, TagId};
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outputs {
     /// With the tags of their output and their input. Kept until nobody else has the cam any more: it is freed here.
-    used: Kept<([Option<u32>; 2], Arc<OutputCam>)>,
+    used: Kept<([Option<TagAddress>; 2], Arc<OutputCam>)>,
 }
 
 impl Image {
     /// What a MAOC needs of its tags.
     pub(super) fn prepare_output_cam(&mut self, call: &Call) -> Prepared {
         self.free_output_cams();
-        let at = |name: &str| operand(Mnemonic::Maoc, name);
-        let cam = self.array_of(call, Mnemonic::Maoc, "Output Cam", OUTPUT_CAM)?;
+        let Maoc {
+            output,
+            input,
+            output_cam,
+            cam_start_position,
+            cam_end_position,
+            output_compensation,
+            ..
+        } = Maoc::of(call);
+        let cam = self.array_of(&output_cam, OUTPUT_CAM)?;
         let elements: Vec<CamElement> = self.elements(cam, OUTPUT_CAM).map(element).collect();
-        let compensation: Vec<BitCompensation> = match call.tag(at("Output Compensation")) {
+        let compensation: Vec<BitCompensation> = match *output_compensation {
             None => Vec::new(),
             Some(_) => {
-                let place = self.array_of(call, Mnemonic::Maoc, "Output Compensation", OUTPUT_COMPENSATION)?;
+                let place = self.array_of(&output_compensation, OUTPUT_COMPENSATION)?;
                 let elements = self.elements(place, OUTPUT_COMPENSATION);
                 elements.take(OUTPUT_BITS).map(compensation).collect()
             }
         };
-        let range = call.number(at("Cam Start Position"))..=call.number(at("Cam End Position"));
+        let range = *cam_start_position..=*cam_end_position;
         let cam = OutputCam::new(range, &elements, &compensation).map_err(|error| match error {
             OutputCamError::Element { place } => Refusal::element(MotionError::IllegalOutputCam, place),
             OutputCamError::Compensation { place } => Refusal::element(MotionError::IllegalOutputCompensation, place),
         })?;
         let cam = Arc::new(cam);
-        let tags = ["Output", "Input"].map(|name| call.tag(at(name)));
+        let tags = [*output, *input];
         let words = tags.map(|tag| tag.map_or(0, |tag| self.word_of(tag)));
         self.outputs.used.push((tags, cam.clone()));
-        Ok((Material::OutputCam(cam, words), None))
+        Ok((CallData::OutputCam(cam, words), None))
     }
 
     /// Tells the words around output cams among the bytes that were written.
@@ -84,13 +94,13 @@ impl Image {
     }
 
     /// Writes bits of a word; the others stay as they are.
-    pub(super) fn apply_bits(&mut self, tag: u32, mask: u32, bits: u32) {
+    pub(super) fn apply_bits(&mut self, tag: TagAddress, mask: u32, bits: u32) {
         let (id, from) = place(tag);
         let word = (self.word_of(tag) & !mask) | (bits & mask);
         self.put(id, from, &word.to_le_bytes());
     }
 
-    fn word_of(&self, tag: u32) -> u32 {
+    fn word_of(&self, tag: TagAddress) -> u32 {
         let (id, from) = place(tag);
         u32::from_le_bytes(word(self.bytes(id), from))
     }
@@ -127,11 +137,6 @@ fn compensation(bytes: &[u8]) -> BitCompensation {
 
 fn dint(bytes: &[u8], at: usize) -> i32 {
     i32::from_le_bytes(word(bytes, at))
-}
-
-/// Where a word stands that an operand names.
-fn place(tag: u32) -> (TagId, usize) {
-    (TagId(tag >> 16), (tag & 0xFFFF) as usize * WORD)
 }
 
 /// Bytes of a DINT.

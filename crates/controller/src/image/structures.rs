@@ -6,45 +6,48 @@
 
 use std::sync::Arc;
 
+use arcline_instruction_set::operands::{Mcpm, Mctpo, OperandValue};
 use arcline_instruction_set::predefined;
-use arcline_instruction_set::{Call, Enumeration, MotionError, OperandIndex};
-use arcline_motion::{Answer, Calculation, DynamicsData, Frame, Frames, PathData, PathMove};
+use arcline_instruction_set::{Enumeration, MotionError, TagAddress};
+use arcline_motion::{Calculation, DynamicsData, Frame, Frames, PathData, PathMove, Results};
 use arcline_tag::Template;
 
-use super::cams::operand;
-use super::{Image, TagId};
+use super::Image;
+use super::calls::place;
 
 impl Image {
-    /// The frames of a call of MCTO or MCTPO.
+    /// The frames of a work and a tool.
     ///
     /// # Errors
     /// A tag that is gone since the call was bound: 13 with the operand.
-    pub(super) fn frames(&self, call: &Call) -> Result<Frames, MotionError> {
-        let [work, tool] = ["Work Frame", "Tool Frame"].map(|name| self.frame(call, name));
+    pub(super) fn frames(&self, work: &TagOperand, tool: &TagOperand) -> Result<Frames, MotionError> {
+        let [work, tool] = [work, tool].map(|frame| self.frame(frame));
         Ok(Frames {
             work: work?,
             tool: tool?,
         })
     }
 
-    /// What MCTPO reads, and a place for what it calculates.
+    /// The tags that MCTPO reads, and its results.
     ///
     /// # Errors
     /// As of [`Image::frames`].
-    pub(super) fn calculation(&self, call: &Call) -> Result<Calculation, MotionError> {
-        let room = call.written(operand(call.mnemonic, "Transform Position"));
-        let configuration = self.structure_of(call, "Robot Configuration")?;
-        let turns = self.structure_of(call, "Turns Counter")?;
+    pub(super) fn calculation(&self, operands: &Mctpo) -> Result<Calculation, MotionError> {
+        let configuration = self.structure_of(&operands.robot_configuration)?;
+        let turns = self.structure_of(&operands.turns_counter)?;
+        let elements = operands
+            .transform_position
+            .map_or(0, |array| usize::from(array.elements));
         Ok(Calculation {
-            frames: self.frames(call)?,
+            frames: self.frames(&operands.work_frame, &operands.tool_frame)?,
             configuration: i32::from_le_bytes(word(configuration, 0)),
             turns: [0, 2, 4, 6].map(|at| i16::from_le_bytes(word(turns, at))),
-            answer: Arc::new(Answer::new(room.map_or(0, |array| usize::from(array.elements)))),
+            results: Arc::new(Results::new(elements)),
         })
     }
 
-    fn frame(&self, call: &Call, name: &str) -> Result<Frame, MotionError> {
-        let bytes = self.structure_of(call, name)?;
+    fn frame(&self, operand: &TagOperand) -> Result<Frame, MotionError> {
+        let bytes = self.structure_of(operand)?;
         Ok(Frame {
             id: i32::from_le_bytes(word(bytes, 0)),
             coordinates: [4, 8, 12, 16, 20, 24].map(|at| real(bytes, at)),
@@ -55,10 +58,10 @@ impl Image {
     ///
     /// # Errors
     /// A tag that is gone since the call was bound: 13 with the operand.
-    pub(super) fn path_move(&self, call: &Call) -> Result<PathMove, MotionError> {
+    pub(super) fn path_move(&self, operands: &Mcpm) -> Result<PathMove, MotionError> {
         let (path, dynamics) = (predefined::path_data(), predefined::dynamics_data());
-        let path = Members(&path, self.structure_of(call, "Path")?);
-        let dynamics = Members(&dynamics, self.structure_of(call, "Dynamics")?);
+        let path = Members(&path, self.structure_of(&operands.path)?);
+        let dynamics = Members(&dynamics, self.structure_of(&operands.dynamics)?);
         Ok(PathMove {
             path: PathData {
                 interpolation_type: path.word("InterpolationType"),
@@ -86,15 +89,17 @@ impl Image {
     ///
     /// # Errors
     /// There is no such tag any more: 13 with the operand.
-    pub(super) fn structure_of(&self, call: &Call, name: &str) -> Result<&[u8], MotionError> {
-        let place = operand(call.mnemonic, name);
-        let bytes = call.tag(place).and_then(|tag| {
-            let (id, offset) = (TagId(tag >> 16), (tag & 0xFFFF) as usize * 4);
+    pub(super) fn structure_of(&self, operand: &TagOperand) -> Result<&[u8], MotionError> {
+        let bytes = operand.and_then(|tag| {
+            let (id, offset) = place(tag);
             self.bytes(id).get(offset..).filter(|bytes| !bytes.is_empty())
         });
-        bytes.ok_or(MotionError::ParameterOutOfRange(OperandIndex(place as u8)))
+        bytes.ok_or(operand.out_of_range())
     }
 }
+
+/// An operand that names a tag.
+type TagOperand = OperandValue<Option<TagAddress>>;
 
 /// A structure of a predefined type: what it is made of, and its bytes.
 struct Members<'a>(&'a Template, &'a [u8]);

@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::predefined::axis_fault;
 use arcline_instruction_set::{Argument, Directory, Flag, Given, Mnemonic, MotionControl, MotionError, bind};
-use arcline_motion::{Cause, Material};
+use arcline_motion::{CallData, Cause};
 use arcline_tag::{Elementary, TagPath, Value};
 
 use super::*;
@@ -584,12 +584,12 @@ fn a_profile_is_being_calculated_until_it_is_settled() {
     let call = bind(Mnemonic::Mccp, None, UNNAMED, &given, &image).expect("it binds");
     let status = |image: &Image| number(image, "Curve[0].Status");
 
-    let (material, staged) = image.prepare(&call);
-    assert!(matches!(material, Some(Material::Done)));
+    let (data, staged) = image.prepare(&call);
+    assert!(matches!(data, Some(CallData::Done)));
     assert_eq!(status(&image), 1.0);
     let (again, nothing) = image.prepare(&call);
     let refused = MotionError::CamProfileBeingCalculated;
-    assert!(matches!(again, Some(Material::Refused { error, .. }) if error == refused) && nothing.is_none());
+    assert!(matches!(again, Some(CallData::Refused { error, .. }) if error == refused) && nothing.is_none());
     image.settle(
         staged.expect("a profile"),
         &MotionControl::refused(MotionError::ExecutionCollision),

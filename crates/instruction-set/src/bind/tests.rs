@@ -4,6 +4,10 @@ use proptest::prelude::*;
 
 use super::*;
 
+fn address(tag: u32) -> TagAddress {
+    TagAddress::new(tag, 0).expect("an address")
+}
+
 struct Machine;
 
 impl Directory for Machine {
@@ -16,7 +20,10 @@ impl Directory for Machine {
     }
 
     fn real_array(&self, name: &str) -> Option<WrittenArray> {
-        let results = WrittenArray { tag: 17, elements: 4 };
+        let results = WrittenArray {
+            tag: address(17),
+            elements: 4,
+        };
         name.eq_ignore_ascii_case("results").then_some(results)
     }
 }
@@ -330,7 +337,13 @@ fn names_become_objects_and_tags() {
     let call = bind(Mnemonic::Mclm, Some(0), ControlSlot(0), &operands, &Machine).expect("binds");
     assert_eq!(
         (call.written(21), call.array(20)),
-        (Some(WrittenArray { tag: 17, elements: 4 }), &[5.0, 1.0][..])
+        (
+            Some(WrittenArray {
+                tag: address(17),
+                elements: 4
+            }),
+            &[5.0, 1.0][..]
+        )
     );
 }
 

@@ -3,10 +3,10 @@
 use super::bits::*;
 use super::groups::{DynamicsOperands, EventOperands, LockOperands, StopOperands};
 use super::row::*;
-use crate::Mnemonic;
 use crate::enumerations::*;
 use crate::instruction::{Axes, Instruction, Object, Range, Timing};
 use crate::operands::{OperandValue, Operands, Reader};
+use crate::{Mnemonic, TagAddress};
 
 const CAM_PROFILE_NOTE: &str = "a calculated profile";
 const TARGET_NOTE: &str = "0 to below the axis's output_cam_execution_targets (35)";
@@ -127,14 +127,14 @@ instructions! {
         master_axis: Option<u16> = reference(Object::Axis, ""),
         motion_control = control(),
         direction: GearDirection = word(),
-        cam_profile: Option<u32> = structure("CAM_PROFILE", CAM_PROFILE_NOTE),
+        cam_profile: Option<TagAddress> = structure("CAM_PROFILE", CAM_PROFILE_NOTE),
         slave_scaling: f64 = number(Range::Positive, "").first(1.0),
         master_scaling: f64 = number(Range::Positive, "").first(1.0),
         execution_mode: ExecutionMode = word(),
         execution_schedule: ExecutionSchedule = word(),
         master_lock_position: f64 = number(Range::Any, "master units"),
         cam_lock_position: f64 = number(Range::Any, "units of the profile's master"),
-        master_reference: Reference = word(),
+        master_reference: Reference = word().behind_ignored("Cam Type"),
         master_direction: MasterDirection = word(),
     ];
 
@@ -142,7 +142,7 @@ instructions! {
     "Moves the axis by a cam profile over time, or over the way of a master that MDAC links.": [
         axis = axis(), motion_control = control(),
         direction: GearDirection = word(),
-        cam_profile: Option<u32> = structure("CAM_PROFILE", CAM_PROFILE_NOTE),
+        cam_profile: Option<TagAddress> = structure("CAM_PROFILE", CAM_PROFILE_NOTE),
         distance_scaling: f64 = number(Range::Positive, "").first(1.0),
         time_scaling: f64 = number(Range::Positive, "").first(1.0),
         execution_mode: ExecutionMode = word_of(&TIME_CAM_EXECUTION_MODE),
@@ -182,12 +182,12 @@ instructions! {
         axis = axis(),
         execution_target: i32 = count(Range::Any, TARGET_NOTE),
         motion_control = control(),
-        output: Option<u32> = structure("DINT", "its bits are set and cleared"),
-        input: Option<u32> = structure_or_none("DINT", "its bits enable"),
-        output_cam: Option<u32> = structure("OUTPUT_CAM", "an array, all of which is used"),
+        output: Option<TagAddress> = structure("DINT", "its bits are set and cleared"),
+        input: Option<TagAddress> = structure_or_none("DINT", "its bits enable"),
+        output_cam: Option<TagAddress> = structure("OUTPUT_CAM", "an array, all of which is used"),
         cam_start_position: f64 = number(Range::Any, "position units"),
         cam_end_position: f64 = number(Range::Any, "position units, above Cam Start Position"),
-        output_compensation: Option<u32> = structure_or_none(
+        output_compensation: Option<TagAddress> = structure_or_none(
             "OUTPUT_COMPENSATION", "an array, an element for each output bit"),
         execution_mode: ExecutionMode = word(),
         execution_schedule: ExecutionSchedule = word(),

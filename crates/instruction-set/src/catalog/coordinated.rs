@@ -6,7 +6,7 @@ use super::row::*;
 use crate::enumerations::*;
 use crate::instruction::{ArrayRule, Axes, Instruction, Object, Range, Timing};
 use crate::operands::{OperandValue, Operands, Reader};
-use crate::{Mnemonic, RealArray, WrittenArray};
+use crate::{Mnemonic, RealArray, TagAddress, WrittenArray};
 
 const POSITION_NOTE: &str = "position units: end point or increments";
 const TOLERANCE_NOTE: &str = "position units; used by termination type 6";
@@ -23,7 +23,7 @@ const fn translation() -> Row<RealArray> {
     array(ArrayRule::AtLeast(3), "position units")
 }
 
-const fn frame() -> Row<Option<u32>> {
+const fn frame() -> Row<Option<TagAddress>> {
     structure("POSITION_DATA", "")
 }
 
@@ -88,10 +88,10 @@ instructions! {
         rates as StopOperands = StopOperands::rows(),
     ];
 
-    MCSD = Mcsd on CoordinateSystem, Message, EN_DN_ER, Axes::ANY,
+    MCSD = Mcsd on CoordinateSystem, Immediate, EN_DN_ER, Axes::ANY,
     "Puts all axes of a coordinate system into shutdown.": [coordinate_system = system(), motion_control = control()];
 
-    MCSR = Mcsr on CoordinateSystem, Message, EN_DN_ER, Axes::ANY,
+    MCSR = Mcsr on CoordinateSystem, Immediate, EN_DN_ER, Axes::ANY,
     "Takes all axes of a coordinate system out of shutdown.": [coordinate_system = system(), motion_control = control()];
 
     MDCC = Mdcc on CoordinateSystem, Immediate, EN_DN_ER_IP_AC, Axes::ANY,
@@ -128,9 +128,9 @@ instructions! {
     MCPM = Mcpm on CoordinateSystem, Process, PATH_BITS, Axes::ANY,
     "Moves position and orientation of a coordinate system along a path.": [
         coordinate_system = system(), motion_control = control(),
-        path: Option<u32> = structure("PATH_DATA", ""),
+        path: Option<TagAddress> = structure("PATH_DATA", ""),
         length: i32 = count(Range::Between(1.0, 1.0), "number of path elements, always 1").first(1.0),
-        dynamics: Option<u32> = structure("DYNAMICS_DATA", ""),
+        dynamics: Option<TagAddress> = structure("DYNAMICS_DATA", ""),
         lock as LockOperands = LockOperands::rows(),
     ];
 
@@ -139,8 +139,8 @@ instructions! {
         cartesian_system = system(),
         robot_system: Option<u16> = reference(Object::CoordinateSystem, ""),
         motion_control = control(),
-        work_frame: Option<u32> = frame(),
-        tool_frame: Option<u32> = frame(),
+        work_frame: Option<TagAddress> = frame(),
+        tool_frame: Option<TagAddress> = frame(),
     ];
 
     MCTPO = Mctpo on CoordinateSystem, Immediate, EN_DN_ER, Axes::ANY,
@@ -148,12 +148,12 @@ instructions! {
         cartesian_system = system(),
         robot_system: Option<u16> = reference(Object::CoordinateSystem, ""),
         motion_control = control(),
-        work_frame: Option<u32> = frame(),
-        tool_frame: Option<u32> = frame(),
+        work_frame: Option<TagAddress> = frame(),
+        tool_frame: Option<TagAddress> = frame(),
         transform_direction: TransformDirection = word(),
         reference_position: RealArray = array(ArrayRule::AtLeast(6), KNOWN_NOTE),
         transform_position: Option<WrittenArray> = written(9, RESULT_NOTE),
-        robot_configuration: Option<u32> = structure("DINT", POSE_NOTE),
-        turns_counter: Option<u32> = structure("INT[4]", POSE_NOTE),
+        robot_configuration: Option<TagAddress> = structure("DINT", POSE_NOTE),
+        turns_counter: Option<TagAddress> = structure("INT[4]", POSE_NOTE),
     ];
 }

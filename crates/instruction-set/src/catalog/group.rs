@@ -2,9 +2,10 @@
 
 use super::bits::*;
 use super::row::*;
+use crate::enumerations::StopMode;
 use crate::instruction::{Axes, Instruction, Object, Range, Timing};
 use crate::operands::{OperandValue, Operands, Reader};
-use crate::{Mnemonic, WrittenArray, enumerations::StopMode};
+use crate::{Mnemonic, TagAddress, WrittenArray};
 
 instructions! {
     MGS = Mgs on MotionGroup, Process, EN_DN_ER_IP_PC, Axes::ANY,
@@ -27,17 +28,17 @@ instructions! {
     MCCP = Mccp on MotionGroup, Immediate, EN_DN_ER, Axes::ANY,
     "Calculates a cam profile from the points of a cam.": [
         motion_control = control(),
-        cam: Option<u32> = structure("CAM", "the points, an array"),
+        cam: Option<TagAddress> = structure("CAM", "the points, an array"),
         length: i32 = count(Range::Any, "points to use, 2 or more (26)").first(2.0),
         start_slope: f64 = number(Range::Any, "of a cubic first segment, slave units per master unit"),
         end_slope: f64 = number(Range::Any, "of a cubic last segment, slave units per master unit"),
-        cam_profile: Option<u32> = structure("CAM_PROFILE", "receives the profile, an array of Length elements or more"),
+        cam_profile: Option<TagAddress> = structure("CAM_PROFILE", "receives the profile, an array of Length elements or more"),
     ];
 
     MCSV = Mcsv on MotionGroup, Immediate, EN_DN_ER, Axes::ANY,
     "Calculates where a cam profile leads a slave, without motion.": [
         motion_control = control(),
-        cam_profile: Option<u32> = structure("CAM_PROFILE", "a calculated profile"),
+        cam_profile: Option<TagAddress> = structure("CAM_PROFILE", "a calculated profile"),
         master_value: f64 = number(Range::Any, "within the profile"),
         slave_value: Option<WrittenArray> = written(1, "receives the slave's position"),
         slope_value: Option<WrittenArray> = written(1, "receives the first derivative by the master"),

@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 
 use crate::enumerations::*;
 use crate::instruction::{ArrayRule, Condition, Kind, Object, Operand, Range};
-use crate::{Enumeration, RealArray, Words, WrittenArray};
+use crate::{Enumeration, RealArray, TagAddress, Words, WrittenArray};
 
 /// An operand whose references to others are names yet.
 #[derive(Clone, Copy)]
@@ -35,6 +35,7 @@ impl<T> Row<T> {
                     condition: Condition::Always,
                     initial: 0.0,
                     note,
+                    ignored_before: None,
                 },
                 condition_on: "",
                 range_on: "",
@@ -66,6 +67,12 @@ impl<T> Row<T> {
     /// Range or length depends on the named operand.
     const fn ranged_by(mut self, operand: &'static str) -> Self {
         self.draft.range_on = operand;
+        self
+    }
+
+    /// Newer faceplates have one more operand in front of this one, which is ignored.
+    pub(super) const fn behind_ignored(mut self, name: &'static str) -> Self {
+        self.draft.operand.ignored_before = Some(name);
         self
     }
 
@@ -146,11 +153,11 @@ pub(super) const fn written(elements: u16, note: &'static str) -> Row<Option<Wri
     Row::new(Kind::WrittenArray(elements), note)
 }
 
-pub(super) const fn structure(type_name: &'static str, note: &'static str) -> Row<Option<u32>> {
+pub(super) const fn structure(type_name: &'static str, note: &'static str) -> Row<Option<TagAddress>> {
     Row::new(Kind::Structure(type_name), note)
 }
 
-pub(super) const fn structure_or_none(type_name: &'static str, note: &'static str) -> Row<Option<u32>> {
+pub(super) const fn structure_or_none(type_name: &'static str, note: &'static str) -> Row<Option<TagAddress>> {
     Row::new(Kind::StructureOrNone(type_name), note)
 }
 

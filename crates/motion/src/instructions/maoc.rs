@@ -2,14 +2,14 @@
 
 use arcline_instruction_set::enumerations::ExecutionSchedule;
 use arcline_instruction_set::operands::{Maoc, Operands};
-use arcline_instruction_set::{Call, Flag, MotionError};
+use arcline_instruction_set::{Call, Flag, MotionError, TagAddress};
 
 use super::axis_moves::not_shut_down;
 use super::camming::on_turn;
 use super::mapc::crossing;
+use crate::call_data::ReceivedData;
 use crate::control::Execution;
 use crate::masters::displacement::Crossing;
-use crate::material::Sent;
 use crate::motion::Motion;
 use crate::output::{Arming, Program, Word};
 
@@ -55,7 +55,12 @@ pub(super) fn target(motion: &Motion, axis: u16, number: i32) -> Result<usize, M
         .ok_or(MotionError::IllegalExecutionTarget)
 }
 
-pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
+pub(super) fn execute(
+    motion: &mut Motion,
+    execution: Execution,
+    call: &Call,
+    data: &ReceivedData,
+) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
     let at = usize::from(axis);
     let operands = Maoc::of(call);
@@ -76,7 +81,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     } = operands;
     not_shut_down(&motion.axes[at])?;
     let target = target(motion, axis, *execution_target)?;
-    let (cam, [output_bits, input_bits]) = sent.output_cam()?;
+    let (cam, [output_bits, input_bits]) = data.output_cam()?;
     let program = Program {
         cam,
         mode: *execution_mode,
@@ -86,7 +91,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let reference = *position_reference;
     let point = motion.axes.master_at(axis, reference, &motion.clock).point;
     let state = &mut motion.axes[at];
-    let word = |tag: Option<u32>, bits: u32| {
+    let word = |tag: Option<TagAddress>, bits: u32| {
         tag.map(|tag| Word {
             tag,
             mask: u32::MAX,

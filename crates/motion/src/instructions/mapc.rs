@@ -7,10 +7,10 @@ use arcline_instruction_set::{Call, MotionError};
 use super::axis_moves;
 use super::camming::{Beginning, begin, not_stopping, on_turn, sign, verify_change, verify_reach, wait};
 use crate::axis::sum::Slot;
+use crate::call_data::ReceivedData;
 use crate::control::Execution;
 use crate::masters::cam::{Program, Source};
 use crate::masters::displacement::{Crossing, Sense};
-use crate::material::Sent;
 use crate::motion::Motion;
 use crate::order::{Circle, Follower};
 
@@ -33,7 +33,12 @@ fn sense(direction: MasterDirection) -> Option<Sense> {
     }
 }
 
-pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
+pub(super) fn execute(
+    motion: &mut Motion,
+    execution: Execution,
+    call: &Call,
+    data: &ReceivedData,
+) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
     let at = usize::from(axis);
     let Mapc {
@@ -55,7 +60,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     if crossing.is_some() {
         on_turn(&motion.axes[usize::from(master)], &master_lock_position)?;
     }
-    let profile = sent.cam();
+    let profile = data.cam();
     let entry = *cam_lock_position;
     if !pending && profile.as_ref().is_ok_and(|profile| !profile.contains(entry)) {
         return Err(cam_lock_position.out_of_range());

@@ -8,11 +8,11 @@ use super::axis_moves;
 use super::camming::{Beginning, begin, not_stopping, sign, verify_change, verify_reach, wait};
 use super::programmed::{lead, verify_lock};
 use crate::axis::sum::Slot;
+use crate::call_data::ReceivedData;
 use crate::control::Execution;
 use crate::masters::cam::{self, Cam, Program, Source};
 use crate::masters::displacement::{Crossing, Sense};
 use crate::masters::links::MasterLink;
-use crate::material::Sent;
 use crate::motion::Motion;
 use crate::system::Lead;
 
@@ -35,7 +35,12 @@ fn led(motion: &Motion, at: usize, operands: &Matc) -> Result<Option<(MasterLink
     Ok(Some((*link, lead)))
 }
 
-pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
+pub(super) fn execute(
+    motion: &mut Motion,
+    execution: Execution,
+    call: &Call,
+    data: &ReceivedData,
+) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
     let at = usize::from(axis);
     let operands: Matc = motion.operands(call)?;
@@ -64,7 +69,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     if runs.is_some_and(|runs| runs != sense) {
         return Err(MotionError::MdscDirectionMismatch);
     }
-    let profile = sent.cam()?;
+    let profile = data.cam()?;
 
     let before = motion.axes[at].cams(Slot::TimeCam).direction;
     let program = Program {

@@ -2,13 +2,18 @@
 
 use arcline_instruction_set::{Call, MotionError};
 
+use crate::call_data::ReceivedData;
 use crate::control::Execution;
-use crate::material::Sent;
 use crate::motion::Motion;
 
-pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
+pub(super) fn execute(
+    motion: &mut Motion,
+    execution: Execution,
+    call: &Call,
+    data: &ReceivedData,
+) -> Result<(), MotionError> {
     motion.verify_operands(call)?;
-    sent.verdict()?;
+    data.verdict()?;
     motion.done(execution);
     Ok(())
 }

@@ -15,13 +15,13 @@ use arcline_planner::{Ending, Momentum, Move, Parameter};
 
 use super::moves::{self, TakenOver};
 use super::{merging, no_target, points, programmed};
+use crate::call_data::ReceivedData;
 use crate::control::Execution;
 use crate::dynamics::PathLimits;
 use crate::dynamics::{self, Dynamics, JerkRate, Jerks, Maxima, Shape, reference_speed};
 use crate::heading;
 use crate::machine::{AxisLimits, CoordinateSystem, Orientation};
 use crate::masters::links::MasterLink;
-use crate::material::Sent;
 use crate::motion::Motion;
 use crate::path_data::{DynamicsData, PathData};
 use crate::range;
@@ -63,7 +63,12 @@ fn are_in_range(dynamics: &DynamicsData) -> bool {
     modes && shaped && rates(dynamics.linear) && rates(dynamics.orientation)
 }
 
-pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
+pub(super) fn execute(
+    motion: &mut Motion,
+    execution: Execution,
+    call: &Call,
+    data: &ReceivedData,
+) -> Result<(), MotionError> {
     let index = motion.target_system(call)?;
     let orientation = motion.systems[index].description.orientation.ok_or_else(no_target)?;
     let Mcpm {
@@ -73,7 +78,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         dynamics: dynamics_operand,
         lock,
     } = motion.operands(call)?;
-    let tags = sent.path()?;
+    let tags = data.path()?;
     verify_path(&tags.path, path_operand.index)?;
     if !are_in_range(&tags.dynamics) {
         return Err(dynamics_operand.out_of_range());

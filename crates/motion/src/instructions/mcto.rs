@@ -8,8 +8,8 @@ use arcline_planner::geometry::Point;
 
 use super::mct::{self, positions, refused};
 use crate::axes::share;
+use crate::call_data::{Frames, ReceivedData};
 use crate::control::Execution;
-use crate::material::{Frames, Sent};
 use crate::motion::Motion;
 use crate::range;
 use crate::transforms::robot::RobotMap;
@@ -66,14 +66,19 @@ pub(super) fn verify_frames([work, tool]: [OperandIndex; 2], frames: &Frames) ->
     Ok(())
 }
 
-pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
+pub(super) fn execute(
+    motion: &mut Motion,
+    execution: Execution,
+    call: &Call,
+    data: &ReceivedData,
+) -> Result<(), MotionError> {
     motion.target_system(call)?;
     let Mcto {
         robot_system,
         work_frame,
         tool_frame,
     } = motion.operands(call)?;
-    let frames = sent.frames()?;
+    let frames = data.frames()?;
     let (source, target, robot) = pair(motion, call, &robot_system)?;
     mct::verify_free(motion, target)?;
     verify_frames([work_frame.index, tool_frame.index], frames)?;

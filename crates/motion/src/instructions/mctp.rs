@@ -7,13 +7,18 @@ use arcline_kinematics::{Arm, Elbow, Robot};
 use arcline_planner::geometry::Point;
 
 use super::mct::{frame, positions, verify_linear, verify_pair};
+use crate::call_data::ReceivedData;
 use crate::control::Execution;
 use crate::machine::three;
-use crate::material::Sent;
 use crate::motion::Motion;
 use crate::transforms::robot::{Joints, refused};
 
-pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
+pub(super) fn execute(
+    motion: &mut Motion,
+    execution: Execution,
+    call: &Call,
+    data: &ReceivedData,
+) -> Result<(), MotionError> {
     let source = motion.target_system(call)?;
     let Mctp {
         target_system,
@@ -29,7 +34,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     let frame = frame(&orientation, &translation, from.len())?;
     verify_linear(motion, from)?;
     verify_linear(motion, to)?;
-    if sent.answer().is_some_and(|answer| answer.room() < from.len()) {
+    if data.results().is_some_and(|results| results.elements() < from.len()) {
         return Err(transform_position.out_of_range());
     }
     let mut reference = Point::zeros();
@@ -53,8 +58,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         (Some((robot, Joints::Source)), TransformDirection::Inverse) => frame.place(&tool(&robot, &reference)?),
         (Some((_, Joints::Source)), _) => return Err(MotionError::TransformDirectionNotSupported),
     };
-    if let Some(answer) = sent.answer() {
-        answer.give(&point.as_slice()[..from.len()]);
+    if let Some(results) = data.results() {
+        results.set(&point.as_slice()[..from.len()]);
     }
     motion.done(execution);
     Ok(())

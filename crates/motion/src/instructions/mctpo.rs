@@ -7,9 +7,9 @@ use arcline_kinematics::{Configuration, Pose, Turns, Wrist, end_of_arm, tool_cen
 
 use super::mct::verify_linear;
 use super::mcto;
+use crate::call_data::{Calculation, ReceivedData};
 use crate::control::Execution;
 use crate::machine::MAX_SYSTEM_AXES;
-use crate::material::{Calculation, Sent};
 use crate::motion::Motion;
 use crate::transforms::robot::refused;
 
@@ -27,7 +27,12 @@ fn solution(wrist: Wrist, calculation: &Calculation, operands: &Mctpo) -> Result
     Ok((configuration, [j1, j4, j6]))
 }
 
-pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
+pub(super) fn execute(
+    motion: &mut Motion,
+    execution: Execution,
+    call: &Call,
+    data: &ReceivedData,
+) -> Result<(), MotionError> {
     motion.target_system(call)?;
     let operands: Mctpo = motion.operands(call)?;
     let Mctpo {
@@ -40,7 +45,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         robot_configuration: _,
         turns_counter: _,
     } = operands;
-    let calculation = sent.calculation()?;
+    let calculation = data.calculation()?;
     let (source, target, robot) = mcto::pair(motion, call, &robot_system)?;
     let forward = match *transform_direction {
         TransformDirection::Forward => true,
@@ -51,8 +56,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
     for index in [source, target] {
         verify_linear(motion, &motion.systems[index].description.axes)?;
     }
-    let answer = &calculation.answer;
-    if answer.room() < MAX_SYSTEM_AXES {
+    let results = &calculation.results;
+    if results.elements() < MAX_SYSTEM_AXES {
         return Err(transform_position.out_of_range());
     }
     let mut reference = [0.0; MAX_SYSTEM_AXES];
@@ -65,12 +70,12 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         let [x, y, z, rx, ry, rz] = tool_centre(&work, &taken.pose, &tool).coordinates();
         let [j1, j4, j6] = taken.turns.map(f64::from);
         let bits = f64::from(taken.configuration.bits());
-        answer.give(&[x, y, z, rx, ry, rz, bits, j1, j4, j6, 0.0]);
+        results.set(&[x, y, z, rx, ry, rz, bits, j1, j4, j6, 0.0]);
     } else {
         let (configuration, turns) = solution(robot.wrist(), calculation, &operands)?;
         let end = end_of_arm(&work, &Pose::new(reference), &tool);
         let joints = robot.inverse(&end, configuration, turns).map_err(refused)?;
-        answer.give(&joints);
+        results.set(&joints);
     }
     motion.done(execution);
     Ok(())

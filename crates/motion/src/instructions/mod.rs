@@ -52,8 +52,8 @@ use arcline_instruction_set::enumerations::Merge;
 use arcline_instruction_set::operands::{Mccm, Mclm, Operands};
 use arcline_instruction_set::{Call, Enumeration, Mnemonic, MotionError, OperandIndex};
 
+use crate::call_data::ReceivedData;
 use crate::control::Execution;
-use crate::material::Sent;
 use crate::motion::Motion;
 pub(crate) use masd::shut_down;
 
@@ -71,7 +71,12 @@ pub(crate) fn merges(call: &Call) -> bool {
 ///
 /// # Errors
 /// The first reason, in the order of spec/coordinated-instructions.md §11.1. Nothing has moved or changed then.
-pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, sent: &Sent) -> Result<(), MotionError> {
+pub(crate) fn execute(
+    motion: &mut Motion,
+    execution: Execution,
+    call: &Call,
+    data: &ReceivedData,
+) -> Result<(), MotionError> {
     match call.mnemonic {
         Mnemonic::Mclm => mclm::execute(motion, execution, call),
         Mnemonic::Mccm => mccm::execute(motion, execution, call),
@@ -92,20 +97,20 @@ pub(crate) fn execute(motion: &mut Motion, execution: Execution, call: &Call, se
         Mnemonic::Maj => maj::execute(motion, execution, call),
         Mnemonic::Mcd => mcd::execute(motion, execution, call),
         Mnemonic::Mag => mag::execute(motion, execution, call),
-        Mnemonic::Mapc => mapc::execute(motion, execution, call, sent),
-        Mnemonic::Matc => matc::execute(motion, execution, call, sent),
+        Mnemonic::Mapc => mapc::execute(motion, execution, call, data),
+        Mnemonic::Matc => matc::execute(motion, execution, call, data),
         Mnemonic::Mct => mct::execute(motion, execution, call),
         Mnemonic::Mdcc => mdcc::execute(motion, execution, call),
         Mnemonic::Mdac => mdac::execute(motion, execution, call),
-        Mnemonic::Mcpm => mcpm::execute(motion, execution, call, sent),
-        Mnemonic::Mctp => mctp::execute(motion, execution, call, sent),
-        Mnemonic::Mcto => mcto::execute(motion, execution, call, sent),
-        Mnemonic::Mctpo => mctpo::execute(motion, execution, call, sent),
+        Mnemonic::Mcpm => mcpm::execute(motion, execution, call, data),
+        Mnemonic::Mctp => mctp::execute(motion, execution, call, data),
+        Mnemonic::Mcto => mcto::execute(motion, execution, call, data),
+        Mnemonic::Mctpo => mctpo::execute(motion, execution, call, data),
         Mnemonic::Mah => mah::execute(motion, execution, call),
         Mnemonic::Mrp => mrp::execute(motion, execution, call),
-        Mnemonic::Mccp => mccp::execute(motion, execution, call, sent),
-        Mnemonic::Mcsv => mcsv::execute(motion, execution, call, sent),
-        Mnemonic::Maoc => maoc::execute(motion, execution, call, sent),
+        Mnemonic::Mccp => mccp::execute(motion, execution, call, data),
+        Mnemonic::Mcsv => mcsv::execute(motion, execution, call, data),
+        Mnemonic::Maoc => maoc::execute(motion, execution, call, data),
         Mnemonic::Mdoc => mdoc::execute(motion, execution, call),
         Mnemonic::Maw => maw::execute(motion, execution, call),
         Mnemonic::Mdw => mdw::execute(motion, execution, call),

@@ -3,6 +3,7 @@
 //! Real-time: no allocation; bounded by the axes.
 
 use arcline_instruction_set::Flag;
+use arcline_instruction_set::TagAddress;
 
 use super::Motion;
 use crate::axis::feed::Fed;
@@ -30,7 +31,7 @@ pub enum Input {
     /// A word that output cams write, or that enables them.
     Word {
         /// The tag, by what the directory calls it.
-        tag: u32,
+        tag: TagAddress,
         /// What is in it now.
         bits: u32,
     },

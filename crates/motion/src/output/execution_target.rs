@@ -11,6 +11,7 @@ mod events;
 mod tail;
 mod way;
 
+use arcline_instruction_set::TagAddress;
 use std::sync::Arc;
 
 use arcline_planner::{Clock, Instant};
@@ -49,7 +50,7 @@ pub(crate) struct Arming {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Word {
     /// By what the directory calls it.
-    pub(crate) tag: u32,
+    pub(crate) tag: TagAddress,
     /// Which bits.
     pub(crate) mask: u32,
     pub(crate) bits: u32,

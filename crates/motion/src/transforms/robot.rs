@@ -12,8 +12,8 @@ use arcline_planner::geometry::{Frame, Point as Vector};
 use arcline_profile::KinematicState;
 
 use super::sides::{Positions, Side, positions, side, vectors, wide};
+use crate::call_data::Frames;
 use crate::machine::{MAX_SYSTEM_AXES, three};
-use crate::material::Frames;
 
 /// How the two sides of a transform lie to each other.
 #[derive(Clone, Copy, Debug)]

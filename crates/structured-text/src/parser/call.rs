@@ -1,7 +1,7 @@
 //! Instruction calls: which operand takes which form is the catalogue's matter, and ranges are that of the
 //! instruction when it executes.
 
-use arcline_instruction_set::{Kind as OperandKind, MAPC_CAM_TYPE, Mnemonic, Object, Words};
+use arcline_instruction_set::{Kind as OperandKind, Mnemonic, Object, Words};
 use arcline_tag::{PathSegment, nearest};
 
 use super::expression::Shape;
@@ -26,6 +26,7 @@ impl<'t> Parser<'t> {
         };
         self.expect("(", "`(` behind the instruction")?;
         let operands = mnemonic.instruction().operands;
+        let ignored = mnemonic.instruction().ignored_operand();
         let before = self.text.get(..name.offset).unwrap_or_default();
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
         let mut statement = CallStatement {
@@ -37,13 +38,16 @@ impl<'t> Parser<'t> {
             column: before[line_start..].chars().count() + 1,
         };
         let mut place = 0;
-        let mut has_cam_type = mnemonic == Mnemonic::Mapc && self.operands_ahead()? > operands.len();
+        let mut ignored = match ignored {
+            Some(_) if self.operands_ahead()? <= operands.len() => None,
+            ignored => ignored,
+        };
         loop {
             let start = self.peek;
-            if has_cam_type && place == MAPC_CAM_TYPE {
-                has_cam_type = false;
-                self.cam_type()?;
-                self.expect(",", "`,` behind Cam Type")?;
+            if ignored == Some(place) {
+                ignored = None;
+                self.ignored_operand()?;
+                self.expect(",", "`,` behind the operand")?;
                 continue;
             }
             let Some(operand) = operands.get(place) else {
@@ -111,7 +115,7 @@ impl<'t> Parser<'t> {
     }
 
     /// A word or a number that means nothing: any word will do.
-    fn cam_type(&mut self) -> Result<(), SyntaxError> {
+    fn ignored_operand(&mut self) -> Result<(), SyntaxError> {
         if self.peek.kind == Kind::Name {
             let word = place_of(self.program.words.len());
             self.program.words.push(self.peek.text.to_owned());

@@ -1,4 +1,4 @@
-//! What an instruction needs besides its operands, and has from tags: made beside the tick, by whoever has the tags.
+//! Data of a call that stand in tags: the image of the tags reads them beside the tick, when the call is made.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -9,13 +9,13 @@ use arcline_instruction_set::MotionError;
 use crate::output::OutputCam;
 use crate::path_data::PathMove;
 
-/// What goes into the tick with a call.
+/// The data that go into the tick with a call.
 ///
-/// The memory behind it is only read there. Whoever sends it keeps an [`Arc`] of its own until that is the last one, so
-/// that the tick never frees anything.
+/// The tick only reads the memory behind them. The sender keeps an [`Arc`] of its own until that is the last one, so that the
+/// tick never frees anything.
 #[derive(Clone, Debug)]
-pub enum Material {
-    /// What the instruction does was worked out beside the tick: it is done once its operands are verified.
+pub enum CallData {
+    /// The instruction was calculated beside the tick: it is done once its operands are verified.
     Done,
     /// It errs, once its operands are verified.
     Refused {
@@ -28,17 +28,17 @@ pub enum Material {
     Cam(Arc<Profile>),
     /// The tags of a path move, as they were.
     Path(PathMove),
-    /// An output cam, and what is in the tags of its output and its input.
+    /// An output cam, and the values of the tags of its output and its input.
     OutputCam(Arc<OutputCam>, [u32; 2]),
-    /// A place for numbers that the instruction calculates in the tick.
-    Answer(Arc<Answer>),
+    /// For the numbers that the instruction calculates in the tick.
+    Results(Arc<Results>),
     /// Frames of MCTO.
     Frames(Frames),
-    /// What MCTPO reads, and a place for what it calculates.
+    /// The tags that MCTPO reads, and its results.
     Calculation(Calculation),
 }
 
-/// What MCTPO has from tags.
+/// The tags of MCTPO.
 #[derive(Clone, Debug)]
 pub struct Calculation {
     /// Of the work and the tool.
@@ -48,7 +48,7 @@ pub struct Calculation {
     /// Turns Counter, for Inverse.
     pub turns: [i16; 4],
     /// For the position; Forward gives Robot Configuration and Turns Counter behind it.
-    pub answer: Arc<Answer>,
+    pub results: Arc<Results>,
 }
 
 /// Where a work and a tool are, for MCTO and MCTPO.
@@ -69,10 +69,10 @@ pub struct Frame {
     pub coordinates: [f64; 6],
 }
 
-/// Numbers on their way out of the tick: written once there, read when the instruction is done.
+/// The results of an instruction that calculates in the tick: written once there, read when the instruction is done.
 #[derive(Debug, Default)]
-pub struct Answer {
-    room: usize,
+pub struct Results {
+    elements: usize,
     count: AtomicUsize,
     numbers: [AtomicU64; MOST_NUMBERS],
 }
@@ -80,29 +80,29 @@ pub struct Answer {
 /// Six coordinates, a configuration and four counters.
 const MOST_NUMBERS: usize = 11;
 
-impl Answer {
+impl Results {
     /// For an array of so many elements.
-    pub fn new(room: usize) -> Self {
-        Answer {
-            room,
-            ..Answer::default()
+    pub fn new(elements: usize) -> Self {
+        Results {
+            elements,
+            ..Results::default()
         }
     }
 
-    /// The numbers that were given; none before.
+    /// The numbers; none before the instruction is done.
     pub fn numbers(&self) -> impl Iterator<Item = f64> {
         let count = self.count.load(Ordering::Acquire);
         let bits = self.numbers.iter().take(count);
         bits.map(|bits| f64::from_bits(bits.load(Ordering::Relaxed)))
     }
 
-    /// Elements of the array.
-    pub(crate) fn room(&self) -> usize {
-        self.room
+    /// Elements of the array that receives them.
+    pub(crate) fn elements(&self) -> usize {
+        self.elements
     }
 
-    /// Real-time.
-    pub(crate) fn give(&self, numbers: &[f64]) {
+    /// Sets them. Real-time.
+    pub(crate) fn set(&self, numbers: &[f64]) {
         for (place, number) in self.numbers.iter().zip(numbers) {
             place.store(number.to_bits(), Ordering::Relaxed);
         }
@@ -110,22 +110,22 @@ impl Answer {
     }
 }
 
-/// What was sent for an instruction that works on tags, and the element to blame when it errs.
-pub(crate) struct Sent(pub(crate) Option<Material>);
+/// The data that came with a call, of an instruction that works on tags.
+pub(crate) struct ReceivedData(pub(crate) Option<CallData>);
 
-impl Sent {
+impl ReceivedData {
     /// The element of a cam that is to blame for an error: SEGMENT.
     pub(crate) fn element(&self) -> u32 {
         match self.0 {
-            Some(Material::Refused { element, .. }) => element,
+            Some(CallData::Refused { element, .. }) => element,
             _ => 0,
         }
     }
 
-    /// Where numbers are wanted.
-    pub(crate) fn answer(&self) -> Option<&Answer> {
+    /// For the results, where an operand names an array for them.
+    pub(crate) fn results(&self) -> Option<&Results> {
         match &self.0 {
-            Some(Material::Answer(answer)) => Some(answer),
+            Some(CallData::Results(results)) => Some(results),
             _ => None,
         }
     }
@@ -136,7 +136,7 @@ impl Sent {
     /// Why there are none.
     pub(crate) fn frames(&self) -> Result<&Frames, MotionError> {
         match &self.0 {
-            Some(Material::Frames(frames)) => Ok(frames),
+            Some(CallData::Frames(frames)) => Ok(frames),
             _ => self.verdict().and(Err(MotionError::FeatureNotSupported)),
         }
     }
@@ -147,7 +147,7 @@ impl Sent {
     /// Why there is none.
     pub(crate) fn calculation(&self) -> Result<&Calculation, MotionError> {
         match &self.0 {
-            Some(Material::Calculation(calculation)) => Ok(calculation),
+            Some(CallData::Calculation(calculation)) => Ok(calculation),
             _ => self.verdict().and(Err(MotionError::FeatureNotSupported)),
         }
     }
@@ -158,8 +158,8 @@ impl Sent {
     /// What it errs with; `FeatureNotSupported` where nobody has worked it out.
     pub(crate) fn verdict(&self) -> Result<(), MotionError> {
         match &self.0 {
-            Some(Material::Done) => Ok(()),
-            Some(Material::Refused { error, .. }) => Err(*error),
+            Some(CallData::Done) => Ok(()),
+            Some(CallData::Refused { error, .. }) => Err(*error),
             _ => Err(MotionError::FeatureNotSupported),
         }
     }
@@ -170,7 +170,7 @@ impl Sent {
     /// Why there are none.
     pub(crate) fn path(&self) -> Result<PathMove, MotionError> {
         match &self.0 {
-            Some(Material::Path(path)) => Ok(*path),
+            Some(CallData::Path(path)) => Ok(*path),
             _ => self.verdict().and(Err(MotionError::FeatureNotSupported)),
         }
     }
@@ -181,7 +181,7 @@ impl Sent {
     /// Why there is none.
     pub(crate) fn output_cam(&self) -> Result<(Arc<OutputCam>, [u32; 2]), MotionError> {
         match &self.0 {
-            Some(Material::OutputCam(cam, words)) => Ok((cam.clone(), *words)),
+            Some(CallData::OutputCam(cam, words)) => Ok((cam.clone(), *words)),
             _ => self.verdict().and(Err(MotionError::FeatureNotSupported)),
         }
     }
@@ -192,7 +192,7 @@ impl Sent {
     /// Why there is none.
     pub(crate) fn cam(&self) -> Result<Arc<Profile>, MotionError> {
         match &self.0 {
-            Some(Material::Cam(profile)) => Ok(profile.clone()),
+            Some(CallData::Cam(profile)) => Ok(profile.clone()),
             _ => self.verdict().and(Err(MotionError::FeatureNotSupported)),
         }
     }
