@@ -5,7 +5,7 @@ mod faults;
 mod follow;
 mod generators;
 mod homing;
-mod links;
+mod master_links;
 mod operands;
 mod outputs;
 mod probes;

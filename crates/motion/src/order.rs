@@ -6,6 +6,7 @@
 
 use crate::axes::share;
 use crate::machine::MAX_SYSTEM_AXES;
+use crate::transforms::TransformId;
 use crate::transforms::compute::Part;
 use crate::transforms::transform::Transform;
 
@@ -38,8 +39,8 @@ pub(crate) enum Follower<'a> {
     Axis(u16, u16),
     /// A coordinate system and its master.
     System(usize, u16),
-    /// A transform of a target system.
-    Target(usize, &'a Transform),
+    /// A transform.
+    Target(TransformId, &'a Transform),
 }
 
 /// Masters of one axis at most: of its gear, its cams, its links, and its moves that links which were replaced since have begun.
@@ -155,7 +156,7 @@ impl Edges {
         let parts = [Part::Feedback, Part::SetPoints, Part::Before];
         let parts = parts
             .into_iter()
-            .flat_map(|part| per_system.clone().map(move |index| Step::Transform(part(index))));
+            .flat_map(|part| (0..systems).map(move |system| Step::Transform(part(TransformId::of_target(system)))));
         let of_systems = per_system.clone().map(Step::System);
         let by_transform = 5 * MAX_SYSTEM_AXES + 1 + 5 * systems;
         let by_system = MAX_SYSTEM_AXES + MOST_SYSTEM_MASTERS + by_transform;
@@ -194,13 +195,14 @@ impl Edges {
         self.need(Step::Own(slave), Step::Whole(master));
     }
 
-    /// Transforms, by the index of their target system.
-    pub(crate) fn transforms<'a>(&mut self, get: impl Fn(usize) -> Option<&'a Transform>) {
+    /// Transforms under way.
+    pub(crate) fn transforms<'a>(&mut self, get: impl Fn(TransformId) -> Option<&'a Transform>) {
         let systems = self.systems;
-        let all = || (0..systems).filter_map(|index| Some((index as u16, get(index)?)));
-        for (index, transform) in all() {
+        let ids = || (0..systems).map(TransformId::of_target);
+        let all = || ids().filter_map(|id| Some((id, get(id)?)));
+        for (id, transform) in all() {
             let [feedback, set_points, before] =
-                [Part::Feedback, Part::SetPoints, Part::Before].map(|part| Step::Transform(part(index)));
+                [Part::Feedback, Part::SetPoints, Part::Before].map(|part| Step::Transform(part(id)));
             for axis in transform.source.iter() {
                 self.need(Step::Whole(*axis), feedback);
                 self.need(before, Step::Own(*axis));
@@ -211,12 +213,12 @@ impl Edges {
                 self.need(feedback, Step::Own(*axis));
             }
             for (other, near) in all() {
-                let part = |part: fn(u16) -> Part| Step::Transform(part(other));
+                let part = |part: fn(TransformId) -> Part| Step::Transform(part(other));
                 if share(&near.source, &transform.target) {
                     self.need(feedback, part(Part::Feedback));
                 }
                 if share(&near.source, &transform.source) {
-                    if other < index {
+                    if other < id {
                         self.need(before, part(Part::Feedback));
                     }
                     self.need(set_points, part(Part::Feedback));
@@ -243,9 +245,9 @@ impl Edges {
         match step {
             Step::Own(axis) => axis,
             Step::Whole(axis) => axes + axis,
-            Step::Transform(Part::Feedback(index)) => 2 * axes + index,
-            Step::Transform(Part::SetPoints(index)) => 2 * axes + systems + index,
-            Step::Transform(Part::Before(index)) => 2 * axes + 2 * systems + index,
+            Step::Transform(Part::Feedback(id)) => 2 * axes + id.target_system() as u16,
+            Step::Transform(Part::SetPoints(id)) => 2 * axes + systems + id.target_system() as u16,
+            Step::Transform(Part::Before(id)) => 2 * axes + 2 * systems + id.target_system() as u16,
             Step::System(index) => 2 * axes + 3 * systems + index,
         }
     }
@@ -258,12 +260,12 @@ mod tests {
     type Gear = (u16, u16);
     type Sides = ([u16; 2], [u16; 2]);
 
-    const fn feedback(index: u16) -> Step {
-        Step::Transform(Part::Feedback(index))
+    fn feedback(target: usize) -> Step {
+        Step::Transform(Part::Feedback(TransformId::of_target(target)))
     }
 
-    const fn set_points(index: u16) -> Step {
-        Step::Transform(Part::SetPoints(index))
+    fn set_points(target: usize) -> Step {
+        Step::Transform(Part::SetPoints(TransformId::of_target(target)))
     }
 
     /// Orders gears (slave, master) and transforms (source axes, target axes) of a machine of nine axes.
@@ -285,7 +287,7 @@ mod tests {
             for (slave, master) in gears {
                 edges.axis(*slave, *master);
             }
-            edges.transforms(|index| transforms.get(index));
+            edges.transforms(|id| transforms.get(id.target_system()));
         })?;
         order.take(planned);
         Ok(order.steps)

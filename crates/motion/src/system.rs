@@ -13,7 +13,7 @@ use crate::dynamics::PathLimits;
 use crate::events::Events;
 use crate::machine::{AxisLimits as Limits, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES, three};
 use crate::masters::follower::{LockTo, MasterFollower};
-use crate::masters::links::Links;
+use crate::masters::links::MasterLinks;
 use crate::pending::Pending;
 use crate::stop::{AxisSet, Stop};
 
@@ -85,7 +85,7 @@ pub(crate) struct System {
     pub(crate) has_moved: bool,
     pub(crate) shutdown: bool,
     /// Links to masters (MDCC).
-    pub(crate) links: Links,
+    pub(crate) links: MasterLinks,
     /// The MDCC whose motion is being stopped.
     pub(crate) stopping_link: Option<Execution>,
     /// What the active move is a function of, where that is not time.
@@ -155,7 +155,7 @@ impl System {
             braking: AxisSet::default(),
             has_moved: false,
             shutdown: false,
-            links: Links::default(),
+            links: MasterLinks::default(),
             stopping_link: None,
             guide: None,
             ended: None,

@@ -10,12 +10,13 @@ use super::Axis;
 use super::generator::{Generator, Law};
 use super::sum::Slot;
 use crate::masters::gear::Gear;
+use crate::transforms::TransformId;
 
 /// An axis's part in transforms.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TransformPart {
-    /// The transform whose target the axis belongs to, by the index of its target system.
-    pub(crate) target_of: Option<u8>,
+    /// The transform whose target the axis belongs to.
+    pub(crate) target_of: Option<TransformId>,
     /// Transforms whose sources the axis belongs to, a bit for each.
     pub(crate) source_of: u64,
     /// Where the axis would be led to when nothing leads it any more, in the frame of its generator.

@@ -22,7 +22,7 @@ use crate::control::Execution;
 use crate::dynamics::Maxima;
 use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
 use crate::masters::cam::Cam;
-use crate::masters::links::AxisLinks;
+use crate::masters::links::AxisMasterLinks;
 use crate::output::OutputCams;
 use crate::range::range;
 use average::Average;
@@ -107,7 +107,7 @@ pub(crate) struct Axis {
     pub(crate) is_virtual: bool,
     pub(crate) transforms: TransformPart,
     /// Links to masters (MDAC).
-    pub(crate) links: AxisLinks,
+    pub(crate) links: AxisMasterLinks,
     /// Of position cams, and of time cams.
     pub(super) cams: [Cams; 2],
     pub(crate) stop_mode: ProgrammedStopMode,
@@ -171,7 +171,7 @@ impl Axis {
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
             transforms: TransformPart::default(),
-            links: AxisLinks::default(),
+            links: AxisMasterLinks::default(),
             cams: Default::default(),
             stop_mode: description.programmed_stop_mode,
             after_stop: AfterStop::Hold,

@@ -146,16 +146,16 @@ fn rates(motion: &Motion, index: usize, operands: &StopOperands) -> Result<Rates
     })
 }
 
-/// Cancels transforms by themselves and the place of their target system. Returns the axes that brake.
+/// Cancels transforms, chosen by themselves and the index of their target system. Returns the axes that brake.
 fn cancel(motion: &mut Motion, release: &Release, which: impl Fn(&Transform, usize) -> bool) -> AxisSet {
     let mut braking = AxisSet::default();
-    for index in 0..motion.transforms.most() {
+    for id in motion.transforms.ids() {
         if motion
             .transforms
-            .get(index)
-            .is_some_and(|transform| which(transform, index))
+            .get(id)
+            .is_some_and(|transform| which(transform, id.target_system()))
         {
-            braking.extend(motion.cancel_transform(index, release));
+            braking.extend(motion.cancel_transform(id, release));
         }
     }
     braking

@@ -11,6 +11,7 @@ use crate::control::Execution;
 use crate::motion::Motion;
 use crate::order::{Circle, Follower, Planned};
 use crate::range;
+use crate::transforms::TransformId;
 use crate::transforms::robot::{CONSISTENT, Joints, RobotMap};
 use crate::transforms::sides::Positions;
 use crate::transforms::transform::{Map, Transform};
@@ -115,7 +116,9 @@ pub(super) fn begin(
     verify_at_rest(motion, &transform)?;
     meet(motion, &transform)?;
 
-    motion.transforms.begin(target, transform, &mut motion.axes);
+    motion
+        .transforms
+        .begin(TransformId::of_target(target), transform, &mut motion.axes);
     motion.order.take(order);
     let started = Flag::Dn.mask() | Flag::Ip.mask();
     motion.controls.write(execution, started, 0, motion.clock.tick);
@@ -190,7 +193,8 @@ pub(super) fn verify_linear(motion: &Motion, axes: &[u16]) -> Result<(), MotionE
 
 /// Each target once, no circles; nothing that was cancelled still brakes.
 fn verify_chain(motion: &mut Motion, target: usize, transform: &Transform) -> Result<Planned, MotionError> {
-    let same = motion.transforms.get(target);
+    let id = TransformId::of_target(target);
+    let same = motion.transforms.get(id);
     if same.is_some_and(|running| running.source_system == transform.source_system && !running.braking) {
         return Err(MotionError::TransformInProgress);
     }
@@ -206,7 +210,7 @@ fn verify_chain(motion: &mut Motion, target: usize, transform: &Transform) -> Re
         return Err(MotionError::CoordinateSystemChaining);
     }
     drop(others);
-    let order = motion.plan_order(Follower::Target(target, transform));
+    let order = motion.plan_order(Follower::Target(id, transform));
     order.map_err(|Circle| MotionError::CoordinateSystemChaining)
 }
 

@@ -42,8 +42,8 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
     }
     motion.unlink_all();
     let mut braking = AxisSet::default();
-    for index in 0..motion.transforms.most() {
-        motion.cancel_transform(index, &Release::default());
+    for id in motion.transforms.ids() {
+        motion.cancel_transform(id, &Release::default());
     }
     for axis in 0..motion.axes.len() as u16 {
         motion.end_passive_homing(axis);

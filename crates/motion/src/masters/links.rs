@@ -25,13 +25,13 @@ pub(crate) struct MasterLink {
 
 /// The links of one slave.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Links {
+pub(crate) struct MasterLinks {
     pub(crate) active: Option<MasterLink>,
     /// Takes its place when a motion begins by it.
     pub(crate) pending: Option<MasterLink>,
 }
 
-impl Links {
+impl MasterLinks {
     /// The link by which a new motion begins.
     pub(crate) fn newest(&self) -> Option<&MasterLink> {
         self.pending.as_ref().or(self.active.as_ref())
@@ -102,16 +102,16 @@ const KINDS: [MdacMotionType; 4] = [
 
 /// The links of one axis.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct AxisLinks([Links; 1 + KINDS.len()]);
+pub(crate) struct AxisMasterLinks([MasterLinks; 1 + KINDS.len()]);
 
-impl AxisLinks {
+impl AxisMasterLinks {
     /// Those of one Motion Type.
-    pub(crate) fn of(&self, serves: MdacMotionType) -> &Links {
+    pub(crate) fn of(&self, serves: MdacMotionType) -> &MasterLinks {
         &self.0[serves as usize]
     }
 
     /// Those of one Motion Type, to change.
-    pub(crate) fn of_mut(&mut self, serves: MdacMotionType) -> &mut Links {
+    pub(crate) fn of_mut(&mut self, serves: MdacMotionType) -> &mut MasterLinks {
         &mut self.0[serves as usize]
     }
 
@@ -132,20 +132,20 @@ impl AxisLinks {
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.0.iter().all(Links::is_empty)
+        self.0.iter().all(MasterLinks::is_empty)
     }
 
     /// Every link.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &MasterLink> {
-        self.0.iter().flat_map(Links::iter)
+        self.0.iter().flat_map(MasterLinks::iter)
     }
 
     /// Every link, to change.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut MasterLink> {
-        self.0.iter_mut().flat_map(Links::iter_mut)
+        self.0.iter_mut().flat_map(MasterLinks::iter_mut)
     }
 
-    /// As [`Links::take_up`].
+    /// As [`MasterLinks::take_up`].
     pub(crate) fn take_up(&mut self, id: u32) -> Option<(MasterLink, Option<Execution>)> {
         self.0.iter_mut().find_map(|links| links.take_up(id))
     }

@@ -124,9 +124,9 @@ impl Motion {
             if let Follower::Axis(slave, master) = more {
                 edges.axis(slave, master);
             }
-            edges.transforms(|index| match more {
-                Follower::Target(target, transform) if target == index => Some(transform),
-                _ => transforms.get(index),
+            edges.transforms(|id| match more {
+                Follower::Target(target, transform) if target == id => Some(transform),
+                _ => transforms.get(id),
             });
         })
     }

@@ -13,7 +13,7 @@ use crate::axis::sum::Slot;
 use crate::cause::Cause;
 use crate::stop::AxisSet;
 use crate::transforms::ahead::path_stop;
-use crate::transforms::{Present, Release, Verdict};
+use crate::transforms::{Present, Release, TransformId, Verdict};
 
 impl Motion {
     /// Axes, coordinate systems and transforms as they are, to look ahead from.
@@ -29,23 +29,23 @@ impl Motion {
     /// Once an update, when commands are known: what robots have moved by themselves becomes part of where their sources
     /// are, transforms whose robots will not be able to follow begin to brake, those whose robots cannot follow any more end.
     pub(super) fn look_after_transforms(&mut self) {
-        for index in 0..self.transforms.most() {
+        for id in self.transforms.ids() {
             let present = Present {
                 axes: &self.axes,
                 systems: &self.systems,
                 transforms: &self.transforms,
                 clock: &self.clock,
             };
-            match present.verdict(index, &mut self.ahead) {
+            match present.verdict(id, &mut self.ahead) {
                 Verdict::GoesOn => {}
-                Verdict::Settles => self.transforms.settle(index, &mut self.axes),
-                Verdict::Brakes(error) => self.fail_transform(index, error),
+                Verdict::Settles => self.transforms.settle(id, &mut self.axes),
+                Verdict::Brakes(error) => self.fail_transform(id, error),
                 Verdict::Fails(error) => {
-                    self.fail_transform(index, error);
-                    self.cancel_transform(index, &Release::default());
+                    self.fail_transform(id, error);
+                    self.cancel_transform(id, &Release::default());
                 }
                 Verdict::Ends => {
-                    self.cancel_transform(index, &Release::default());
+                    self.cancel_transform(id, &Release::default());
                 }
             }
         }
@@ -57,15 +57,15 @@ impl Motion {
         if !self.axes[axis].is_transformed() {
             return;
         }
-        for index in 0..self.transforms.most() {
-            if self.transforms.get(index).is_some_and(|transform| transform.has(axis)) {
-                self.cancel_transform(index, &Release::default());
+        for id in self.transforms.ids() {
+            if self.transforms.get(id).is_some_and(|transform| transform.has(axis)) {
+                self.cancel_transform(id, &Release::default());
             }
         }
     }
 
-    /// Cancels the transform of a target system. Returns the axes that brake.
-    pub(crate) fn cancel_transform(&mut self, index: usize, release: &Release) -> AxisSet {
+    /// Cancels a transform. Returns the axes that brake.
+    pub(crate) fn cancel_transform(&mut self, id: TransformId, release: &Release) -> AxisSet {
         let now = self.clock.now();
         let Motion {
             transforms,
@@ -73,7 +73,7 @@ impl Motion {
             systems,
             ..
         } = self;
-        let Some(cancelled) = transforms.cancel(index, release, axes, systems, now) else {
+        let Some(cancelled) = transforms.cancel(id, release, axes, systems, now) else {
             return AxisSet::default();
         };
         if let Some(execution) = cancelled.execution {
@@ -83,25 +83,25 @@ impl Motion {
     }
 
     /// The instruction shows the error; everything that leads the target, and the target itself, begins to brake.
-    fn fail_transform(&mut self, index: usize, error: MotionError) {
-        if let Some(execution) = self.transforms.begin_braking(index) {
+    fn fail_transform(&mut self, id: TransformId, error: MotionError) {
+        if let Some(execution) = self.transforms.begin_braking(id) {
             self.controls.fail(execution, error, self.clock.tick);
             self.controls.because(execution.into());
         }
-        if let Some(target) = self.transforms.get(index).map(|transform| transform.target) {
+        if let Some(target) = self.transforms.get(id).map(|transform| transform.target) {
             self.brake_what_moves(&target);
         }
         // From the source up to where the chain of transforms begins.
-        let mut next = Some(index);
+        let mut next = Some(id);
         for _ in 0..self.transforms.most() {
-            let Some(transform) = next.and_then(|index| self.transforms.get(index)) else {
+            let Some(transform) = next.and_then(|id| self.transforms.get(id)) else {
                 break;
             };
             let source = transform.source;
-            next = self.transforms.above(transform).map(|(index, _)| index);
+            next = self.transforms.above(transform).map(|(id, _)| id);
             self.brake_what_moves(&source);
             // Other targets of it lead it too.
-            for other in 0..self.transforms.most() {
+            for other in self.transforms.ids() {
                 let other = self.transforms.get(other).filter(|other| share(&other.source, &source));
                 if let Some(target) = other.map(|other| other.target) {
                     self.brake_what_moves(&target);

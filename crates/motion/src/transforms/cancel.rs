@@ -5,10 +5,9 @@ use arcline_planner::Instant;
 use arcline_planner::profile::{Jerk, Limits, Profile};
 use arcline_profile::KinematicState;
 
-use super::Transforms;
-use super::compute::bit;
 use super::sides::{Positions, Side};
 use super::transform::Transform;
+use super::{TransformId, Transforms};
 use crate::axes::Axes;
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
@@ -37,27 +36,27 @@ pub(crate) struct Cancelled {
 }
 
 impl Transforms {
-    /// Ends the transform of a target system; what it moved brakes from `now` on.
+    /// Ends a transform; what it moved brakes from `now` on.
     pub(crate) fn cancel(
         &mut self,
-        index: usize,
+        id: TransformId,
         release: &Release,
         axes: &mut Axes,
         systems: &[System],
         now: Instant,
     ) -> Option<Cancelled> {
-        let transform = self.active.get_mut(index)?.take()?;
+        let transform = self.active.get_mut(id.target_system())?.take()?;
         let s_curve = transform.source.iter().any(|axis| axes[*axis].is_s_curve());
         let own_s_curve = transform.target.iter().any(|axis| {
             let mut own = axes[*axis].sum.active().filter(|(slot, _)| *slot != Slot::Transform);
             own.any(|(_, generator)| generator.s_curve)
         });
         // Every axis leaves the transform before any brakes: positions stay as they are throughout.
-        self.keep_feedback(index, &transform);
+        self.keep_feedback(id, &transform);
         for (axis, feedback) in transform.source.iter().zip(&transform.feedback) {
             let part = &mut axes[*axis].transforms;
             part.settled += feedback.position;
-            part.source_of &= !bit(index);
+            part.source_of &= !id.bit();
             self.release(*axis, axes);
         }
         for (axis, led) in transform.target.iter().zip(&transform.target_set_points) {
@@ -74,7 +73,12 @@ impl Transforms {
                 transform.source_system,
                 own_s_curve,
             ),
-            (transform.target, &transform.target_set_points, index, s_curve),
+            (
+                transform.target,
+                &transform.target_set_points,
+                id.target_system(),
+                s_curve,
+            ),
         ];
         for (side, motions, system, s_curve) in sides {
             let limits = release.limits(&systems[system].description, s_curve);
@@ -92,8 +96,8 @@ impl Transforms {
 
     /// The feedback of a cancelled transform stays beside what earlier ones make of its source: behind joints both
     /// together are something else than one after the other.
-    fn keep_feedback(&mut self, index: usize, cancelled: &Transform) {
-        for other in self.active.iter_mut().take(index).flatten() {
+    fn keep_feedback(&mut self, id: TransformId, cancelled: &Transform) {
+        for other in self.active.iter_mut().take(id.target_system()).flatten() {
             for (axis, kept) in other.source.iter().zip(&mut other.cancelled_feedback) {
                 if let Some(place) = cancelled.source.index_of(*axis) {
                     *kept += cancelled.feedback[place].position;
@@ -104,12 +108,13 @@ impl Transforms {
 
     /// Once all that transforms link stands, no feedback of cancelled ones is beside any more.
     pub(crate) fn join_cancelled_feedback(&mut self, axes: &Axes) {
-        let kept = |(_, transform): (usize, &Transform)| transform.cancelled_feedback != Positions::default();
+        let kept = |(_, transform): (TransformId, &Transform)| transform.cancelled_feedback != Positions::default();
         if !self.iter().any(kept) {
             return;
         }
         let adds = |transform: &Transform| transform.robot().is_some() && transform.feedback != Side::default();
-        let moves = |(_, transform): (usize, &Transform)| adds(transform) || self.moves_either_side(axes, transform);
+        let moves =
+            |(_, transform): (TransformId, &Transform)| adds(transform) || self.moves_either_side(axes, transform);
         if !self.iter().any(moves) {
             for transform in self.active.iter_mut().flatten() {
                 transform.cancelled_feedback = Positions::default();

@@ -11,46 +11,45 @@
 use arcline_instruction_set::{AxisIndex, MotionError};
 use arcline_profile::KinematicState;
 
-use super::Transforms;
 use super::guard;
 use super::sides::{Side, add, positions};
 use super::transform::{Map, Transform};
+use super::{TransformId, Transforms};
 use crate::axes::Axes;
 use crate::axis::Axis;
 use crate::axis::generator::Generator;
 use crate::axis::sum::Slot;
-use crate::machine::MAX_SYSTEMS;
 
 /// A part of the computation of transforms in one tick; each is of the transform with this index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
     /// Where the source leads the target before any feedback to the source.
-    Before(u16),
+    Before(TransformId),
     /// What the motion of the target adds to the source.
-    Feedback(u16),
+    Feedback(TransformId),
     /// Where the whole source leads the target.
-    SetPoints(u16),
+    SetPoints(TransformId),
 }
 
 impl Transforms {
     /// Computes a part of what transforms make of the axes at the present tick. `period`: seconds. Real-time.
     pub(crate) fn compute(&mut self, part: Part, axes: &mut Axes, period: f64) {
         match part {
-            Part::Before(index) => self.compute_before(usize::from(index), axes, period),
-            Part::Feedback(index) => self.compute_feedback(usize::from(index), axes, period),
-            Part::SetPoints(index) => self.compute_set_points(usize::from(index), axes, period),
+            Part::Before(id) => self.compute_before(id, axes, period),
+            Part::Feedback(id) => self.compute_feedback(id, axes, period),
+            Part::SetPoints(id) => self.compute_set_points(id, axes, period),
         }
     }
 
     /// Where the source leads the target before any feedback to the source.
-    fn compute_before(&mut self, index: usize, axes: &Axes, period: f64) {
-        let Some(transform) = self.get(index).filter(|transform| transform.failed.is_none()) else {
+    fn compute_before(&mut self, id: TransformId, axes: &Axes, period: f64) {
+        let Some(transform) = self.get(id).filter(|transform| transform.failed.is_none()) else {
             return;
         };
         let mut source = Side::default();
         let cancelled = transform.cancelled_feedback;
         for ((axis, point), cancelled) in transform.source.iter().zip(&mut source).zip(cancelled) {
-            *point = self.before_feedback(axes, *axis, index);
+            *point = self.before_feedback(axes, *axis, id);
             point.position -= cancelled;
         }
         let target = transform.place(&source).and_then(|target| {
@@ -59,7 +58,7 @@ impl Transforms {
             }
             Ok(target)
         });
-        let Some(transform) = self.get_mut(index) else { return };
+        let Some(transform) = self.get_mut(id) else { return };
         match target {
             Ok(target) => (transform.source_before, transform.target_before) = (source, target),
             Err(error) => transform.fail(error, period),
@@ -74,15 +73,15 @@ impl Transforms {
     }
 
     /// What the target's own motion adds to the source now.
-    fn compute_feedback(&mut self, index: usize, axes: &Axes, period: f64) {
-        let Some(transform) = self.get(index) else { return };
+    fn compute_feedback(&mut self, id: TransformId, axes: &Axes, period: f64) {
+        let Some(transform) = self.get(id) else { return };
         let target_moves = transform.target.iter().any(|axis| self.moves_by_itself(axes, *axis));
         let feedback = transform.feedback_of(&self.added_to(axes, transform));
         let feedback = feedback.and_then(|feedback| {
             within_speeds_back(transform, axes, &feedback, period)?;
             Ok(feedback)
         });
-        let Some(transform) = self.get_mut(index) else { return };
+        let Some(transform) = self.get_mut(id) else { return };
         transform.target_moves = target_moves;
         match feedback {
             _ if transform.failed.is_some() => {}
@@ -95,15 +94,15 @@ impl Transforms {
     }
 
     /// Where the whole source leads the target now.
-    fn compute_set_points(&mut self, index: usize, axes: &mut Axes, period: f64) {
-        let Some(transform) = self.get(index) else { return };
+    fn compute_set_points(&mut self, id: TransformId, axes: &mut Axes, period: f64) {
+        let Some(transform) = self.get(id) else { return };
         let s_curve = transform.source.iter().any(|axis| axes[*axis].is_s_curve());
-        let source_moves = self.source_moves(axes, index, transform);
-        let target = self.set_points_of(axes, index, transform).and_then(|target| {
+        let source_moves = self.source_moves(axes, id, transform);
+        let target = self.set_points_of(axes, id, transform).and_then(|target| {
             within_speeds(transform, axes, [&transform.target_set_points, &target], period)?;
             Ok(target)
         });
-        let Some(transform) = self.get_mut(index) else { return };
+        let Some(transform) = self.get_mut(id) else { return };
         transform.source_moves = source_moves;
         match target {
             _ if transform.failed.is_some() => {}
@@ -117,8 +116,8 @@ impl Transforms {
         }
     }
 
-    fn set_points_of(&self, axes: &Axes, index: usize, transform: &Transform) -> Result<Side, MotionError> {
-        let source = self.source_without_feedback(axes, index, transform);
+    fn set_points_of(&self, axes: &Axes, id: TransformId, transform: &Transform) -> Result<Side, MotionError> {
+        let source = self.source_without_feedback(axes, id, transform);
         let Map::Robot(robot) = &transform.map else {
             return transform.place(&source);
         };
@@ -157,8 +156,8 @@ impl Transforms {
         state.command = state.sum.command();
     }
 
-    /// A transform of a target system begins; what it refuses has been looked at.
-    pub(crate) fn begin(&mut self, target: usize, mut transform: Transform, axes: &mut Axes) {
+    /// A transform begins; what it refuses has been looked at.
+    pub(crate) fn begin(&mut self, id: TransformId, mut transform: Transform, axes: &mut Axes) {
         for axis in transform.axes() {
             let state = &mut axes[axis];
             if !state.is_transformed() {
@@ -172,7 +171,7 @@ impl Transforms {
         for (place, axis) in target_axes.iter().enumerate() {
             transform.added_at_start[place] = self.added(axes, *axis).position;
         }
-        let source = self.source_without_feedback(axes, target, &transform);
+        let source = self.source_without_feedback(axes, id, &transform);
         // What it is cannot fail: it has been verified for this position.
         let placed = transform.place(&source).unwrap_or_default();
         transform.source_before = source;
@@ -181,25 +180,24 @@ impl Transforms {
             transform.offset[place] = part.rest - placed[place].position;
             transform.target_before[place] = KinematicState::at_rest(part.rest);
             transform.target_set_points[place] = KinematicState::at_rest(part.rest);
-            // No machine has more systems than a byte counts.
-            part.target_of = Some(target as u8);
+            part.target_of = Some(id);
         }
         for axis in transform.source.iter() {
-            axes[*axis].transforms.source_of |= bit(target);
+            axes[*axis].transforms.source_of |= id.bit();
         }
-        if let Some(place) = self.active.get_mut(target) {
+        if let Some(place) = self.active.get_mut(id.target_system()) {
             *place = Some(transform);
         }
     }
 
     /// What the target of a robot's transform has moved by itself becomes part of where the source is, once all stands: the
     /// arm is then in the solution in which its joints are.
-    pub(crate) fn settle(&mut self, index: usize, axes: &mut Axes) {
-        let Some(transform) = self.get(index).filter(|transform| transform.failed.is_none()) else {
+    pub(crate) fn settle(&mut self, id: TransformId, axes: &mut Axes) {
+        let Some(transform) = self.get(id).filter(|transform| transform.failed.is_none()) else {
             return;
         };
         let moves = transform.target.iter().any(|axis| self.moves_by_itself(axes, *axis))
-            || self.source_moves(axes, index, transform);
+            || self.source_moves(axes, id, transform);
         let added = self.added_to(axes, transform);
         if moves || added == Side::default() || transform.robot().is_none() {
             return;
@@ -218,18 +216,18 @@ impl Transforms {
         if let Map::Robot(robot) = &mut settled.map {
             robot.settle(&settled.source_before, &whole);
         }
-        self.active[index] = Some(settled);
+        self.active[id.target_system()] = Some(settled);
     }
 
     /// The transform that has this axis on its target's side, and the axis's place there.
     fn leader(&self, axes: &Axes, axis: u16) -> Option<(&Transform, usize)> {
-        let transform = self.get(usize::from(axes[axis].transforms.target_of?))?;
+        let transform = self.get(axes[axis].transforms.target_of?)?;
         Some((transform, transform.target.index_of(axis)?))
     }
 
     /// Transforms that have this axis on their source's side, but for one.
-    fn fed_back_by(&self, axes: &Axes, axis: u16, but: Option<usize>) -> impl Iterator<Item = &Transform> {
-        let mut left = axes[axis].transforms.source_of & !but.map_or(0, bit);
+    fn fed_back_by(&self, axes: &Axes, axis: u16, but: Option<TransformId>) -> impl Iterator<Item = &Transform> {
+        let mut left = axes[axis].transforms.source_of & !but.map_or(0, TransformId::bit);
         std::iter::from_fn(move || {
             let index = left.trailing_zeros() as usize;
             left &= left.wrapping_sub(1);
@@ -239,7 +237,7 @@ impl Transforms {
     }
 
     /// What the targets' own motions add to an axis, but for one transform's.
-    fn feedback_to(&self, axes: &Axes, axis: u16, but: Option<usize>) -> KinematicState {
+    fn feedback_to(&self, axes: &Axes, axis: u16, but: Option<TransformId>) -> KinematicState {
         let mut total = KinematicState::default();
         for transform in self.fed_back_by(axes, axis, but) {
             if let Some(place) = transform.source.index_of(axis) {
@@ -260,23 +258,23 @@ impl Transforms {
         point
     }
 
-    fn source_without_feedback(&self, axes: &Axes, index: usize, transform: &Transform) -> Side {
+    fn source_without_feedback(&self, axes: &Axes, id: TransformId, transform: &Transform) -> Side {
         let mut source = Side::default();
         for (axis, point) in transform.source.iter().zip(&mut source) {
-            *point = self.without_feedback(axes, *axis, index);
+            *point = self.without_feedback(axes, *axis, id);
         }
         source
     }
 
     /// An axis without the feedback of one transform.
-    fn without_feedback(&self, axes: &Axes, axis: u16, index: usize) -> KinematicState {
+    fn without_feedback(&self, axes: &Axes, axis: u16, id: TransformId) -> KinematicState {
         let mut total = seen(&axes[axis], self.set_point(axes, axis));
-        add(&mut total, &self.feedback_to(axes, axis, Some(index)));
+        add(&mut total, &self.feedback_to(axes, axis, Some(id)));
         total
     }
 
     /// An axis without the feedback of one transform and of later ones, before the whole is known.
-    fn before_feedback(&self, axes: &Axes, axis: u16, index: usize) -> KinematicState {
+    fn before_feedback(&self, axes: &Axes, axis: u16, id: TransformId) -> KinematicState {
         let part = &axes[axis].transforms;
         let mut point = match self.leader(axes, axis) {
             Some((transform, place)) => transform.target_before[place],
@@ -284,10 +282,8 @@ impl Transforms {
         };
         point.position += part.settled;
         let mut total = seen(&axes[axis], point);
-        for other in (0..index).filter(|other| part.source_of & bit(*other) != 0) {
-            if let Some(other) = self.get(other)
-                && let Some(place) = other.source.index_of(axis)
-            {
+        for (_, other) in self.iter().take_while(|(other, _)| *other < id) {
+            if let Some(place) = other.source.index_of(axis) {
                 add(&mut total, &other.feedback[place]);
             }
         }
@@ -314,7 +310,7 @@ impl Transforms {
     }
 
     /// Whether the targets' own motions lead an axis, but for one transform's.
-    fn is_fed_back(&self, axes: &Axes, axis: u16, but: Option<usize>) -> bool {
+    fn is_fed_back(&self, axes: &Axes, axis: u16, but: Option<TransformId>) -> bool {
         self.fed_back_by(axes, axis, but)
             .any(|transform| transform.target_moves)
     }
@@ -325,10 +321,10 @@ impl Transforms {
     }
 
     /// Whether an axis of the source moves otherwise than by the feedback of this transform, and so moves the target.
-    pub(super) fn source_moves(&self, axes: &Axes, index: usize, transform: &Transform) -> bool {
+    pub(super) fn source_moves(&self, axes: &Axes, id: TransformId, transform: &Transform) -> bool {
         transform.source.iter().any(|axis| {
             let led = self.leader(axes, *axis).is_some_and(|(other, _)| other.source_moves);
-            axes[*axis].moves_itself() || led || self.is_fed_back(axes, *axis, Some(index))
+            axes[*axis].moves_itself() || led || self.is_fed_back(axes, *axis, Some(id))
         })
     }
 
@@ -393,10 +389,4 @@ fn within_speeds_back(transform: &Transform, axes: &Axes, feedback: &Side, perio
         }
     }
     Ok(())
-}
-
-/// The bit of a transform in an axis's part in transforms, by the index of its target system.
-pub(super) fn bit(index: usize) -> u64 {
-    const { assert!(MAX_SYSTEMS <= 64) };
-    1 << index
 }

@@ -9,12 +9,11 @@
 use arcline_instruction_set::{AxisIndex, Detail, MotionError};
 use arcline_profile::KinematicState;
 
-use super::Present;
 use super::ahead::Ahead;
-use super::compute::bit;
 use super::robot::RobotMap;
 use super::sides::{Side, positions};
 use super::transform::{Map, Transform};
+use super::{Present, TransformId};
 use crate::axis::sum::Slot;
 use crate::machine::MAX_SYSTEM_AXES;
 
@@ -90,10 +89,10 @@ struct Stop<'a> {
 }
 
 impl Present<'_> {
-    /// What is to become of the transform of a target system, once the commands of this update are known.
-    pub(crate) fn verdict(&self, index: usize, ahead: &mut Ahead) -> Verdict {
+    /// What is to become of a transform, once the commands of this update are known.
+    pub(crate) fn verdict(&self, id: TransformId, ahead: &mut Ahead) -> Verdict {
         let robot = |transform: &&Transform| transform.robot().is_some();
-        let Some(transform) = self.transforms.get(index).filter(robot) else {
+        let Some(transform) = self.transforms.get(id).filter(robot) else {
             return Verdict::GoesOn;
         };
         if let Some(error) = transform.failed {
@@ -102,7 +101,7 @@ impl Present<'_> {
         if transform.braking && !self.transforms.moves_either_side(self.axes, transform) {
             return Verdict::Ends;
         }
-        match self.look_ahead(index, transform, ahead) {
+        match self.look_ahead(id, transform, ahead) {
             // What has begun since a transform brakes, brakes too.
             Err(error) => Verdict::Brakes(error),
             Ok(()) if transform.braking => Verdict::GoesOn,
@@ -114,7 +113,7 @@ impl Present<'_> {
     ///
     /// # Errors
     /// What they would fail with.
-    fn look_ahead(&self, index: usize, transform: &Transform, ahead: &mut Ahead) -> Result<(), MotionError> {
+    fn look_ahead(&self, id: TransformId, transform: &Transform, ahead: &mut Ahead) -> Result<(), MotionError> {
         let Map::Robot(robot) = &transform.map else {
             return Ok(());
         };
@@ -122,7 +121,7 @@ impl Present<'_> {
         if !transform.has_robot_target() || !(transform.source_moves || transform.target.iter().any(own)) {
             return Ok(());
         }
-        if self.is_led_by_others(index, transform) {
+        if self.is_led_by_others(id, transform) {
             return self.look_straight_on(transform, robot);
         }
         self.plan_ahead(transform, ahead);
@@ -166,20 +165,20 @@ impl Present<'_> {
     }
 
     /// Whether the source is led by something that is no motion of it, or of a source above it: another target of one of these.
-    fn is_led_by_others(&self, index: usize, transform: &Transform) -> bool {
-        let (mut chain, mut at) = (bit(index), Some(transform));
+    fn is_led_by_others(&self, id: TransformId, transform: &Transform) -> bool {
+        let (mut chain, mut at) = (id.bit(), Some(transform));
         for _ in 0..self.transforms.most() {
             let Some(next) = at else { break };
             let led = |axis: &u16| {
                 let others = self.axes[*axis].transforms.source_of & !chain;
                 let mut all = self.transforms.iter();
-                others != 0 && all.any(|(index, other)| others & bit(index) != 0 && other.target_moves)
+                others != 0 && all.any(|(id, other)| others & id.bit() != 0 && other.target_moves)
             };
             if next.source.iter().any(led) {
                 return true;
             }
             let above = self.transforms.above(next);
-            chain |= above.map_or(0, |(index, _)| bit(index));
+            chain |= above.map_or(0, |(id, _)| id.bit());
             at = above.map(|(_, above)| above);
         }
         false

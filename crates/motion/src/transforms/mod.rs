@@ -20,6 +20,7 @@ use arcline_profile::KinematicState;
 
 use crate::axes::{Axes, share};
 use crate::control::Execution;
+use crate::machine::MAX_SYSTEMS;
 use crate::system::System;
 pub(crate) use cancel::Release;
 pub(crate) use guard::Verdict;
@@ -31,6 +32,28 @@ use transform::Transform;
 pub(crate) struct Transforms {
     /// At the index of their target system.
     active: Vec<Option<Transform>>,
+}
+
+/// A transform, by the index of its target system: a coordinate system is the target of one transform at most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct TransformId(u8);
+
+impl TransformId {
+    /// The transform of a target system, by the index of that in the machine.
+    pub(crate) fn of_target(system: usize) -> Self {
+        const { assert!(MAX_SYSTEMS <= 64) };
+        TransformId(system as u8)
+    }
+
+    /// The index of the target system.
+    pub(crate) fn target_system(self) -> usize {
+        usize::from(self.0)
+    }
+
+    /// The transform's bit in a set of transforms ([`crate::axis::following::TransformPart`]).
+    fn bit(self) -> u64 {
+        1 << self.0
+    }
 }
 
 /// Axes, coordinate systems and transforms at the present tick, to look ahead from.
@@ -55,23 +78,27 @@ impl Transforms {
         self.active.len()
     }
 
-    /// The transform of a target system.
-    pub(crate) fn get(&self, index: usize) -> Option<&Transform> {
-        self.active.get(index)?.as_ref()
+    /// Every transform that there can be.
+    pub(crate) fn ids(&self) -> impl Iterator<Item = TransformId> + use<> {
+        (0..self.active.len()).map(TransformId::of_target)
     }
 
-    fn get_mut(&mut self, index: usize) -> Option<&mut Transform> {
-        self.active.get_mut(index)?.as_mut()
+    /// A transform, if it is under way.
+    pub(crate) fn get(&self, id: TransformId) -> Option<&Transform> {
+        self.active.get(id.target_system())?.as_ref()
     }
 
-    /// Transforms under way with the index of their target system.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, &Transform)> {
-        let active = self.active.iter().enumerate();
-        active.filter_map(|(index, transform)| transform.as_ref().map(|transform| (index, transform)))
+    fn get_mut(&mut self, id: TransformId) -> Option<&mut Transform> {
+        self.active.get_mut(id.target_system())?.as_mut()
     }
 
-    /// The transform that leads the source of another one, with the index of its target system.
-    pub(crate) fn above(&self, transform: &Transform) -> Option<(usize, &Transform)> {
+    /// Transforms under way.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (TransformId, &Transform)> {
+        self.ids().filter_map(|id| Some((id, self.get(id)?)))
+    }
+
+    /// The transform that leads the source of another one.
+    pub(crate) fn above(&self, transform: &Transform) -> Option<(TransformId, &Transform)> {
         self.iter().find(|(_, other)| share(&other.target, &transform.source))
     }
 
@@ -107,8 +134,8 @@ impl Transforms {
     }
 
     /// A transform has failed: what moves either side is to brake. Returns its instruction, if that has not ended before.
-    pub(crate) fn begin_braking(&mut self, index: usize) -> Option<Execution> {
-        let transform = self.get_mut(index)?;
+    pub(crate) fn begin_braking(&mut self, id: TransformId) -> Option<Execution> {
+        let transform = self.get_mut(id)?;
         transform.braking = true;
         transform.execution.take()
     }

@@ -7,7 +7,7 @@ use arcline_planner::geometry::Point as Vector;
 
 use super::compute::Part;
 use super::sides::Positions;
-use super::{Present, Transforms};
+use super::{Present, TransformId, Transforms};
 use crate::axes::Axes;
 
 /// A coordinate system's part in transforms under way.
@@ -38,7 +38,7 @@ impl Present<'_> {
                 .transforms
                 .iter()
                 .any(|(_, transform)| transform.source_system == index),
-            target: self.transforms.get(index).is_some(),
+            target: self.transforms.get(TransformId::of_target(index)).is_some(),
             robot: self.robot_shown(index),
         }
     }
@@ -50,9 +50,9 @@ impl Present<'_> {
             return RobotShown::default();
         }
         let mut transforms = self.transforms.iter();
-        let own = transforms.find(|(target, transform)| *target == index || transform.source_system == index);
-        let linked = own.and_then(|(target, transform)| Some((target, transform, transform.robot()?.wrist()?)));
-        let robot = linked.map_or(index, |(target, ..)| target);
+        let own = transforms.find(|(id, transform)| id.target_system() == index || transform.source_system == index);
+        let linked = own.and_then(|(id, transform)| Some((id, transform, transform.robot()?.wrist()?)));
+        let robot = linked.map_or(index, |(id, ..)| id.target_system());
         let joints = &self.systems[robot].description.axes;
         let solution = match &self.systems[robot].wrist {
             Some(Ok(wrist)) => {
@@ -85,20 +85,18 @@ impl Transforms {
     pub(crate) fn show(&mut self, part: Part, axes: &Axes) {
         match part {
             Part::Before(_) => {}
-            Part::Feedback(index) => {
-                let index = usize::from(index);
-                let Some(transform) = self.get(index) else { return };
+            Part::Feedback(id) => {
+                let Some(transform) = self.get(id) else { return };
                 let mut target = transform.target.iter();
                 let moves = target.any(|axis| self.moves_by_itself(axes, *axis));
-                if let Some(transform) = self.get_mut(index) {
+                if let Some(transform) = self.get_mut(id) {
                     transform.target_moves = moves;
                 }
             }
-            Part::SetPoints(index) => {
-                let index = usize::from(index);
-                let Some(transform) = self.get(index) else { return };
-                let moves = self.source_moves(axes, index, transform);
-                if let Some(transform) = self.get_mut(index) {
+            Part::SetPoints(id) => {
+                let Some(transform) = self.get(id) else { return };
+                let moves = self.source_moves(axes, id, transform);
+                if let Some(transform) = self.get_mut(id) {
                     transform.source_moves = moves;
                 }
             }
