@@ -185,6 +185,13 @@ impl Axis {
         self.unwind.is_some()
     }
 
+    /// How far from 0 the axis can be: 2³² coarse updates of this period (s) at Maximum Speed
+    /// (spec/coordinated-instructions.md §4.6, "The range of positions").
+    pub(crate) fn range(&self, period: f64) -> f64 {
+        const UPDATES: f64 = 4_294_967_296.0;
+        UPDATES * self.max_speed * period
+    }
+
     /// Whether it has no drive.
     pub fn is_virtual(&self) -> bool {
         matches!(self.kind, AxisKind::Virtual)

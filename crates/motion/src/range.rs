@@ -10,14 +10,6 @@ use arcline_planner::geometry::{Path, Point};
 use crate::axis::Axis;
 use crate::system::{System, component};
 
-/// Updates at Maximum Speed from 0 to the end of the range.
-const UPDATES: f64 = 4_294_967_296.0;
-
-/// The range of an axis on either side of 0, with its Maximum Speed (units/s) and the coarse update period (s).
-pub(crate) fn range(max_speed: f64, period: f64) -> f64 {
-    UPDATES * max_speed * period
-}
-
 /// An axis can be at a position.
 ///
 /// # Errors

@@ -10,7 +10,7 @@ use super::Axis;
 use super::generator::{Generator, Law};
 use super::sum::Slot;
 use crate::masters::gear::Gear;
-use crate::transforms::TransformId;
+use crate::transforms::id::TransformId;
 
 /// An axis's part in transforms.
 #[derive(Clone, Copy, Debug, Default)]

@@ -24,7 +24,6 @@ use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
 use crate::masters::cam::Cam;
 use crate::masters::links::AxisMasterLinks;
 use crate::output::OutputCams;
-use crate::range::range;
 use average::Average;
 use camming::Cams;
 use faults::{Faults, Observed};
@@ -167,7 +166,7 @@ impl Axis {
             started_at: [position; 2],
             dynamics: Maxima::from(description),
             bounds: description.dynamics_bits,
-            range: range(description.max_speed, clock.period()),
+            range: description.range(clock.period()),
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
             transforms: TransformPart::default(),

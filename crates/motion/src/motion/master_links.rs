@@ -8,7 +8,7 @@ use arcline_planner::{Instant, Parameter};
 use super::Motion;
 use crate::axis::generator::Generator;
 use crate::axis::sum::Slot;
-use crate::control::Execution;
+use crate::control::{Controls, Execution};
 use crate::dynamics::Maxima;
 use crate::masters::cam::Cam;
 use crate::masters::follower::{Beginning, LockTo, MasterFollower};
@@ -206,23 +206,19 @@ impl Motion {
             let moving = system.activity == Activity::Moving;
             let used = system.guide.filter(|_| moving).map(|guide| guide.link);
             let stopping = system.stopping_link;
-            let mut links = system.links;
-            self.show(links.iter_mut(), |link| {
-                used == Some(link.id) || stopping == Some(link.execution)
-            });
-            self.systems[index].links = links;
-        }
-        for axis in 0..self.axes.len() {
-            if self.axes[axis].links.is_empty() {
-                continue;
+            for link in self.systems[index].links.iter_mut() {
+                let is_used = used == Some(link.id) || stopping == Some(link.execution);
+                link.show_active(is_used, &mut self.controls, self.clock.tick);
             }
-            let mut links = self.axes[axis].links;
-            let guide = |slot| self.axes[axis].sum.get(slot)?.guide.map(|guide| guide.link);
-            let cam = self.axes[axis].cam(Slot::TimeCam).and_then(Cam::link);
+        }
+        for axis in self.axes.iter_mut().filter(|axis| !axis.links.is_empty()) {
+            let guide = |slot| axis.sum.get(slot)?.guide.map(|guide| guide.link);
+            let cam = axis.cam(Slot::TimeCam).and_then(Cam::link);
             let [moves, jogs, offsets] = Slot::GUIDED.map(guide);
             let used = [moves, jogs, offsets, cam];
-            self.show(links.iter_mut(), |link| used.contains(&Some(link.id)));
-            self.axes[axis].links = links;
+            for link in axis.links.iter_mut() {
+                link.show_active(used.contains(&Some(link.id)), &mut self.controls, self.clock.tick);
+            }
         }
     }
 
@@ -246,13 +242,13 @@ impl Motion {
         }
         self.controls.flag(execution, Flag::Ac, false, self.clock.tick);
     }
+}
 
-    fn show<'a>(&mut self, links: impl Iterator<Item = &'a mut MasterLink>, is_used: impl Fn(&MasterLink) -> bool) {
-        for link in links {
-            let used = is_used(link);
-            if std::mem::replace(&mut link.shown_active, used) != used {
-                self.controls.flag(link.execution, Flag::Ac, used, self.clock.tick);
-            }
+impl MasterLink {
+    /// AC of the link's instruction: whether a motion that began by the link is under way.
+    fn show_active(&mut self, is_used: bool, controls: &mut Controls, tick: u64) {
+        if std::mem::replace(&mut self.shown_active, is_used) != is_used {
+            controls.flag(self.execution, Flag::Ac, is_used, tick);
         }
     }
 }

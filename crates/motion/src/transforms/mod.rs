@@ -9,6 +9,7 @@ pub(crate) mod ahead;
 mod cancel;
 pub(crate) mod compute;
 mod guard;
+pub(crate) mod id;
 mod reach;
 pub(crate) mod robot;
 pub(crate) mod shown;
@@ -20,10 +21,10 @@ use arcline_profile::KinematicState;
 
 use crate::axes::{Axes, share};
 use crate::control::Execution;
-use crate::machine::MAX_SYSTEMS;
 use crate::system::System;
 pub(crate) use cancel::Release;
 pub(crate) use guard::Verdict;
+pub(crate) use id::TransformId;
 use sides::{Side, add};
 use transform::Transform;
 
@@ -32,28 +33,6 @@ use transform::Transform;
 pub(crate) struct Transforms {
     /// At the index of their target system.
     active: Vec<Option<Transform>>,
-}
-
-/// A transform, by the index of its target system: a coordinate system is the target of one transform at most.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct TransformId(u8);
-
-impl TransformId {
-    /// The transform of a target system, by the index of that in the machine.
-    pub(crate) fn of_target(system: usize) -> Self {
-        const { assert!(MAX_SYSTEMS <= 64) };
-        TransformId(system as u8)
-    }
-
-    /// The index of the target system.
-    pub(crate) fn target_system(self) -> usize {
-        usize::from(self.0)
-    }
-
-    /// The transform's bit in a set of transforms ([`crate::axis::following::TransformPart`]).
-    fn bit(self) -> u64 {
-        1 << self.0
-    }
 }
 
 /// Axes, coordinate systems and transforms at the present tick, to look ahead from.
