@@ -1,6 +1,6 @@
 //! The axes of a machine, by their index in its configuration.
 //!
-//! Not here: what one axis is (`crate::axis`). Nothing allocates after [`Axes::new`].
+//! Not here: one axis (`crate::axis`). Nothing allocates after [`Axes::new`].
 
 use std::ops::{Deref, DerefMut, Index, IndexMut};
 
@@ -32,7 +32,7 @@ impl Axes {
         }
     }
 
-    /// What a slave reads of a master now. A master without torque moves where its drive does. Before the exchange of a tick, the
+    /// A master as its slaves read it now. A master without torque moves where its drive does. Before the exchange of a tick, the
     /// actual position is the one that is expected of it.
     pub(crate) fn master_at(&self, master: u16, reference: Reference, clock: &Clock) -> MasterAt {
         let axis = &self[master];
@@ -52,8 +52,8 @@ impl Axes {
         }
     }
 
-    /// Brings what an axis has of masters to where these are at the present tick: its links, the moves that they drive, its cams
-    /// and its gear.
+    /// Brings the followers of an axis to where their masters are at the present tick: its links, the moves that they drive, its
+    /// cams and its gear.
     pub(crate) fn follow_masters(&mut self, axis: u16, clock: &Clock) {
         self.read_links(axis, clock);
         self.follow_cams(axis, clock);

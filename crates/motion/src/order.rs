@@ -1,8 +1,8 @@
-//! The order in which axes are computed within a tick when some follow others: what is followed comes first.
+//! The order in which axes are computed within a tick when some follow others: a master comes before its followers.
 //!
-//! It is worked out when a link or a transform is made: a list of edges (a step needs another one first), sorted topologically.
-//! What ended since leaves an order that is still right. Not here: what a step does. Nothing allocates after [`Order::new`];
-//! working an order out is bounded by the axes, their masters, and the pairs of transforms.
+//! It is worked out when a link or a transform is made: a list of edges (a step needs another one first), sorted topologically. A link
+//! or transform that ended since leaves an order that is still right. Not here: the computation of a step. Nothing allocates after
+//! [`Order::new`]; working an order out is bounded by the axes, their masters, and the pairs of transforms.
 
 use crate::axes::share;
 use crate::machine::MAX_SYSTEM_AXES;
@@ -15,7 +15,7 @@ use crate::transforms::transform::Transform;
 pub(crate) enum Step {
     /// The coordinated move of a system that is linked to a master.
     System(u16),
-    /// What an axis's own generators say, what follows masters included.
+    /// An axis's own generators, with those that follow masters.
     Own(u16),
     /// A part of a transform.
     Transform(Part),
@@ -168,7 +168,7 @@ impl Edges {
         }
     }
 
-    /// Every axis needs what its own generators say, and nothing follows.
+    /// Every axis needs its own generators first, and none follows another one.
     fn begin(&mut self) {
         self.list.clear();
         for axis in 0..self.axes as u16 {
@@ -228,7 +228,7 @@ impl Edges {
                     self.need(set_points, part(Part::SetPoints));
                 }
             }
-            // Behind a robot's joints what is added depends on where they are led to.
+            // The feedback from a robot's joints depends on where the source leads them.
             if transform.robot().is_some() {
                 self.need(feedback, before);
             }

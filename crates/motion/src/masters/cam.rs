@@ -16,7 +16,7 @@ use super::displacement::{Crossing, Displacement, Going, Sense};
 use super::master::Reader;
 use crate::control::Execution;
 
-/// What a cam's profile is over.
+/// The variable of a cam's profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Source {
     /// The position of an axis.
@@ -25,7 +25,7 @@ pub(crate) enum Source {
     Time { since: Instant },
 }
 
-/// What an instruction says of a cam.
+/// The operands of a cam.
 #[derive(Clone, Debug)]
 pub(crate) struct Program {
     pub(crate) profile: Arc<Profile>,
@@ -34,7 +34,7 @@ pub(crate) struct Program {
     pub(crate) slave_scale: f64,
     /// Master units per unit of the profile; below 0 where the master goes in reverse while the profile goes on.
     pub(crate) master_scale: f64,
-    /// What it does at the ends of its profile: it is over (Once), begins again from where it has led the slave (Continuous), or
+    /// Its behaviour at the ends of its profile: it is over (Once), begins again from where it has led the slave (Continuous), or
     /// waits for the master to come back (Persistent).
     pub(crate) mode: ExecutionMode,
     /// The only direction in which the master is followed.
@@ -62,7 +62,7 @@ pub(crate) struct Cam {
     displacement: Displacement,
     /// Where the slave was then, in its generator's frame.
     slave_from: f64,
-    /// Place in the profile at the last look; that of Continuous goes on beyond its ends.
+    /// Position in the profile at the last look; that of Continuous goes on beyond its ends.
     place: f64,
     /// Which time Continuous runs, from 0; below 0 in reverse.
     turn: f64,
@@ -83,11 +83,11 @@ struct Exit {
     slave: f64,
 }
 
-/// What of a master's way is rounding: a share of the length of the profile.
+/// A master displacement that is rounding, as a share of the length of the profile.
 const ROUNDING: f64 = 1e-12;
 
 impl Cam {
-    /// The cam of a program, with its master and its slave as they are. `lock`: a position of the master, as it is read without what
+    /// The cam of a program, with its master and its slave as they are. `lock`: a position of the master, without the offset that
     /// it was redefined by; without one the cam is locked at once, one that a link drives where the master turns to its direction.
     pub(crate) fn new(program: Program, lock: Option<Crossing>, at: &MasterAt, slave: f64, clock: &Clock) -> Self {
         let (entry, from) = (program.entry, at.point.position);
@@ -137,7 +137,7 @@ impl Cam {
     }
 
     /// Brings the slave to where the master leads it; `slave` is where it is. At the end of the profile a pending cam takes
-    /// over. Returns the slave in its generator's frame, and what has ended.
+    /// over. Returns the slave in its generator's frame, and the cam that has ended.
     pub(crate) fn follow(
         &mut self,
         at: &MasterAt,
@@ -227,7 +227,7 @@ impl Cam {
         let value = profile.at(inside);
         let within =
             *mode == ExecutionMode::Continuous || (start - rounding..=start + length + rounding).contains(&inside);
-        // The other way nothing is followed, until the master is back where it turned.
+        // In the other direction the slave waits until the master is back where it turned.
         self.follows = going != Going::Back && within;
         self.segment = value.segment;
         let risen = turn * profile.rise() + value.y - profile.at(entry).y;
@@ -250,7 +250,7 @@ impl Cam {
     }
 }
 
-/// What a look at a cam has brought to its end.
+/// The cam that a look at the master has ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Ended {
     Nothing,

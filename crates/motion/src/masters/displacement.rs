@@ -1,7 +1,7 @@
 //! How far a master has gone since a follower was locked to it (spec/coordinated-instructions.md §8.5, §8.6).
 //!
 //! A follower is locked at a position of its master, or at once. In one direction the displacement is the furthest that the master
-//! has gone: what it goes back changes nothing, and from the furthest position on it is followed again. Nothing is integrated: a
+//! has gone: on its return it is not followed, and from the furthest position on the master is followed again. Nothing is integrated: a
 //! displacement is a difference of two positions. Units: master units.
 
 use super::master::Reader;
@@ -75,7 +75,7 @@ enum Lock {
     Locked,
 }
 
-/// What a master does for its follower in an update.
+/// The motion of a master in an update, as its follower sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Going {
     /// It has not come to the lock.
@@ -124,7 +124,7 @@ impl Displacement {
         *self = Displacement::at_once(self.sense, from, false);
     }
 
-    /// What the master has done since the tick before. `shift`: from the position of the lock to that of the reader.
+    /// The motion of the master since the tick before. `shift`: from the position of the lock to that of the reader.
     pub(super) fn go_on(&mut self, master: &Reader, shift: f64) -> Going {
         let now = master.now.position;
         let mut locks = false;

@@ -1,10 +1,10 @@
-//! A master as what a motion is a function of (spec/coordinated-instructions.md §8.1, §8.5, §8.6).
+//! The displacement of a master, of which motions are functions (spec/coordinated-instructions.md §8.1, §8.5, §8.6).
 //!
 //! A follower reads its master once a tick and shows how far it has gone in the lock direction since the lock
 //! ([`super::displacement`]). Between two ticks the master is taken to go straight from the one position to the other, so the lock,
 //! and the ends of moves, lie inside a tick.
 //!
-//! Not here: what is a function of it. Units: master units, seconds.
+//! Not here: those motions. Units: master units, seconds.
 
 use arcline_planner::{Clock, Instant, Pace};
 
@@ -12,7 +12,7 @@ use super::MasterAt;
 use super::displacement::{Crossing, Displacement, Going, Sense};
 use super::master::Master;
 
-/// What an instruction says about the lock (Lock Direction and Lock Position).
+/// The lock operands of an instruction (Lock Direction and Lock Position).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LockTo {
     pub(crate) sense: Sense,
@@ -47,7 +47,7 @@ pub(crate) struct MasterFollower {
 }
 
 impl MasterFollower {
-    /// `at`: what the master shows now.
+    /// `at`: the master at the present tick.
     pub(crate) fn begin(beginning: Beginning, master: &Master, at: &MasterAt, clock: &Clock) -> Self {
         let Beginning {
             link,
@@ -101,7 +101,7 @@ impl MasterFollower {
         self.displacement.furthest
     }
 
-    /// What the motion is a function of now.
+    /// The displacement as the clock of the motion.
     pub(crate) fn clock(&self) -> Clock {
         Clock::of_way(self.displacement())
     }
@@ -118,7 +118,7 @@ impl MasterFollower {
         Pace { speed, acceleration }
     }
 
-    /// How the displacement would go on from now if it were locked: what a motion under way is taken over with.
+    /// How the displacement would go on from now if it were locked: a motion under way is taken over at this pace.
     pub(crate) fn pace_of(master: &Master, sense: Sense) -> Pace {
         Pace {
             speed: (sense.sign() * master.reader.now.velocity).max(0.0),
@@ -192,7 +192,7 @@ mod tests {
         LockTo { sense, position }
     }
 
-    /// The ways that a follower shows while its master goes through positions, the first of them at the beginning.
+    /// The displacements that a follower shows while its master goes through positions, the first of them at the beginning.
     fn ways(lock: LockTo, unwind: Option<f64>, positions: &[f64]) -> Vec<(f64, bool)> {
         let clock = Clock::at(0, PERIOD_NS);
         let first = at(positions[0]);
@@ -216,7 +216,7 @@ mod tests {
         ways
     }
 
-    /// Its name, the lock, the master's unwind, its positions and the way at each.
+    /// Its name, the lock, the master's unwind, its positions and the displacement at each.
     type Case<'a> = (&'a str, LockTo, Option<f64>, &'a [f64], &'a [(f64, bool)]);
 
     #[test]

@@ -1,6 +1,6 @@
 //! A slave axis geared to a master (spec/axis-and-data-types.md §3.5).
 //!
-//! The slave's displacement is the ratio times the master's since they met, and what is left of the difference between
+//! The slave's displacement is the ratio times the master's since they met, and the rest of the difference between
 //! the speed that the slave had and the geared speed: the clutch ramps this difference out. So everything is a function
 //! of time and of where the master is, whatever the update period, and nothing is integrated. Units: position units of
 //! either axis, seconds.
@@ -22,7 +22,7 @@ pub(crate) struct Gear {
     master_from: f64,
     /// Where the slave was then, in its generator's frame.
     slave_from: f64,
-    /// What is left of the difference of speeds; at rest from the beginning without a clutch.
+    /// The rest of the difference of speeds; at rest from the beginning without a clutch.
     clutch: Profile,
     since: Instant,
 }
@@ -58,7 +58,7 @@ impl Gear {
         }
     }
 
-    /// Where the slave is, in its generator's frame. `at`: what the master shows now.
+    /// Where the slave is, in its generator's frame. `at`: the master at the present tick.
     pub(crate) fn follow(&mut self, at: &MasterAt, clock: &Clock) -> KinematicState {
         self.master.read(at, clock);
         let (slip, master) = (self.clutch.at(self.since.elapsed(clock)), &self.master.reader.now);

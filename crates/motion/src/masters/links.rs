@@ -1,8 +1,8 @@
 //! Links to master axes: MDCC's of coordinate systems, MDAC's of axes (spec/coordinated-instructions.md §8.3, §18;
 //! spec/axis-and-data-types.md §3.8).
 //!
-//! A link moves nothing. What is begun by it follows a guide of its own, which goes on when the link is replaced. A link to
-//! another master waits behind the active one until a motion begins by it. Not here: what breaks links (`motion::links`).
+//! A link moves nothing. A motion that begins by it has a master follower of its own, which goes on when the link is replaced. A link to
+//! another master waits behind the active one until a motion begins by it. Not here: the causes that break links (`motion::master_links`).
 
 use super::master::Master;
 use crate::control::Execution;
@@ -51,7 +51,7 @@ impl MasterLinks {
         self.active.iter_mut().chain(&mut self.pending)
     }
 
-    /// A motion begins by a link: the pending one takes the place of the active one. What became of the link, if there
+    /// A motion begins by a link: the pending one replaces the active one. The link as it is then, if there
     /// still is one, and whose link ended.
     pub(crate) fn take_up(&mut self, id: u32) -> Option<(MasterLink, Option<Execution>)> {
         if let Some(link) = self.pending.filter(|link| link.id == id) {
@@ -62,7 +62,7 @@ impl MasterLinks {
         self.active.filter(|link| link.id == id).map(|link| (link, None))
     }
 
-    /// Makes a link. One to the same master is renewed, one to another waits behind it, in place of what waited so far.
+    /// Makes a link. One to the same master is renewed, one to another waits behind it and replaces the link that waited so far.
     /// Returns whose links ended.
     pub(crate) fn make(&mut self, mut link: MasterLink) -> [Option<Execution>; 2] {
         let same = |other: &MasterLink| {

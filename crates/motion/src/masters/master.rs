@@ -1,6 +1,6 @@
 //! A master axis as its followers read it.
 //!
-//! Not here: what a follower makes of it. Units: master units, seconds.
+//! Not here: its followers. Units: master units, seconds.
 
 use arcline_instruction_set::enumerations::Reference;
 use arcline_planner::{Clock, Instant};
@@ -8,7 +8,7 @@ use arcline_profile::KinematicState;
 
 use super::MasterAt;
 
-/// A master axis, and what is read of it.
+/// A master axis, and its position as it is read.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Master {
     pub(crate) axis: u16,
@@ -17,7 +17,7 @@ pub(crate) struct Master {
 }
 
 impl Master {
-    /// `at`: what the axis shows at the clock's tick.
+    /// `at`: the axis at the clock's tick.
     pub(crate) fn new(axis: u16, reference: Reference, at: &MasterAt, clock: &Clock) -> Self {
         Master {
             axis,
@@ -41,7 +41,7 @@ impl Master {
 /// from now on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reader {
-    /// What is read now: a master without torque has no command of its own.
+    /// The position that is read now: a master without torque has no command of its own.
     read: Reference,
     /// Makes one continuous position of both.
     pub(super) offset: f64,

@@ -15,10 +15,10 @@ use arcline_profile::KinematicState;
 /// A master at the present tick.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MasterAt {
-    /// Its motion, without what its position was redefined by.
+    /// Its motion, without the offset that its position was redefined by.
     pub(crate) point: KinematicState,
     /// Which of its positions this is.
     pub(crate) read: Reference,
-    /// What its position was redefined by: it shows so much more.
+    /// The offset that its position was redefined by: it shows so much more.
     pub(crate) redefined: f64,
 }

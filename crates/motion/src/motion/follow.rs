@@ -1,6 +1,6 @@
-//! Axes that follow others: slaves of gears and cams, what is a function of a master's way, and both sides of transforms.
+//! Axes that follow others: slaves of gears and cams, master driven motions, and both sides of transforms.
 //!
-//! What follows is computed after what it follows, in the same tick, in an order that is worked out when a link is made.
+//! A follower is computed after its master, in the same tick, in an order that is worked out when a link or a transform is made.
 //! While nothing follows there is no order, and axes are computed one after the other. Real-time: nothing allocates; a
 //! tick is bounded by the axes, the coordinate systems and the transforms that are under way.
 
@@ -85,7 +85,7 @@ impl Motion {
         }
     }
 
-    /// Which side moves the other one of transforms, once what has come to its end in this update is over.
+    /// Which side of each transform moves the other one, once the motions that ended in this update are over.
     pub(super) fn show_transforms(&mut self) {
         for place in 0..self.order.len() {
             match self.order.step(place) {

@@ -1,4 +1,5 @@
-//! What begins by a link to a master, what breaks links, and what they show (spec/coordinated-instructions.md §8.3, §8.9).
+//! Motions that begin by a link to a master, the causes that break links, and the status of links (spec/coordinated-instructions.md
+//! §8.3, §8.9).
 //!
 //! Real-time: no allocation; bounded by the axes and the coordinate systems.
 
@@ -44,7 +45,7 @@ impl Motion {
         }
     }
 
-    /// What a new move is a function of: a way of its own. Moves on the same way can go over into each other.
+    /// The master displacement that a new move is a function of. Moves over the same one can blend.
     pub(crate) fn new_parameter(&mut self, link: &MasterLink) -> Parameter {
         self.way_count += 1;
         Parameter {
@@ -74,7 +75,7 @@ impl Motion {
         Ok(())
     }
 
-    /// The guide of what begins on an axis at the present tick; its link is the active one from now on.
+    /// The master follower of a motion that begins on an axis at the present tick; its link is the active one from now on.
     pub(crate) fn lead_axis(&mut self, axis: u16, lead: Lead) -> Option<MasterFollower> {
         let (link, ended) = self.axes[usize::from(axis)].links.take_up(lead.link)?;
         self.end_link(ended);
@@ -107,7 +108,7 @@ impl Motion {
         }
     }
 
-    /// Breaks every link that has an axis as its slave, or as one of its slave's axes. What they drive brakes.
+    /// Breaks every link that has an axis as its slave, or as one of its slave's axes. The motions that they drive brake.
     pub(crate) fn unlink_slave(&mut self, axis: u16) {
         self.unlink_axis(axis);
         for index in 0..self.systems.len() {
@@ -172,7 +173,7 @@ impl Motion {
         }
     }
 
-    /// What the system's master was driving brakes on its path, in time, at the maxima of the coordinate system.
+    /// The motion that the system's master was driving brakes on its path, in time, at the maxima of the coordinate system.
     fn unlink_system(&mut self, index: usize) {
         let links = std::mem::take(&mut self.systems[index].links);
         for link in links.iter() {
@@ -195,7 +196,7 @@ impl Motion {
         self.stop_on_path(index, &limits);
     }
 
-    /// AC of links, TrackingMaster aside: what begins by a link, or ends, shows in it at once.
+    /// AC of links: it shows at once that a motion by the link begins or ends.
     pub(crate) fn show_links(&mut self) {
         for index in 0..self.systems.len() {
             self.end_stopping_link(index);

@@ -1,6 +1,6 @@
-//! Transforms from one tick to the next, and what happens when a robot cannot follow (spec/coordinated-instructions.md §19.8): the
-//! MCT shows the error, what leads the joints brakes on its path as long as they can follow, and the transform is over when all
-//! stands.
+//! Transforms from one tick to the next, and the reaction to a robot that cannot follow (spec/coordinated-instructions.md §19.8): the
+//! MCT shows the error, the motion that leads the joints brakes on its path as long as they can follow, and the transform is over when
+//! all axes stand.
 //!
 //! That is looked for ahead, over the path of a stop (`crate::transforms`): so the joints stay on the path to the end, within
 //! their speeds. Real-time: nothing allocates; bounded by the transforms, the coordinate systems and the axes.
@@ -26,8 +26,8 @@ impl Motion {
         }
     }
 
-    /// Once an update, when commands are known: what robots have moved by themselves becomes part of where their sources
-    /// are, transforms whose robots will not be able to follow begin to brake, those whose robots cannot follow any more end.
+    /// Once an update, when commands are known: the own displacements of robots become part of their sources' positions,
+    /// transforms whose robots will not be able to follow begin to brake, those whose robots cannot follow any more end.
     pub(super) fn look_after_transforms(&mut self) {
         for id in self.transforms.ids() {
             let present = Present {
@@ -52,7 +52,7 @@ impl Motion {
         self.transforms.join_cancelled_feedback(&self.axes);
     }
 
-    /// Cancels every transform that an axis is part of; what they moved brakes at the maxima of the coordinate systems.
+    /// Cancels every transform that an axis is part of; the axes that they moved brake at the maxima of the coordinate systems.
     pub(crate) fn cancel_transforms_of(&mut self, axis: u16) {
         if !self.axes[axis].is_transformed() {
             return;
@@ -111,7 +111,7 @@ impl Motion {
         self.controls.because(Cause::Itself);
     }
 
-    /// What brakes already brakes at the guard's rates, if that is sooner at rest.
+    /// Brakes every motion of some axes; one that brakes already does so at the guard's rates, if that is sooner at rest.
     fn brake_what_moves(&mut self, axes: &[u16]) {
         for index in 0..self.systems.len() {
             let system = &self.systems[index];

@@ -1,6 +1,6 @@
 //! What a stop would do that began at the next update: where everything that leads a robot's joints would be on the way to rest.
 //!
-//! It is the stop that follows if the guard decides for it ([`super::failing`]): with the jerk, the accelerations and the
+//! It is the stop that follows if the guard decides for it (`crate::motion`): with the jerk, the accelerations and the
 //! superposed motions of now. Not here: what the joints make of it ([`super::guard`]). Real-time: nothing allocates; bounded by the
 //! transforms, the coordinate systems and the axes. Units: position units, seconds.
 

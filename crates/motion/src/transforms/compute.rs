@@ -1,12 +1,12 @@
-//! What transforms under way make of the axes within a tick (spec/coordinated-instructions.md §19, §20).
+//! The set-points and the feedback of transforms within a tick (spec/coordinated-instructions.md §19, §20).
 //!
-//! The source leads the target: where the target would be without motion of its own is what the [`Map`] makes of the
-//! source. Motion that the target has of its own leads the source back (feedback), so that both stay at the same point. Between
-//! Cartesian frames that is a turn of what was added. Behind a robot's joints nothing is linear: what the target adds is
-//! added to where the source leads it *before* any feedback ([`Transform::target_before`]), and the source is led back by where this is.
+//! The source leads the target: without motion of its own the target is where the [`Map`] takes the source. Motion that the target has
+//! of its own leads the source back (feedback), so that both stay at the same point. Between Cartesian frames that is a turn of what
+//! was added. Behind a robot's joints nothing is linear: what the target adds is added to where the source leads it *before* any
+//! feedback ([`Transform::target_before`]), and the source is led back by where this is.
 //!
-//! Not here: when something is computed (`crate::order`), what MCT refuses (`instructions::mct`), what happens when a
-//! robot cannot follow ([`super::failing`]). Nothing allocates. Units: position units, seconds.
+//! Not here: the order of the computation (`crate::order`), the errors of MCT (`instructions::mct`), the reaction to a
+//! robot that cannot follow (`crate::motion`). Nothing allocates. Units: position units, seconds.
 
 use arcline_instruction_set::{AxisIndex, MotionError};
 use arcline_profile::KinematicState;
@@ -25,14 +25,14 @@ use crate::axis::sum::Slot;
 pub(crate) enum Part {
     /// Where the source leads the target before any feedback to the source.
     Before(TransformId),
-    /// What the motion of the target adds to the source.
+    /// The motion that the target's own motion adds to the source.
     Feedback(TransformId),
     /// Where the whole source leads the target.
     SetPoints(TransformId),
 }
 
 impl Transforms {
-    /// Computes a part of what transforms make of the axes at the present tick. `period`: seconds. Real-time.
+    /// Computes a part of a transform at the present tick. `period`: seconds. Real-time.
     pub(crate) fn compute(&mut self, part: Part, axes: &mut Axes, period: f64) {
         match part {
             Part::Before(id) => self.compute_before(id, axes, period),
@@ -72,7 +72,7 @@ impl Transforms {
         }
     }
 
-    /// What the target's own motion adds to the source now.
+    /// The motion that the target's own motion adds to the source now.
     fn compute_feedback(&mut self, id: TransformId, axes: &Axes, period: f64) {
         let Some(transform) = self.get(id) else { return };
         let target_moves = transform.target.iter().any(|axis| self.moves_by_itself(axes, *axis));
@@ -143,7 +143,7 @@ impl Transforms {
         Ok(target)
     }
 
-    /// What all transforms make of an axis now.
+    /// The part of an axis's command that all its transforms give now.
     pub(crate) fn compose(&self, axis: u16, axes: &mut Axes) {
         if !axes[axis].is_transformed() {
             return;
@@ -156,7 +156,7 @@ impl Transforms {
         state.command = state.sum.command();
     }
 
-    /// A transform begins; what it refuses has been looked at.
+    /// A transform begins; its instruction has been verified.
     pub(crate) fn begin(&mut self, id: TransformId, mut transform: Transform, axes: &mut Axes) {
         for axis in transform.axes() {
             let state = &mut axes[axis];
@@ -172,7 +172,7 @@ impl Transforms {
             transform.added_at_start[place] = self.added(axes, *axis).position;
         }
         let source = self.source_without_feedback(axes, id, &transform);
-        // What it is cannot fail: it has been verified for this position.
+        // It cannot fail: it has been verified for this position.
         let placed = transform.place(&source).unwrap_or_default();
         transform.source_before = source;
         for (place, axis) in target_axes.iter().enumerate() {
@@ -190,8 +190,8 @@ impl Transforms {
         }
     }
 
-    /// What the target of a robot's transform has moved by itself becomes part of where the source is, once all stands: the
-    /// arm is then in the solution in which its joints are.
+    /// The own displacement of a robot's target becomes part of the source's position, once all axes stand: the arm is then in the
+    /// solution in which its joints are.
     pub(crate) fn settle(&mut self, id: TransformId, axes: &mut Axes) {
         let Some(transform) = self.get(id).filter(|transform| transform.failed.is_none()) else {
             return;
@@ -219,13 +219,13 @@ impl Transforms {
         self.active[id.target_system()] = Some(settled);
     }
 
-    /// The transform that has this axis on its target's side, and the axis's place there.
+    /// The transform whose target has this axis, and the axis's index there.
     fn leader(&self, axes: &Axes, axis: u16) -> Option<(&Transform, usize)> {
         let transform = self.get(axes[axis].transforms.target_of?)?;
         Some((transform, transform.target.index_of(axis)?))
     }
 
-    /// Transforms that have this axis on their source's side, but for one.
+    /// Transforms whose sources have this axis, but for one.
     fn fed_back_by(&self, axes: &Axes, axis: u16, but: Option<TransformId>) -> impl Iterator<Item = &Transform> {
         let mut left = axes[axis].transforms.source_of & !but.map_or(0, TransformId::bit);
         std::iter::from_fn(move || {
@@ -236,7 +236,7 @@ impl Transforms {
         .flatten()
     }
 
-    /// What the targets' own motions add to an axis, but for one transform's.
+    /// The feedback of all transforms to an axis, but for that of one.
     fn feedback_to(&self, axes: &Axes, axis: u16, but: Option<TransformId>) -> KinematicState {
         let mut total = KinematicState::default();
         for transform in self.fed_back_by(axes, axis, but) {
@@ -290,7 +290,7 @@ impl Transforms {
         total
     }
 
-    /// What has been added to an axis by others than the transforms that lead it, ever since it became part of one.
+    /// The motion of an axis besides the transform that leads it, since the axis became part of a transform.
     fn added(&self, axes: &Axes, axis: u16) -> KinematicState {
         let state = &axes[axis];
         let mut added = state.sum.motion_of(|slot| slot != Slot::Transform);
@@ -299,7 +299,7 @@ impl Transforms {
         added
     }
 
-    /// What has been added to the target since the transform began, or since that became part of where the source is.
+    /// The same of each axis of a target since the transform began, or since the displacement became part of the source's position.
     pub(super) fn added_to(&self, axes: &Axes, transform: &Transform) -> Side {
         let mut added = Side::default();
         for ((place, axis), added) in transform.target.iter().enumerate().zip(&mut added) {
@@ -338,7 +338,7 @@ impl Transforms {
     }
 }
 
-/// An axis with what moves it besides transforms, which lead it to a point of their generator's frame.
+/// An axis with all its motion while transforms lead it to a point of their generator's frame.
 fn seen(state: &Axis, point: KinematicState) -> KinematicState {
     let mut total = state.sum.motion_of(|slot| slot != Slot::Transform);
     let position = state.sum.seen_from(Slot::Transform, Some(point.position));
@@ -348,8 +348,8 @@ fn seen(state: &Axis, point: KinematicState) -> KinematicState {
     total
 }
 
-/// Joints that the source leads further in an update than their speeds let them are led no more: they brake out of what they
-/// did before. `period`: seconds between both states.
+/// Joints that the source leads further in an update than their speeds let them are led no more: they brake from their motion
+/// before. `period`: seconds between both states.
 ///
 /// # Errors
 /// 69, or 68 where a joint would turn at once.
@@ -382,7 +382,7 @@ fn within_speeds_back(transform: &Transform, axes: &Axes, feedback: &Side, perio
         return Ok(());
     }
     for (place, axis) in transform.source.iter().enumerate() {
-        // What the joint does besides is not the target's doing.
+        // Only a part of the joint's motion comes from the target.
         let most = axes[*axis].dynamics.speed + transform.source_before[place].velocity.abs();
         if guard::too_far(&transform.feedback[place], &feedback[place], most, period) {
             return Err(MotionError::MaxJointVelocityExceeded(AxisIndex(place as u8)));

@@ -1,9 +1,9 @@
 //! Whether a robot's joints could follow a stop that began at the next update (spec/coordinated-instructions.md §19.8).
 //!
-//! The way of the stop is looked at at a few instants, and between two of them wherever a joint may do there what it does
-//! at neither: its way between them is taken for the cubic through both positions and velocities. A joint that is too fast only
-//! briefly is found by how far it gets. Not here: what the stop is ([`super::ahead`]), what is done about it
-//! ([`super::failing`]). Real-time: nothing allocates; the number of looks is fixed. Units: position units, degrees of joints,
+//! The joints are computed at a few instants of the stop, and between two of them where a joint may exceed a limit that it keeps at
+//! both: between two instants a joint is taken to follow the cubic through both positions and velocities. A joint that is too fast only
+//! briefly is found by the distance that it gets. Not here: the stop ([`super::ahead`]), and the reaction to a verdict
+//! (`crate::motion`). Real-time: nothing allocates; the number of looks is fixed. Units: position units, degrees of joints,
 //! seconds.
 
 use arcline_instruction_set::{AxisIndex, Detail, MotionError};
@@ -17,17 +17,17 @@ use super::{Present, TransformId};
 use crate::axis::sum::Slot;
 use crate::machine::MAX_SYSTEM_AXES;
 
-/// What is to become of a transform.
+/// The future of a transform.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Verdict {
     GoesOn,
-    /// It goes on; what the target has moved by itself becomes part of where the source is, if all stands.
+    /// It goes on; the target's own displacement becomes part of the source's position, if all axes stand.
     Settles,
-    /// The robot will not be able to follow: what moves either side must brake now.
+    /// The robot will not be able to follow: every motion of either side must brake now.
     Brakes(MotionError),
     /// The robot cannot follow any more.
     Fails(MotionError),
-    /// What failed has come to rest.
+    /// It has failed, and both sides are at rest.
     Ends,
 }
 
@@ -53,23 +53,23 @@ impl Look {
     }
 }
 
-/// What two looks say of the way between them.
+/// The verdict of two looks on the interval between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Between {
     Kept,
-    /// It depends on what lies between.
+    /// Only a look between them can decide.
     Unknown,
     Exceeded(MotionError),
 }
 
-/// What a joint must keep.
+/// The limits of a joint.
 #[derive(Clone, Copy, Debug)]
 struct Bounds {
     /// Units/s.
     speed: f64,
     /// From where to where it may be, in the frame of [`Look::joint`].
     room: [f64; 2],
-    /// What is wrong beyond.
+    /// The error of a position beyond.
     beyond: MotionError,
 }
 
@@ -82,14 +82,14 @@ struct Stop<'a> {
     robot: RobotMap,
     now: Look,
     bounds: [Bounds; MAX_SYSTEM_AXES],
-    /// What is still to be looked at, the last one first.
+    /// Looks that are still to be judged, the last one first.
     goals: [Look; DEPTH],
     /// Looks between others that are left.
     left: u8,
 }
 
 impl Present<'_> {
-    /// What is to become of a transform, once the commands of this update are known.
+    /// The verdict on a transform, once the commands of this update are known.
     pub(crate) fn verdict(&self, id: TransformId, ahead: &mut Ahead) -> Verdict {
         let robot = |transform: &&Transform| transform.robot().is_some();
         let Some(transform) = self.transforms.get(id).filter(robot) else {
@@ -102,7 +102,7 @@ impl Present<'_> {
             return Verdict::Ends;
         }
         match self.look_ahead(id, transform, ahead) {
-            // What has begun since a transform brakes, brakes too.
+            // A motion that has begun since the transform brakes must brake too.
             Err(error) => Verdict::Brakes(error),
             Ok(()) if transform.braking => Verdict::GoesOn,
             Ok(()) => Verdict::Settles,
@@ -112,7 +112,7 @@ impl Present<'_> {
     /// Whether the joints could follow a stop that began at the next update, each within its speed and its travel.
     ///
     /// # Errors
-    /// What they would fail with.
+    /// The error of the first limit that a joint would exceed.
     fn look_ahead(&self, id: TransformId, transform: &Transform, ahead: &mut Ahead) -> Result<(), MotionError> {
         let Map::Robot(robot) = &transform.map else {
             return Ok(());
@@ -252,7 +252,7 @@ impl Stop<'_> {
     /// From one instant to a later one, as closely as need be.
     ///
     /// # Errors
-    /// What the joints would fail with on the way.
+    /// The error of the first limit that a joint would exceed until then.
     fn go_to(&mut self, mut before: Look, at: f64) -> Result<Look, MotionError> {
         let mut count = 1;
         self.goals[0] = self.look(at)?;
@@ -334,7 +334,7 @@ impl Stop<'_> {
         verdict
     }
 
-    /// What could not be looked at more closely.
+    /// Judges an interval that is too short for another look, by its ends.
     fn judge(&self, before: &Look, next: &Look) -> Result<(), MotionError> {
         let width = next.at - before.at;
         let mut verdict = Ok(());
@@ -357,12 +357,12 @@ pub(super) fn too_far(before: &KinematicState, now: &KinematicState, speed: f64,
         || (now.position - before.position).abs() > speed * period * (1.0 + SLACK) + SMALL
 }
 
-/// The share by which a joint may be faster than its Maximum Speed before the source leads it no more: what lies between the looks
-/// at a stop.
+/// The share by which a joint may be faster than its Maximum Speed before the source leads it no more: the error between two looks at
+/// a stop.
 const SLACK: f64 = 0.02;
 /// A joint that gets further, in degrees, between two looks that cannot be nearer turns at once.
 pub(super) const AT_ONCE: f64 = 10.0;
-/// Places on the way of a stop that are looked at.
+/// Looks at a stop, evenly spaced in time.
 const LOOKS: u8 = 4;
 /// Looks between these, at most.
 const CLOSER: u8 = 32;
@@ -375,7 +375,7 @@ const FINEST: f64 = 2e-5;
 const ODD: f64 = 0.25;
 /// A joint this little too fast, as a share, is as fast as it may be.
 const ROUNDING: f64 = 1e-9;
-/// The same of a way between two looks.
+/// The same share for a distance between two looks.
 const NEAR: f64 = 1e-3;
 /// Position units or degrees.
 const SMALL: f64 = 1e-9;

@@ -1,9 +1,9 @@
 //! Transforms: pairs of coordinate systems that lead each other (spec/coordinated-instructions.md §19, §20).
 //!
-//! [`Transforms`] owns those under way and their rules: what a transform makes of positions ([`robot`], [`transform`]), what all of
-//! them make of the axes within a tick ([`compute`]), and how they end ([`cancel`]). Whether a robot can follow is looked at from a
-//! [`Present`]: a path before it begins ([`reach`]), a stop before it is too late ([`ahead`], [`guard`]). What is done about it
-//! is ordered by `Motion` (`crate::motion`). Nothing allocates after [`Transforms::new`].
+//! [`Transforms`] owns those under way and their rules: the map of positions ([`robot`], [`transform`]), set-points and feedback
+//! within a tick ([`compute`]), and the end ([`cancel`]). Whether a robot can follow is looked at from a
+//! [`Present`]: a path before it begins ([`reach`]), a stop before it is too late ([`ahead`], [`guard`]). `Motion` orders the
+//! reaction (`crate::motion`). Nothing allocates after [`Transforms::new`].
 
 pub(crate) mod ahead;
 mod cancel;
@@ -112,7 +112,7 @@ impl Transforms {
         whole
     }
 
-    /// A transform has failed: what moves either side is to brake. Returns its instruction, if that has not ended before.
+    /// A transform has failed: every motion of either side is to brake. Returns its instruction, if that has not ended before.
     pub(crate) fn begin_braking(&mut self, id: TransformId) -> Option<Execution> {
         let transform = self.get_mut(id)?;
         transform.braking = true;

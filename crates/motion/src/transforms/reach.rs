@@ -71,8 +71,8 @@ impl Present<'_> {
     }
 
     /// How fast the corner between the last move in the queue and a path behind it may be passed: the velocity of a joint changes
-    /// there by no more than its limits allow within an update, as that of the source's axes does (spec/coordinated-instructions.md §7.5). `shift`: from the
-    /// queue's positions to those of now. Real-time: one look a transform.
+    /// there by no more than its limits allow within an update, as that of the source's axes does (spec/coordinated-instructions.md
+    /// §7.5). `shift`: from the queue's positions to those of now. Real-time: one look a transform.
     pub(crate) fn corner_speed(&self, system: usize, path: &Path, shift: &Vector) -> f64 {
         let planner = &self.systems[system].planner;
         let active = planner.active().map(|running| &running.motion);

@@ -1,7 +1,7 @@
-//! What a transform makes of positions: one Cartesian frame seen from another, and with a robot the joints behind it.
+//! The map of a transform from the positions of one side to the other: between two Cartesian frames, or to a robot's joints and back.
 //!
-//! A robot's joints are followed through whole turns: they stay near what they were before, and so do the angles of an
-//! orientation that joints lead back. Not here: who leads whom ([`super::transform`]). Real-time: nothing allocates.
+//! A robot's joints are followed through whole turns: they stay near their last positions, and so do the angles of an
+//! orientation that joints lead back. Not here: which side leads the other ([`super::compute`]). Real-time: nothing allocates.
 //! Units: position units, degrees of joints and of orientation, seconds.
 
 use arcline_instruction_set::{AxisIndex, Detail, MotionError};
@@ -43,7 +43,7 @@ pub(crate) struct RobotMap {
     last: Positions,
 }
 
-/// What stands between the two sides.
+/// The mechanism between the two sides.
 #[derive(Clone, Copy, Debug)]
 enum Mechanism {
     Arm { frame: Frame, robot: Robot, arm: Arm },
@@ -238,7 +238,7 @@ impl RobotMap {
         }
     }
 
-    /// Whether its first joint can be half a turn further, with the tool at the same place.
+    /// Whether its first joint can be half a turn further, with the tool at the same point.
     pub(super) fn has_mirror(&self) -> bool {
         matches!(&self.mechanism, Mechanism::Arm { robot, .. } if robot.geometry().has_mirror())
     }
@@ -282,7 +282,7 @@ fn framed(side: &Side, place: impl Fn(&Vector) -> Vector, turn: impl Fn(&Vector)
     self::side([place(&position), turn(&velocity), turn(&acceleration)])
 }
 
-/// What instructions, and transforms under way, tell of it (spec/coordinated-instructions.md §19.8).
+/// The motion error of a position that a robot cannot take (spec/coordinated-instructions.md §19.8).
 pub(crate) fn refused(error: KinematicsError) -> MotionError {
     match error {
         KinematicsError::Reach { joint } | KinematicsError::Orientation { angle: joint } => {

@@ -1,4 +1,5 @@
-//! What axes and coordinate systems show of transforms under way: who leads whom, frames, turns and solutions of a robot.
+//! The status that axes and coordinate systems show of transforms: which side moves the other one, frames, turns and solutions of a
+//! robot.
 //!
 //! Not here: the words of their tags (`crate::status`). Nothing allocates.
 
@@ -18,7 +19,7 @@ pub(crate) struct Role {
     pub(crate) robot: RobotShown,
 }
 
-/// What a coordinate system shows of the robot with a wrist that it is, or that it leads.
+/// The status of the robot with a wrist that a coordinate system is, or that it leads.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RobotShown {
     /// IDs of the tool frame and the work frame.
@@ -26,7 +27,7 @@ pub(crate) struct RobotShown {
     pub(crate) solution: (Configuration, Turns),
     /// The tool centre in the frame of the end of the arm.
     pub(crate) tool: Vector,
-    /// A transform with frames is under way, and nothing that is part of it moves.
+    /// A transform with frames is under way, and none of its axes moves.
     pub(crate) tool_change: bool,
 }
 
@@ -43,7 +44,7 @@ impl Present<'_> {
         }
     }
 
-    /// What a coordinate system shows of the robot with a wrist that it is, or that it leads first.
+    /// The status of the robot with a wrist that a coordinate system is, or that it leads first.
     fn robot_shown(&self, index: usize) -> RobotShown {
         let system = &self.systems[index];
         if !system.is_oriented() {
@@ -81,7 +82,7 @@ impl Present<'_> {
 }
 
 impl Transforms {
-    /// A part of what transforms show once what has come to its end in this update is over: which side moves the other one.
+    /// Which side moves the other one, as far as a part says, once the motions that ended in this update are over.
     pub(crate) fn show(&mut self, part: Part, axes: &Axes) {
         match part {
             Part::Before(_) => {}

@@ -1,7 +1,7 @@
-//! A transform under way: its two sides, and what one makes of the other (spec/coordinated-instructions.md §19).
+//! A transform under way: its two sides, and the map between them (spec/coordinated-instructions.md §19).
 //!
-//! Not here: the axes, and when something is computed ([`super::transform`]); what a robot makes of positions
-//! ([`super::robot`]). Nothing allocates. Units: position units, degrees of joints, seconds.
+//! Not here: the axes ([`super::compute`]), the order of the computation (`crate::order`), and the map itself ([`super::robot`]).
+//! Nothing allocates. Units: position units, degrees of joints, seconds.
 
 use arcline_instruction_set::MotionError;
 
@@ -21,9 +21,9 @@ pub(crate) struct Transform {
     pub(crate) source: SideAxes,
     /// Axes of the target, in the order of its system.
     pub(crate) target: SideAxes,
-    /// What the target was off the transformed source at the start, in the frames of its axes' generators.
+    /// The difference of the target from the transformed source at the start, in the frames of its axes' generators.
     pub(super) offset: Positions,
-    /// What had been added to the target at the start.
+    /// The displacement of the target besides transforms at the start.
     pub(super) added_at_start: Positions,
     /// The feedback of later transforms of the same source that were cancelled: part of where the source is, but not of
     /// `source_before`.
@@ -34,7 +34,7 @@ pub(crate) struct Transform {
     pub(super) target_before: Side,
     /// Where the whole source leads the target, in the frames of its axes' generators.
     pub(super) target_set_points: Side,
-    /// What the target's own motion adds to the source.
+    /// The motion that the target's own motion adds to the source.
     pub(super) feedback: Side,
     /// Whether the source moves, or is held to be moved, and so moves the target.
     pub(super) source_moves: bool,
@@ -42,7 +42,7 @@ pub(crate) struct Transform {
     pub(super) target_moves: bool,
     /// Why the target could not be led on; it goes on straight meanwhile.
     pub(super) failed: Option<MotionError>,
-    /// It has failed: what moves either side brakes, and then it ends.
+    /// It has failed: every motion of either side brakes, and then it ends.
     pub(crate) braking: bool,
 }
 
@@ -119,7 +119,7 @@ impl Transform {
         Ok(placed)
     }
 
-    /// The feedback to the source of what has been added to the target.
+    /// The feedback to the source of a motion that is added to the target.
     ///
     /// # Errors
     /// Where a robot cannot be.
@@ -139,7 +139,7 @@ impl Transform {
         }
     }
 
-    /// Where the source leads the target before any feedback, with what is added to that.
+    /// Where the source leads the target before any feedback, with the added motion.
     pub(super) fn with(&self, added: &Side) -> Side {
         let mut whole = self.target_before;
         for ((whole, added), offset) in whole.iter_mut().zip(added).zip(self.offset) {
