@@ -4,12 +4,14 @@ use std::fmt::Write as _;
 use std::net::SocketAddr;
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use crate::capture::Capture;
+use crate::command_line::read_numbers;
 use crate::libplctag::Libplctag;
 use crate::node::Node;
 use crate::python::Python;
-use crate::server::Server;
+use crate::server::{Server, signal};
 
 /// Tags beyond those of `config/interop_tags.toml`, so that a list of them takes several pages.
 const PAGE_TAGS: usize = 300;
@@ -26,6 +28,54 @@ pub fn python(client: &str, script: &str) {
         Err(why) => crate::not_run(script, &why),
     }
 }
+
+/// Runs `tests/python/SCRIPT HOST:PORT`, which jogs the axis S by its instruction tag `Jog1`, and halts its process while the axis moves:
+/// its connections stay open, and the axis must stand within `jog_silence_ms` of the configuration and the time of a look and a ramp.
+///
+/// # Panics
+/// When the axis does not move, or does not stand in time; in CI also when something needed is missing.
+pub fn python_hangs(client: &str, script: &str) {
+    match Python::with(client) {
+        Ok(python) => hangs(script, |server| {
+            let mut command = python.command();
+            command
+                .arg(crate::fixture("python").join(script))
+                .arg(server.to_string());
+            command
+        }),
+        Err(why) => crate::not_run(script, &why),
+    }
+}
+
+fn hangs(name: &str, client: impl FnOnce(SocketAddr) -> Command) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("jog.toml");
+    let jog = "\n[[instruction]]\ntag = \"Jog1\"\ntype = \"MAJ\"\ntarget = \"S\"\n";
+    std::fs::write(&file, format!("{}{jog}", arcline_config::DEFAULT)).expect("a file");
+    let server = Server::start_on(&file);
+    let address = server.address();
+    let speed = || read_numbers(address, &["S.CommandVelocity"])[0].abs();
+    let mut child = client(address).spawn().expect("it can be started");
+    crate::eventually("the jog has its speed", Duration::from_secs(60), || {
+        (speed() > 49.0).then_some(())
+    });
+    signal("STOP", child.id());
+    let began = Instant::now();
+    crate::eventually("the axis stands", Duration::from_secs(30), || {
+        (speed() == 0.0).then_some(())
+    });
+    let took = began.elapsed();
+    signal("KILL", child.id());
+    child.wait().expect("it is our child");
+    println!("{name}: at rest {took:?} after its client hung");
+    assert!(took > SILENCE / 2, "{name}: something else stopped it, after {took:?}");
+    assert!(took < SILENCE + MARGIN, "{name}: {took:?}");
+}
+
+/// `jog_silence_ms` of a configuration that does not say it.
+const SILENCE: Duration = Duration::from_secs(2);
+/// A look, a ramp, and the time of the command line that asks, on a machine that is busy with other tests.
+const MARGIN: Duration = Duration::from_millis(1500);
 
 /// As [`python`], with the default machine alone and implicit I/O on UDP port 2222 of 127.0.0.1: a scanner that does not
 /// say where it listens can only be answered there.

@@ -1,7 +1,7 @@
 //! Clients that others have written, unmodified: what each can browse, every type and shape of tag, moves, refusals. The scripts and
 //! the program in `tests/python`, `tests/node` and `tests/libplctag` say what is expected.
 
-use arcline_tests::interop::{libplctag, node, python, python_io};
+use arcline_tests::interop::{libplctag, node, python, python_hangs, python_io};
 
 #[test]
 fn cm_ethernetip_works_unmodified() {
@@ -41,6 +41,16 @@ fn pycomm3_works_unmodified() {
 #[test]
 fn pycomm3_reads_and_writes_every_type_and_shape() {
     python("pycomm3", "pycomm3_tags.py");
+}
+
+#[test]
+fn a_jog_of_pycomm3_that_hangs_stops() {
+    python_hangs("pycomm3", "pycomm3_jog.py");
+}
+
+#[test]
+fn a_jog_of_pylogix_that_hangs_stops() {
+    python_hangs("pylogix", "pylogix_jog.py");
 }
 
 #[test]
