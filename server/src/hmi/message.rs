@@ -229,10 +229,25 @@ pub(super) fn read(text: &str) -> (Value, Result<Ask, Refusal>) {
 }
 
 /// The answer to a message.
-pub(super) fn reply(id: &Value, answer: Result<Value, Refusal>) -> String {
-    match answer {
-        Ok(ok) => json!({"id": id, "ok": ok}),
-        Err(error) => json!({"id": id, "error": error}),
+pub(super) fn reply(id: &Value, answer: Result<impl Into<Answer>, Refusal>) -> String {
+    match answer.map(Into::into) {
+        Ok(Answer::Value(ok)) => json!({"id": id, "ok": ok}).to_string(),
+        Ok(Answer::Text(ok)) => format!("{{\"id\":{id},\"ok\":{ok}}}"),
+        Err(error) => json!({"id": id, "error": error}).to_string(),
     }
-    .to_string()
+}
+
+/// What a request is answered.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) enum Answer {
+    /// A short answer.
+    Value(Value),
+    /// A long one as JSON, which a thread beside has written.
+    Text(String),
+}
+
+impl From<Value> for Answer {
+    fn from(value: Value) -> Self {
+        Answer::Value(value)
+    }
 }

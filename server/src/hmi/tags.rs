@@ -19,6 +19,9 @@ const STARS: usize = 8;
 /// Names of one message, and values that it may have in all.
 const NAMES: usize = 200;
 const VALUES: usize = 20_000;
+/// Names, and bytes of their tags, whose values the threads that others share tell.
+const FEW: usize = 8;
+const FEW_BYTES: usize = 2048;
 
 impl Shared {
     /// The tags whose names have `pattern` in them, in any case; `*` stands for anything.
@@ -66,6 +69,15 @@ impl Shared {
         }))
     }
 
+    /// Whether the values of tags are more than the threads that others share tell at once.
+    pub(super) fn are_many(&self, names: &[String]) -> bool {
+        names.len() > FEW
+            || self.plant.with_image(|image| {
+                let bytes = names.iter().map(|name| told_bytes(image, name).unwrap_or(0));
+                bytes.fold(0, usize::saturating_add) > FEW_BYTES
+            })
+    }
+
     /// Writes a value. What executes an instruction or changes motion needs the right to drive what it moves.
     pub(super) async fn write(&self, viewer: ViewerId, name: &str, value: &Json) -> Result<Json, Refusal> {
         let path = path_of(name)?;
@@ -83,6 +95,15 @@ impl Shared {
         kept.map_err(|error| Refusal::new(error.to_string()))?;
         Ok(json!({}))
     }
+}
+
+/// The bytes of a tag that [`value`] tells.
+fn told_bytes(image: &Image, name: &str) -> Option<usize> {
+    let path = path_of(name).ok()?;
+    let (_, place) = image.locate(&path).ok()?;
+    let one = matches!(path.0.last(), Some(PathSegment::Element(_)));
+    let elements = if one { 1 } else { place.elements.max(1) as usize };
+    Some(place.element_size().saturating_mul(elements))
 }
 
 /// A pattern is looked for in every name: it is short, and so is its list of parts.

@@ -30,7 +30,7 @@ use tracing::debug;
 
 use self::hearing::{Heard, Hearing};
 use super::Shared;
-use super::message::{self, Ask, Refusal};
+use super::message::{self, Answer, Ask, Refusal};
 use super::rights::{Thing, ViewerId};
 use super::status::Status;
 use crate::guard::VIEWERS;
@@ -183,7 +183,7 @@ impl Viewer {
     }
 
     /// What was asked before a STOP is not begun after it.
-    async fn answer_unless_stopped(&self, ask: Ask, heard: &Heard) -> Result<Value, Refusal> {
+    async fn answer_unless_stopped(&self, ask: Ask, heard: &Heard) -> Result<Answer, Refusal> {
         let stopped = || self.shared.stops.load(Ordering::Acquire) != heard.stops;
         if stopped() {
             return Err(Refusal::new("STOP was pressed before this was begun"));
@@ -205,12 +205,46 @@ impl Viewer {
                 Ask::DryRun { text } => shared.dry_run(text).await,
                 _ => return,
             };
+            let reply = shared.compute(move |_| message::reply(&id, answer)).await;
             // It may just have gone, or read nothing.
-            let _ = outbox.try_send(Outgoing::Text(message::reply(&id, answer).into()));
+            let _ = reply.map(|reply| outbox.try_send(Outgoing::Text(reply.into())));
         }
     }
 
-    async fn answer(&self, ask: Ask, heard: &Heard) -> Result<Value, Refusal> {
+    async fn answer(&self, ask: Ask, heard: &Heard) -> Result<Answer, Refusal> {
+        let shared = &self.shared;
+        match ask {
+            Ask::Tags { pattern, after } => {
+                self.computed(move |shared| shared.tags(&pattern, after.as_deref()))
+                    .await
+            }
+            Ask::Read { names } if shared.are_many(&names) => self.computed(move |shared| shared.values(&names)).await,
+            Ask::Read { names } => shared.values(&names).map(Answer::Value),
+            Ask::Watch { names } => {
+                let asked = names.clone();
+                let values = if shared.are_many(&names) {
+                    self.computed(move |shared| shared.values(&asked)).await?
+                } else {
+                    shared.values(&asked).map(Answer::Value)?
+                };
+                self.tell(Outgoing::Watch(names))?;
+                Ok(values)
+            }
+            Ask::Events { since } => self.computed(move |shared| Ok(shared.events(since))).await,
+            ask => self.answer_shortly(ask, heard).await.map(Answer::Value),
+        }
+    }
+
+    /// An answer that a thread beside makes and writes.
+    async fn computed(
+        &self,
+        work: impl FnOnce(&Shared) -> Result<Value, Refusal> + Send + 'static,
+    ) -> Result<Answer, Refusal> {
+        let text = move |shared: &Shared| work(shared).map(|answer| Answer::Text(answer.to_string()));
+        self.shared.compute(text).await?
+    }
+
+    async fn answer_shortly(&self, ask: Ask, heard: &Heard) -> Result<Value, Refusal> {
         let (shared, id) = (&self.shared, self.id);
         match ask {
             Ask::Ping => Ok(json!({})),
@@ -272,24 +306,6 @@ impl Viewer {
                 shared.program.end();
                 Ok(json!({}))
             }
-            Ask::Tags { pattern, after } => {
-                shared
-                    .compute(move |shared| shared.tags(&pattern, after.as_deref()))
-                    .await?
-            }
-            Ask::Read { names } => {
-                shared
-                    .compute_if(names.len() > FEW, move |shared| shared.values(&names))
-                    .await?
-            }
-            Ask::Watch { names } => {
-                let asked = names.clone();
-                let values = shared
-                    .compute_if(names.len() > FEW, move |shared| shared.values(&asked))
-                    .await??;
-                self.tell(Outgoing::Watch(names))?;
-                Ok(values)
-            }
             Ask::Write { tag, value } => shared.write(id, &tag, &value).await,
             Ask::Trace { on } => {
                 self.tell(Outgoing::Samples(on))?;
@@ -303,7 +319,9 @@ impl Viewer {
                 self.tell(Outgoing::Piece(frame, place))?;
                 Ok(told)
             }
-            Ask::Events { since } => shared.compute(move |shared| shared.events(since)).await,
+            Ask::Tags { .. } | Ask::Read { .. } | Ask::Watch { .. } | Ask::Events { .. } => {
+                Err(Refusal::new("such a request is answered by a thread beside"))
+            }
         }
     }
 
@@ -378,10 +396,14 @@ async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<
             frame = next_frame(&mut frames) => Message::Binary(frame),
             _ = values.tick(), if !watched.is_empty() => {
                 let names = watched.clone();
-                let values = shared.compute_if(names.len() > FEW, move |shared| shared.values(&names)).await;
-                let Ok(Ok(mut push)) = values else { continue };
-                push["push"] = "values".into();
-                Message::Text(push.to_string().into())
+                let push = move |shared: &Shared| {
+                    let mut push = shared.values(&names)?;
+                    push["push"] = "values".into();
+                    Ok::<_, Refusal>(push.to_string())
+                };
+                let text = shared.compute_if(shared.are_many(&watched), push).await;
+                let Ok(Ok(text)) = text else { continue };
+                Message::Text(text.into())
             }
             _ = pings.tick() => Message::Ping(Bytes::new()),
         };
@@ -457,7 +479,5 @@ const ASKS: usize = 256;
 const ASKED_BYTES: usize = 512 * 1024;
 /// The longest message that is read and worked on by the threads that others share, bytes.
 const SHORT: usize = 1024;
-/// Tags of which the same is true.
-const FEW: usize = 8;
 /// Time between two pushes of watched values.
 const VALUES: Duration = Duration::from_millis(100);

@@ -1,6 +1,8 @@
 //! STOP under the load of others: a server with one network thread, over real sockets, and clients that ask for as much as they can for a
 //! few seconds. Each load is measured beside an idle control. A process of its own: it would make other tests late.
 
+mod turns;
+
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -57,13 +59,17 @@ impl Drop for Server {
 
 impl Server {
     fn start() -> Self {
+        Self::start_with(arcline_config::DEFAULT)
+    }
+
+    fn start_with(config: &str) -> Self {
         let network = Builder::new_multi_thread()
             .worker_threads(1)
             .enable_all()
             .build()
             .expect("a runtime");
         let (plant, tick, eip, hmi) = network.block_on(async {
-            let project = arcline_config::load(arcline_config::DEFAULT, "default").expect("it is valid");
+            let project = arcline_config::load(config, "default").expect("it is valid");
             let (plant, tick) = Plant::start(&project).expect("a thread");
             let any = "127.0.0.1:0".parse().expect("an address");
             let listener = Listener::bind(any, plant.clone(), Settings::new("Load"))
