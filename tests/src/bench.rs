@@ -31,6 +31,8 @@ pub struct Bench {
     trace: Option<Trace>,
     /// Every event so far, with the name of its tag.
     pub events: Vec<(String, Event)>,
+    /// A command limit may act: no assertion that none does.
+    pub refusals_expected: bool,
     /// Every change of the faults of an axis so far.
     pub fault_changes: Vec<FaultChange>,
 }
@@ -65,6 +67,7 @@ impl Bench {
             written: BTreeMap::new(),
             trace: Trace::asked(),
             events: Vec::new(),
+            refusals_expected: false,
             fault_changes: Vec::new(),
         }
     }
@@ -220,9 +223,21 @@ impl Bench {
             trace.snapshot(&self.snapshot());
         }
         self.trace = trace;
+        self.assert_no_command_was_refused();
         let seen = look(self);
         self.controller.begin_tick();
         seen
+    }
+
+    /// No program of the tests asks an axis for what it cannot follow, but those that are about that.
+    fn assert_no_command_was_refused(&self) {
+        if self.refusals_expected {
+            return;
+        }
+        let refused = |change: &&FaultChange| change.refused.is_some();
+        if let Some(change) = self.fault_changes.iter().rev().take(8).find(refused) {
+            panic!("a command of a legal program did not go out: {change:?}");
+        }
     }
 
     /// Runs a number of ticks.

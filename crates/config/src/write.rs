@@ -266,6 +266,12 @@ fn axis(axis: &Axis) -> Value {
         "average_velocity_timebase",
         Value::Float(axis.average_velocity_timebase),
     );
+    let limits = [
+        ("enabled", Value::Boolean(axis.command_limits.enabled)),
+        ("speed", Value::Float(axis.command_limits.speed)),
+        ("acceleration", Value::Float(axis.command_limits.acceleration)),
+    ];
+    put("command_limits", keys(limits));
     put(
         "output_cam_execution_targets",
         Value::Integer(axis.output_cam_targets as i64),

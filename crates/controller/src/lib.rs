@@ -12,7 +12,7 @@ mod snapshot;
 
 pub use arcline_motion::{
     AcceptedMove, ArrayWrite, AxisSnapshot, CONTROL_SLOTS, CallData, Cause, ContourRequest, Event, FaultChange, Input,
-    Path, Point, SystemSnapshot, Ticket, Trajectory, UNNAMED, Written, machine,
+    Path, Point, RefusedCommand, SystemSnapshot, Ticket, Trajectory, UNNAMED, Written, machine,
 };
 pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port, StopRequest};
 pub use snapshot::Snapshot;

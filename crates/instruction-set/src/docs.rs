@@ -222,7 +222,7 @@ configuration and its name for `arcline fault`; the bit is its bit in the tag `F
 
 const FAULTS_TAIL: &str = "
 A fault of MotionFaultStatus sets AxisFault.MotionFault (bit 4), one of CIPAxisFaults AxisFault.PhysicalAxisFault (bit 0). A
-virtual axis has only soft travel faults, as PhysicalAxisFault. In COORDINATE_SYSTEM both show as PhysicalAxisFault and as the
+virtual axis has only faults of soft travel and of command limits, as PhysicalAxisFault. In COORDINATE_SYSTEM both show as PhysicalAxisFault and as the
 axis's bit of PhysicalAxesFaulted, in MOTION_GROUP as PhysicalAxisFault. A fault whose action stops the axis ends the coordinated
 motion that the axis takes part in: IP of its instructions clears without PC, the queue is emptied, and the other axes decelerate
 each by itself. Until it is cleared, instructions that would move the axis err with 20.

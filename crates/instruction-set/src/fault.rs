@@ -24,6 +24,8 @@ pub enum FaultKind {
     OvertravelNegative,
     /// The encoder gives no signal.
     FeedbackLoss,
+    /// A command would have been beyond what the axis can follow.
+    CommandLimit,
 }
 
 /// Which words of an axis's tag a fault and its alarm show in.
@@ -92,6 +94,8 @@ pub static FAULTS: [Fault; FaultKind::COUNT] = [
         "The negative limit switch is hit."),
     fault(FaultKind::FeedbackLoss, "feedback_loss", FaultWord::Cip, 43, ExceptionAction::StopDrive, true,
         "The encoder gives no signal: nothing is written to the tag that feeds an axis of type feedback."),
+    fault(FaultKind::CommandLimit, "command_limit", FaultWord::Motion, 31, ExceptionAction::StopPlanner, true,
+        "A command beyond the command limits of the axis did not go out; the axis and the axes that moved with it stop."),
 ];
 
 const fn fault(
@@ -116,7 +120,7 @@ const fn fault(
 
 impl FaultKind {
     /// How many kinds there are.
-    pub const COUNT: usize = 9;
+    pub const COUNT: usize = 10;
 
     /// Every kind, in the order of [`FAULTS`].
     pub const ALL: [FaultKind; FaultKind::COUNT] = [
@@ -129,6 +133,7 @@ impl FaultKind {
         FaultKind::OvertravelPositive,
         FaultKind::OvertravelNegative,
         FaultKind::FeedbackLoss,
+        FaultKind::CommandLimit,
     ];
 
     /// Its row. Real-time.
@@ -254,6 +259,10 @@ mod tests {
                 FaultWord::Cip => FaultWord::Motion,
             };
             assert_eq!((set.word(fault.shows), set.word(other)), (1 << fault.bit, 0));
+            if fault.kind == FaultKind::CommandLimit {
+                // Arcline's own: AXIS_CIP_DRIVE has no member for it.
+                continue;
+            }
             // A member of AXIS_CIP_DRIVE overlays the bit, in the fault word and in the alarm word.
             let words = match fault.shows {
                 FaultWord::Motion => ["MotionFaultStatus", "MotionAlarmStatus"],
@@ -280,7 +289,12 @@ mod tests {
     #[test]
     fn an_axis_without_a_drive_has_no_faults_of_one() {
         let kinds: Vec<_> = FaultSet::possible(false).kinds().collect();
-        assert_eq!(kinds, [FaultKind::SoftTravelPositive, FaultKind::SoftTravelNegative]);
+        let own = [
+            FaultKind::SoftTravelPositive,
+            FaultKind::SoftTravelNegative,
+            FaultKind::CommandLimit,
+        ];
+        assert_eq!(kinds, own);
         assert_eq!(FaultSet::possible(true), FaultSet::from_bits(u32::MAX));
     }
 

@@ -45,7 +45,7 @@ impl From<Execution> for Cause {
 }
 
 /// A change of the faults of one axis within one tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaultChange {
     /// When.
     pub tick: u64,
@@ -59,4 +59,32 @@ pub struct FaultChange {
     pub clear: FaultSet,
     /// What cleared them.
     pub by: Cause,
+    /// Of a command limit fault: the command that did not go out.
+    pub refused: Option<RefusedCommand>,
+}
+
+/// A command that an axis could not have followed, and that its drive never got (spec/axis-and-data-types.md §12). Position units,
+/// position units/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RefusedCommand {
+    /// The instruction that asked for it; [`Cause::Itself`]: none.
+    pub by: Cause,
+    /// The kind of motion that asked for it, as a person calls it.
+    pub source: &'static str,
+    /// Position and velocity of the last set-point.
+    pub last: [f64; 2],
+    /// Position and velocity that were asked for.
+    pub asked: [f64; 2],
+}
+
+impl std::fmt::Display for RefusedCommand {
+    /// As `MAJ asked for 12.5 at 4000/s behind 10.1 at 300/s`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let ([position, velocity], [asked, speed]) = (self.last, self.asked);
+        let source = self.source;
+        write!(
+            f,
+            "{source} asked for {asked} at {speed}/s behind {position} at {velocity}/s"
+        )
+    }
 }

@@ -43,7 +43,7 @@ pub use arcline_cam as cam;
 pub use arcline_planner::geometry::{Path, Point};
 pub use arcline_planner::precise::Trajectory;
 pub use call_data::{Calculation, CallData, Frame, Frames, Results};
-pub use cause::{Cause, FaultChange};
+pub use cause::{Cause, FaultChange, RefusedCommand};
 pub use contour::ContourRequest;
 pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};
 pub use events::{ArrayWrite, Written};

@@ -121,10 +121,44 @@ pub struct Axis {
     pub exception_actions: ExceptionActions,
     /// Time over which AverageVelocity is taken, above 0, at most 1 s.
     pub average_velocity_timebase: f64,
+    /// What its set-points may ask of it.
+    pub command_limits: CommandLimits,
     /// Execution targets of output cams (MAOC), 0 to [`MAX_OUTPUT_TARGETS`].
     pub output_cam_targets: usize,
     /// What it has from tags that clients write.
     pub inputs: Inputs,
+}
+
+/// What a set-point may ask of an axis beyond the last one, as multiples of the axis's maxima (spec/axis-and-data-types.md §12).
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct CommandLimits {
+    /// Whether they are looked at. A set-point that is no number never goes out.
+    pub enabled: bool,
+    /// Highest speed, times Maximum Speed.
+    pub speed: f64,
+    /// Highest change of velocity, times the higher one of Maximum Acceleration and Maximum Deceleration.
+    pub acceleration: f64,
+}
+
+impl CommandLimits {
+    /// Those of an axis that is not configured otherwise: looked at where it has a drive.
+    pub fn of_kind(kind: &AxisKind) -> Self {
+        CommandLimits {
+            enabled: matches!(kind, AxisKind::Servo(_)),
+            ..CommandLimits::default()
+        }
+    }
+}
+
+impl Default for CommandLimits {
+    /// Four times Maximum Speed, a hundred times the maximum acceleration.
+    fn default() -> Self {
+        CommandLimits {
+            enabled: true,
+            speed: 4.0,
+            acceleration: 100.0,
+        }
+    }
 }
 
 /// The action of every kind of fault (spec/axis-and-data-types.md §9.3).

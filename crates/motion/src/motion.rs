@@ -1,6 +1,7 @@
 //! The machine in motion: one tick after another.
 
 mod advance;
+mod command_limits;
 mod faults;
 mod follow;
 mod generators;

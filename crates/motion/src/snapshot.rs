@@ -21,6 +21,8 @@ pub struct AxisSnapshot {
     pub cip_faults: [u64; 2],
     /// Faults since the last reset: those of the words above.
     pub faults: FaultSet,
+    /// Commands that did not go out since the machine was built, beyond the axis's command limits.
+    pub refused_commands: u32,
     /// What positions were shifted by without motion since the machine was built.
     pub redefined: f64,
     /// CIPAxisState.

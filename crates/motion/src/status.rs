@@ -37,6 +37,7 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         ],
         cip_faults: [axis.faults.word(FaultWord::Cip), axis.faults.alarms(FaultWord::Cip)],
         faults: axis.faults.latched(),
+        refused_commands: axis.faults.refusals(),
         redefined: axis.redefined,
         status: axis_word(axis),
         event: [

@@ -24,6 +24,13 @@ impl AxisSet {
         }
     }
 
+    /// Takes all of some axes in where it has one of them already.
+    pub(crate) fn join(&mut self, axes: &[u16]) {
+        if axes.iter().any(|axis| self.contains(*axis)) {
+            axes.iter().for_each(|axis| self.insert(*axis));
+        }
+    }
+
     pub(crate) fn extend(&mut self, other: AxisSet) {
         for (word, more) in self.0.iter_mut().zip(other.0) {
             *word |= more;

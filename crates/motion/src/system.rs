@@ -364,6 +364,11 @@ impl System {
         self.description.orientation.is_some() || self.wrist.is_some()
     }
 
+    /// Whether it moves an axis as a master leads it.
+    pub(crate) fn guides(&self, axis: u16) -> bool {
+        self.guide.is_some() && self.has(axis)
+    }
+
     pub(crate) fn has(&self, axis: u16) -> bool {
         self.description.axes.contains(&axis)
     }

@@ -28,6 +28,7 @@ fn machine(period_ns: u64) -> Machine {
         programmed_stop_mode: ProgrammedStopMode::default(),
         exception_actions: ExceptionActions::default(),
         average_velocity_timebase: 0.25,
+        command_limits: Default::default(),
         inputs: Default::default(),
         output_cam_targets: 0,
         home: arcline_controller::machine::Home::immediate(1.0, 1.0),

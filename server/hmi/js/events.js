@@ -106,6 +106,6 @@ export class Events {
 }
 
 /** What each fault that was raised means. */
-function faultAdvice({ set }, store) {
-  return set.map((word) => h("p", {}, store.faultText(word)));
+function faultAdvice({ set, refused }, store) {
+  return [...set.map((word) => h("p", {}, store.faultText(word))), refused && h("p", {}, `${refused.text}.`)];
 }

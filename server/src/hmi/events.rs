@@ -122,6 +122,12 @@ fn fault(shared: &Shared, image: &Image, change: &FaultChange) -> Value {
             "again": Ending::words(change.again),
             "clear": Ending::words(change.clear),
             "by": cause(machine, image, change.by),
+            "refused": change.refused.map(|command| json!({
+                "text": command.to_string(),
+                "by": cause(machine, image, command.by),
+                "last": command.last,
+                "asked": command.asked,
+            })),
         },
     })
 }

@@ -153,9 +153,12 @@ impl Output {
         };
         let (set, again, clear) = (words(change.set), words(change.again), words(change.clear));
         let tick = change.tick;
+        let refused = change
+            .refused
+            .map_or_else(String::new, |command| format!(",\"refused\":\"{command}\""));
         writeln!(
             text,
-            ",\"tick\":{tick},\"axis\":\"{axis}\",\"set\":[{set}],\"again\":[{again}],\"clear\":[{clear}]}}"
+            ",\"tick\":{tick},\"axis\":\"{axis}\",\"set\":[{set}],\"again\":[{again}],\"clear\":[{clear}]{refused}}}"
         )
         .expect("a Vec takes everything");
         self.flush_if_full();

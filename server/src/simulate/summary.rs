@@ -41,7 +41,11 @@ impl Summary {
             return;
         }
         let words = Ending::words(change.set).join(", ");
-        self.faults.push(format!("at {time} s: {axis} faulted: {words}"));
+        let refused = change
+            .refused
+            .map_or_else(String::new, |command| format!(" ({command})"));
+        self.faults
+            .push(format!("at {time} s: {axis} faulted: {words}{refused}"));
     }
 
     /// The lines; of a run that did not finish the faults alone, since its error follows.

@@ -59,6 +59,10 @@ fn every_fault_with_every_action() {
         ];
         for (action, faults, alarms, at_once, later, answer, goes_on) in cases {
             let why = format!("{} {}", fault.word, action.word());
+            if fault.kind == FaultKind::CommandLimit && !action.stops() {
+                // The axis has stopped already; a configuration that asks for less is refused.
+                continue;
+            }
             let keys = format!("exception_actions = {{ {} = \"{}\" }}", fault.word, action.word());
             let mut bench = moving(&[("X", &keys)]);
             bench.inject("X", &[fault.kind]);
@@ -377,6 +381,9 @@ fn faults_survive_a_restart_until_they_are_reset() {
         ];
         for (action, comes_back, state, answer) in cases {
             let why = format!("{} {}", fault.word, action.word());
+            if fault.kind == FaultKind::CommandLimit && !action.stops() {
+                continue;
+            }
             let keys = format!("exception_actions = {{ {} = \"{}\" }}", fault.word, action.word());
             let mut bench = machine(&[("X", &keys)]);
             bench.inject("X", &[fault.kind]);

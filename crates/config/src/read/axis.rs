@@ -1,7 +1,7 @@
 //! An `[[axis]]` table.
 
 use arcline_controller::machine::{
-    Axis, AxisKind, Drive, ExceptionActions, MAX_OUTPUT_TARGETS, ProgrammedStopMode, Start, Travel,
+    Axis, AxisKind, CommandLimits, Drive, ExceptionActions, MAX_OUTPUT_TARGETS, ProgrammedStopMode, Start, Travel,
 };
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 
@@ -49,6 +49,7 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
             return Err(section.refuse_key("drive", problem));
         }
     };
+    let command_limits = command_limits(section, CommandLimits::of_kind(&kind))?;
     Ok(Axis {
         name,
         kind,
@@ -68,6 +69,7 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Result<Axis, Con
         average_velocity_timebase: section
             .number("average_velocity_timebase", &TIMEBASE)?
             .unwrap_or(AVERAGE_VELOCITY_TIMEBASE),
+        command_limits,
         output_cam_targets: section
             .integer(OUTPUT_CAMS, 0..=MAX_OUTPUT_TARGETS, TARGETS)?
             .unwrap_or_default(),
@@ -137,9 +139,30 @@ fn exception_actions(axis: &Section<'_>, servo: bool) -> Result<ExceptionActions
             };
             return Err(section.refuse_key(fault.word, problem));
         }
-        actions = actions.with(fault.kind, ExceptionAction::ALL[place].1);
+        let action = ExceptionAction::ALL[place].1;
+        if fault.kind == FaultKind::CommandLimit && !action.stops() {
+            let problem = Problem::Conflict {
+                other: "a command that did not go out",
+                reason: "the axis has stopped: \"stop_planner\", \"stop_drive\" or \"shutdown\"",
+            };
+            return Err(section.refuse_key(fault.word, problem));
+        }
+        actions = actions.with(fault.kind, action);
     }
     Ok(actions)
+}
+
+fn command_limits(axis: &Section<'_>, default: CommandLimits) -> Result<CommandLimits, ConfigError> {
+    let (section, _) = axis.table(
+        "command_limits",
+        COMMAND_LIMITS,
+        "a table such as { speed = 4.0, acceleration = 100.0 }",
+    )?;
+    Ok(CommandLimits {
+        enabled: section.boolean("enabled")?.unwrap_or(default.enabled),
+        speed: section.number("speed", &FACTOR)?.unwrap_or(default.speed),
+        acceleration: section.number("acceleration", &FACTOR)?.unwrap_or(default.acceleration),
+    })
 }
 
 fn start(axis: &Section<'_>, unwind: Option<f64>) -> Result<Start, ConfigError> {
@@ -185,10 +208,12 @@ pub(super) const AXIS: &[&str] = &[
     "programmed_stop_mode",
     "exception_actions",
     "average_velocity_timebase",
+    "command_limits",
     OUTPUT_CAMS,
     "feed",
     "registration",
 ];
+pub(super) const COMMAND_LIMITS: &[&str] = &["enabled", "speed", "acceleration"];
 pub(super) const START: &[&str] = &["position", "servo_on", "homed"];
 pub(super) const TRAVEL: &[&str] = &["min", "max"];
 pub(super) const DRIVE: &[&str] = &[
@@ -228,6 +253,10 @@ const AVERAGE_VELOCITY_TIMEBASE: f64 = 0.25;
 const TIMEBASE: NumberRule = NumberRule {
     expected: "a number above 0, at most 1 (seconds)",
     holds: |x| x > 0.0 && x <= 1.0,
+};
+const FACTOR: NumberRule = NumberRule {
+    expected: "a number from 1 to 1e6 (times the axis's maximum)",
+    holds: |x| (1.0..=1e6).contains(&x),
 };
 const SHARE: NumberRule = NumberRule {
     expected: "a number from 0 to 1",

@@ -26,6 +26,7 @@ fn axis(name: &str, kind: AxisKind) -> Axis {
         programmed_stop_mode: ProgrammedStopMode::default(),
         exception_actions: ExceptionActions::default(),
         average_velocity_timebase: 0.25,
+        command_limits: Default::default(),
         inputs: Default::default(),
         output_cam_targets: 0,
         home: crate::machine::Home::immediate(1.0, 1.0),

@@ -6,7 +6,7 @@
 use arcline_instruction_set::predefined::axis_fault;
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet, FaultWord};
 
-use crate::cause::{Cause, FaultChange};
+use crate::cause::{Cause, FaultChange, RefusedCommand};
 use crate::machine::{Axis as Description, AxisKind, ExceptionActions, Travel};
 
 /// What an axis does at one update, as far as faults look at it.
@@ -49,6 +49,9 @@ pub(crate) struct Faults {
     again: FaultSet,
     clear: FaultSet,
     cleared_by: Cause,
+    /// The command of this update that did not go out, and how many there were ever.
+    refused: Option<RefusedCommand>,
+    refusals: u32,
     /// For how long the following error has been above its tolerance.
     exceeded: f64,
     /// On which side of its travel the axis is: -1, 0 within, 1.
@@ -81,6 +84,8 @@ impl Faults {
             again: FaultSet::default(),
             clear: FaultSet::default(),
             cleared_by: Cause::Itself,
+            refused: None,
+            refusals: 0,
             exceeded: 0.0,
             side: 0,
             homed: description.start.homed,
@@ -131,6 +136,10 @@ impl Faults {
             causes = causes.with(FaultKind::FeedbackLoss);
             found = found.with(FaultKind::FeedbackLoss);
         }
+        if self.refused.is_some() {
+            causes = causes.with(FaultKind::CommandLimit);
+            found = found.with(FaultKind::CommandLimit);
+        }
         self.causes = causes;
         self.found = found;
         let cleared = std::mem::take(&mut self.cleared);
@@ -158,6 +167,17 @@ impl Faults {
         strongest
     }
 
+    /// A command of the present update did not go out: the next check finds it.
+    pub(crate) fn refuse(&mut self, command: RefusedCommand) {
+        self.refused = Some(command);
+        self.refusals = self.refusals.saturating_add(1);
+    }
+
+    /// Commands that did not go out, ever.
+    pub(crate) fn refusals(&self) -> u32 {
+        self.refusals
+    }
+
     /// Clears every fault because of an instruction. Returns whether none of their causes is still there.
     pub(crate) fn reset(&mut self, by: Cause) -> bool {
         self.cleared = self.latched;
@@ -174,6 +194,7 @@ impl Faults {
 
     /// What has changed since the last call.
     pub(crate) fn take_change(&mut self, tick: u64, axis: u16) -> Option<FaultChange> {
+        let refused = self.refused.take();
         if self.set.is_empty() && self.clear.is_empty() {
             return None;
         }
@@ -184,6 +205,7 @@ impl Faults {
             again: std::mem::take(&mut self.again),
             clear: std::mem::take(&mut self.clear),
             by: std::mem::take(&mut self.cleared_by),
+            refused,
         })
     }
 
@@ -316,6 +338,7 @@ mod tests {
             programmed_stop_mode: ProgrammedStopMode::default(),
             exception_actions: ExceptionActions::default(),
             average_velocity_timebase: 0.25,
+            command_limits: Default::default(),
             inputs: Default::default(),
             output_cam_targets: 0,
         }

@@ -20,7 +20,7 @@ use arcline_profile::KinematicState;
 
 use crate::control::Execution;
 use crate::dynamics::Maxima;
-use crate::machine::{Axis as Description, AxisKind, Home, ProgrammedStopMode};
+use crate::machine::{Axis as Description, AxisKind, CommandLimits, Home, ProgrammedStopMode};
 use crate::masters::cam::Cam;
 use crate::masters::links::AxisMasterLinks;
 use crate::output::OutputCams;
@@ -115,6 +115,8 @@ pub(crate) struct Axis {
     /// Command and actual position at the last MGSP, as shown.
     pub(crate) strobed: [f64; 2],
     pub(crate) faults: Faults,
+    /// What its set-points may ask of it.
+    pub(crate) command_limits: CommandLimits,
     pub(crate) average: Average,
     /// Where the position of an encoder comes from: it has no drive.
     pub(crate) feeding: Option<Feeding>,
@@ -187,6 +189,7 @@ impl Axis {
                 .each_ref()
                 .map(|input| Registration::new(input.is_some())),
             faults,
+            command_limits: description.command_limits,
             average: Average::new(
                 position - start.redefined,
                 description.average_velocity_timebase,
@@ -379,6 +382,35 @@ impl Axis {
         self.sum.place(from.position);
         self.begin(Slot::Stop, stop);
         self.started_at = started_at;
+    }
+
+    /// One deceleration at its Maximum Deceleration becomes all that moves the axis, from a set-point that went out at `began`.
+    pub(crate) fn brake_from(&mut self, last: KinematicState, began: Instant) {
+        let limits = self.dynamics.stop(false);
+        self.after_stop = AfterStop::Hold;
+        self.sum.place(last.position);
+        self.command = KinematicState::at_rest(last.position);
+        if limits.deceleration <= 0.0 {
+            return;
+        }
+        let mut stop = Generator::planned(Profile::stop(last, &limits), began);
+        stop.stopping = true;
+        stop.brake = Some(limits);
+        let started_at = self.started_at;
+        self.begin(Slot::Stop, stop);
+        self.started_at = started_at;
+    }
+
+    /// Whether a master or a transform decides how the velocity of the axis changes.
+    pub(crate) fn follows_a_master(&self) -> bool {
+        let mut active = self.sum.active();
+        active.any(|(slot, generator)| {
+            generator.guide.is_some()
+                || matches!(
+                    slot,
+                    Slot::Gear | Slot::PositionCam | Slot::TimeCam | Slot::Transform | Slot::MasterOffset
+                )
+        })
     }
 
     /// What single-axis instructions began, and a stop of it, becomes one deceleration; what a coordinate system or a transform

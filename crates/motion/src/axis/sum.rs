@@ -75,6 +75,23 @@ impl Slot {
         matches!(self, Slot::Transform | Slot::Parting)
     }
 
+    /// What a person calls it.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Slot::System => "coordinated motion",
+            Slot::Stop => "a stop",
+            Slot::Move => "MAM",
+            Slot::Jog => "MAJ",
+            Slot::Home => "MAH",
+            Slot::Gear => "MAG",
+            Slot::PositionCam => "MAPC",
+            Slot::TimeCam => "MATC",
+            Slot::Transform => "a transform",
+            Slot::Parting => "the stop of a cancelled transform",
+            Slot::MasterOffset => "a master offset",
+        }
+    }
+
     const fn bit(self) -> u16 {
         1 << self as u8
     }
@@ -248,6 +265,16 @@ impl Sum {
     /// Every generator under way that moves the axis itself.
     fn moving(&self) -> impl Iterator<Item = (Slot, &Generator)> {
         self.active().filter(|(slot, _)| *slot != Slot::MasterOffset)
+    }
+
+    /// The generator with the highest velocity; one whose velocity is no number first.
+    pub(crate) fn fastest(&self) -> Option<(Slot, &Generator)> {
+        let speed = |generator: &Generator| {
+            let speed = generator.now.velocity.abs();
+            if speed.is_nan() { f64::INFINITY } else { speed }
+        };
+        self.moving()
+            .max_by(|(_, one), (_, other)| speed(one).total_cmp(&speed(other)))
     }
 
     /// Position, velocity and acceleration of the axis.

@@ -132,7 +132,7 @@ impl Motion {
     }
 }
 
-fn masters_of_axis(axis: &Axis) -> impl Iterator<Item = u16> {
+pub(super) fn masters_of_axis(axis: &Axis) -> impl Iterator<Item = u16> {
     let gear = axis.gear().map(|gear| gear.master.axis);
     let cams = Axis::CAMS.into_iter().filter_map(|slot| axis.cam_master(slot));
     let guided = axis.sum.active().filter_map(|(_, generator)| generator.guide);

@@ -1,4 +1,4 @@
-//! The order of a tick: commands of all axes, one exchange with all drives, then what the feedback says.
+//! The order of a tick: commands of all axes, what none of them may ask of a drive, one exchange with all drives, then what the feedback says.
 //!
 //! Not here: instructions ([`Motion::execute`]) and the end of a tick ([`Motion::finish`]). Real-time: no allocation; bounded by the
 //! axes and coordinate systems and by a fixed number of moves.
@@ -14,6 +14,7 @@ impl Motion {
         self.clock.tick = tick;
         self.finish_messages();
         self.compute_commands();
+        self.limit_commands();
         self.exchange();
         self.take_feedback();
         self.look_after_transforms();

@@ -10,10 +10,14 @@ use arcline_tests::random::Random;
 const NOMINAL: f64 = 50.0;
 
 /// The default machine with planned corners and room for eight moves; the encoder `E` is an update later where the tag
-/// `Encoder` says.
+/// `Encoder` says. Its axes may be led faster than they could follow.
 fn bench(limits: &str) -> Bench {
     let planned = format!("command_tolerance = 0.5\nqueue_depth = 8\ncorner = \"precise\"\n{limits}");
     let own = arcline_config::DEFAULT.replace("command_tolerance = 0.5", &planned);
+    let own = own.replace(
+        "type = \"servo\"",
+        "type = \"servo\"\ncommand_limits = { enabled = false }",
+    );
     Bench::with(&format!(
         "{own}\n[[axis]]\nname = \"E\"\ntype = \"feedback\"\nmax_speed = 1000.0\nmax_acceleration = 5000.0\n\
          feed = {{ tag = \"Encoder\", interval_ms = 1.0, timeout_ms = 50.0 }}\n\

@@ -1,0 +1,324 @@
+//! Planted defects: what a planner, a transform or a follower must never do is done to its generator between two ticks.
+
+use arcline_instruction_set::{
+    Argument, Call, ControlSlot, ExceptionAction, FaultKind, MAX_OPERANDS, Mnemonic, RealArray,
+};
+use arcline_planner::profile::{Limits, Profile};
+use arcline_profile::KinematicState;
+
+use crate::axis::sum::Slot;
+use crate::cause::{Cause, FaultChange};
+use crate::control::Ticket;
+use crate::machine::{
+    Axis, AxisKind, CommandLimits, CoordinateSystem, Drive, DynamicsBits, ExceptionActions, Home, Machine,
+    ProgrammedStopMode, Start,
+};
+use crate::motion::Motion;
+
+/// Axes X, Y, A of 500 units/s and 5000 units/s²; X and Y are those of the coordinate system.
+fn machine(limits: CommandLimits, action: ExceptionAction) -> Machine {
+    let axis = |name: &str| Axis {
+        name: name.to_owned(),
+        kind: AxisKind::Servo(Drive::default()),
+        units: "mm".to_owned(),
+        max_speed: 500.0,
+        max_acceleration: 5000.0,
+        max_deceleration: 5000.0,
+        max_acceleration_jerk: 100_000.0,
+        max_deceleration_jerk: 100_000.0,
+        dynamics_bits: DynamicsBits::ALL,
+        travel: None,
+        unwind: None,
+        start: Start {
+            servo_on: true,
+            ..Start::default()
+        },
+        home: Home::immediate(100.0, 1000.0),
+        programmed_stop_mode: ProgrammedStopMode::default(),
+        exception_actions: ExceptionActions::default().with(FaultKind::CommandLimit, action),
+        average_velocity_timebase: 0.25,
+        command_limits: limits,
+        inputs: Default::default(),
+        output_cam_targets: 0,
+    };
+    let system = CoordinateSystem {
+        name: "CS1".to_owned(),
+        axes: vec![0, 1],
+        max_speed: 500.0,
+        max_acceleration: 5000.0,
+        max_deceleration: 5000.0,
+        max_acceleration_jerk: 100_000.0,
+        max_deceleration_jerk: 100_000.0,
+        dynamics_bits: DynamicsBits::ALL,
+        actual_tolerance: 0.01,
+        command_tolerance: 0.5,
+        queue_depth: 1,
+        corner: Default::default(),
+        axis_limits: Default::default(),
+        deviation: Default::default(),
+        joint_limits: Default::default(),
+        robot: None,
+        orientation: None,
+    };
+    Machine {
+        period_ns: 1_000_000,
+        group: "Motion".to_owned(),
+        axes: ["X", "Y", "A"].map(axis).to_vec(),
+        systems: vec![system],
+        transforms: Vec::new(),
+    }
+}
+
+/// A call with 0 for every operand that is not named.
+fn call(mnemonic: Mnemonic, target: u16, control: u32, operands: &[(&str, Argument)]) -> Call {
+    let instruction = mnemonic.instruction();
+    let mut arguments = [Argument::None; MAX_OPERANDS];
+    for place in instruction.given_operands() {
+        arguments[place] = Argument::Number(0.0);
+    }
+    for name in ["Event Distance", "Calculated Data"] {
+        if let Some(place) = instruction.operand(name) {
+            arguments[place] = Argument::None;
+        }
+    }
+    for (name, argument) in operands {
+        arguments[instruction.operand(name).expect(name)] = *argument;
+    }
+    Call {
+        mnemonic,
+        target: Some(target),
+        control: ControlSlot(control),
+        arguments,
+    }
+}
+
+const fn number(value: f64) -> Argument {
+    Argument::Number(value)
+}
+
+/// A machine in motion: a line of X and Y at 100 units/s, a jog of A at 200, all at their speed.
+fn moving(limits: CommandLimits, action: ExceptionAction) -> Motion {
+    let mut motion = Motion::new(&machine(limits, action));
+    let rates = [
+        ("Accel Rate", number(1000.0)),
+        ("Decel Rate", number(1000.0)),
+        ("Accel Jerk", number(100.0)),
+        ("Decel Jerk", number(100.0)),
+        ("Jerk Units", number(2.0)),
+    ];
+    let line = [
+        ("Position", Argument::Array(RealArray::from_slice(&[6000.0, 8000.0]))),
+        ("Speed", number(100.0)),
+        ("Termination Type", number(1.0)),
+    ];
+    motion.begin(1);
+    let line: Vec<_> = line.into_iter().chain(rates).collect();
+    let shown = motion.execute(Ticket(1), &call(Mnemonic::Mclm, 0, 0, &line));
+    assert_eq!((shown.err, shown.exerr), (0, 0), "MCLM");
+    let jog: Vec<_> = [("Speed", number(200.0))].into_iter().chain(rates).collect();
+    let shown = motion.execute(Ticket(2), &call(Mnemonic::Maj, 2, 1, &jog));
+    assert_eq!((shown.err, shown.exerr), (0, 0), "MAJ");
+    motion.finish(|_| ());
+    for tick in 2..400 {
+        motion.begin(tick);
+        motion.finish(|_| ());
+    }
+    motion
+}
+
+/// What went out to the drives of X, Y and A, and every change of faults, from one tick to when all stand.
+struct Run {
+    sent: Vec<[[f64; 2]; 3]>,
+    faults: Vec<FaultChange>,
+}
+
+fn run(motion: &mut Motion, from: u64) -> Run {
+    let mut run = Run {
+        sent: vec![sent(motion)],
+        faults: Vec::new(),
+    };
+    for tick in from..from + 1000 {
+        motion.begin(tick);
+        motion.take_fault_changes(|change| run.faults.push(*change));
+        run.sent.push(sent(motion));
+        motion.finish(|_| ());
+    }
+    run
+}
+
+fn sent(motion: &Motion) -> [[f64; 2]; 3] {
+    [0, 1, 2].map(|axis| [motion.set_points[axis].position, motion.set_points[axis].velocity])
+}
+
+impl Run {
+    /// No set-point is further or faster than an axis at its maxima gets within an update.
+    fn assert_smooth(&self, why: &str) {
+        for pair in self.sent.windows(2) {
+            for (before, after) in pair[0].iter().zip(&pair[1]) {
+                assert!(
+                    (after[1] - before[1]).abs() <= 5.0 + 1e-9,
+                    "{why}: {before:?} {after:?}"
+                );
+                let mean = 0.5 * (before[1] + after[1]) * 0.001;
+                assert!(
+                    (after[0] - before[0] - mean).abs() <= 0.0025 + 1e-9,
+                    "{why}: {before:?} {after:?}"
+                );
+            }
+        }
+    }
+
+    fn refused(&self) -> Vec<(u16, &'static str)> {
+        let refused = self
+            .faults
+            .iter()
+            .filter_map(|change| Some((change.axis, change.refused?.source)));
+        refused.collect()
+    }
+}
+
+#[test]
+fn a_planted_defect_becomes_a_stop_of_everything_that_moves_with_the_axis() {
+    type Defect = fn(&mut Motion);
+    let jump: Defect = |motion| motion.axes[0_u16].sum.redefine(5.0);
+    let no_number: Defect = |motion| motion.axes[1_u16].sum.redefine(f64::NAN);
+    let runaway: Defect = |motion| {
+        let limits = Limits {
+            speed: 1e5,
+            acceleration: 5e7,
+            deceleration: 5e7,
+            jerk: None,
+        };
+        let now = motion.clock.now();
+        let jog = motion.axes[2_u16].sum.get_mut(Slot::Jog).expect("jogs");
+        jog.follow(Profile::to_velocity(jog.now, 1e5, &limits), now);
+    };
+    let far: Defect = |motion| {
+        let now = motion.clock.now();
+        let jog = motion.axes[2_u16].sum.get_mut(Slot::Jog).expect("jogs");
+        let beyond = KinematicState {
+            position: jog.now.position - 1000.0,
+            ..jog.now
+        };
+        jog.follow(
+            Profile::stop(
+                beyond,
+                &Limits {
+                    speed: 1.0,
+                    acceleration: 1.0,
+                    deceleration: 1.0,
+                    jerk: None,
+                },
+            ),
+            now,
+        );
+    };
+    #[rustfmt::skip]
+    let cases = [
+        // why,                                  defect,    refused,                     who stands afterwards
+        ("X of a line 5 units further on",        jump,      (0, "coordinated motion"), [true, true, false]),
+        ("Y of a line at a position that is none", no_number, (1, "coordinated motion"), [true, true, false]),
+        ("a jog that accelerates 10,000 times",   runaway,   (2, "MAJ"),                [false, false, true]),
+        ("a jog that stands 1,000 units behind",  far,       (2, "MAJ"),                [false, false, true]),
+    ];
+    for (why, defect, refused, stands) in cases {
+        let mut motion = moving(CommandLimits::default(), ExceptionAction::StopPlanner);
+        defect(&mut motion);
+        let run = run(&mut motion, 400);
+        run.assert_smooth(why);
+        assert_eq!(run.refused(), [refused], "{why}");
+        let change = run.faults[0];
+        assert_eq!(
+            change.set.kinds().collect::<Vec<_>>(),
+            [FaultKind::CommandLimit],
+            "{why}"
+        );
+        let ticket = if refused.1 == "MAJ" { 2 } else { 1 };
+        let by = change.refused.expect("one").by;
+        assert!(
+            matches!(by, Cause::Instruction { ticket: Ticket(one), .. } if one == ticket),
+            "{why}: {by:?}"
+        );
+        let last = run.sent.last().expect("ticks");
+        assert_eq!(last.map(|[_, velocity]| velocity == 0.0), stands, "{why}: {last:?}");
+        let counts: Vec<u32> = motion.axes().map(|axis| axis.refused_commands).collect();
+        let expected: Vec<u32> = (0..3).map(|axis| u32::from(axis == refused.0)).collect();
+        assert_eq!(counts, expected, "{why}");
+        assert!(motion.systems[0].is_busy() != stands[0], "{why}");
+    }
+}
+
+#[test]
+fn the_action_of_the_fault_follows_the_stop() {
+    for (action, torque) in [
+        (ExceptionAction::StopPlanner, true),
+        (ExceptionAction::StopDrive, false),
+        (ExceptionAction::Shutdown, false),
+    ] {
+        let mut motion = moving(CommandLimits::default(), action);
+        motion.axes[0_u16].sum.redefine(5.0);
+        let run = run(&mut motion, 400);
+        assert_eq!(run.refused().len(), 1, "{action:?}");
+        assert_eq!(motion.axes[0_u16].has_torque(), torque, "{action:?}");
+        assert!(motion.axes[1_u16].has_torque(), "{action:?}: Y has no fault");
+    }
+}
+
+#[test]
+fn limits_are_those_of_the_axis() {
+    #[rustfmt::skip]
+    let cases = [
+        // why,                                enabled, speed, acceleration, acts
+        ("as they are by default",               true,   4.0,   100.0,        true),
+        ("a speed that allows it",               true,   20.0,  100.0,        false),
+        ("switched off",                         false,  4.0,   100.0,        false),
+    ];
+    for (why, enabled, speed, acceleration, acts) in cases {
+        let limits = CommandLimits {
+            enabled,
+            speed,
+            acceleration,
+        };
+        let mut motion = moving(limits, ExceptionAction::StopPlanner);
+        // 5 units in an update of 1 ms: 5000 units/s, ten times Maximum Speed.
+        motion.axes[0_u16].sum.redefine(5.0);
+        let run = run(&mut motion, 400);
+        assert_eq!(!run.refused().is_empty(), acts, "{why}");
+    }
+}
+
+#[test]
+fn a_slave_stops_with_its_master() {
+    let mut motion = Motion::new(&machine(CommandLimits::default(), ExceptionAction::StopPlanner));
+    motion.begin(1);
+    let jog = [
+        ("Speed", number(200.0)),
+        ("Accel Rate", number(1000.0)),
+        ("Decel Rate", number(1000.0)),
+        ("Accel Jerk", number(100.0)),
+        ("Decel Jerk", number(100.0)),
+        ("Jerk Units", number(2.0)),
+    ];
+    motion.execute(Ticket(1), &call(Mnemonic::Maj, 2, 0, &jog));
+    let gear = [
+        ("Master Axis", Argument::Object(2)),
+        ("Ratio", number(1.0)),
+        ("Slave Counts", number(1.0)),
+        ("Master Counts", number(1.0)),
+        ("Master Reference", number(1.0)),
+        ("Accel Rate", number(1000.0)),
+    ];
+    let shown = motion.execute(Ticket(2), &call(Mnemonic::Mag, 0, 1, &gear));
+    assert_eq!((shown.err, shown.exerr), (0, 0), "MAG");
+    motion.finish(|_| ());
+    for tick in 2..400 {
+        motion.begin(tick);
+        motion.finish(|_| ());
+    }
+    assert_eq!(sent(&motion)[0][1], 200.0, "the slave follows");
+    motion.axes[2_u16].sum.redefine(5.0);
+    let run = run(&mut motion, 400);
+    run.assert_smooth("master and slave");
+    assert_eq!(run.refused(), [(0, "MAG"), (2, "MAJ")]);
+    assert_eq!(run.sent.last().expect("ticks").map(|[_, velocity]| velocity), [0.0; 3]);
+}
