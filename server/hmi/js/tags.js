@@ -11,6 +11,8 @@ const MOST_WATCHED = 64;
 export class Tags {
   title = "Tags";
   #rows = new Map();
+  /** Access of the tags that were listed, by name in lower case. */
+  #access = new Map();
 
   constructor(app) {
     this.app = app;
@@ -53,7 +55,11 @@ export class Tags {
       const { tags, more } = await this.app.connection.request("tags", { pattern, ...(after && { after }) });
       if (pattern !== this.search.value.trim()) return;
       if (!after) fill(this.table);
-      for (const tag of tags) this.table.append(...this.#tag(tag));
+      for (const tag of tags) {
+        this.#access.set(tag.name.toLowerCase(), tag.access);
+        this.table.append(...this.#tag(tag));
+      }
+      if (this.watched.some((name) => this.#isReadOnly(name) && !this.#rows.get(name)?.classList.contains("read-only"))) this.#showWatched();
       this.last = tags.at(-1)?.name;
       this.more.hidden = !more;
       text(this.count, `${this.table.querySelectorAll("tr.tag").length}${more ? " and more" : ""}`);
@@ -125,12 +131,20 @@ export class Tags {
     this.#rows.clear();
     fill(this.watch, this.watched.map((name) => {
       const value = h("td.number.value", {}, "–");
+      const readOnly = this.#isReadOnly(name);
+      if (readOnly) value.classList.add("read-only");
       const input = h("input", { type: "text", "aria-label": `New value of ${name}`, placeholder: "New value", autocomplete: "off", onkeydown: (event) => event.key === "Enter" && this.#write(name, input) });
       this.#rows.set(name, value);
       return h("tr", {}, h("th", { scope: "row" }, breakable(name)), value,
-        h("td", {}, h("span.pair", {}, input, h("button", { type: "button", onclick: () => this.#write(name, input) }, "Write"))),
+        h("td", {}, readOnly ? h("small", {}, "read only") : h("span.pair", {}, input, h("button", { type: "button", onclick: () => this.#write(name, input) }, "Write"))),
         h("td", {}, h("button.bare", { type: "button", "aria-label": `Stop watching ${name}`, onclick: () => this.#unwatch(name) }, icon("close"))));
     }));
+  }
+
+  /** Whether the tag that a path begins with is known to be read only. */
+  #isReadOnly(name) {
+    const [tag] = /^(program:[^.[]*\.)?[^.[]*/i.exec(name);
+    return this.#access.get(tag.toLowerCase()) === "read";
   }
 
   #values(values) {
