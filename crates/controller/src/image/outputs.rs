@@ -15,7 +15,7 @@ use super::calls::place;
 use super::cam_tags::Place;
 use super::cams::{Prepared, Refusal};
 use super::shared::Kept;
-use super::structures::{real, word};
+use super::structures::{dint, real, word};
 use super::{Image, TagId};
 
 /// Output cams that the machine may still have.
@@ -133,10 +133,6 @@ fn compensation(bytes: &[u8]) -> BitCompensation {
         cycle_time: real(bytes, 16),
         duty_cycle: real(bytes, 20),
     }
-}
-
-fn dint(bytes: &[u8], at: usize) -> i32 {
-    i32::from_le_bytes(word(bytes, at))
 }
 
 /// Bytes of a DINT.

@@ -7,10 +7,9 @@
 use std::sync::Arc;
 
 use arcline_instruction_set::operands::{Mcpm, Mctpo, OperandValue};
-use arcline_instruction_set::predefined;
+use arcline_instruction_set::predefined::{dynamics_data_offset, path_data_offset};
 use arcline_instruction_set::{Enumeration, MotionError, TagAddress};
 use arcline_motion::{Calculation, DynamicsData, Frame, Frames, PathData, PathMove, Results};
-use arcline_tag::Template;
 
 use super::Image;
 use super::calls::place;
@@ -40,7 +39,7 @@ impl Image {
             .map_or(0, |array| usize::from(array.elements));
         Ok(Calculation {
             frames: self.frames(&operands.work_frame, &operands.tool_frame)?,
-            configuration: i32::from_le_bytes(word(configuration, 0)),
+            configuration: dint(configuration, 0),
             turns: [0, 2, 4, 6].map(|at| i16::from_le_bytes(word(turns, at))),
             results: Arc::new(Results::new(elements)),
         })
@@ -49,7 +48,7 @@ impl Image {
     fn frame(&self, operand: &TagOperand) -> Result<Frame, MotionError> {
         let bytes = self.structure_of(operand)?;
         Ok(Frame {
-            id: i32::from_le_bytes(word(bytes, 0)),
+            id: dint(bytes, 0),
             coordinates: [4, 8, 12, 16, 20, 24].map(|at| real(bytes, at)),
         })
     }
@@ -59,29 +58,11 @@ impl Image {
     /// # Errors
     /// A tag that is gone since the call was bound: 13 with the operand.
     pub(super) fn path_move(&self, operands: &Mcpm) -> Result<PathMove, MotionError> {
-        let (path, dynamics) = (predefined::path_data(), predefined::dynamics_data());
-        let path = Members(&path, self.structure_of(&operands.path)?);
-        let dynamics = Members(&dynamics, self.structure_of(&operands.dynamics)?);
+        let path = self.structure_of(&operands.path)?;
+        let dynamics = self.structure_of(&operands.dynamics)?;
         Ok(PathMove {
-            path: PathData {
-                interpolation_type: path.word("InterpolationType"),
-                position: [0, 1, 2, 3, 4, 5].map(|place| real(path.1, path.at("Position") + 4 * place)),
-                robot_configuration: path.dint("RobotConfiguration"),
-                turns_counters: [0, 1, 2, 3]
-                    .map(|place| i16::from_le_bytes(word(path.1, path.at("TurnsCounters") + 2 * place))),
-                move_type: path.word("MoveType"),
-                termination_type: path.word("TerminationType"),
-                command_tolerance_linear: path.real("CommandToleranceLinear"),
-            },
-            dynamics: DynamicsData {
-                units_mode: dynamics.word("UnitsMode"),
-                time_units: dynamics.word("TimeUnits"),
-                profile: dynamics.word("Profile"),
-                linear: ["Speed", "Acceleration", "Deceleration"].map(|name| dynamics.real(name)),
-                jerks: ["AccelerationJerk", "DecelerationJerk"].map(|name| dynamics.real(name)),
-                orientation: ["OrientationSpeed", "OrientationAcceleration", "OrientationDeceleration"]
-                    .map(|name| dynamics.real(name)),
-            },
+            path: path_data(path),
+            dynamics: dynamics_data(dynamics),
         })
     }
 
@@ -101,27 +82,40 @@ impl Image {
 /// An operand that names a tag.
 type TagOperand = OperandValue<Option<TagAddress>>;
 
-/// A structure of a predefined type: what it is made of, and its bytes.
-struct Members<'a>(&'a Template, &'a [u8]);
-
-impl Members<'_> {
-    /// Where a member of the type begins.
-    fn at(&self, name: &str) -> usize {
-        let member = self.0.members.iter().find(|member| member.name == name);
-        member.map_or(usize::MAX / 2, |member| member.offset as usize)
+fn path_data(bytes: &[u8]) -> PathData {
+    use path_data_offset::*;
+    PathData {
+        interpolation_type: value_of(bytes, INTERPOLATION_TYPE),
+        position: [0, 1, 2, 3, 4, 5].map(|index| real(bytes, POSITION + 4 * index)),
+        robot_configuration: dint(bytes, ROBOT_CONFIGURATION),
+        turns_counters: [0, 1, 2, 3].map(|index| i16::from_le_bytes(word(bytes, TURNS_COUNTERS + 2 * index))),
+        move_type: value_of(bytes, MOVE_TYPE),
+        termination_type: value_of(bytes, TERMINATION_TYPE),
+        command_tolerance_linear: real(bytes, COMMAND_TOLERANCE_LINEAR),
     }
+}
 
-    fn dint(&self, name: &str) -> i32 {
-        i32::from_le_bytes(word(self.1, self.at(name)))
+fn dynamics_data(bytes: &[u8]) -> DynamicsData {
+    use dynamics_data_offset::*;
+    let reals = |offsets: [usize; 3]| offsets.map(|offset| real(bytes, offset));
+    DynamicsData {
+        units_mode: value_of(bytes, UNITS_MODE),
+        time_units: value_of(bytes, TIME_UNITS),
+        profile: value_of(bytes, PROFILE),
+        linear: reals([SPEED, ACCELERATION, DECELERATION]),
+        jerks: [ACCELERATION_JERK, DECELERATION_JERK].map(|offset| real(bytes, offset)),
+        orientation: reals([ORIENTATION_SPEED, ORIENTATION_ACCELERATION, ORIENTATION_DECELERATION]),
     }
+}
 
-    fn word<E: Enumeration>(&self, name: &str) -> Option<E> {
-        E::from_number(self.dint(name))
-    }
+/// The value of an enumeration at a byte; `None`: a number that is none of its values.
+fn value_of<E: Enumeration>(bytes: &[u8], at: usize) -> Option<E> {
+    E::from_number(dint(bytes, at))
+}
 
-    fn real(&self, name: &str) -> f64 {
-        real(self.1, self.at(name))
-    }
+/// The DINT at a byte.
+pub(super) fn dint(bytes: &[u8], at: usize) -> i32 {
+    i32::from_le_bytes(word(bytes, at))
 }
 
 /// The REAL at a byte.

@@ -2,6 +2,7 @@
 
 use super::bits::*;
 use super::groups::{DynamicsOperands, EventOperands, LockOperands, StopOperands};
+use super::resolve::{resolved, total};
 use super::row::*;
 use crate::enumerations::*;
 use crate::instruction::{ArrayRule, Axes, Instruction, Object, Range, Timing};

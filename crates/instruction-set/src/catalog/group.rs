@@ -1,6 +1,7 @@
 //! Instructions of the motion group, and those that only calculate with cams.
 
 use super::bits::*;
+use super::resolve::{resolved, total};
 use super::row::*;
 use crate::enumerations::StopMode;
 use crate::instruction::{Axes, Instruction, Object, Range, Timing};

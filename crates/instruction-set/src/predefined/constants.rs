@@ -498,5 +498,49 @@ pub mod real_time_offset {
     pub const UPDATE_PERIOD: usize = 240;
 }
 
+/// Byte offsets of the members of PATH_DATA.
+pub mod path_data_offset {
+    /// `InterpolationType` (DINT).
+    pub const INTERPOLATION_TYPE: usize = 4;
+    /// `Position` (`REAL[9]`).
+    pub const POSITION: usize = 8;
+    /// `RobotConfiguration` (DINT).
+    pub const ROBOT_CONFIGURATION: usize = 44;
+    /// `TurnsCounters` (`INT[4]`).
+    pub const TURNS_COUNTERS: usize = 48;
+    /// `MoveType` (DINT).
+    pub const MOVE_TYPE: usize = 56;
+    /// `TerminationType` (DINT).
+    pub const TERMINATION_TYPE: usize = 60;
+    /// `CommandToleranceLinear` (REAL).
+    pub const COMMAND_TOLERANCE_LINEAR: usize = 64;
+}
+
+/// Byte offsets of the members of DYNAMICS_DATA.
+pub mod dynamics_data_offset {
+    /// `UnitsMode` (DINT).
+    pub const UNITS_MODE: usize = 0;
+    /// `TimeUnits` (DINT).
+    pub const TIME_UNITS: usize = 4;
+    /// `Profile` (DINT).
+    pub const PROFILE: usize = 8;
+    /// `Speed` (REAL).
+    pub const SPEED: usize = 12;
+    /// `Acceleration` (REAL).
+    pub const ACCELERATION: usize = 16;
+    /// `Deceleration` (REAL).
+    pub const DECELERATION: usize = 20;
+    /// `AccelerationJerk` (REAL).
+    pub const ACCELERATION_JERK: usize = 24;
+    /// `DecelerationJerk` (REAL).
+    pub const DECELERATION_JERK: usize = 28;
+    /// `OrientationSpeed` (REAL).
+    pub const ORIENTATION_SPEED: usize = 32;
+    /// `OrientationAcceleration` (REAL).
+    pub const ORIENTATION_ACCELERATION: usize = 36;
+    /// `OrientationDeceleration` (REAL).
+    pub const ORIENTATION_DECELERATION: usize = 40;
+}
+
 /// Bit of CIPAxisFaults: the following error left its tolerance.
 pub const EXCESSIVE_POSITION_ERROR_FAULT: u64 = 1 << 54;

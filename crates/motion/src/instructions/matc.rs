@@ -1,7 +1,7 @@
 //! MATC, Motion Axis Time Cam (spec/axis-and-data-types.md §3.9): over time, or over the way of a master that MDAC links.
 
 use arcline_instruction_set::enumerations::{ExecutionSchedule, InstructionMode, MdacMotionType};
-use arcline_instruction_set::operands::Matc;
+use arcline_instruction_set::operands::{LockOperands, Matc};
 use arcline_instruction_set::{Call, MotionError};
 
 use super::axis_moves;
@@ -21,15 +21,21 @@ use crate::system::Lead;
 /// # Errors
 /// A lock direction of the other mode, or of a position for a pending cam, which begins where the one before ends (95); no
 /// link (93); a position that the master never shows (13).
-fn led(motion: &Motion, at: usize, operands: &Matc) -> Result<Option<(MasterLink, Lead)>, MotionError> {
-    let master_driven = *operands.instruction_mode == InstructionMode::MasterDriven;
+fn led(
+    motion: &Motion,
+    at: usize,
+    mode: InstructionMode,
+    lock: &LockOperands,
+    schedule: ExecutionSchedule,
+) -> Result<Option<(MasterLink, Lead)>, MotionError> {
+    let master_driven = mode == InstructionMode::MasterDriven;
     let link = motion.axes[at].links.newest(MdacMotionType::TimeCam);
-    verify_lock(&operands.lock, master_driven, link)?;
+    verify_lock(lock, master_driven, link)?;
     let Some(link) = link.filter(|_| master_driven) else {
         return Ok(None);
     };
-    let lead = lead(motion, &operands.lock, link)?;
-    if *operands.execution_schedule == ExecutionSchedule::Pending && lead.lock.position.is_some() {
+    let lead = lead(motion, lock, link)?;
+    if schedule == ExecutionSchedule::Pending && lead.lock.position.is_some() {
         return Err(MotionError::MdscLockDirectionConflict);
     }
     Ok(Some((*link, lead)))
@@ -43,7 +49,6 @@ pub(super) fn execute(
 ) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
     let at = usize::from(axis);
-    let operands: Matc = motion.operands(call)?;
     let Matc {
         direction,
         cam_profile: _,
@@ -51,10 +56,10 @@ pub(super) fn execute(
         time_scaling,
         execution_mode,
         execution_schedule,
-        lock: _,
-        instruction_mode: _,
-    } = operands;
-    let led = led(motion, at, &operands)?;
+        lock,
+        instruction_mode,
+    } = motion.operands(call)?;
+    let led = led(motion, at, *instruction_mode, &lock, *execution_schedule)?;
     axis_moves::verify_axis(&motion.axes[at], false)?;
     not_stopping(&motion.axes[at], Slot::TimeCam)?;
     let since = motion.clock.now();

@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::enumerations::TransformDirection;
 use arcline_instruction_set::operands::Mctpo;
-use arcline_instruction_set::{Call, MotionError};
+use arcline_instruction_set::{Call, MotionError, OperandIndex};
 use arcline_kinematics::{Configuration, Pose, Turns, Wrist, end_of_arm, tool_centre};
 
 use super::mct::verify_linear;
@@ -13,16 +13,20 @@ use crate::machine::MAX_SYSTEM_AXES;
 use crate::motion::Motion;
 use crate::transforms::robot::refused;
 
-/// What the robot can be asked for: its own configurations, turns of joints that it has.
-fn solution(wrist: Wrist, calculation: &Calculation, operands: &Mctpo) -> Result<(Configuration, Turns), MotionError> {
+/// The configuration and the turns, as far as the robot has them; otherwise 13 with their operand.
+fn solution(
+    wrist: Wrist,
+    calculation: &Calculation,
+    [configuration_operand, turns_operand]: [OperandIndex; 2],
+) -> Result<(Configuration, Turns), MotionError> {
     let bits = calculation.configuration;
     let configuration = Configuration::from_bits(bits);
     if configuration.bits() != bits || !wrist.has(configuration) {
-        return Err(operands.robot_configuration.out_of_range());
+        return Err(MotionError::ParameterOutOfRange(configuration_operand));
     }
     let [j1, j4, j6, reserved] = calculation.turns;
     if reserved != 0 || !wrist.counts([j1, j4, j6]) {
-        return Err(operands.turns_counter.out_of_range());
+        return Err(MotionError::ParameterOutOfRange(turns_operand));
     }
     Ok((configuration, [j1, j4, j6]))
 }
@@ -34,7 +38,6 @@ pub(super) fn execute(
     data: &ReceivedData,
 ) -> Result<(), MotionError> {
     motion.target_system(call)?;
-    let operands: Mctpo = motion.operands(call)?;
     let Mctpo {
         robot_system,
         work_frame,
@@ -42,9 +45,9 @@ pub(super) fn execute(
         transform_direction,
         reference_position,
         transform_position,
-        robot_configuration: _,
-        turns_counter: _,
-    } = operands;
+        robot_configuration,
+        turns_counter,
+    } = motion.operands(call)?;
     let calculation = data.calculation()?;
     let (source, target, robot) = mcto::pair(motion, call, &robot_system)?;
     let forward = match *transform_direction {
@@ -72,7 +75,11 @@ pub(super) fn execute(
         let bits = f64::from(taken.configuration.bits());
         results.set(&[x, y, z, rx, ry, rz, bits, j1, j4, j6, 0.0]);
     } else {
-        let (configuration, turns) = solution(robot.wrist(), calculation, &operands)?;
+        let (configuration, turns) = solution(
+            robot.wrist(),
+            calculation,
+            [robot_configuration.index, turns_counter.index],
+        )?;
         let end = end_of_arm(&work, &Pose::new(reference), &tool);
         let joints = robot.inverse(&end, configuration, turns).map_err(refused)?;
         results.set(&joints);
