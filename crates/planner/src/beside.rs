@@ -39,7 +39,10 @@ impl<T: Copy> Planner<T> {
         if motion.limits.jerk.is_none() {
             momentum.acceleration = Point::zeros();
         }
-        let bound = speed.max(self.programmed_speed(&motion, &momentum));
+        let old = self.active.map_or(0.0, |running| running.in_force.speed);
+        let terminated = momentum.before.map_or(0.0, |before| before.speed);
+        let programmed = self.programmed_speed(old, motion.limits.speed);
+        let bound = speed.max(programmed).max(terminated);
         let (path, tangent) = (&motion.path, motion.path.start_tangent());
         let direction = momentum.velocity / speed;
         let along = momentum.acceleration.dot(&direction);
@@ -55,7 +58,7 @@ impl<T: Copy> Planner<T> {
                 motion.limits = short(from, &motion.limits, 1.0, path.length().max(widest));
                 Relief {
                     ceiling: bound,
-                    forward: true,
+                    forward: Some(0.0),
                 }
             } else {
                 Relief::NONE
@@ -84,15 +87,6 @@ impl<T: Copy> Planner<T> {
         let residual = Residual::new(pieces.parts, clock.now(), path);
         motion.limits = pieces.limits;
         self.run_beside(motion, residual, pieces.from, pieces.profile, clock);
-    }
-
-    /// The larger of the programmed speeds before and behind a merge, as an override raises it. An override below 1 lowers the speed, and a
-    /// motion that still slows down to it, or speeds up, keeps the time that its acceleration needs.
-    fn programmed_speed(&self, motion: &Move<T>, momentum: &Momentum) -> f64 {
-        let rate = self.queue.rate().max(1.0);
-        let old = self.active.map_or(0.0, |running| running.in_force.speed * rate);
-        let taken = momentum.before.map_or(0.0, |before| before.speed);
-        old.max(taken).max(motion.limits.speed * rate)
     }
 
     /// The limits of a move with which a stop out of a motion takes no more than a way, and is no faster than `bound`.
@@ -205,7 +199,7 @@ fn short(from: KinematicState, limits: &Limits, pace: f64, widest: f64) -> Limit
 }
 
 /// The lead that keeps a motion below a speed, and from passing through rest.
-pub(crate) fn forward(from: KinematicState, limits: &Limits, ceiling: f64) -> Option<Lead> {
+fn forward(from: KinematicState, limits: &Limits, ceiling: f64) -> Option<Lead> {
     if from.velocity * from.acceleration < 0.0 {
         Lead::before_rest(from, limits)
     } else {

@@ -2,13 +2,13 @@
 //!
 //! Bounded. What pending moves are given stands in `sight`.
 
-use arcline_profile::{KinematicState, Lead, Limits, MOST_OVERSHOOT, Profile, entry_speed, passing_speed};
+use arcline_profile::{KinematicState, Limits, MOST_OVERSHOOT, Profile, entry_speed, passing_speed};
 
 use crate::Clock;
 use crate::beside::Beside;
 use crate::junction::same_rates;
-use crate::look_ahead::Ends;
-use crate::planner::{Planner, Relief, Running};
+use crate::look_ahead::{Ends, Plan, turns_back};
+use crate::planner::{Planner, Relief, Running, paced};
 use crate::track::Approach;
 
 impl<T: Copy> Planner<T> {
@@ -21,23 +21,33 @@ impl<T: Copy> Planner<T> {
             return;
         };
         let before = running.motion.limits;
-        let ran = running.in_force;
+        let ran = Ran::new(running, clock);
         running.motion.limits = limits;
-        if self.replan(&ran, clock) && !same_rates(&before, &limits) {
-            // The old rates; those of the moves that the motion was already braking along; the new ones all the same.
-            let following = self.queue.front().map_or(limits, |next| next.limits);
-            for rates in [before, following, limits] {
-                if let Some(running) = &mut self.active {
-                    running.motion.limits = Limits {
-                        speed: limits.speed,
-                        ..rates
-                    };
-                }
-                if !self.replan(&ran, clock) {
-                    break;
-                }
+        let met = self.replan(&ran, clock);
+        if met == Met::All || same_rates(&before, &limits) {
+            return;
+        }
+        // The old rates before those of the moves that the motion was already braking along, and these before the new ones.
+        let following = self.queue.front().map_or(limits, |next| next.limits);
+        let mut best = (met, limits);
+        for rates in [following, before] {
+            let met = self.replan_with(&rates, &ran, clock);
+            if met >= best.0 {
+                best = (met, rates);
             }
         }
+        if best.1 != before {
+            self.replan_with(&best.1, &ran, clock);
+        }
+    }
+
+    /// Plans the active move again at its speed with other rates.
+    fn replan_with(&mut self, rates: &Limits, ran: &Ran, clock: &Clock) -> Met {
+        if let Some(running) = &mut self.active {
+            let speed = running.motion.limits.speed;
+            running.motion.limits = Limits { speed, ..*rates };
+        }
+        self.replan(ran, clock)
     }
 
     /// Takes a share (at least 0) of the programmed speeds of the active move, the pending and all later ones, from the
@@ -57,16 +67,15 @@ impl<T: Copy> Planner<T> {
         });
         self.queue.set_rate(rate.min(most));
         if let Some(running) = &self.active {
-            let ran = running.in_force;
+            let ran = Ran::new(running, clock);
             self.replan(&ran, clock);
         }
     }
 
-    /// Plans the active move again from its present state; so far it ran within other limits. Whether it comes to the next corner
-    /// too fast.
-    fn replan(&mut self, ran: &Limits, clock: &Clock) -> bool {
+    /// Plans the active move again from its present state; so far it ran in another way.
+    fn replan(&mut self, ran: &Ran, clock: &Clock) -> Met {
         let Some(mut running) = self.active.filter(|running| !running.stopped) else {
-            return false;
+            return Met::All;
         };
         running.place = self.queue.relink(&running.motion, running.blended);
         if let Some(approach) = running.track.approach.filter(|_| running.track.is_approaching(clock))
@@ -76,9 +85,14 @@ impl<T: Copy> Planner<T> {
             return self.plan_from(running, start, clock);
         }
         let from = running.track.state(clock);
-        running.relief = self.relief_of(&running, ran, clock);
+        running.relief = self.relief_of(ran, running.motion.limits.speed, running.track.pace());
         running.in_force = running.motion.limits;
         running.kept = false;
+        let paused = self.limits(&running).speed == 0.0;
+        if paused && self.needs_more(&running, from, &ran.limits) {
+            running.in_force = ran.limits;
+            running.kept = true;
+        }
         let lead = running.relief.lead(from, &self.limits(&running));
         let level = lead.map_or(from, |lead| lead.end());
         let plan = self.plan(&running, level);
@@ -86,14 +100,20 @@ impl<T: Copy> Planner<T> {
             let profile = self.profile(&running, level, &plan);
             lead.map_or(profile, |lead| lead.then(&profile))
         } else if plan.cap == 0.0 {
-            self.pause(&mut running, from, plan.target, ran, clock)
+            let limits = Limits {
+                speed: 0.0,
+                ..self.limits(&running)
+            };
+            Profile::led(lead, from, |from| {
+                Profile::to_position_two_stage(from, plan.target, &limits)
+            })
         } else {
             let limits = Limits {
                 speed: plan.cap,
                 ..self.limits(&running)
             };
             let planned = |from, limits: &Limits| Profile::to_position_two_stage(from, plan.target, limits);
-            let beside = self.beside_again(&running, from, &limits, ran, planned, clock);
+            let beside = self.beside_again(&running, from, &limits, &ran.limits, planned, clock);
             beside.unwrap_or_else(|| Profile::led(lead, from, |from| planned(from, &limits)))
         };
         // A path that waits for what ramps out goes on waiting.
@@ -102,72 +122,43 @@ impl<T: Copy> Planner<T> {
         running.follow(&plan, profile, at);
         self.active = Some(running);
         self.schedule(clock.now(), clock);
-        plan.ends == Ends::TooFast
+        Met::by(&plan)
     }
 
-    /// A change may overshoot the programmed speeds, old and new, by half (spec/coordinated-instructions.md §5.4), and go on to
-    /// where the profile so far was to come.
-    fn relief_of(&self, running: &Running<T>, ran: &Limits, clock: &Clock) -> Relief {
+    /// A change to a programmed speed may overshoot that and the old one by half (spec/coordinated-instructions.md §5.4), and go on to
+    /// where the profile so far was to come. `pace`: the share of the limits that the profile may use.
+    fn relief_of(&self, ran: &Ran, speed: f64, pace: f64) -> Relief {
         if !self.bounds.overshoot {
             return Relief::NONE;
         }
-        let track = &running.track;
-        let programmed = ran.speed.max(running.motion.limits.speed) * self.queue.rate();
-        let ahead = track.profile.top_speed(track.start.elapsed(clock));
-        // A compensation moves along.
-        let pace = track.residual.map_or(1.0, |residual| residual.pace);
+        let programmed = self.programmed_speed(ran.limits.speed, speed);
         Relief {
-            ceiling: (MOST_OVERSHOOT * programmed * pace).max(ahead),
-            // A deceleration of the old limits may be too much for the new jerk, so may one that began on an earlier move, with
-            // the rates of that.
-            forward: running.kept || track.offset != 0.0,
+            ceiling: (MOST_OVERSHOOT * programmed * pace).max(ran.ahead),
+            forward: ran.forward,
         }
     }
 
-    /// Comes to rest on the path, over no more way than with the limits so far, and no faster than any other change.
-    fn pause(
-        &self,
-        running: &mut Running<T>,
-        from: KinematicState,
-        target: f64,
-        ran: &Limits,
-        clock: &Clock,
-    ) -> Profile {
-        let mut limits = self.limits(running);
-        let relief = running.relief;
-        // The jerk that would have taken the acceleration away always suffices.
-        let present = running.track.jerk(clock).abs();
-        let up = |limits: &Limits| limits.jerk.map_or(0.0, |jerk| jerk.acceleration);
-        let most = present.max(up(&limits)).max(up(ran));
-        let lead = |limits: &Limits| {
-            relief.lead(from, limits).map(|lead| Lead {
-                jerk: if from.acceleration * from.velocity < 0.0 {
-                    lead.jerk
-                } else {
-                    lead.jerk.min(most)
-                },
-                ..lead
-            })
-        };
-        if self.bounds.overshoot {
-            let old = Limits {
-                speed: limits.speed,
-                ..*ran
-            };
-            let stop = |limits: &Limits| Profile::led(lead(limits), from, |level| Profile::stop(level, limits));
-            if stop(&limits).reach() > stop(&old).reach() * (1.0 + NEARLY) {
-                running.in_force = Limits {
-                    speed: running.motion.limits.speed,
-                    ..*ran
-                };
-                running.kept = true;
-                limits = old;
-            }
+    /// Whether a pause would need more way with the limits of the move than with those so far, or would turn back where these
+    /// do not.
+    fn needs_more(&self, running: &Running<T>, from: KinematicState, ran: &Limits) -> bool {
+        if !self.bounds.overshoot {
+            return false;
         }
-        let standing = Limits { speed: 0.0, ..limits };
-        Profile::led(lead(&limits), from, |level| {
-            Profile::to_position_two_stage(level, target, &standing)
-        })
+        let limits = self.limits(running);
+        let ran = paced(ran, 1.0, running.track.pace());
+        let reach = |limits: &Limits| {
+            Profile::led(running.relief.lead(from, limits), from, |level| {
+                Profile::stop(level, limits)
+            })
+            .reach()
+        };
+        reach(&limits) > reach(&ran) * (1.0 + NEARLY) || (turns_back(&from, &limits) && !turns_back(&from, &ran))
+    }
+
+    /// The larger of the programmed speeds before and behind a change or a merge, as an override raises it. An override below 1 lowers
+    /// the speed, and a motion that still slows down to it, or speeds up, keeps the time that its acceleration needs.
+    pub(crate) fn programmed_speed(&self, old: f64, new: f64) -> f64 {
+        old.max(new) * self.queue.rate().max(1.0)
     }
 
     /// The profile of a path beside what still ramps out; `None` where nothing does.
@@ -188,7 +179,7 @@ impl<T: Copy> Planner<T> {
             return None;
         }
         let present = track.sample(clock).velocity.norm();
-        let programmed = ran.speed.max(running.motion.limits.speed) * self.queue.rate();
+        let programmed = self.programmed_speed(ran.speed, running.motion.limits.speed);
         let beside = Beside {
             path: &running.motion.path,
             parts: &residual.parts,
@@ -213,25 +204,36 @@ impl<T: Copy> Planner<T> {
             ..approach.limits
         };
         let length = approach.path.length();
+        let relief = self.relief_of(&Ran::approaching(&approach, elapsed), running.motion.limits.speed, 1.0);
+        let lead = relief.lead(from, &limits);
+        let level = lead.map_or(from, |lead| lead.end());
         let wanted = self.entry(running).min(limits.speed);
-        let exit = passing_speed(from, length - from.position, wanted, &limits).speed;
+        let exit = passing_speed(level, length - level.position, wanted, &limits).speed;
         let capped = Limits {
             speed: limits.speed.max(exit),
             ..limits
         };
-        approach.profile = Profile::to_position(from, length, exit, &capped);
+        // Where the acceleration is not 0 by the start of the path, the profile of that takes the rest of it away.
+        let early = level.position > length;
+        let target = if early { level.position } else { length };
+        approach.profile = Profile::led(lead, from, |level| Profile::to_position(level, target, exit, &capped));
         approach.offset = 0.0;
         approach.start = clock.now();
-        let arrives = approach.profile.arrives();
-        let way = if arrives { approach.profile.duration() } else { NEVER };
+        let profile = &approach.profile;
+        let way = if early {
+            profile.time_at_position(length).unwrap_or(0.0)
+        } else if profile.arrives() {
+            profile.duration()
+        } else {
+            NEVER
+        };
         running.track.start = clock.now().after(way, clock);
         running.track.approach = Some(approach);
+        running.relief = if early { relief } else { Relief::NONE };
         // Beyond the place, it comes back to rest there.
-        let velocity = approach.profile.end().velocity;
         KinematicState {
             position: 0.0,
-            velocity,
-            acceleration: 0.0,
+            ..if early { profile.at(way) } else { profile.end() }
         }
     }
 
@@ -245,15 +247,91 @@ impl<T: Copy> Planner<T> {
     }
 
     /// The profile of the active path from its beginning, which lies ahead.
-    fn plan_from(&mut self, mut running: Running<T>, from: KinematicState, clock: &Clock) -> bool {
-        let plan = self.plan(&running, from);
-        running.track.profile = self.profile(&running, from, &plan);
+    fn plan_from(&mut self, mut running: Running<T>, from: KinematicState, clock: &Clock) -> Met {
+        let (plan, profile) = self.planned(&running, from);
+        running.track.profile = profile;
         running.track.offset = 0.0;
+        running.in_force = running.motion.limits;
+        running.kept = false;
         running.aim(&plan);
         self.active = Some(running);
         self.schedule(clock.now(), clock);
-        plan.ends == Ends::TooFast
+        Met::by(&plan)
     }
+}
+
+/// What a plan meets of that which lies behind its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Met {
+    /// The path is left at a corner.
+    Nothing,
+    /// The corners.
+    Corners,
+    /// The speeds and rests too.
+    All,
+}
+
+impl Met {
+    fn by(plan: &Plan) -> Met {
+        if plan.ends != Ends::TooFast {
+            Met::All
+        } else if plan.exit <= plan.corners * (1.0 + NEARLY) {
+            Met::Corners
+        } else {
+            Met::Nothing
+        }
+    }
+}
+
+/// How a move ran until its limits changed.
+struct Ran {
+    /// Within these.
+    limits: Limits,
+    /// The highest speed that was to come.
+    ahead: f64,
+    /// Where a deceleration may be too much for the jerk of the move: the jerk that takes it away.
+    forward: Option<f64>,
+}
+
+impl Ran {
+    fn new<T>(running: &Running<T>, clock: &Clock) -> Ran {
+        let track = &running.track;
+        let own = paced(&running.in_force, 1.0, track.pace());
+        let ran = Ran::along(&track.profile, track.start.elapsed(clock), own);
+        // So may it be one that began on an earlier move, with the rates of that.
+        let earlier = running.kept || track.offset != 0.0;
+        Ran {
+            limits: running.in_force,
+            forward: ran.forward.or(taking(&own).filter(|_| earlier)),
+            ..ran
+        }
+    }
+
+    /// How the predecessor ran to the start of the active path.
+    fn approaching(approach: &Approach, elapsed: f64) -> Ran {
+        let ran = Ran::along(&approach.profile, elapsed, approach.limits);
+        Ran {
+            forward: ran.forward.or(taking(&approach.limits).filter(|_| approach.kept)),
+            ..ran
+        }
+    }
+
+    fn along(profile: &Profile, elapsed: f64, limits: Limits) -> Ran {
+        let now = profile.at(elapsed);
+        let braking = now.velocity > 0.0 && now.acceleration < 0.0;
+        // A lead is under way.
+        let led = |jerk: &f64| braking && taking(&limits).is_some_and(|own| *jerk > own * (1.0 + NEARLY));
+        Ran {
+            limits,
+            ahead: profile.top_speed(elapsed),
+            forward: Some(profile.jerk(elapsed)).filter(led),
+        }
+    }
+}
+
+/// The jerk that takes a deceleration away.
+fn taking(limits: &Limits) -> Option<f64> {
+    limits.jerk.map(|jerk| jerk.deceleration)
 }
 
 /// Share of a way that is rounding.

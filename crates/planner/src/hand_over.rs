@@ -1,6 +1,6 @@
 //! How the oldest pending move becomes the active one: from rest, blending, at a speed, or with the profile running on.
 
-use arcline_profile::{KinematicState, Lead, Profile};
+use arcline_profile::{KinematicState, Lead, Limits, Profile};
 
 use crate::junction::{Junction, junction};
 use crate::look_ahead::{Ends, turns_back};
@@ -13,6 +13,7 @@ impl<T: Copy> Planner<T> {
     pub fn hand_over(&mut self, at: Instant, clock: &Clock) -> Option<&mut T> {
         let last = self.active.take();
         let early = self.hand_over_at.take().is_some();
+        let run_ends = self.queue.run_ends_here();
         let next = self.queue.pop()?;
         let Some(last) = last else {
             self.start(next, at, clock);
@@ -28,7 +29,15 @@ impl<T: Copy> Planner<T> {
         }
         let between = junction(&last.motion, &next, last.blended);
         if last.joined > 0 {
-            self.go_on(&last, next, between, at, clock);
+            let pauses = last.kept && next.limits.speed * self.queue.rate() == 0.0;
+            let track = last.track.onto(&next, between);
+            if run_ends {
+                self.plan_on(next, track, last.relief, at, clock);
+            } else if last.motion.limits.speed != next.limits.speed && !pauses {
+                self.plan_on(next, track, last.relief_of_the_next(), at, clock);
+            } else {
+                self.go_on(&last, next, track, at, clock);
+            }
             return self.active_data();
         }
         let end = last.track.profile.end();
@@ -46,7 +55,8 @@ impl<T: Copy> Planner<T> {
                     profile: last.track.profile,
                     start: last.track.start,
                     offset: last.track.offset,
-                    limits: last.motion.limits,
+                    limits: last.keeps(),
+                    kept: last.kept || last.track.offset != 0.0,
                 };
                 let blended = matches!(between, Junction::Overtake { .. });
                 self.run(next, passing(end), start, None, blended, clock);
@@ -86,61 +96,71 @@ impl<T: Copy> Planner<T> {
             residual: None,
         };
         let running = Running {
-            motion: next,
-            track,
-            begun: at,
-            exit: 0.0,
-            joined: 0,
             blended: true,
             place: self.queue.relink(&next, true),
-            stopped: false,
-            in_force: next.limits,
-            kept: false,
-            relief: Relief::NONE,
+            ..Running::new(next, track)
         };
         let fastest = last.motion.limits.speed.max(next.limits.speed) * self.queue.rate();
         let slow = !self.bounds.overshoot || Lead::below(from, &next.limits, fastest).is_none();
         let safe = slow && self.plan(&running, from).ends == Ends::AsItMust && !turns_back(&from, &next.limits);
         if safe {
-            self.begin(next, track, from, true, clock);
+            self.begin(running, from, clock);
         }
         safe
     }
 
-    /// The next of several joined moves becomes active: the profile runs on, or is planned again where the new move
-    /// has another speed.
-    fn go_on(&mut self, last: &Running<T>, next: Move<T>, between: Junction, at: Instant, clock: &Clock) {
-        let mut track = last.track;
-        track.offset += last.motion.path.length();
-        track.path = next.path;
-        track.turn = next.turn;
-        let blended = matches!(between, Junction::Overtake { .. });
-        track.lead = blended.then_some(last.motion.path);
-        track.approach = None;
-        if last.motion.limits.speed != next.limits.speed {
-            let mut from = track.profile.at(track.start.elapsed(clock) - at.elapsed(clock));
-            from.position -= track.offset;
-            if from.position.abs() <= NEAR * track.offset {
-                from.position = 0.0;
-            }
-            track.replan(track.profile, at);
-            self.begin(next, track, from, blended, clock);
-            return;
+    /// The next of several joined moves becomes active, and its profile is planned from where the one so far has come: the move has
+    /// another speed, or the run of equal rates ends before it and the acceleration was not 0 by then.
+    fn plan_on(&mut self, next: Move<T>, mut track: Track, relief: Relief, at: Instant, clock: &Clock) {
+        let mut from = track.profile.at(track.start.elapsed(clock) - at.elapsed(clock));
+        from.position -= track.offset;
+        if from.position.abs() <= NEAR * track.offset {
+            from.position = 0.0;
         }
+        track.replan(track.profile, at);
+        let running = Running {
+            blended: track.lead.is_some(),
+            relief,
+            ..Running::new(next, track)
+        };
+        self.begin(running, from, clock);
+    }
+
+    /// The next of several joined moves becomes active: the profile runs on. A pause that keeps older limits goes on with them: the
+    /// rates of the new move may not brake in time.
+    fn go_on(&mut self, last: &Running<T>, next: Move<T>, track: Track, at: Instant, clock: &Clock) {
+        let kept = last.kept && next.limits.speed * self.queue.rate() == 0.0;
+        let in_force = Limits {
+            speed: next.limits.speed,
+            ..if kept { last.in_force } else { next.limits }
+        };
+        let blended = track.lead.is_some();
         self.active = Some(Running {
-            motion: next,
-            track,
             begun: at,
             exit: last.exit,
             joined: last.joined - 1,
             blended,
             place: self.queue.relink(&next, blended),
-            stopped: false,
-            in_force: next.limits,
-            kept: false,
+            in_force,
+            kept,
             relief: last.relief,
+            ..Running::new(next, track)
         });
         self.schedule(at, clock);
+    }
+}
+
+impl Track {
+    /// The same profile on the path of the next of several joined moves.
+    fn onto<T>(&self, next: &Move<T>, between: Junction) -> Track {
+        Track {
+            path: next.path,
+            turn: next.turn,
+            lead: matches!(between, Junction::Overtake { .. }).then_some(self.path),
+            approach: None,
+            offset: self.offset + self.path.length(),
+            ..*self
+        }
     }
 }
 

@@ -53,10 +53,11 @@ impl<T: Copy> Planner<T> {
             for bound in queue.slower() {
                 let way = bound.at - running.place - from.position;
                 let wanted = queue.speed(bound).min(cap);
+                let ahead = way >= 0.0;
                 let Passing { speed, level } = passing_speed(from, way, wanted, &Limits { speed: cap, ..limits });
                 seen += 1;
                 let slow = seen == LED_OVER && speed < wanted && from.velocity <= cap;
-                if level && (speed == wanted || slow) {
+                if ahead && level && (speed == wanted || slow) {
                     return towards(bound, speed, cap);
                 }
                 if seen == LED_OVER {
@@ -74,6 +75,15 @@ impl<T: Copy> Planner<T> {
             return Plan {
                 ends: Ends::Overshooting,
                 ..towards(&end, 0.0, cap)
+            };
+        }
+        if beyond {
+            // Where the path goes on straight, the motion does: the next move is planned while the acceleration is taken away.
+            return Plan {
+                target: from.position,
+                joined: queue.moves_before(&end) + 1,
+                ends: Ends::TooFast,
+                ..towards(&end, from.velocity.max(0.0), cap)
             };
         }
         let Passing { speed, level } = passing_speed(from, way, wanted, &Limits { speed: cap, ..limits });
@@ -107,11 +117,7 @@ impl<T: Copy> Planner<T> {
 
     /// The limits that the profile along the path keeps.
     pub(crate) fn limits(&self, running: &Running<T>) -> Limits {
-        let pace = match &running.track.residual {
-            Some(residual) => residual.pace,
-            None => 1.0,
-        };
-        paced(&running.motion.limits, self.queue.rate(), pace)
+        paced(&running.keeps(), self.queue.rate(), running.track.pace())
     }
 
     /// A profile that does what a plan says.

@@ -5,7 +5,6 @@ use std::collections::VecDeque;
 use arcline_geometry::{Path, Point, Turn};
 use arcline_profile::{Bounds, Jerk, KinematicState, Lead, Limits, Profile};
 
-use crate::beside::forward;
 use crate::junction::Ending;
 use crate::look_ahead::Plan;
 use crate::merge::Within;
@@ -96,24 +95,71 @@ pub struct Running<T> {
 pub(crate) struct Relief {
     /// Its jerk is raised so that the speed stays at or below this.
     pub(crate) ceiling: f64,
-    /// And so that the motion does not pass through rest.
-    pub(crate) forward: bool,
+    /// And so that the motion does not pass through rest: to this at least, units/s³.
+    pub(crate) forward: Option<f64>,
 }
 
 impl Relief {
     /// By the limits of the profile.
     pub(crate) const NONE: Relief = Relief {
         ceiling: f64::INFINITY,
-        forward: false,
+        forward: None,
+    };
+
+    /// The motion does not pass through rest: where the move before it left a deceleration.
+    pub(crate) const FORWARD: Relief = Relief {
+        ceiling: f64::MAX,
+        forward: Some(0.0),
     };
 
     pub(crate) fn lead(&self, from: KinematicState, limits: &Limits) -> Option<Lead> {
         if self.ceiling.is_infinite() {
             None
-        } else if self.forward {
-            forward(from, limits, self.ceiling)
+        } else if let (Some(least), true) = (self.forward, from.velocity * from.acceleration < 0.0) {
+            let lead = Lead::before_rest(from, limits)?;
+            let jerk = lead.jerk.max(least);
+            Some(Lead { jerk, ..lead })
         } else {
             Lead::below(from, limits, self.ceiling)
+        }
+    }
+}
+
+impl<T: Copy> Running<T> {
+    /// A move that becomes active as its track starts, not yet planned.
+    pub(crate) fn new(motion: Move<T>, track: Track) -> Self {
+        Running {
+            motion,
+            track,
+            begun: track.start,
+            exit: 0.0,
+            joined: 0,
+            blended: false,
+            place: 0.0,
+            stopped: false,
+            in_force: motion.limits,
+            kept: false,
+            relief: Relief::NONE,
+        }
+    }
+
+    /// The limits that it keeps, as programmed, at the programmed speed.
+    pub(crate) fn keeps(&self) -> Limits {
+        Limits {
+            speed: self.motion.limits.speed,
+            ..if self.kept { self.in_force } else { self.motion.limits }
+        }
+    }
+
+    /// How the next move takes a deceleration away that this one leaves: it does not pass through rest with it.
+    pub(crate) fn relief_of_the_next(&self) -> Relief {
+        let kept = self.in_force.jerk.filter(|_| self.kept).map(|jerk| jerk.deceleration);
+        match self.relief.forward.or(kept) {
+            Some(jerk) => Relief {
+                forward: Some(jerk),
+                ..Relief::FORWARD
+            },
+            None => Relief::NONE,
         }
     }
 }
@@ -425,7 +471,11 @@ impl<T: Copy> Planner<T> {
             offset: 0.0,
             residual,
         };
-        self.begin(motion, track, from, blended, clock);
+        let running = Running {
+            blended,
+            ..Running::new(motion, track)
+        };
+        self.begin(running, from, clock);
     }
 
     /// As [`Planner::run`] at the present tick, out of another motion along the path.
@@ -456,27 +506,18 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// Begins a move on a track whose profile is still to be planned from `from`.
-    pub(crate) fn begin(&mut self, motion: Move<T>, track: Track, from: KinematicState, blended: bool, clock: &Clock) {
+    /// Begins a move on a track whose profile is still to be planned from `from`, where an acceleration may be being taken away.
+    pub(crate) fn begin(&mut self, mut running: Running<T>, from: KinematicState, clock: &Clock) {
         self.clear_trail();
-        let mut running = Running {
-            motion,
-            track,
-            begun: track.start,
-            exit: 0.0,
-            joined: 0,
-            blended,
-            place: self.queue.relink(&motion, blended),
-            stopped: false,
-            in_force: motion.limits,
-            kept: false,
-            relief: Relief::NONE,
-        };
+        running.place = self.queue.relink(&running.motion, running.blended);
+        if running.relief.ceiling.is_infinite() && self.bounds.overshoot {
+            running.relief = Relief::FORWARD;
+        }
         let (plan, profile) = self.planned(&running, from);
         running.aim(&plan);
         running.track.profile = profile;
         self.active = Some(running);
-        self.schedule(track.start, clock);
+        self.schedule(running.begun, clock);
     }
 
     /// What the profile of a move aims at, and the profile, behind what takes a present acceleration away.

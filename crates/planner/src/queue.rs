@@ -145,6 +145,11 @@ impl<T: Copy> Queue<T> {
         self.moves.front().map_or(0.0, |waiting| waiting.joint.corner())
     }
 
+    /// Whether a run ends before the oldest move.
+    pub(crate) fn run_ends_here(&self) -> bool {
+        self.ends.front().is_some_and(|end| end.next == self.first)
+    }
+
     pub(crate) fn rate(&self) -> f64 {
         self.rate
     }

@@ -30,8 +30,10 @@ pub(crate) struct Approach {
     pub(crate) start: Instant,
     /// Where on the profile the path begins.
     pub(crate) offset: f64,
-    /// Limits of the predecessor, as programmed.
+    /// The limits that its profile keeps, as programmed.
     pub(crate) limits: Limits,
+    /// Whether its deceleration may be one of other limits.
+    pub(crate) kept: bool,
 }
 
 /// Motion of what was terminated that ramps out while its displacement is compensated in proportion to the
@@ -149,11 +151,9 @@ impl Track {
         }
     }
 
-    /// The jerk of the profile at the present tick.
-    pub(crate) fn jerk(&self, clock: &Clock) -> f64 {
-        let elapsed = self.start.elapsed(clock);
-        let [now, soon] = [elapsed, elapsed + SOON].map(|time| self.profile.at(time).acceleration);
-        (soon - now) / SOON
+    /// The share of the limits of the move that the profile may use.
+    pub(crate) fn pace(&self) -> f64 {
+        self.residual.map_or(1.0, |residual| residual.pace)
     }
 
     fn along(&self, elapsed: f64) -> KinematicState {
@@ -317,6 +317,3 @@ fn at(path: &Path, s: f64, along: KinematicState, phase: Phase) -> Sample {
         turned: None,
     }
 }
-
-/// Seconds over which an acceleration shows its jerk.
-const SOON: f64 = 1e-6;

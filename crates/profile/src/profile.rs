@@ -139,6 +139,15 @@ impl Profile {
         self.segments[index].at(t - self.times[index])
     }
 
+    /// The jerk at `t`, position units per second cubed: at the joint of two segments that of the later one.
+    #[must_use]
+    pub fn jerk(&self, t: f64) -> f64 {
+        if t >= self.duration || t < 0.0 || self.len == 0 {
+            return 0.0;
+        }
+        self.segments[self.segment_at(t)].jerk
+    }
+
     /// What the motion does at `t`, decided by segment and not by sampling: at the joint of two
     /// segments the later one counts.
     #[must_use]

@@ -3,6 +3,7 @@
 //! `ARCLINE_CASES` sets how many cases of each kind are run.
 #![allow(missing_docs)]
 
+mod ceilings;
 mod contour_pace;
 mod merge_limits;
 mod merges;

@@ -269,7 +269,7 @@ fn change_again(seed: u64) {
                 random.of(&[0.0, 0.1, 0.5, 1.0, 2.0])
             };
             planner.set_rate(rate, &clock);
-            top = top.max(rate * speed);
+            top = top.max(rate.max(1.0) * speed);
             told += &format!("\n tick {}: override {rate}", clock.tick);
         }
         if random.share() < 0.7 || last {
@@ -279,7 +279,7 @@ fn change_again(seed: u64) {
             }
             planner.change_limits(other, &clock);
             speed = other.speed;
-            top = top.max(rate * speed);
+            top = top.max(rate.max(1.0) * speed);
             told += &format!("\n tick {}: {other:?}", clock.tick);
         }
     }

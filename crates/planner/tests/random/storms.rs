@@ -7,13 +7,18 @@ use arcline_planner::geometry::{Line, Path, Point};
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, Ending, Move, Parameter, Passage, Planner, Sample};
 
-use super::{Random, cases};
+use super::{Random, seeds};
 
 const PERIOD: f64 = 0.001;
 /// Change of the velocity of an axis that a corner may make, units/s.
 const CORNER_STEP: f64 = 5.0;
 /// Decelerations are not raised above this any more, units/s².
 const MOST_RATE: f64 = 5000.0;
+
+/// Jerks are not lowered below this, units/s³.
+const LEAST_JERK: f64 = 5000.0;
+/// Length of the last move where jerks are lowered, units.
+const LONG: f64 = 60.0;
 
 /// What a kind of storm consists of.
 struct Kind {
@@ -28,6 +33,8 @@ struct Kind {
     changes: bool,
     /// Moves come while others are on their way.
     late: bool,
+    /// Changes of all come while a pause brakes too, where they lower the jerks, of one run of moves; the way to its end is long.
+    gentler: bool,
     /// Hundreds of short moves: a change of all takes many ticks to come to the last one.
     deep: bool,
 }
@@ -47,6 +54,7 @@ const PLAIN: Kind = Kind {
     endings: &[CONTOUR, NO_DECEL],
     changes: false,
     late: false,
+    gentler: false,
     deep: false,
 };
 
@@ -66,6 +74,8 @@ const KINDS: &[Kind] = &[
     Kind { name: "changes", changes: true, ..PLAIN },
     Kind { name: "changes of rates", changes: true, rates: true, ..PLAIN },
     Kind { name: "changes, trapezoids", changes: true, s_curve: false, ..PLAIN },
+    Kind { name: "gentler pauses", changes: true, gentler: true, ..PLAIN },
+    Kind { name: "gentler pauses of rates", changes: true, gentler: true, rates: true, endings: &[CONTOUR, NO_DECEL, NEAR, FAR], ..PLAIN },
     Kind { name: "deep changes", changes: true, deep: true, ..PLAIN },
     Kind { name: "deep changes of rates", changes: true, rates: true, deep: true, late: true, ..PLAIN },
     Kind { name: "deep changes, corners", changes: true, corners: true, deep: true, endings: &[CONTOUR], ..PLAIN },
@@ -84,21 +94,28 @@ struct Storm<'k> {
     most: Limits,
     /// The changes of all moves, in their order.
     changes: Vec<Change>,
+    paused: bool,
     last: Option<Sample>,
     /// Distance along the whole path.
     gone: f64,
 }
 
-/// A speed, and a factor of the rates.
+/// A speed, and factors of the rates and of the jerks besides.
 #[derive(Clone, Copy)]
 struct Change {
     speed: f64,
     up: f64,
+    jerk: f64,
 }
 
 impl Change {
     fn apply(self, limits: &mut Limits) {
         limits.speed = self.speed;
+        if let Some(jerk) = &mut limits.jerk {
+            for jerk in [&mut jerk.acceleration, &mut jerk.deceleration] {
+                *jerk = (self.jerk * *jerk).max(LEAST_JERK.min(*jerk));
+            }
+        }
         if limits.deceleration < MOST_RATE {
             limits.acceleration *= self.up;
             limits.deceleration *= self.up;
@@ -148,7 +165,11 @@ impl<'k> Storm<'k> {
                         0.0,
                     ]);
                 }
-                let to = from + direction * (scale * (0.05 + random.share()));
+                let mut length = scale * (0.05 + random.share());
+                if kind.gentler && data == count - 1 {
+                    length = LONG;
+                }
+                let to = from + direction * length;
                 let path = Path::Line(Line::new(from, to));
                 from = to;
                 let mut rate = |base: f64| {
@@ -165,7 +186,11 @@ impl<'k> Storm<'k> {
                         acceleration: rate(20_000.0),
                         deceleration: rate(25_000.0),
                     }),
-                    speed: 40.0 + 20.0 * (4.0 * random.share()).floor(),
+                    speed: if kind.gentler {
+                        60.0
+                    } else {
+                        40.0 + 20.0 * (4.0 * random.share()).floor()
+                    },
                 };
                 Move {
                     path,
@@ -190,6 +215,7 @@ impl<'k> Storm<'k> {
             done: 0,
             most,
             changes: Vec::new(),
+            paused: false,
             last: None,
             gone: 0.0,
         }
@@ -216,12 +242,21 @@ impl<'k> Storm<'k> {
                 2.0 * self.random.share()
             };
             self.planner.set_rate(rate, &self.clock);
+            self.paused = rate == 0.0;
         }
-        if self.kind.changes && self.random.share() < 0.03 {
+        let brakes = self.last.as_ref().is_some_and(|last| last.along.acceleration < 0.0);
+        let gentler = self.kind.gentler && self.paused && brakes && self.done + 1 < self.moves.len();
+        let likely = if gentler { 0.3 } else { 0.03 };
+        if self.kind.changes && self.random.share() < likely {
             let speed = 40.0 + 20.0 * (4.0 * self.random.share()).floor();
-            let up = 1.0 + self.random.share();
-            let all = self.random.share() < 0.5;
-            let change = Change { speed, up };
+            let share = self.random.share();
+            let (up, jerk) = if gentler {
+                (1.0, 0.2 + share)
+            } else {
+                (1.0 + share, 1.0)
+            };
+            let all = self.kind.gentler || self.random.share() < 0.5;
+            let change = Change { speed, up, jerk };
             let Some(active) = self.planner.active_data().copied() else {
                 return;
             };
@@ -383,11 +418,47 @@ impl<'k> Storm<'k> {
     }
 }
 
+/// Storms that failed once.
+const FAILED: &[(&str, u64)] = &[
+    // A resume whose lead ends behind a joint of two lines with different rates.
+    ("deep changes of rates", 95),
+    ("deep changes of rates", 198),
+    // Two changes in one update raised the jerk.
+    ("changes", 27),
+    ("deep changes", 59),
+    // A joint was passed with a deceleration that the rates behind it take away too late.
+    ("changes of rates", 150),
+    // A change while it is held, after which no rates could meet the speed 0 behind a joint: those that meet the corner count.
+    ("deep changes, corners", 359),
+    // A change while an approach is held: a later hold braked with the rates before it.
+    ("deep changes of rates", 665),
+    // A change of rates after which nothing can be met: the old ones stay.
+    ("deep changes of rates", 604),
+    // An approach arrives before its acceleration is 0.
+    ("gentler pauses of rates", 68),
+];
+
+#[test]
+fn what_failed_once_fails_no_more() {
+    for &(name, seed) in FAILED {
+        let kind = KINDS.iter().find(|kind| kind.name == name);
+        Storm::new(kind.expect("a kind of storm"), seed).run();
+    }
+}
+
 #[test]
 fn nothing_leaves_the_path_or_turns_back() {
+    let named = std::env::var("ARCLINE_KIND").ok();
+    let mut failed = Vec::new();
     for kind in KINDS {
-        for seed in 0..cases(25) {
-            Storm::new(kind, seed).run();
+        if named.as_ref().is_some_and(|named| named != kind.name) {
+            continue;
+        }
+        for seed in seeds(25) {
+            if std::panic::catch_unwind(|| Storm::new(kind, seed).run()).is_err() {
+                failed.push((kind.name, seed));
+            }
         }
     }
+    assert!(failed.is_empty(), "kinds and seeds {failed:?}");
 }
