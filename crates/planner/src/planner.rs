@@ -7,7 +7,7 @@ use arcline_profile::{Bounds, Jerk, KinematicState, Lead, Limits, Profile};
 
 use crate::junction::Ending;
 use crate::look_ahead::Plan;
-use crate::merge::Within;
+use crate::merge_within::Within;
 use crate::queue::Queue;
 use crate::track::{Residual, Sample, Track};
 use crate::turning::RampingOut;

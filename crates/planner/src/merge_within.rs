@@ -1,0 +1,336 @@
+//! A merge that keeps the limits of the axes (`axis_limits = "enforce"`).
+//!
+//! What is terminated ramps out axis by axis while the path is travelled, `P = path(s) + r - r_end s / length`, each with half of
+//! every limit, so that the sum keeps it: an acceleration above the half comes down as fast as the other one may rise. The
+//! path waits for what still speeds up, which needs all of the jerk. Where the sum would be too fast, or an axis must
+//! turn back first, the path waits until everything has ramped out, and both have the whole limits. Position units, seconds.
+
+use arcline_contour::AxisLimits;
+use arcline_geometry::{Path, Point};
+use arcline_profile::{Jerk, KinematicState, Limits, Profile};
+
+use crate::planner::{Momentum, Move, NO_ACCELERATION, Planner};
+use crate::track::{Part, Residual};
+use crate::{Clock, Instant};
+
+/// What a path may use of the limits of the axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Within {
+    axes: AxisLimits,
+    path: Path,
+    share: f64,
+    /// What every unit of the path takes back of the residual.
+    drift: Point,
+}
+
+impl<T: Copy> Planner<T> {
+    /// As [`Planner::merge`], within the limits of the axes. They hold for later changes of this move too.
+    pub fn merge_within(&mut self, motion: Move<T>, momentum: Momentum, axes: &AxisLimits, clock: &Clock) {
+        self.tail = None;
+        let own = motion.limits;
+        let momentum = match own.jerk {
+            Some(_) => momentum,
+            None => Momentum {
+                acceleration: Point::zeros(),
+                ..momentum
+            },
+        };
+        let whole = Within {
+            axes: *axes,
+            path: motion.path,
+            share: 1.0,
+            drift: Point::zeros(),
+        };
+        let at_rest = momentum.velocity == Point::zeros() && momentum.acceleration == Point::zeros();
+        if at_rest || kept(&motion.path, &momentum) {
+            let from = KinematicState {
+                position: 0.0,
+                velocity: momentum.velocity.norm(),
+                acceleration: motion.path.start_tangent().dot(&momentum.acceleration),
+            };
+            self.run_within(motion, from, clock.now(), None, whole, clock);
+            return;
+        }
+        let plan = beside(&motion, &momentum, axes).unwrap_or_else(|| {
+            let parts = ramped_out(&momentum, &own, axes, &motion.path, 1.0);
+            Beside {
+                wait: parts.iter().map(|part| part.profile.duration()).fold(0.0, f64::max),
+                within: Within {
+                    drift: drift(&parts, &motion.path),
+                    ..whole
+                },
+                parts,
+            }
+        });
+        let residual = Residual {
+            parts: plan.parts,
+            start: clock.now(),
+            pace: 1.0,
+        };
+        let start = clock.now().after(plan.wait, clock);
+        self.run_within(
+            motion,
+            KinematicState::default(),
+            start,
+            Some(residual),
+            plan.within,
+            clock,
+        );
+    }
+
+    /// The limits that a change of the active move may have.
+    pub(crate) fn allowed(&self, limits: &Limits) -> Limits {
+        self.within.map_or(*limits, |within| within.limits(limits))
+    }
+
+    fn run_within(
+        &mut self,
+        mut motion: Move<T>,
+        from: KinematicState,
+        at: Instant,
+        residual: Option<Residual>,
+        within: Within,
+        clock: &Clock,
+    ) {
+        motion.limits = within.limits(&motion.limits);
+        self.within = Some(within);
+        self.run(motion, from, at, residual, false, clock);
+    }
+}
+
+/// Path and residual at once, if that keeps the limits.
+fn beside<T>(motion: &Move<T>, momentum: &Momentum, axes: &AxisLimits) -> Option<Beside> {
+    let own = &motion.limits;
+    if motion.path.length() <= 0.0 {
+        return None;
+    }
+    let parts = ramped_out(momentum, own, axes, &motion.path, HALF);
+    let mut wait = 0.0_f64;
+    for (axis, part) in parts.iter().enumerate() {
+        let (v, a) = (momentum.velocity[axis], momentum.acceleration[axis]);
+        if a == 0.0 {
+            continue;
+        }
+        // An axis that turns back speeds up again, with all of the jerk.
+        if v * a < 0.0 && turns(&part.profile, v) {
+            return None;
+        }
+        if v * a >= 0.0 {
+            wait = wait.max(a.abs() / axes.jerk.map_or(f64::INFINITY, |jerk| jerk[axis]));
+        }
+    }
+    let within = Within {
+        axes: *axes,
+        path: motion.path,
+        share: HALF,
+        drift: drift(&parts, &motion.path),
+    };
+    // As fast as an override may make it, at any time, and so slow as a hold.
+    let limits = within.limits(&Limits {
+        speed: MOST_RATE * own.speed,
+        ..*own
+    });
+    let along = Profile::to_position(KinematicState::default(), motion.path.length(), 0.0, &limits);
+    let whole = parts.iter().map(|part| part.profile.duration()).fold(0.0, f64::max);
+    let most = within.most_tangent();
+    let mut speed = 0.0_f64;
+    let kept = (0..=LOOKS).all(|k| {
+        let t = whole * f64::from(k) / f64::from(LOOKS);
+        speed = speed.max(along.at((t + whole / f64::from(LOOKS) - wait).max(0.0)).velocity);
+        (0..3).all(|axis| {
+            let residual = parts[axis].profile.at(t).velocity;
+            let path = most[axis] * speed;
+            let sum = match motion.path {
+                Path::Line(_) => residual + path,
+                Path::Arc(_) => residual.abs() + path,
+            };
+            residual.abs().max(sum.abs()) <= axes.speed[axis] * NEARLY
+        })
+    });
+    kept.then_some(Beside { parts, wait, within })
+}
+
+/// How a residual and a path are travelled.
+struct Beside {
+    parts: [Part; 3],
+    /// Seconds that the path waits.
+    wait: f64,
+    within: Within,
+}
+
+/// Whether the velocity goes on along a path, with nothing across it: less than the 0.1 degree of other merges.
+fn kept(path: &Path, momentum: &Momentum) -> bool {
+    let tangent = path.start_tangent();
+    let along = tangent.dot(&momentum.acceleration);
+    let across = (momentum.acceleration - tangent * along).norm();
+    matches!(path, Path::Line(_))
+        && path.length() > 0.0
+        && momentum.velocity.dot(&tangent) > 0.0
+        && momentum.velocity.cross(&tangent).norm() <= NO_ACCELERATION * momentum.velocity.norm()
+        && across <= NO_ACCELERATION * momentum.acceleration.norm()
+}
+
+/// What the axes do is ramped out with a share of their limits, and of the programmed deceleration. A path without length
+/// cannot compensate: what ramps out comes back by itself.
+fn ramped_out(momentum: &Momentum, own: &Limits, axes: &AxisLimits, path: &Path, share: f64) -> [Part; 3] {
+    let speed = momentum.velocity.norm();
+    let moving = momentum.acceleration != Point::zeros();
+    // Along the direction of motion where nothing but the velocity is to be ramped out.
+    let most = |vector: f64, limits: &Point| {
+        (0..3).fold(vector, |most, axis| {
+            most.min(share * limits[axis] * speed / momentum.velocity[axis].abs())
+        })
+    };
+    let rate = |axis: usize, vector: f64, limits: &Point| {
+        let along = most(vector, limits) * momentum.velocity[axis].abs() / speed;
+        let alone = if moving {
+            (share * limits[axis]).min(0.5 * vector)
+        } else {
+            0.0
+        };
+        f64::max(if along.is_finite() { along } else { 0.0 }, alone).max(LEAST)
+    };
+    [0, 1, 2].map(|axis| {
+        let deceleration = rate(axis, own.deceleration, &axes.acceleration);
+        let jerk = own.jerk.map(|jerk| {
+            let limits = axes.jerk.unwrap_or(Point::repeat(f64::INFINITY));
+            // An acceleration comes down as fast as that of the path may rise.
+            let slow = match limits[axis] {
+                own if moving && own.is_finite() => share * own,
+                _ => rate(axis, jerk.deceleration, &limits),
+            };
+            Jerk {
+                // What speeds up has all of the jerk: only so it surely stays below the axis's speed.
+                acceleration: if limits[axis].is_finite() { limits[axis] } else { slow },
+                deceleration: slow,
+            }
+        });
+        let from = KinematicState {
+            position: 0.0,
+            velocity: momentum.velocity[axis],
+            acceleration: momentum.acceleration[axis],
+        };
+        let limits = Limits {
+            speed: axes.speed[axis].min(own.speed).max(from.velocity.abs()),
+            acceleration: deceleration,
+            deceleration,
+            jerk,
+        };
+        let mut direction = Point::zeros();
+        direction[axis] = 1.0;
+        let profile = if path.length() > 0.0 {
+            Profile::stop(from, &limits)
+        } else {
+            Profile::to_position(from, 0.0, 0.0, &limits)
+        };
+        Part::new(direction, profile)
+    })
+}
+
+/// Whether a stop passes through rest.
+fn turns(stop: &Profile, velocity: f64) -> bool {
+    stop.segment_times()
+        .iter()
+        .any(|&t| stop.at(t).velocity * velocity < 0.0)
+}
+
+fn drift(parts: &[Part; 3], path: &Path) -> Point {
+    let length = path.length();
+    let total: Point = parts.iter().map(Part::total).sum();
+    if length > 0.0 { total / length } else { Point::zeros() }
+}
+
+impl Within {
+    /// Limits along the path with which no axis exceeds its share of its own.
+    pub(crate) fn limits(&self, own: &Limits) -> Limits {
+        match &self.path {
+            Path::Line(line) => self.on_line(own, &(line.direction() - self.drift)),
+            Path::Arc(arc) => {
+                let curvature = TIGHTER / arc.radius().min(arc.end_radius());
+                self.on_arc(own, &arc.normal(), curvature)
+            }
+        }
+    }
+
+    /// What a unit of the path moves every axis; along an arc the most of it.
+    fn most_tangent(&self) -> Point {
+        match &self.path {
+            Path::Line(line) => line.direction() - self.drift,
+            Path::Arc(arc) => in_plane(&arc.normal()) + self.drift.abs(),
+        }
+    }
+
+    fn on_line(&self, own: &Limits, way: &Point) -> Limits {
+        let least = |vector: f64, limits: &Point, share: f64| {
+            (0..3).fold(vector, |least, axis| least.min(share * limits[axis] / way[axis].abs()))
+        };
+        let jerk = |vector: f64| match &self.axes.jerk {
+            Some(axes) => least(vector, axes, self.share),
+            None => vector,
+        };
+        // The compensation moves along.
+        let pace = 1.0 / way.norm().max(1.0);
+        Limits {
+            speed: least(own.speed * pace, &self.axes.speed, 1.0),
+            acceleration: least(own.acceleration, &self.axes.acceleration, self.share),
+            deceleration: least(own.deceleration, &self.axes.acceleration, self.share),
+            jerk: own.jerk.map(|own| Jerk {
+                acceleration: jerk(own.acceleration),
+                deceleration: jerk(own.deceleration),
+            }),
+        }
+    }
+
+    /// Halves of the acceleration along and across; thirds of the jerk `j t + 3 v a k n - k² v³ t`.
+    fn on_arc(&self, own: &Limits, normal: &Point, curvature: f64) -> Limits {
+        let in_plane = in_plane(normal);
+        let each = || (0..3).filter(|&axis| in_plane[axis] > 1e-9);
+        let along = |axis: usize| in_plane[axis] + self.drift[axis].abs();
+        let across = |axis: usize| in_plane[axis] * curvature;
+        let a_of = |axis: usize| self.share * self.axes.acceleration[axis] / 2.0;
+        let j_of = |axis: usize| match &self.axes.jerk {
+            Some(jerk) if own.jerk.is_some() => self.share * jerk[axis] / 3.0,
+            _ => f64::INFINITY,
+        };
+        let most_speed = each().fold(f64::INFINITY, |speed, axis| {
+            speed
+                .min(self.axes.speed[axis] / along(axis))
+                .min((a_of(axis) / across(axis)).sqrt())
+                .min(libm::cbrt(j_of(axis) / (across(axis) * curvature * curvature)))
+        });
+        let speed = own.speed / (1.0 + self.drift.norm());
+        // An override may double the speed later.
+        let coupled = most_speed.min(MOST_RATE * speed);
+        let rate = each().fold(f64::INFINITY, |rate, axis| {
+            rate.min(a_of(axis) / along(axis))
+                .min(j_of(axis) / (3.0 * across(axis) * coupled))
+        });
+        let most = each().fold(f64::INFINITY, |most, axis| most.min(j_of(axis) / along(axis)));
+        Limits {
+            speed: speed.min(most_speed),
+            acceleration: own.acceleration.min(rate),
+            deceleration: own.deceleration.min(rate),
+            jerk: own.jerk.map(|own| Jerk {
+                acceleration: own.acceleration.min(most),
+                deceleration: own.deceleration.min(most),
+            }),
+        }
+    }
+}
+
+/// The most of a unit vector in a plane that each axis can have.
+fn in_plane(normal: &Point) -> Point {
+    normal.map(|n| (1.0 - n * n).max(0.0).sqrt())
+}
+
+/// What residual and path have each.
+const HALF: f64 = 0.5;
+/// An override may make a move so much faster.
+const MOST_RATE: f64 = 2.0;
+/// Instants at which the sum of both is looked at.
+const LOOKS: u32 = 100;
+const NEARLY: f64 = 1.0 + 1e-9;
+/// How much tighter than its radius a spiral within what is accepted may turn.
+const TIGHTER: f64 = 1.05;
+/// A rate that an axis has which does not move.
+const LEAST: f64 = 1e-3;
