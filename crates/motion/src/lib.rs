@@ -28,7 +28,6 @@ mod motion;
 mod order;
 mod output;
 mod path_data;
-mod pending;
 mod range;
 mod rotary;
 mod snapshot;

@@ -14,7 +14,6 @@ use crate::events::Events;
 use crate::machine::{AxisLimits as Limits, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES, three};
 use crate::masters::follower::{LockTo, MasterFollower};
 use crate::masters::links::MasterLinks;
-use crate::pending::Pending;
 use crate::stop::{AxisSet, Stop};
 
 /// When a move is complete (spec/coordinated-instructions.md §7.1).
@@ -70,8 +69,6 @@ pub(crate) struct System {
     /// The same of a robot with a wrist.
     pub(crate) wrist: Option<Result<OrientedRobot, GeometryError>>,
     pub(crate) planner: Planner<Planned>,
-    /// Of the moves that wait in it.
-    pub(crate) pending: Pending,
     /// In place of the planner where moves are travelled as planned contours, but for one that was merged: the planner
     /// travels that, and the moves here wait behind it.
     pub(crate) contour: Option<ContourQueue<Planned>>,
@@ -148,7 +145,6 @@ impl System {
                 Build::Wrist(wrist) => Some(OrientedRobot::new(wrist, &robot.parameters)),
             }),
             planner,
-            pending: Pending::default(),
             description: description.clone(),
             activity: Activity::Idle,
             stop: None,

@@ -1,14 +1,14 @@
 //! What changes while a move is under way: its limits, and the share of the programmed speeds.
 //!
-//! Bounded. What pending moves are given stands in `sight`.
+//! Bounded.
 
-use arcline_profile::{KinematicState, Limits, MOST_OVERSHOOT, Profile, entry_speed, passing_speed};
+use arcline_profile::{KinematicState, Limits, MOST_OVERSHOOT, Profile, entry_speed, passing_speed, stop_distance};
 
 use crate::Clock;
 use crate::beside::Beside;
 use crate::junction::same_rates;
 use crate::look_ahead::{Ends, Plan, turns_back};
-use crate::planner::{Planner, Relief, Running, paced};
+use crate::planner::{Move, Planner, Relief, Running, paced};
 use crate::track::Approach;
 
 impl<T: Copy> Planner<T> {
@@ -48,6 +48,22 @@ impl<T: Copy> Planner<T> {
             running.motion.limits = Limits { speed, ..*rates };
         }
         self.replan(ran, clock)
+    }
+
+    /// Changes all pending moves; `limits` are those that the active one is to have. [`Planner::change_limits`] then makes it take effect.
+    pub fn change_pending(&mut self, limits: &Limits, clock: &Clock, change: impl FnMut(&mut Move<T>)) {
+        let distance = self.active.map_or(0.0, |running| {
+            let now = running.track.state(clock);
+            let top = now.velocity.max(limits.speed * self.queue.rate());
+            // By a master's way: as much as may be.
+            let way = if clock.period_ns == 0 {
+                f64::INFINITY
+            } else {
+                top * clock.period() * self.queue.ticks_of_a_change() as f64
+            };
+            stop_distance(top, limits) + way - (running.motion.path.length() - now.position)
+        });
+        self.queue.change_all(distance, change);
     }
 
     /// Takes a share (at least 0) of the programmed speeds of the active move, the pending and all later ones, from the

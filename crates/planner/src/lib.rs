@@ -4,7 +4,7 @@
 //! move, the pending ones behind it, and evaluates the active one in closed form: nothing is integrated from
 //! tick to tick, so the trajectory is the same at every update period (spec/motion-core.md §1, §12). What lies
 //! between two moves stands in `junction`, how one becomes the next in `hand_over`, what the queue allows in `queue`, how all of
-//! it is changed in `sight`, a merge in `merge`.
+//! it is changed in `change`, a merge in `merge`.
 //!
 //! Not here: instructions, status bits, axes, drives, and anything that knows what a tick does. Units:
 //! position units, seconds; master units in place of seconds for moves that are functions of a master's way
@@ -26,7 +26,6 @@ mod passage;
 mod planner;
 mod queue;
 mod ramp_out;
-mod sight;
 mod stopping;
 mod track;
 mod turning;

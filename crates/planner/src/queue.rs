@@ -9,8 +9,8 @@
 //! it can stop, but no speed is kept for it at which a corner behind it would be passed too fast. What takes longer than a tick should is carried
 //! on later: bounds are then too low, never too high for what must be kept.
 //!
-//! Where the dynamics of all pending moves change, none of them counts until it has its own change: they are *seen* one after the
-//! other (`sight`), and the queue ends, at rest, where the last of them does that is. Position units, seconds.
+//! Where the dynamics of all pending moves change, all bounds are found anew and are 0 at first. Those of the nearest moves are computed at
+//! once, the others backwards within a few ticks. Position units, seconds.
 
 use std::collections::VecDeque;
 
@@ -20,21 +20,18 @@ use arcline_profile::entry_speed;
 use crate::corners::Corners;
 use crate::junction::{Joint, Link};
 use crate::planner::Move;
-use crate::sight::Sight;
 
 /// Pending moves, oldest first, each known by its number.
 #[derive(Debug)]
 pub(crate) struct Queue<T> {
-    pub(crate) moves: VecDeque<Waiting<T>>,
+    moves: VecDeque<Waiting<T>>,
     /// Number of the oldest move.
-    pub(crate) first: u64,
-    /// What is seen of the moves.
-    pub(crate) sight: Sight,
+    first: u64,
     /// Slower moves within runs.
     slower: VecDeque<Bound>,
     /// Ends of runs.
     ends: VecDeque<Bound>,
-    pub(crate) carry: Option<Carry>,
+    carry: Option<Carry>,
     corner_step: Point,
     /// Those before the newest move.
     corners: Corners,
@@ -44,16 +41,14 @@ pub(crate) struct Queue<T> {
 
 /// A pending move.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Waiting<T> {
-    pub(crate) motion: Move<T>,
-    /// Changes of dynamics up to this number are in its limits.
-    pub(crate) has: u64,
+struct Waiting<T> {
+    motion: Move<T>,
     /// Where on its run it begins.
-    pub(crate) start: f64,
+    start: f64,
     /// Whether the move before it blends into it.
     blended: bool,
     /// The place before it.
-    pub(crate) joint: Joint,
+    joint: Joint,
 }
 
 /// A place that must not be passed faster than at a speed, with acceleration 0 if it is passed at that speed.
@@ -81,17 +76,22 @@ struct Following {
 
 /// A backward pass that is not over.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Carry {
+struct Carry {
     /// Bounds up to this number are still to be looked at.
-    pub(crate) next: u64,
-    /// Bounds up to this number are to be looked at even where the one behind them has not changed, but
-    pub(crate) stale: u64,
-    /// for those before this one.
-    pub(crate) least: u64,
+    next: u64,
+    /// Bounds up to this number are to be looked at even where the one behind them has not changed.
+    stale: u64,
+    /// Bounds that are looked at in one tick.
+    work: usize,
 }
 
-/// Bounds that are looked at in one tick.
+/// Bounds that are looked at in one tick,
 const WORK: usize = 8;
+/// and after a change of all moves: 50 µs.
+const WORK_OF_A_CHANGE: usize = 256;
+/// Moves whose bounds are computed at once after a change of all: at least, and at most.
+const LEAST: usize = 32;
+const MOST: usize = 128;
 
 impl<T: Copy> Queue<T> {
     /// The only allocation.
@@ -99,7 +99,6 @@ impl<T: Copy> Queue<T> {
         Queue {
             moves: VecDeque::with_capacity(depth),
             first: 1,
-            sight: Sight::default(),
             slower: VecDeque::with_capacity(depth),
             ends: VecDeque::with_capacity(depth),
             carry: None,
@@ -117,6 +116,11 @@ impl<T: Copy> Queue<T> {
     /// The next move begins a path anew.
     pub(crate) fn forget_corners(&mut self) {
         self.corners.clear();
+    }
+
+    /// The number behind that of the last move.
+    fn behind(&self) -> u64 {
+        self.first + self.moves.len() as u64
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -162,14 +166,12 @@ impl<T: Copy> Queue<T> {
     /// Puts a move behind the last one. `active` is the move before the first, and where on its run that begins.
     pub(crate) fn push(&mut self, motion: Move<T>, active: Option<(&Move<T>, bool, f64)>) {
         let next = self.behind();
-        let seen = self.seen_to() == next;
         let before = match self.moves.back() {
             Some(last) => Some((&last.motion, last.blended, last.start)),
             None => active,
         };
         let mut waiting = Waiting {
             motion,
-            has: self.sight.changes,
             start: 0.0,
             blended: false,
             joint: Joint::FIRST,
@@ -186,24 +188,18 @@ impl<T: Copy> Queue<T> {
             let link = joint.link(&before.limits, &motion.limits);
             waiting.blended = joint.blends();
             waiting.joint = joint;
-            if seen {
-                waiting.start = self.bind(next, end, link);
-            }
+            waiting.start = self.bind(next, end, link);
         }
         self.moves.push_back(waiting);
-        if seen {
-            self.sight.to = next + 1;
-            let (stale, least) = self.carry.map_or((0, 0), |carry| (carry.next, carry.least));
-            self.carry = Some(Carry { next, stale, least });
-            self.carry_on();
-        }
+        let (stale, work) = self.carry.map_or((0, WORK), |carry| (carry.next, carry.work));
+        self.carry = Some(Carry { next, stale, work });
+        self.carry_on();
     }
 
     /// Takes the oldest move out.
     pub(crate) fn pop(&mut self) -> Option<Move<T>> {
         let waiting = self.moves.pop_front()?;
         self.first += 1;
-        self.sight.to = self.sight.to.max(self.first);
         for bounds in [&mut self.slower, &mut self.ends] {
             while bounds.front().is_some_and(|bound| bound.next < self.first) {
                 bounds.pop_front();
@@ -218,7 +214,6 @@ impl<T: Copy> Queue<T> {
         let Some(front) = self.moves.front() else {
             return 0.0;
         };
-        debug_assert!(self.seen_to() > self.first, "the successor has what it is owed");
         for bounds in [&mut self.slower, &mut self.ends] {
             while bounds.front().is_some_and(|bound| bound.next <= self.first) {
                 bounds.pop_front();
@@ -250,30 +245,69 @@ impl<T: Copy> Queue<T> {
         start
     }
 
+    /// Changes all moves: what lies between them is found anew. The bounds of the nearest moves, over a distance at least, are computed
+    /// at once, the others backwards from the last within [`Queue::ticks_of_a_change`].
+    pub(crate) fn change_all(&mut self, distance: f64, mut change: impl FnMut(&mut Move<T>)) {
+        self.slower.clear();
+        self.ends.clear();
+        for waiting in &mut self.moves {
+            change(&mut waiting.motion);
+        }
+        // What lies before the first one is found when the active one is planned.
+        for place in 1..self.moves.len() {
+            let [before, here] = [&self.moves[place - 1], &self.moves[place]];
+            let link = here.joint.link(&before.motion.limits, &here.motion.limits);
+            let end = before.start + before.motion.path.length();
+            self.moves[place].start = self.bind(self.first + place as u64, end, link);
+        }
+        let count = self.within(distance, MOST).max(LEAST);
+        self.look_again(count);
+        if let Some(carry) = &mut self.carry {
+            carry.work = WORK_OF_A_CHANGE;
+        }
+    }
+
+    /// Ticks within which all bounds are computed after a change of all moves.
+    pub(crate) fn ticks_of_a_change(&self) -> usize {
+        1 + self.moves.len() / WORK_OF_A_CHANGE
+    }
+
+    /// The number of moves that reach over a distance, at most so many.
+    fn within(&self, mut distance: f64, most: usize) -> usize {
+        let mut count = 0;
+        for motion in self.iter().take(most) {
+            if distance <= 0.0 {
+                break;
+            }
+            distance -= motion.path.length();
+            count += 1;
+        }
+        count
+    }
+
     /// Takes a share of the programmed speeds.
     pub(crate) fn set_rate(&mut self, rate: f64) {
         self.rate = rate;
         self.look_again(WORK);
     }
 
-    /// Goes on with a backward pass that was too long for one tick; whether there was anything to do. At most
-    /// [`WORK`] bounds.
+    /// Goes on with a backward pass that was too long for one tick; whether there was anything to do.
     pub(crate) fn carry_on(&mut self) -> bool {
-        let any = self.carry.is_some();
-        self.look_at(WORK);
-        any
+        let work = self.carry.map(|carry| carry.work);
+        self.look_at(work.unwrap_or(0));
+        work.is_some()
     }
 
-    /// Goes on with the backward pass, over so many bounds at most. How many it was.
-    pub(crate) fn look_at(&mut self, most: usize) -> usize {
+    /// Goes on with the backward pass, over so many bounds at most.
+    fn look_at(&mut self, most: usize) {
         let Some(mut carry) = self.carry.take() else {
-            return 0;
+            return;
         };
         let mut next = carry.next;
         let mut following = self.following(next);
-        for looked in 0..most {
+        for _ in 0..most {
             let Some(bound) = self.before(next) else {
-                return looked;
+                return;
             };
             let looked_at = Bound {
                 speed: self.speed_at(&bound, &following),
@@ -289,25 +323,15 @@ impl<T: Copy> Queue<T> {
             }
             if next > carry.stale {
                 if carry.stale == 0 {
-                    return looked + 1;
+                    return;
                 }
                 next = carry.stale;
                 following = self.following(next);
-            } else if next < carry.least {
-                return looked + 1;
             }
         }
         carry.next = next;
         carry.stale = carry.stale.min(next);
         self.carry = Some(carry);
-        most
-    }
-
-    /// No bound is known any more.
-    pub(crate) fn forget_bounds(&mut self) {
-        self.slower.clear();
-        self.ends.clear();
-        self.carry = None;
     }
 
     /// Slower moves of the first run, in their order.
@@ -319,7 +343,7 @@ impl<T: Copy> Queue<T> {
     /// The end of the first run; `end` is that of the active move on it.
     pub(crate) fn run_end(&self, end: f64) -> Bound {
         self.ends.front().copied().unwrap_or_else(|| Bound {
-            next: self.seen_to(),
+            next: self.behind(),
             at: self.end().unwrap_or(end),
             link: Link::Rest,
             speed: 0.0,
@@ -348,18 +372,18 @@ impl<T: Copy> Queue<T> {
         let all = |next: u64| Carry {
             next,
             stale: next,
-            least: 0,
+            work: WORK,
         };
         self.carry = Some(all(nearest));
         self.look_at(count);
-        let last = self.seen_to();
+        let last = self.behind();
         // `nearest` is a number of moves, of which each has one bound at most.
         self.carry = (last > nearest).then(|| all(last));
     }
 
     /// Adds the bound before a move, if there is one; `end` is that of the move before it on its run. Returns where on its run
     /// the move begins.
-    pub(crate) fn bind(&mut self, next: u64, end: f64, link: Link) -> f64 {
+    fn bind(&mut self, next: u64, end: f64, link: Link) -> f64 {
         let bound = Bound {
             next,
             at: end,
@@ -375,10 +399,9 @@ impl<T: Copy> Queue<T> {
         if link.ends_run() { 0.0 } else { end }
     }
 
-    /// Where the last move that is seen ends on its run.
+    /// Where the last move ends on its run.
     fn end(&self) -> Option<f64> {
-        let seen = (self.seen_to() - self.first) as usize;
-        let last = self.moves.get(seen.checked_sub(1)?)?;
+        let last = self.moves.back()?;
         Some(last.start + last.motion.path.length())
     }
 

@@ -46,18 +46,6 @@ fn queue(limits: impl Fn(usize) -> Limits) -> (Planner<usize>, Clock) {
 /// A change of the limits of pending moves.
 type Change = fn(&mut Limits);
 
-/// Has the planner give moves what they are owed of some changes; how many got anything.
-fn give(changes: &[Change], how: impl FnOnce(&mut dyn FnMut(&mut Move<usize>, u64))) -> usize {
-    let mut given = 0;
-    how(&mut |motion, has| {
-        given += 1;
-        for change in &changes[has as usize..] {
-            change(&mut motion.limits);
-        }
-    });
-    given
-}
-
 /// Travels everything; the highest speed and the ticks it took.
 fn travel(
     planner: &mut Planner<usize>,
@@ -165,7 +153,6 @@ fn changes_anywhere_in_it_stay_on_the_path() {
 /// Travels 100 mm with changes of all moves at some ticks. `each` sees the speed of every tick and the limits of the active move.
 fn change_all(at: &[(u64, Change)], mut each: impl FnMut(u64, f64, &Move<usize>)) -> u64 {
     let (mut planner, mut clock) = queue(|_| LIMITS);
-    let mut changes: Vec<Change> = Vec::new();
     while planner.active().is_some() {
         clock.tick += 1;
         assert!(clock.tick < 100_000, "it does not end");
@@ -174,26 +161,16 @@ fn change_all(at: &[(u64, Change)], mut each: impl FnMut(u64, f64, &Move<usize>)
                 None => break,
                 Some(Passage::HandOver(at) | Passage::Reached(at)) => at,
             };
-            let given = give(&changes, |give| planner.give_next(give));
-            assert!(given <= 2, "{given} at once");
             if planner.hand_over(at, &clock).is_none() {
                 planner.clear_active();
                 break;
             }
         }
-        if planner.owes() {
-            let given = give(&changes, |give| planner.give_on(&clock, give));
-            assert!(given <= 64, "{given} in one tick");
-        } else {
-            planner.look_on(&clock);
-        }
+        planner.look_on(&clock);
         for (_, change) in at.iter().filter(|(tick, _)| *tick == clock.tick) {
             let mut limits = planner.active().expect("it is under way").motion.limits;
             change(&mut limits);
-            changes.push(*change);
-            assert_eq!(planner.owe(), changes.len() as u64);
-            let given = give(&changes, |give| planner.give_nearest(&limits, &clock, give));
-            assert!(given <= 256, "{given} at once");
+            planner.change_pending(&limits, &clock, |waiting| change(&mut waiting.limits));
             planner.change_limits(limits, &clock);
         }
         if let (Some(sample), Some(active)) = (planner.sample(&clock), planner.active()) {
@@ -204,7 +181,7 @@ fn change_all(at: &[(u64, Change)], mut each: impl FnMut(u64, f64, &Move<usize>)
 }
 
 #[test]
-fn a_change_of_a_thousand_moves_is_given_over_many_ticks_and_looks_as_if_it_were_at_once() {
+fn a_change_of_a_thousand_moves_looks_as_if_all_were_looked_at_at_once() {
     let slower: Change = |limits| limits.speed = 150.0;
     // From 200 to 150 within 25 mm, and no slower than that until the end comes near.
     let (mut least, mut last) = (f64::INFINITY, 200.0_f64);
@@ -221,7 +198,7 @@ fn a_change_of_a_thousand_moves_is_given_over_many_ticks_and_looks_as_if_it_were
 }
 
 #[test]
-fn changes_that_overtake_each_other_in_a_deep_queue_all_come_to_every_move() {
+fn changes_that_follow_each_other_within_a_look_ahead_all_count() {
     let harder: Change = |limits| limits.deceleration *= 2.0;
     let slower: Change = |limits| limits.speed -= 50.0;
     // Each in the middle of the one before it.

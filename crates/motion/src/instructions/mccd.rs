@@ -84,12 +84,18 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         if let Some(contour) = &mut system.contour {
             change_queued(contour, usize::MAX, change)?;
         }
-        for kind in system.pending_kinds().present() {
-            modes[usize::from(kind.driven)]?;
-            read[usize::from(kind.only_turns)].verify(kind.s_curve)?;
+        // None is changed where one of them cannot be.
+        for waiting in system.planner.pending() {
+            modes[usize::from(waiting.data.lead.is_some())]?;
+            read[usize::from(waiting.data.only_turns)].verify(waiting.data.dynamics.is_s_curve())?;
         }
         let clock = system.clock(&motion.clock);
-        system.change_pending(&read, &dynamics.limits(), &clock);
+        system.planner.change_pending(&dynamics.limits(), &clock, |waiting| {
+            if let Ok(dynamics) = change(&waiting.data) {
+                waiting.data.dynamics = dynamics;
+                waiting.limits = dynamics.limits();
+            }
+        });
     }
     if let Some(active) = system.planner.active_data() {
         active.dynamics = dynamics;

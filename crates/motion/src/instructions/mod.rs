@@ -43,7 +43,6 @@ mod moves;
 mod mrp;
 mod msf;
 mod mso;
-pub(crate) mod owed;
 mod points;
 mod programmed;
 mod seconds;

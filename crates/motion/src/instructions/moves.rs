@@ -243,6 +243,7 @@ pub(super) fn launch(
         let system = &mut motion.systems[index];
         let clock = system.clock(&motion.clock);
         system
+            .planner
             .enqueue(planned, &clock)
             .map_err(|_| MotionError::CoordinateSystemQueueFull)?;
         if planned.data.heading.is_some() {

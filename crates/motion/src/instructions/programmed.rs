@@ -31,27 +31,6 @@ pub(super) struct Rates {
 }
 
 impl Rates {
-    #[cfg(test)]
-    pub(super) fn of_nothing() -> Self {
-        fn zero<T>(value: T) -> OperandValue<T> {
-            OperandValue {
-                value,
-                index: OperandIndex(0),
-            }
-        }
-        Rates {
-            speed: zero(0.0),
-            speed_units: zero(SpeedUnits::UnitsPerSec),
-            accel_rate: zero(0.0),
-            accel_units: zero(RateUnits::UnitsPerSec2),
-            decel_rate: zero(0.0),
-            decel_units: zero(RateUnits::UnitsPerSec2),
-            accel_jerk: zero(0.0),
-            decel_jerk: zero(0.0),
-            jerk_units: zero(JerkUnits::UnitsPerSec3),
-        }
-    }
-
     fn speed(&self, maxima: &Maxima) -> f64 {
         in_units(*self.speed, *self.speed_units, maxima.speed)
     }

@@ -42,7 +42,7 @@ impl Motion {
             }
         }
         let clock = self.systems[index].clock(&self.clock);
-        self.systems[index].look_on(&clock);
+        self.systems[index].planner.look_on(&clock);
         if self.systems[index].is_busy() {
             self.sample_system(index);
         }
@@ -102,7 +102,7 @@ impl Motion {
             match promoted {
                 Ok(at) => {
                     let clock = self.systems[index].clock(&self.clock);
-                    self.systems[index].hand_over(at, &clock);
+                    self.systems[index].planner.hand_over(at, &clock);
                     let system = &mut self.systems[index];
                     system.shown_phase = Phase::Steady;
                     system.shown_tracking = false;
@@ -118,7 +118,7 @@ impl Motion {
                 }
                 Err(error) => {
                     self.controls.fail(next.data.execution, error, self.clock.tick);
-                    self.systems[index].cancel_pending();
+                    self.systems[index].planner.cancel_pending();
                     self.cancel_pending(index);
                 }
             }

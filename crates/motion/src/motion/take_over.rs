@@ -16,7 +16,7 @@ impl Motion {
         if self.systems[index].contour.is_some() {
             self.cancel_pending_contour(index);
         }
-        while let Some(cancelled) = self.systems[index].cancel_pending() {
+        while let Some(cancelled) = self.systems[index].planner.cancel_pending() {
             self.end_move(cancelled.execution, 0);
         }
     }

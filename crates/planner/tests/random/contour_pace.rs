@@ -11,7 +11,7 @@ use arcline_planner::precise::{self, AxisLimits, ContourMove, Trajectory};
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, ContourPassage, ContourQueue, Ending, Move, Parameter};
 
-use super::{Random, cases};
+use super::{Random, seeds_of_long};
 
 /// 4 kHz.
 const PERIOD_NS: u64 = 250_000;
@@ -411,7 +411,7 @@ impl Ride {
 #[test]
 fn no_change_of_the_pace_exceeds_a_limit() {
     let mut anew = [0; 2];
-    for seed in 0..cases(6) {
+    for seed in seeds_of_long(6, 1000) {
         let mut plans = Plans::new();
         for plot in [Plot::Storm, Plot::Hold, Plot::Stop] {
             let ridden = Ride::new(seed, plans).run(plot);

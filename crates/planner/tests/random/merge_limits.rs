@@ -7,7 +7,7 @@ use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, Ending, Momentum, Move, Parameter, Passage, Planner};
 
-use super::{Random, cases};
+use super::{Random, seeds};
 
 const PERIOD_NS: u64 = 250_000;
 const PERIOD: f64 = 0.000_25;
@@ -69,7 +69,7 @@ fn path(random: &mut Random, momentum: &Momentum) -> Path {
 
 #[test]
 fn no_merge_exceeds_a_limit_of_an_axis() {
-    for seed in 0..cases(300) {
+    for seed in seeds(300) {
         let mut random = Random(seed);
         let s_curve = random.share() < 0.7;
         let unlimited = f64::INFINITY;

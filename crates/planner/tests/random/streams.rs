@@ -11,7 +11,7 @@ use arcline_planner::precise::{AxisLimits, ContourMove};
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, ContourPassage, ContourQueue, Ending, Installed, Move, Parameter};
 
-use super::{Random, cases};
+use super::{Random, seeds_of_long};
 
 /// Pending places: half of a second at least, as is advised.
 const DEPTH: usize = 200;
@@ -165,7 +165,7 @@ fn streams_are_extended_in_time() {
     for kind in KINDS.iter().filter(|kind| count >= LONG || !kind.to_and_fro) {
         for (s_curve, period_ns) in [(true, 1_000_000), (true, 250_000), (false, 250_000)] {
             let mut told = Told::default();
-            for seed in 0..cases(1) {
+            for seed in seeds_of_long(1, 1000) {
                 let moves = legs(kind, &mut Random(seed), count, s_curve);
                 travel(&moves, s_curve, period_ns, &mut told);
             }
