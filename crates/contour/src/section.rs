@@ -11,6 +11,7 @@ use crate::path::rounding::{Stretch, round};
 use crate::solve::measure::{Measured, measured};
 use crate::solve::setup::Conditions;
 use crate::solve::stages::{Limited, Quality, Stage, StageResult, last_stages, stages};
+use crate::solve::work::Work;
 use crate::timing::control_points::ControlPoints;
 use crate::timing::first_guess::first_guess;
 use crate::timing::resample::{project, resample};
@@ -68,26 +69,38 @@ impl<'a> Section<'a> {
 
     /// As [`Section::plan`], with its control points.
     pub(crate) fn solve(&self, quality: Quality) -> Option<Solved> {
+        let control = self.first_guess();
+        let mut work = Work::from_rest(control.points.len());
+        self.run(control, quality, &stages(self.smoothness, quality), &mut work)
+    }
+
+    /// The same with work that is shared with others.
+    pub(crate) fn solve_with(&self, work: &mut Work) -> Option<Solved> {
+        let stages = stages(self.smoothness, Quality::Full);
+        self.run(self.first_guess(), Quality::Full, &stages, work)
+    }
+
+    fn first_guess(&self) -> ControlPoints {
         let (free, stretches) = self.without_jerk();
-        let control = first_guess(
+        first_guess(
             &self.reference,
             &self.allowance,
             &stretches,
             &free,
             Smoothness::Trapezoid,
-        );
-        self.run(control, quality, &stages(self.smoothness, quality))
+        )
     }
 
     /// From a first guess to rest; `None` where the result is not inside the corridor and the limits.
-    pub(crate) fn improve(&self, control: ControlPoints, quality: Quality) -> Option<Trajectory> {
-        let stages = stages(self.smoothness, quality);
-        Some(self.finish(self.run(control, quality, &stages)?))
+    pub(crate) fn improve(&self, control: ControlPoints, work: &mut Work) -> Option<Trajectory> {
+        let stages = stages(self.smoothness, Quality::Full);
+        Some(self.finish(self.run(control, Quality::Full, &stages, work)?))
     }
 
     /// From a guess that is nearly within its limits.
-    pub(crate) fn repair(&self, control: ControlPoints) -> Option<Trajectory> {
-        Some(self.finish(self.run(control, Quality::Full, &last_stages(self.smoothness))?))
+    pub(crate) fn repair(&self, control: ControlPoints, work: &mut Work) -> Option<Trajectory> {
+        let stages = last_stages(self.smoothness);
+        Some(self.finish(self.run(control, Quality::Full, &stages, work)?))
     }
 
     /// The last resort for a single curve: the first guess, as slow as the limits ask for.
@@ -108,8 +121,8 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// All stages, until one has a plan.
-    fn run(&self, mut control: ControlPoints, quality: Quality, stages: &[Stage]) -> Option<Solved> {
+    /// All stages, until one has a plan or the work is done.
+    fn run(&self, mut control: ControlPoints, quality: Quality, stages: &[Stage], work: &mut Work) -> Option<Solved> {
         let mut margin = ToleranceMargin::new();
         let mut last: Option<Measured> = None;
         let mut warp = Smoothness::Trapezoid;
@@ -128,22 +141,26 @@ impl<'a> Section<'a> {
             if stage.limits == Limited::Acceleration {
                 warp = self.smoothness;
             }
-            let now = self.run_stage(&mut control, stage, quality, &margin);
+            let now = self.run_stage(&mut control, (stage, quality), &margin, work);
             if !now.trajectory.duration().is_finite() {
                 return None;
             }
-            // A motion that waits for its continuation does not wait for ever.
+            let worst = margin.tighten(&now.trajectory, &control, &self.reference, &self.allowance);
             let is_plan = stage.result != StageResult::Start;
-            if control.initial.is_some() && is_plan && now.excess > TUNING.stages.hopeless {
+            // A motion that waits for its continuation does not wait for ever.
+            let excess_is_hopeless = is_plan && now.excess > TUNING.stages.hopeless;
+            if control.initial.is_some() && (excess_is_hopeless || worst > TUNING.stages.astray) {
                 return None;
             }
-            let worst = margin.tighten(&now.trajectory, &control, &self.reference, &self.allowance);
             if is_plan && worst <= 1.0 && now.excess <= 1.0 + EXACT {
                 return Some(Solved {
                     trajectory: now.trajectory,
                     control,
                     times: now.times,
                 });
+            }
+            if work.is_done() {
+                return None;
             }
             // For the first repair the corridor is narrowed where the curve was outside; then all of it.
             if is_repair {
@@ -167,9 +184,9 @@ impl<'a> Section<'a> {
     fn run_stage(
         &self,
         control: &mut ControlPoints,
-        stage: &Stage,
-        quality: Quality,
+        (stage, quality): (&Stage, Quality),
         margin: &ToleranceMargin,
+        work: &mut Work,
     ) -> Measured {
         let free: Vec<Bounds>;
         let bounds = match stage.limits {
@@ -189,7 +206,7 @@ impl<'a> Section<'a> {
         };
         let mut problem = conditions.problem(control, quality);
         problem.make_feasible();
-        problem.run(stage.schedule);
+        problem.run(stage.schedule, work);
         let span = control.spans[0];
         control.points = core::mem::take(&mut problem.points);
         control.spans = problem.spans.iter().map(|h| span * h).collect();
@@ -235,3 +252,37 @@ impl<'a> Section<'a> {
 
 /// What rounding errors make of a limit that is reached exactly, relative.
 const EXACT: f64 = 1e-10;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Deviation, Path, Point};
+
+    #[test]
+    fn a_plan_ends_when_its_work_is_done() {
+        let corners = [[0.0, 0.0], [40.0, 0.0], [40.0, 30.0], [10.0, 60.0]].map(|[x, y]| Point::new(x, y, 0.0));
+        let moves: Vec<ContourMove> = corners
+            .windows(2)
+            .map(|ends| ContourMove {
+                path: Path::line(ends[0], ends[1]),
+                speed: 100.0,
+                acceleration: 1000.0,
+                deceleration: 1000.0,
+                jerk: Some(20_000.0),
+                tolerance: 0.5,
+                deviation: Deviation::Corners,
+            })
+            .collect();
+        let limits = AxisLimits {
+            speed: Point::repeat(100.0),
+            acceleration: Point::repeat(1000.0),
+            jerk: Some(Point::repeat(20_000.0)),
+        };
+        let section = Section::new(&moves, &limits, Begin::Rest);
+        let nodes = section.first_guess().points.len();
+        let mut work = Work::from_rest(nodes);
+        assert!(section.solve_with(&mut work).is_some() && !work.is_done());
+        let mut little = Work::of(20 * nodes as u64);
+        assert!(section.solve_with(&mut little).is_none() && little.is_done());
+    }
+}

@@ -21,6 +21,7 @@ pub(crate) struct Tuning {
     pub(crate) grid: Grid,
     pub(crate) speed_profile: SpeedProfile,
     pub(crate) stages: Stages,
+    pub(crate) work: Work,
     pub(crate) barrier: Barrier,
     pub(crate) relax: Relax,
     pub(crate) extend: Extend,
@@ -35,6 +36,7 @@ pub(crate) const TUNING: Tuning = Tuning {
     grid: Grid::VALUES,
     speed_profile: SpeedProfile::VALUES,
     stages: Stages::VALUES,
+    work: Work::VALUES,
     barrier: Barrier::VALUES,
     relax: Relax::VALUES,
     extend: Extend::VALUES,
@@ -104,8 +106,10 @@ constants! {
     Grid {
         /// Seconds between two nodes where the motion is short enough.
         node_s: f64 = 0.001,
-        /// Nodes of a whole motion at least, and of its busy part at most.
+        /// Nodes of a whole motion at least, and of its busy part at most: so many, more for each piece, and however many pieces.
         least_nodes: f64 = 160.0,
+        most_nodes_alone: f64 = 4000.0,
+        most_nodes_each: f64 = 200.0,
         most_nodes: f64 = 24_000.0,
         /// Seconds beside a busy stretch in which nodes stay close, and seconds more between two for each second beyond.
         quiet_s: f64 = 0.25,
@@ -160,6 +164,24 @@ constants! {
         factor: f64 = 5.0,
         /// Factor by which a motion that is continued may exceed its limits after a repair and still be expected to come inside.
         hopeless: f64 = 1.2,
+        /// How many times as far as allowed it may be from the reference path after any stage. Those that came inside were never
+        /// farther than 1.3 times; most of those that did not began at 5 to 12.
+        astray: f64 = 2.0,
+    }
+}
+
+constants! {
+    /// How much one planning call may compute, in looks at one node ([`crate::solve::work::Work`]): some of it for any motion, more for
+    /// each node of the first guess.
+    Work {
+        /// A section from rest. A surface of 1,000 chords needs 900 looks a node on 5,300 nodes, as most steps are shortened many times;
+        /// 1M looks take about 0.3 s.
+        from_rest: u64 = 5_000_000,
+        from_rest_each: u64 = 3000,
+        /// All attempts to continue a motion. Of 75 extensions of the benchmark's paths in windows the 68 that were found took 81 to 439
+        /// steps; without a bound those that were not took up to 7,600.
+        to_continue: u64 = 5_000_000,
+        to_continue_each: u64 = 1000,
     }
 }
 

@@ -6,7 +6,7 @@ use crate::extend::warm_start_joined::warm_start_joined;
 use crate::path::allowance::Begin;
 use crate::plan::plan;
 use crate::section::Section;
-use crate::solve::stages::Quality;
+use crate::solve::work::Work;
 use crate::trajectory::{Knot, State};
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Point, Trajectory};
@@ -26,8 +26,8 @@ pub(crate) struct Continuation<'a> {
 }
 
 impl Continuation<'_> {
-    /// From `splice` on; the first guess follows the running motion until `leave`.
-    pub(crate) fn plan(&self, splice: f64, leave: f64) -> Option<Trajectory> {
+    /// From `splice` on; the first guess follows the running motion until `leave`. `work` is that of all attempts, set by the first.
+    pub(crate) fn plan(&self, splice: f64, leave: f64, work: &mut Option<Work>) -> Option<Trajectory> {
         let &Continuation {
             running,
             passed,
@@ -53,9 +53,11 @@ impl Continuation<'_> {
                 .min(running.duration()),
             piece: piece.min(section.reference.pieces.len().checked_sub(1)?),
         };
+        let control = warm_start(&section, followed);
+        let work = work.get_or_insert_with(|| Work::to_continue(control.points.len()));
         let tail = section
-            .improve(warm_start(&section, followed), Quality::Full)
-            .or_else(|| self.joined(&section, followed, back))?;
+            .improve(control, work)
+            .or_else(|| self.joined(&section, followed, back, work))?;
         let mut whole = cut(running, now, splice, passed, here);
         whole.move_ends.extend(
             tail.move_ends[here - back..]
@@ -70,7 +72,10 @@ impl Continuation<'_> {
     }
 
     /// As a motion over the same moves that begins at rest earlier, where both are alike.
-    fn joined(&self, section: &Section<'_>, followed: Running<'_>, back: usize) -> Option<Trajectory> {
+    fn joined(&self, section: &Section<'_>, followed: Running<'_>, back: usize, work: &mut Work) -> Option<Trajectory> {
+        if work.is_done() {
+            return None;
+        }
         let &Continuation {
             running,
             passed,
@@ -88,8 +93,8 @@ impl Continuation<'_> {
             .unwrap_or(begin.min(back));
         let long = moves[from..back].iter().filter(|m| m.has_length());
         let before = long.map(|m| m.path.length()).sum();
-        let fresh = Section::new(&moves[from..end], limits, Begin::Rest).solve(Quality::Full)?;
-        section.repair(warm_start_joined(section, followed, limits, &fresh, before)?)
+        let fresh = Section::new(&moves[from..end], limits, Begin::Rest).solve_with(work)?;
+        section.repair(warm_start_joined(section, followed, limits, &fresh, before)?, work)
     }
 }
 

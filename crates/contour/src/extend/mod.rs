@@ -89,9 +89,10 @@ fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64) -> Optio
     }
     let first = earliest.max(latest).max(stop.map_or(0.0, after_stop));
     // What is not found from one instant may be from the next.
+    let mut work = None;
     (0..TUNING.extend.attempts).find_map(|attempt| {
         let first = first + TUNING.extend.later_s * f64::from(attempt);
         let splice = splice(running, passed + begin, &moves[begin..old], limits, first)?;
-        continuation.plan(splice, running.duration() - braking)
+        continuation.plan(splice, running.duration() - braking, &mut work)
     })
 }

@@ -37,6 +37,7 @@ pub fn replan(
     if last > earliest + TUNING.extend.replan_most_ahead_s {
         return None;
     }
+    let mut work = None;
     (0..TUNING.extend.attempts).find_map(|attempt| {
         let first = earliest + TUNING.extend.later_s * f64::from(attempt);
         let here = on(first).min(moves.len() - 1);
@@ -57,7 +58,7 @@ pub fn replan(
             begin,
             end,
         };
-        let whole = continuation.plan(splice, splice + TUNING.extend.replan_followed_s)?;
+        let whole = continuation.plan(splice, splice + TUNING.extend.replan_followed_s, &mut work)?;
         Some(whole.planned_for(moves, limits))
     })
 }

@@ -5,7 +5,7 @@ use crate::limits::Smoothness;
 use crate::path::reference::along;
 use crate::section::Section;
 use crate::timing::control_points::{ControlPoints, GIVEN, blossom};
-use crate::timing::grid::continued_grid;
+use crate::timing::grid::{Density, continued_grid};
 use crate::timing::speed_profile::{Sample, sample, speeds};
 use crate::tuning::TUNING;
 use crate::{Point, State, Trajectory};
@@ -112,7 +112,8 @@ fn spread(section: &Section<'_>, route: &[Site], running_knots: Vec<f64>, left: 
         let time = before.time + (behind.time - before.time) * part;
         if time.is_finite() { time } else { behind.time }
     });
-    continued_grid(running_knots, whole, &busy, &fine)
+    let pieces = section.reference.pieces.len();
+    continued_grid(running_knots, whole, &Density { busy, fine, pieces })
 }
 
 /// The knots of the running motion from the splice until it is left, long spans divided, from one span before it on.

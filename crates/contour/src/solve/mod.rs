@@ -11,3 +11,4 @@ mod relax;
 pub(crate) mod setup;
 pub(crate) mod stages;
 mod step_lengths;
+pub(crate) mod work;

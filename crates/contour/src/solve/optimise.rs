@@ -8,6 +8,7 @@ use crate::Point;
 use crate::solve::banded::Banded;
 use crate::solve::problem::Problem;
 use crate::solve::step_lengths::smooth_lengths;
+use crate::solve::work::Work;
 use crate::tuning::TUNING;
 
 /// Weights of the time and how many steps each may take.
@@ -67,16 +68,15 @@ impl Search {
 }
 
 impl Problem<'_> {
-    /// Improves `spans` and `points` in place; returns the number of steps taken.
-    pub(crate) fn run(&mut self, schedule: BarrierSchedule) -> usize {
+    /// Improves `spans` and `points` in place, until the work is done at the latest.
+    pub(crate) fn run(&mut self, schedule: BarrierSchedule, work: &mut Work) {
         let mut search = Search::new(self);
         for row in &mut self.corridor {
             row.radius = f64::INFINITY;
         }
         self.close_in(&search.now);
         let mut weight = schedule.first;
-        let mut steps = 0;
-        loop {
+        while !work.is_done() {
             let mut value = self.merit(weight, &search.now.points, &search.now.spans);
             if !value.is_finite() {
                 break;
@@ -90,15 +90,18 @@ impl Problem<'_> {
                     value = self.merit(weight, &search.now.points, &search.now.spans);
                 }
                 let decrement = self.find_step(weight, &mut search);
-                steps += 1;
+                work.look_at(self.points.len());
                 let converged = -decrement < TUNING.barrier.converged * self.points.len() as f64;
                 if !decrement.is_finite() || (converged && !self.is_relaxed()) {
                     break;
                 }
-                let Some(less) = self.take_step(weight, value, &mut search) else {
+                let Some(less) = self.take_step(weight, value, &mut search, work) else {
                     break;
                 };
                 value = less;
+                if work.is_done() {
+                    break;
+                }
             }
             if weight >= schedule.last {
                 break;
@@ -107,7 +110,6 @@ impl Problem<'_> {
         }
         self.points = search.now.points;
         self.spans = search.now.spans;
-        steps
     }
 
     /// Unknowns for each node: its span and its offsets.
@@ -170,7 +172,7 @@ impl Problem<'_> {
 
     /// Takes the step, shortened where it would leave the feasible set and about there; returns the new value. `None`: no length of it
     /// is an improvement.
-    fn take_step(&self, weight: f64, value: f64, search: &mut Search) -> Option<f64> {
+    fn take_step(&self, weight: f64, value: f64, search: &mut Search, work: &mut Work) -> Option<f64> {
         let block = self.block();
         self.slacks(&search.now.points, &search.now.spans, &mut search.slack);
         for (i, length) in search.wanted.iter_mut().enumerate() {
@@ -179,6 +181,7 @@ impl Problem<'_> {
         for attempt in 0..TUNING.barrier.attempts {
             smooth_lengths(&search.wanted, &mut search.lengths);
             let trial = self.try_step(weight, search);
+            work.look_at(self.points.len());
             let Search {
                 gradient,
                 step,
@@ -223,6 +226,10 @@ impl Problem<'_> {
             }
         }
         self.slacks(&trial.points, &trial.spans, trial_slack);
+        // Outside the feasible set: most attempts end here.
+        if trial_slack.iter().any(|&slack| slack <= 0.0) {
+            return f64::INFINITY;
+        }
         self.merit(weight, &trial.points, &trial.spans)
     }
 }

@@ -7,7 +7,7 @@ use crate::path::allowance::Allowance;
 use crate::path::reference::ReferencePath;
 use crate::path::rounding::Stretch;
 use crate::timing::control_points::ControlPoints;
-use crate::timing::grid::{grid, sites};
+use crate::timing::grid::{Density, grid, sites};
 use crate::timing::speed_profile::{Sample, Speeds, sample, speeds};
 use crate::timing::warp::Warp;
 use crate::tuning::TUNING;
@@ -38,7 +38,8 @@ pub(crate) fn first_guess(
         .map(|i| (warped(profile.times[i]), warped(profile.times[i + 1])))
         .collect();
     let fine = allowance.roundings(reference, |s| warped(time_at(&samples, &profile, s)));
-    let grid = grid(warp.stretched(total), &busy, &fine);
+    let pieces = bounds.len();
+    let grid = grid(warp.stretched(total), &Density { busy, fine, pieces });
     let mut control = ControlPoints {
         points: Vec::with_capacity(grid.len()),
         progress: Vec::with_capacity(grid.len()),

@@ -11,19 +11,36 @@ pub(crate) fn sites(grid: &[f64]) -> impl Iterator<Item = f64> + '_ {
     })
 }
 
-/// Times of the nodes from 0 to `whole`: close together within and near the `busy` stretches
-/// (ascending), farther and farther apart where nothing happens. Each of the `fine` ones (ascending) has a number of nodes, if that
-/// is closer.
-pub(crate) fn grid(whole: f64, busy: &[(f64, f64)], fine: &[(f64, f64)]) -> Vec<f64> {
-    let all: f64 = busy.iter().map(|(from, to)| to - from).sum();
-    let least = TUNING
-        .grid
-        .node_s
-        .max(
-            (all + TUNING.grid.quiet_s * busy.len().min(TUNING.grid.most_quiet) as f64).min(whole)
-                / TUNING.grid.most_nodes,
-        )
-        .min(whole / TUNING.grid.least_nodes);
+/// Where nodes are close together.
+pub(crate) struct Density {
+    /// Stretches of a motion in which something happens, ascending.
+    pub(crate) busy: Vec<(f64, f64)>,
+    /// Those of them that have a number of nodes of their own, ascending.
+    pub(crate) fine: Vec<(f64, f64)>,
+    /// Pieces of the reference path.
+    pub(crate) pieces: usize,
+}
+
+impl Density {
+    /// Seconds between two nodes in busy stretches of a motion that takes `whole`.
+    fn least_step(&self, whole: f64) -> f64 {
+        let tuning = &TUNING.grid;
+        let busy: f64 = self.busy.iter().map(|(from, to)| to - from).sum();
+        let beside = tuning.quiet_s * self.busy.len().min(tuning.most_quiet) as f64;
+        let most = tuning.most_nodes_alone + tuning.most_nodes_each * self.pieces as f64;
+        let most = most.min(tuning.most_nodes);
+        tuning
+            .node_s
+            .max((busy + beside).min(whole) / most)
+            .min(whole / tuning.least_nodes)
+    }
+}
+
+/// Times of the nodes from 0 to `whole`: close together within and near busy stretches, farther and farther apart where
+/// nothing happens.
+pub(crate) fn grid(whole: f64, density: &Density) -> Vec<f64> {
+    let Density { busy, fine, .. } = density;
+    let least = density.least_step(whole);
     let mut times = vec![0.0];
     let mut t = 0.0;
     let (mut next, mut finer) = (0, 0);
@@ -60,19 +77,19 @@ pub(crate) fn grid(whole: f64, busy: &[(f64, f64)], fine: &[(f64, f64)]) -> Vec<
 
 /// Knots of a motion that goes on from `kept` ones (at least `GIVEN + 1`, ascending) until `whole`, close together where
 /// it is busy. The last span is left out: there the motion comes to rest.
-pub(crate) fn continued_grid(mut kept: Vec<f64>, whole: f64, busy: &[(f64, f64)], fine: &[(f64, f64)]) -> Vec<f64> {
+pub(crate) fn continued_grid(mut kept: Vec<f64>, whole: f64, density: &Density) -> Vec<f64> {
     let from = kept[kept.len() - 1];
-    let mut shifted = vec![(0.0, TUNING.grid.node_s)];
-    let later = busy.iter().filter(|(_, to)| *to > from);
-    shifted.extend(later.map(|(begin, end)| ((begin - from).max(0.0), end - from)));
-    let ahead = fine.iter().filter(|(_, to)| *to > from);
-    let fine: Vec<(f64, f64)> = ahead.map(|(begin, end)| (begin - from, end - from)).collect();
-    kept.extend(
-        grid(whole - from, &shifted, &fine)
-            .into_iter()
-            .skip(1)
-            .map(|time| time + from),
-    );
+    let mut busy = vec![(0.0, TUNING.grid.node_s)];
+    let later = density.busy.iter().filter(|(_, to)| *to > from);
+    busy.extend(later.map(|(begin, end)| ((begin - from).max(0.0), end - from)));
+    let ahead = density.fine.iter().filter(|(_, to)| *to > from);
+    let ahead = Density {
+        busy,
+        fine: ahead.map(|(begin, end)| (begin - from, end - from)).collect(),
+        pieces: density.pieces,
+    };
+    let behind = grid(whole - from, &ahead).into_iter().skip(1);
+    kept.extend(behind.map(|time| time + from));
     kept.pop();
     kept
 }

@@ -3,7 +3,7 @@
 use crate::limits::Smoothness;
 use crate::path::reference::{ReferencePath, along};
 use crate::timing::control_points::{ControlPoints, blossom};
-use crate::timing::grid::{continued_grid, grid, sites};
+use crate::timing::grid::{Density, continued_grid, grid, sites};
 use crate::timing::warp::Warp;
 use crate::tuning::TUNING;
 use crate::{Bounds, Point, Trajectory};
@@ -43,10 +43,12 @@ pub(crate) fn resample(
         .iter()
         .map(|&(from, to)| (warp.warped(from), warp.warped(to)))
         .collect();
+    let pieces = bounds.len();
+    let density = Density { busy, fine, pieces };
     if control.initial.is_some() {
-        return resample_continued(trajectory, times, control, [&busy, &fine], whole, &warp);
+        return resample_continued(trajectory, times, control, &density, &warp);
     }
-    let grid = grid(whole, &busy, &fine);
+    let grid = grid(whole, &density);
     let intervals = grid.len() - 1;
     let mut points = Vec::with_capacity(intervals + 1);
     let mut progress = Vec::with_capacity(intervals + 1);
@@ -84,13 +86,13 @@ fn resample_continued(
     trajectory: &Trajectory,
     times: &[f64],
     control: &ControlPoints,
-    [busy, fine]: [&[(f64, f64)]; 2],
-    whole: f64,
+    density: &Density,
     warp: &Warp,
 ) -> ControlPoints {
     let kept = control.kept;
     let mut fresh = control.clone();
-    let grid = continued_grid(times[..=kept].to_vec(), whole, busy, fine);
+    let whole = warp.stretched(trajectory.duration());
+    let grid = continued_grid(times[..=kept].to_vec(), whole, density);
     fresh.spans = grid.windows(2).map(|pair| pair[1] - pair[0]).collect();
     fresh.points.truncate(kept);
     fresh.progress.truncate(kept);

@@ -151,6 +151,37 @@ fn long_slow_legs_cost_no_more_nodes_than_short_ones() {
     }
 }
 
+/// They took 24,000 nodes: minutes, with an S-curve.
+#[test]
+fn slow_large_arcs_cost_no_more_nodes_than_their_number_allows() {
+    let (a, b, c) = (
+        Point::zeros(),
+        Point::new(300.0, 400.0, 0.0),
+        Point::new(900.0, 100.0, 0.0),
+    );
+    let limits = Profile::SCurve.limits();
+    let moves = [
+        (a, Point::new(100.0, 300.0, 0.0), b),
+        (b, Point::new(700.0, 400.0, 0.0), c),
+    ]
+    .map(|(from, via, to)| {
+        let arc = arc_through(from, via, to).expect("three points that are not on a line");
+        ContourMove {
+            speed: 20.0,
+            ..Profile::SCurve.contour_move(arc, 1.0)
+        }
+    });
+    let trajectory = plan(&moves, &limits);
+    let length: f64 = moves.iter().map(|one| one.path.length()).sum();
+    assert!(trajectory.pieces() < 5000, "{} pieces", trajectory.pieces());
+    assert!(
+        trajectory.duration() < length / 20.0 * 1.01,
+        "{} s",
+        trajectory.duration()
+    );
+    check_peaks(&trajectory.peaks(), &limits).expect("within the limits");
+}
+
 #[test]
 fn a_corner_without_tolerance_is_a_stop() {
     let (a, b, c) = (Point::zeros(), Point::new(20.0, 0.0, 0.0), Point::new(20.0, 20.0, 0.0));

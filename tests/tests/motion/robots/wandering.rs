@@ -178,11 +178,10 @@ impl Wanderer {
         let rates = self.rates();
         let axis = *self.random.one_of(&self.axes.clone());
         let turns = axis.starts_with('R');
-        // What a contour does beside single axes' motion is not looked at here, nor long arcs and changes of dynamics, which a
-        // contour takes minutes to plan.
+        // What a contour does beside single axes' motion is not looked at here.
         let precise = self.machine.cart.contains("precise");
         let kind = if precise {
-            *self.random.one_of(&[4, 5, 11, 13, 15])
+            *self.random.one_of(&[4, 5, 7, 11, 12, 13, 15])
         } else {
             self.random.below(16)
         };

@@ -1,0 +1,39 @@
+//! How much one planning call may compute, counted and not timed: the same call gives the same plan everywhere.
+
+use crate::tuning::TUNING;
+
+/// What is left of the work, in looks at one node: a step of the optimisation and each attempt to shorten it look at every node.
+#[derive(Debug)]
+pub(crate) struct Work {
+    left: u64,
+}
+
+impl Work {
+    /// For a motion from rest that begins with so many nodes.
+    pub(crate) fn from_rest(nodes: usize) -> Work {
+        Work {
+            left: TUNING.work.from_rest + TUNING.work.from_rest_each * nodes as u64,
+        }
+    }
+
+    /// For all attempts to continue a motion, of which the first begins with so many nodes.
+    pub(crate) fn to_continue(nodes: usize) -> Work {
+        Work {
+            left: TUNING.work.to_continue + TUNING.work.to_continue_each * nodes as u64,
+        }
+    }
+
+    /// So many looks.
+    #[cfg(test)]
+    pub(crate) fn of(left: u64) -> Work {
+        Work { left }
+    }
+
+    pub(crate) fn look_at(&mut self, nodes: usize) {
+        self.left = self.left.saturating_sub(nodes as u64);
+    }
+
+    pub(crate) fn is_done(&self) -> bool {
+        self.left == 0
+    }
+}
