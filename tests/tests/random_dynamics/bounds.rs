@@ -93,7 +93,7 @@ impl Beside {
 
 /// What a distance may come to where a way is the bound: a path is sampled, and a call takes effect within a tick or two.
 pub(crate) fn at_most(way: f64, from: KinematicState) -> f64 {
-    1.02 * way + 0.05 + 2.0 * PERIOD * from.velocity
+    1.02 * way + 0.1 + 2.0 * PERIOD * from.velocity
 }
 
 /// The coarse update period, seconds.

@@ -303,6 +303,10 @@ impl Program {
                 let (tag, rate) = (self.tag("B"), self.rate());
                 let kind = self.random.below(3);
                 self.harder(1, rate);
+                if kind == 0 {
+                    // The axes that moved with it stop at their own maxima.
+                    self.harder(1, AXIS_MAXIMUM);
+                }
                 self.execute(&format!("MAS({axis}, {tag}, {kind}, 1, {rate:.3}, 0, 1, 100, 2)"));
             }
         }
@@ -330,7 +334,12 @@ impl Program {
                 let way = u32::from(backwards);
                 let call = format!("MAJ(X, {tag}, {way}, {}, 1, 0)", text(&dynamics));
                 if self.execute(&call) {
-                    self.alone = Some((0, dynamics));
+                    // Its jerks in percent of time are of the whole change of the velocity (spec/axis-and-data-types.md §10.3).
+                    let whole = Dynamics {
+                        speed: dynamics.speed + from.velocity,
+                        ..dynamics
+                    };
+                    self.alone = Some((0, whole));
                     self.turning(&call, before, from, backwards == (velocity > 0.0));
                 }
             }
@@ -380,7 +389,7 @@ impl Program {
         self.harder(0, rate);
         if kind == 0 && self.kind == Kind::Superposed {
             // Motion of single axes stops at the axis's own maximum.
-            self.harder(1, 10_000.0);
+            self.harder(1, AXIS_MAXIMUM);
         }
         let call = format!("MCS(XY, {tag}, {kind}, 1, {rate:.3}, 0, 1, 100, 2)");
         if self.execute(&call) && kind != 3 {
@@ -528,8 +537,11 @@ fn program(program: &mut Program) {
     program.finish();
 }
 
-/// Two moves of a blend, or a path and what ramps out beside it, each with the hardest rates.
-const OVERLAP: f64 = 2.0;
+/// Maximum Acceleration and Deceleration of X and Y, units/s².
+const AXIS_MAXIMUM: f64 = 10_000.0;
+/// How many times the hardest programmed rate there may be at once: two moves of a blend; or a path and what ramps out beside it, hastened
+/// where a limited jerk has to stop within the way of a trapezoid (spec/coordinated-instructions.md §6.3).
+const OVERLAP: f64 = 4.0;
 
 #[test]
 fn no_program_runs_away() {

@@ -190,7 +190,8 @@ impl Motion {
         }
         let active = system.planner.active();
         let s_curve = active.is_some_and(|running| running.motion.data.dynamics.is_s_curve());
-        let limits = Maxima::from(&system.description).stop(s_curve);
+        let mut limits = Maxima::from(&system.description).stop(s_curve);
+        limits.deceleration = self.kept_by_turn(index, limits.deceleration);
         self.cancel_pending(index);
         self.end_active(index);
         self.stop_on_path(index, &limits);

@@ -465,6 +465,45 @@ fn a_stop_in_a_blend_brakes_each_part_with_its_own_rates() {
     }
 }
 
+/// A master that is shut down breaks the link: both moves of a blend brake in time, each with its own share of the maxima.
+#[test]
+fn a_master_that_is_lost_in_a_blend_brakes_each_part_with_its_own_rates() {
+    for (why, first, second) in [
+        (
+            "a line into what only turns",
+            [8.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            [8.0, 0.0, 0.0, 0.0, 0.0, 60.0],
+        ),
+        (
+            "a small turn on a long way into a wide one on a short way",
+            [8.0, 0.0, 0.0, 0.0, 0.0, 5.0],
+            [9.0, 0.0, 0.0, 0.0, 0.0, 140.0],
+        ),
+    ] {
+        let mut blended = 0;
+        for after in (120..400).step_by(20) {
+            let mut bench = bench_of(MACHINE);
+            bench.write("D.TimeUnits", 1.0);
+            dynamics(&mut bench, [2.0, 0.5, 0.5], [1.5, 0.4, 0.4]);
+            path(&mut bench, first, 6.0, false);
+            position(&mut bench, "Many[0]", second);
+            assert_eq!(bench.call("MDCC(CART, U, L, 1, 40)"), OK, "{why}");
+            assert_eq!(bench.call("MCPM(CART, M, P, 1, D, 0, 1)"), OK, "{why}");
+            assert_eq!(bench.call("MCPM(CART, M2, Many[0], 1, D, 0, 1)"), OK, "{why}");
+            assert_eq!(bench.call("MAJ(U, J, 0, 40, 0, 400, 0, 400, 0)"), OK, "{why}");
+            bench.run(after);
+            blended += usize::from(bench.system("CART").motion_status & (1 << 7) != 0);
+            assert_eq!(bench.call("MASD(U, S)"), OK, "{why}");
+            for _ in 0..700 {
+                smoothly(&mut bench, 0.001, [20_000.0, 1800.0], &format!("{why} at {after}"));
+            }
+            let speeds = shown(&bench).map(|[_, velocity, _]| velocity);
+            assert_eq!(speeds, [0.0; 6], "{why} at {after}: it does not stop");
+        }
+        assert!(blended > 1, "{why}: {blended} in a blend");
+    }
+}
+
 #[test]
 fn half_a_turn_goes_about_the_positive_axis_from_everywhere() {
     for number in -24..24 {
