@@ -64,18 +64,23 @@ pub(crate) struct Maxima {
 }
 
 impl Maxima {
-    /// The limits of a stop of an axis by itself: its Maximum Deceleration and, where the motion was an S-curve, its
-    /// Maximum Deceleration Jerk.
+    /// The limits of a stop at the Maximum Deceleration and, where the motion was an S-curve, the Maximum Deceleration Jerk.
     pub(crate) fn stop(&self, s_curve: bool) -> Limits {
-        Limits {
-            speed: self.speed,
-            acceleration: self.deceleration,
-            deceleration: self.deceleration,
-            jerk: s_curve.then_some(Jerk {
-                acceleration: self.deceleration_jerk,
-                deceleration: self.deceleration_jerk,
-            }),
-        }
+        stop_limits(self.speed, self.deceleration, s_curve.then_some(self.deceleration_jerk))
+    }
+}
+
+/// The limits of a stop: an acceleration that is still there is taken back with those of the deceleration. `jerk`: where the motion is
+/// an S-curve.
+pub(crate) fn stop_limits(speed: f64, deceleration: f64, jerk: Option<f64>) -> Limits {
+    Limits {
+        speed,
+        acceleration: deceleration,
+        deceleration,
+        jerk: jerk.map(|jerk| Jerk {
+            acceleration: jerk,
+            deceleration: jerk,
+        }),
     }
 }
 

@@ -20,7 +20,7 @@ impl Motion {
             }
             Object::CoordinateSystem => {
                 if let Some(system) = self.systems.get_mut(index) {
-                    system.planner.set_bounds(bits);
+                    system.travel.set_bounds(bits);
                 }
             }
         }

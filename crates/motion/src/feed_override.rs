@@ -31,16 +31,11 @@ impl Motion {
 
 impl System {
     fn set_override(&mut self, share: f64, clock: &Clock) {
-        if self.feed_override == share {
+        if self.travel.rate() == share {
             return;
         }
-        self.feed_override = share;
-        let own = self.contour_clock(clock);
-        if let Some(contour) = &mut self.contour {
-            contour.set_rate(share, &own);
-        }
-        let clock = self.clock(clock);
-        self.planner.set_rate(share, &clock);
+        let base = self.time_base(clock);
+        self.travel.set_rate(share, &base);
         self.stale = self.activity == Activity::Moving;
     }
 }

@@ -110,9 +110,7 @@ impl Motion {
         if system.activity != Activity::Moving {
             return None;
         }
-        let planner = &system.planner;
-        let active = planner.active().map(|running| &running.motion);
-        planner.last_pending().or(active)?.data.heading
+        system.travel.last()?.data.heading
     }
 
     /// The same, or where the axes are commanded to be.
@@ -136,7 +134,7 @@ impl Motion {
 
     /// How the coordinated motion of a system turns at the present.
     pub(crate) fn turning(&self, index: usize) -> Option<Turning> {
-        let limits = self.systems[index].planner.turn_limits()?;
+        let limits = self.systems[index].travel.turn_limits()?;
         let moves = |axis: &Axis| {
             axis.sum
                 .get(Slot::System)
@@ -173,9 +171,9 @@ impl Motion {
     /// A deceleration along the path, of a share of the Maximum Deceleration, with which the turn of the active move keeps to that
     /// share of its own maximum too. What only turns has that as its own.
     pub(crate) fn kept_by_turn(&self, index: usize, deceleration: f64) -> f64 {
-        let active = self.systems[index].planner.active();
-        active.map_or(deceleration, |running| {
-            self.kept_by(index, deceleration, &running.motion.path, running.motion.turn.as_ref())
+        let active = self.systems[index].travel.active();
+        active.map_or(deceleration, |active| {
+            self.kept_by(index, deceleration, &active.path, active.turn.as_ref())
         })
     }
 
@@ -199,7 +197,7 @@ impl Motion {
     pub(crate) fn of_tail(&self, index: usize, limits: &Limits) -> Option<Limits> {
         let system = &self.systems[index];
         system.description.orientation?;
-        let (path, turn) = system.planner.tail()?;
+        let (path, turn) = system.travel.tail()?;
         // The share of the maxima that the active move brakes with: what its own turn takes away is not taken from both.
         let most = system.description.max_deceleration;
         let deceleration = (limits.deceleration / self.kept_by_turn(index, most) * most).min(most);
@@ -219,8 +217,7 @@ impl Motion {
 
     /// The axes stand exactly at the end of the active move's turn.
     pub(crate) fn hold_heading(&mut self, index: usize) {
-        let active = self.systems[index].planner.active();
-        if let Some(end) = active.and_then(|running| running.motion.data.heading) {
+        if let Some(end) = self.systems[index].active().and_then(|active| active.heading) {
             self.seat_angles(index, [end, Point::zeros(), Point::zeros()]);
         }
     }

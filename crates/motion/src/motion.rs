@@ -41,7 +41,6 @@ use crate::system::System;
 use crate::transforms::Transforms;
 use crate::transforms::ahead::Ahead;
 
-pub(crate) use advance::MAX_ENDS_PER_TICK;
 pub use probes::Input;
 
 /// Every axis and coordinate system of one motion group, and the instructions that move them.
@@ -194,7 +193,7 @@ impl Motion {
             return true;
         }
         let system = call.target.and_then(|index| self.systems.get(usize::from(index)));
-        system.is_none_or(|system| !system.is_busy() || !system.is_full())
+        system.is_none_or(|system| !system.is_busy() || !system.travel.is_full())
     }
 
     /// Whether nothing moves and nothing is under way that would end. What waits for a master that stands does not end.
@@ -204,7 +203,7 @@ impl Motion {
             && self
                 .systems
                 .iter()
-                .all(|system| !system.will_end() && system.stop.is_none())
+                .all(|system| !system.will_end(&self.clock) && system.stop.is_none())
             && self
                 .axes
                 .iter()

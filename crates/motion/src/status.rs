@@ -1,14 +1,13 @@
 //! Status words, from the state at a tick.
 
 use arcline_drive::Saturation;
-use arcline_instruction_set::FaultWord;
 use arcline_instruction_set::predefined::{
     axis_event, axis_fault, axis_status, cip_axis_io_status, cip_axis_status, coordinate_motion_status as motion,
     coordinate_system_status as status, motion_status,
 };
+use arcline_instruction_set::{FaultWord, Flag};
 use arcline_planner::Clock;
 use arcline_planner::profile::Phase;
-use arcline_profile::KinematicState;
 
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
@@ -177,6 +176,16 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     .fold(0, with)
 }
 
+/// ACCEL and DECEL of an instruction: what to set, and what to clear.
+pub(crate) fn phase_flags(phase: Phase) -> (u32, u32) {
+    let (accel, decel) = (Flag::Accel.mask(), Flag::Decel.mask());
+    match phase {
+        Phase::Accelerating => (accel, decel),
+        Phase::Decelerating => (decel, accel),
+        Phase::Steady => (0, accel | decel),
+    }
+}
+
 /// What an axis does: by its profile if it has one, otherwise by what its command does.
 fn phase(axis: &Axis) -> Phase {
     let mut active = axis.sum.active();
@@ -185,23 +194,13 @@ fn phase(axis: &Axis) -> Phase {
     {
         return only.shown_phase;
     }
-    let KinematicState {
-        velocity, acceleration, ..
-    } = axis.command;
-    let rising = velocity * acceleration;
-    if rising > 0.0 || (velocity == 0.0 && acceleration != 0.0) {
-        Phase::Accelerating
-    } else if rising < 0.0 {
-        Phase::Decelerating
-    } else {
-        Phase::Steady
-    }
+    axis.command.phase()
 }
 
 /// Vector speed of what coordinated motion does, units/s; the rest of it too where the axes brake by themselves.
 fn path_speed(system: &System, axes: &[Axis]) -> f64 {
     let Some(stop) = system.stop.filter(|_| !system.is_busy()) else {
-        return system.along[0];
+        return system.shown.speed;
     };
     let braking = system
         .description
@@ -219,9 +218,9 @@ fn path_speed(system: &System, axes: &[Axis]) -> f64 {
 pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapshot {
     let mut shown = SystemSnapshot {
         path_speed: path_speed(system, axes),
-        path_position: system.along[1],
-        path_length: system.along[2],
-        feed_override: system.feed_override,
+        path_position: system.shown.distance,
+        path_length: system.shown.length,
+        feed_override: system.travel.rate(),
         frames: role.robot.frames,
         turns: {
             let [j1, j4, j6] = role.robot.solution.1;
@@ -248,8 +247,8 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
     shown.tool = system.tool(&shown.actual, &role.robot.tool);
     let moving = system.activity == Activity::Moving;
     let brakes = system.brakes(axes);
-    let on_path = moving && !system.in_transition;
-    let pending = system.has_pending();
+    let on_path = moving && !system.shown.in_transition;
+    let pending = system.travel.waiting().next().is_some();
     shown.status = [
         (system.shutdown, status::SHUTDOWN_STATUS),
         (shown.axes_shutdown | shown.axes_faulted == 0, status::READY_STATUS),
@@ -258,18 +257,24 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
     .into_iter()
     .fold(0, with);
     shown.motion_status = [
-        (on_path && system.course == Phase::Accelerating, motion::ACCEL_STATUS),
         (
-            system.stop.is_some() || brakes || (on_path && system.course == Phase::Decelerating),
+            on_path && system.shown.trend == Phase::Accelerating,
+            motion::ACCEL_STATUS,
+        ),
+        (
+            system.stop.is_some() || brakes || (on_path && system.shown.trend == Phase::Decelerating),
             motion::DECEL_STATUS,
         ),
-        (system.in_actual_tolerance, motion::ACTUAL_POS_TOLERANCE_STATUS),
-        (system.in_command_tolerance, motion::COMMAND_POS_TOLERANCE_STATUS),
+        (system.shown.in_actual_tolerance, motion::ACTUAL_POS_TOLERANCE_STATUS),
+        (system.shown.in_command_tolerance, motion::COMMAND_POS_TOLERANCE_STATUS),
         (system.stop.is_some(), motion::STOPPING_STATUS),
-        (moving && system.has_moved, motion::MOVE_STATUS),
-        (moving && system.in_transition, motion::MOVE_TRANSITION_STATUS),
+        (moving && system.shown.has_moved, motion::MOVE_STATUS),
+        (moving && system.shown.in_transition, motion::MOVE_TRANSITION_STATUS),
         (pending, motion::MOVE_PENDING_STATUS),
-        (pending && system.is_full(), motion::MOVE_PENDING_QUEUE_FULL_STATUS),
+        (
+            pending && system.travel.is_full(),
+            motion::MOVE_PENDING_QUEUE_FULL_STATUS,
+        ),
         (role.robot.tool_change, motion::TOOL_CHANGE_ALLOWED_STATUS),
         (role.source, motion::TRANSFORM_SOURCE_STATUS),
         (role.target, motion::TRANSFORM_TARGET_STATUS),

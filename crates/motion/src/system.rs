@@ -1,17 +1,17 @@
-//! One coordinate system: its planner, its stop, and what its status bits remember.
+//! One coordinate system: its moves and their motion, its stop, and what its tags show.
 
 use arcline_kinematics::{GeometryError, OrientedRobot, Robot};
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::AxisLimits;
-use arcline_planner::profile::Phase;
-use arcline_planner::{Clock, ContourQueue, Instant, Move, Planner, Sample};
+use arcline_planner::profile::{Limits, Phase};
+use arcline_planner::{Clock, ContourQueue, Instant, MasterMotion, Move, Planner, QueueFull, TimeBase, Travel};
 
 use crate::axis::Axis;
 use crate::control::Execution;
-use crate::dynamics::Dynamics;
 use crate::dynamics::PathLimits;
+use crate::dynamics::{Dynamics, Maxima, stop_limits};
 use crate::events::Events;
-use crate::machine::{AxisLimits as Limits, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES, three};
+use crate::machine::{AxisLimits as Kept, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES, three};
 use crate::masters::follower::{LockTo, MasterFollower};
 use crate::masters::links::MasterLinks;
 use crate::stop::{AxisSet, Stop};
@@ -25,7 +25,7 @@ pub(crate) enum Termination {
     Command,
 }
 
-/// What motion keeps with a move in the planner.
+/// What a coordinate system keeps with a move.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Planned {
     pub(crate) execution: Execution,
@@ -49,7 +49,7 @@ pub(crate) struct Lead {
     pub(crate) lock: LockTo,
 }
 
-/// Whose motion the planner's active move is.
+/// Whose motion the active move is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Activity {
     /// Nothing is interpolated.
@@ -68,18 +68,14 @@ pub(crate) struct System {
     pub(crate) robot: Option<Result<Robot, GeometryError>>,
     /// The same of a robot with a wrist.
     pub(crate) wrist: Option<Result<OrientedRobot, GeometryError>>,
-    pub(crate) planner: Planner<Planned>,
-    /// In place of the planner where moves are travelled as planned contours, but for one that was merged: the planner
-    /// travels that, and the moves here wait behind it.
-    pub(crate) contour: Option<ContourQueue<Planned>>,
+    /// The moves and their motion.
+    pub(crate) travel: Travel<Planned>,
     /// What contours keep of the axes' own limits.
     pub(crate) axis_limits: AxisLimits,
     pub(crate) activity: Activity,
     pub(crate) stop: Option<Stop>,
     /// Axes that brake by themselves since a coordinated move that took them was ended.
     pub(crate) braking: AxisSet,
-    /// The moves that are under way have begun to move the axes.
-    pub(crate) has_moved: bool,
     pub(crate) shutdown: bool,
     /// Links to masters (MDCC).
     pub(crate) links: MasterLinks,
@@ -91,20 +87,7 @@ pub(crate) struct System {
     pub(crate) ended: Option<Instant>,
     /// The plan that Calculated Data is of, and the tick from which on it is computed again.
     pub(crate) calculated: (u32, u64),
-    /// What the speed along the path does, masters included.
-    pub(crate) course: Phase,
-    /// TrackingMaster of the active instruction, as last written.
-    pub(crate) shown_tracking: bool,
-    /// ACCEL and DECEL of the active instruction, as last written.
-    pub(crate) shown_phase: Phase,
-    pub(crate) in_actual_tolerance: bool,
-    pub(crate) in_command_tolerance: bool,
-    /// The active move blends with the end of the one before it, off the programmed path.
-    pub(crate) in_transition: bool,
-    /// Speed along the path, units/s; distance gone and length of the active path, units.
-    pub(crate) along: [f64; 3],
-    /// Share of the programmed speeds of all coordinated moves; 0 holds.
-    pub(crate) feed_override: f64,
+    pub(crate) shown: Shown,
     /// Something happened since the commands of this tick were computed.
     pub(crate) stale: bool,
 }
@@ -130,11 +113,17 @@ impl System {
         period: f64,
         axis_limits: AxisLimits,
     ) -> Self {
-        let contours = description.corner == Corner::Precise || description.axis_limits == Limits::Enforce;
+        let contours = description.corner == Corner::Precise || description.axis_limits == Kept::Enforce;
         let mut planner = Planner::new(description.queue_depth, corner_step).with_period(period);
         planner.set_bounds(description.dynamics_bits);
+        let travel = if contours {
+            let queue = ContourQueue::new(description.queue_depth).deviating(description.deviation);
+            Travel::contours(planner, queue)
+        } else {
+            Travel::superposed(planner)
+        };
         System {
-            contour: contours.then(|| ContourQueue::new(description.queue_depth).deviating(description.deviation)),
+            travel,
             axis_limits,
             robot: description.robot.and_then(|robot| match robot.build {
                 Build::Arm(geometry) => Some(Robot::new(geometry, &robot.parameters)),
@@ -144,26 +133,17 @@ impl System {
                 Build::Arm(_) => None,
                 Build::Wrist(wrist) => Some(OrientedRobot::new(wrist, &robot.parameters)),
             }),
-            planner,
             description: description.clone(),
             activity: Activity::Idle,
             stop: None,
             braking: AxisSet::default(),
-            has_moved: false,
             shutdown: false,
             links: MasterLinks::default(),
             stopping_link: None,
             guide: None,
             ended: None,
             calculated: (0, 0),
-            course: Phase::Steady,
-            shown_tracking: false,
-            shown_phase: Phase::Steady,
-            in_actual_tolerance: false,
-            in_command_tolerance: false,
-            in_transition: false,
-            along: [0.0; 3],
-            feed_override: 1.0,
+            shown: Shown::default(),
             stale: false,
         }
     }
@@ -176,56 +156,20 @@ impl System {
         }
     }
 
-    /// What the planner's active move is a function of at the present tick: time, or a master's way.
-    pub(crate) fn clock(&self, time: &Clock) -> Clock {
-        self.guide.map_or(*time, |guide| guide.clock())
-    }
-
-    /// What its planned contours are functions of at the present tick: time, or the time that a master at the speed they were planned
-    /// for would have taken for its way.
-    pub(crate) fn contour_clock(&self, time: &Clock) -> Clock {
-        self.guide.map_or(*time, |guide| {
-            Clock::of_way(guide.displacement() / self.contour_speed())
-        })
-    }
-
-    /// How the time of its planned contours goes on, where a master leads.
-    pub(crate) fn contour_pace(&self, guide: &MasterFollower) -> arcline_planner::Pace {
-        let (pace, speed) = (guide.pace(), self.contour_speed());
-        arcline_planner::Pace {
-            speed: pace.speed / speed,
-            acceleration: pace.acceleration / speed,
+    /// What the active move is a function of at the present tick: time, or the displacement of a master.
+    pub(crate) fn time_base(&self, time: &Clock) -> TimeBase {
+        TimeBase {
+            time: *time,
+            master: self.guide.as_ref().map(|guide| MasterMotion {
+                displacement: guide.displacement(),
+                rate: guide.pace(),
+            }),
         }
-    }
-
-    /// The speed of a master that the contour was planned for, master units/s.
-    pub(crate) fn contour_speed(&self) -> f64 {
-        let first = self.contour.as_ref().and_then(|contour| contour.moves().next());
-        first.map_or(1.0, |motion| motion.parameter.speed)
     }
 
     /// Whether it has masters, active or not: it is computed behind them then.
     pub(crate) fn follows(&self) -> bool {
         self.guide.is_some() || !self.links.is_empty()
-    }
-
-    /// Where the active move is at the present tick, by time, and its speed by what it is a function of.
-    pub(crate) fn sample(&self, time: &Clock) -> Option<(Sample, f64)> {
-        let contour = self.contour_in_force();
-        let mut sample = match contour {
-            Some(contour) => contour.sample(&self.contour_clock(time)),
-            None => self.planner.sample(&self.clock(time)),
-        }?;
-        let planned = sample.along.velocity;
-        if let Some(guide) = &self.guide {
-            let pace = if contour.is_some() {
-                self.contour_pace(guide)
-            } else {
-                guide.pace()
-            };
-            sample = pace.sample(sample);
-        }
-        Some((sample, planned))
     }
 
     /// Seconds until the active move is at its end or its successor becomes active, as planned now. `None` where no time is known:
@@ -234,53 +178,22 @@ impl System {
         if self.activity != Activity::Moving || self.guide.is_some() {
             return None;
         }
-        match self.contour_in_force() {
-            Some(contour) => contour.time_left(time),
-            None => self.planner.time_left(time),
-        }
+        self.travel.time_left(time)
     }
 
     /// A move, or a stop, that comes to an end by itself: not one that waits for a master.
-    pub(crate) fn will_end(&self) -> bool {
-        self.is_busy()
-            && self
-                .guide
-                .is_none_or(|guide| guide.will_go_on() || self.planner.passage(&guide.clock()).is_some())
+    pub(crate) fn will_end(&self, time: &Clock) -> bool {
+        let at_end = || self.travel.event(&self.time_base(time)).is_some();
+        self.is_busy() && self.guide.is_none_or(|guide| guide.will_go_on() || at_end())
     }
 
     /// Whether the active move has its full speed by its master's. `planned`: its speed by the master's way.
     pub(crate) fn is_tracking(&self, planned: f64) -> bool {
         self.guide.is_some_and(|guide| guide.has_begun())
             && self.activity == Activity::Moving
-            && self.shown_phase == Phase::Steady
+            && self.shown.phase == Phase::Steady
             && planned > 0.0
-            && !self.in_transition
-    }
-
-    /// Whether a merged move is travelled by the planner although the others are planned contours.
-    pub(crate) fn is_merged(&self) -> bool {
-        self.contour.is_some() && self.planner.active().is_some()
-    }
-
-    /// The contours, unless a merged move is travelled.
-    pub(crate) fn contour_in_force(&self) -> Option<&ContourQueue<Planned>> {
-        self.contour.as_ref().filter(|_| self.planner.active().is_none())
-    }
-
-    /// The moves that are active or wait, the active one first.
-    pub(crate) fn moves(&self) -> impl Iterator<Item = &Move<Planned>> {
-        let active = self.planner.active().map(|running| &running.motion);
-        let contour = self.contour.iter().flat_map(ContourQueue::moves);
-        active.into_iter().chain(self.planner.pending()).chain(contour)
-    }
-
-    /// Whether every pending place is taken.
-    pub(crate) fn is_full(&self) -> bool {
-        match &self.contour {
-            Some(contour) if self.is_merged() => contour.moves().count() >= self.description.queue_depth,
-            Some(contour) => contour.is_full(),
-            None => self.planner.is_full(),
-        }
+            && !self.shown.in_transition
     }
 
     /// Whether axes brake by themselves since a coordinated move that took them was ended.
@@ -292,62 +205,54 @@ impl System {
             })
     }
 
-    /// Whether what it travels stays at rest until a speed is changed.
-    pub(crate) fn is_paused(&self) -> bool {
-        match self.contour_in_force() {
-            Some(contour) => contour.is_paused(),
-            None => self.planner.is_paused(),
+    /// Puts a move behind the last one.
+    ///
+    /// # Errors
+    /// [`QueueFull`] when all pending places are taken.
+    pub(crate) fn push(&mut self, motion: Move<Planned>, time: &Clock) -> Result<(), QueueFull> {
+        let base = self.time_base(time);
+        self.travel.push(motion, &base)?;
+        if self.activity == Activity::Idle {
+            self.activity = Activity::Moving;
+            self.shown = self.shown.of_next_move();
         }
+        Ok(())
     }
 
-    /// Whether a move waits behind the active one.
-    pub(crate) fn has_pending(&self) -> bool {
-        match &self.contour {
-            Some(contour) => contour.moves().nth(usize::from(contour.is_running())).is_some(),
-            None => self.planner.pending().next().is_some(),
+    /// Changes the active move, from the present tick on.
+    pub(crate) fn change_active(&mut self, dynamics: Dynamics, time: &Clock) {
+        let base = self.time_base(time);
+        if let Some(active) = self.travel.active_data() {
+            active.dynamics = dynamics;
         }
+        self.travel.change_limits(dynamics.limits(), &base);
+        self.stale = true;
     }
 
     /// The active instruction, while it moves the axes.
-    pub(crate) fn active(&mut self) -> Option<Planned> {
-        match self.contour_in_force() {
-            Some(contour) if contour.is_running() => contour.moves().next().map(|motion| motion.data),
-            Some(_) => None,
-            None => self.planner.active_data().copied(),
-        }
+    pub(crate) fn active(&self) -> Option<&Planned> {
+        self.travel.active().map(|motion| &motion.data)
     }
 
-    /// The same, to change.
-    pub(crate) fn active_mut(&mut self) -> Option<&mut Planned> {
-        match &mut self.contour {
-            Some(contour) if self.planner.active().is_none() => contour.active_data(),
-            _ => self.planner.active_data(),
-        }
+    /// Whether what moves it, a stop of that included, is an S-curve: stops have a jerk limit then.
+    pub(crate) fn is_s_curve(&self) -> bool {
+        self.travel.highest_jerk().is_some()
     }
 
-    /// The active instruction, taken out of a contour whose path goes on without it.
-    pub(crate) fn take_active(&mut self) -> Option<Planned> {
-        match &mut self.contour {
-            Some(contour) if self.planner.active().is_none() => contour.pop().map(|motion| motion.data),
-            _ => self.planner.active_data().copied(),
-        }
+    /// The stop on the path at the maxima of the coordinate system.
+    pub(crate) fn path_stop(&self) -> Limits {
+        Maxima::from(&self.description).stop(self.is_s_curve())
     }
 
-    /// Programmed end point of the active move.
-    pub(crate) fn active_end(&self) -> Option<Point> {
-        match self.contour_in_force() {
-            Some(contour) if contour.is_running() => contour.moves().next().map(|motion| motion.path.end()),
-            Some(_) => None,
-            None => self.planner.active().map(|running| running.motion.path.end()),
-        }
-    }
-
-    /// Programmed end point of the last move in the queue.
-    pub(crate) fn last_end(&self) -> Option<Point> {
-        let contour = self.contour.as_ref().and_then(|contour| contour.moves().last());
-        contour
-            .map(|motion| motion.path.end())
-            .or_else(|| self.planner.last_end())
+    /// The stop on the path with which it is kept from leading a robot where that cannot go: with no less jerk than programmed.
+    pub(crate) fn guarded_stop(&self) -> Limits {
+        let maxima = Maxima::from(&self.description);
+        let jerk = self.travel.highest_jerk();
+        stop_limits(
+            maxima.speed,
+            maxima.deceleration,
+            jerk.map(|own| own.max(maxima.deceleration_jerk)),
+        )
     }
 
     /// Whether a coordinated move of this system is active, pending, or being stopped on its path.
@@ -372,6 +277,53 @@ impl System {
     /// Whether this system and another one have an axis in common; its place here.
     pub(crate) fn shared_axis(&self, other: &System) -> Option<usize> {
         self.description.axes.iter().position(|axis| other.has(*axis))
+    }
+}
+
+/// What the tags of a coordinate system and of its active instruction show of the motion.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Shown {
+    /// ACCEL and DECEL of the active instruction, as last written.
+    pub(crate) phase: Phase,
+    /// TrackingMaster of the active instruction, as last written.
+    pub(crate) tracking: bool,
+    /// What the speed along the path does, masters included.
+    pub(crate) trend: Phase,
+    /// ActualPosToleranceStatus.
+    pub(crate) in_actual_tolerance: bool,
+    /// CommandPosToleranceStatus.
+    pub(crate) in_command_tolerance: bool,
+    /// The active move blends with the end of the one before it, off the programmed path.
+    pub(crate) in_transition: bool,
+    /// The moves under way have begun to move the axes.
+    pub(crate) has_moved: bool,
+    /// Speed along the path, units/s.
+    pub(crate) speed: f64,
+    /// Distance gone along the active path, units.
+    pub(crate) distance: f64,
+    /// Length of the active path, units.
+    pub(crate) length: f64,
+}
+
+impl Shown {
+    /// When another move becomes active.
+    pub(crate) fn of_next_move(self) -> Self {
+        Shown {
+            phase: Phase::Steady,
+            tracking: false,
+            in_actual_tolerance: false,
+            in_command_tolerance: false,
+            ..self
+        }
+    }
+
+    /// When nothing is active any more.
+    pub(crate) fn at_rest(self) -> Self {
+        Shown {
+            in_actual_tolerance: self.in_actual_tolerance,
+            in_command_tolerance: self.in_command_tolerance,
+            ..Shown::default()
+        }
     }
 }
 

@@ -170,6 +170,37 @@ impl Pace {
     }
 }
 
+/// What moves are functions of at one instant: time, or the displacement of a master.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeBase {
+    /// Time.
+    pub time: Clock,
+    /// The master of the active move, where it has one.
+    pub master: Option<MasterMotion>,
+}
+
+/// What a driven move sees of its master.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MasterMotion {
+    /// How far it has gone since the lock, master units.
+    pub displacement: f64,
+    /// How the displacement goes on.
+    pub rate: Pace,
+}
+
+impl TimeBase {
+    /// Time alone.
+    pub fn of_time(time: Clock) -> Self {
+        TimeBase { time, master: None }
+    }
+
+    /// What the active move is a function of, as a clock.
+    pub fn clock(&self) -> Clock {
+        self.master
+            .map_or(self.time, |master| Clock::of_way(master.displacement))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

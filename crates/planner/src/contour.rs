@@ -90,6 +90,8 @@ struct Run {
     asked: f64,
     /// Where on it an extension may be asked for again.
     retry: f64,
+    /// The speed of the master that it was planned for, master units/s; 1 for time.
+    nominal: f64,
 }
 
 /// What a pace of 0 means.
@@ -137,6 +139,35 @@ impl<T: Copy> ContourQueue<T> {
         self.moves.len() > self.depth
     }
 
+    /// Whether so many moves wait behind one that is not in this queue.
+    pub(crate) fn is_full_behind(&self) -> bool {
+        self.moves.len() >= self.depth
+    }
+
+    /// The active move of the trajectory in execution.
+    pub(crate) fn active(&self) -> Option<&Move<T>> {
+        self.run.as_ref()?;
+        self.moves.front()
+    }
+
+    /// The next move on the trajectory in execution.
+    pub(crate) fn next_planned(&self) -> Option<&Move<T>> {
+        let run = self.run.as_ref()?;
+        self.moves.get(1).filter(|_| run.passed + 1 < run.trajectory.moves())
+    }
+
+    /// The speed of a master that the trajectory in execution, or the next one, is planned for, master units/s; 1 for time.
+    pub(crate) fn nominal(&self) -> f64 {
+        let next = || self.moves.front().map(|motion| motion.parameter.speed);
+        self.run.as_ref().map(|run| run.nominal).or_else(next).unwrap_or(1.0)
+    }
+
+    /// The programmed jerk of a trajectory that is being stopped: its moves have left the queue.
+    pub(crate) fn jerk_of_stop(&self) -> Option<f64> {
+        let run = self.run.as_ref().filter(|run| run.course == Course::Stopping)?;
+        run.trajectory.least_rates().jerk
+    }
+
     /// The moves, the active one first.
     pub fn moves(&self) -> impl Iterator<Item = &Move<T>> {
         self.moves.iter()
@@ -178,6 +209,13 @@ impl<T: Copy> ContourQueue<T> {
         self.moves.clear();
         self.asked = None;
         self.run.take().map(|run| run.trajectory)
+    }
+
+    /// The trajectory is at its end, and its last move complete.
+    pub(crate) fn end(&mut self) -> Option<Arc<Trajectory>> {
+        self.plans = self.plans.wrapping_add(1);
+        self.moves.pop_front();
+        self.finish()
     }
 
     /// The trajectory is at its end: hands it back.

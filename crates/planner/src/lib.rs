@@ -4,7 +4,8 @@
 //! move, the pending ones behind it, and evaluates the active one in closed form: nothing is integrated from
 //! tick to tick, so the trajectory is the same at every update period (spec/motion-core.md §1, §12). What lies
 //! between two moves stands in `junction`, how one becomes the next in `hand_over`, what the queue allows in `queue`, how all of
-//! it is changed in `change`, a merge in `merge`.
+//! it is changed in `change`, a merge in `merge`. A [`ContourQueue`] has moves that are planned as one curve outside of the tick. [`Travel`] is
+//! the one interface to both.
 //!
 //! Not here: instructions, status bits, axes, drives, and anything that knows what a tick does. Units:
 //! position units, seconds; master units in place of seconds for moves that are functions of a master's way
@@ -28,15 +29,17 @@ mod queue;
 mod ramp_out;
 mod stopping;
 mod track;
+mod travel;
 mod turning;
 
-pub use clock::{Clock, Instant, Pace, ROUNDING};
+pub use clock::{Clock, Instant, MasterMotion, Pace, ROUNDING, TimeBase};
 pub use contour::{ContourBatch, ContourPassage, ContourQueue, ContourStopping, Extension, Installed};
 pub use junction::Ending;
 pub use passage::{Passage, Reach};
 pub use planner::{Momentum, Move, Parameter, Planner, QueueFull, Running};
 pub use stopping::Stopping;
 pub use track::Sample;
+pub use travel::{PathStopping, Travel};
 pub use turning::{TurnResidual, Turning};
 
 pub use arcline_contour as precise;

@@ -5,6 +5,8 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use crate::Phase;
+
 /// Position (units), velocity (units/s) and acceleration (units/s²) at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct KinematicState {
@@ -24,6 +26,19 @@ impl KinematicState {
             position,
             velocity: 0.0,
             acceleration: 0.0,
+        }
+    }
+
+    /// What the magnitude of the velocity does.
+    #[must_use]
+    pub fn phase(&self) -> Phase {
+        let rising = self.velocity * self.acceleration;
+        if rising > 0.0 || (self.velocity == 0.0 && self.acceleration != 0.0) {
+            Phase::Accelerating
+        } else if rising < 0.0 {
+            Phase::Decelerating
+        } else {
+            Phase::Steady
         }
     }
 }

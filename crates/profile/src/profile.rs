@@ -9,11 +9,12 @@ use crate::limits::{Limits, Shape, sane};
 use crate::{position, ramp, trapezoid};
 
 /// What a motion does at an instant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Phase {
     /// The magnitude of the velocity grows.
     Accelerating,
     /// Constant velocity, or at rest.
+    #[default]
     Steady,
     /// The magnitude of the velocity shrinks.
     Decelerating,

@@ -4,6 +4,7 @@
 mod axes;
 mod blends;
 mod cams;
+mod contour_stops;
 mod contours;
 mod coordinated_stops;
 mod error_codes;

@@ -3,7 +3,6 @@
 use arcline_instruction_set::enumerations::Scope;
 use arcline_instruction_set::operands::Mccd;
 use arcline_instruction_set::{Call, Flag, MotionError};
-use arcline_planner::ContourQueue;
 
 use super::programmed::{Change, ChangeOperands, Rates};
 use crate::control::Execution;
@@ -51,7 +50,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         change_accel_jerk: *change_accel_jerk,
         change_decel_jerk: *change_decel_jerk,
     };
-    let system = &mut motion.systems[index];
+    let system = &motion.systems[index];
     let active = system.active().filter(|_| system.activity == Activity::Moving);
     let driven = active.is_some_and(|active| active.lead.is_some());
     operands.verify_mode(driven)?;
@@ -61,7 +60,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     verify::stoppable(&motion.systems[index], &motion.axes, s_curve)?;
     let system = &mut motion.systems[index];
     let active = match (system.activity, system.active()) {
-        (Activity::Moving, Some(active)) => active,
+        (Activity::Moving, Some(active)) => *active,
         (Activity::Stopping, _) => return verify::not_stopping(system, &motion.axes),
         _ => return Err(MotionError::IllegalDynamicChange),
     };
@@ -74,35 +73,21 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         changed(&read[usize::from(planned.only_turns)], planned)
     };
     let dynamics = change(&active)?;
-    if system.contour_in_force().is_some() {
-        change_contour(motion, index, *scope, change)?;
-        calculate_again(motion, index, active.execution);
-        motion.done(execution);
-        return Ok(());
-    }
     if *scope == Scope::ActiveAndPending {
-        if let Some(contour) = &mut system.contour {
-            change_queued(contour, usize::MAX, change)?;
-        }
         // None is changed where one of them cannot be.
-        for waiting in system.planner.pending() {
+        for waiting in system.travel.waiting() {
             modes[usize::from(waiting.data.lead.is_some())]?;
             read[usize::from(waiting.data.only_turns)].verify(waiting.data.dynamics.is_s_curve())?;
         }
-        let clock = system.clock(&motion.clock);
-        system.planner.change_pending(&dynamics.limits(), &clock, |waiting| {
+        let base = system.time_base(&motion.clock);
+        system.travel.change_waiting(&dynamics.limits(), &base, |waiting| {
             if let Ok(dynamics) = change(&waiting.data) {
                 waiting.data.dynamics = dynamics;
                 waiting.limits = dynamics.limits();
             }
         });
     }
-    if let Some(active) = system.planner.active_data() {
-        active.dynamics = dynamics;
-    }
-    let clock = system.clock(&motion.clock);
-    system.planner.change_limits(dynamics.limits(), &clock);
-    system.stale = true;
+    system.change_active(dynamics, &motion.clock);
     calculate_again(motion, index, active.execution);
     motion.done(execution);
     Ok(())
@@ -114,28 +99,6 @@ fn calculate_again(motion: &mut Motion, index: usize, active: Execution) {
     motion.systems[index].calculated.1 = tick + 1;
     let available = Flag::CalculatedDataAvailable;
     motion.controls.flag(active, available, false, tick);
-}
-
-/// Of a planned contour the active move is changed, or all of them.
-fn change_contour(
-    motion: &mut Motion,
-    index: usize,
-    scope: Scope,
-    change: impl Fn(&Planned) -> Result<Dynamics, MotionError>,
-) -> Result<(), MotionError> {
-    let system = &mut motion.systems[index];
-    let count = if scope == Scope::ActiveAndPending {
-        usize::MAX
-    } else {
-        1
-    };
-    let own = system.contour_clock(&motion.clock);
-    if let Some(contour) = &mut system.contour {
-        change_queued(contour, count, change)?;
-        contour.change(&own);
-        system.stale = true;
-    }
-    Ok(())
 }
 
 /// The dynamics of a move with what a call changes, no faster than the joints of robots let it be.
@@ -156,20 +119,4 @@ fn maxima(system: &CoordinateSystem) -> [Maxima; 2] {
         deceleration_jerk: turn.max_deceleration * turn.max_deceleration / turn.max_speed,
     });
     [moves, turns]
-}
-
-/// So many of the moves, or none where one of them cannot be.
-fn change_queued(
-    contour: &mut ContourQueue<Planned>,
-    count: usize,
-    change: impl Fn(&Planned) -> Result<Dynamics, MotionError>,
-) -> Result<(), MotionError> {
-    for waiting in contour.moves().take(count) {
-        change(&waiting.data)?;
-    }
-    for waiting in contour.moves_mut().take(count) {
-        waiting.data.dynamics = change(&waiting.data)?;
-        waiting.limits = waiting.parameter.in_time(&waiting.data.dynamics.limits());
-    }
-    Ok(())
 }

@@ -96,7 +96,7 @@ pub(super) fn execute(
         None => None,
     };
     let system = &motion.systems[index];
-    if system.contour.is_some() {
+    if !system.travel.can_turn() {
         return Err(MotionError::FeatureNotSupported);
     }
     verify::axes_ready(system, &motion.axes)?;

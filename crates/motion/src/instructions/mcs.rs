@@ -22,7 +22,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     } = motion.operands(call)?;
     verify_units(motion, index, &operands)?;
     verify::axes_on(&motion.systems[index], &motion.axes)?;
-    verify::stoppable(&motion.systems[index], &motion.axes, is_s_curve(motion, index))?;
+    verify::stoppable(&motion.systems[index], &motion.axes, motion.systems[index].is_s_curve())?;
     let rates = rates(motion, index, &operands)?;
     if *stop_type == McsStopType::All {
         verify_sharing(motion, index, &operands)?;
@@ -96,17 +96,16 @@ impl Rates {
         let system = &motion.systems[index];
         // The limits of a master driven move are by its master's way.
         let active = system
-            .planner
             .active()
             .filter(|_| system.guide.is_none())
-            .map(|running| running.motion.data.dynamics.limits());
+            .map(|active| active.dynamics.limits());
         let deceleration = motion.kept_by_turn(index, self.deceleration);
         Limits {
             speed: active.map_or(system.description.max_speed, |limits| limits.speed),
             // What is left of an acceleration is taken back at the move's own jerk or, where larger, the stop's.
             acceleration: active.map_or(deceleration, |limits| limits.acceleration),
             deceleration,
-            jerk: is_s_curve(motion, index).then(|| Jerk {
+            jerk: motion.systems[index].is_s_curve().then(|| Jerk {
                 acceleration: active
                     .and_then(|limits| limits.jerk)
                     .map_or(self.jerk, |own| own.acceleration.max(self.jerk)),
@@ -127,7 +126,7 @@ fn rates(motion: &Motion, index: usize, operands: &StopOperands) -> Result<Rates
     let deceleration = release.deceleration.unwrap_or(description.max_deceleration);
     positive(deceleration, operands.decel_rate.index)?;
     if let Some(programmed) = changed.jerk {
-        let sample = system.sample(&motion.clock);
+        let sample = system.travel.sample(&system.time_base(&motion.clock));
         let speed = sample.map_or(0.0, |(sample, _)| sample.along.velocity.abs());
         release.jerk = Some(resolve(
             programmed,
@@ -136,7 +135,7 @@ fn rates(motion: &Motion, index: usize, operands: &StopOperands) -> Result<Rates
         ));
     }
     let jerk = release.jerk.unwrap_or(description.max_deceleration_jerk);
-    if is_s_curve(motion, index) {
+    if motion.systems[index].is_s_curve() {
         positive(jerk, operands.decel_jerk.index)?;
     }
     Ok(Rates {
@@ -159,14 +158,6 @@ fn cancel(motion: &mut Motion, release: &Release, which: impl Fn(&Transform, usi
         }
     }
     braking
-}
-
-fn is_s_curve(motion: &Motion, index: usize) -> bool {
-    if let Some(contour) = motion.systems[index].contour_in_force() {
-        return contour.moves().any(|planned| planned.data.dynamics.is_s_curve());
-    }
-    let active = motion.systems[index].planner.active();
-    active.is_some_and(|running| running.motion.data.dynamics.is_s_curve())
 }
 
 /// Stops the coordinated move on its path and empties the queue.
@@ -217,7 +208,7 @@ fn verify_sharing(motion: &Motion, index: usize, operands: &StopOperands) -> Res
         if other == index || !motion.systems[other].is_busy() || !shares(motion, index, other) {
             continue;
         }
-        verify::stoppable(&motion.systems[other], &motion.axes, is_s_curve(motion, other))?;
+        verify::stoppable(&motion.systems[other], &motion.axes, motion.systems[other].is_s_curve())?;
         rates(motion, other, operands)?;
     }
     Ok(())

@@ -41,8 +41,7 @@ fn centripetal(motion: &Motion, index: usize, merge: Merge) -> Point {
     if merge == Merge::Disabled || !system.is_busy() {
         return Point::zeros();
     }
-    let pace = system.guide.map_or(1.0, |guide| guide.pace().speed);
-    system.planner.centripetal(&system.clock(&motion.clock)) * (pace * pace)
+    system.travel.centripetal(&system.time_base(&motion.clock))
 }
 
 /// The limits that the terminated motion keeps by time, as far as they are known. The speed is that of all programmed speeds
@@ -52,7 +51,7 @@ fn in_force(motion: &Motion, index: usize, merge: Merge) -> Option<Limits> {
     if merge == Merge::Disabled || system.guide.is_some() {
         return None;
     }
-    let own = system.planner.before();
+    let own = system.travel.limits_in_force(&system.time_base(&motion.clock));
     if merge != Merge::AllMotion {
         return own;
     }
@@ -94,13 +93,7 @@ fn way_of_path(motion: &Motion, index: usize) -> Point {
 /// Ends what a merge takes over: the coordinated motion of this system and, for All Motion, what else moves its axes,
 /// the coordinated motion of other systems too. Axes that the new move does not take brake by themselves.
 pub(super) fn terminate(motion: &mut Motion, index: usize, merge: Merge) {
-    motion.cancel_pending(index);
-    motion.end_active(index);
-    motion.systems[index].planner.clear_active();
-    if motion.systems[index].contour.is_some() {
-        motion.retire_contour(index);
-        motion.rest_system(index);
-    }
+    motion.end_travel(index);
     motion.part_axes(index);
     if merge != Merge::AllMotion {
         return;
@@ -149,16 +142,16 @@ pub(super) fn verify_lead(
         return Ok(());
     }
     let before = if merge == Merge::Disabled {
-        system.moves().last().filter(|last| last.ending != Ending::Stop)
+        system.travel.moves().last().filter(|last| last.ending != Ending::Stop)
     } else {
-        system.moves().next()
+        system.travel.moves().next()
     };
     let led = before.and_then(|before| before.data.lead);
     if !idle && led.is_some_and(|led| led.lock.sense != lead.lock.sense) {
         return Err(MotionError::MdscDirectionMismatch);
     }
     let waits = |other: &Move<Planned>| other.data.lead.is_some_and(|lead| lead.lock.position.is_some());
-    if lead.lock.position.is_some() && system.moves().any(waits) {
+    if lead.lock.position.is_some() && system.travel.moves().any(waits) {
         return Err(MotionError::MdscLockWhileMoving);
     }
     Ok(())
@@ -172,7 +165,7 @@ pub(super) fn parameter(motion: &mut Motion, index: usize, merge: Merge, lead: L
             let before = last.data.lead;
             before.is_some_and(|before| before.link == lead.link && before.lock.sense == lead.lock.sense)
         };
-        if let Some(last) = system.moves().last().filter(led) {
+        if let Some(last) = system.travel.moves().last().filter(led) {
             return last.parameter;
         }
     }

@@ -6,7 +6,6 @@ use arcline_instruction_set::enumerations::{Merge, MergeSpeed, TerminationType};
 use arcline_instruction_set::operands::EventOperands;
 use arcline_instruction_set::{AxisIndex, Call, Flag, MotionError};
 use arcline_planner::geometry::{Path, Point, Turn};
-use arcline_planner::profile::Phase;
 use arcline_planner::{Ending, Momentum, Move, Parameter, TurnResidual};
 
 use super::merging::{on_the_way, parameter, terminate, terminated, verify_lead};
@@ -228,65 +227,38 @@ pub(super) fn launch(
             Ending::Blend { .. } | Ending::Stop | Ending::Contour { .. } => 0.0,
         },
     };
-    if motion.systems[index].contour.is_some() {
-        if merge != Merge::Disabled {
-            terminate(motion, index, merge);
-        }
-        // What does not move is not merged, and planned like any other move.
-        if momentum.velocity == Point::zeros() && momentum.acceleration == Point::zeros() {
-            motion.queue_contour(index, planned)?;
-            motion.accept(accepted_move);
-            motion.controls.write(execution, accepted, 0, tick);
-            return Ok(());
-        }
-    } else if merge == Merge::Disabled && motion.systems[index].is_busy() {
+    if merge != Merge::Disabled {
+        terminate(motion, index, merge);
+    }
+    let at_once = motion.systems[index].travel.begins_at_once(&momentum);
+    if at_once {
+        motion.lead_system(index, lead, motion.clock.now())?;
         let system = &mut motion.systems[index];
-        let clock = system.clock(&motion.clock);
-        system
-            .planner
-            .enqueue(planned, &clock)
-            .map_err(|_| MotionError::CoordinateSystemQueueFull)?;
+        let base = system.time_base(&motion.clock);
+        let enforced = system.description.axis_limits == AxisLimits::Enforce;
+        let kept = enforced.then_some(&system.axis_limits);
+        system.travel.merge(planned, momentum, residual, kept, &base);
+        system.activity = Activity::Moving;
+        system.shown.has_moved = system.guide.is_none() && !system.travel.is_paused() && planned.path.length() > 0.0;
+        system.stale = true;
+        motion.activate(index);
+        motion.seat_axes(index);
+    } else {
+        let queued = motion.systems[index].push(planned, &motion.clock);
+        queued.map_err(|_| MotionError::CoordinateSystemQueueFull)?;
         if planned.data.heading.is_some() {
             motion.join_turned_axes(index, planned.data.dynamics.is_s_curve());
         }
-        motion.accept(accepted_move);
-        motion.controls.write(execution, accepted, 0, tick);
-        return Ok(());
-    } else if merge != Merge::Disabled {
-        terminate(motion, index, merge);
     }
-    motion.lead_system(index, lead, motion.clock.now())?;
-    let system = &mut motion.systems[index];
-    let clock = system.clock(&motion.clock);
-    if system.description.axis_limits == AxisLimits::Enforce {
-        let planner = &mut system.planner;
-        planner.set_rate(system.feed_override, &clock);
-        planner.merge_within(planned, momentum, &system.axis_limits, &clock);
-        // Its speed may not be overridden beyond the limits of the axes.
-        planner.set_rate(system.feed_override, &clock);
-    } else {
-        system.planner.merge(planned, momentum, &clock);
-    }
-    system.planner.ramp_out(residual, &clock);
-    system.activity = Activity::Moving;
-    system.has_moved = system.guide.is_none() && !system.is_paused() && planned.path.length() > 0.0;
-    system.shown_phase = Phase::Steady;
-    system.shown_tracking = false;
-    system.in_actual_tolerance = false;
-    system.in_command_tolerance = false;
-    system.stale = true;
-    motion.join_axes(index);
-    motion.seat_axes(index);
     motion.accept(accepted_move);
-    motion.controls.write(execution, accepted | Flag::Ac.mask(), 0, tick);
-    motion.calculate(index);
+    motion.controls.write(execution, accepted, 0, tick);
     Ok(())
 }
 
 /// Step 11: the queue, a stop under way, another coordinate system that holds one of the axes.
 pub(super) fn verify_conflicts(motion: &Motion, index: usize, merge: Merge) -> Result<(), MotionError> {
     let system = &motion.systems[index];
-    if merge == Merge::Disabled && system.activity == Activity::Moving && system.is_full() {
+    if merge == Merge::Disabled && system.activity == Activity::Moving && system.travel.is_full() {
         return Err(MotionError::CoordinateSystemQueueFull);
     }
     verify::not_stopping(system, &motion.axes)?;

@@ -33,7 +33,7 @@ pub(super) fn queue_shift(motion: &Motion, index: usize) -> Point {
 pub(super) fn start_point(motion: &Motion, index: usize) -> Point {
     let system = &motion.systems[index];
     let queued = if system.activity == Activity::Moving {
-        system.last_end()
+        system.travel.last().map(|last| last.path.end())
     } else {
         None
     };

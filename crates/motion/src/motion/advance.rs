@@ -7,28 +7,27 @@ use arcline_drive::Settling;
 use arcline_instruction_set::{Flag, MotionError};
 use arcline_planner::geometry::Point;
 use arcline_planner::profile::{KinematicState, Phase};
-use arcline_planner::{Clock, Ending, Instant, Move, Passage, Reach, Sample};
+use arcline_planner::{Clock, Ending, Instant, Move, Passage, Sample};
 
 use super::Motion;
 use crate::axis::Axis;
 use crate::axis::sum::Slot;
 use crate::cause::Cause;
+use crate::status::phase_flags;
 use crate::stop::AxisSet;
-use crate::system::{Activity, Planned, component};
+use crate::system::{Activity, Planned, Shown, component};
 
 impl Motion {
     pub(crate) fn advance_system(&mut self, index: usize) {
-        if self.systems[index].contour_in_force().is_some() {
-            self.advance_contour(index);
-            return;
-        }
+        let system = &mut self.systems[index];
+        let base = system.time_base(&self.clock);
+        system.travel.steer(&base);
         for _ in 0..MAX_ENDS_PER_TICK {
             let system = &self.systems[index];
             if system.guide.is_some_and(|guide| guide.has_position_lock()) {
                 break;
             }
-            let clock = system.clock(&self.clock);
-            let moment = match self.systems[index].planner.passage(&clock) {
+            let moment = match system.travel.event(&system.time_base(&self.clock)) {
                 None => break,
                 Some(Passage::HandOver(at)) => self.moment(index, at),
                 Some(Passage::Reached(at)) => match self.reached(index, at) {
@@ -41,8 +40,9 @@ impl Motion {
                 break;
             }
         }
-        let clock = self.systems[index].clock(&self.clock);
-        self.systems[index].planner.look_on(&clock);
+        let system = &mut self.systems[index];
+        let base = system.time_base(&self.clock);
+        system.travel.look_on(&base);
         if self.systems[index].is_busy() {
             self.sample_system(index);
         }
@@ -60,26 +60,26 @@ impl Motion {
     fn reached(&mut self, index: usize, at: Instant) -> Option<Moment> {
         if self.systems[index].activity == Activity::Stopping {
             self.sample_system(index);
-            self.systems[index].planner.clear_active();
+            self.retired.extend(self.systems[index].travel.clear());
             self.release_axes(index);
             return None;
         }
         let moment = self.moment(index, at);
-        let active = self.systems[index].planner.active()?.motion.data;
-        if self.systems[index].planner.passes_on() {
+        if self.systems[index].travel.passes_on() {
             return Some(moment);
         }
         self.set_end_position(index);
-        if !active.termination.settles() {
+        let active = self.systems[index].travel.active()?;
+        if !active.data.termination.settles() {
             return Some(moment);
         }
+        let end = active.path.end();
         let system = &mut self.systems[index];
         // Where the end was come to inside an earlier update, the way of the master tells no more when that was.
         let time = match system.guide {
             Some(_) => *system.ended.get_or_insert(moment.time),
             None => moment.time,
         };
-        let end = system.planner.active()?.motion.path.end();
         let time = self.settled(index, &end, time)?;
         let guide = &self.systems[index].guide;
         let own = guide
@@ -91,48 +91,35 @@ impl Motion {
     /// The active move is complete; the next one becomes active at the same instant. One that cannot fails, and the move
     /// before it ends as if there had been none: those behind it would begin elsewhere, and are cancelled.
     fn complete(&mut self, index: usize, moment: Moment) {
-        let last = self.systems[index].planner.active().map(|running| running.motion);
+        let last = self.systems[index].travel.active().copied();
         if let Some(last) = &last {
             self.end_move(last.data.execution, Flag::Pc.mask());
-            self.systems[index].in_actual_tolerance = last.data.termination.settles();
+            self.systems[index].shown.in_actual_tolerance = last.data.termination.settles();
         }
-        if let Some(next) = self.systems[index].planner.next() {
+        if let Some(next) = self.systems[index].travel.next() {
             self.controls.because(next.data.execution.into());
             let promoted = self.promote(index, last.as_ref(), &next, moment);
-            match promoted {
-                Ok(at) => {
-                    let clock = self.systems[index].clock(&self.clock);
-                    self.systems[index].planner.hand_over(at, &clock);
-                    let system = &mut self.systems[index];
-                    system.shown_phase = Phase::Steady;
-                    system.shown_tracking = false;
-                    system.in_actual_tolerance = false;
-                    system.in_command_tolerance = false;
-                    system.ended = None;
-                    self.controls
-                        .write(next.data.execution, Flag::Ac.mask(), 0, self.clock.tick);
-                    self.join_axes(index);
-                    self.calculate(index);
-                    self.controls.because(Cause::Itself);
-                    return;
-                }
-                Err(error) => {
-                    self.controls.fail(next.data.execution, error, self.clock.tick);
-                    self.systems[index].planner.cancel_pending();
-                    self.cancel_pending(index);
-                }
+            if let Ok(at) = promoted {
+                let system = &mut self.systems[index];
+                let base = system.time_base(&self.clock);
+                system.travel.hand_over(at, &base);
+                self.activate(index);
+            } else if let Err(error) = promoted {
+                self.controls.fail(next.data.execution, error, self.clock.tick);
+                self.systems[index].travel.cancel_waiting();
+                self.cancel_pending(index);
             }
             self.controls.because(Cause::Itself);
+            if promoted.is_ok() {
+                return;
+            }
         }
-        self.systems[index].planner.clear_active();
+        self.retired.extend(self.systems[index].travel.end());
         self.release_axes(index);
-        if let Some(last) = &last {
-            self.refuse_next_contour(index, last);
-        }
-        // Moves behind a merged one are planned as a contour now.
+        self.refuse_next(index, last.as_ref());
+        // What still waits is planned as a contour now.
         let system = &mut self.systems[index];
-        let contour = system.contour.as_ref();
-        if contour.is_some_and(|contour| contour.moves().next().is_some()) {
+        if system.travel.waiting().next().is_some() {
             system.activity = Activity::Moving;
         }
     }
@@ -146,64 +133,84 @@ impl Motion {
         next: &Move<Planned>,
         moment: Moment,
     ) -> Result<Instant, MotionError> {
-        let link = |motion: &Move<Planned>| motion.data.lead.map(|lead| lead.link);
-        if let Some(last) = last {
-            if last.parameter == next.parameter {
-                return Ok(moment.own);
-            }
-            if last.ending != Ending::Stop && link(last) != link(next) {
-                return Err(MotionError::MdscInvalidModeOrMasterChange);
-            }
+        if last.is_some_and(|last| last.parameter == next.parameter) {
+            return Ok(moment.own);
         }
+        verify_same_link(last, next)?;
         self.lead_system(index, next.data.lead, moment.time)?;
         let guide = &self.systems[index].guide;
         Ok(guide.as_ref().map_or(moment.time, |_| Clock::of_way(0.0).now()))
+    }
+
+    /// A move that would have to follow the one that has just ended without rest, and cannot.
+    fn refuse_next(&mut self, index: usize, last: Option<&Move<Planned>>) {
+        let next = self.systems[index].travel.waiting().next();
+        if let Some(Err(error)) = next.map(|next| verify_same_link(last, next)) {
+            self.refuse(index, error);
+        }
+    }
+
+    /// The move that was to begin cannot: it errs, and those behind it are cancelled.
+    pub(crate) fn refuse(&mut self, index: usize, error: MotionError) {
+        let (refused, trajectory) = self.systems[index].travel.refuse();
+        self.retired.extend(trajectory);
+        if let Some(refused) = refused {
+            self.controls.fail(refused.execution, error, self.clock.tick);
+            self.controls.because(refused.execution.into());
+        }
+        self.cancel_pending(index);
+        self.controls.because(Cause::Itself);
+    }
+
+    /// Another move has become the active one.
+    pub(crate) fn activate(&mut self, index: usize) {
+        let system = &mut self.systems[index];
+        system.shown = system.shown.of_next_move();
+        system.ended = None;
+        if let Some(active) = system.active() {
+            let execution = active.execution;
+            self.controls.write(execution, Flag::Ac.mask(), 0, self.clock.tick);
+        }
+        self.join_axes(index);
+        self.calculate(index);
     }
 
     /// Calculated Data of the active move, if its plan is another one than it was computed of (spec/coordinated-instructions.md §9).
     pub(crate) fn calculate(&mut self, index: usize) {
         let system = &mut self.systems[index];
         let (plan, due) = system.calculated;
-        let contour = system.contour.as_ref().map_or(0, |contour| contour.plans());
-        let plans = system.planner.plans().wrapping_add(contour);
+        let plans = system.travel.plans();
         if system.activity != Activity::Moving || plans == plan || self.clock.tick < due {
             return;
         }
         system.calculated.0 = plans;
         let Some(active) = system.active() else { return };
+        let execution = active.execution;
         let Some(mut events) = active.events else { return };
-        let answered = if let Some(contour) = system.contour_in_force() {
-            let (clock, speed) = (system.contour_clock(&self.clock), system.contour_speed());
-            let reach = |distance| match contour.reaches(distance, &clock) {
-                Reach::At(seconds) => Reach::At(seconds * speed),
-                other => other,
-            };
-            !contour.is_paused() && events.answer(reach)
-        } else {
-            let (planner, clock) = (&system.planner, system.clock(&self.clock));
-            !planner.is_paused() && events.answer(|distance| planner.reaches(distance, &clock))
-        };
+        let base = system.time_base(&self.clock);
+        let answered = !system.travel.is_paused() && events.answer(|distance| system.travel.reaches(distance, &base));
         if !answered {
             let available = Flag::CalculatedDataAvailable.mask();
-            self.controls.write(active.execution, 0, available, self.clock.tick);
+            self.controls.write(execution, 0, available, self.clock.tick);
             return;
         }
-        if let Some(active) = system.active_mut() {
+        if let Some(active) = system.travel.active_data() {
             active.events = Some(events);
         }
-        self.give(active.execution, &events);
+        self.give(execution, &events);
     }
 
     /// The commands stand exactly on the programmed end of the active move.
     fn set_end_position(&mut self, index: usize) {
-        if let Some(end) = self.systems[index].active_end() {
+        if let Some(active) = self.systems[index].travel.active() {
+            let end = active.path.end();
             self.hold_at(index, &end);
             self.hold_heading(index);
         }
     }
 
     /// The commands stand exactly on a point.
-    pub(crate) fn hold_at(&mut self, index: usize, end: &Point) {
+    fn hold_at(&mut self, index: usize, end: &Point) {
         for place in 0..self.systems[index].description.linear().len() {
             let axis = self.systems[index].description.linear()[place];
             if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
@@ -218,70 +225,56 @@ impl Motion {
     /// Commands of a system's axes at the present tick, and ACCEL and DECEL of its active instruction.
     pub(crate) fn sample_system(&mut self, index: usize) {
         let system = &mut self.systems[index];
-        let Some((sample, planned)) = system.sample(&self.clock) else {
+        let base = system.time_base(&self.clock);
+        let Some((sample, planned)) = system.travel.sample(&base) else {
             return;
         };
-        let (length, in_transition) = match system.contour_in_force() {
-            Some(contour) => (
-                contour.length(),
-                contour.in_transition(&system.contour_clock(&self.clock)),
-            ),
-            None => (
-                system
-                    .planner
-                    .active()
-                    .map_or(0.0, |running| running.motion.path.length()),
-                system.planner.in_transition(&system.clock(&self.clock)),
-            ),
-        };
-        system.in_transition = in_transition;
+        let length = system.travel.length();
         // The vector of all that it moves X, Y and Z with; a move that only turns has a speed by its angle.
         let only_turns = system.active().is_some_and(|active| active.only_turns);
         let speed = match sample.velocity.norm() {
             0.0 if only_turns => sample.along.velocity.abs(),
             speed => speed,
         };
-        system.along = [speed, sample.along.position.clamp(0.0, length), length];
-        seat(system.description.linear(), &mut self.axes, &sample);
-        self.seat_turned(index, &sample);
-        let system = &mut self.systems[index];
-        system.has_moved |= match &system.guide {
-            // Its master may stand.
-            Some(_) => sample.along.velocity != 0.0,
-            None => !system.is_paused() && (length > 0.0 || system.contour_in_force().is_some()),
-        };
         // Nothing has begun while a lock is waited for.
         let waits = system.guide.is_some_and(|guide| !guide.has_begun());
         let phase = if waits { Phase::Steady } else { sample.phase };
-        system.course = match &system.guide {
-            Some(_) => course(&sample.along),
-            None => phase,
+        let (moves, trend) = match &system.guide {
+            // Its master may stand.
+            Some(_) => (sample.along.velocity != 0.0, sample.along.phase()),
+            None => (!system.travel.is_paused() && length > 0.0, phase),
         };
-        if system.activity == Activity::Moving && phase != system.shown_phase {
-            system.shown_phase = phase;
-            let (set, clear) = match phase {
-                Phase::Accelerating => (Flag::Accel.mask(), Flag::Decel.mask()),
-                Phase::Decelerating => (Flag::Decel.mask(), Flag::Accel.mask()),
-                Phase::Steady => (0, Flag::Accel.mask() | Flag::Decel.mask()),
-            };
-            if let Some(active) = system.active() {
-                self.controls.write(active.execution, set, clear, self.clock.tick);
-            }
-        }
+        system.shown = Shown {
+            in_transition: system.travel.in_transition(&base),
+            has_moved: system.shown.has_moved || moves,
+            trend,
+            speed,
+            distance: sample.along.position.clamp(0.0, length),
+            length,
+            ..system.shown
+        };
+        seat(system.description.linear(), &mut self.axes, &sample);
+        self.seat_turned(index, &sample);
         let system = &mut self.systems[index];
+        let Some(execution) = system.active().map(|active| active.execution) else {
+            return;
+        };
+        let tick = self.clock.tick;
+        if system.activity == Activity::Moving && phase != system.shown.phase {
+            system.shown.phase = phase;
+            let (set, clear) = phase_flags(phase);
+            self.controls.write(execution, set, clear, tick);
+        }
         let tracking = system.is_tracking(planned);
-        if std::mem::replace(&mut system.shown_tracking, tracking) != tracking
-            && let Some(active) = system.active()
-        {
-            self.controls
-                .flag(active.execution, Flag::TrackingMaster, tracking, self.clock.tick);
+        if std::mem::replace(&mut system.shown.tracking, tracking) != tracking {
+            self.controls.flag(execution, Flag::TrackingMaster, tracking, tick);
         }
     }
 
     /// The axes' part of a coordinated move that has just begun, so that others of the same tick see it.
     pub(crate) fn seat_axes(&mut self, index: usize) {
         let system = &self.systems[index];
-        if let Some((sample, _)) = system.sample(&self.clock) {
+        if let Some((sample, _)) = system.travel.sample(&system.time_base(&self.clock)) {
             seat(system.description.linear(), &mut self.axes, &sample);
             self.seat_turned(index, &sample);
         }
@@ -289,7 +282,7 @@ impl Motion {
 
     /// The instant at which the axes came within the Actual Tolerance of the end that the command reached
     /// before the present tick: found inside the tick, so that a successor's start does not depend on the period.
-    pub(crate) fn settled(&mut self, index: usize, end: &Point, reached: Instant) -> Option<Instant> {
+    fn settled(&mut self, index: usize, end: &Point, reached: Instant) -> Option<Instant> {
         let system = &self.systems[index];
         let elapsed = reached.elapsed(&self.clock);
         let mut settling = Settling {
@@ -337,14 +330,14 @@ impl Motion {
             if system.activity != Activity::Moving {
                 continue;
             }
-            if let Some(end) = system.active_end() {
+            if let Some(end) = system.travel.active().map(|active| active.path.end()) {
                 let axes = &self.axes;
                 let squares = system.description.linear().iter().enumerate().map(|(place, axis)| {
                     let generator = axes.get(usize::from(*axis)).and_then(|axis| axis.sum.get(Slot::System));
                     let left = generator.map_or(0.0, |generator| generator.now.position) - component(&end, place);
                     left * left
                 });
-                system.in_command_tolerance = squares.sum::<f64>().sqrt() < system.description.command_tolerance;
+                system.shown.in_command_tolerance = squares.sum::<f64>().sqrt() < system.description.command_tolerance;
             }
         }
     }
@@ -358,15 +351,14 @@ struct Moment {
     time: Instant,
 }
 
-/// What a speed along the path does, whatever causes it.
-fn course(along: &KinematicState) -> Phase {
-    let rising = along.velocity * along.acceleration;
-    if rising > 0.0 || (along.velocity == 0.0 && along.acceleration != 0.0) {
-        Phase::Accelerating
-    } else if rising < 0.0 {
-        Phase::Decelerating
-    } else {
-        Phase::Steady
+/// A move of another mode or master than the one before cannot follow that without rest (spec/coordinated-instructions.md §7.11).
+fn verify_same_link(last: Option<&Move<Planned>>, next: &Move<Planned>) -> Result<(), MotionError> {
+    let link = |motion: &Move<Planned>| motion.data.lead.map(|lead| lead.link);
+    match last {
+        Some(last) if last.ending != Ending::Stop && link(last) != link(next) => {
+            Err(MotionError::MdscInvalidModeOrMasterChange)
+        }
+        _ => Ok(()),
     }
 }
 
@@ -383,4 +375,4 @@ fn seat(places: &[u16], axes: &mut [Axis], sample: &Sample) {
 }
 
 /// Moves of one coordinate system that can end within one tick; the rest end in the next one.
-pub(crate) const MAX_ENDS_PER_TICK: usize = 64;
+const MAX_ENDS_PER_TICK: usize = 64;

@@ -3,7 +3,7 @@
 //! Real-time: no allocation; bounded by the axes.
 
 use arcline_instruction_set::Flag;
-use arcline_planner::profile::{Limits, Phase};
+use arcline_planner::profile::Limits;
 
 use super::Motion;
 use crate::axis::generator::Law;
@@ -12,6 +12,7 @@ use crate::axis::{AfterStop, Axis, AxisState};
 use crate::control::Execution;
 use crate::events::MoveEvents;
 use crate::masters::cam::Cam;
+use crate::status::phase_flags;
 
 impl Motion {
     /// Commands of all axes at the present tick.
@@ -264,11 +265,7 @@ impl Motion {
                 if !changed {
                     continue;
                 }
-                let (set, clear) = match phase {
-                    Phase::Accelerating => (Flag::Accel.mask(), Flag::Decel.mask()),
-                    Phase::Decelerating => (Flag::Decel.mask(), Flag::Accel.mask()),
-                    Phase::Steady => (0, Flag::Accel.mask() | Flag::Decel.mask()),
-                };
+                let (set, clear) = phase_flags(phase);
                 self.controls.write(execution, set, clear, tick);
             }
         }

@@ -10,7 +10,6 @@ use super::Motion;
 use crate::axis::generator::Generator;
 use crate::axis::sum::Slot;
 use crate::control::{Controls, Execution};
-use crate::dynamics::Maxima;
 use crate::masters::cam::Cam;
 use crate::masters::follower::{Beginning, LockTo, MasterFollower};
 use crate::masters::links::MasterLink;
@@ -188,9 +187,7 @@ impl Motion {
         if system.guide.is_none() {
             return;
         }
-        let active = system.planner.active();
-        let s_curve = active.is_some_and(|running| running.motion.data.dynamics.is_s_curve());
-        let mut limits = Maxima::from(&system.description).stop(s_curve);
+        let mut limits = system.path_stop();
         limits.deceleration = self.kept_by_turn(index, limits.deceleration);
         self.cancel_pending(index);
         self.end_active(index);

@@ -3,7 +3,7 @@
 //! Real-time: no allocation; bounded by the axes, the coordinate systems and the depth of their queues.
 
 use arcline_instruction_set::Flag;
-use arcline_planner::profile::{Limits, Phase};
+use arcline_planner::profile::Limits;
 
 use super::Motion;
 use crate::axis::sum::Slot;
@@ -11,20 +11,22 @@ use crate::stop::AxisSet;
 use crate::system::Activity;
 
 impl Motion {
-    /// Cancels every pending move of a coordinate system.
+    /// Cancels every pending move of a coordinate system; where none is active yet, it is at rest.
     pub(crate) fn cancel_pending(&mut self, index: usize) {
-        if self.systems[index].contour.is_some() {
-            self.cancel_pending_contour(index);
-        }
-        while let Some(cancelled) = self.systems[index].planner.cancel_pending() {
+        while let Some(cancelled) = self.systems[index].travel.cancel_waiting() {
             self.end_move(cancelled.execution, 0);
+        }
+        let system = &mut self.systems[index];
+        if system.activity != Activity::Stopping && system.travel.active().is_none() {
+            self.retired.extend(system.travel.clear());
+            self.rest_system(index);
         }
     }
 
     /// Ends the active move's instruction; the path is left to the caller.
     pub(crate) fn end_active(&mut self, index: usize) {
         if self.systems[index].activity == Activity::Moving
-            && let Some(active) = self.systems[index].take_active()
+            && let Some(active) = self.systems[index].travel.detach_active()
         {
             self.end_move(active.execution, 0);
         }
@@ -32,31 +34,18 @@ impl Motion {
 
     /// Brakes the coordinated move of a system on its path, in time: a master leads it no more. Its instructions have ended.
     pub(crate) fn stop_on_path(&mut self, index: usize, limits: &Limits) {
-        let clock = self.clock;
         let tail = self.of_tail(index, limits);
         let system = &mut self.systems[index];
         if !system.is_busy() {
             return;
         }
-        system.activity = Activity::Stopping;
-        let merged = system.planner.active().is_some();
-        let (own, way) = (
-            system.contour_clock(&clock),
-            system.guide.map(|guide| system.contour_pace(&guide)),
-        );
-        match (&mut system.contour, system.guide.take()) {
-            (Some(contour), Some(_)) if !merged => {
-                contour.stop_in_time(limits, &way.unwrap_or_default(), &own, &clock);
-            }
-            (Some(contour), None) if !merged => contour.stop(limits, &clock),
-            (_, None) => system.planner.stop(limits, &clock),
-            (_, Some(guide)) => system
-                .planner
-                .stop_in_time(limits, &guide.pace(), &guide.clock(), &clock),
-        }
+        let base = system.time_base(&self.clock);
+        system.travel.stop(limits, &base);
         if let Some(tail) = tail {
-            system.planner.stop_tail(&tail, &clock);
+            system.travel.stop_tail(&tail, &self.clock);
         }
+        system.guide = None;
+        system.activity = Activity::Stopping;
         system.stale = true;
     }
 
@@ -64,7 +53,6 @@ impl Motion {
     /// of the axes, a stop that is under way brakes no later than it would, and what comes to rest sooner by its own profile goes
     /// on with that.
     pub(crate) fn stop_on_path_at_once(&mut self, index: usize, limits: &Limits) {
-        let clock = self.clock;
         let system = &mut self.systems[index];
         if system.guide.is_some() {
             self.stop_on_path(index, limits);
@@ -73,11 +61,8 @@ impl Motion {
         if !system.is_busy() {
             return;
         }
+        system.travel.stop_soonest(limits, &self.clock);
         system.activity = Activity::Stopping;
-        match &mut system.contour {
-            Some(contour) if system.planner.active().is_none() => contour.stop_at_once(limits, &clock),
-            _ => system.planner.stop_soonest(limits, &clock),
-        }
         system.stale = true;
     }
 
@@ -95,15 +80,10 @@ impl Motion {
         if !self.systems[index].is_busy() {
             return braking;
         }
-        let active = self.systems[index].active();
-        let s_curve = active.is_some_and(|active| active.dynamics.is_s_curve());
-        let before = self.systems[index].planner.before();
-        let before = before.filter(|_| self.systems[index].guide.is_none());
-        self.cancel_pending(index);
-        self.end_active(index);
-        self.retire_contour(index);
-        self.systems[index].planner.clear_active();
-        self.rest_system(index);
+        let system = &self.systems[index];
+        let s_curve = system.is_s_curve();
+        let before = system.travel.limits_in_force(&system.time_base(&self.clock));
+        self.end_travel(index);
         for place in 0..self.systems[index].taken().len() {
             let axis = self.systems[index].taken()[place];
             let Some(state) = self.axes.get_mut(usize::from(axis)) else {
@@ -122,6 +102,14 @@ impl Motion {
         }
         self.systems[index].braking = braking;
         braking
+    }
+
+    /// Ends all moves of a system and their motion at once; the axes are left to the caller.
+    pub(crate) fn end_travel(&mut self, index: usize) {
+        self.cancel_pending(index);
+        self.end_active(index);
+        self.retired.extend(self.systems[index].travel.clear());
+        self.rest_system(index);
     }
 
     /// Ends all coordinated motion of a system at once for another one that takes the axes they share; the
@@ -148,8 +136,8 @@ impl Motion {
 
     /// Takes the axes of a system into its coordinated move, or on into the next one.
     pub(crate) fn join_axes(&mut self, index: usize) {
+        let s_curve = self.systems[index].is_s_curve();
         let active = self.systems[index].active();
-        let s_curve = active.is_some_and(|active| active.dynamics.is_s_curve());
         let turns = active.is_some_and(|active| active.heading.is_some());
         let description = &self.systems[index].description;
         let taken = if turns {
@@ -210,14 +198,9 @@ impl Motion {
     pub(crate) fn rest_system(&mut self, index: usize) {
         let system = &mut self.systems[index];
         system.activity = Activity::Idle;
-        system.shown_phase = Phase::Steady;
+        system.shown = system.shown.at_rest();
         system.guide = None;
         system.ended = None;
-        system.course = Phase::Steady;
-        system.shown_tracking = false;
-        system.in_transition = false;
-        system.has_moved = false;
-        system.along = [0.0; 3];
         system.stale = false;
     }
 }

@@ -12,7 +12,6 @@ use crate::axes::share;
 use crate::axis::sum::Slot;
 use crate::cause::Cause;
 use crate::stop::AxisSet;
-use crate::transforms::ahead::path_stop;
 use crate::transforms::{Present, Release, TransformId, Verdict};
 
 impl Motion {
@@ -116,7 +115,7 @@ impl Motion {
         for index in 0..self.systems.len() {
             let system = &self.systems[index];
             if system.is_busy() && share(axes, system.taken()) {
-                let limits = path_stop(system);
+                let limits = system.guarded_stop();
                 self.cancel_pending(index);
                 self.end_active(index);
                 self.stop_on_path_at_once(index, &limits);

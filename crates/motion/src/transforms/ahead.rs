@@ -5,8 +5,8 @@
 //! transforms, the coordinate systems and the axes. Units: position units, seconds.
 
 use arcline_planner::geometry::{Point as Vector, angle_rates, angles};
-use arcline_planner::profile::{Bounds, Jerk, Limits, Profile};
-use arcline_planner::{Clock, ContourStopping, Move, Pace, Sample, Stopping};
+use arcline_planner::profile::{Bounds, Limits, Profile};
+use arcline_planner::{Clock, PathStopping, Sample};
 use arcline_profile::KinematicState;
 
 use super::Present;
@@ -16,7 +16,7 @@ use crate::axes::{AxisList, share};
 use crate::axis::generator::{Generator, Law};
 use crate::axis::sum::Slot;
 use crate::machine::MAX_SYSTEM_AXES;
-use crate::system::{Planned, System, component};
+use crate::system::component;
 
 /// Stops that have not begun; the memory is kept from look to look.
 #[derive(Debug, Default)]
@@ -31,16 +31,9 @@ pub(crate) struct Ahead {
 #[derive(Clone, Debug)]
 struct PathStop {
     system: usize,
-    course: Course,
+    stopping: PathStopping,
     /// Rx, Ry, Rz where it was looked at last, degrees.
     near: Vector,
-}
-
-#[derive(Clone, Debug)]
-#[allow(clippy::large_enum_variant, reason = "a box would allocate in the tick")]
-enum Course {
-    Planned(Stopping),
-    Contour(ContourStopping),
 }
 
 /// How a generator of an axis comes to rest.
@@ -66,10 +59,7 @@ impl Ahead {
 
     /// Seconds from the next update until everything is at rest.
     pub(super) fn duration(&self) -> f64 {
-        let paths = self.paths.iter().map(|stop| match &stop.course {
-            Course::Planned(stopping) => stopping.duration(),
-            Course::Contour(stopping) => stopping.duration(),
-        });
+        let paths = self.paths.iter().map(|stop| stop.stopping.duration());
         let axes = self.axes.iter().map(|stop| stop.profile.duration() - stop.since);
         paths.chain(axes).fold(0.0, f64::max)
     }
@@ -97,13 +87,13 @@ impl Present<'_> {
             for axis in system.taken() {
                 ahead.steps[usize::from(*axis)] = KinematicState::default();
             }
-            if let Some(course) = self.path_course(index)
+            if let Some(stopping) = self.stopping(index)
                 && ahead.paths.len() < ahead.paths.capacity()
             {
                 let near = self.turned_to(index);
                 ahead.paths.push(PathStop {
                     system: index,
-                    course,
+                    stopping,
                     near,
                 });
             }
@@ -130,14 +120,7 @@ impl Present<'_> {
         let clock = self.clock.next().later(seconds);
         for stop in &mut ahead.paths {
             let system = &self.systems[stop.system];
-            let sample = match &stop.course {
-                Course::Planned(stopping) => Some(system.planner.sample_stopping(stopping, &clock)),
-                Course::Contour(stopping) => {
-                    let contour = system.contour.as_ref();
-                    contour.and_then(|contour| contour.sample_stopping(stopping, &clock))
-                }
-            };
-            if let Some(sample) = sample {
+            if let Some(sample) = system.travel.sample_stopping(&stop.stopping, &clock) {
                 self.step_along(stop, &sample, &mut ahead.steps);
             }
         }
@@ -188,37 +171,18 @@ impl Present<'_> {
         }
     }
 
-    fn path_course(&self, index: usize) -> Option<Course> {
+    fn stopping(&self, index: usize) -> Option<PathStopping> {
         let system = &self.systems[index];
-        let limits = path_stop(system);
-        let time = self.clock.next();
-        let Some(guide) = &system.guide else {
-            return match system.contour_in_force() {
-                Some(contour) => contour.stopping(&limits, None, &time, &time).map(Course::Contour),
-                None => system.planner.stopping(&limits, &time).map(Course::Planned),
-            };
-        };
+        let mut base = system.time_base(self.clock);
+        base.time = self.clock.next();
         // The master goes on like this for an update.
-        let period = self.clock.period();
-        let gone = |pace: &Pace| (pace.speed + 0.5 * pace.acceleration * period) * period;
-        let on = |pace: Pace| Pace {
-            speed: (pace.speed + pace.acceleration * period).max(0.0),
-            ..pace
-        };
-        match system.contour_in_force() {
-            Some(contour) => {
-                let pace = system.contour_pace(guide);
-                let clock = system.contour_clock(self.clock).later(gone(&pace).max(0.0));
-                let stopping = contour.stopping(&limits, Some(&on(pace)), &clock, &time);
-                stopping.map(Course::Contour)
-            }
-            None => {
-                let pace = guide.pace();
-                let clock = guide.clock().later(gone(&pace).max(0.0));
-                let stopping = system.planner.stopping_in_time(&limits, &on(pace), &clock, &time);
-                stopping.map(Course::Planned)
-            }
+        if let Some(master) = &mut base.master {
+            let (period, rate) = (self.clock.period(), master.rate);
+            let gone = (rate.speed + 0.5 * rate.acceleration * period) * period;
+            master.displacement += gone.max(0.0);
+            master.rate.speed = (rate.speed + rate.acceleration * period).max(0.0);
         }
+        system.travel.stopping(&system.guarded_stop(), &base)
     }
 
     /// Rx, Ry, Rz of what a coordinate system's own move does, degrees.
@@ -267,37 +231,6 @@ impl Present<'_> {
         }
         source
     }
-}
-
-/// The stop on the path that the guard makes: at the maxima of the coordinate system, with no less jerk than programmed.
-pub(crate) fn path_stop(system: &System) -> Limits {
-    let own = &system.description;
-    let in_time = |motion: &Move<Planned>| motion.parameter.in_time(&motion.limits).jerk;
-    let (s_curve, programmed) = match (system.contour_in_force(), system.planner.active()) {
-        (Some(contour), _) => (
-            contour.moves().any(|planned| planned.data.dynamics.is_s_curve()),
-            contour.moves().filter_map(in_time).map(highest).fold(0.0, f64::max),
-        ),
-        (None, Some(active)) => (
-            active.motion.data.dynamics.is_s_curve(),
-            in_time(&active.motion).map_or(0.0, highest),
-        ),
-        (None, None) => (false, 0.0),
-    };
-    let jerk = own.max_deceleration_jerk.max(programmed);
-    Limits {
-        speed: own.max_speed,
-        acceleration: own.max_deceleration,
-        deceleration: own.max_deceleration,
-        jerk: s_curve.then_some(Jerk {
-            acceleration: jerk,
-            deceleration: jerk,
-        }),
-    }
-}
-
-fn highest(jerk: Jerk) -> f64 {
-    jerk.acceleration.max(jerk.deceleration)
 }
 
 /// The state of a generator at the next update: by its profile, or as it moves now.

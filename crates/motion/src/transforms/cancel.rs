@@ -2,7 +2,7 @@
 //! §19.7).
 
 use arcline_planner::Instant;
-use arcline_planner::profile::{Jerk, Limits, Profile};
+use arcline_planner::profile::{Limits, Profile};
 use arcline_profile::KinematicState;
 
 use super::sides::{Positions, Side};
@@ -12,6 +12,7 @@ use crate::axes::Axes;
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
 use crate::control::Execution;
+use crate::dynamics::stop_limits;
 use crate::machine::CoordinateSystem;
 use crate::stop::AxisSet;
 use crate::system::System;
@@ -149,15 +150,7 @@ impl Release {
     fn limits(&self, system: &CoordinateSystem, s_curve: bool) -> Limits {
         let rate = self.deceleration.unwrap_or(system.max_deceleration);
         let jerk = self.jerk.unwrap_or(system.max_deceleration_jerk);
-        Limits {
-            speed: system.max_speed,
-            acceleration: rate,
-            deceleration: rate,
-            jerk: s_curve.then_some(Jerk {
-                acceleration: jerk,
-                deceleration: jerk,
-            }),
-        }
+        stop_limits(system.max_speed, rate, s_curve.then_some(jerk))
     }
 }
 

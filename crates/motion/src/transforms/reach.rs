@@ -74,9 +74,7 @@ impl Present<'_> {
     /// there by no more than its limits allow within an update, as that of the source's axes does (spec/coordinated-instructions.md
     /// §7.5). `shift`: from the queue's positions to those of now. Real-time: one look a transform.
     pub(crate) fn corner_speed(&self, system: usize, path: &Path, shift: &Vector) -> f64 {
-        let planner = &self.systems[system].planner;
-        let active = planner.active().map(|running| &running.motion);
-        let Some(last) = planner.last_pending().or(active) else {
+        let Some(last) = self.systems[system].travel.last() else {
             return f64::INFINITY;
         };
         let turn = path.start_tangent() - last.path.end_tangent();

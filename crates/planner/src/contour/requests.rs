@@ -214,6 +214,7 @@ impl<T: Copy> ContourQueue<T> {
     }
 
     fn start(&mut self, trajectory: Arc<Trajectory>, clock: &Clock) {
+        let nominal = self.nominal();
         self.run = Some(Run {
             pace: Pace::constant(0.0, 0.0, clock),
             trajectory,
@@ -227,6 +228,7 @@ impl<T: Copy> ContourQueue<T> {
             lead: LEAD,
             asked: 0.0,
             retry: 0.0,
+            nominal,
         });
         self.change_pace(clock);
         // It begins at rest, so its pace may be anything.

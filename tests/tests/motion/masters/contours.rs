@@ -259,3 +259,22 @@ fn limits_of_axes_are_not_a_masters_to_keep() {
         "events in time: {whole}"
     );
 }
+
+#[test]
+fn each_move_of_a_driven_contour_shows_its_master_and_the_positions_that_it_began_at() {
+    let mut bench = bench("");
+    execute(&mut bench, &format!("MDCC(CS1, A, D, Command, {NOMINAL});"));
+    three_sides(&mut bench, true);
+    execute(
+        &mut bench,
+        "MAJ(A, J, 0, 50, 0, 9000, 0, 9000, 0, 0, 100, 100, 2, Disabled, Programmed);",
+    );
+    for (tag, began) in [("M1", [0.0, 0.0]), ("M2", [60.0, 0.0]), ("M3", [60.0, 40.0])] {
+        bench.until(tag, Flag::Ac);
+        bench.until(tag, Flag::TrackingMaster);
+        let shown = ["X", "Y"].map(|axis| bench.axis(axis).started_at[0]);
+        assert!(apart(shown, began) < 4.0, "{tag} began at {shown:?}");
+    }
+    bench.until("M3", Flag::Pc);
+    assert_eq!(place(&bench), [0.0, 40.0]);
+}

@@ -5,7 +5,7 @@ mod guard;
 mod lines;
 mod mcto;
 mod orientation;
-mod paths;
+pub(super) mod paths;
 mod queues;
 mod tool;
 mod wandering;

@@ -8,7 +8,7 @@ use arcline_tests::random::Random;
 use arcline_tests::robots::{DELTA, RobotMachine, SIX_AXES};
 
 /// X, Y, Z at 1000 units/s and 10000 units/s²; Rx, Ry, Rz at 90 degrees/s and 900 degrees/s².
-pub(super) const MACHINE: RobotMachine = RobotMachine {
+pub(in super::super) const MACHINE: RobotMachine = RobotMachine {
     cart: "actual_tolerance = 0.01\nmax_orientation_speed = 90.0\nmax_orientation_acceleration = 900.0\n",
     ..SIX_AXES
 };
@@ -19,7 +19,7 @@ const TURNING: [&str; 3] = ["RX", "RY", "RZ"];
 const MOVING: [&str; 3] = ["X", "Y", "Z"];
 
 /// The machine with a path and dynamics: 100 units/s, 1000 units/s², 45 degrees/s, 450 degrees/s², trapezoidal.
-pub(super) fn bench_of(machine: RobotMachine) -> Bench {
+pub(in super::super) fn bench_of(machine: RobotMachine) -> Bench {
     let mut bench = Bench::with(&format!("{}{TAGS}", machine.config()));
     for tag in ["P", "Many[0]", "Many[1]", "Many[2]"] {
         set(&mut bench, tag, &[("InterpolationType", 1.0), ("TerminationType", 1.0)]);
@@ -54,7 +54,7 @@ pub(super) fn dynamics(bench: &mut Bench, linear: [f64; 3], orientation: [f64; 3
     }
 }
 
-pub(super) fn position(bench: &mut Bench, tag: &str, position: [f64; 6]) {
+pub(in super::super) fn position(bench: &mut Bench, tag: &str, position: [f64; 6]) {
     for (place, value) in position.iter().enumerate() {
         bench.write(&format!("{tag}.Position[{place}]"), *value);
     }

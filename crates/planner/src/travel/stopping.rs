@@ -1,0 +1,88 @@
+//! Stops on the path, and what they would do before they are needed.
+
+use arcline_geometry::{Path, Turn};
+use arcline_profile::Limits;
+
+use super::Travel;
+use crate::contour::ContourStopping;
+use crate::stopping::Stopping;
+use crate::{Clock, Sample, TimeBase};
+
+/// A stop on the path that has not begun.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "a box would allocate in the tick")]
+pub enum PathStopping {
+    /// Of superposed moves.
+    Superposed(Stopping),
+    /// Of a contour.
+    Contour(ContourStopping),
+}
+
+impl PathStopping {
+    /// Seconds from its beginning to rest.
+    pub fn duration(&self) -> f64 {
+        match self {
+            PathStopping::Superposed(stopping) => stopping.duration(),
+            PathStopping::Contour(stopping) => stopping.duration(),
+        }
+    }
+}
+
+impl<T: Copy> Travel<T> {
+    /// Brakes on the path, by time from now on. The moves are the caller's to end.
+    pub fn stop(&mut self, limits: &Limits, base: &TimeBase) {
+        let (clock, pace) = (self.contour_clock(base), self.contour_pace(base));
+        match (self.contour_in_force_mut(), &base.master) {
+            (Some(contour), None) => contour.stop(limits, &clock),
+            (Some(contour), Some(_)) => contour.stop_in_time(limits, &pace, &clock, &base.time),
+            (None, None) => self.planner.stop(limits, &base.time),
+            (None, Some(master)) => self
+                .planner
+                .stop_in_time(limits, &master.rate, &base.clock(), &base.time),
+        }
+    }
+
+    /// As [`Travel::stop`] of a move by time, for what a robot must not go on with: a contour brakes without waiting for room within the
+    /// limits of the axes, and what comes to rest sooner by its own profile goes on with that.
+    pub fn stop_soonest(&mut self, limits: &Limits, time: &Clock) {
+        match self.contour_in_force_mut() {
+            Some(contour) => contour.stop_at_once(limits, time),
+            None => self.planner.stop_soonest(limits, time),
+        }
+    }
+
+    /// What [`Travel::stop_soonest`], or [`Travel::stop`] of a driven move, would do at the instant of `base`, which may lie ahead.
+    pub fn stopping(&self, limits: &Limits, base: &TimeBase) -> Option<PathStopping> {
+        let time = &base.time;
+        match (self.contour_in_force(), &base.master) {
+            (Some(contour), master) => {
+                let pace = master.as_ref().map(|_| self.contour_pace(base));
+                let stopping = contour.stopping(limits, pace.as_ref(), &self.contour_clock(base), time);
+                stopping.map(PathStopping::Contour)
+            }
+            (None, None) => self.planner.stopping(limits, time).map(PathStopping::Superposed),
+            (None, Some(master)) => {
+                let stopping = self.planner.stopping_in_time(limits, &master.rate, &base.clock(), time);
+                stopping.map(PathStopping::Superposed)
+            }
+        }
+    }
+
+    /// Where the coordinate system would be at an instant of a stop.
+    pub fn sample_stopping(&self, stopping: &PathStopping, time: &Clock) -> Option<Sample> {
+        match stopping {
+            PathStopping::Superposed(stopping) => Some(self.planner.sample_stopping(stopping, time)),
+            PathStopping::Contour(stopping) => self.contour.as_ref()?.sample_stopping(stopping, time),
+        }
+    }
+
+    /// The path and the turn of the move that the active one blends with.
+    pub fn tail(&self) -> Option<(&Path, Option<&Turn>)> {
+        self.planner.tail()
+    }
+
+    /// What the active move blends with brakes with limits of its own; everything has just been stopped.
+    pub fn stop_tail(&mut self, limits: &Limits, time: &Clock) {
+        self.planner.stop_tail(limits, time);
+    }
+}
