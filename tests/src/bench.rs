@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 
 use arcline_config::Project;
+use arcline_controller::drive::Drives;
 use arcline_controller::image::{Edge, Image};
 use arcline_controller::machine::{DynamicsBits, Start};
 use arcline_controller::{ContourRequest, Controller, Event, FaultChange, Snapshot, Ticket, Written};
@@ -51,9 +52,20 @@ impl Bench {
         Self::of(arcline_config::load(config, "bench.toml").expect("the configuration is valid"))
     }
 
+    /// A machine of a configuration with other drives than the simulated ones, at tick 0.
+    pub fn with_drives(config: &str, drives: Box<dyn Drives>) -> Self {
+        let project = arcline_config::load(config, "bench.toml").expect("the configuration is valid");
+        let controller = Controller::with_drives(&project.machine, drives);
+        Self::at_tick_0(project, controller)
+    }
+
     /// A project's machine at tick 0.
     pub fn of(project: Project) -> Self {
-        let mut controller = Controller::new(&project.machine);
+        let controller = Controller::new(&project.machine);
+        Self::at_tick_0(project, controller)
+    }
+
+    fn at_tick_0(project: Project, mut controller: Controller) -> Self {
         controller.begin_tick();
         let image = Image::new(&project.machine, &[], &project.tags);
         Bench {

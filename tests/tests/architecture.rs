@@ -13,7 +13,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("arcline-profile",         &[]),
     ("arcline-cam",             &[]),
     ("arcline-contour",         &["arcline-geometry", "arcline-profile"]),
-    ("arcline-drive",           &["arcline-profile"]),
+    ("arcline-drive",           &["arcline-profile", "arcline-instruction-set"]),
     ("arcline-proto",           &["arcline-tag"]),
     ("arcline-instruction-set", &["arcline-tag"]),
     ("arcline-structured-text", &["arcline-instruction-set", "arcline-tag"]),

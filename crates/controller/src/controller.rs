@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use arcline_drive::Drives;
 use arcline_instruction_set::{Call, ControlSlot, FaultSet, JogEnd, MotionControl, Object};
 use arcline_motion::machine::{self, DynamicsBits, Machine};
 use arcline_motion::{
     AcceptedMove, ArrayWrite, CallData, ContourRequest, Event, FaultChange, Input, Motion, Ticket, Trajectory,
 };
 
+use crate::drives::simulated;
 use crate::snapshot::Snapshot;
 
 /// What reaches the controller from outside.
@@ -127,6 +129,7 @@ pub struct PlannedContour {
 #[derive(Debug)]
 pub struct Controller {
     motion: Motion,
+    drives: Box<dyn Drives>,
     next_tick: u64,
 }
 
@@ -138,10 +141,16 @@ const MAX_STOPS_PER_TICK: usize = machine::MAX_AXES + 1;
 pub const MAX_COMMANDS_PER_TICK: usize = 64;
 
 impl Controller {
-    /// The machine as configured, at rest, before tick 0. The only allocation.
+    /// The machine as configured with simulated drives, at rest, before tick 0. The only allocation.
     pub fn new(machine: &Machine) -> Self {
+        Controller::with_drives(machine, Box::new(simulated(machine)))
+    }
+
+    /// The same with other drives, in the order of the machine's axes.
+    pub fn with_drives(machine: &Machine, drives: Box<dyn Drives>) -> Self {
         Controller {
             motion: Motion::new(machine),
+            drives,
             next_tick: 0,
         }
     }
@@ -207,7 +216,7 @@ impl Controller {
 
     /// Brings the machine to the next tick; the first call is tick 0. Real-time.
     pub fn begin_tick(&mut self) {
-        self.motion.begin(self.next_tick);
+        self.motion.begin(self.next_tick, self.drives.as_mut());
         self.next_tick += 1;
     }
 

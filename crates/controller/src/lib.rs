@@ -6,13 +6,16 @@
 #![forbid(unsafe_code)]
 
 mod controller;
+mod drives;
 pub mod image;
 pub mod samples;
 mod snapshot;
 
+pub use arcline_drive as drive;
 pub use arcline_motion::{
     AcceptedMove, ArrayWrite, AxisSnapshot, CONTROL_SLOTS, CallData, Cause, ContourRequest, Event, FaultChange, Input,
     Path, Point, RefusedCommand, SystemSnapshot, Ticket, Trajectory, UNNAMED, Written, machine,
 };
 pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port, StopRequest};
+pub use drives::simulated;
 pub use snapshot::Snapshot;

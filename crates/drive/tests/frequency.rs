@@ -2,7 +2,7 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use arcline_drive::{Drive, Settings};
+use arcline_drive::simulated::{Drive, Settings};
 use arcline_profile::KinematicState;
 
 /// Gain and phase, in radians, of the actual position over a sine of the command at a whole number of hertz.

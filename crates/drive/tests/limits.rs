@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use arcline_drive::{Drive, Saturation, Settings};
+use arcline_drive::Saturation;
+use arcline_drive::simulated::{Drive, Settings};
 use arcline_profile::KinematicState;
 
 /// `p(t) = c0 + c1 t + c2 t² + c3 t³`: every update period sees the same command.

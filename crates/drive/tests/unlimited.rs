@@ -1,6 +1,6 @@
 //! A drive without limits computes what it always has, to the last bit: traces and clients rely on it.
 
-use arcline_drive::{Drive, Settings};
+use arcline_drive::simulated::{Drive, Settings};
 use arcline_profile::KinematicState;
 
 /// A command that speeds up, cruises, brakes, stands, and leaps once.

@@ -26,6 +26,8 @@ pub enum FaultKind {
     FeedbackLoss,
     /// A command would have been beyond what the axis can follow.
     CommandLimit,
+    /// The drive does not answer.
+    DriveCommunication,
 }
 
 /// Which words of an axis's tag a fault and its alarm show in.
@@ -82,8 +84,8 @@ pub static FAULTS: [Fault; FaultKind::COUNT] = [
         "The actual position of a homed axis is below Soft Travel Limit Negative and it moves further out."),
     fault(FaultKind::PositionError, "position_error", FaultWord::Cip, 54, ExceptionAction::StopDrive, true,
         "The following error is above its tolerance for longer than the tolerance time."),
-    fault(FaultKind::Drive, "drive", FaultWord::Cip, 62, ExceptionAction::StopDrive, false,
-        "The drive faults without telling more (ControllerInitiatedFault)."),
+    fault(FaultKind::Drive, "drive", FaultWord::Cip, 62, ExceptionAction::StopDrive, true,
+        "The drive goes off by itself, or faults, without telling more (ControllerInitiatedFault)."),
     fault(FaultKind::Overcurrent, "overcurrent", FaultWord::Cip, 1, ExceptionAction::StopDrive, false,
         "The motor takes more current than its limit."),
     fault(FaultKind::Overspeed, "overspeed", FaultWord::Cip, 3, ExceptionAction::StopDrive, false,
@@ -96,6 +98,8 @@ pub static FAULTS: [Fault; FaultKind::COUNT] = [
         "The encoder gives no signal: nothing is written to the tag that feeds an axis of type feedback."),
     fault(FaultKind::CommandLimit, "command_limit", FaultWord::Motion, 31, ExceptionAction::StopPlanner, true,
         "A command beyond the command limits of the axis did not go out; the axis and the axes that moved with it stop."),
+    fault(FaultKind::DriveCommunication, "drive_communication", FaultWord::Cip, 45, ExceptionAction::StopDrive, true,
+        "The drive has not answered for three updates in a row."),
 ];
 
 const fn fault(
@@ -120,7 +124,7 @@ const fn fault(
 
 impl FaultKind {
     /// How many kinds there are.
-    pub const COUNT: usize = 10;
+    pub const COUNT: usize = 11;
 
     /// Every kind, in the order of [`FAULTS`].
     pub const ALL: [FaultKind; FaultKind::COUNT] = [
@@ -134,6 +138,7 @@ impl FaultKind {
         FaultKind::OvertravelNegative,
         FaultKind::FeedbackLoss,
         FaultKind::CommandLimit,
+        FaultKind::DriveCommunication,
     ];
 
     /// Its row. Real-time.

@@ -262,20 +262,6 @@ pub struct Drive {
     pub encoder_resolution: Option<f64>,
 }
 
-impl Drive {
-    /// The same for the simulation, with a count of the encoder at a position.
-    pub(crate) fn settings(&self, encoder_origin: f64) -> arcline_drive::Settings {
-        arcline_drive::Settings {
-            bandwidth: self.position_bandwidth_hz,
-            feedforward: self.velocity_feedforward,
-            speed_limit: self.speed_limit.unwrap_or(f64::INFINITY),
-            torque_limit: self.torque_limit.unwrap_or(f64::INFINITY),
-            encoder_resolution: self.encoder_resolution,
-            encoder_origin,
-        }
-    }
-}
-
 impl Default for Drive {
     fn default() -> Self {
         Self {

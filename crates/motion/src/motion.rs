@@ -16,7 +16,7 @@ mod transforms;
 
 use std::sync::Arc;
 
-use arcline_drive::SetPoint;
+use arcline_drive::{Feedback, SetPoint};
 use arcline_instruction_set::{Call, Flag, JogEnd, Mnemonic, MotionControl};
 use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
@@ -51,6 +51,8 @@ pub struct Motion {
     pub(crate) systems: Vec<System>,
     /// What went out to the drives at the last exchange, in the order of the axes.
     set_points: Vec<SetPoint>,
+    /// What came in from them.
+    feedback: Vec<Feedback>,
     pub(crate) controls: Controls,
     pub(crate) transforms: Transforms,
     /// The order of a tick while some axes follow others.
@@ -73,13 +75,13 @@ pub struct Motion {
     pub(crate) accepted: Vec<AcceptedMove>,
 }
 
-/// A request to a drive: its instruction is done an update later.
+/// A request to a drive: its instruction is done an update later, or when the drive has answered.
 #[derive(Clone, Copy, Debug)]
 struct Message {
     execution: Execution,
     axis: u16,
-    /// The state that the axis has then reached.
-    reached: Option<AxisState>,
+    /// The state of the axis until its drive has answered.
+    asked: Option<AxisState>,
 }
 
 /// Arrays that are written in one tick; one more is lost.
@@ -97,6 +99,7 @@ impl Motion {
             axes: Axes::new(machine, &clock),
             systems: systems(machine),
             set_points: vec![SetPoint::default(); machine.axes.len()],
+            feedback: vec![Feedback::default(); machine.axes.len()],
             controls: Controls::new(),
             transforms: Transforms::new(machine.systems.len()),
             order: Order::new(machine.axes.len(), machine.systems.len()),
@@ -293,14 +296,10 @@ impl Motion {
         self.controls.write(execution, Flag::Dn.mask(), 0, self.clock.tick);
     }
 
-    /// Sets DN at the next update, once the axis has reached a state.
-    pub(crate) fn done_next_update(&mut self, execution: Execution, axis: u16, reached: Option<AxisState>) {
+    /// Sets DN at the next update; `asked`: once the drive has answered and the axis has left this state.
+    pub(crate) fn done_next_update(&mut self, execution: Execution, axis: u16, asked: Option<AxisState>) {
         if self.messages.len() < MESSAGES {
-            self.messages.push(Message {
-                execution,
-                axis,
-                reached,
-            });
+            self.messages.push(Message { execution, axis, asked });
         } else {
             self.done(execution);
         }
@@ -343,24 +342,28 @@ impl Motion {
         self.controls.write(execution, available, 0, self.clock.tick);
     }
 
+    /// Messages that need no answer of a drive.
     fn finish_messages(&mut self) {
-        for place in 0..self.messages.len() {
-            let Message {
-                execution,
-                axis,
-                reached,
-            } = self.messages[place];
-            if let (Some(state), Some(axis)) = (reached, self.axes.get_mut(usize::from(axis)))
-                && matches!(
-                    (axis.state, state),
-                    (AxisState::Starting, AxisState::Running) | (AxisState::Stopping, AxisState::Stopped)
-                )
-            {
-                axis.state = state;
+        self.finish_where(|message, _| message.asked.is_none());
+    }
+
+    /// Requests to drives that these have answered.
+    fn finish_requests(&mut self) {
+        self.finish_where(|message, state| message.asked.is_some_and(|asked| state != Some(asked)));
+    }
+
+    /// Sets DN of messages, in order. `done`: by the message and the state of its axis.
+    fn finish_where(&mut self, done: impl Fn(&Message, Option<AxisState>) -> bool) {
+        let mut messages = std::mem::take(&mut self.messages);
+        messages.retain(|message| {
+            let axis = self.axes.get(usize::from(message.axis));
+            let done = done(message, axis.map(|axis| axis.state));
+            if done {
+                self.done(message.execution);
             }
-            self.done(execution);
-        }
-        self.messages.clear();
+            !done
+        });
+        self.messages = messages;
     }
 }
 

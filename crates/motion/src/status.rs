@@ -25,7 +25,7 @@ const STANDSTILL: f64 = 1e-3;
 pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
     let actual = axis.actual;
     let [first, second] = &axis.registrations;
-    let saturation = axis.saturation;
+    let saturation = axis.link.feedback.saturation;
     let command = axis.command;
     let offset = &axis.cams(Slot::PositionCam).offset;
     AxisSnapshot {
@@ -72,7 +72,7 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
                 cip_axis_status::TRACKING_COMMAND_STATUS,
             ),
             (
-                axis.position_error.abs() <= POSITION_LOCK_TOLERANCE,
+                axis.position_error().abs() <= POSITION_LOCK_TOLERANCE,
                 cip_axis_status::POSITION_LOCK_STATUS,
             ),
             (
@@ -86,7 +86,7 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         .into_iter()
         .fold(0, with),
         cip_io: [
-            (axis.stands_on_switch(), cip_axis_io_status::HOME_INPUT_STATUS),
+            (axis.link.feedback.inputs.home, cip_axis_io_status::HOME_INPUT_STATUS),
             (first.on, cip_axis_io_status::REGISTRATION1_INPUT_STATUS),
             (second.on, cip_axis_io_status::REGISTRATION2_INPUT_STATUS),
         ]
@@ -95,7 +95,7 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         command: [axis.shown(command.position), command.velocity, command.acceleration],
         actual: [axis.shown(actual.position), actual.velocity, actual.acceleration],
         average_velocity: axis.average.velocity(),
-        position_error: axis.position_error,
+        position_error: axis.position_error(),
         started_at: axis.started_at.map(|position| axis.shown(position)),
         strobed: axis.strobed,
         master_offset: [axis.master_offset().position, offset.start, offset.strobed],

@@ -85,6 +85,10 @@ pub(crate) struct System {
     pub(crate) guide: Option<MasterFollower>,
     /// When a master driven move with Actual Tolerance came to its programmed end.
     pub(crate) ended: Option<Instant>,
+    /// Since when the commands stand at the end of a move that waits for its axes; they are looked at behind the next exchange.
+    pub(crate) settling: Option<Instant>,
+    /// When the axes came within the Actual Tolerance of that end.
+    pub(crate) settled: Option<Instant>,
     /// The plan that Calculated Data is of, and the tick from which on it is computed again.
     pub(crate) calculated: (u32, u64),
     pub(crate) shown: Shown,
@@ -142,6 +146,8 @@ impl System {
             stopping_link: None,
             guide: None,
             ended: None,
+            settling: None,
+            settled: None,
             calculated: (0, 0),
             shown: Shown::default(),
             stale: false,

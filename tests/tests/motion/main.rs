@@ -10,6 +10,7 @@ mod coordinated_stops;
 mod error_codes;
 mod faults;
 mod feed_override;
+mod fieldbus;
 mod gears;
 mod group;
 mod home;

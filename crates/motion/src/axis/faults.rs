@@ -21,6 +21,8 @@ pub(crate) struct Observed {
     pub(crate) error: Option<f64>,
     /// Nothing is written to the tag that feeds the axis.
     pub(crate) lost: bool,
+    /// What the drive reports, and what its answers show.
+    pub(crate) drive: FaultSet,
 }
 
 /// The faults of an axis.
@@ -140,6 +142,8 @@ impl Faults {
             causes = causes.with(FaultKind::CommandLimit);
             found = found.with(FaultKind::CommandLimit);
         }
+        causes = causes.union(observed.drive);
+        found = found.union(observed.drive);
         self.causes = causes;
         self.found = found;
         let cleared = std::mem::take(&mut self.cleared);
@@ -351,6 +355,7 @@ mod tests {
             velocity,
             error: Some(0.0),
             lost: false,
+            drive: FaultSet::default(),
         }
     }
 

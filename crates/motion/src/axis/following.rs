@@ -73,7 +73,6 @@ impl Axis {
     pub(crate) fn set_virtual(&mut self, position: f64) {
         self.redefine(position - self.command.position);
         self.stand_at(position);
-        self.drive.cycle(self.command, 0.0);
         self.actual = self.command;
     }
 }

@@ -1,25 +1,25 @@
 //! Homing of one axis: which leg comes after which event (spec/axis-and-data-types.md §11).
 //!
 //! An active sequence is the axis's [`Slot::Home`] generator. Its legs begin at the exact instants at which the event
-//! came or the leg before ended, inside an update if need be: the way does not show the update period. The event is
-//! that of the actual position; its place is known exactly, and the instant is found by bisection of what the drive
-//! does within the update. Waiting for the event of a passive sequence moves nothing; it sees positions once an update,
-//! so one that comes and goes within an update is not seen.
+//! came or the leg before ended, inside an update if need be. The event is a latch of the drive: its position is exact, and its
+//! instant lies inside the update that the feedback ends. The set-point of that update has gone out by then, so the drive sees the
+//! next leg one update later, from its exact beginning on. Waiting for the event of a passive sequence moves nothing.
 //!
 //! Not here: one update ([`update`]), instructions and their bits. Units: position units, seconds. Nothing allocates.
 
 mod update;
 
+use arcline_drive::{ArmLatch, HOME_LATCH, Latch, Trigger};
 use arcline_planner::profile::{Limits, Profile};
 use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
 use super::generator::Generator;
-use super::sensor::{ahead, modulo};
 use super::sum::Slot;
 use super::{Axis, AxisState};
 use crate::control::Execution;
 use crate::machine::{HomeMode, HomeSequence};
+use crate::rotary::modulo;
 
 /// A MAH under way.
 #[derive(Clone, Copy, Debug)]
@@ -39,16 +39,20 @@ pub(crate) struct Homing {
 enum Stage {
     /// What moved the axis before brakes; or, for Immediate, the next update is waited for.
     Clearing,
-    /// It moves until it is at a machine position.
-    Seeking { sought: Sought, place: f64, direction: f64 },
+    /// It moves until a latch closes.
+    Seeking {
+        sought: Sought,
+        direction: f64,
+        latch: ArmLatch,
+    },
     /// It brakes on the switch, to come back to its edge.
     Turning,
     /// It brakes behind the home point.
     Braking,
     /// It moves to the Home Position.
     Returning,
-    /// Others move it; where it was in the update before.
-    Waiting { sought: Sought, last: f64 },
+    /// Others move it until a latch closes.
+    Waiting { latch: ArmLatch },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,13 +84,13 @@ impl Axis {
             event: None,
         };
         if waits {
-            let sought = if sequence == HomeSequence::Marker || self.stands_on_switch_before_marker() {
-                Sought::Marker
+            let before_marker = sequence == HomeSequence::SwitchMarker;
+            let latch = if sequence == HomeSequence::Marker || (before_marker && self.stands_on_switch()) {
+                self.link.arm(Trigger::Marker, false)
             } else {
-                Sought::Switch
+                self.link.arm(Trigger::SwitchOn, before_marker)
             };
-            let last = self.machine_position();
-            homing.stage = Stage::Waiting { sought, last };
+            homing.stage = Stage::Waiting { latch };
         }
         self.homing = Some(homing);
         if driven {
@@ -132,7 +136,8 @@ impl Axis {
     }
 
     /// Whether the home point was found in the update that ends now.
-    pub(crate) fn home_was_found(&mut self) -> bool {
+    pub(crate) fn home_was_found(&mut self, clock: &Clock) -> bool {
+        self.take_home_latch(clock);
         if std::mem::take(&mut self.home_reached) {
             return true;
         }
@@ -146,70 +151,41 @@ impl Axis {
         self.watch_home()
     }
 
-    /// The actual position without any redefinition.
-    pub(crate) fn machine_position(&self) -> f64 {
-        self.actual.position - self.redefined
-    }
-
-    /// One update in which others move the axis, if anything: to be called with the positions of this tick. Whether the
-    /// home point was found.
-    pub(crate) fn watch_home(&mut self) -> bool {
-        let now = self.machine_position();
-        loop {
-            let Some(homing) = &mut self.homing else {
-                return false;
-            };
-            let Stage::Waiting { sought, last } = homing.stage else {
-                self.take_home_position();
-                return true;
-            };
-            if now == last {
-                return false;
-            }
-            let direction = (now - last).signum();
-            let place = self.place_of(sought, last, direction);
-            let passed = place.filter(|place| direction * (now - place) >= 0.0);
-            let Some(homing) = &mut self.homing else {
-                return false;
-            };
-            match passed {
-                None => {
-                    homing.stage = Stage::Waiting { sought, last: now };
-                    return false;
-                }
-                Some(place) if sought == Sought::Switch && self.home.sequence == HomeSequence::SwitchMarker => {
-                    homing.stage = Stage::Waiting {
-                        sought: Sought::Marker,
-                        last: place,
-                    };
-                }
-                Some(place) => {
-                    self.home_event = true;
-                    self.align(place);
-                    return true;
-                }
-            }
+    /// The latch that homing waits for.
+    pub(crate) fn home_latch(&self) -> Option<ArmLatch> {
+        match self.homing()?.stage {
+            Stage::Seeking { latch, .. } | Stage::Waiting { latch } => Some(latch),
+            Stage::Clearing | Stage::Turning | Stage::Braking | Stage::Returning => None,
         }
     }
 
-    /// Where the axis finds what it seeks, as a machine position; `None`: not in that direction.
-    fn place_of(&self, sought: Sought, machine: f64, direction: f64) -> Option<f64> {
-        match sought {
-            Sought::Switch => ahead(machine, self.home.switch?.edge(direction), direction, self.unwind),
-            Sought::Release => ahead(machine, self.home.switch?.edge(-direction), direction, self.unwind),
-            Sought::Marker => self.home.marker?.ahead(machine, direction),
-            Sought::Stop => self.home.stop(direction),
+    /// One update in which others move the axis, if anything: to be called with the feedback of this tick. Whether the home point was
+    /// found.
+    fn watch_home(&mut self) -> bool {
+        let Some(homing) = &self.homing else {
+            return false;
+        };
+        if !matches!(homing.stage, Stage::Waiting { .. }) {
+            self.take_home_position();
+            return true;
         }
+        let Some(latch) = self.closed_home_latch() else {
+            return false;
+        };
+        self.home_event = true;
+        self.align(latch.position);
+        true
+    }
+
+    /// The latch that homing waits for, if the last exchange says that it has closed.
+    fn closed_home_latch(&self) -> Option<Latch> {
+        let armed = self.home_latch()?;
+        self.link.feedback.latches[HOME_LATCH].filter(|latch| latch.number == armed.number)
     }
 
     /// Whether the home switch is active where the axis is.
-    pub(crate) fn stands_on_switch(&self) -> bool {
-        let active = |switch: crate::machine::HomeSwitch| switch.is_active(self.machine_position(), self.unwind);
-        self.home.switch.is_some_and(active)
-    }
-
-    fn stands_on_switch_before_marker(&self) -> bool {
-        self.home.sequence == HomeSequence::SwitchMarker && self.stands_on_switch()
+    fn stands_on_switch(&self) -> bool {
+        self.link.feedback.inputs.home
     }
 
     /// The leg is at its end. Whether the sequence is.
@@ -258,57 +234,51 @@ impl Axis {
         }
     }
 
-    /// The axis is at the place that it seeks.
-    fn place_is_reached(&mut self, instant: Instant) {
-        let Some(homing) = self.homing else {
+    /// The axis has come to what it seeks, at a machine position.
+    fn sought_is_reached(&mut self, position: f64, instant: Instant) {
+        let Some(Stage::Seeking { sought, direction, .. }) = self.homing.map(|homing| homing.stage) else {
             return;
         };
-        let Stage::Seeking {
-            sought,
-            place,
-            direction,
-        } = homing.stage
-        else {
-            return;
-        };
-        let way = self.home.direction;
-        let returns = way.is_bidirectional();
+        let returns = self.home.direction.is_bidirectional();
         if sought == Sought::Stop && self.home.sequence == HomeSequence::TorqueMarker {
             self.seek(Sought::Marker, -direction, self.home.return_speed, instant);
         } else if sought == Sought::Switch && returns {
             self.brake_as(Stage::Turning, instant);
-        } else if sought != Sought::Marker && self.home.sequence == HomeSequence::SwitchMarker {
-            self.seek_from(Sought::Marker, place, direction);
         } else {
             self.home_event = true;
             if let Some(homing) = &mut self.homing {
-                homing.event = Some(place);
+                homing.event = Some(position);
             }
             match self.unwind {
-                Some(turn) if !returns => self.go_on_home(place, turn, direction, instant),
+                Some(turn) if !returns => self.go_on_home(position, turn, direction, instant),
                 _ => self.brake_as(Stage::Braking, instant),
             }
         }
     }
 
-    /// Moves at a speed until it is where `sought` is.
+    /// Moves at a speed until a latch closes.
     fn seek(&mut self, sought: Sought, direction: f64, speed: f64, instant: Instant) {
-        self.seek_from(sought, self.machine_position(), direction);
+        let trigger = match sought {
+            Sought::Switch => Trigger::SwitchOn,
+            Sought::Release => Trigger::SwitchOff,
+            Sought::Marker => Trigger::Marker,
+            Sought::Stop => Trigger::Stop,
+        };
+        // The edge of the switch that the axis does not turn at is followed by the marker.
+        let turns = sought == Sought::Switch && self.home.direction.is_bidirectional();
+        let of_switch = matches!(sought, Sought::Switch | Sought::Release);
+        let then_marker = self.home.sequence == HomeSequence::SwitchMarker && of_switch && !turns;
+        let latch = self.link.arm(trigger, then_marker);
+        self.enter(Stage::Seeking {
+            sought,
+            direction,
+            latch,
+        });
         let limits = self.home_limits(speed);
         self.leg(
             Profile::to_velocity(self.present(), direction * speed, &limits),
             instant,
         );
-    }
-
-    /// From now on it seeks something; the leg goes on. What is not there is never reached.
-    fn seek_from(&mut self, sought: Sought, machine: f64, direction: f64) {
-        let place = self.place_of(sought, machine, direction);
-        self.enter(Stage::Seeking {
-            sought,
-            place: place.unwrap_or(direction * f64::INFINITY),
-            direction,
-        });
     }
 
     fn brake_as(&mut self, stage: Stage, instant: Instant) {

@@ -2,6 +2,7 @@
 
 mod average;
 pub(crate) mod camming;
+mod drive_link;
 pub(crate) mod faults;
 pub(crate) mod feed;
 mod following;
@@ -9,10 +10,8 @@ pub(crate) mod generator;
 pub(crate) mod homing;
 pub(crate) mod probes;
 mod redefine;
-mod sensor;
 pub(crate) mod sum;
 
-use arcline_drive::{Drive, Saturation, SetPoint};
 use arcline_instruction_set::ExceptionAction;
 use arcline_planner::profile::{Bounds, Jerk, Limits, Profile};
 use arcline_planner::{Clock, Instant};
@@ -26,13 +25,13 @@ use crate::masters::links::AxisMasterLinks;
 use crate::output::OutputCams;
 use average::Average;
 use camming::Cams;
-use faults::{Faults, Observed};
+use drive_link::DriveLink;
+use faults::Faults;
 use feed::Feeding;
 use following::TransformPart;
 use generator::Generator;
 use homing::Homing;
 use probes::{Registration, Watch};
-pub(crate) use sensor::modulo;
 use sum::{Slot, Sum};
 
 /// The axis state machine (spec/axis-and-data-types.md §12), as far as instructions see it.
@@ -70,19 +69,10 @@ pub(crate) enum AfterStop {
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
     pub(crate) state: AxisState,
-    pub(crate) drive: Drive,
+    /// What it gives to its drive and has from it.
+    pub(crate) link: DriveLink,
     /// Where the feedback of the last exchange says that the axis is.
     pub(crate) actual: KinematicState,
-    /// Command minus actual, as the drive knows it, position units.
-    pub(crate) position_error: f64,
-    /// What keeps the drive from following.
-    pub(crate) saturation: Saturation,
-    /// The drive has followed already: homing has moved it within the update.
-    followed: bool,
-    /// Homing came to its end within the update.
-    home_reached: bool,
-    /// By what the axis was behind its set-point at the last exchange.
-    lag: KinematicState,
     /// What [`Sum::command`] says at the present tick.
     pub(crate) command: KinematicState,
     pub(crate) sum: Sum,
@@ -91,6 +81,8 @@ pub(crate) struct Axis {
     pub(crate) homed: bool,
     pub(crate) home: Home,
     pub(crate) homing: Option<Homing>,
+    /// Homing came to its end within the update.
+    home_reached: bool,
     /// The home event of the last MAH came.
     pub(crate) home_event: bool,
     /// What positions were shifted by so far without motion: who follows the axis subtracts its changes.
@@ -130,17 +122,10 @@ impl Axis {
     pub(crate) fn new(description: &Description, clock: &Clock) -> Self {
         let start = &description.start;
         let position = start.position;
-        let (drive, state) = match &description.kind {
-            AxisKind::Virtual => (Drive::ideal(position), AxisState::Running),
-            AxisKind::Feedback => (Drive::ideal(position), AxisState::Stopped),
-            AxisKind::Servo(drive) => (
-                Drive::servo(position, &drive.settings(start.redefined)),
-                if start.servo_on {
-                    AxisState::Running
-                } else {
-                    AxisState::Stopped
-                },
-            ),
+        let state = match &description.kind {
+            AxisKind::Virtual => AxisState::Running,
+            AxisKind::Servo(_) if start.servo_on => AxisState::Starting,
+            AxisKind::Servo(_) | AxisKind::Feedback => AxisState::Stopped,
         };
         let faults = Faults::new(description);
         let state = match faults.strongest() {
@@ -150,19 +135,15 @@ impl Axis {
         };
         Axis {
             state,
-            actual: drive.actual(),
-            position_error: 0.0,
-            saturation: Saturation::None,
-            followed: false,
-            home_reached: false,
-            lag: KinematicState::default(),
-            drive,
+            link: DriveLink::default(),
+            actual: KinematicState::at_rest(position),
             command: KinematicState::at_rest(position),
             sum: Sum::at_rest(position),
             stale: false,
             homed: start.homed,
             home: description.home,
             homing: None,
+            home_reached: false,
             home_event: false,
             redefined: start.redefined,
             started_at: [position; 2],
@@ -453,56 +434,6 @@ impl Axis {
         }
     }
 
-    /// What goes out to the drive at the present tick.
-    pub(crate) fn set_point(&self) -> SetPoint {
-        SetPoint {
-            enable: self.has_torque(),
-            position: self.command.position - self.redefined,
-            velocity: self.command.velocity,
-            acceleration: self.command.acceleration,
-        }
-    }
-
-    /// The drive follows the set-point over the period that ends now; an axis that an encoder feeds has none.
-    pub(crate) fn exchange(&mut self, clock: &Clock) {
-        if let Some(now) = self.fed(clock) {
-            self.drive.cycle(now, clock.period());
-        } else if std::mem::take(&mut self.followed) {
-            // The drive has followed the legs of homing within the update.
-        } else if self.has_torque() {
-            self.drive.cycle(self.command, clock.period());
-        } else {
-            self.drive.coast(clock.period());
-        }
-    }
-
-    /// Takes the feedback of the present tick; without torque, the command is where the axis is.
-    pub(crate) fn take_feedback(&mut self, clock: &Clock) {
-        self.actual = self.drive.actual();
-        self.position_error = self.drive.error();
-        self.saturation = self.drive.saturation();
-        if let Some(now) = self.fed(clock) {
-            self.sum.place(now.position);
-            self.command = now;
-        } else if !self.has_torque() {
-            self.stand_at(self.actual.position);
-        }
-        self.lag = self.command - self.actual;
-        self.average.take(self.actual.position - self.redefined);
-    }
-
-    /// Where the axis is at the present tick, before its feedback comes: as far behind the command as at the last exchange;
-    /// without torque, as fast as then.
-    pub(crate) fn expected(&self, clock: &Clock) -> KinematicState {
-        if let Some(now) = self.fed(clock) {
-            now
-        } else if self.has_torque() {
-            self.command - self.lag
-        } else {
-            self.actual + self.actual.velocity * clock.period()
-        }
-    }
-
     /// Whether its servo is off for another reason than a fault or a shutdown.
     pub(crate) fn is_off(&self) -> bool {
         matches!(
@@ -516,42 +447,24 @@ impl Axis {
         matches!(self.state, AxisState::Aborting | AxisState::Faulted) || self.faults.block()
     }
 
-    /// What faults look at.
-    pub(crate) fn observed(&self) -> Observed {
-        let loop_closed = self.has_torque() && !self.is_virtual && self.feeding.is_none();
-        Observed {
-            position: self.actual.position,
-            homed: self.homed,
-            velocity: self.command.velocity,
-            error: loop_closed.then_some(self.position_error),
-            lost: false,
-        }
-    }
-
     /// Opens the loop: whatever moved the axis is over. Whoever had begun it is told nothing here.
     pub(crate) fn disable(&mut self, state: AxisState) {
         self.state = state;
         self.stale = true;
         if self.is_virtual {
-            self.halt();
+            self.actual = KinematicState::at_rest(self.actual.position);
         }
         self.stand_at(self.command.position);
     }
 
     /// Closes the loop where the axis stands.
     pub(crate) fn enable(&mut self) {
-        self.halt();
         self.stand_at(self.actual.position);
         self.state = AxisState::Starting;
         self.stale = true;
     }
 
-    fn halt(&mut self) {
-        self.drive.halt();
-        self.actual = self.drive.actual();
-    }
-
-    fn stand_at(&mut self, position: f64) {
+    pub(super) fn stand_at(&mut self, position: f64) {
         self.after_stop = AfterStop::Hold;
         self.sum.place(position);
         self.command = KinematicState::at_rest(position);

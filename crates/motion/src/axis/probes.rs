@@ -4,6 +4,8 @@
 //! A watch sees actual positions once an update; it finds a position that is passed within one. Positions are position
 //! units, times microseconds since the first tick. Nothing allocates.
 
+use arcline_drive::{ArmLatch, Trigger};
+
 use crate::control::Execution;
 use crate::masters::displacement::Crossing;
 
@@ -83,6 +85,8 @@ struct ArmedRegistration {
     positive: bool,
     /// Where the axis must be.
     window: Option<[f64; 2]>,
+    /// The latch of the drive.
+    latch: ArmLatch,
 }
 
 impl Registration {
@@ -97,13 +101,26 @@ impl Registration {
         self.armed.is_some()
     }
 
-    pub(crate) fn arm(&mut self, execution: Execution, positive: bool, window: Option<[f64; 2]>) {
+    pub(crate) fn arm(&mut self, execution: Execution, latch: ArmLatch, window: Option<[f64; 2]>) {
         self.seen = false;
         self.armed = Some(ArmedRegistration {
             execution,
-            positive,
+            positive: latch.trigger == Trigger::RegistrationOn,
             window,
+            latch,
         });
+    }
+
+    /// The latch of the drive that is armed.
+    pub(crate) fn latch(&self) -> Option<ArmLatch> {
+        Some(self.armed?.latch)
+    }
+
+    /// The latch closed outside of the window: another one waits for the next edge.
+    pub(crate) fn arm_again(&mut self, latch: ArmLatch) {
+        if let Some(armed) = &mut self.armed {
+            armed.latch = latch;
+        }
     }
 
     /// Edges are not waited for any more. Returns who did.

@@ -54,12 +54,15 @@ impl Axis {
         }
     }
 
-    /// The drive goes along with a command whose positions were shifted.
+    /// The axis goes along with a command whose positions were shifted; the drive knows nothing of it.
     pub(super) fn shift(&mut self, offset: f64) {
-        self.drive.redefine(offset);
-        self.actual = self.drive.actual();
         self.command = self.sum.command();
         self.redefined += offset;
+        if self.has_drive() {
+            self.place_actual();
+        } else {
+            self.actual.position += offset;
+        }
         self.faults.redefined(self.actual.position);
     }
 

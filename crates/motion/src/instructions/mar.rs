@@ -1,5 +1,6 @@
 //! MAR, Motion Arm Registration (spec/axis-and-data-types.md §5).
 
+use arcline_drive::Trigger;
 use arcline_instruction_set::enumerations::{RegistrationTrigger, Windowed};
 use arcline_instruction_set::operands::Mar;
 use arcline_instruction_set::{Call, Flag, MotionError};
@@ -31,11 +32,11 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if registration.is_armed() {
         return Err(MotionError::RegistrationInProgress);
     }
-    registration.arm(
-        execution,
-        *trigger_condition == RegistrationTrigger::PositiveEdge,
-        window,
-    );
+    let trigger = match *trigger_condition {
+        RegistrationTrigger::PositiveEdge => Trigger::RegistrationOn,
+        RegistrationTrigger::NegativeEdge => Trigger::RegistrationOff,
+    };
+    registration.arm(execution, state.link.arm(trigger, false), window);
     motion.controls.write(execution, Flag::Ip.mask(), 0, motion.clock.tick);
     motion.done_next_update(execution, axis, None);
     Ok(())

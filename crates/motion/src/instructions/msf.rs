@@ -17,7 +17,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if matches!(state.state, AxisState::Running | AxisState::Starting) {
         motion.leave(axis);
         motion.axes[usize::from(axis)].disable(AxisState::Stopping);
-        motion.done_next_update(execution, axis, Some(AxisState::Stopped));
+        motion.done_next_update(execution, axis, Some(AxisState::Stopping));
     } else {
         motion.done_next_update(execution, axis, None);
     }

@@ -32,6 +32,6 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             state.enable();
         }
     }
-    motion.done_next_update(execution, axis, Some(AxisState::Running));
+    motion.done_next_update(execution, axis, Some(AxisState::Starting));
     Ok(())
 }

@@ -49,11 +49,6 @@ impl Home {
             stops: None,
         }
     }
-
-    /// The mechanical stop in a direction.
-    pub(crate) fn stop(&self, direction: f64) -> Option<f64> {
-        self.stops.map(|[min, max]| if direction > 0.0 { max } else { min })
-    }
 }
 
 /// Home Mode.
@@ -128,6 +123,13 @@ pub struct HomeSwitch {
     pub min: f64,
     /// Where it becomes active going in reverse.
     pub max: f64,
+}
+
+impl HomeSwitch {
+    /// Where it becomes active in a direction, and inactive in the other.
+    pub(crate) fn edge(&self, direction: f64) -> f64 {
+        if direction > 0.0 { self.min } else { self.max }
+    }
 }
 
 /// Where the marker is: machine positions, u.

@@ -3,7 +3,7 @@
 //! Real-time: no allocation; bounded by the axes and coordinate systems and by [`MAX_ENDS_PER_TICK`]. Positions are
 //! position units, times seconds.
 
-use arcline_drive::Settling;
+use arcline_drive::{Drives, Settled};
 use arcline_instruction_set::{Flag, MotionError};
 use arcline_planner::geometry::Point;
 use arcline_planner::profile::{KinematicState, Phase};
@@ -73,14 +73,13 @@ impl Motion {
         if !active.data.termination.settles() {
             return Some(moment);
         }
-        let end = active.path.end();
         let system = &mut self.systems[index];
         // Where the end was come to inside an earlier update, the way of the master tells no more when that was.
         let time = match system.guide {
             Some(_) => *system.ended.get_or_insert(moment.time),
             None => moment.time,
         };
-        let time = self.settled(index, &end, time)?;
+        let time = self.settled(index, time)?;
         let guide = &self.systems[index].guide;
         let own = guide
             .as_ref()
@@ -280,26 +279,52 @@ impl Motion {
         }
     }
 
-    /// The instant at which the axes came within the Actual Tolerance of the end that the command reached
-    /// before the present tick: found inside the tick, so that a successor's start does not depend on the period.
-    fn settled(&mut self, index: usize, end: &Point, reached: Instant) -> Option<Instant> {
-        let system = &self.systems[index];
-        let elapsed = reached.elapsed(&self.clock);
-        let mut settling = Settling {
-            drives: [arcline_drive::Drive::ideal(0.0); crate::machine::MAX_PRIMARY_AXES],
-            ends: [0.0; crate::machine::MAX_PRIMARY_AXES],
-            tolerance: system.description.actual_tolerance,
-            period: self.clock.period(),
-            rest: elapsed,
-        };
-        for (place, axis) in system.description.linear().iter().enumerate() {
-            let axis = self.axes.get_mut(usize::from(*axis))?;
-            axis.drive.rest_for(elapsed);
-            settling.drives[place] = axis.drive;
-            settling.ends[place] = axis.sum.seen_from(Slot::System, Some(component(end, place)))?;
+    /// The instant at which the axes came within the Actual Tolerance of the end at which their commands stand since `reached`: at
+    /// once where every axis follows exactly, otherwise as the last exchange said. Unknown as yet, it is asked for behind the next
+    /// one.
+    pub(crate) fn settled(&mut self, index: usize, reached: Instant) -> Option<Instant> {
+        let system = &mut self.systems[index];
+        let axes = system.description.linear();
+        let stood = reached.elapsed(&self.clock);
+        for axis in axes {
+            self.axes[*axis].link.stood = stood;
         }
-        let before = settling.within()?;
-        Some(reached.after(elapsed - before, &self.clock))
+        if axes.iter().all(|axis| self.axes[*axis].follows_exactly()) {
+            return Some(reached);
+        }
+        if let Some(settled) = system.settled.take() {
+            return Some(settled);
+        }
+        system.settling = Some(reached);
+        None
+    }
+
+    /// A move that waits for its axes goes on at the instant at which they came within the tolerance: the position of its successor at
+    /// this tick is known now, and goes out at the next one.
+    pub(super) fn finish_settling(&mut self, index: usize, drives: &dyn Drives) {
+        let system = &mut self.systems[index];
+        let Some(reached) = system.settling.take() else {
+            return;
+        };
+        let (axes, tolerance) = (system.description.linear(), system.description.actual_tolerance);
+        let stood = reached.elapsed(&self.clock);
+        if axes.iter().any(|axis| self.axes[*axis].is_lost()) {
+            return;
+        }
+        let before_end_s = match drives.settled(axes, tolerance, stood) {
+            Settled::Within { before_end_s } => before_end_s,
+            Settled::No => return,
+            Settled::Unknown => {
+                let behind = axes.iter().map(|axis| self.axes[*axis].behind());
+                if behind.map(|error| error * error).sum::<f64>().sqrt() > tolerance {
+                    return;
+                }
+                0.0
+            }
+        };
+        system.settled = Some(reached.after(stood - before_end_s, &self.clock));
+        self.advance_system(index);
+        self.systems[index].settled = None;
     }
 
     /// Axes that stand, or that another move has taken, brake no more.

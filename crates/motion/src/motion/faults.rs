@@ -47,6 +47,10 @@ impl Motion {
                 self.act(axis, action);
                 self.controls.because(Cause::Itself);
             }
+            if self.axes[index].state == AxisState::Aborting && self.axes[index].has_gone_off() {
+                // Nothing brakes it any more.
+                self.end_generators(index as u16);
+            }
             let axis = &mut self.axes[index];
             if axis.state == AxisState::Aborting && !axis.in_motion() {
                 let next = if axis.faults.block() {

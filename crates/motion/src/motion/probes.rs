@@ -2,6 +2,7 @@
 //!
 //! Real-time: no allocation; bounded by the axes.
 
+use arcline_drive::{REGISTRATION_LATCHES, Trigger};
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::TagAddress;
 
@@ -59,6 +60,32 @@ impl Motion {
                 registration.on = on;
                 if let Some(execution) = registration.edge(on, position, time) {
                     self.end_move(execution, Flag::Pc.mask());
+                }
+            }
+        }
+    }
+
+    /// Registration inputs of the drive whose latches have closed.
+    pub(super) fn take_registrations(&mut self, axis: u16) {
+        let (period, now) = (self.clock.period_ns, self.clock.tick.wrapping_mul(self.clock.period_ns));
+        for (input, place) in REGISTRATION_LATCHES.into_iter().enumerate() {
+            let state = &mut self.axes[usize::from(axis)];
+            let (Some(latch), Some(armed)) = (state.link.feedback.latches[place], state.registrations[input].latch())
+            else {
+                continue;
+            };
+            if latch.number != armed.number {
+                continue;
+            }
+            let before = (latch.before_end_s / self.clock.period() * period as f64) as u64;
+            let time = (now.saturating_sub(before) / 1000) as i32;
+            let position = state.shown(latch.position + state.redefined);
+            let positive = armed.trigger == Trigger::RegistrationOn;
+            match state.registrations[input].edge(positive, position, time) {
+                Some(execution) => self.end_move(execution, Flag::Pc.mask()),
+                None => {
+                    let again = state.link.arm(armed.trigger, false);
+                    state.registrations[input].arm_again(again);
                 }
             }
         }

@@ -3,6 +3,7 @@
 //! Not here: instructions ([`Motion::execute`]) and the end of a tick ([`Motion::finish`]). Real-time: no allocation; bounded by the
 //! axes and coordinate systems and by a fixed number of moves.
 
+use arcline_drive::Drives;
 use arcline_instruction_set::Flag;
 
 use super::Motion;
@@ -10,13 +11,13 @@ use super::Motion;
 impl Motion {
     /// Brings everything to a tick: commands, drives, and the ends of moves, stops and messages that lie before it. Instructions
     /// of the tick follow ([`Motion::execute`]), then [`Motion::finish`].
-    pub fn begin(&mut self, tick: u64) {
+    pub fn begin(&mut self, tick: u64, drives: &mut dyn Drives) {
         self.clock.tick = tick;
         self.finish_messages();
         self.compute_commands();
         self.limit_commands();
-        self.exchange();
-        self.take_feedback();
+        self.exchange(drives);
+        self.use_feedback(drives);
         self.look_after_transforms();
         self.check_faults();
         self.finish_stops();
@@ -35,23 +36,29 @@ impl Motion {
         self.advance_axes();
     }
 
-    /// Gives the set-points of all axes to the drives and lets these follow. The set-points of the last exchange are in
-    /// `self.set_points` until then.
-    fn exchange(&mut self) {
-        for (axis, set_point) in self.axes.iter_mut().zip(&mut self.set_points) {
+    /// Gives the set-points of all axes to the drives and takes their feedback. Until then `self.set_points` are those of the last
+    /// exchange.
+    fn exchange(&mut self, drives: &mut dyn Drives) {
+        for (axis, set_point) in self.axes.iter().zip(&mut self.set_points) {
             *set_point = axis.set_point();
-            axis.exchange(&self.clock);
+        }
+        let answered = drives.exchange(&self.set_points, &mut self.feedback).is_ok();
+        let values = self.set_points.iter().zip(&self.feedback);
+        for (axis, (sent, feedback)) in self.axes.iter_mut().zip(values) {
+            axis.take_feedback(answered.then_some(feedback), sent, &self.clock);
         }
         self.axes.exchanged = true;
     }
 
-    /// What the feedback of all axes says: where they are, what came to its end, what axes look out for.
-    fn take_feedback(&mut self) {
-        for axis in self.axes.iter_mut() {
-            axis.take_feedback(&self.clock);
+    /// What the feedback of all axes says: requests to drives that are done, moves and homing that went on inside the update, what axes
+    /// look out for.
+    fn use_feedback(&mut self, drives: &dyn Drives) {
+        self.finish_requests();
+        for index in 0..self.systems.len() {
+            self.finish_settling(index, drives);
         }
         for index in 0..self.axes.len() {
-            let found = self.axes[index].home_was_found();
+            let found = self.axes[index].home_was_found(&self.clock);
             if self.axes[index].in_motion() {
                 self.report_generators(index as u16);
             }
@@ -60,6 +67,7 @@ impl Motion {
                 axis.homed = true;
                 self.end_move(ended.execution, Flag::Pc.mask());
             }
+            self.take_registrations(index as u16);
             self.look_out(index as u16);
             self.axes[index].fold(&self.clock);
         }

@@ -1,9 +1,8 @@
-//! One update of an axis that homing moves: its legs, corners and events at their instants within the update.
+//! One update of an axis that homing moves: its legs and latches at their instants within the update.
 //!
 //! Not here: which leg comes next ([`super`]). Units: position units, seconds. Nothing allocates; the work of an update is
 //! bounded.
 
-use arcline_drive::Drive;
 use arcline_planner::Clock;
 use arcline_planner::profile::Profile;
 use arcline_profile::KinematicState;
@@ -13,117 +12,77 @@ use crate::axis::Axis;
 use crate::axis::generator::Law;
 use crate::axis::sum::Slot;
 
-/// Legs and corners of their profiles within one update; what is left then is done in the next one.
-const MOST_STEPS: usize = 64;
-/// A step shorter than this, seconds, is made together with the next one.
+/// Legs within one update; what is left then is done in the next one.
+const MOST_LEGS: usize = 64;
+/// A leg that ends this little, seconds, behind an update ends with it.
 const SHORTEST_STEP: f64 = 1e-9;
-/// Bisections of the instant of an event: to the last bit of an update.
-const BISECTIONS: usize = 60;
 
 impl Axis {
-    /// One update of an axis that homing moves: command and drive at the present tick.
+    /// The command of an axis that homing moves, at the present tick: legs that end before it, and the one that is under way.
     pub(crate) fn advance_homing(&mut self, clock: &Clock) {
         if !self.is_driven_home() {
             return;
         }
-        let began = Clock::at(clock.tick.saturating_sub(1), clock.period_ns);
-        let period = clock.period();
-        // Seconds of this update that the command and the drive have behind them.
-        let (mut at, mut driven_to) = (0.0, 0.0);
-        let mut ended = false;
-        for _ in 0..MOST_STEPS {
+        let began = began(clock);
+        // Seconds of this update that the command has behind it.
+        let mut at = 0.0;
+        for _ in 0..MOST_LEGS {
             let Some(leg) = self.present_leg(&began) else {
-                break;
+                return;
             };
-            let stage = self.homing.map(|homing| homing.stage);
-            let seeks = matches!(stage, Some(Stage::Seeking { .. }));
-            if !seeks && leg.end() <= at + SHORTEST_STEP {
-                at = leg.end().clamp(at, period);
-                self.pose(leg.last());
-                if self.leg_is_over(began.now().after(at, clock)) {
-                    ended = true;
-                    break;
-                }
-                continue;
+            if self.seeks() || leg.end() > clock.period() + SHORTEST_STEP {
+                self.pose(leg.at(clock.period()));
+                return;
             }
-            if at >= period {
-                break;
-            }
-            let until = leg.next_corner(at + SHORTEST_STEP).min(period);
-            let cycled = |mut drive: Drive, until: f64| {
-                if until - driven_to >= SHORTEST_STEP {
-                    drive.cycle(leg.at(until), until - driven_to);
-                }
-                drive
-            };
-            // A step too short for the drive is a straight one.
-            let actual = |until: f64| {
-                let now = self.drive.actual();
-                match until - driven_to {
-                    short if short < SHORTEST_STEP => now.position + short * now.velocity,
-                    _ => cycled(self.drive, until).actual().position,
-                }
-            };
-            let mut next = cycled(self.drive, until);
-            let mut reached = until;
-            let mut event = None;
-            if let Some(Stage::Seeking { place, direction, .. }) = stage {
-                let place = place + self.redefined;
-                let passed = |position: f64| direction * (position - place) >= 0.0;
-                if passed(actual(at)) {
-                    (next, reached, event) = (self.drive, at, Some(at));
-                } else if passed(next.actual().position) {
-                    let (mut before, mut behind) = (at, until);
-                    for _ in 0..BISECTIONS {
-                        let middle = 0.5 * (before + behind);
-                        if passed(actual(middle)) {
-                            behind = middle;
-                        } else {
-                            before = middle;
-                        }
-                    }
-                    reached = behind.max(at);
-                    next = cycled(self.drive, reached);
-                    event = Some(reached);
-                }
-            }
-            if reached - driven_to >= SHORTEST_STEP {
-                driven_to = reached;
-            }
-            at = reached;
-            let command = leg.at(at);
-            self.drive = next;
-            self.actual = self.drive.actual();
-            self.pose(command);
-            if event.is_some()
-                && matches!(
-                    stage,
-                    Some(Stage::Seeking {
-                        sought: Sought::Stop,
-                        ..
-                    })
-                )
-            {
-                // The mechanical stop: nothing moves on, and the command goes back to where the axis is held.
-                self.drive.halt();
-                self.actual = self.drive.actual();
-                self.pose(KinematicState {
-                    position: self.drive.actual().position,
-                    ..KinematicState::default()
-                });
-            }
-            if let Some(at) = event {
-                self.place_is_reached(began.now().after(at, clock));
+            at = leg.end().clamp(at, clock.period());
+            self.pose(leg.last());
+            if self.leg_is_over(began.now().after(at, clock)) {
+                self.end(Slot::Home);
+                self.home_reached = true;
+                return;
             }
         }
-        if ended {
-            self.end(Slot::Home);
+    }
+
+    /// The leg that comes behind the latch that has closed: it begins at the instant of the latch, if that lies within the update,
+    /// otherwise now.
+    pub(crate) fn take_home_latch(&mut self, clock: &Clock) {
+        if !self.is_driven_home() {
+            return;
         }
-        if period - driven_to >= SHORTEST_STEP {
-            self.drive.cycle(self.command, period - driven_to);
+        let began = began(clock);
+        let (Some(latch), Some(leg)) = (self.closed_home_latch(), self.present_leg(&began)) else {
+            return;
+        };
+        let within = clock.period() - latch.before_end_s;
+        let at = if within < 0.0 {
+            clock.period()
+        } else {
+            within.max(-leg.elapsed)
+        };
+        if self.seeks_stop() {
+            // Nothing moves on: the command goes back to where the axis is held.
+            self.pose(KinematicState::at_rest(self.actual.position));
+        } else {
+            self.pose(leg.at(at));
         }
-        self.followed = true;
-        self.home_reached = ended;
+        self.sought_is_reached(latch.position, began.now().after(at, clock));
+        self.advance_homing(clock);
+    }
+
+    fn seeks(&self) -> bool {
+        matches!(self.homing.map(|homing| homing.stage), Some(Stage::Seeking { .. }))
+    }
+
+    fn seeks_stop(&self) -> bool {
+        let stage = self.homing.map(|homing| homing.stage);
+        matches!(
+            stage,
+            Some(Stage::Seeking {
+                sought: Sought::Stop,
+                ..
+            })
+        )
     }
 
     fn present_leg(&self, began: &Clock) -> Option<Leg> {
@@ -147,6 +106,11 @@ impl Axis {
     }
 }
 
+/// The beginning of the update that the present tick ends.
+fn began(clock: &Clock) -> Clock {
+    Clock::at(clock.tick.saturating_sub(1), clock.period_ns)
+}
+
 /// A leg as an update sees it: times are seconds since the update began.
 struct Leg {
     profile: Profile,
@@ -168,12 +132,5 @@ impl Leg {
 
     fn end(&self) -> f64 {
         self.profile.duration() - self.elapsed
-    }
-
-    /// The first corner of the profile behind an instant: between two, the command is a parabola.
-    fn next_corner(&self, from: f64) -> f64 {
-        let corners = self.profile.segment_times().iter().map(|time| time - self.elapsed);
-        let next = corners.chain([self.end()]).find(|corner| *corner > from);
-        next.unwrap_or(f64::INFINITY)
     }
 }

@@ -1,5 +1,6 @@
 //! Planted defects: what a planner, a transform or a follower must never do is done to its generator between two ticks.
 
+use arcline_drive::{DriveState, Drives, ExchangeLost, Feedback, Following, SetPoint};
 use arcline_instruction_set::{
     Argument, Call, ControlSlot, ExceptionAction, FaultKind, MAX_OPERANDS, Mnemonic, RealArray,
 };
@@ -69,6 +70,25 @@ fn machine(limits: CommandLimits, action: ExceptionAction) -> Machine {
     }
 }
 
+/// Drives whose axes are where their set-points are.
+#[derive(Debug)]
+struct AtSetPoints;
+
+impl Drives for AtSetPoints {
+    fn exchange(&mut self, set_points: &[SetPoint], feedback: &mut [Feedback]) -> Result<(), ExchangeLost> {
+        for (set_point, feedback) in set_points.iter().zip(feedback) {
+            feedback.state = if set_point.enable {
+                DriveState::Enabled
+            } else {
+                DriveState::Off
+            };
+            feedback.following = Following::Exact;
+            feedback.motion = set_point.motion();
+        }
+        Ok(())
+    }
+}
+
 /// A call with 0 for every operand that is not named.
 fn call(mnemonic: Mnemonic, target: u16, control: u32, operands: &[(&str, Argument)]) -> Call {
     let instruction = mnemonic.instruction();
@@ -111,7 +131,7 @@ fn moving(limits: CommandLimits, action: ExceptionAction) -> Motion {
         ("Speed", number(100.0)),
         ("Termination Type", number(1.0)),
     ];
-    motion.begin(1);
+    motion.begin(1, &mut AtSetPoints);
     let line: Vec<_> = line.into_iter().chain(rates).collect();
     let shown = motion.execute(Ticket(1), &call(Mnemonic::Mclm, 0, 0, &line));
     assert_eq!((shown.err, shown.exerr), (0, 0), "MCLM");
@@ -120,7 +140,7 @@ fn moving(limits: CommandLimits, action: ExceptionAction) -> Motion {
     assert_eq!((shown.err, shown.exerr), (0, 0), "MAJ");
     motion.finish(|_| ());
     for tick in 2..400 {
-        motion.begin(tick);
+        motion.begin(tick, &mut AtSetPoints);
         motion.finish(|_| ());
     }
     motion
@@ -138,7 +158,7 @@ fn run(motion: &mut Motion, from: u64) -> Run {
         faults: Vec::new(),
     };
     for tick in from..from + 1000 {
-        motion.begin(tick);
+        motion.begin(tick, &mut AtSetPoints);
         motion.take_fault_changes(|change| run.faults.push(*change));
         run.sent.push(sent(motion));
         motion.finish(|_| ());
@@ -290,7 +310,7 @@ fn limits_are_those_of_the_axis() {
 #[test]
 fn a_slave_stops_with_its_master() {
     let mut motion = Motion::new(&machine(CommandLimits::default(), ExceptionAction::StopPlanner));
-    motion.begin(1);
+    motion.begin(1, &mut AtSetPoints);
     let jog = [
         ("Speed", number(200.0)),
         ("Accel Rate", number(1000.0)),
@@ -312,7 +332,7 @@ fn a_slave_stops_with_its_master() {
     assert_eq!((shown.err, shown.exerr), (0, 0), "MAG");
     motion.finish(|_| ());
     for tick in 2..400 {
-        motion.begin(tick);
+        motion.begin(tick, &mut AtSetPoints);
         motion.finish(|_| ());
     }
     assert_eq!(sent(&motion)[0][1], 200.0, "the slave follows");

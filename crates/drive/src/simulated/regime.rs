@@ -7,8 +7,8 @@
 //!
 //! Not here: what the axis does after a period without limits ([`crate::servo`]). Units: position units, seconds.
 
-use crate::curve::Curve;
-use crate::servo::Velocity;
+use super::curve::Curve;
+use super::servo::Velocity;
 
 /// A position loop.
 #[derive(Clone, Copy, Debug)]

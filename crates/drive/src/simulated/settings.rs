@@ -13,8 +13,6 @@ pub struct Settings {
     pub torque_limit: f64,
     /// Encoder counts per unit, more than 0; `None`: the position is seen as it is.
     pub encoder_resolution: Option<f64>,
-    /// A position at which there is a count, units.
-    pub encoder_origin: f64,
 }
 
 impl Settings {
@@ -26,7 +24,6 @@ impl Settings {
             speed_limit: f64::INFINITY,
             torque_limit: f64::INFINITY,
             encoder_resolution: None,
-            encoder_origin: 0.0,
         }
     }
 }

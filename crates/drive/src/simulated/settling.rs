@@ -6,7 +6,8 @@
 
 use arcline_profile::KinematicState;
 
-use crate::{Drive, Saturation};
+use super::Drive;
+use crate::Saturation;
 
 /// Halvings of a span: to the last bit of a period.
 const HALVINGS: u32 = 60;

@@ -4,15 +4,13 @@
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Encoder {
     pub(crate) resolution: Option<f64>,
-    /// Where a count is, units: moved when positions are redefined.
-    pub(crate) origin: f64,
 }
 
 impl Encoder {
     /// The position of the nearest count.
     pub(crate) fn read(self, position: f64) -> f64 {
         match self.resolution {
-            Some(resolution) => ((position - self.origin) * resolution).round() / resolution + self.origin,
+            Some(resolution) => (position * resolution).round() / resolution,
             None => position,
         }
     }

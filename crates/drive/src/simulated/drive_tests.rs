@@ -16,38 +16,6 @@ fn at_speed(k: u32, period: f64, speed: f64) -> KinematicState {
 }
 
 #[test]
-fn a_redefined_position_moves_nothing() {
-    let limited = Settings {
-        speed_limit: 450.0,
-        encoder_resolution: Some(8.0),
-        ..Settings::unlimited(40.0, 0.5)
-    };
-    for settings in [Settings::unlimited(40.0, 0.5), limited] {
-        let mut drive = Drive::servo(0.0, &settings);
-        for k in 1..=100 {
-            drive.cycle(at_speed(k, PERIOD, 500.0), PERIOD);
-        }
-        let mut shifted = drive;
-        // Not a whole number of counts.
-        shifted.redefine(-32.3);
-        for k in 101..=200 {
-            let command = at_speed(k, PERIOD, 500.0);
-            drive.cycle(command, PERIOD);
-            shifted.cycle(
-                KinematicState {
-                    position: command.position - 32.3,
-                    ..command
-                },
-                PERIOD,
-            );
-            assert!((shifted.error() - drive.error()).abs() < 1e-12);
-            assert!((shifted.actual().position + 32.3 - drive.actual().position).abs() < 1e-12);
-            assert!((shifted.actual().velocity - drive.actual().velocity).abs() < 1e-9);
-        }
-    }
-}
-
-#[test]
 fn a_loop_without_feedforward_follows_at_speed_over_gain() {
     for period in [0.00025, PERIOD, 0.004] {
         let mut drive = Drive::servo(0.0, &Settings::unlimited(40.0, 0.0));

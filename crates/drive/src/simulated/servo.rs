@@ -8,15 +8,15 @@
 //!
 //! and without limits the axis has it, `x' = u`: a response of `(K + f s) / (K + s)`. `r` between two updates is the
 //! cubic through both positions and velocities, for which all of this is solved exactly. The limits are in
-//! [`crate::regime`]. The loop acts on the true position; the encoder is what is seen from outside.
+//! [`super::regime`]. The loop acts on the true position; the encoder is what is seen from outside.
 
 use std::f64::consts::TAU;
 
-use crate::encoder::Encoder;
-use crate::regime::{Limits, Loop, Regime, State};
-use crate::settings::Settings;
 use arcline_profile::KinematicState;
 
+use super::encoder::Encoder;
+use super::regime::{Limits, Loop, Regime, State};
+use super::settings::Settings;
 use crate::Saturation;
 
 /// A simulated servo drive and its mechanics.
@@ -56,7 +56,6 @@ impl Servo {
             limits: (speed.is_finite() || torque.is_finite()).then_some(Limits { speed, torque }),
             encoder: Encoder {
                 resolution: settings.encoder_resolution,
-                origin: settings.encoder_origin,
             },
             command: KinematicState::at_rest(position),
             error: 0.0,
@@ -141,12 +140,6 @@ impl Servo {
         };
     }
 
-    pub(crate) fn redefine(&mut self, offset: f64) {
-        self.command.position += offset;
-        self.actual.position += offset;
-        self.encoder.origin += offset;
-    }
-
     pub(crate) fn rest_for(&mut self, seconds: f64) {
         self.rest = seconds;
     }
@@ -195,6 +188,14 @@ impl Servo {
             }
             None => self.linear(&before, &velocity, period),
         }
+    }
+
+    pub(crate) fn is_exact(&self) -> bool {
+        self.is_rigid() && self.encoder.resolution.is_none()
+    }
+
+    pub(crate) fn command_within(&self, command: &KinematicState, period: f64, at: f64) -> KinematicState {
+        command_within(&self.command, command, period, at)
     }
 
     /// The velocity that the loop asks for.
@@ -247,5 +248,17 @@ impl Velocity {
         Velocity {
             c: [c0 + t * (c1 + t * c2), c1 + 2.0 * t * c2, c2],
         }
+    }
+}
+
+/// The command so long after the beginning of a period, at whose ends it is `before` and `after`.
+pub(super) fn command_within(before: &KinematicState, after: &KinematicState, period: f64, at: f64) -> KinematicState {
+    let velocity = Velocity::between(before, after, period);
+    let [c0, c1, c2] = velocity.c;
+    let [now, slope, _] = velocity.from(at).c;
+    KinematicState {
+        position: before.position + at * (c0 + at * (0.5 * c1 + at * c2 / 3.0)),
+        velocity: now,
+        acceleration: slope,
     }
 }

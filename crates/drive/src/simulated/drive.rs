@@ -1,0 +1,144 @@
+//! What stands between an axis's command and its actual position.
+//!
+//! An ideal drive follows at once. A [`Servo`] follows through a position loop with velocity feed-forward, within
+//! the speed and the torque it has, and is seen through an encoder ([`Settings`]). Both are solved exactly over
+//! each coarse update period, so what they do does not depend on its length. Not here: faults, the drive's states,
+//! the units of the configuration. Units: position units, seconds. Nothing allocates.
+
+use arcline_profile::KinematicState;
+
+use super::{Servo, Settings};
+use crate::Saturation;
+
+/// A drive with its axis. Copied to look ahead.
+#[derive(Clone, Copy, Debug)]
+pub enum Drive {
+    /// Follows the command without error.
+    Ideal(KinematicState),
+    /// Follows through a position loop.
+    Servo(Servo),
+}
+
+/// Time constant with which an axis without torque comes to rest, seconds.
+const COAST_TIME_CONSTANT: f64 = 0.1;
+/// A coasting axis slower than this, units/s, stands.
+const STANDSTILL: f64 = 1e-6;
+
+impl Drive {
+    /// An ideal drive at rest.
+    pub fn ideal(position: f64) -> Self {
+        Drive::Ideal(KinematicState::at_rest(position))
+    }
+
+    /// A servo at rest.
+    pub fn servo(position: f64, settings: &Settings) -> Self {
+        Drive::Servo(Servo::new(position, settings))
+    }
+
+    /// What the axis does, as its encoder sees it: the position is a whole number of counts, if it has an encoder.
+    pub fn actual(&self) -> KinematicState {
+        match self {
+            Drive::Ideal(actual) => *actual,
+            Drive::Servo(servo) => servo.measured(),
+        }
+    }
+
+    /// Command minus actual position, as the encoder sees it.
+    pub fn error(&self) -> f64 {
+        match self {
+            Drive::Ideal(_) => 0.0,
+            Drive::Servo(servo) => servo.measured_error(),
+        }
+    }
+
+    /// The following error `seconds` ago, at most a period, if the command stood still since.
+    ///
+    /// Infinite where a limit that has ended since makes it unknown, so that who looks for the instant of an error
+    /// never finds one that is too early.
+    pub fn error_before(&self, seconds: f64) -> f64 {
+        match self {
+            Drive::Ideal(_) => 0.0,
+            Drive::Servo(servo) => servo.error_before(seconds),
+        }
+    }
+
+    /// Whether the axis is where its command is, at every instant.
+    pub fn is_exact(&self) -> bool {
+        match self {
+            Drive::Ideal(_) => true,
+            Drive::Servo(servo) => servo.is_exact(),
+        }
+    }
+
+    /// The command within a period at whose end it is `command`, so long after its beginning.
+    pub(super) fn command_within(&self, command: KinematicState, period: f64, at: f64) -> KinematicState {
+        match self {
+            Drive::Ideal(before) => super::servo::command_within(before, &command, period, at),
+            Drive::Servo(servo) => servo.command_within(&command, period, at),
+        }
+    }
+
+    /// What keeps the drive from following.
+    pub fn saturation(&self) -> Saturation {
+        match self {
+            Drive::Ideal(_) => Saturation::None,
+            Drive::Servo(servo) => servo.saturation(),
+        }
+    }
+
+    /// The command of the next period comes to rest `seconds` before its end, where that is within the period and it
+    /// is at rest then. Otherwise it is the cubic through both ends of the period, which has no such corner.
+    pub fn rest_for(&mut self, seconds: f64) {
+        if let Drive::Servo(servo) = self {
+            servo.rest_for(seconds);
+        }
+    }
+
+    /// Follows the command for one period, at whose end it is `command`. Real-time.
+    pub fn cycle(&mut self, command: KinematicState, period: f64) {
+        match self {
+            Drive::Ideal(actual) => *actual = command,
+            Drive::Servo(servo) => servo.cycle(command, period),
+        }
+    }
+
+    /// One period without torque: the axis coasts to rest and the command goes with it. Real-time.
+    pub fn coast(&mut self, period: f64) -> KinematicState {
+        let mut now = self.axis();
+        if now.velocity != 0.0 {
+            let left = libm::exp(-period / COAST_TIME_CONSTANT);
+            now.position += now.velocity * COAST_TIME_CONSTANT * (1.0 - left);
+            now.velocity *= left;
+            now.acceleration = -now.velocity / COAST_TIME_CONSTANT;
+            if now.velocity.abs() < STANDSTILL {
+                now = KinematicState::at_rest(now.position);
+            }
+        }
+        self.place(now);
+        self.actual()
+    }
+
+    /// Removes torque and speed at once: the axis stands where its encoder sees it.
+    pub fn halt(&mut self) {
+        self.place(KinematicState::at_rest(self.actual().position));
+    }
+
+    /// What the axis really does, between the counts of its encoder.
+    pub(super) fn axis(&self) -> KinematicState {
+        match self {
+            Drive::Ideal(actual) => *actual,
+            Drive::Servo(servo) => servo.actual(),
+        }
+    }
+
+    fn place(&mut self, now: KinematicState) {
+        match self {
+            Drive::Ideal(actual) => *actual = now,
+            Drive::Servo(servo) => servo.place(now),
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "drive_tests.rs"]
+mod tests;

@@ -1,0 +1,212 @@
+//! The simulated machine behind the seam: every axis follows its set-point, and its latches close at exact positions.
+//!
+//! A latch closes where the axis, as its encoder sees it, passes the trigger; the instant is found by bisection of what the drive
+//! does within the update. The mechanical stop holds an axis while its latch is armed.
+
+use arcline_profile::KinematicState;
+
+use super::{Drive, Sensor, Settings, Settling};
+use crate::{
+    ArmLatch, DriveState, Drives, ExchangeLost, Feedback, Following, HOME_LATCH, Inputs, LATCHES, Latch, SetPoint,
+    Settled, Trigger,
+};
+
+/// Bisections of the instant of a latch: to the last bit of an update.
+const BISECTIONS: usize = 60;
+/// A time shorter than this, seconds, is passed in a straight line.
+const SHORTEST: f64 = 1e-9;
+/// Axes of one coordinate system that are looked at together.
+const MOST_AXES: usize = 3;
+
+/// The drives of a machine, simulated.
+#[derive(Debug)]
+pub struct SimulatedDrives {
+    /// `None`: an axis without a drive.
+    axes: Vec<Option<SimulatedAxis>>,
+    period: f64,
+}
+
+/// A drive with the axis that it moves and the sensors of it.
+#[derive(Clone, Copy, Debug)]
+pub struct SimulatedAxis {
+    drive: Drive,
+    /// The drive at the beginning of the last update.
+    before: Drive,
+    sensor: Sensor,
+    set_point: SetPoint,
+    /// The latch that closed last.
+    closed: Option<u32>,
+    /// The marker behind a trigger that has come: the number of the latch, the position, the direction.
+    marker: Option<(u32, f64, f64)>,
+}
+
+impl SimulatedAxis {
+    /// An axis that stands at a machine position, switched off.
+    pub fn new(position: f64, settings: &Settings, sensor: Sensor) -> Self {
+        let drive = Drive::servo(position, settings);
+        SimulatedAxis {
+            drive,
+            before: drive,
+            sensor,
+            set_point: SetPoint::default(),
+            closed: None,
+            marker: None,
+        }
+    }
+
+    /// One update.
+    fn follow(&mut self, set_point: &SetPoint, period: f64) -> Feedback {
+        if set_point.enable && !self.set_point.enable {
+            self.drive.halt();
+        }
+        self.set_point = *set_point;
+        self.before = self.drive;
+        if set_point.enable {
+            self.drive.rest_for(set_point.stood);
+            self.drive.cycle(set_point.motion(), period);
+        } else {
+            self.drive.coast(period);
+        }
+        let mut latches = [None; LATCHES];
+        latches[HOME_LATCH] = set_point.latches[HOME_LATCH].and_then(|armed| self.latch(&armed, period));
+        let motion = self.drive.actual();
+        Feedback {
+            state: if set_point.enable {
+                DriveState::Enabled
+            } else {
+                DriveState::Off
+            },
+            following: if self.drive.is_exact() {
+                Following::Exact
+            } else {
+                Following::Measured
+            },
+            motion,
+            error: self.drive.error(),
+            saturation: self.drive.saturation(),
+            inputs: Inputs {
+                home: self.sensor.is_active(motion.position),
+            },
+            latches,
+            ..Feedback::default()
+        }
+    }
+
+    /// Looks whether a latch has closed in the update. A mechanical stop holds the axis from then on.
+    fn latch(&mut self, armed: &ArmLatch, period: f64) -> Option<Latch> {
+        if self.closed == Some(armed.number) {
+            return None;
+        }
+        let [from, to] = [self.before.actual().position, self.drive.actual().position];
+        let direction = if to == from { 0.0 } else { (to - from).signum() };
+        let pending = self.marker.filter(|(number, ..)| *number == armed.number);
+        let (position, direction) = match pending {
+            Some((_, marker, direction)) => (marker, direction),
+            None if direction == 0.0 => return None,
+            None => {
+                let position = self.sensor.ahead(armed.trigger, from, direction)?;
+                if direction * (to - position) < 0.0 {
+                    return None;
+                }
+                if armed.then_marker {
+                    // The axis goes on; one that turns is at the marker in the direction in which the trigger came.
+                    let marker = self.sensor.ahead(Trigger::Marker, position, direction);
+                    let marker = marker.unwrap_or(direction * f64::INFINITY);
+                    self.marker = Some((armed.number, marker, direction));
+                    (marker, direction)
+                } else {
+                    (position, direction)
+                }
+            }
+        };
+        let passed = |at: f64| direction * (at - position) >= 0.0;
+        if !passed(to) {
+            return None;
+        }
+        let instant = self.instant(passed, period);
+        self.closed = Some(armed.number);
+        if armed.trigger == Trigger::Stop {
+            self.drive = self.within(instant, period);
+            self.drive.halt();
+        }
+        Some(Latch {
+            number: armed.number,
+            before_end_s: period - instant,
+            position,
+        })
+    }
+
+    /// The first instant of the update at which the axis has passed a position.
+    fn instant(&self, passed: impl Fn(f64) -> bool, period: f64) -> f64 {
+        let position = |at: f64| match at {
+            short if short < SHORTEST => {
+                let KinematicState { position, velocity, .. } = self.before.actual();
+                position + short * velocity
+            }
+            _ => self.within(at, period).actual().position,
+        };
+        if passed(position(0.0)) {
+            return 0.0;
+        }
+        let (mut before, mut behind) = (0.0, period);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (before + behind);
+            if passed(position(middle)) {
+                behind = middle;
+            } else {
+                before = middle;
+            }
+        }
+        behind
+    }
+
+    /// The drive so long after the beginning of the update.
+    fn within(&self, at: f64, period: f64) -> Drive {
+        let mut drive = self.before;
+        if !self.set_point.enable {
+            drive.coast(at);
+        } else if at >= SHORTEST {
+            drive.cycle(self.before.command_within(self.set_point.motion(), period, at), at);
+        }
+        drive
+    }
+}
+
+impl SimulatedDrives {
+    /// A machine of these axes, at an update period in seconds. The only allocation.
+    pub fn new(axes: Vec<Option<SimulatedAxis>>, period: f64) -> Self {
+        SimulatedDrives { axes, period }
+    }
+}
+
+impl Drives for SimulatedDrives {
+    fn exchange(&mut self, set_points: &[SetPoint], feedback: &mut [Feedback]) -> Result<(), ExchangeLost> {
+        let values = set_points.iter().zip(feedback);
+        for (axis, (set_point, feedback)) in self.axes.iter_mut().zip(values) {
+            if let Some(axis) = axis {
+                *feedback = axis.follow(set_point, self.period);
+            }
+        }
+        Ok(())
+    }
+
+    fn settled(&self, axes: &[u16], tolerance: f64, stood: f64) -> Settled {
+        let mut settling = Settling {
+            drives: [Drive::ideal(0.0); MOST_AXES],
+            ends: [0.0; MOST_AXES],
+            tolerance,
+            period: self.period,
+            rest: stood,
+        };
+        for (place, axis) in axes.iter().enumerate().take(MOST_AXES) {
+            if let Some(Some(axis)) = self.axes.get(usize::from(*axis)) {
+                settling.drives[place] = axis.before;
+                settling.ends[place] = axis.set_point.position;
+            }
+        }
+        match settling.within() {
+            Some(before_end_s) => Settled::Within { before_end_s },
+            None => Settled::No,
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! Home switch, marker and mechanical stops of an axis, seen from where it is (spec/axis-and-data-types.md §11).
+//!
+//! Machine positions, position units; a direction is 1 or -1. An edge or marker that lies behind by less than
+//! [`WIDTH`] is one that the axis stands on. Nothing allocates.
+
+use crate::Trigger;
+
+/// How far the axis may be beyond a position that it is still said to stand on: far more than what rounding moves it.
+const WIDTH: f64 = 1e-9;
+
+/// What an axis passes on its way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sensor {
+    /// The home switch is active from the first position to the second one, forward; infinite where it has no end. Of a rotary axis
+    /// both lie within one turn, and the interval may lead across 0.
+    pub switch: Option<[f64; 2]>,
+    /// The position of one marker, and the distance between two; `None`: there is only one.
+    pub marker: Option<(f64, Option<f64>)>,
+    /// The mechanical stops.
+    pub stops: Option<[f64; 2]>,
+    /// The length of one turn of a rotary axis.
+    pub turn: Option<f64>,
+}
+
+impl Sensor {
+    /// Whether the home switch is active.
+    pub fn is_active(&self, machine: f64) -> bool {
+        self.switch.is_some_and(|[min, max]| match self.turn {
+            None => (min..=max).contains(&machine),
+            Some(turn) => modulo(machine - min, turn) <= modulo(max - min, turn),
+        })
+    }
+
+    /// The first position at which the trigger comes, from a position on; `None`: there is none in that direction.
+    pub(super) fn ahead(&self, trigger: Trigger, machine: f64, direction: f64) -> Option<f64> {
+        let edge = |direction: f64| self.switch.map(|[min, max]| if direction > 0.0 { min } else { max });
+        match trigger {
+            Trigger::SwitchOn => ahead(machine, edge(direction)?, direction, self.turn),
+            Trigger::SwitchOff => ahead(machine, edge(-direction)?, direction, self.turn),
+            Trigger::Marker => {
+                let (at, every) = self.marker?;
+                ahead(machine, at, direction, every)
+            }
+            Trigger::Stop => self.stops.map(|[min, max]| if direction > 0.0 { max } else { min }),
+            Trigger::RegistrationOn | Trigger::RegistrationOff => None,
+        }
+    }
+}
+
+/// The first of the positions `at`, repeated `every` so many units, from a machine position on; `None` when none lies that way.
+fn ahead(machine: f64, at: f64, direction: f64, every: Option<f64>) -> Option<f64> {
+    let distance = direction * (at - machine);
+    let width = WIDTH * machine.abs().max(1.0);
+    match every {
+        None => (distance.is_finite() && distance >= -width).then_some(at),
+        Some(every) => {
+            let turns = ((-width - distance) / every).ceil();
+            Some(at + direction * turns * every)
+        }
+    }
+}
+
+/// What is left of a distance within one turn: 0 to below `turn`.
+fn modulo(distance: f64, turn: f64) -> f64 {
+    let rest = distance - turn * (distance / turn).floor();
+    if rest >= turn { 0.0 } else { rest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_ahead() {
+        #[rustfmt::skip]
+        let cases = [
+            // why,                         from,          at,    direction, every,        ahead
+            ("a single one in front",       -5.0,          3.0,   1.0,       None,         Some(3.0)),
+            ("a single one behind",         5.0,           3.0,   1.0,       None,         None),
+            ("one that it stands on",       3.0,           3.0,   1.0,       None,         Some(3.0)),
+            ("just beyond by rounding",     3.0 + 1e-13,   3.0,   1.0,       None,         Some(3.0)),
+            ("an end that there is not",    3.0,           f64::NEG_INFINITY, -1.0, None,  None),
+            ("repeated, forward",           12.0,          3.0,   1.0,       Some(10.0),   Some(13.0)),
+            ("repeated, reverse",           12.0,          3.0,   -1.0,      Some(10.0),   Some(3.0)),
+            ("repeated, stands on one",     23.0 + 1e-12,  3.0,   1.0,       Some(10.0),   Some(23.0)),
+            ("repeated, stands on one",     -17.0 - 1e-12, 3.0,   -1.0,      Some(10.0),   Some(-17.0)),
+        ];
+        for (why, from, at, direction, every, expected) in cases {
+            assert_eq!(ahead(from, at, direction, every), expected, "{why}");
+        }
+    }
+
+    #[test]
+    fn a_switch_of_a_turn_leads_across_zero() {
+        let switch = |min, max, turn| Sensor {
+            switch: Some([min, max]),
+            turn,
+            ..Sensor::default()
+        };
+        let across = switch(350.0, 10.0, Some(360.0));
+        for (machine, active) in [
+            (0.0, true),
+            (-10.0, true),
+            (370.0, true),
+            (371.0, false),
+            (349.0, false),
+        ] {
+            assert_eq!(across.is_active(machine), active, "{machine}");
+        }
+        let open = switch(0.0, f64::INFINITY, None);
+        assert!(open.is_active(0.0) && !open.is_active(-1e-6));
+    }
+}
