@@ -239,7 +239,10 @@ fn single_axes_move_and_jog() {
     let _ = arcline(at, &["exec", "MAS(X, S1, Jog)"]).expect(0);
     let output = waiting.wait_with_output().expect("it ends");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success() && text.contains("MAJ X: EN DN"), "{text}");
+    assert!(
+        output.status.success() && text.contains("MAJ X: stopped by MAS S1"),
+        "{text}"
+    );
     let started = arcline(at, &["jog", "X", "5", "--no-wait"]).expect(0);
     assert!(started.stdout.contains("IP"), "{started:?}");
 }

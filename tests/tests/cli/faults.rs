@@ -79,6 +79,6 @@ fn faults_are_injected_listed_and_cleared() {
         assert_eq!(refused.code, Some(2), "{refused:?}");
         assert!(refused.stderr.contains(message), "{refused:?}");
     }
-    let refused = arcline(at, &["write", "FaultInject[0]", "512"]);
+    let refused = arcline(at, &["write", "FaultInject[0]", "65536"]);
     assert_eq!(refused.code, Some(1), "{refused:?}");
 }

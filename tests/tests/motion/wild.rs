@@ -245,6 +245,8 @@ impl Scan {
         }
         let slots = slots(call);
         self.fast |= accepted && given.iter().any(|(place, _)| slots[*place].1);
+        // Faster than the axis can follow: the command limits act.
+        self.bench.refusals_expected = self.fast;
         self.run(ticks);
     }
 

@@ -27,11 +27,12 @@ impl Density {
         let tuning = &TUNING.grid;
         let busy: f64 = self.busy.iter().map(|(from, to)| to - from).sum();
         let beside = tuning.quiet_s * self.busy.len().min(tuning.most_quiet) as f64;
-        let most = tuning.most_nodes_alone + tuning.most_nodes_each * self.pieces as f64;
-        let most = most.min(tuning.most_nodes);
+        // An arc is busy all along; beside a corner the nodes are few.
+        let most_busy = tuning.most_nodes_alone + tuning.most_nodes_each * self.pieces as f64;
         tuning
             .node_s
-            .max((busy + beside).min(whole) / most)
+            .max(busy / most_busy.min(tuning.most_nodes))
+            .max((busy + beside).min(whole) / tuning.most_nodes)
             .min(whole / tuning.least_nodes)
     }
 }

@@ -144,8 +144,9 @@ fn long_slow_legs_cost_no_more_nodes_than_short_ones() {
         let stops = with_stops(&moves, &limits);
         assert!(
             trajectory.duration() < stops && trajectory.duration() > 199.9,
-            "{} {stops}",
-            trajectory.duration()
+            "{profile:?} {deviation:?} {} {stops} {}",
+            trajectory.duration(),
+            trajectory.pieces()
         );
         assert!(trajectory.pieces() < most, "{} pieces", trajectory.pieces());
     }

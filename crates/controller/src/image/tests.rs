@@ -1,7 +1,9 @@
 //! The tag memory: names, paths, who may write, edges, and what events and snapshots make of it.
 
 use arcline_instruction_set::predefined::axis_fault;
-use arcline_instruction_set::{Argument, Directory, Flag, Given, Mnemonic, MotionControl, MotionError, bind};
+use arcline_instruction_set::{
+    Argument, Directory, FaultKind, Flag, Given, Mnemonic, MotionControl, MotionError, bind,
+};
 use arcline_motion::{CallData, Cause};
 use arcline_tag::{Elementary, TagPath, Value};
 
@@ -384,15 +386,16 @@ fn arrays_that_are_written_are_found_again() {
 #[test]
 fn only_faults_that_an_axis_can_have_are_injected() {
     let mut image = image();
-    let soft = 0b11;
+    let soft = 0b11 | 1 << FaultKind::CommandLimit as u32;
+    let none = f64::from(1_u32 << FaultKind::COUNT);
     #[rustfmt::skip]
     let cases = [
         // why,                      path,               value,   taken, injected
         ("a servo",                  "FaultInject[0]",   16.0,    true,  [16, 0]),
         ("one more, as a bit",       "FaultInject[0].2", 1.0,     true,  [20, 0]),
         ("a bit away",               "FaultInject[0].4", 0.0,     true,  [4, 0]),
-        ("a fault that there isn't", "FaultInject[0]",   512.0,   false, [4, 0]),
-        ("as a bit",                 "FaultInject[0].9", 1.0,     false, [4, 0]),
+        ("a fault that there isn't", "FaultInject[0]",   none,    false, [4, 0]),
+        ("as a bit",                 "FaultInject[0].31", 1.0,    false, [4, 0]),
         ("below zero",               "FaultInject[0]",   -1.0,    false, [4, 0]),
         ("a virtual axis",           "FaultInject[1]",   3.0,     true,  [4, 3]),
         ("a drive it has not",       "FaultInject[1]",   4.0,     false, [4, 3]),

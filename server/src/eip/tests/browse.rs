@@ -1,5 +1,6 @@
 //! The tag list, the templates and the attributes of objects.
 
+use arcline_instruction_set::FaultKind;
 use arcline_proto::cip::{Request, encode_attribute_ids, service};
 use arcline_proto::epath::{Epath, Segment};
 use arcline_proto::logix::{ReadTemplate, Symbol, TemplateAttributes};
@@ -278,7 +279,7 @@ async fn faults_are_injected_as_an_attribute_and_as_a_tag() {
         ("as it starts",               get(9),                    (0, 0),    0),
         ("as an attribute",            set(1, 9, &word(16)),      (0, 0),    16),
         ("two",                        set(1, 9, &word(0x104)),   (0, 0),    0x104),
-        ("a fault that there isn't",   set(1, 9, &word(0x200)),   (0x09, 0), 0x104),
+        ("a fault that there isn't",   set(1, 9, &word(1 << FaultKind::COUNT)), (0x09, 0), 0x104),
         ("too short",                  set(1, 9, &[0, 0]),        (0x13, 0), 0x104),
         ("too long",                   set(1, 9, &[0; 5]),        (0x15, 0), 0x104),
         ("an axis beyond",             set(99, 9, &word(1)),      (0x05, 0), 0x104),
@@ -292,5 +293,5 @@ async fn faults_are_injected_as_an_attribute_and_as_a_tag() {
         assert_eq!(client.ask(&get(9)).await.data[..], word(injected), "{why}");
         assert_eq!(client.read("FaultInject[0]").await.data[..], word(injected), "{why}");
     }
-    assert_eq!(client.ask(&get(10)).await.data[..], word(0x1FF));
+    assert_eq!(client.ask(&get(10)).await.data[..], word((1 << FaultKind::COUNT) - 1));
 }
