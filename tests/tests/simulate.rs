@@ -191,7 +191,7 @@ fn a_program_injects_faults_and_sees_them() {
     let (code, errors) = run("FaultInject[4] := 16;");
     assert_ne!(code, Some(0));
     assert!(
-        errors.contains("FaultInject[4] cannot be 0x10, expected bits of 0x3"),
+        errors.contains("FaultInject[4] cannot be 0x10, expected bits of 0x203"),
         "{errors}"
     );
 }

@@ -285,7 +285,7 @@ async fn faults_are_injected_as_an_attribute_and_as_a_tag() {
         ("an axis beyond",             set(99, 9, &word(1)),      (0x05, 0), 0x104),
         ("what is possible",           set(1, 10, &word(1)),      (0x0E, 0), 0x104),
         ("as a tag",                   tag(1),                    (0, 0),    1),
-        ("as a tag, a fault too many", tag(0x200),                (0x20, 0), 1),
+        ("as a tag, a fault too many", tag(1 << FaultKind::COUNT),               (0x20, 0), 1),
     ];
     for (why, request, status, injected) in cases {
         let reply = client.ask(&request).await;
