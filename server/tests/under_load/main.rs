@@ -142,7 +142,22 @@ impl Server {
             page.send(Message::text(stop)).await.expect("it is open");
         });
         self.until("STOP", |speed| speed < 50.0);
-        began.elapsed()
+        let took = began.elapsed();
+        // With its answer STOP is over; until then it may stop what is begun behind it.
+        let answer = async {
+            while let Some(message) = page.next().await {
+                let message = message.expect("the page goes on");
+                if message.to_text().is_ok_and(|text| text.contains("\"ok\":{}")) {
+                    return;
+                }
+            }
+            panic!("the page is closed");
+        };
+        let answered = self
+            .clients
+            .block_on(async { tokio::time::timeout(SOON, answer).await });
+        answered.expect("STOP is answered");
+        took
     }
 }
 

@@ -33,7 +33,7 @@ impl<T: Copy> Travel<T> {
         self.planner.change_pending(limits, &base.clock(), change);
     }
 
-    /// Gives the active move new limits from the present tick on ([`Planner::change_limits`], [`ContourQueue::change`]).
+    /// Gives the active move new limits from the present tick on ([`crate::Planner::change_limits`], [`ContourQueue::change`]).
     pub fn change_limits(&mut self, limits: Limits, base: &TimeBase) {
         let clock = self.contour_clock(base);
         match self.contour_in_force_mut() {

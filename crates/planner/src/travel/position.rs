@@ -70,7 +70,7 @@ impl<T: Copy> Travel<T> {
         self.planner.centripetal(&base.clock()) * (rate * rate)
     }
 
-    /// With what the turn of the present may be braked ([`Planner::turn_limits`]).
+    /// With what the turn of the present may be braked ([`crate::Planner::turn_limits`]).
     pub fn turn_limits(&self) -> Option<Limits> {
         self.planner.turn_limits()
     }
