@@ -54,20 +54,16 @@ impl Axis {
     }
 
     /// What goes out to the drive at the present tick.
-    pub(crate) fn set_point(&self) -> SetPoint {
-        let mut latches = [None; LATCHES];
-        latches[HOME_LATCH] = self.home_latch();
+    pub(crate) fn write_set_point(&self, out: &mut SetPoint) {
+        out.latches[HOME_LATCH] = self.home_latch();
         for (place, registration) in REGISTRATION_LATCHES.into_iter().zip(&self.registrations) {
-            latches[place] = registration.latch();
+            out.latches[place] = registration.latch();
         }
-        SetPoint {
-            enable: self.has_drive() && self.has_torque(),
-            position: self.command.position - self.redefined,
-            velocity: self.command.velocity,
-            acceleration: self.command.acceleration,
-            stood: self.link.stood,
-            latches,
-        }
+        out.enable = self.has_drive() && self.has_torque();
+        out.position = self.command.position - self.redefined;
+        out.velocity = self.command.velocity;
+        out.acceleration = self.command.acceleration;
+        out.stood = self.link.stood;
     }
 
     /// Takes the feedback of the exchange at which `sent` went out; `None`: it was lost. Without torque, the command is where the axis

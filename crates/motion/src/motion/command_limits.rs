@@ -7,7 +7,6 @@
 //! limits of programs, which instructions and planners keep. Real-time: no allocation; bounded by the axes; after a refusal by
 //! their square.
 
-use arcline_drive::SetPoint;
 use arcline_instruction_set::{FaultKind, FaultSet};
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
@@ -44,16 +43,23 @@ impl Motion {
 
     /// The command of an axis at the present tick where it must not go out.
     fn refused_command(&mut self, index: usize) -> Option<RefusedCommand> {
-        let axis = &self.axes[index];
-        let (last, next) = (self.set_points[index], axis.set_point());
-        if !last.enable || !next.enable {
+        let (axis, last) = (&self.axes[index], &self.set_points[index]);
+        let next = KinematicState {
+            position: axis.command.position - axis.redefined,
+            ..axis.command
+        };
+        if next.position == last.position && next.velocity == last.velocity {
             return None;
         }
-        let follows = axis.follows_a_master() || self.systems.iter().any(|system| system.guides(index as u16));
-        if axis
-            .command_limits
-            .allow(&last, &next, follows, axis, self.clock.period())
-        {
+        // A virtual axis has no drive that its set-points enable.
+        let was_on = last.enable || (axis.is_virtual && self.clock.tick > 1);
+        if !was_on || !axis.has_torque() || axis.feeding.is_some() {
+            return None;
+        }
+        let before = [last.position, last.velocity];
+        let limits = &axis.command_limits;
+        let follows = || axis.follows_a_master() || self.systems.iter().any(|system| system.guides(index as u16));
+        if limits.allow(before, &next, follows, axis, self.clock.period()) {
             return None;
         }
         let redefined = axis.redefined;
@@ -71,7 +77,7 @@ impl Motion {
         Some(RefusedCommand {
             by: execution.map_or(Cause::Itself, Cause::from),
             source: source.map_or("no motion", Slot::name),
-            last: [last.position + redefined, last.velocity],
+            last: [before[0] + redefined, before[1]],
             asked: [next.position + redefined, next.velocity],
         })
     }
@@ -160,8 +166,15 @@ impl Motion {
 impl CommandLimits {
     /// Whether a set-point may follow the last one. Of an axis that follows a master or is being homed the change of velocity is its
     /// master's or its drive's, and only speed is limited.
-    fn allow(&self, last: &SetPoint, next: &SetPoint, follows: bool, axis: &Axis, period: f64) -> bool {
-        let step = next.position - last.position;
+    fn allow(
+        &self,
+        [position, velocity]: [f64; 2],
+        next: &KinematicState,
+        follows: impl Fn() -> bool,
+        axis: &Axis,
+        period: f64,
+    ) -> bool {
+        let step = next.position - position;
         if !(step.is_finite() && next.velocity.is_finite() && next.acceleration.is_finite()) {
             return false;
         }
@@ -171,12 +184,12 @@ impl CommandLimits {
         let speed = self.speed * axis.dynamics.speed;
         let rate = axis.dynamics.acceleration.max(axis.dynamics.deceleration);
         // Rounding of positions far from 0.
-        let rounding = 1e-12 * last.position.abs().max(speed * period);
+        let rounding = 1e-12 * position.abs().max(speed * period);
         step.abs() <= speed * period + rounding
             && next.velocity.abs() <= speed
-            && (follows
+            && ((next.velocity - velocity).abs() <= self.acceleration * rate * period
                 || axis.is_driven_home()
-                || (next.velocity - last.velocity).abs() <= self.acceleration * rate * period)
+                || follows())
     }
 }
 

@@ -40,7 +40,7 @@ impl Motion {
     /// exchange.
     fn exchange(&mut self, drives: &mut dyn Drives) {
         for (axis, set_point) in self.axes.iter().zip(&mut self.set_points) {
-            *set_point = axis.set_point();
+            axis.write_set_point(set_point);
         }
         let answered = drives.exchange(&self.set_points, &mut self.feedback).is_ok();
         let values = self.set_points.iter().zip(&self.feedback);
