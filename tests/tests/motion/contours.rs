@@ -326,7 +326,7 @@ fn a_merged_move_is_held_changed_stopped_and_merged_again() {
     for _ in 0..200 {
         watch.tick(&mut bench);
     }
-    // The way of what has ramped out is taken back along the path, which leads less far by it.
+    // The planner takes the distance of the motion that has ramped out back along the path, so the path speed is a little lower.
     let speed = bench.system("XY").path_speed;
     assert!(speed <= 40.0 + 1e-9 && speed > 0.85 * 40.0, "{speed}");
     assert_eq!(bench.call(&line("M5", 10.0, 10.0, "1, 2, 0")), OK);

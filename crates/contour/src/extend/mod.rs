@@ -88,7 +88,7 @@ fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64) -> Optio
         return Some(cut(running, now, stop, passed, begin).at_rest_then(&moves[begin..], limits));
     }
     let first = earliest.max(latest).max(stop.map_or(0.0, after_stop));
-    // What is not found from one instant may be from the next.
+    // A continuation that the planner does not find from one instant of the running motion may exist from a later one.
     let mut work = None;
     (0..TUNING.extend.attempts).find_map(|attempt| {
         let first = first + TUNING.extend.later_s * f64::from(attempt);

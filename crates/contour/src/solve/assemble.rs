@@ -191,7 +191,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Takes out what is not free: nodes that stay, spans that a running motion gives, and the span behind the last node.
+    /// Fixes the variables that the solver must not change: nodes that stay, spans of the running motion, and the span behind the last node.
     fn fix_given(&self, matrix: &mut Banded, right: &mut [f64]) {
         let block = self.block();
         let mut fix = |variable: usize| {

@@ -17,8 +17,8 @@ use crate::machine::CoordinateSystem;
 use crate::stop::AxisSet;
 use crate::system::System;
 
-/// How what a cancelled transform moved comes to rest, each axis by itself. What is not said is the maximum of the
-/// coordinate system that the axis was moved for.
+/// The rates at which the axes of a cancelled transform come to rest, each by itself. `None` is the maximum of the coordinate
+/// system that the transform moved the axis for.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Release {
     /// Units/s².
