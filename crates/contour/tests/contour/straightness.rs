@@ -40,10 +40,19 @@ fn used(trajectory: &Trajectory, moves: &[ContourMove], from: f64, to: f64) -> (
             .map(|k| {
                 let length = moves[k].path.length();
                 let (off, along) = distance(&moves[k].path, &q);
-                // That of the nearer corner; the last move ends at none.
-                let at_start = k > 0 && (k + 1 == moves.len() || along < 0.5 * length);
-                let tolerance = moves[k - usize::from(at_start)].tolerance;
-                let open = length <= 50.0 * tolerance || along.min(length - along) < 10.0 * tolerance;
+                // The tolerance of a corner belongs to the move before it; the first move starts and the last one ends at none.
+                let at_start = (k > 0).then(|| moves[k - 1].tolerance);
+                let at_end = (k + 1 < moves.len()).then_some(moves[k].tolerance);
+                // The nearer corner says how far, each corner how far along the move its rounding reaches.
+                let nearer = if along < 0.5 * length {
+                    at_start.or(at_end)
+                } else {
+                    at_end.or(at_start)
+                };
+                let tolerance = nearer.unwrap_or(moves[k].tolerance);
+                let open = length <= 50.0 * tolerance
+                    || at_start.is_some_and(|start| along < 10.0 * start)
+                    || at_end.is_some_and(|end| length - along < 10.0 * end);
                 off / (tolerance * if open { 1.0 } else { 0.01 })
             })
             .fold(f64::INFINITY, f64::min);
@@ -179,4 +188,32 @@ fn a_short_line_between_two_tolerances_keeps_both() {
     }
     let whole = plan(&moves, &Profile::Trapezoid.limits());
     check(&whole, &moves, (0.0, whole.duration()), Profile::Trapezoid).expect("both tolerances");
+}
+
+/// The wide rounding at the start of a line reaches beyond its middle, where the narrow tolerance of its other corner begins.
+#[test]
+fn a_wide_rounding_may_reach_beyond_the_middle_of_a_line() {
+    let mut legs = vec![
+        (72.48706777211034, -0.3726753986985328, 0.0),
+        (2.0, 0.0, 0.2370077781917841),
+    ];
+    legs.extend([(51.0, 0.0, 0.0); 5]);
+    let mut moves = course(&legs, 0.01, Profile::SCurve);
+    for every_second in moves.iter_mut().skip(1).step_by(2) {
+        every_second.tolerance *= 4.817471024203573;
+    }
+    let whole = plan(&moves, &Profile::SCurve.limits());
+    check(&whole, &moves, (0.0, whole.duration()), Profile::SCurve).expect("both tolerances");
+    // The rounding of the arc's second corner: 10 tolerances of 0.048.
+    let (third, middle) = (&moves[2].path, 0.5 * moves[2].path.length());
+    let off_behind_the_middle = (0..=1000)
+        .map(|k| whole.at(whole.duration() * f64::from(k) / 1000.0).position)
+        .map(|q| distance(third, &q))
+        .filter(|&(_, along)| along > 1.1 * middle && along < 1.6 * middle)
+        .map(|(off, _)| off)
+        .fold(0.0, f64::max);
+    assert!(
+        off_behind_the_middle > 1e-3 && off_behind_the_middle <= 0.01,
+        "{off_behind_the_middle}"
+    );
 }
