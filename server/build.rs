@@ -1,18 +1,29 @@
-//! Lists the files of `hmi/` as a table that `hmi::assets` includes: the server carries its web page with it.
+//! Lists the files of the page as a table that `hmi::assets` includes: the server carries its web page with it.
 //!
-//! A file's name in the table is its path below `hmi/`, with `/` between folders. Hidden files are left out.
+//! The sources of the page are in `web/` at the top of the repository; [`PAGE`] names those that a browser loads. A file's name in the
+//! table is its path below `web/`, with `/` between folders. Hidden files are left out.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
+/// Files and folders of `web/` that a browser loads; the others are its tests and the settings of its tools.
+const PAGE: [&str; 4] = ["css", "icon.svg", "index.html", "js"];
+
 fn main() -> io::Result<()> {
-    println!("cargo::rerun-if-changed=hmi");
     println!("cargo::rerun-if-changed=build.rs");
     let of = |name: &str| env::var_os(name).map(PathBuf::from).unwrap_or_default();
-    let folder = of("CARGO_MANIFEST_DIR").join("hmi");
+    let web = of("CARGO_MANIFEST_DIR").join("../web").canonicalize()?;
     let mut files = Vec::new();
-    collect(&folder, String::new(), &mut files)?;
+    for part in PAGE {
+        let path = web.join(part);
+        println!("cargo::rerun-if-changed={}", path.display());
+        if path.is_dir() {
+            collect(&path, format!("{part}/"), &mut files)?;
+        } else {
+            files.push((part.to_owned(), path));
+        }
+    }
     files.sort();
     let mut table = String::from("&[\n");
     for (name, path) in &files {

@@ -2,7 +2,7 @@
 //!
 //! Everything here lives on tokio beside the rest of the server. It reads the plant as any client does, and what it sends
 //! goes through bounded queues: a slow viewer loses frames or its connection, and nothing here is ever waited for by the
-//! tick. Not here: what an instruction means (the catalogue), motion (the controller), the page itself (`server/hmi/`).
+//! tick. Not here: what an instruction means (the catalogue), motion (the controller), the page itself (`web/`).
 
 mod access;
 mod assets;
