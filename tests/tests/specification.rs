@@ -65,6 +65,51 @@ fn relative_links_lead_to_files_and_headings() {
     assert!(wrong.is_empty(), "links that lead nowhere:\n{}", wrong.join("\n"));
 }
 
+/// Each row of the second table of the glossary names a word that its files have.
+#[test]
+fn the_words_of_the_code_are_in_the_code() {
+    let glossary = read(&workspace().join("docs/GLOSSARY.md"));
+    let (_, rows) = glossary
+        .split_once("\n## Words of the code\n")
+        .expect("the glossary has its second table");
+    let mut wrong = Vec::new();
+    for row in rows.lines().filter(|line| line.starts_with("| ")).skip(1) {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let [_, word, _, places, _] = cells.as_slice() else {
+            wrong.push(format!("not a row: {row}"));
+            continue;
+        };
+        let word = word.split(' ').next().unwrap_or_default();
+        for path in places.split('`').skip(1).step_by(2) {
+            let text = fs::read_to_string(workspace().join(path)).unwrap_or_default();
+            if !text.contains(word) {
+                wrong.push(format!("{word} is not in {path}"));
+            }
+        }
+    }
+    assert!(
+        wrong.is_empty(),
+        "rows of the glossary to take away:\n{}",
+        wrong.join("\n")
+    );
+}
+
+/// A merge that was not finished leaves its markers in text that no compiler reads.
+#[test]
+fn no_page_has_a_merge_conflict() {
+    let mut wrong = Vec::new();
+    for file in files(&["md", "toml", "py", "js", "mjs", "css", "html", "txt"]) {
+        let text = read(&file);
+        let marker = |line: &&str| line.starts_with("<<<<<<< ") || line.starts_with(">>>>>>> ");
+        wrong.extend(
+            text.lines()
+                .filter(marker)
+                .map(|line| format!("{}: {line}", shown(&file))),
+        );
+    }
+    assert!(wrong.is_empty(), "unfinished merges:\n{}", wrong.join("\n"));
+}
+
 /// The numbers of the headings of each page of the specification, by the page's name without `.md`.
 fn sections_by_page() -> BTreeMap<String, BTreeSet<String>> {
     let folder = workspace().join("docs/spec");
