@@ -29,7 +29,7 @@ use std::process::ExitCode;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, FromArgMatches};
 
-use arcline_client::{Client, ClientError, ProgramError};
+use arcline_client::{Client, ClientError, Ended, Mnemonic, ProgramError};
 
 use args::{Arguments, Command, FaultCommand};
 use output::Output;
@@ -83,6 +83,13 @@ pub(crate) enum Failure {
     /// The same with what to do instead.
     #[error("{source}: {hint}")]
     Hint { source: ClientError, hint: String },
+    /// A motion without an end of its own, such as a jog, was not ended by an instruction.
+    #[error("{mnemonic} {target}: {ended}")]
+    Ended {
+        mnemonic: Mnemonic,
+        target: String,
+        ended: Box<Ended>,
+    },
     #[error("{axis} cannot have the fault {fault}: it has no drive")]
     NoSuchFault { axis: String, fault: &'static str },
     /// What has been done about it has been told already.
@@ -120,8 +127,18 @@ impl Failure {
             Self::Simulate { code, .. } => *code,
             Self::NoSuchError { .. } | Self::Terminal(_) | Self::Usage(_) | Self::WrongType { .. } => 2,
             Self::Program(ProgramError::Runtime(_) | ProgramError::Hopeless(_)) | Self::Several { .. } => 1,
+            Self::Ended { .. } => 1,
             Self::Interrupted => 130,
             Self::Told { code } => *code,
+        }
+    }
+
+    /// What ended the motion, where the server says so.
+    pub(crate) fn ended(&self) -> Option<&Ended> {
+        match (self, self.client()) {
+            (Self::Ended { ended, .. }, _) => Some(ended),
+            (_, Some(ClientError::Ended { ended, .. })) => ended.as_deref(),
+            _ => None,
         }
     }
 

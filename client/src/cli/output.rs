@@ -5,7 +5,7 @@ use std::time::UNIX_EPOCH;
 
 use serde_json::{Map, Value as Json, json};
 
-use arcline_client::{ClientError, Ended, Execution, Flag, MotionControl};
+use arcline_client::{Ended, Execution, Flag, MotionControl};
 use arcline_instruction_set::Ending;
 
 use super::Failure;
@@ -107,7 +107,7 @@ impl Output {
             object.insert("ERR".to_owned(), Json::from(err));
             object.insert("EXERR".to_owned(), Json::from(exerr));
         }
-        if let Some(ClientError::Ended { ended: Some(ended), .. }) = failure.client() {
+        if let Some(ended) = failure.ended() {
             object.insert("ended".to_owned(), ending(ended));
         }
         self.result("", || Json::Object(object));

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use arcline_client::{Client, ClientError, Ended, Execution, Flag, Given, Mnemonic, MotionControl, Object, Operands};
+use arcline_instruction_set::Ending;
 
 use super::{Failure, Output};
 
@@ -46,6 +47,9 @@ impl From<MotionControl> for Completed {
 }
 
 /// Waits for PC, or for the end of an instruction that has none. Ctrl-C stops the motion and fails with [`Failure::Interrupted`].
+///
+/// A jog, which has no PC, ends as it should when another instruction ends it. A fault, a stop of the whole machine and the loss of
+/// its client end it with [`Failure::Ended`].
 pub(crate) async fn complete(
     client: &Client,
     execution: &Execution,
@@ -55,8 +59,14 @@ pub(crate) async fn complete(
     let stopping = Stopping::of(execution);
     tokio::select! {
         result = watched(client, execution, course, output) => match result {
-            // A jog comes to no end by itself.
-            Err(ClientError::Ended { control, ended, .. }) if !execution.completes() => Ok(Completed { control, ended }),
+            Err(ClientError::Ended { control, ended, .. }) if !execution.completes() => match ended {
+                Some(ended) if !matches!(ended.ending, Ending::Instruction { .. }) => Err(Failure::Ended {
+                    mnemonic: execution.mnemonic,
+                    target: execution.target.clone(),
+                    ended,
+                }),
+                ended => Ok(Completed { control, ended }),
+            },
             result => Ok(result?.into()),
         },
         () = interrupted() => Err(interrupt(client, stopping, output).await),

@@ -90,13 +90,29 @@ fn a_jog_says_what_stopped_it() {
     let _ = arcline(at, &["exec", "MAS(S, Halt, Jog)"]).expect(0);
     let told = ended.join().expect("it ran").expect(0).stdout;
     assert_eq!(told, "MAJ S: stopped by MAS Halt\n");
+    let clear = || {
+        let _ = arcline(at, &["fault", "clear", "S"]).expect(0);
+        let _ = arcline(at, &["servo", "on", "S"]).expect(0);
+    };
+    let ended = begin(at, &["jog", "S", "50"]);
+    moves(at, "S");
+    let _ = arcline(at, &["fault", "inject", "S", "overcurrent"]).expect(0);
+    let failed = ended.join().expect("it ran").expect(1);
+    assert!(
+        failed
+            .stderr
+            .starts_with("MAJ S: stopped by a fault: S overcurrent, at ")
+            && failed.stdout.is_empty(),
+        "{failed:?}"
+    );
+    clear();
     let ended = begin(at, &["--json", "jog", "S", "50"]);
     moves(at, "S");
     let _ = arcline(at, &["fault", "inject", "S", "overcurrent"]).expect(0);
     let object = ended
         .join()
         .expect("it ran")
-        .expect(0)
+        .expect(1)
         .objects()
         .pop()
         .expect("one result");
