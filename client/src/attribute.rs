@@ -1,7 +1,7 @@
 //! The numeric attributes of axes and coordinate systems: what GSV and SSV name.
 
-use arcline_instruction_set::Attribute;
-use arcline_proto::cip::service;
+use arcline_instruction_set::{Attribute, DYNAMICS_CONFIGURATION_BITS};
+use arcline_proto::cip::{CipStatus, service};
 use arcline_proto::epath::Epath;
 use bytes::Bytes;
 
@@ -32,16 +32,24 @@ impl Client {
     /// executed afterwards, until the server restarts.
     ///
     /// # Errors
-    /// [`ClientError::UnknownObject`] when there is no object of that name; [`ClientError::Refused`]: 0x09 for a value that the
-    /// attribute cannot have, 0x0E for an attribute that only the configuration sets.
+    /// [`ClientError::UnknownObject`] when there is no object of that name; [`ClientError::AttributeValue`] for a value that the
+    /// attribute cannot have; [`ClientError::Refused`]: 0x0E for an attribute that only the configuration sets.
     pub async fn set_attribute(&self, attribute: &Attribute, name: &str, value: f64) -> Result<(), ClientError> {
         let path = self.attribute_path(attribute, name).await?;
-        // What is no UDINT becomes one that no attribute can have.
+        // A number that is no UDINT becomes one that no attribute can have.
         let whole = value >= 0.0 && value.fract() == 0.0 && value <= f64::from(u32::MAX);
         let word = if whole { value as u32 } else { u32::MAX };
-        let value = Bytes::copy_from_slice(&word.to_le_bytes());
-        self.ask(name, service::SET_ATTRIBUTE_SINGLE, path, value).await?;
-        Ok(())
+        let data = Bytes::copy_from_slice(&word.to_le_bytes());
+        match self.ask(name, service::SET_ATTRIBUTE_SINGLE, path, data).await {
+            Err(ClientError::Refused { status, .. }) if status.is(CipStatus::INVALID_ATTRIBUTE_VALUE) => {
+                Err(ClientError::AttributeValue {
+                    name: attribute.name,
+                    value,
+                    most: DYNAMICS_CONFIGURATION_BITS,
+                })
+            }
+            answer => answer.map(drop),
+        }
     }
 
     async fn attribute_path(&self, attribute: &Attribute, name: &str) -> Result<Epath, ClientError> {

@@ -52,7 +52,7 @@ pub enum ClientError {
         limit: usize,
     },
     /// The request was refused.
-    #[error("{what}: {status}")]
+    #[error("{what}: {}", crate::refusal::in_words(*status))]
     Refused {
         /// What was asked for.
         what: String,
@@ -135,6 +135,16 @@ pub enum ClientError {
         /// Why.
         source: PathError,
     },
+    /// A number that the attribute cannot be.
+    #[error("{name} cannot be {value}, expected a whole number from 0 to {most}")]
+    AttributeValue {
+        /// The attribute.
+        name: &'static str,
+        /// The number.
+        value: f64,
+        /// The highest number that it can be.
+        most: u32,
+    },
     /// A value that the tag cannot hold.
     #[error("{path} is {expected}, {given} does not fit")]
     Value {
@@ -144,6 +154,14 @@ pub enum ClientError {
         expected: String,
         /// What was given, shortened.
         given: String,
+    },
+    /// A tag that an expression cannot read.
+    #[error("{path} is {type_name}; an expression reads a number or a BOOL")]
+    NoNumber {
+        /// The tag.
+        path: String,
+        /// Its type.
+        type_name: String,
     },
     /// An operand that the instruction cannot take.
     #[error(transparent)]

@@ -54,6 +54,7 @@ mod program;
 mod progress;
 mod read;
 mod reading;
+mod refusal;
 mod tags;
 mod template;
 mod trace;

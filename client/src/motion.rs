@@ -135,8 +135,9 @@ impl Client {
         given: &[Given],
     ) -> Result<Execution, ClientError> {
         let instruction = mnemonic.instruction();
-        // A service of one class is another service of another class: the wrong object must not be asked.
-        if let Some(is) = self.table().tag(target).and_then(|tag| tag.object())
+        // The service of one instruction on axes is that of another instruction on coordinate systems, so the kind of the target is
+        // looked up before the request leaves.
+        if let Some(is) = self.tag(target).await.ok().and_then(|tag| tag.object())
             && is != instruction.object
         {
             let name = target.to_owned();

@@ -384,10 +384,9 @@ impl<'c> Runner<'c> {
             return Ok(answer);
         }
         let value = match self.client.read(&path.to_string()).await {
-            Ok(reading) => reading.value().ok_or_else(|| ClientError::Value {
+            Ok(reading) => reading.value().ok_or_else(|| ClientError::NoNumber {
                 path: path.to_string(),
-                expected: "no elementary value".to_owned(),
-                given: "a number".to_owned(),
+                type_name: reading.type_name(),
             }),
             Err(error @ ClientError::UnknownTag { .. }) => unmade_control(path).ok_or(error),
             Err(error) => Err(error),

@@ -51,6 +51,16 @@ impl Reading {
         }
     }
 
+    /// What it is: `REAL`, `STRING`, `an array of 4`, the name of a structure type.
+    pub(crate) fn type_name(&self) -> String {
+        match self {
+            Self::Value(value) => value.elementary().name().to_owned(),
+            Self::Text(_) => "STRING".to_owned(),
+            Self::Array(elements) => format!("an array of {}", elements.len()),
+            Self::Structure(structure) => structure.type_name.clone(),
+        }
+    }
+
     /// Decodes `elements` elements.
     pub fn decode_array(data_type: &DataType, elements: usize, bytes: &[u8]) -> Option<Self> {
         let size = data_type.size();

@@ -25,7 +25,7 @@ async fn create(client: &Client, command: &CreateTag, output: &Output) -> Result
         TagAccess::ReadOnly => Access::ReadOnly,
     };
     let created = client.create_tag(&name, &command.data_type, access).await;
-    let instance = created.map_err(|error| not_created(error, &command.data_type))?;
+    let instance = created.map_err(|error| not_created(error, command))?;
     output.result(
         format!("{name} created"),
         || json!({"tag": name, "type": command.data_type, "instance": instance}),
@@ -33,9 +33,19 @@ async fn create(client: &Client, command: &CreateTag, output: &Output) -> Result
     Ok(())
 }
 
-/// Why a tag was not created, as far as the type is the cause.
-fn not_created(error: ClientError, data_type: &str) -> Failure {
+/// Why a tag was not created, as far as the name or the type is the cause.
+fn not_created(error: ClientError, command: &CreateTag) -> Failure {
+    let CreateTag { name, data_type, .. } = command;
     let hint = match &error {
+        ClientError::Refused { status, .. } if status.is(CipStatus::OBJECT_ALREADY_EXISTS) => {
+            let hint = "choose another name, or delete that tag first".to_owned();
+            return Failure::Hint { source: error, hint };
+        }
+        ClientError::Refused { status, .. } if status.is(CipStatus::INVALID_PARAMETER) && !is_name(name) => {
+            format!(
+                "{name:?} cannot be the name of a tag: a name has 1 to 40 letters, digits and underscores and begins with no digit"
+            )
+        }
         ClientError::Refused { status, .. } if status.is(CipStatus::INVALID_PARAMETER) => {
             let element = data_type.split('[').next().unwrap_or_default().trim();
             if element.eq_ignore_ascii_case("MOTION_INSTRUCTION") {
@@ -44,7 +54,9 @@ fn not_created(error: ClientError, data_type: &str) -> Failure {
                 .iter()
                 .any(|known| known.name().eq_ignore_ascii_case(element))
             {
-                return error.into();
+                format!(
+                    "{data_type:?} cannot be its type: an array has one to three dimensions from 1 up, such as {element}[4] or {element}[2,3]"
+                )
             } else {
                 let known: Vec<&str> = Elementary::ALL.iter().map(|known| known.name()).collect();
                 format!(
@@ -58,9 +70,21 @@ fn not_created(error: ClientError, data_type: &str) -> Failure {
     Failure::Usage(hint)
 }
 
+/// Whether the server takes it as the name of a tag.
+fn is_name(name: &str) -> bool {
+    let begins = name.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_');
+    begins && name.len() <= 40 && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
 async fn delete(client: &Client, command: &DeleteTag, output: &Output) -> Result<(), Failure> {
     let name = full_name(command.program.as_deref(), &command.name);
-    client.delete_tag(&name).await?;
+    match client.delete_tag(&name).await {
+        Err(source @ ClientError::Refused { status, .. }) if status.is(CipStatus::PRIVILEGE_VIOLATION) => {
+            let hint = "only plain tags can be deleted".to_owned();
+            return Err(Failure::Hint { source, hint });
+        }
+        result => result?,
+    }
     output.result(format!("{name} deleted"), || json!({"tag": name}));
     Ok(())
 }

@@ -240,6 +240,9 @@ fn mistakes_are_told_in_words() {
         ("a fraction for a DINT",      &["write", "Parts", "3.5"],        2, "Parts is DINT, 3.5 does not fit"),
         ("a type that is none",        &["tags", "create", "Foo", "FOO"], 2, "\"FOO\" cannot be its type; types are BOOL"),
         ("a motion control tag",       &["tags", "create", "M", "MOTION_INSTRUCTION"], 2, "made by the first instruction that names it"),
+        ("a servo of a system",        &["servo", "on", "CS1"],           2, "CS1 is a coordinate system, MSO acts on an axis"),
+        ("a name that is none",        &["tags", "create", "bad name", "DINT"], 2, "\"bad name\" cannot be the name of a tag: a name has 1 to 40"),
+        ("an array of none",           &["tags", "create", "M", "DINT[0]"], 2, "\"DINT[0]\" cannot be its type: an array has one to three dimensions"),
         ("a trace that is no CSV",     &["plot", &mcap, "-o", &svg],      2, "plot reads traces in CSV only"),
         ("an axis to explain",         &["explain", "X"],                 2, "expected a tag of an instruction; `arcline fault list`"),
         ("a machine that is not told", &["gcode", &part, "Gantry", "--simulate"], 2, "--config FILE simulates another one"),
@@ -249,6 +252,16 @@ fn mistakes_are_told_in_words() {
         let refused = arcline(at, arguments).expect(*code);
         assert!(refused.stderr.contains(message), "{why}: {refused:?}");
         assert!(!refused.stderr.contains("CIP status"), "{why}: {refused:?}");
+    }
+    // The number stands behind the words, for a look into the pages of CIP.
+    #[rustfmt::skip]
+    let refused: &[(&str, &[&str], &str)] = &[
+        ("a read-only tag",   &["write", "X.ActualPosition", "1"],    "X.ActualPosition: clients may not change it (CIP status 0x0F)\n"),
+        ("a name that is",    &["tags", "create", "Move1", "DINT"],   "Move1: it exists already (CIP status 0x0D): choose another name, or delete that tag first\n"),
+        ("a tag of an axis",  &["tags", "delete", "X"],               "X: clients may not change it (CIP status 0x0F): only plain tags can be deleted\n"),
+    ];
+    for (why, arguments, message) in refused {
+        assert_eq!(arcline(at, arguments).expect(1).stderr, *message, "{why}");
     }
     assert_eq!(read_numbers(at, &["Parts"])[0], 0.0, "nothing was written");
     let _ = arcline(at, &["write", "Parts", "3.0"]).expect(0);

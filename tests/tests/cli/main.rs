@@ -1,5 +1,6 @@
 //! The command line from one end to the other: `arcline` and `arcline-server` as a user starts them.
 
+mod attributes;
 mod commands;
 mod endings;
 mod faults;

@@ -154,3 +154,43 @@ async fn a_stop_and_the_end_of_its_viewer_end_it() {
     drop(viewer);
     other.program("ended").await;
 }
+
+/// GSV and SSV of a program of the page: SSV needs control of the object, GSV does not.
+#[tokio::test]
+async fn a_program_sets_attributes() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    let program = "GSV(CoordinateSystem, CS1, DynamicsConfigurationBits, Move1.Speed);
+SSV(CoordinateSystem, CS1, DynamicsConfigurationBits, Move1.Speed - 4);
+GSV(CoordinateSystem, CS1, DynamicsConfigurationBits, Move2.Speed);
+";
+    let refused = "SSV(CoordinateSystem, CS1, DynamicsConfigurationBits, 3);";
+    viewer.run(refused).await.expect("it runs");
+    let failed = viewer.program("failed").await;
+    assert_eq!(failed["error"]["text"], "You do not have control of CS1.");
+    viewer.take("CS1").await;
+    viewer.run(program).await.expect("it runs");
+    viewer.program("ended").await;
+    let speeds = ["Move1.Speed", "Move2.Speed"];
+    let read = viewer
+        .ask(json!({"do": "read", "names": speeds}))
+        .await
+        .expect("values");
+    assert_eq!(
+        read["values"],
+        json!({"Move1.Speed": 7.0, "Move2.Speed": 3.0}),
+        "{read}"
+    );
+    viewer
+        .run("n := 1;\nSSV(CoordinateSystem, CS1, DynamicsConfigurationBits, 64);")
+        .await
+        .expect("it runs");
+    let failed = viewer.program("failed").await;
+    assert_eq!(
+        (&failed["line"], &failed["error"]["text"]),
+        (
+            &json!(2),
+            &json!("DynamicsConfigurationBits cannot be 64, expected a whole number from 0 to 7")
+        )
+    );
+}
