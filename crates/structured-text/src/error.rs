@@ -66,6 +66,14 @@ pub enum SyntaxProblem {
         /// What could stand there.
         expected: &'static str,
     },
+    /// A construct of IEC 61131-3 or of Logix that this dialect does not have.
+    #[error("this Structured Text has no {construct}: {instead}")]
+    NotSupported {
+        /// The construct.
+        construct: String,
+        /// What a program can use instead.
+        instead: &'static str,
+    },
     /// A character that no program has.
     #[error("found the character {found:?}, which has no meaning here")]
     Character {

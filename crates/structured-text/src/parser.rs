@@ -6,6 +6,7 @@ mod call;
 mod expression;
 mod path;
 mod statement;
+mod unsupported;
 
 use crate::code::{Meaning, Op, Use, WordPlace};
 use crate::error::{SyntaxError, SyntaxProblem};

@@ -192,6 +192,7 @@ fn programs_ask_in_order() {
          "MCT CS2 T1c: \"CS3\" an array of 3 an array of 3 @1\nend\n"),
         ("a radius is a number", "MCCM(XY, M1, 0, [1, 2], 2, -60.0, 0);",
          "MCCM XY M1: 0 an array of 2 2 -60 0 @1\nend\n"),
+        ("a variable with a word of other dialects", "case := 2; Count := case;", "Count := Lreal(2.0)\nend\n"),
         ("no control", "MSO(X);", "MSO X :  @1\nend\n"),
         ("an attribute is read and set", "GSV(Axis, X, MaximumSpeed, Recipe[1 + 1]);\nssv(coordinatesystem, CS1, dynamicsconfigurationbits, 8 - Count);",
          "get MaximumSpeed of X\nRecipe[2] := Lreal(7.0)\nset DynamicsConfigurationBits of CS1 to 1\nend\n"),
@@ -238,6 +239,15 @@ fn errors_have_a_place() {
         ("an attribute of the configuration", "SSV(Axis, X, MaximumSpeed, 5);", "line 1, column 14: SSV cannot set MaximumSpeed, only the configuration can; GSV reads it"),
         ("no destination", "GSV(Axis, X, MaximumSpeed, 5);", "line 1, column 28: found `5`, expected the tag or variable of the destination"),
         ("no source", "SSV(Axis, X, DynamicsConfigurationBits);", "line 1, column 39: found `)`, expected `,` and the source behind the attribute"),
+        ("CASE of other dialects", "CASE Count OF 1: a := 2; END_CASE;", "line 1, column 1: this Structured Text has no CASE statement: use IF, ELSIF and ELSE"),
+        ("RETURN of other dialects", "a := 1;\nRETURN;", "line 2, column 1: this Structured Text has no RETURN statement: a program ends"),
+        ("a subroutine", "JSR(Other);", "line 1, column 1: this Structured Text has no JSR statement: a program is one text"),
+        ("a declaration", "VAR x : DINT; END_VAR", "line 1, column 1: this Structured Text has no VAR statement: a name that a program assigns"),
+        ("a function", "a := 1 + ABS(-3);", "line 1, column 10: this Structured Text has no function ABS: operators are"),
+        ("a power", "a := 2 ** 3;", "line 1, column 9: this Structured Text has no operator **: multiply"),
+        ("a point without digit", "a := .5;", "line 1, column 6: this Structured Text has no number that begins with its point: write 0.5 for .5"),
+        ("a retentive assignment", "Count [:=] 2;", "line 1, column 8: this Structured Text has no assignment [:=]: use :="),
+        ("a comment of C", "/* x */ a := 1;", "line 1, column 1: this Structured Text has no comment /* */: comments are // and (* *)"),
         ("an operand is missing", "MCLM(CS1, M1, , 1);", "line 1, column 15: found `,`, expected a number, a tag or `(`"),
     ];
     for (why, text, expected) in cases {

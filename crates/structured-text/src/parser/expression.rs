@@ -71,6 +71,9 @@ impl Parser<'_> {
             }
             Kind::Name if keyword(token.text).is_none() => {
                 self.advance()?;
+                if self.peek.is("(") {
+                    return Err(self.unsupported_function(&token));
+                }
                 let path = self.path(token)?;
                 self.uses(token.offset, Meaning::Read(path));
                 self.emit(Op::Read(path));
@@ -82,7 +85,9 @@ impl Parser<'_> {
                 self.expect(")", "`)` or an operator")?;
                 Ok(Shape::Other)
             }
-            _ => Err(self.unexpected(&token, EXPECTED)),
+            _ => Err(self
+                .unsupported_sign(&token)
+                .unwrap_or_else(|| self.unexpected(&token, EXPECTED))),
         }
     }
 

@@ -65,6 +65,9 @@ impl<'t> Parser<'t> {
     fn index(&mut self) -> Result<Part, SyntaxError> {
         let before = self.program.ops.len();
         let token = self.peek;
+        if let Some(error) = self.unsupported_assignment(&token) {
+            return Err(error);
+        }
         // A name in an index is no word, wherever the path stands.
         let word = self.word.take();
         self.expression()?;

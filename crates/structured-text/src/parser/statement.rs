@@ -28,6 +28,11 @@ impl<'t> Parser<'t> {
     fn statement(&mut self, ends: &[&str]) -> Result<(), SyntaxError> {
         let token = self.peek;
         if token.kind != Kind::Name {
+            if token.is("/")
+                && let Some(error) = self.unsupported_sign(&token)
+            {
+                return Err(error);
+            }
             return Err(self.unexpected(&token, block_expected(ends)));
         }
         self.emit(Op::Statement(token.line));
@@ -69,6 +74,9 @@ impl<'t> Parser<'t> {
             Some(_) => Err(self.unexpected(&token, block_expected(ends))),
             None => {
                 self.advance()?;
+                if let Some(error) = self.unsupported_statement(&token) {
+                    return Err(error);
+                }
                 if self.peek.is("(") && Self::is_system_value(&token) {
                     self.system_value(token)
                 } else if self.peek.is("(") {
