@@ -211,6 +211,11 @@ fn every_dependency_has_its_reason() {
 
 #[test]
 fn properties_take_the_same_cases_in_every_run() {
-    let seed = std::env::var("PROPTEST_RNG_SEED").ok().and_then(|seed| seed.parse::<u64>().ok());
-    assert!(seed.is_some(), "cargo sets PROPTEST_RNG_SEED from .cargo/config.toml for every test that it starts");
+    let seed = std::env::var("PROPTEST_RNG_SEED")
+        .ok()
+        .and_then(|seed| seed.parse::<u64>().ok());
+    assert!(
+        seed.is_some(),
+        "cargo sets PROPTEST_RNG_SEED from .cargo/config.toml for every test that it starts"
+    );
 }

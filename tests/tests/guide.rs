@@ -13,27 +13,73 @@ use arcline_tests::server::{Server, said};
 
 #[test]
 fn the_first_move() {
-    run("first-move.md");
+    run("guide/first-move.md");
 }
 
 #[test]
 fn an_hmi_by_tags() {
-    run("pycomm3.md");
+    run("guide/pycomm3.md");
 }
 
 #[test]
 fn a_test_fixture() {
-    run("fixture.md");
+    run("guide/fixture.md");
 }
 
 #[test]
 fn virtual_commissioning() {
-    run("pick-and-place.md");
+    run("guide/pick-and-place.md");
 }
 
 #[test]
 fn glue_on_a_conveyor() {
-    run("glue.md");
+    run("guide/glue.md");
+}
+
+#[test]
+fn structured_text() {
+    run("STRUCTURED_TEXT.md");
+}
+
+/// The page of clients names the versions that the tests fetch.
+#[test]
+fn clients_have_the_versions_of_their_tests() {
+    let page = read("docs/CLIENTS.md");
+    let mut wrong = Vec::new();
+    let mut row = |client: &str, version: &str| {
+        let link = format!("| [{client}](");
+        let row = page.lines().find(|line| line.starts_with(&link));
+        if !row.is_some_and(|row| row.split('|').nth(2).is_some_and(|cell| cell.contains(version))) {
+            wrong.push(format!("{client} {version}"));
+        }
+    };
+    for client in ["pycomm3", "pylogix", "cpppo", "cm_ethernetip", "ethernetip"] {
+        let requirements = read(&format!("tests/python/requirements/{client}.txt"));
+        let name = client.replace('_', "-");
+        let version = requirements
+            .lines()
+            .find_map(|line| line.strip_prefix(&format!("{name}==")));
+        row(
+            &name,
+            version
+                .and_then(|rest| rest.split(' ').next())
+                .expect("a pinned version"),
+        );
+    }
+    let packages: serde_json::Value = serde_json::from_str(&read("tests/node/package.json")).expect("JSON");
+    for (name, version) in packages["dependencies"].as_object().expect("dependencies") {
+        row(name, version.as_str().expect("a pinned version"));
+    }
+    let manifest = read("tests/libplctag/Cargo.toml");
+    let (_, version) = manifest
+        .split_once("plctag-core = { version = \"=")
+        .expect("a pinned version");
+    row("libplctag", version.split('"').next().expect("a version ends"));
+    assert!(wrong.is_empty(), "docs/CLIENTS.md lacks {wrong:?}");
+}
+
+fn read(path: &str) -> String {
+    std::fs::read_to_string(arcline_tests::workspace().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
 #[test]
@@ -71,11 +117,12 @@ fn every_page_is_in_the_book_and_every_link_leads_somewhere() {
 
 /// Writes the files of a page and gives its commands.
 fn run(page: &str) {
-    let text =
-        std::fs::read_to_string(arcline_tests::workspace().join("docs/guide").join(page)).expect("pages can be read");
+    let path = arcline_tests::workspace().join("docs").join(page);
+    let text = std::fs::read_to_string(path).expect("pages can be read");
     let python = match Python::with("pycomm3") {
-        Ok(python) => python,
-        Err(why) => return arcline_tests::not_run(&format!("the guide's {page}"), &why),
+        Ok(python) => Some(python),
+        Err(why) if text.contains("\n$ python3 ") => return arcline_tests::not_run(page, &why),
+        Err(_) => None,
     };
     let folder = tempfile::tempdir().expect("a folder");
     let mut server: Option<Server> = None;
@@ -99,7 +146,7 @@ fn run(page: &str) {
             let mut command = match program.as_str() {
                 "arcline" => Command::new(programs::arcline()),
                 "arcline-server" => Command::new(programs::arcline_server()),
-                "python3" => python.command(),
+                "python3" => python.as_ref().expect("the page was found to need Python").command(),
                 other => panic!("{page} starts {other}"),
             };
             command.args(arguments).current_dir(folder.path()).stdin(Stdio::null());
