@@ -6,7 +6,7 @@ use arcline_proto::epath::Epath;
 use arcline_tag::Value;
 use bytes::Bytes;
 
-use crate::{Client, ClientError, Reading};
+use crate::{Client, ClientError, TagValue};
 
 /// Attribute of an axis: the causes of faults that are injected, UDINT.
 const INJECTED: u16 = 9;
@@ -68,8 +68,8 @@ impl Client {
 }
 
 /// The faults that the tag of an axis shows in MotionFaultStatus and CIPAxisFaults. AXIS_VIRTUAL has neither.
-pub fn shown_faults(axis: &Reading) -> FaultSet {
-    let word = |name| match axis.member(name).and_then(Reading::value) {
+pub fn shown_faults(axis: &TagValue) -> FaultSet {
+    let word = |name| match axis.member(name).and_then(TagValue::value) {
         Some(Value::Dint(word)) => i64::from(word) as u64,
         Some(Value::Lint(word)) => word as u64,
         _ => 0,

@@ -46,14 +46,12 @@ mod error;
 mod fault;
 mod feed_override;
 mod fetch;
-mod input;
 mod link;
 mod machine;
 mod motion;
 mod program;
 mod progress;
 mod read;
-mod reading;
 mod refusal;
 mod tags;
 mod template;
@@ -64,19 +62,17 @@ pub use arcline_instruction_set::{
     ATTRIBUTES, Attribute, FaultKind, FaultSet, Flag, Given, Mnemonic, MotionControl, Object,
 };
 pub use arcline_proto::identity::Identity;
-pub use arcline_tag::{Elementary, TagType, Value, nearest};
+pub use arcline_tag::{Elementary, StructureValue, TagType, TagValue, Value, WriteValue, nearest};
 
 pub use client::{Client, DEFAULT_PORT, Options};
 pub use discover::{Discovered, discover};
 pub use ended::Ended;
 pub use error::ClientError;
 pub use fault::shown_faults;
-pub use input::Input;
 pub use machine::SystemAxis;
 pub use motion::{Execution, Operands};
 pub use program::{Event, OnError, ProgramError, QueueFull, Runner, TICK};
 pub use progress::Progress;
 pub use read::MAX_BYTES;
-pub use reading::{Reading, Structure};
 pub use tags::{Access, Tag};
 pub use trace::{TraceRequest, TraceRows, TraceState, Trigger};

@@ -14,9 +14,8 @@ use arcline_structured_text::{
 };
 use arcline_tag::{DataType, PathError, PathSegment, TagPath, Value};
 
-use crate::reading::Reading;
 use crate::tags::TagTable;
-use crate::{Client, ClientError, Ended, Execution, Input};
+use crate::{Client, ClientError, Ended, Execution, TagValue, WriteValue};
 
 /// A tick of a program on a server that does not tell its coarse update period.
 pub const TICK: Duration = Duration::from_millis(1);
@@ -214,7 +213,7 @@ impl<'c> Runner<'c> {
                 Request::ReadArray(path) => self.client.read_numbers(&path.to_string()).await.map(Answer::Array),
                 Request::Write(path, value) => self
                     .client
-                    .write(&path.to_string(), Input::from(value))
+                    .write(&path.to_string(), WriteValue::from(value))
                     .await
                     .map(|()| Answer::Done),
                 Request::GetAttribute(of) => {
@@ -405,7 +404,7 @@ impl<'c> Runner<'c> {
             return Ok(None);
         }
         let control = self.client.read(tag).await?;
-        let Some(value) = control.member(member).and_then(Reading::value) else {
+        let Some(value) = control.member(member).and_then(TagValue::value) else {
             return Ok(None);
         };
         let has = |flag: Flag| control.flag(flag.name());

@@ -8,7 +8,7 @@ use arcline_proto::epath::Epath;
 use arcline_proto::logix::{ReadReply, ReadTag, WireType};
 use arcline_tag::{DataType, Elementary, Location, PathSegment, TagPath, TagType, Value};
 
-use crate::{Client, ClientError, Reading};
+use crate::{Client, ClientError, TagValue};
 
 /// Most bytes of one tag that are read or written at once.
 pub const MAX_BYTES: usize = 16 << 20;
@@ -96,14 +96,14 @@ impl Place {
         Request::new(service::READ_TAG, self.path.clone(), data)
     }
 
-    fn decode(&self, bytes: &[u8]) -> Result<Reading, ClientError> {
+    fn decode(&self, bytes: &[u8]) -> Result<TagValue, ClientError> {
         let reading = match self.array {
-            Some(elements) => Reading::decode_array(&self.data_type, usize::from(elements), bytes),
-            None => Reading::decode(&self.data_type, bytes),
+            Some(elements) => TagValue::decode_array(&self.data_type, usize::from(elements), bytes),
+            None => TagValue::decode(&self.data_type, bytes),
         };
         let reading = reading.ok_or(TOO_SHORT)?;
         match (self.bit, reading.value()) {
-            (Some(bit), Some(value)) => Ok(Reading::Value(Value::Bool(has_bit(value, bit)))),
+            (Some(bit), Some(value)) => Ok(TagValue::Value(Value::Bool(has_bit(value, bit)))),
             _ => Ok(reading),
         }
     }
@@ -147,7 +147,7 @@ impl Client {
     /// # Ok(())
     /// # }
     /// ```
-    pub async fn read(&self, path: &str) -> Result<Reading, ClientError> {
+    pub async fn read(&self, path: &str) -> Result<TagValue, ClientError> {
         let place = self.place(path).await?;
         let bytes = self.read_bytes(&place).await?;
         place.decode(&bytes)
@@ -184,7 +184,7 @@ impl Client {
     /// # Ok(())
     /// # }
     /// ```
-    pub async fn read_many(&self, paths: &[&str]) -> Result<Vec<Result<Reading, ClientError>>, ClientError> {
+    pub async fn read_many(&self, paths: &[&str]) -> Result<Vec<Result<TagValue, ClientError>>, ClientError> {
         let mut places = Vec::with_capacity(paths.len());
         for path in paths {
             match self.place(path).await {
@@ -216,7 +216,7 @@ impl Client {
     async fn read_batch(
         &self,
         batch: Vec<Result<Place, ClientError>>,
-    ) -> Result<Vec<Result<Reading, ClientError>>, ClientError> {
+    ) -> Result<Vec<Result<TagValue, ClientError>>, ClientError> {
         let places: Vec<&Place> = batch.iter().filter_map(|place| place.as_ref().ok()).collect();
         let mut replies = Vec::new();
         if let [_, _, ..] = places.as_slice() {
@@ -252,7 +252,7 @@ impl Client {
         Ok(readings)
     }
 
-    async fn read_place(&self, place: &Place, first: Option<Reply>) -> Result<Reading, ClientError> {
+    async fn read_place(&self, place: &Place, first: Option<Reply>) -> Result<TagValue, ClientError> {
         let bytes = match first {
             Some(reply) if reply.status.is_success() => fragment(place, &reply, place.size())?,
             Some(reply) if !reply.status.is(CipStatus::PARTIAL_TRANSFER) => {

@@ -11,7 +11,6 @@ use arcline_proto::epath::{Epath, Segment};
 use arcline_proto::logix::{CreateSymbol, Symbol};
 use arcline_tag::{DataType, TagType, Template};
 
-use crate::reading::type_name;
 use crate::template;
 use crate::{Client, ClientError};
 
@@ -40,7 +39,7 @@ pub struct Tag {
 impl Tag {
     /// The type as it is printed: `REAL[9]`, `COORDINATE_SYSTEM`.
     pub fn type_name(&self) -> String {
-        type_name(&self.tag_type.data_type, &self.tag_type.dimensions)
+        self.tag_type.to_string()
     }
 
     /// The motion object that the tag stands for, by its type.

@@ -4,10 +4,10 @@ use bytes::Bytes;
 
 use arcline_proto::cip::service;
 use arcline_proto::logix::{ReadModifyWrite, WriteTag};
-use arcline_tag::{DataType, Elementary, STRING_HANDLE, STRING_SIZE, write_string};
+use arcline_tag::{Elementary, Fraction, TagType};
 
 use crate::read::Place;
-use crate::{Client, ClientError, Input};
+use crate::{Client, ClientError, WriteValue};
 
 /// What a write request needs besides path and data: head, type, count, offset.
 const WRITE_HEAD: usize = 16;
@@ -29,7 +29,7 @@ impl Client {
     /// # Ok(())
     /// # }
     /// ```
-    pub async fn write(&self, path: &str, value: impl Into<Input>) -> Result<(), ClientError> {
+    pub async fn write(&self, path: &str, value: impl Into<WriteValue>) -> Result<(), ClientError> {
         let value = value.into();
         let place = self.place(path).await?;
         if let Some(bit) = place.bit {
@@ -71,9 +71,10 @@ impl Client {
         Ok(())
     }
 
-    async fn write_bit(&self, place: &Place, bit: u8, value: &Input) -> Result<(), ClientError> {
-        let set = value.convert(Elementary::Bool).map(arcline_tag::Value::as_bool);
-        let set = set.ok_or_else(|| ClientError::value(&place.text, Elementary::Bool, value))?;
+    async fn write_bit(&self, place: &Place, bit: u8, value: &WriteValue) -> Result<(), ClientError> {
+        let set = value.convert(Elementary::Bool, Fraction::Round);
+        let set = set.map_err(|_| ClientError::value(&place.text, Elementary::Bool, value))?;
+        let set = set.as_bool();
         let size = u8::try_from(place.data_type.size()).unwrap_or_default();
         let data = ReadModifyWrite::bit(size, bit, set).to_bytes();
         self.ask(&place.text, service::READ_MODIFY_WRITE_TAG, place.path.clone(), data)
@@ -83,8 +84,8 @@ impl Client {
 }
 
 /// Elements and their bytes.
-fn encode(place: &Place, value: &Input) -> Result<(u16, Bytes), ClientError> {
-    let Input::Array(values) = value else {
+fn encode(place: &Place, value: &WriteValue) -> Result<(u16, Bytes), ClientError> {
+    let WriteValue::Array(values) = value else {
         if place.array.is_some_and(|elements| elements != 1) {
             return Err(does_not_fit(place, value));
         }
@@ -103,27 +104,22 @@ fn encode(place: &Place, value: &Input) -> Result<(u16, Bytes), ClientError> {
     Ok((count, bytes.into()))
 }
 
-fn encode_one(place: &Place, value: &Input, bytes: &mut Vec<u8>) -> Result<(), ClientError> {
+fn encode_one(place: &Place, value: &WriteValue, bytes: &mut Vec<u8>) -> Result<(), ClientError> {
     let start = bytes.len();
     bytes.resize(start + place.data_type.size(), 0);
     let room = bytes.get_mut(start..).unwrap_or_default();
-    let written = match (&place.data_type, value) {
-        (DataType::Elementary(elementary), value) => value.convert(*elementary).and_then(|value| value.write(room)),
-        (DataType::Structure(template), Input::Text(text))
-            if template.handle == STRING_HANDLE && place.data_type.size() == STRING_SIZE =>
-        {
-            write_string(room, text)
-        }
-        _ => None,
-    };
-    written.ok_or_else(|| does_not_fit(place, value))
+    let written = value.encode(&place.data_type, Fraction::Round, room);
+    written.map_err(|_| does_not_fit(place, value))
 }
 
-fn does_not_fit(place: &Place, value: &Input) -> ClientError {
-    let dimensions = [place.array.map_or(0, u32::from)];
+fn does_not_fit(place: &Place, value: &WriteValue) -> ClientError {
+    let tag_type = TagType {
+        data_type: place.data_type.clone(),
+        dimensions: [place.array.map_or(0, u32::from), 0, 0],
+    };
     ClientError::Value {
         path: place.text.clone(),
-        expected: crate::reading::type_name(&place.data_type, &dimensions),
+        expected: tag_type.to_string(),
         given: value.to_string(),
     }
 }

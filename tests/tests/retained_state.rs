@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use arcline_client::{Client, ClientError, Flag, Input, Mnemonic, Operands, Reading};
+use arcline_client::{Client, ClientError, Flag, Mnemonic, Operands, TagValue, WriteValue};
 use arcline_state::{Axis, AxisState, Place, State, parse};
 use arcline_tests::programs;
 use arcline_tests::random::Random;
@@ -93,7 +93,7 @@ async fn connect(server: &Server) -> Client {
     client.expect("a ready server accepts")
 }
 
-async fn axis(client: &Client, name: &str) -> Reading {
+async fn axis(client: &Client, name: &str) -> TagValue {
     client
         .read(name)
         .await
@@ -128,8 +128,8 @@ async fn holds(client: &Client, kept: &Axis, why: &str) {
     }
 }
 
-fn table(number: i64) -> Input {
-    Input::Array(vec![Input::from(number); ELEMENTS])
+fn table(number: i64) -> WriteValue {
+    WriteValue::Array(vec![WriteValue::from(number); ELEMENTS])
 }
 
 /// What a writer has sent, and what was acknowledged.

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use arcline_client::{Client, ClientError, FaultSet, Flag, Mnemonic, Object, Reading, shown_faults};
+use arcline_client::{Client, ClientError, FaultSet, Flag, Mnemonic, Object, TagValue, shown_faults};
 
 use super::args::{FaultClear, FaultInject, FaultList};
 use super::output::table;
@@ -95,11 +95,11 @@ pub(crate) async fn list(client: &Client, command: &FaultList, output: &Output) 
 }
 
 /// CIPAxisState in a word (spec/axis-and-data-types.md §12); a virtual axis has none.
-fn state(axis: &Reading) -> &'static str {
+fn state(axis: &TagValue) -> &'static str {
     if axis.flag("ShutdownStatus") {
         return "shutdown";
     }
-    match axis.member("CIPAxisState").and_then(Reading::as_f64) {
+    match axis.member("CIPAxisState").and_then(TagValue::as_f64) {
         None => "ready",
         Some(2.0) => "stopped",
         Some(3.0) => "starting",

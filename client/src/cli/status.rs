@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value as Json, json};
 
-use arcline_client::{Client, ClientError, FaultSet, Object, Progress, Reading, Tag, shown_faults};
+use arcline_client::{Client, ClientError, FaultSet, Object, Progress, Tag, TagValue, shown_faults};
 use arcline_instruction_set::Ending;
 
 use super::output::table;
@@ -178,7 +178,7 @@ impl Looked {
         &self,
         client: &Client,
         tag: &Tag,
-        reading: &Reading,
+        reading: &TagValue,
     ) -> Result<Vec<&'static str>, Failure> {
         let shown = shown_faults(reading);
         let faults = match self.instances.get(&tag.name) {
@@ -218,7 +218,7 @@ fn kind(tag: &Tag) -> Option<Kind> {
 }
 
 /// Names of the members that are true, in the words of the table.
-pub(super) fn words(reading: &Reading, members: &[(&str, &str)]) -> String {
+pub(super) fn words(reading: &TagValue, members: &[(&str, &str)]) -> String {
     let set: Vec<&str> = members
         .iter()
         .filter(|(member, _)| reading.flag(member))
@@ -279,7 +279,7 @@ const NO_MOTION: &[&str] = &[
     "MasterOffsetMoveLockStatus",
 ];
 
-fn axis(tag: &Tag, reading: &Reading, kinds: Vec<&str>) -> Shown {
+fn axis(tag: &Tag, reading: &TagValue, kinds: Vec<&str>) -> Shown {
     let (position, command) = (reading.number("ActualPosition"), reading.number("CommandPosition"));
     let velocity = reading.number("CommandVelocity");
     let (servo, homed) = (reading.flag("ServoActionStatus"), reading.flag("AxisHomedStatus"));
@@ -317,10 +317,10 @@ fn axis(tag: &Tag, reading: &Reading, kinds: Vec<&str>) -> Shown {
     }
 }
 
-fn system(tag: &Tag, reading: &Reading, axes: usize, percent: Option<f64>, progress: Option<Progress>) -> Shown {
+fn system(tag: &Tag, reading: &TagValue, axes: usize, percent: Option<f64>, progress: Option<Progress>) -> Shown {
     let mut position = reading
         .member("ActualPosition")
-        .and_then(Reading::numbers)
+        .and_then(TagValue::numbers)
         .unwrap_or_default();
     // The others are unused and 0.
     position.truncate(axes);
@@ -381,7 +381,7 @@ fn told(progress: Option<Progress>) -> String {
     text
 }
 
-fn group(tag: &Tag, reading: &Reading) -> Shown {
+fn group(tag: &Tag, reading: &TagValue) -> Shown {
     let synced = reading.flag("GroupSynced");
     let faults = words(
         reading,
@@ -409,7 +409,7 @@ fn group(tag: &Tag, reading: &Reading) -> Shown {
     }
 }
 
-fn real_time(tag: &Tag, reading: &Reading) -> Shown {
+fn real_time(tag: &Tag, reading: &TagValue) -> Shown {
     let (ticks, overruns) = (reading.number("Ticks"), reading.number("Overruns"));
     let period = reading.number("UpdatePeriod");
     let [mean, p99, max] = ["LatenessMean", "LatenessP99", "LatenessMax"].map(|member| reading.number(member));

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use arcline_client::{Access, Client, ClientError, Elementary, Input, Reading, nearest};
+use arcline_client::{Access, Client, ClientError, Elementary, TagValue, WriteValue, nearest};
 use arcline_proto::cip::CipStatus;
 
 use super::args::{CreateTag, DeleteTag, TagAccess, Tags, TagsChange, Write};
@@ -185,17 +185,17 @@ fn counted_path(tag: &str) -> (&str, Option<usize>) {
 }
 
 /// The first elements of an array.
-fn first(reading: Reading, path: &str, count: Option<usize>) -> Result<Reading, ClientError> {
+fn first(reading: TagValue, path: &str, count: Option<usize>) -> Result<TagValue, ClientError> {
     match (reading, count) {
         (reading, None) => Ok(reading),
-        (Reading::Array(mut elements), Some(count)) if (1..=elements.len()).contains(&count) => {
+        (TagValue::Array(mut elements), Some(count)) if (1..=elements.len()).contains(&count) => {
             elements.truncate(count);
-            Ok(Reading::Array(elements))
+            Ok(TagValue::Array(elements))
         }
         (reading, Some(count)) => Err(ClientError::Value {
             path: path.to_owned(),
             expected: match reading {
-                Reading::Array(elements) => format!("an array of {}", elements.len()),
+                TagValue::Array(elements) => format!("an array of {}", elements.len()),
                 _ => "no array".to_owned(),
             },
             given: format!("a count of {count}"),
@@ -204,9 +204,9 @@ fn first(reading: Reading, path: &str, count: Option<usize>) -> Result<Reading, 
 }
 
 /// A value alone, or `tag = value`; members of a structure one a line.
-fn text(tag: &str, reading: &Reading, alone: bool) -> String {
+fn text(tag: &str, reading: &TagValue, alone: bool) -> String {
     match reading {
-        Reading::Structure(structure) => {
+        TagValue::Structure(structure) => {
             let mut lines = vec![format!("{tag} ({})", structure.type_name)];
             members(reading, 1, &mut lines);
             lines.join("\n")
@@ -216,8 +216,10 @@ fn text(tag: &str, reading: &Reading, alone: bool) -> String {
     }
 }
 
-fn members(reading: &Reading, depth: usize, lines: &mut Vec<String>) {
-    let Reading::Structure(structure) = reading else { return };
+fn members(reading: &TagValue, depth: usize, lines: &mut Vec<String>) {
+    let TagValue::Structure(structure) = reading else {
+        return;
+    };
     let shown = || {
         structure
             .members
@@ -227,7 +229,7 @@ fn members(reading: &Reading, depth: usize, lines: &mut Vec<String>) {
     let width = shown().map(|(name, _)| name.len()).max().unwrap_or_default();
     for (name, member) in shown() {
         let indent = 2 * depth;
-        if matches!(member, Reading::Structure(_)) {
+        if matches!(member, TagValue::Structure(_)) {
             lines.push(format!("{:indent$}{name}", ""));
             members(member, depth + 1, lines);
         } else {
@@ -249,12 +251,12 @@ pub(crate) async fn write(client: &Client, command: &Write, output: &Output) -> 
 }
 
 /// The first number with decimals that is written to an integer: the integer's type, and the number.
-fn fraction(reading: &Reading, value: &Input) -> Option<(String, f64)> {
+fn fraction(reading: &TagValue, value: &WriteValue) -> Option<(String, f64)> {
     match (reading, value) {
-        (Reading::Array(elements), Input::Array(values)) => {
+        (TagValue::Array(elements), WriteValue::Array(values)) => {
             values.iter().find_map(|value| fraction(elements.first()?, value))
         }
-        (Reading::Value(now), Input::Number(number)) if number.is_finite() && number.fract() != 0.0 => {
+        (TagValue::Value(now), WriteValue::Number(number)) if number.is_finite() && number.fract() != 0.0 => {
             let elementary = now.elementary();
             let takes_any = elementary.is_real() || elementary == Elementary::Bool;
             (!takes_any).then(|| (elementary.name().to_owned(), *number))
@@ -264,7 +266,7 @@ fn fraction(reading: &Reading, value: &Input) -> Option<(String, f64)> {
 }
 
 /// `12` for a STRING is a text, though it looks like a number.
-async fn as_text_where_needed(client: &Client, command: &Write) -> Result<Input, Failure> {
+async fn as_text_where_needed(client: &Client, command: &Write) -> Result<WriteValue, Failure> {
     let reading = client.read(&command.tag).await?;
     if let Some((integer, number)) = fraction(&reading, &command.value) {
         return Err(ClientError::Value {
@@ -274,9 +276,11 @@ async fn as_text_where_needed(client: &Client, command: &Write) -> Result<Input,
         }
         .into());
     }
-    let is_text = matches!(reading, Reading::Text(_));
+    let is_text = matches!(reading, TagValue::Text(_));
     Ok(match &command.value {
-        value @ (Input::Bool(_) | Input::Integer(_) | Input::Number(_)) if is_text => Input::Text(value.to_string()),
+        value @ (WriteValue::Bool(_) | WriteValue::Integer(_) | WriteValue::Number(_)) if is_text => {
+            WriteValue::Text(value.to_string())
+        }
         value => value.clone(),
     })
 }

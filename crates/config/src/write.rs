@@ -7,7 +7,7 @@ use arcline_controller::machine::{
     HomeDirection, HomeMode, HomeSequence, Machine, Orientation, ProgrammedStopMode, Robot,
 };
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet};
-use arcline_tag::{DataType, Elementary, Member, STRING_INSTANCE, Template, string_text};
+use arcline_tag::{DataType, Elementary, Member, Template, shortest, string_text};
 use toml::{Table, Value};
 
 use crate::read::{KEYS, WRISTS};
@@ -505,7 +505,7 @@ fn one(data_type: &DataType, bytes: &[u8]) -> Value {
             let value = arcline_tag::Value::read(*kind, bytes);
             if let Some(arcline_tag::Value::Real(number)) = value {
                 // The shortest text of the 32 bits, which reads back to them.
-                return Value::Float(number.to_string().parse().unwrap_or(f64::from(number)));
+                return Value::Float(shortest(number));
             }
             match value
                 .and_then(arcline_tag::Value::to_integer)
@@ -515,7 +515,7 @@ fn one(data_type: &DataType, bytes: &[u8]) -> Value {
                 None => Value::Float(value.map_or(0.0, arcline_tag::Value::as_f64)),
             }
         }
-        DataType::Structure(template) if template.instance == STRING_INSTANCE => text(&string_text(bytes)),
+        DataType::Structure(template) if template.is_string() => text(&string_text(bytes)),
         DataType::Structure(template) => {
             let visible = template.members.iter().filter(|member| !member.hidden);
             let values = visible.filter_map(|member| {

@@ -10,16 +10,22 @@ mod elementary;
 mod handle;
 mod nearest;
 mod path;
+mod string;
 mod tag_type;
+mod tag_value;
 mod template;
 mod value;
+mod write_value;
 
 pub use elementary::Elementary;
 pub use nearest::nearest;
 pub use path::{PathError, PathSegment, TagPath, program_name, scope, split};
-pub use tag_type::{Location, TagType};
-pub use template::{
-    DataType, Member, STRING_CAPACITY, STRING_HANDLE, STRING_INSTANCE, STRING_SIZE, Template, TemplateBuilder,
-    string_template, string_text, write_string,
+pub use string::{
+    STRING_CAPACITY, STRING_HANDLE, STRING_INSTANCE, STRING_SIZE, clamp_strings, string_template, string_text,
+    write_string,
 };
+pub use tag_type::{Location, TagType};
+pub use tag_value::{FloatsOnly, StructureValue, TagValue, shortest};
+pub use template::{DataType, Member, Template, TemplateBuilder};
 pub use value::Value;
+pub use write_value::{Fraction, Misfit, WriteValue};

@@ -3,9 +3,9 @@
 //!
 //! Not here: tag instances and who may write them. Offsets and sizes are bytes.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
-use crate::{Elementary, handle};
+use crate::{Elementary, STRING_HANDLE, STRING_SIZE, handle};
 
 /// An elementary type or a structure.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -29,7 +29,7 @@ impl DataType {
     pub fn name(&self) -> &str {
         match self {
             Self::Elementary(kind) => kind.name(),
-            Self::Structure(template) if template.instance == STRING_INSTANCE => "STRING",
+            Self::Structure(template) if template.is_string() => "STRING",
             Self::Structure(template) => &template.name,
         }
     }
@@ -39,6 +39,14 @@ impl DataType {
         match self {
             Self::Elementary(kind) => u16::from(kind.code()),
             Self::Structure(template) => 0x8000 | (template.instance & 0x0FFF),
+        }
+    }
+
+    /// Elementary values, bits and texts in one element: the numbers that a reader of it gets.
+    pub fn leaves(&self) -> usize {
+        match self {
+            Self::Elementary(_) => 1,
+            Self::Structure(template) => template.leaves(),
         }
     }
 
@@ -120,6 +128,21 @@ impl Template {
         self.members
             .iter()
             .find(|member| member.name.eq_ignore_ascii_case(name))
+    }
+
+    /// Whether it is the STRING type, whose value is a text.
+    pub fn is_string(&self) -> bool {
+        self.handle == STRING_HANDLE && self.size as usize == STRING_SIZE
+    }
+
+    /// Elementary values, bits and texts in it, hidden members left out; a STRING is one text.
+    pub fn leaves(&self) -> usize {
+        if self.is_string() {
+            return 1;
+        }
+        let visible = self.members.iter().filter(|member| !member.hidden);
+        let leaves = visible.map(|member| member.elements().saturating_mul(member.data_type.leaves()));
+        leaves.fold(0, usize::saturating_add)
     }
 
     /// Whether clients treat it as a user type, with `;n` behind its name.
@@ -330,57 +353,12 @@ impl TemplateBuilder {
     }
 }
 
-/// Template instance of STRING.
-pub const STRING_INSTANCE: u16 = 0xFCE;
-/// Structure handle of STRING; clients decode a structure with this handle as a string.
-pub const STRING_HANDLE: u16 = 0x0FCE;
-/// Characters in a STRING.
-pub const STRING_CAPACITY: usize = 82;
-/// Bytes of a STRING: length DINT, 82 characters, 2 bytes of padding.
-pub const STRING_SIZE: usize = 88;
-
-/// The STRING type: template `ASCIISTRING82` with LEN DINT and DATA SINT\[82\], 88 bytes.
-pub fn string_template() -> Arc<Template> {
-    static STRING: LazyLock<Arc<Template>> = LazyLock::new(|| {
-        TemplateBuilder::new("ASCIISTRING82", STRING_INSTANCE)
-            .member("LEN", Elementary::Dint)
-            .array("DATA", Elementary::Sint, STRING_CAPACITY as u16)
-            .handle(STRING_HANDLE)
-            .build()
-    });
-    STRING.clone()
-}
-
-/// The text in the bytes of a STRING; a length beyond the data is cut, bytes that are not UTF-8 are replaced.
-pub fn string_text(bytes: &[u8]) -> String {
-    let length = bytes.first_chunk().map_or(0, |length| i32::from_le_bytes(*length));
-    let data = bytes.get(4..).unwrap_or_default();
-    let length = usize::try_from(length)
-        .unwrap_or(0)
-        .min(STRING_CAPACITY)
-        .min(data.len());
-    String::from_utf8_lossy(&data[..length]).into_owned()
-}
-
-/// Writes text into the bytes of a STRING; `None`, and nothing written, when the text or the room is too
-/// long or too short.
-pub fn write_string(bytes: &mut [u8], text: &str) -> Option<()> {
-    let length = i32::try_from(text.len()).ok()?;
-    let bytes = bytes.get_mut(..STRING_SIZE)?;
-    if text.len() > STRING_CAPACITY {
-        return None;
-    }
-    bytes.fill(0);
-    bytes[..4].copy_from_slice(&length.to_le_bytes());
-    bytes[4..4 + text.len()].copy_from_slice(text.as_bytes());
-    Some(())
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::string_template;
 
     fn pair() -> Arc<Template> {
         TemplateBuilder::new("Vec2", 0x1A1)
@@ -461,20 +439,6 @@ mod tests {
             .build();
         assert_ne!(pair().handle, swapped.handle);
         assert_eq!(pair().handle, pair().handle);
-    }
-
-    #[test]
-    fn strings_are_cut_and_refused() {
-        let mut bytes = [0xFF; STRING_SIZE];
-        assert_eq!(string_text(&bytes), "", "a negative length is empty");
-        bytes[..4].copy_from_slice(&1000i32.to_le_bytes());
-        assert!(string_text(&bytes).chars().count() <= STRING_CAPACITY);
-        assert_eq!(string_text(&bytes[..3]), "");
-        assert_eq!(write_string(&mut bytes, "CS1"), Some(()));
-        assert_eq!(string_text(&bytes), "CS1");
-        assert_eq!(write_string(&mut bytes, &"x".repeat(83)), None);
-        assert_eq!(write_string(&mut [0; 87], "x"), None);
-        assert_eq!(string_text(&bytes), "CS1");
     }
 
     proptest! {

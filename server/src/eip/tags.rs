@@ -10,7 +10,7 @@ use arcline_proto::cip::{CipStatus, Reply, Request, service};
 use arcline_proto::epath::Target;
 use arcline_proto::logix::{ReadModifyWrite, ReadTag, WireType, WriteTag};
 use arcline_proto::status::general_error;
-use arcline_tag::{DataType, Elementary, Location, PathError, STRING_CAPACITY, STRING_INSTANCE, Template};
+use arcline_tag::{DataType, Elementary, Location, PathError, clamp_strings};
 
 use super::objects::symbol;
 use super::router::{Context, Memory};
@@ -234,28 +234,5 @@ fn write_status(error: &WriteError) -> CipStatus {
         WriteError::ReadOnly { .. } => CipStatus::PRIVILEGE_VIOLATION,
         WriteError::OutOfRange { .. } | WriteError::NoSuchFault { .. } => CipStatus::INVALID_PARAMETER,
         _ => unknown(),
-    }
-}
-
-/// Brings the LEN of every STRING within 0 to 82, whatever has been written there.
-fn clamp_strings(template: &Template, bytes: &mut [u8]) {
-    if template.instance == STRING_INSTANCE {
-        if let Some(length) = bytes.first_chunk_mut::<4>() {
-            let clamped = i32::from_le_bytes(*length).clamp(0, STRING_CAPACITY as i32);
-            *length = clamped.to_le_bytes();
-        }
-        return;
-    }
-    for member in &template.members {
-        let DataType::Structure(inner) = &member.data_type else {
-            continue;
-        };
-        let start = member.offset as usize;
-        let Some(bytes) = bytes.get_mut(start..start + member.size()) else {
-            continue;
-        };
-        bytes
-            .chunks_mut((inner.size as usize).max(1))
-            .for_each(|element| clamp_strings(inner, element));
     }
 }

@@ -3,8 +3,9 @@
 use arcline_controller::image::{Access, Edge, Image, Tag, TagKind, WriteError};
 use arcline_instruction_set::instruction_tag_target;
 use arcline_tag::{
-    DataType, Elementary, PathSegment, STRING_INSTANCE, TagPath, Template, Value, string_text, write_string,
+    DataType, Elementary, FloatsOnly, Fraction, Misfit, PathSegment, TagPath, TagValue, Value, WriteValue,
 };
+use serde::Deserialize;
 use serde_json::{Map, Value as Json, json};
 
 use super::Shared;
@@ -169,71 +170,16 @@ fn value(image: &Image, name: &str, budget: &mut usize) -> Result<Json, Refusal>
     }
     // An index means one element, a name all of them.
     let one = matches!(path.0.last(), Some(PathSegment::Element(_))) || place.elements <= 1;
-    if one {
-        return of_type(&place.data_type, bytes, budget);
-    }
-    let size = place.element_size().max(1);
-    let elements = bytes.chunks_exact(size).take(place.elements as usize);
-    elements.map(|bytes| of_type(&place.data_type, bytes, budget)).collect()
-}
-
-fn of_type(data_type: &DataType, bytes: &[u8], budget: &mut usize) -> Result<Json, Refusal> {
+    let elements = if one { 1 } else { place.elements as usize };
     *budget = budget
-        .checked_sub(1)
+        .checked_sub(elements.saturating_mul(place.data_type.leaves()))
         .ok_or_else(|| Refusal::new(format!("more than {VALUES} values")))?;
-    match data_type {
-        DataType::Elementary(kind) => Ok(Value::read(*kind, bytes).map_or(Json::Null, number)),
-        DataType::Structure(template) if is_string(template) => Ok(string_text(bytes).into()),
-        DataType::Structure(template) => structure(template, bytes, budget).map(Json::Object),
-    }
-}
-
-fn structure(template: &Template, bytes: &[u8], budget: &mut usize) -> Result<Map<String, Json>, Refusal> {
-    let mut members = Map::new();
-    for member in template.members.iter().filter(|member| !member.hidden) {
-        let bytes = bytes.get(member.offset as usize..).unwrap_or_default();
-        let value = match member.bit {
-            Some(bit) => {
-                *budget = budget.saturating_sub(1);
-                (bytes.first().copied().unwrap_or_default() & 1 << bit != 0).into()
-            }
-            None if member.dimension == 0 => of_type(&member.data_type, bytes, budget)?,
-            None => bytes
-                .chunks_exact(member.data_type.size().max(1))
-                .take(member.elements())
-                .map(|bytes| of_type(&member.data_type, bytes, budget))
-                .collect::<Result<_, _>>()?,
-        };
-        members.insert(member.name.clone(), value);
-    }
-    Ok(members)
-}
-
-fn is_string(template: &Template) -> bool {
-    template.instance == STRING_INSTANCE
-}
-
-/// Up to here a browser's numbers tell whole ones apart.
-const EXACT: u128 = 1 << 53;
-
-/// A number as JSON; what JSON has no number for, or a browser none that is exact, as text.
-fn number(value: Value) -> Json {
-    match value {
-        Value::Bool(on) => on.into(),
-        Value::Real(real) if real.is_finite() => shortest(real),
-        value => match value.to_whole() {
-            Some(whole) if whole.unsigned_abs() <= EXACT => (whole as i64).into(),
-            Some(whole) => whole.to_string().into(),
-            None if value.as_f64().is_finite() => value.as_f64().into(),
-            None => value.as_f64().to_string().into(),
-        },
-    }
-}
-
-/// A REAL by the digits that it has: 0.1 is not 0.10000000149.
-fn shortest(real: f32) -> Json {
-    let text = real.to_string();
-    text.parse::<f64>().map_or(Json::Null, Json::from)
+    let value = match one {
+        true => TagValue::decode(&place.data_type, bytes),
+        false => TagValue::decode_array(&place.data_type, elements, bytes),
+    };
+    let json = value.and_then(|value| serde_json::to_value(FloatsOnly(&value)).ok());
+    Ok(json.unwrap_or_default())
 }
 
 /// What a write would move.
@@ -276,50 +222,43 @@ fn put(image: &mut Image, path: &TagPath, value: &Json) -> Result<Option<Edge>, 
             "{path} is an array: write one element, such as {path}[0]"
         )));
     }
-    match (value, &place.data_type) {
-        (Json::Bool(on), _) => image.write_value(path, Value::Bool(*on)).map_err(refuse),
-        (Json::Number(_) | Json::String(_), DataType::Elementary(kind)) => {
+    let given = WriteValue::deserialize(value).map_err(|_| Refusal::new("expected a number, true, false or a text"))?;
+    match (given, &place.data_type) {
+        (WriteValue::Bool(on), _) => image.write_value(path, Value::Bool(on)).map_err(refuse),
+        (given, DataType::Elementary(kind)) => {
             let kind = if place.bit.is_some() { Elementary::Bool } else { *kind };
-            let given = typed(kind, value);
-            let given = given.ok_or_else(|| {
-                let whole = value.as_f64().is_none_or(|number| number.fract() == 0.0);
-                let why = if whole { "does not fit" } else { "is not a whole number" };
+            let given = whole(given).convert(kind, Fraction::Refuse).map_err(|misfit| {
+                let why = match misfit {
+                    Misfit::Fraction => "is not a whole number",
+                    Misfit::OutOfRange | Misfit::Kind => "does not fit",
+                };
                 Refusal::new(format!("{path} is {kind}, {value} {why}"))
             })?;
             image.write_value(path, given).map_err(refuse)
         }
-        (Json::String(text), DataType::Structure(template)) if is_string(template) => {
+        (given @ WriteValue::Text(_), DataType::Structure(template)) if template.is_string() => {
             let mut bytes = vec![0; template.size as usize];
-            write_string(&mut bytes, text).ok_or_else(|| Refusal::new("the text is longer than a STRING"))?;
+            given
+                .encode(&place.data_type, Fraction::Refuse, &mut bytes)
+                .map_err(|_| Refusal::new("the text is longer than a STRING"))?;
             image.write(id, place.offset, &bytes).map_err(refuse)
         }
-        (Json::Number(_), DataType::Structure(template)) if is_string(template) => {
+        (_, DataType::Structure(template)) if template.is_string() => {
             Err(Refusal::new(format!("{path} is a STRING, expected a text in quotes")))
         }
-        (Json::Number(_) | Json::String(_), DataType::Structure(template)) => {
+        (_, DataType::Structure(template)) => {
             let name = &template.name;
             Err(Refusal::new(format!("{path} is a {name}, expected one of its members")))
         }
-        _ => Err(Refusal::new("expected a number, true, false or a text")),
     }
 }
 
-/// A value as a type; `None` when it does not fit: an integer takes no fraction. Text is a whole number that the browser
-/// could not keep.
-fn typed(kind: Elementary, given: &Json) -> Option<Value> {
-    let whole = match given {
-        Json::String(text) => text.parse().ok(),
-        given => given.as_i64().map(i128::from).or(given.as_u64().map(i128::from)),
-    };
-    if let Some(whole) = whole {
-        return Value::from_whole(kind, whole);
+/// A text for a number is a whole number that the browser could not keep.
+fn whole(given: WriteValue) -> WriteValue {
+    match &given {
+        WriteValue::Text(text) => text.parse().map_or(given, WriteValue::Integer),
+        _ => given,
     }
-    let number = given.as_f64()?;
-    if kind.is_real() || kind == Elementary::Bool {
-        return Some(Value::from_f64(kind, number));
-    }
-    let whole = Value::Lreal(number).to_integer().filter(|_| number.fract() == 0.0)?;
-    Value::from_whole(kind, whole.into())
 }
 
 #[cfg(test)]

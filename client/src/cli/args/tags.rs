@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use arcline_client::Input;
+use arcline_client::WriteValue;
 
 #[derive(Args, Debug)]
 #[command(args_conflicts_with_subcommands = true)]
@@ -75,6 +75,6 @@ pub(crate) struct Write {
     /// Such as Move1.Speed
     pub(crate) tag: String,
     /// A number, true or false, a text, or `[1,2,3]`
-    #[arg(allow_hyphen_values = true, value_parser = Input::from_str)]
-    pub(crate) value: Input,
+    #[arg(allow_hyphen_values = true, value_parser = WriteValue::from_str)]
+    pub(crate) value: WriteValue,
 }

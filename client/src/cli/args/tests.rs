@@ -1,6 +1,6 @@
 //! What parses, what is refused, and the help.
 
-use arcline_client::{Input, Mnemonic};
+use arcline_client::{Mnemonic, WriteValue};
 
 use super::help::instructions;
 use super::*;
@@ -212,10 +212,10 @@ fn the_others_parse() {
 #[test]
 fn values_to_write_are_read_as_what_they_are() {
     for (line, expected) in [
-        ("write A -5", Input::Integer(-5)),
-        ("write A 1.5", Input::Number(1.5)),
+        ("write A -5", WriteValue::Integer(-5)),
+        ("write A 1.5", WriteValue::Number(1.5)),
         ("write A [1,2]", vec![1_i64, 2].into()),
-        ("write A true", Input::Bool(true)),
+        ("write A true", WriteValue::Bool(true)),
         ("write A CS1", "CS1".into()),
     ] {
         let Ok(Command::Write(command)) = parse(line) else {

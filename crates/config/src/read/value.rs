@@ -1,6 +1,6 @@
 //! First values of plain tags: numbers, `true`, text, lists and tables, as bytes on the wire.
 
-use arcline_tag::{DataType, Elementary, STRING_CAPACITY, STRING_INSTANCE, TagType, Value, write_string};
+use arcline_tag::{DataType, Elementary, TagType, Value, write_string};
 use toml::de::DeValue;
 
 /// What a first value may be, or why one cannot be.
@@ -69,11 +69,8 @@ fn one(data_type: &DataType, value: &DeValue<'_>, bytes: &mut [u8]) -> Result<()
             Ok(())
         }
         DataType::Elementary(kind) => number(*kind, value).and_then(|value| value.write(bytes)).ok_or(NUMBER),
-        DataType::Structure(template) if template.instance == STRING_INSTANCE => {
+        DataType::Structure(template) if template.is_string() => {
             let DeValue::String(text) = value else { return Err(TEXT) };
-            if text.len() > STRING_CAPACITY {
-                return Err(TEXT);
-            }
             write_string(bytes, text).ok_or(TEXT)
         }
         DataType::Structure(template) => {

@@ -1,6 +1,6 @@
 //! First values as decorated data.
 
-use arcline_tag::{DataType, Elementary, STRING_INSTANCE, Template, Value, string_text};
+use arcline_tag::{DataType, Elementary, Template, Value, shortest, string_text};
 
 use super::xml::Xml;
 use crate::text;
@@ -84,7 +84,7 @@ pub(super) fn value(xml: &mut Xml, place: Place<'_>, data_type: &DataType, dimen
 }
 
 fn members(xml: &mut Xml, template: &Template, bytes: &[u8]) {
-    if template.instance == STRING_INSTANCE {
+    if template.is_string() {
         let content = string_text(bytes);
         let length = content.len().to_string();
         let head = [
@@ -119,7 +119,7 @@ fn members(xml: &mut Xml, template: &Template, bytes: &[u8]) {
 
 fn number(kind: Elementary, bytes: &[u8]) -> String {
     match Value::read(kind, bytes) {
-        Some(Value::Real(number)) => text::write_real(number.to_string().parse().unwrap_or(f64::from(number))),
+        Some(Value::Real(number)) => text::write_real(shortest(number)),
         Some(Value::Lreal(number)) => text::write_real(number),
         Some(value) => value.to_whole().unwrap_or(0).to_string(),
         None => "0".to_owned(),
