@@ -4,16 +4,12 @@ use std::fmt;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use arcline_instruction_set::Ending;
+use arcline_proto::arcline::execution;
 use arcline_proto::cip::service;
 use arcline_proto::epath::Epath;
-use arcline_proto::wire::Reader;
 use bytes::Bytes;
 
-use crate::motion::MOTION_INSTRUCTION;
 use crate::{Client, ClientError};
-
-/// The attribute.
-const ENDING: u16 = 8;
 
 /// The end of an instruction that did not come to its end.
 #[derive(Clone, PartialEq, Debug)]
@@ -33,7 +29,7 @@ impl Client {
     /// # Errors
     /// What the session meets.
     pub async fn ending(&self, instance: u32) -> Result<Option<Ended>, ClientError> {
-        let path = Epath::attribute(MOTION_INSTRUCTION, instance, ENDING);
+        let path = Epath::attribute(execution::CLASS, instance, execution::attribute::ENDING);
         let what = "the end of an instruction";
         match self.ask(what, service::GET_ATTRIBUTE_SINGLE, path, Bytes::new()).await {
             Ok(reply) => Ok(read(&reply.data)),
@@ -44,17 +40,12 @@ impl Client {
 }
 
 fn read(data: &[u8]) -> Option<Ended> {
-    let mut reader = Reader::new(data);
-    let code = reader.u8()?;
-    let mut text = || {
-        let length = reader.u8()?;
-        std::str::from_utf8(reader.take(usize::from(length))?).ok()
-    };
-    let (name, what) = (text()?, text()?);
-    let time = f64::from_le_bytes(reader.array()?);
-    let at = UNIX_EPOCH.checked_add(Duration::from_micros(reader.u64()?))?;
-    let ending = Ending::from_parts(code, name, what)?;
-    Some(Ended { ending, time, at })
+    let ending = execution::Ending::decode(data)?;
+    Some(Ended {
+        time: ending.time,
+        at: UNIX_EPOCH.checked_add(Duration::from_micros(ending.utc_micros))?,
+        ending: Ending::from_parts(ending.code, &ending.name, &ending.detail)?,
+    })
 }
 
 /// `stopped by a fault: X overcurrent, at 14:03:22.123 UTC, 12.345 s of machine time`; of other endings without the time.

@@ -1,6 +1,7 @@
 //! Faults of axes: what an axis shows, and the causes that are injected (attributes of class 0x0301).
 
 use arcline_instruction_set::{FAULTS, FaultSet, FaultWord, Object};
+use arcline_proto::arcline::motion::axis;
 use arcline_proto::cip::service;
 use arcline_proto::epath::Epath;
 use arcline_tag::Value;
@@ -8,18 +9,13 @@ use bytes::Bytes;
 
 use crate::{Client, ClientError, TagValue};
 
-/// Attribute of an axis: the causes of faults that are injected, UDINT.
-const INJECTED: u16 = 9;
-/// Attribute of an axis: the causes that can be injected, UDINT.
-const POSSIBLE: u16 = 10;
-
 impl Client {
     /// The causes of faults that are injected into an axis.
     ///
     /// # Errors
     /// [`ClientError::UnknownObject`] when there is no such axis; [`ClientError::Refused`] when the server has no injection.
     pub async fn injected_faults(&self, axis: &str) -> Result<FaultSet, ClientError> {
-        self.fault_attribute(axis, INJECTED).await
+        self.fault_attribute(axis, axis::INJECTED_FAULTS).await
     }
 
     /// The causes of faults that can be injected into an axis.
@@ -27,7 +23,7 @@ impl Client {
     /// # Errors
     /// As [`Client::injected_faults`].
     pub async fn possible_faults(&self, axis: &str) -> Result<FaultSet, ClientError> {
-        self.fault_attribute(axis, POSSIBLE).await
+        self.fault_attribute(axis, axis::POSSIBLE_FAULTS).await
     }
 
     /// Sets the causes of faults that are injected into an axis: each is there until it is taken out of the set.
@@ -44,7 +40,7 @@ impl Client {
     /// # }
     /// ```
     pub async fn inject_faults(&self, axis: &str, causes: FaultSet) -> Result<(), ClientError> {
-        let path = self.axis_path(axis, INJECTED).await?;
+        let path = self.axis_path(axis, axis::INJECTED_FAULTS).await?;
         let value = Bytes::copy_from_slice(&causes.bits().to_le_bytes());
         self.ask(axis, service::SET_ATTRIBUTE_SINGLE, path, value).await?;
         Ok(())

@@ -1,16 +1,12 @@
 //! The feed override of coordinate systems: the tag `FeedOverride`, and attributes of class 0x0302.
 
 use arcline_instruction_set::Object;
+use arcline_proto::arcline::motion::coordinate_system;
 use arcline_proto::cip::service;
 use arcline_proto::epath::Epath;
 use bytes::Bytes;
 
 use crate::{Client, ClientError};
-
-/// Attribute of a coordinate system: its feed override, REAL, percent.
-const FEED_OVERRIDE: u16 = 10;
-/// Attribute of a coordinate system: the last override that was not 0, REAL, percent.
-const BEFORE_HOLD: u16 = 11;
 
 impl Client {
     /// The feed override of a coordinate system, in percent: 100 as programmed, 0 holds its moves.
@@ -19,7 +15,7 @@ impl Client {
     /// [`ClientError::UnknownObject`] when there is no such coordinate system; [`ClientError::Refused`] when the server
     /// has no overrides.
     pub async fn feed_override(&self, system: &str) -> Result<f64, ClientError> {
-        self.override_attribute(system, FEED_OVERRIDE).await
+        self.override_attribute(system, coordinate_system::FEED_OVERRIDE).await
     }
 
     /// The last feed override of a coordinate system that was not 0, in percent: what resuming goes back to.
@@ -27,7 +23,8 @@ impl Client {
     /// # Errors
     /// As [`Client::feed_override`].
     pub async fn feed_override_before_hold(&self, system: &str) -> Result<f64, ClientError> {
-        self.override_attribute(system, BEFORE_HOLD).await
+        self.override_attribute(system, coordinate_system::OVERRIDE_BEFORE_HOLD)
+            .await
     }
 
     /// Sets the feed override of a coordinate system, in percent, 0 to 200. It holds for its coordinated moves until it
@@ -43,7 +40,7 @@ impl Client {
     /// # }
     /// ```
     pub async fn set_feed_override(&self, system: &str, percent: f64) -> Result<(), ClientError> {
-        let path = self.override_path(system, FEED_OVERRIDE).await?;
+        let path = self.override_path(system, coordinate_system::FEED_OVERRIDE).await?;
         let value = Bytes::copy_from_slice(&(percent as f32).to_le_bytes());
         self.ask(system, service::SET_ATTRIBUTE_SINGLE, path, value).await?;
         Ok(())

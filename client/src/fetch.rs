@@ -1,5 +1,5 @@
-//! Fetches the types of tags that are structures, with those within them. What their bytes mean is
-//! `template`'s.
+//! Fetches the types of tags that are structures, with those within them. The layout of a definition is
+//! [`Definition`]'s.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -8,10 +8,9 @@ use bytes::{Bytes, BytesMut};
 
 use arcline_proto::cip::{CipStatus, class, encode_attribute_ids, service};
 use arcline_proto::epath::Epath;
-use arcline_proto::logix::{ReadTemplate, TemplateAttributes};
+use arcline_proto::logix::{Definition, ReadTemplate, TemplateAttributes};
 use arcline_tag::{Template, string_template};
 
-use crate::template::Definition;
 use crate::{Client, ClientError};
 
 /// Most templates that are fetched.

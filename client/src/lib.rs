@@ -54,7 +54,6 @@ mod progress;
 mod read;
 mod refusal;
 mod tags;
-mod template;
 mod trace;
 mod write;
 

@@ -3,16 +3,11 @@
 use bytes::Bytes;
 
 use arcline_instruction_set::Object;
+use arcline_proto::arcline::motion::{axis, coordinate_system, decode_instances};
 use arcline_proto::cip::service;
 use arcline_proto::epath::Epath;
-use arcline_proto::wire::Reader;
 
 use crate::{Client, ClientError};
-
-/// Attribute of a coordinate system: `n UINT, instance of the axis UINT × n`.
-const AXES: u16 = 2;
-/// Attribute of an axis: its position units, SHORT_STRING.
-const UNITS: u16 = 8;
 
 /// An axis of a coordinate system.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -32,17 +27,13 @@ impl Client {
     pub async fn axes_of(&self, system: &str) -> Result<Vec<SystemAxis>, ClientError> {
         let instance = self.instance(Object::CoordinateSystem, system).await?;
         let names = self.objects(Object::Axis).await?;
-        let data = self.bytes_of(system, Object::CoordinateSystem, instance, AXES).await?;
-        let mut reader = Reader::new(&data);
-        let count = reader.u16().ok_or(CUT)?;
         let mut axes = Vec::new();
-        for _ in 0..count {
-            let instance = reader.u16().ok_or(CUT)?;
+        for instance in self.axis_instances(system, instance).await? {
             let name = usize::from(instance)
                 .checked_sub(1)
-                .and_then(|place| names.get(place))
+                .and_then(|index| names.get(index))
                 .ok_or(CUT)?;
-            let text = self.bytes_of(name, Object::Axis, instance.into(), UNITS).await?;
+            let text = self.bytes_of(name, Object::Axis, instance.into(), axis::UNITS).await?;
             let (length, text) = text.split_first().ok_or(CUT)?;
             let text = text.get(..usize::from(*length)).ok_or(CUT)?;
             axes.push(SystemAxis {
@@ -59,8 +50,13 @@ impl Client {
     /// [`ClientError::Refused`] when the server does not tell it; otherwise what the session meets.
     pub async fn axis_count(&self, instance: u32) -> Result<usize, ClientError> {
         let what = "the axes of a coordinate system";
-        let data = self.bytes_of(what, Object::CoordinateSystem, instance, AXES).await?;
-        Reader::new(&data).u16().map(usize::from).ok_or(CUT)
+        Ok(self.axis_instances(what, instance).await?.len())
+    }
+
+    async fn axis_instances(&self, what: &str, instance: u32) -> Result<Vec<u16>, ClientError> {
+        let axes = coordinate_system::AXES;
+        let data = self.bytes_of(what, Object::CoordinateSystem, instance, axes).await?;
+        decode_instances(&data).ok_or(CUT)
     }
 
     async fn bytes_of(&self, what: &str, object: Object, instance: u32, id: u16) -> Result<Bytes, ClientError> {

@@ -6,6 +6,7 @@ use bytes::{Bytes, BytesMut};
 use tokio::time::Instant;
 
 use arcline_instruction_set::{BindError, Flag, Given, Kind, Mnemonic, MotionControl, Operand, OperandIndex};
+use arcline_proto::arcline::{execution, motion::Accepted};
 use arcline_proto::cip::{CipStatus, Reply, service};
 use arcline_proto::epath::Epath;
 use arcline_proto::logix::{Typed, encode_operands};
@@ -14,8 +15,6 @@ use arcline_tag::{Elementary, Value};
 
 use crate::{Client, ClientError};
 
-/// Class of the executed instructions.
-pub(crate) const MOTION_INSTRUCTION: u16 = 0x0303;
 /// Time between two looks at an instruction's status.
 const POLL: Duration = Duration::from_millis(5);
 
@@ -151,21 +150,17 @@ impl Client {
             let refusal = self.refusal(mnemonic, target, &reply).await;
             return Err(not_given(refusal, mnemonic, given));
         }
-        let mut reader = Reader::new(&reply.data);
-        let parts = (reader.u32(), reader.array::<{ MotionControl::SIZE }>());
-        let (Some(instance), Some(bytes)) = parts else {
-            return Err(ClientError::Malformed {
-                what: "the answer to an instruction is cut",
-            });
-        };
-        let status = MotionControl::from_bytes(bytes);
+        let accepted = Accepted::decode(&reply.data).ok_or(ClientError::Malformed {
+            what: "the answer to an instruction is cut",
+        })?;
+        let status = MotionControl::from_bytes(accepted.control);
         check(&status, Some(mnemonic)).map_err(|error| not_given(error, mnemonic, given))?;
         let (target, tag) = (target.to_owned(), control.to_owned());
         Ok(Execution {
             mnemonic,
             target,
             tag,
-            instance,
+            instance: accepted.instance,
             control: status,
         })
     }
@@ -175,7 +170,7 @@ impl Client {
     /// # Errors
     /// [`ClientError::Refused`] with 0x16 when the server has dropped it; otherwise what the session meets.
     pub async fn instruction(&self, instance: u32) -> Result<MotionControl, ClientError> {
-        let path = Epath::object(MOTION_INSTRUCTION, instance);
+        let path = Epath::object(execution::CLASS, instance);
         let what = "the instruction's status";
         let reply = self.ask(what, service::GET_ATTRIBUTES_ALL, path, Bytes::new()).await?;
         let bytes = Reader::new(&reply.data).array::<{ MotionControl::SIZE }>();

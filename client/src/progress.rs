@@ -1,7 +1,8 @@
 //! How far the active move of a coordinate system is: attributes of class 0x0302.
 
 use arcline_instruction_set::{FaultSet, Object};
-use arcline_proto::cip::service;
+use arcline_proto::arcline::motion::{axis, coordinate_system};
+use arcline_proto::cip::{encode_attribute_ids, service};
 use arcline_proto::epath::Epath;
 use arcline_proto::wire::Reader;
 use bytes::Bytes;
@@ -9,9 +10,11 @@ use bytes::Bytes;
 use crate::{Client, ClientError};
 
 /// Attributes of a coordinate system, LREAL: distance to go of the active move, length of its path, seconds to its end.
-const PROGRESS: [u16; 3] = [27, 28, 29];
-/// Attribute of an axis, UDINT: its faults.
-const FAULTS: u16 = 12;
+const PROGRESS: [u16; 3] = [
+    coordinate_system::DISTANCE_TO_GO,
+    coordinate_system::PATH_LENGTH,
+    coordinate_system::TIME_LEFT,
+];
 
 /// The active move of a coordinate system.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -39,12 +42,10 @@ impl Client {
     /// # Errors
     /// What the session meets.
     pub async fn progress(&self, instance: u32) -> Result<Option<Progress>, ClientError> {
-        let mut ids = vec![u8::try_from(PROGRESS.len()).unwrap_or(u8::MAX), 0];
-        ids.extend(PROGRESS.iter().flat_map(|id| id.to_le_bytes()));
         let path = Epath::object(Object::CoordinateSystem.class_code(), instance);
         let what = "the progress of a move";
         match self
-            .ask(what, service::GET_ATTRIBUTE_LIST, path, Bytes::from(ids))
+            .ask(what, service::GET_ATTRIBUTE_LIST, path, encode_attribute_ids(&PROGRESS))
             .await
         {
             Ok(reply) => Ok(read(&reply.data).filter(|progress| progress.length > 0.0)),
@@ -58,7 +59,7 @@ impl Client {
     /// # Errors
     /// What the session meets.
     pub async fn faults_of(&self, instance: u32) -> Result<FaultSet, ClientError> {
-        let path = Epath::attribute(Object::Axis.class_code(), instance, FAULTS);
+        let path = Epath::attribute(Object::Axis.class_code(), instance, axis::FAULTS);
         let what = "the faults of an axis";
         match self.ask(what, service::GET_ATTRIBUTE_SINGLE, path, Bytes::new()).await {
             Ok(reply) => {

@@ -8,10 +8,9 @@ use bytes::Bytes;
 use arcline_instruction_set::Object;
 use arcline_proto::cip::{class, encode_attribute_ids, service};
 use arcline_proto::epath::{Epath, Segment};
-use arcline_proto::logix::{CreateSymbol, Symbol};
+use arcline_proto::logix::{self, CreateSymbol, Symbol, template_instance};
 use arcline_tag::{DataType, TagType, Template};
 
-use crate::template;
 use crate::{Client, ClientError};
 
 /// Most tags that are listed.
@@ -83,7 +82,7 @@ pub(crate) struct TagTable {
 impl TagTable {
     /// The type of a tag, as far as its template is known.
     fn tag_type(&self, symbol: &Symbol) -> Option<TagType> {
-        let data_type = template::data_type(symbol.symbol_type, |instance| self.templates.get(&instance).cloned())?;
+        let data_type = logix::data_type(symbol.symbol_type, |instance| self.templates.get(&instance).cloned())?;
         Some(TagType {
             data_type,
             dimensions: symbol.dimensions,
@@ -138,10 +137,7 @@ impl Client {
     pub async fn browse(&self) -> Result<Vec<Tag>, ClientError> {
         let table = self.refresh_symbols().await?;
         let structures = table.symbols.values().map(|symbol| symbol.symbol_type);
-        let wanted: Vec<u16> = structures
-            .filter(|word| template::is_structure(*word))
-            .map(template::instance)
-            .collect();
+        let wanted: Vec<u16> = structures.filter_map(template_instance).collect();
         let mut templates = table.templates.clone();
         for instance in wanted {
             self.fetch_template(instance, &mut templates).await?;
@@ -171,9 +167,8 @@ impl Client {
             return Ok(tag);
         }
         let mut templates = table.templates.clone();
-        if template::is_structure(symbol.symbol_type) {
-            self.fetch_template(template::instance(symbol.symbol_type), &mut templates)
-                .await?;
+        if let Some(instance) = template_instance(symbol.symbol_type) {
+            self.fetch_template(instance, &mut templates).await?;
         }
         let table = self.set_table(TagTable {
             symbols: table.symbols.clone(),

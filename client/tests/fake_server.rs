@@ -11,7 +11,7 @@ use arcline_proto::encap::{Command, Frame, FrameDecoder, RegisterSession, Sessio
 use arcline_proto::epath::{Epath, Segment, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{
-    ReadTag, ReadTemplate, Symbol, TemplateAttributes, WireType, WriteTag, instance_list_reply,
+    Definition, ReadTag, ReadTemplate, Symbol, TemplateAttributes, WireType, WriteTag, instance_list_reply,
 };
 use arcline_proto::session::{Event, Host, ServerSession, Settings};
 use arcline_tag::{Elementary, TagType, Template, TemplateBuilder, string_template};
@@ -142,17 +142,11 @@ impl Memory {
                 let Some(template) = found else { return unknown };
                 if code == service::GET_ATTRIBUTE_LIST {
                     let ids = arcline_proto::cip::decode_attribute_ids(&request.data).unwrap();
-                    let attributes = TemplateAttributes {
-                        handle: template.handle,
-                        members: template.members.len() as u16,
-                        definition_words: template.definition_words(),
-                        size: template.size,
-                    };
-                    attributes.reply(&ids, budget)
+                    Definition::of(template).0.reply(&ids, budget)
                 } else {
                     ReadTemplate::decode(&request.data)
                         .unwrap()
-                        .reply(&template.definition(), budget.min(64))
+                        .reply(&Definition::of(template).1.to_bytes(), budget.min(64))
                 }
             }
             (None, code) => {

@@ -2,13 +2,16 @@
 #![no_main]
 
 use arcline_fuzz::timed;
+use arcline_proto::arcline::execution::Ending;
+use arcline_proto::arcline::motion::{Accepted, decode_instances};
+use arcline_proto::arcline::trace::{ListSignals, ReadRows, Rows, SignalList, TraceRequest};
 use arcline_proto::cip::{self, Reply, Request};
 use arcline_proto::connection::{ForwardClose, ForwardOpen, ForwardOpenReply, UnconnectedSend};
 use arcline_proto::cpf::Packet;
 use arcline_proto::epath::{Epath, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{
-    ReadModifyWrite, ReadReply, ReadTag, ReadTemplate, Symbol, TemplateAttributes, WriteTag, decode_operands,
+    CreateSymbol, Definition, ReadModifyWrite, ReadReply, ReadTag, ReadTemplate, Symbol, TemplateAttributes, WriteTag, decode_operands,
 };
 use bytes::Bytes;
 use libfuzzer_sys::fuzz_target;
@@ -35,6 +38,10 @@ fn run(data: &[u8]) {
         Symbol::decode_list(&data, &[1, 2, 8]),
         cip::split_multiple_replies(&data),
     );
+    let definition = Definition::decode(&data, 3);
+    let _ = definition.and_then(|definition| definition.build(1, TemplateAttributes::default(), |_| None));
+    let _ = (Rows::decode(&data), SignalList::decode(&data), Ending::decode(&data));
+    let _ = (Accepted::decode(&data), decode_instances(&data));
     let Ok(request) = Request::decode(&data) else {
         return;
     };
@@ -60,5 +67,6 @@ fn run(data: &[u8]) {
         ForwardOpen::decode(data, false),
         ForwardClose::decode(data),
     );
-    let _ = decode_operands(data);
+    let _ = (TraceRequest::decode(data), ListSignals::decode(data), ReadRows::decode(data));
+    let _ = (decode_operands(data), CreateSymbol::decode(data));
 }

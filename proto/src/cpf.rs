@@ -126,83 +126,189 @@ impl Item {
         }
     }
 
-    fn decode(item: u16, data: Bytes) -> Result<Self, CpfError> {
-        let length = |expected| CpfError::ItemLength {
-            item,
-            present: data.len(),
-            expected,
-        };
-        let mut reader = Reader::new(&data);
-        let fixed = |expected: usize| {
-            if data.len() == expected {
-                Ok(())
-            } else {
-                Err(length(expected))
-            }
-        };
-        Ok(match item {
+    /// The item of a raw one that is a part of `whole`.
+    fn decode(raw: RawItem<'_>, whole: &Bytes) -> Result<Self, CpfError> {
+        let data = || whole.slice_ref(raw.data);
+        Ok(match raw.item {
             item_type::NULL_ADDRESS => {
-                fixed(0)?;
+                raw.fixed::<0>()?;
                 Self::NullAddress
             }
-            item_type::IDENTITY => Self::Identity(data),
-            item_type::SERVICES => Self::Services(data),
-            item_type::CONNECTED_ADDRESS => {
-                fixed(4)?;
-                Self::ConnectedAddress(ConnectionId(reader.u32().ok_or_else(|| length(4))?))
-            }
-            item_type::CONNECTED_DATA => Self::ConnectedData(data),
-            item_type::UNCONNECTED_DATA => Self::UnconnectedData(data),
-            item_type::SOCKADDR_O_TO_T => {
-                fixed(16)?;
-                Self::SockaddrOToT(decode_sockaddr(&mut reader).ok_or_else(|| length(16))?)
-            }
-            item_type::SOCKADDR_T_TO_O => {
-                fixed(16)?;
-                Self::SockaddrTToO(decode_sockaddr(&mut reader).ok_or_else(|| length(16))?)
-            }
+            item_type::IDENTITY => Self::Identity(data()),
+            item_type::SERVICES => Self::Services(data()),
+            item_type::CONNECTED_ADDRESS => Self::ConnectedAddress(raw.connected_address()?),
+            item_type::CONNECTED_DATA => Self::ConnectedData(data()),
+            item_type::UNCONNECTED_DATA => Self::UnconnectedData(data()),
+            item_type::SOCKADDR_O_TO_T => Self::SockaddrOToT(raw.sockaddr()?),
+            item_type::SOCKADDR_T_TO_O => Self::SockaddrTToO(raw.sockaddr()?),
             item_type::SEQUENCED_ADDRESS => {
-                fixed(8)?;
-                let id = ConnectionId(reader.u32().ok_or_else(|| length(8))?);
-                Self::SequencedAddress {
-                    id,
-                    sequence: reader.u32().ok_or_else(|| length(8))?,
-                }
+                let (id, sequence) = raw.sequenced_address()?;
+                Self::SequencedAddress { id, sequence }
             }
-            _ => Self::Other { item, data },
+            item => Self::Other { item, data: data() },
         })
     }
 
-    /// Appends the item with its type and length.
-    pub(crate) fn encode(&self, out: &mut BytesMut) {
-        out.put_u16_le(self.type_code());
+    /// Appends the item.
+    fn encode(&self, writer: &mut ItemWriter<'_>) {
         match self {
-            Self::NullAddress => out.put_u16_le(0),
+            Self::NullAddress => writer.null_address(),
             Self::Identity(data)
             | Self::Services(data)
             | Self::ConnectedData(data)
             | Self::UnconnectedData(data)
             | Self::Other { data, .. } => {
                 let length = u16::try_from(data.len()).unwrap_or(u16::MAX);
-                out.put_u16_le(length);
-                out.put_slice(data.get(..usize::from(length)).unwrap_or(data));
+                let data = data.get(..usize::from(length)).unwrap_or(data);
+                writer.data(self.type_code(), length).put_slice(data);
             }
-            Self::ConnectedAddress(id) => {
-                out.put_u16_le(4);
-                out.put_u32_le(id.0);
-            }
-            Self::SockaddrOToT(address) | Self::SockaddrTToO(address) => {
-                out.put_u16_le(16);
-                encode_sockaddr(*address, out);
-            }
-            Self::SequencedAddress { id, sequence } => {
-                out.put_u16_le(8);
-                out.put_u32_le(id.0);
-                out.put_u32_le(*sequence);
-            }
+            Self::ConnectedAddress(id) => writer.connected_address(*id),
+            Self::SockaddrOToT(address) | Self::SockaddrTToO(address) => writer.sockaddr(self.type_code(), *address),
+            Self::SequencedAddress { id, sequence } => writer.sequenced_address(*id, *sequence),
         }
     }
 }
+
+/// An item as it lies in a packet.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct RawItem<'a> {
+    /// Its type code.
+    pub(crate) item: u16,
+    /// Its data.
+    pub(crate) data: &'a [u8],
+}
+
+impl RawItem<'_> {
+    /// The data of an item of fixed size.
+    fn fixed<const N: usize>(&self) -> Result<[u8; N], CpfError> {
+        self.data.try_into().map_err(|_| CpfError::ItemLength {
+            item: self.item,
+            present: self.data.len(),
+            expected: N,
+        })
+    }
+
+    fn connected_address(&self) -> Result<ConnectionId, CpfError> {
+        self.fixed().map(|id| ConnectionId(u32::from_le_bytes(id)))
+    }
+
+    /// Connection and sequence of a sequenced address.
+    pub(crate) fn sequenced_address(&self) -> Result<(ConnectionId, u32), CpfError> {
+        let [a, b, c, d, sequence @ ..] = self.fixed::<8>()?;
+        let id = ConnectionId(u32::from_le_bytes([a, b, c, d]));
+        Ok((id, u32::from_le_bytes(sequence)))
+    }
+
+    fn sockaddr(&self) -> Result<SocketAddrV4, CpfError> {
+        let bytes = self.fixed::<SOCKADDR>()?;
+        decode_sockaddr(&mut Reader::new(&bytes)).ok_or(CpfError::Missing("the socket address"))
+    }
+}
+
+/// Reads `count u16` and that many items, one by one and without a copy.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ItemReader<'a> {
+    reader: Reader<'a>,
+    left: u16,
+    /// Bytes of the packet.
+    present: usize,
+}
+
+impl<'a> ItemReader<'a> {
+    /// A reader in front of the first item.
+    pub(crate) fn new(data: &'a [u8]) -> Result<Self, CpfError> {
+        let mut reader = Reader::new(data);
+        let left = reader.u16().ok_or(CpfError::Truncated {
+            inside: "the item count",
+            present: data.len(),
+        })?;
+        Ok(Self {
+            reader,
+            left,
+            present: data.len(),
+        })
+    }
+
+    /// The next item; `None` behind the last one.
+    pub(crate) fn next(&mut self) -> Result<Option<RawItem<'a>>, CpfError> {
+        let Some(left) = self.left.checked_sub(1) else {
+            return Ok(None);
+        };
+        self.left = left;
+        let truncated = |inside| CpfError::Truncated {
+            inside,
+            present: self.present,
+        };
+        let item = self.reader.u16().ok_or_else(|| truncated("an item type"))?;
+        let claimed = usize::from(self.reader.u16().ok_or_else(|| truncated("an item length"))?);
+        let present = self.reader.remaining();
+        let data = self
+            .reader
+            .take(claimed)
+            .ok_or(CpfError::Overrun { item, claimed, present })?;
+        Ok(Some(RawItem { item, data }))
+    }
+
+    /// The next item, which must have this type.
+    pub(crate) fn expect(&mut self, item: u16, missing: &'static str) -> Result<RawItem<'a>, CpfError> {
+        let next = self.next()?.filter(|next| next.item == item);
+        next.ok_or(CpfError::Missing(missing))
+    }
+}
+
+/// Writes items. Nothing else knows how they lie.
+#[derive(Debug)]
+pub(crate) struct ItemWriter<'o>(&'o mut BytesMut);
+
+impl<'o> ItemWriter<'o> {
+    /// Writes the head of SendRRData and SendUnitData: interface handle and time-out, both 0, and the number of items.
+    pub(crate) fn packet(count: u16, out: &'o mut BytesMut) -> Self {
+        out.put_bytes(0, PACKET_HEAD - 2);
+        Self::new(count, out)
+    }
+
+    /// Writes the number of items that follow.
+    pub(crate) fn new(count: u16, out: &'o mut BytesMut) -> Self {
+        out.put_u16_le(count);
+        Self(out)
+    }
+
+    /// A null address, [`ITEM_HEAD`] bytes.
+    pub(crate) fn null_address(&mut self) {
+        self.data(item_type::NULL_ADDRESS, 0);
+    }
+
+    /// A connected address, [`ITEM_HEAD`] + 4 bytes.
+    pub(crate) fn connected_address(&mut self, id: ConnectionId) {
+        self.data(item_type::CONNECTED_ADDRESS, 4).put_u32_le(id.0);
+    }
+
+    /// A sequenced address, [`ITEM_HEAD`] + 8 bytes.
+    pub(crate) fn sequenced_address(&mut self, id: ConnectionId, sequence: u32) {
+        let out = self.data(item_type::SEQUENCED_ADDRESS, 8);
+        out.put_u32_le(id.0);
+        out.put_u32_le(sequence);
+    }
+
+    /// A socket address, [`ITEM_HEAD`] + [`SOCKADDR`] bytes.
+    pub(crate) fn sockaddr(&mut self, item: u16, address: SocketAddrV4) {
+        encode_sockaddr(address, self.data(item, SOCKADDR as u16));
+    }
+
+    /// Type and length of an item; its `length` bytes are appended to what this gives.
+    pub(crate) fn data(&mut self, item: u16, length: u16) -> &mut BytesMut {
+        self.0.put_u16_le(item);
+        self.0.put_u16_le(length);
+        self.0
+    }
+}
+
+/// Bytes of the head of SendRRData and SendUnitData in front of the items: interface handle, time-out and number of items.
+pub(crate) const PACKET_HEAD: usize = 4 + 2 + 2;
+/// Bytes of type and length of an item.
+pub(crate) const ITEM_HEAD: usize = 2 + 2;
+/// Bytes of a socket address.
+pub(crate) const SOCKADDR: usize = 16;
 
 /// Reads `count u16` and that many items. At most [`MAX_ITEMS`] are kept, the others are only checked; bytes behind the
 /// last item are ignored.
@@ -210,21 +316,10 @@ impl Item {
 /// # Errors
 /// An item runs past the packet or a fixed item has the wrong size.
 pub fn decode_items(data: &Bytes) -> Result<Vec<Item>, CpfError> {
-    let mut reader = Reader::new(data);
-    let truncated = |inside| CpfError::Truncated {
-        inside,
-        present: data.len(),
-    };
-    let count = reader.u16().ok_or_else(|| truncated("the item count"))?;
+    let mut reader = ItemReader::new(data)?;
     let mut items = Vec::with_capacity(2);
-    for _ in 0..count {
-        let item = reader.u16().ok_or_else(|| truncated("an item type"))?;
-        let claimed = usize::from(reader.u16().ok_or_else(|| truncated("an item length"))?);
-        let present = reader.remaining();
-        let body = reader
-            .take(claimed)
-            .ok_or(CpfError::Overrun { item, claimed, present })?;
-        let item = Item::decode(item, data.slice_ref(body))?;
+    while let Some(raw) = reader.next()? {
+        let item = Item::decode(raw, data)?;
         if items.len() < MAX_ITEMS {
             items.push(item);
         }
@@ -235,9 +330,9 @@ pub fn decode_items(data: &Bytes) -> Result<Vec<Item>, CpfError> {
 /// Appends `count u16` and the items (at most 65,535 of them).
 pub fn encode_items(items: &[Item], out: &mut BytesMut) {
     let count = u16::try_from(items.len()).unwrap_or(u16::MAX);
-    out.put_u16_le(count);
+    let mut writer = ItemWriter::new(count, out);
     for item in items.iter().take(usize::from(count)) {
-        item.encode(out);
+        item.encode(&mut writer);
     }
 }
 
@@ -280,14 +375,8 @@ impl Packet {
     /// # Errors
     /// As [`decode_items`].
     pub fn decode(data: &Bytes) -> Result<Self, CpfError> {
-        let mut reader = Reader::new(data);
-        let truncated = CpfError::Truncated {
-            inside: "interface handle and timeout",
-            present: data.len(),
-        };
-        let interface = reader.u32().ok_or(truncated)?;
-        let timeout = reader.u16().ok_or(truncated)?;
-        let items = decode_items(&data.slice_ref(reader.rest()))?;
+        let (interface, timeout, items) = packet_head(data)?;
+        let items = decode_items(&data.slice_ref(items))?;
         Ok(Self {
             interface,
             timeout,
@@ -300,11 +389,18 @@ impl Packet {
     /// # Errors
     /// As both.
     pub fn decode_connected(data: &Bytes) -> Result<(ConnectionId, u16, Bytes), CpfError> {
-        match two_items(data) {
-            Some((id, sequence, message)) => Ok((id, sequence, data.slice_ref(message))),
-            // Unusual items, or what is wrong.
-            None => Self::decode(data)?.connected_message(),
+        let (_, _, items) = packet_head(data)?;
+        let mut items = ItemReader::new(items)?;
+        let id = items
+            .expect(item_type::CONNECTED_ADDRESS, NO_ADDRESS)?
+            .connected_address()?;
+        let message = items.expect(item_type::CONNECTED_DATA, NO_DATA)?;
+        while let Some(other) = items.next()? {
+            Item::decode(other, data)?;
         }
+        let mut reader = Reader::new(message.data);
+        let sequence = reader.u16().ok_or(CpfError::Missing(NO_SEQUENCE))?;
+        Ok((id, sequence, data.slice_ref(reader.rest())))
     }
 
     /// The data of a frame.
@@ -336,29 +432,30 @@ impl Packet {
         match self.items.as_slice() {
             [Item::ConnectedAddress(id), Item::ConnectedData(data), ..] => {
                 let mut reader = Reader::new(data);
-                let sequence = reader.u16().ok_or(CpfError::Missing("the sequence count"))?;
+                let sequence = reader.u16().ok_or(CpfError::Missing(NO_SEQUENCE))?;
                 Ok((*id, sequence, data.slice_ref(reader.rest())))
             }
-            [Item::ConnectedAddress(_), ..] => Err(CpfError::Missing("the connected data item")),
-            _ => Err(CpfError::Missing("the connected address item")),
+            [Item::ConnectedAddress(_), ..] => Err(CpfError::Missing(NO_DATA)),
+            _ => Err(CpfError::Missing(NO_ADDRESS)),
         }
     }
 }
 
-/// A class 3 message as every client sends it: two items and nothing else.
-fn two_items(data: &[u8]) -> Option<(ConnectionId, u16, &[u8])> {
+/// Interface handle, time-out and items of a packet.
+fn packet_head(data: &[u8]) -> Result<(u32, u16, &[u8]), CpfError> {
+    let truncated = CpfError::Truncated {
+        inside: "interface handle and timeout",
+        present: data.len(),
+    };
     let mut reader = Reader::new(data);
-    reader.take(6)?;
-    let head = (reader.u16()?, reader.u16()?, reader.u16()?);
-    let id = ConnectionId(reader.u32()?);
-    let (kind, length) = (reader.u16()?, reader.u16()?);
-    if head != (2, item_type::CONNECTED_ADDRESS, 4) || kind != item_type::CONNECTED_DATA {
-        return None;
-    }
-    let mut reader = Reader::new(reader.take(length.into())?);
-    let sequence = reader.u16()?;
-    Some((id, sequence, reader.rest()))
+    let interface = reader.u32().ok_or(truncated)?;
+    let timeout = reader.u16().ok_or(truncated)?;
+    Ok((interface, timeout, reader.rest()))
 }
+
+const NO_ADDRESS: &str = "the connected address item";
+const NO_DATA: &str = "the connected data item";
+const NO_SEQUENCE: &str = "the sequence count";
 
 /// Reads 16 bytes: family, port, address, eight ignored; big-endian.
 pub(crate) fn decode_sockaddr(reader: &mut Reader<'_>) -> Option<SocketAddrV4> {

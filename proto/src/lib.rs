@@ -6,6 +6,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod arcline;
 pub mod cip;
 pub mod client;
 pub mod connection;

@@ -1,7 +1,6 @@
-//! Structure templates: members, offsets, handles, and the definition that a client uploads
-//! (spec/ethernet-ip.md §11).
+//! Structure templates: members, offsets, handles (spec/ethernet-ip.md §11).
 //!
-//! Not here: tag instances and who may write them. Offsets and sizes are bytes.
+//! Not here: tag instances, who may write them, and the definition that a client uploads, which is `arcline-proto`'s. Offsets and sizes are bytes.
 
 use std::sync::Arc;
 
@@ -148,44 +147,6 @@ impl Template {
     /// Whether clients treat it as a user type, with `;n` behind its name.
     pub fn is_user_type(&self) -> bool {
         (0x100..=0xEFF).contains(&self.instance)
-    }
-
-    /// Attribute 4: the definition's size N in 32-bit words, large enough for every client's idea of how many
-    /// bytes of it to read (4N − 16 at most).
-    pub fn definition_words(&self) -> u32 {
-        (self.definition_bytes().len() as u32 + 23).div_ceil(4)
-    }
-
-    /// What service 0x4C of class 0x6C reads: the members, the names, and zeros up to 4N − 16 bytes.
-    pub fn definition(&self) -> Vec<u8> {
-        let mut bytes = self.definition_bytes();
-        bytes.resize((4 * self.definition_words() - 16) as usize, 0);
-        bytes
-    }
-
-    /// Member table and names, not padded.
-    fn definition_bytes(&self) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(self.members.len() * 24);
-        for member in &self.members {
-            let info = member.bit.map_or(member.dimension, u16::from);
-            bytes.extend(info.to_le_bytes());
-            bytes.extend(member.type_word().to_le_bytes());
-            bytes.extend(member.offset.to_le_bytes());
-        }
-        bytes.extend(self.name.as_bytes());
-        if self.is_user_type() {
-            bytes.extend(b";n");
-            for member in &self.members {
-                // Two characters a member; the low two bits of the second are read as access rights, 0 = hidden.
-                bytes.extend(if member.hidden { b"E@" } else { b"EA" });
-            }
-        }
-        bytes.push(0);
-        for member in &self.members {
-            bytes.extend(member.name.as_bytes());
-            bytes.push(0);
-        }
-        bytes
     }
 
     fn alignment(&self) -> u32 {
@@ -368,39 +329,11 @@ mod tests {
     }
 
     #[test]
-    fn a_user_type_reads_as_the_wire_reference_shows() {
-        let bytes = pair().definition();
-        // spec/ethernet-ip.md §11: two REALs, "Vec2;nEAEA", the member names.
-        let expected = [
-            0x00, 0x00, 0xCA, 0x00, 0, 0, 0, 0, // X REAL @0
-            0x00, 0x00, 0xCA, 0x00, 4, 0, 0, 0, // Y REAL @4
-        ];
-        assert_eq!(bytes[..16], expected);
-        assert_eq!(&bytes[16..31], b"Vec2;nEAEA\0X\0Y\0");
-        assert!(bytes[31..].iter().all(|&b| b == 0));
-    }
-
-    #[test]
-    fn every_client_finds_the_definition_within_what_it_reads() {
-        for template in [pair(), string_template()] {
-            let words = template.definition_words() as usize;
-            let data = template.definition_bytes().len();
-            assert!(4 * words - 23 >= data, "gologix reads 4N - 23");
-            assert_eq!(
-                template.definition().len(),
-                4 * words - 16,
-                "the longest read is answered"
-            );
-        }
-    }
-
-    #[test]
     fn the_string_is_what_clients_look_for() {
         let string = string_template();
         assert_eq!((string.size, string.handle, string.instance), (88, 0x0FCE, 0xFCE));
         let data = string.member("data").expect("DATA");
         assert_eq!((data.offset, data.dimension, data.type_word()), (4, 82, 0x20C2));
-        assert!(string.definition_bytes().ends_with(b"ASCIISTRING82\0LEN\0DATA\0"));
     }
 
     #[test]

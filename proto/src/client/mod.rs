@@ -329,7 +329,7 @@ impl ClientSession {
     /// By sender context; on a connection by its id and sequence count, since a target may not echo the context there.
     fn match_reply(&self, frame: &Frame) -> Option<Call> {
         if frame.header.command == Command::SEND_UNIT_DATA && frame.header.status == EncapStatus::SUCCESS {
-            let (id, sequence, _) = Packet::decode(&frame.data).ok()?.connected_message().ok()?;
+            let (id, sequence, _) = Packet::decode_connected(&frame.data).ok()?;
             let connection = self.connections.values().find(|connection| connection.hears(id))?;
             return connection.awaited(sequence);
         }

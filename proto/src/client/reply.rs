@@ -17,7 +17,7 @@ pub(super) fn unconnected_reply(frame: &Frame) -> Result<Reply, ClientError> {
 }
 
 pub(super) fn connected_reply(frame: &Frame) -> Result<Reply, ClientError> {
-    let (_, _, message) = Packet::decode(&frame.data)?.connected_message()?;
+    let (_, _, message) = Packet::decode_connected(&frame.data)?;
     Reply::decode(&message).ok_or(ClientError::Malformed(Command::SEND_UNIT_DATA))
 }
 

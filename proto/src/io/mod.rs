@@ -13,7 +13,7 @@ mod production;
 
 pub use application::{Application, Assemblies, Assembly};
 pub use connections::{Ended, IoConnections, IoEvent, IoSettings, Originator, Ownership};
-pub use datagram::{DATAGRAM_HEAD, Datagram, DatagramError};
+pub use datagram::{DATAGRAM_HEAD, Datagram};
 
 /// The UDP port of class 0 and 1 connections (spec/ethernet-ip.md §1).
 pub const IO_PORT: u16 = 2222;

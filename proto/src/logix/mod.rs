@@ -5,6 +5,7 @@
 
 mod browse;
 mod create;
+mod definition;
 mod operands;
 mod tag_services;
 mod template;
@@ -12,6 +13,7 @@ mod wire_type;
 
 pub use browse::{Symbol, instance_list_reply};
 pub use create::CreateSymbol;
+pub use definition::{Definition, data_type, template_instance};
 pub use operands::{MAX_OPERANDS, Typed, TypedError, decode_operands, encode_operands};
 pub use tag_services::{ReadModifyWrite, ReadReply, ReadTag, WriteTag};
 pub use template::{ReadTemplate, TemplateAttributes};

@@ -1,6 +1,6 @@
 //! The Template class: what it tells about a structure, and reading its definition (spec/ethernet-ip.md §11).
 //!
-//! Not the definition's layout, which is [`arcline_tag::Template`]'s. Sizes are in bytes but for the definition's, which
+//! Not the definition's layout, which is [`Definition`](super::Definition)'s. Sizes are in bytes but for the definition's, which
 //! the class counts in 32-bit words.
 
 use bytes::{BufMut, Bytes, BytesMut};
@@ -25,17 +25,28 @@ impl TemplateAttributes {
     /// What a client asks for.
     pub const IDS: [u16; 4] = [4, 5, 2, 1];
 
-    /// The reply of Get Attribute List for `ids`. Attribute 3 exists and is 0, because a stock client needs it.
+    /// The value of an attribute. Attribute 3 exists and is 0, because a stock client needs it.
+    ///
+    /// # Errors
+    /// 0x14 for an id there is not.
+    pub fn attribute(self, id: u16) -> Result<Bytes, CipStatus> {
+        Ok(match id {
+            1 => Bytes::copy_from_slice(&self.handle.to_le_bytes()),
+            2 => Bytes::copy_from_slice(&self.members.to_le_bytes()),
+            3 => Bytes::from_static(&[0, 0]),
+            4 => Bytes::copy_from_slice(&self.definition_words.to_le_bytes()),
+            5 => Bytes::copy_from_slice(&self.size.to_le_bytes()),
+            _ => return Err(CipStatus::ATTRIBUTE_NOT_SUPPORTED),
+        })
+    }
+
+    /// The reply of Get Attribute List for `ids`.
     pub fn reply(self, ids: &[u16], budget: usize) -> Reply {
         let mut list = AttributeListReply::new(service::GET_ATTRIBUTE_LIST);
         for id in ids {
-            match id {
-                1 => list.push(*id, Ok(&self.handle.to_le_bytes())),
-                2 => list.push(*id, Ok(&self.members.to_le_bytes())),
-                3 => list.push(*id, Ok(&[0, 0])),
-                4 => list.push(*id, Ok(&self.definition_words.to_le_bytes())),
-                5 => list.push(*id, Ok(&self.size.to_le_bytes())),
-                _ => list.push(*id, Err(CipStatus::ATTRIBUTE_NOT_SUPPORTED)),
+            match self.attribute(*id) {
+                Ok(value) => list.push(*id, Ok(&value)),
+                Err(status) => list.push(*id, Err(status)),
             }
         }
         list.finish(budget)

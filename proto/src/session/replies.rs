@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use super::connections::Connections;
 use super::{IoOpened, Transport};
 use crate::cip::{CipStatus, Reply};
-use crate::cpf::{ConnectionId, Item, item_type};
+use crate::cpf::{ConnectionId, ITEM_HEAD, ItemWriter, PACKET_HEAD, SOCKADDR, item_type};
 use crate::encap::{Frame, Header, MAX_DATA};
 
 /// Names a request that waits for its answer; never repeats in a session.
@@ -74,19 +74,15 @@ impl Way {
     /// The reply to a frame with `header`, written once: header, packet and reply.
     fn frame(&self, header: &Header, reply: &Reply, io: Option<&IoOpened>) -> Bytes {
         let (address, sequence) = match self {
-            Self::Unconnected { .. } => (Item::NullAddress, None),
+            Self::Unconnected { .. } => (ITEM_HEAD, None),
             Self::Connected {
                 t_to_o_id, sequence, ..
-            } => (Item::ConnectedAddress(*t_to_o_id), Some(*sequence)),
+            } => (ITEM_HEAD + 4, Some((*t_to_o_id, *sequence))),
         };
-        let (address_length, kind, data) = match sequence {
-            None => (4, item_type::UNCONNECTED_DATA, reply.len()),
-            Some(_) => (8, item_type::CONNECTED_DATA, 2 + reply.len()),
-        };
+        let data = reply.len() + if sequence.is_some() { SEQUENCE } else { 0 };
         let group = io.and_then(|io| io.group);
-        let listens = io.map(|io| Item::SockaddrOToT(io.listens));
-        let more = usize::from(listens.is_some()) + usize::from(group.is_some());
-        let length = PACKET_HEAD + address_length + 4 + data + more * SOCKADDR;
+        let sockaddrs = usize::from(io.is_some()) + usize::from(group.is_some());
+        let length = PACKET_HEAD + address + ITEM_HEAD + data + sockaddrs * (ITEM_HEAD + SOCKADDR);
         // Within the budget, which is that of a connection or of an unconnected reply: 16 bits hold it.
         let short = |length: usize| u16::try_from(length).unwrap_or(u16::MAX);
         let mut out = BytesMut::with_capacity(Header::LEN + length);
@@ -95,17 +91,24 @@ impl Way {
             ..Frame::reply(header, Bytes::new()).header
         };
         header.encode(&mut out);
-        out.put_bytes(0, PACKET_HEAD - 2);
-        out.put_u16_le(short(2 + more));
-        address.encode(&mut out);
-        out.put_u16_le(kind);
-        out.put_u16_le(short(data));
-        if let Some(sequence) = sequence {
-            out.put_u16_le(sequence);
+        let mut items = ItemWriter::packet(short(2 + sockaddrs), &mut out);
+        match sequence {
+            None => {
+                items.null_address();
+                reply.encode(items.data(item_type::UNCONNECTED_DATA, short(data)));
+            }
+            Some((id, sequence)) => {
+                items.connected_address(id);
+                let out = items.data(item_type::CONNECTED_DATA, short(data));
+                out.put_u16_le(sequence);
+                reply.encode(out);
+            }
         }
-        reply.encode(&mut out);
-        for item in listens.into_iter().chain(group.map(Item::SockaddrTToO)) {
-            item.encode(&mut out);
+        if let Some(io) = io {
+            items.sockaddr(item_type::SOCKADDR_O_TO_T, io.listens);
+        }
+        if let Some(group) = group {
+            items.sockaddr(item_type::SOCKADDR_T_TO_O, group);
         }
         out.freeze()
     }
@@ -194,9 +197,7 @@ impl Replies {
     }
 }
 
-/// Bytes of a packet in front of its items: interface handle, time-out and their number.
-const PACKET_HEAD: usize = 4 + 2 + 2;
-/// Bytes of an item that is a socket address.
-const SOCKADDR: usize = 4 + 16;
+/// Bytes of the sequence count of a connected message.
+const SEQUENCE: usize = 2;
 /// The longest reply that a frame holds with everything around it.
-const MOST: usize = MAX_DATA - PACKET_HEAD - 8 - 4 - 2 - 2 * SOCKADDR;
+const MOST: usize = MAX_DATA - PACKET_HEAD - (ITEM_HEAD + 4) - ITEM_HEAD - SEQUENCE - 2 * (ITEM_HEAD + SOCKADDR);

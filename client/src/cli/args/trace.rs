@@ -62,8 +62,9 @@ impl FromStr for TriggerText {
             let flag = Flag::ALL
                 .iter()
                 .find(|known| known.name().eq_ignore_ascii_case(flag.trim()));
-            let (name, flag) = (name.trim().to_owned(), *flag.ok_or_else(wrong)?);
-            return Ok(Self(Trigger::Instruction { name, flag }));
+            let flags = flag.ok_or_else(wrong)?.mask();
+            let name = name.trim().to_owned();
+            return Ok(Self(Trigger::Instruction { name, flags }));
         }
         let (signal, becomes) = match text.strip_prefix('!') {
             Some(signal) => (signal, false),
@@ -74,9 +75,9 @@ impl FromStr for TriggerText {
         }
         let signal = signal.trim().to_owned();
         Ok(Self(if becomes {
-            Trigger::True { signal }
+            Trigger::BecomesTrue { signal }
         } else {
-            Trigger::False { signal }
+            Trigger::BecomesFalse { signal }
         }))
     }
 }
@@ -88,9 +89,9 @@ mod tests {
     #[test]
     fn triggers_are_read() {
         let signal = || "X.PositionError".to_owned();
-        let instruction = |name: &str, flag| Trigger::Instruction {
+        let instruction = |name: &str, flag: Flag| Trigger::Instruction {
             name: name.to_owned(),
-            flag,
+            flags: flag.mask(),
         };
         for (text, expected) in [
             (
@@ -114,8 +115,8 @@ mod tests {
                     level: 5.0,
                 }),
             ),
-            ("X.PositionError", Some(Trigger::True { signal: signal() })),
-            ("!X.PositionError", Some(Trigger::False { signal: signal() })),
+            ("X.PositionError", Some(Trigger::BecomesTrue { signal: signal() })),
+            ("!X.PositionError", Some(Trigger::BecomesFalse { signal: signal() })),
             ("Move1:ac", Some(instruction("Move1", Flag::Ac))),
             ("MCLM:ER", Some(instruction("MCLM", Flag::Er))),
             ("MCLM:XX", None),

@@ -26,6 +26,7 @@ use std::cell::RefCell;
 
 use arcline_controller::image::TagKind;
 use arcline_instruction_set::Object;
+use arcline_proto::arcline::{execution, trace as trace_wire};
 use arcline_proto::cip::{
     self, AttributeListReader, AttributeListReply, CipStatus, Reply, Request, class, is_stray_route, service,
 };
@@ -55,11 +56,11 @@ const CLASSES: [u16; 18] = [
     Object::Axis.class_code(),
     Object::CoordinateSystem.class_code(),
     EXECUTION,
-    trace::CLASS,
+    trace_wire::CLASS,
 ];
 
 /// The class of executed instructions.
-const EXECUTION: u16 = motion_instruction::CLASS;
+const EXECUTION: u16 = execution::CLASS;
 
 /// The classes that are answered after the tag memory has been let go: assemblies and executions are behind the plant's
 /// lock, and what the system shows of its network stands in files.
@@ -68,7 +69,7 @@ pub(crate) const LATE: [u16; 5] = [
     class::TCP_IP,
     class::ETHERNET_LINK,
     EXECUTION,
-    trace::CLASS,
+    trace_wire::CLASS,
 ];
 
 /// What the class attributes tell (CIP Vol. 1, 4-4).
@@ -244,7 +245,7 @@ pub(crate) fn serve_late(context: &Context<'_>, request: &Request, target: &Targ
             device,
         }),
         Some(class::ASSEMBLY) => with(&assembly::Assemblies(device)),
-        Some(trace::CLASS) => trace::serve(context, request, target),
+        Some(trace_wire::CLASS) => trace::serve(context, request, target),
         Some(class::ETHERNET_LINK) => with(&ethernet_link::EthernetLink(context.adapter())),
         _ => with(&motion_instruction::MotionInstructions(&device.plant)),
     }

@@ -5,20 +5,20 @@
 
 use arcline_controller::image::{ControlError, Image, TagKind};
 use arcline_instruction_set::{BindError, Flag, Given, Mnemonic, Object, by_service};
+use arcline_proto::arcline::motion::Accepted;
 use arcline_proto::cip::{CipStatus, Reply, Request, is_stray_route};
 use arcline_proto::epath::{Segment, Target};
 use arcline_proto::logix::{Typed, TypedError, decode_operands};
 use arcline_proto::session::Transport;
 use arcline_tag::{PathSegment, Value};
-use bytes::{BufMut, BytesMut};
 
 use super::motion_attributes::count;
 use crate::eip::router::Context;
 use crate::eip::tags::{self, unknown};
 use crate::plant::{CallRefused, Owner, Plant};
 
-/// Bytes behind the head of a reply to an instruction that was accepted: instance and MOTION_INSTRUCTION.
-pub(crate) const REPLY_DATA: usize = 4 + 16;
+/// Bytes behind the head of a reply to an instruction that was accepted.
+pub(crate) const REPLY_DATA: usize = Accepted::LEN;
 
 /// The services of the motion classes, whatever their object.
 const SERVICES: std::ops::RangeInclusive<u8> = 0x32..=0x4A;
@@ -86,10 +86,11 @@ impl MotionRequest {
                 Reply::error(self.service, status)
             }
             Ok(executed) => {
-                let mut out = BytesMut::with_capacity(REPLY_DATA);
-                out.put_u32_le(executed.instance);
-                out.put_slice(&executed.control.to_bytes());
-                Reply::success(self.service, out)
+                let accepted = Accepted {
+                    instance: executed.instance,
+                    control: executed.control.to_bytes(),
+                };
+                Reply::success(self.service, accepted.to_bytes())
             }
             Err(refused) => {
                 tracing::debug!(%refused, "not executed");

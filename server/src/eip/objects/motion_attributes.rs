@@ -34,8 +34,11 @@ use std::cell::RefCell;
 use arcline_controller::image::{Edge, FEED_OVERRIDE_PERCENT, Image, WriteError};
 use arcline_controller::machine::{Axis, CoordinateSystem, Machine};
 use arcline_instruction_set::{Attribute, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object};
+use arcline_proto::arcline::motion::{
+    NAME, axis as of_axis, coordinate_system as of_system, encode_instances, group as of_group,
+};
 use arcline_proto::cip::CipStatus;
-use bytes::{BufMut, Bytes, BytesMut};
+use bytes::Bytes;
 
 use super::{Class, Extent, f64_value, no_attribute, short_string, u8_value, u32_value};
 use crate::eip::tags::unknown;
@@ -111,9 +114,9 @@ impl Class for MotionObjects<'_> {
                 let described = self.machine.axes.get(place).ok_or_else(unknown)?;
                 let place = u16::try_from(place).map_err(|_| unknown())?;
                 match id {
-                    INJECTED => word_value(self.image.injected_faults().nth(place.into())),
-                    POSSIBLE => word_value(self.image.possible_faults(place)),
-                    FAULTS => word_value(self.image.faults(place)),
+                    of_axis::INJECTED_FAULTS => word_value(self.image.injected_faults().nth(place.into())),
+                    of_axis::POSSIBLE_FAULTS => word_value(self.image.possible_faults(place)),
+                    of_axis::FAULTS => word_value(self.image.faults(place)),
                     id => axis(described, id),
                 }
             }
@@ -121,13 +124,13 @@ impl Class for MotionObjects<'_> {
                 let described = self.machine.systems.get(place).ok_or_else(unknown)?;
                 let place = u16::try_from(place).map_err(|_| unknown())?;
                 match id {
-                    FEED_OVERRIDE => real_value(self.image.feed_overrides().nth(place.into())),
-                    BEFORE_HOLD => real_value(self.image.feed_override_before_hold(place)),
-                    REMAINING..=TIME_LEFT => {
+                    of_system::FEED_OVERRIDE => real_value(self.image.feed_overrides().nth(place.into())),
+                    of_system::OVERRIDE_BEFORE_HOLD => real_value(self.image.feed_override_before_hold(place)),
+                    of_system::DISTANCE_TO_GO..=of_system::TIME_LEFT => {
                         let progress = self.image.progress(place).unwrap_or_default();
                         f64_value(match id {
-                            REMAINING => progress.remaining,
-                            TIME_LEFT => progress.time_left,
+                            of_system::DISTANCE_TO_GO => progress.remaining,
+                            of_system::TIME_LEFT => progress.time_left,
                             _ => progress.length,
                         })
                     }
@@ -140,36 +143,9 @@ impl Class for MotionObjects<'_> {
     fn all(&self) -> &'static [u16] {
         match self.object {
             Object::MotionGroup => &[1, 2, 3],
-            Object::Axis => &[1, 2, 3, 4, 5, 6, 7, 8, INJECTED, POSSIBLE, 11, FAULTS],
+            Object::Axis => &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12],
             Object::CoordinateSystem => &[
-                1,
-                2,
-                3,
-                4,
-                5,
-                6,
-                7,
-                8,
-                9,
-                FEED_OVERRIDE,
-                BEFORE_HOLD,
-                12,
-                13,
-                14,
-                15,
-                16,
-                17,
-                18,
-                19,
-                20,
-                21,
-                22,
-                23,
-                24,
-                25,
-                26,
-                27,
-                28,
+                1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28,
                 29,
             ],
         }
@@ -178,8 +154,8 @@ impl Class for MotionObjects<'_> {
     fn settable(&self, _instance: u32, id: u16) -> Option<usize> {
         let settable = match self.object {
             Object::MotionGroup => false,
-            Object::Axis => id == INJECTED,
-            Object::CoordinateSystem => id == FEED_OVERRIDE,
+            Object::Axis => id == of_axis::INJECTED_FAULTS,
+            Object::CoordinateSystem => id == of_system::FEED_OVERRIDE,
         };
         let settable = settable || Attribute::numbered(self.object, id).is_some_and(Attribute::is_settable);
         settable.then_some(4)
@@ -218,26 +194,26 @@ impl Class for MotionObjects<'_> {
 
 fn group(machine: &Machine, id: u16) -> Result<Bytes, CipStatus> {
     match id {
-        1 => Ok(short_string(&machine.group)),
-        2 => u32_value(u32::try_from(machine.period_ns).unwrap_or(u32::MAX)),
-        3 => Ok(instances((0..).take(machine.axes.len()))),
+        NAME => Ok(short_string(&machine.group)),
+        of_group::PERIOD => u32_value(u32::try_from(machine.period_ns).unwrap_or(u32::MAX)),
+        of_group::AXES => Ok(encode_instances((1..).take(machine.axes.len()))),
         _ => no_attribute(),
     }
 }
 
 fn axis(axis: &Axis, id: u16) -> Result<Bytes, CipStatus> {
     match id {
-        1 => Ok(short_string(&axis.name)),
-        2 => u8_value(u8::from(!axis.is_virtual())),
-        8 => Ok(short_string(&axis.units)),
+        NAME => Ok(short_string(&axis.name)),
+        of_axis::KIND => u8_value(u8::from(!axis.is_virtual())),
+        of_axis::UNITS => Ok(short_string(&axis.units)),
         _ => no_attribute(),
     }
 }
 
 fn system(system: &CoordinateSystem, id: u16) -> Result<Bytes, CipStatus> {
     match id {
-        1 => Ok(short_string(&system.name)),
-        2 => Ok(instances(system.axes.iter().copied())),
+        NAME => Ok(short_string(&system.name)),
+        of_system::AXES => Ok(encode_instances(system.axes.iter().map(|axis| axis.saturating_add(1)))),
         _ => robot(system, id),
     }
 }
@@ -251,7 +227,7 @@ fn robot(system: &CoordinateSystem, id: u16) -> Result<Bytes, CipStatus> {
         &parameters.end_effector_offsets,
         &parameters.zero_angles,
     ];
-    let place = id.checked_sub(ROBOT).map(usize::from);
+    let place = id.checked_sub(of_system::ROBOT).map(usize::from);
     match place.and_then(|place| numbers.into_iter().flatten().nth(place)) {
         Some(number) => f64_value(*number),
         None => no_attribute(),
@@ -272,39 +248,6 @@ fn word_value(value: Option<FaultSet>) -> Result<Bytes, CipStatus> {
         Some(value) => u32_value(value.bits()),
         None => no_attribute(),
     }
-}
-
-/// Attribute of an axis: the causes of faults that are injected.
-const INJECTED: u16 = 9;
-/// Attribute of an axis: the causes that can be.
-const POSSIBLE: u16 = 10;
-/// Attribute of a coordinate system: its feed override.
-const FEED_OVERRIDE: u16 = 10;
-/// Attribute of a coordinate system: the override that a hold has replaced.
-const BEFORE_HOLD: u16 = 11;
-
-/// Attribute of an axis: its faults.
-const FAULTS: u16 = 12;
-/// First and last attribute of a coordinate system that is of its active move.
-const REMAINING: u16 = 27;
-const TIME_LEFT: u16 = 29;
-
-/// First attribute of a coordinate system that is of its robot.
-const ROBOT: u16 = 12;
-
-/// Places of axes as `count UINT, instance UINT × count`; the machine has few enough.
-fn instances(places: impl Iterator<Item = u16>) -> Bytes {
-    let mut out = BytesMut::new();
-    out.put_u16_le(0);
-    let mut count = 0_u16;
-    for place in places {
-        out.put_u16_le(place.saturating_add(1));
-        count = count.saturating_add(1);
-    }
-    if let Some(head) = out.first_chunk_mut::<2>() {
-        *head = count.to_le_bytes();
-    }
-    out.freeze()
 }
 
 #[cfg(test)]

@@ -19,14 +19,12 @@
 use std::time::UNIX_EPOCH;
 
 use arcline_instruction_set::MotionControl;
+use arcline_proto::arcline::execution::{self, attribute};
 use arcline_proto::cip::CipStatus;
 use bytes::Bytes;
 
 use super::{Class, Extent, no_attribute};
 use crate::plant::Plant;
-
-/// The class code.
-pub(super) const CLASS: u16 = 0x0303;
 
 pub(super) struct MotionInstructions<'a>(pub(super) &'a Plant);
 
@@ -37,25 +35,19 @@ impl MotionInstructions<'_> {
             .ok_or(CipStatus::OBJECT_DOES_NOT_EXIST)
     }
 
-    fn ending(&self, instance: u32) -> Bytes {
-        let mut bytes = Vec::new();
-        let ended = self.0.instruction_ending(instance);
-        let (code, name, what) = ended
-            .as_ref()
-            .map_or((0, "", String::new()), |ended| ended.ending.to_parts());
-        bytes.push(code);
-        for text in [name, &what] {
-            // Names have 40 characters at most, and the words of all faults fit too.
-            let text = text.as_bytes();
-            let text = text.get(..usize::from(u8::MAX)).unwrap_or(text);
-            bytes.push(text.len() as u8);
-            bytes.extend_from_slice(text);
+    fn ending(&self, instance: u32) -> execution::Ending {
+        let Some(ended) = self.0.instruction_ending(instance) else {
+            return execution::Ending::default();
+        };
+        let (code, name, detail) = ended.ending.to_parts();
+        let since = ended.at.duration_since(UNIX_EPOCH).unwrap_or_default();
+        execution::Ending {
+            code,
+            name: name.to_owned(),
+            detail,
+            time: ended.time,
+            utc_micros: u64::try_from(since.as_micros()).unwrap_or(u64::MAX),
         }
-        let (time, at) = ended.map_or((0.0, UNIX_EPOCH), |ended| (ended.time, ended.at));
-        bytes.extend_from_slice(&f64::to_le_bytes(time));
-        let at = at.duration_since(UNIX_EPOCH).unwrap_or_default().as_micros();
-        bytes.extend_from_slice(&u64::try_from(at).unwrap_or(u64::MAX).to_le_bytes());
-        bytes.into()
     }
 }
 
@@ -68,7 +60,7 @@ impl Class for MotionInstructions<'_> {
         Extent {
             highest: newest.unwrap_or(0),
             count,
-            last_attribute: 8,
+            last_attribute: attribute::ENDING,
         }
     }
 
@@ -80,19 +72,19 @@ impl Class for MotionInstructions<'_> {
     fn attribute(&self, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
         let bytes = Bytes::copy_from_slice(&self.find(instance)?.to_bytes());
         match id {
-            1 => Ok(bytes.slice(0..4)),
-            2 => Ok(bytes.slice(4..6)),
-            3 => Ok(bytes.slice(6..7)),
-            4 => Ok(bytes.slice(7..8)),
-            5 => Ok(bytes.slice(8..12)),
-            6 => Ok(bytes.slice(12..13)),
-            7 => Ok(bytes),
-            8 => Ok(self.ending(instance)),
+            attribute::FLAGS => Ok(bytes.slice(0..4)),
+            attribute::ERR => Ok(bytes.slice(4..6)),
+            attribute::STATUS => Ok(bytes.slice(6..7)),
+            attribute::STATE => Ok(bytes.slice(7..8)),
+            attribute::SEGMENT => Ok(bytes.slice(8..12)),
+            attribute::EXERR => Ok(bytes.slice(12..13)),
+            attribute::CONTROL => Ok(bytes),
+            attribute::ENDING => Ok(self.ending(instance).to_bytes()),
             _ => no_attribute(),
         }
     }
 
     fn all(&self) -> &'static [u16] {
-        &[7]
+        &[attribute::CONTROL]
     }
 }

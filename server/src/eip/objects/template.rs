@@ -5,11 +5,11 @@ use std::sync::Arc;
 use arcline_controller::image::Image;
 use arcline_proto::cip::{CipStatus, Reply, Request, service};
 use arcline_proto::epath::Target;
-use arcline_proto::logix::ReadTemplate;
+use arcline_proto::logix::{Definition, ReadTemplate};
 use arcline_tag::Template;
 use bytes::Bytes;
 
-use super::{Class, Extent, no_attribute, u16_value, u32_value};
+use super::{Class, Extent};
 use crate::eip::router::Context;
 use crate::eip::tags::unknown;
 
@@ -24,7 +24,8 @@ impl Templates<'_> {
         let read = ReadTemplate::decode(&request.data);
         let reply = read.and_then(|read| {
             let template = self.find(target.instance.unwrap_or(0))?;
-            Ok(read.reply(&template.definition(), context.budget))
+            let (_, definition) = Definition::of(&template);
+            Ok(read.reply(&definition.to_bytes(), context.budget))
         });
         Some(reply.unwrap_or_else(|status| Reply::error(request.service, status)))
     }
@@ -51,16 +52,7 @@ impl Class for Templates<'_> {
         self.find(instance).map(|_| ())
     }
 
-    /// Attribute 3 means nothing, but a stock client needs it.
     fn attribute(&self, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
-        let template = self.find(instance)?;
-        match id {
-            1 => u16_value(template.handle),
-            2 => u16_value(u16::try_from(template.members.len()).unwrap_or(u16::MAX)),
-            3 => u16_value(0),
-            4 => u32_value(template.definition_words()),
-            5 => u32_value(template.size),
-            _ => no_attribute(),
-        }
+        Definition::of(&*self.find(instance)?).0.attribute(id)
     }
 }

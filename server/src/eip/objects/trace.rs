@@ -2,34 +2,20 @@
 
 use arcline_controller::samples::{self, Column};
 use arcline_instruction_set::Flag;
+use arcline_proto::arcline::trace::service::{LIST_SIGNALS, READ, START, STOP};
+use arcline_proto::arcline::trace::{
+    self as wire, ListSignals, ReadRows, Rows, SignalList, State, TRIGGER_INDEX, TraceRequest, attribute,
+    class_attribute,
+};
 use arcline_proto::cip::{CipStatus, REPLY_HEAD, Reply, Request, service};
 use arcline_proto::epath::Target;
-use bytes::{BufMut, Bytes, BytesMut};
+use bytes::Bytes;
 
-use super::{Class, Extent, attributes, no_attribute, short_string, u8_value, u16_value, u32_value, u64_value};
+use super::{Class, Extent, attributes, no_attribute, u8_value, u16_value, u32_value, u64_value};
 use crate::eip::router::Context;
 use crate::eip::tags::unknown;
 use crate::plant::Plant;
 use crate::trace::{Config, Phase, Standing, Trigger};
-
-/// The class code.
-pub(super) const CLASS: u16 = 0x0304;
-
-/// On the class: the names of the signals.
-const LIST_SIGNALS: u8 = 0x32;
-/// On an instance: rows.
-const READ: u8 = 0x33;
-/// On an instance: arms it again.
-const START: u8 = 0x06;
-/// On an instance: stops it.
-const STOP: u8 = 0x07;
-
-/// Signals of a trace at most.
-const MOST_SIGNALS: u16 = 256;
-/// Bytes in front of the rows of a reply.
-const READ_HEAD: usize = 16;
-/// In place of a signal: the trigger's.
-const THE_TRIGGER: u16 = 0xFFFF;
 
 /// Answers a request for the class or a trace.
 pub(super) fn serve(context: &Context<'_>, request: &Request, target: &Target<'_>) -> Reply {
@@ -65,12 +51,12 @@ impl Class for Traces<'_> {
         Extent {
             highest: instances.last().copied().unwrap_or(0),
             count: instances.len() as u32,
-            last_attribute: 7,
+            last_attribute: attribute::MISSING,
         }
     }
 
     fn last_class_attribute(&self) -> u16 {
-        13
+        class_attribute::MISSING
     }
 
     fn class_attribute(&self, id: u16) -> Result<Bytes, CipStatus> {
@@ -78,12 +64,12 @@ impl Class for Traces<'_> {
         let narrow = |wide: u64| u32::try_from(wide).unwrap_or(u32::MAX);
         let kept = self.0.trace().kept();
         match id {
-            8 => u32_value(narrow(machine.period_ns)),
-            9 => u16_value(signals(self.0)),
-            10 => u64_value(kept.first),
-            11 => u64_value(kept.next),
-            12 => u32_value(narrow(kept.most)),
-            13 => u32_value(narrow(kept.missing)),
+            class_attribute::PERIOD => u32_value(narrow(machine.period_ns)),
+            class_attribute::SIGNALS => u16_value(signals(self.0)),
+            class_attribute::FIRST_TICK => u64_value(kept.first),
+            class_attribute::NEXT_TICK => u64_value(kept.next),
+            class_attribute::CAPACITY => u32_value(narrow(kept.most)),
+            class_attribute::MISSING => u32_value(narrow(kept.missing)),
             _ => no_attribute(),
         }
     }
@@ -95,13 +81,13 @@ impl Class for Traces<'_> {
     fn attribute(&self, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
         let standing = self.standing(instance)?;
         match id {
-            1 => u8_value(phase(standing.phase)),
-            2 => u64_value(standing.trigger),
-            3 => u64_value(standing.first),
-            4 => u64_value(standing.next),
-            5 => u16_value(standing.signals as u16),
-            6 => u16_value(standing.every),
-            7 => u32_value(u32::try_from(standing.missing).unwrap_or(u32::MAX)),
+            attribute::STATE => u8_value(state(standing.phase).code()),
+            attribute::TRIGGER_TICK => u64_value(standing.trigger),
+            attribute::FIRST_TICK => u64_value(standing.first),
+            attribute::NEXT_TICK => u64_value(standing.next),
+            attribute::SIGNALS => u16_value(standing.signals as u16),
+            attribute::EVERY => u16_value(standing.every),
+            attribute::MISSING => u32_value(u32::try_from(standing.missing).unwrap_or(u32::MAX)),
             _ => no_attribute(),
         }
     }
@@ -111,12 +97,12 @@ impl Class for Traces<'_> {
     }
 }
 
-fn phase(phase: Phase) -> u8 {
+fn state(phase: Phase) -> State {
     match phase {
-        Phase::Armed => 0,
-        Phase::Running => 1,
-        Phase::Complete => 2,
-        Phase::Stopped => 3,
+        Phase::Armed => State::Armed,
+        Phase::Running => State::Running,
+        Phase::Complete => State::Complete,
+        Phase::Stopped => State::Stopped,
     }
 }
 
@@ -130,71 +116,34 @@ fn signals(plant: &Plant) -> u16 {
 }
 
 fn list(plant: &Plant, data: &[u8], room: usize) -> Result<Bytes, CipStatus> {
-    let mut data = Reader(data);
-    let first = data.u16()?;
-    data.end()?;
-    let mut out = BytesMut::new();
-    out.put_u16_le(signals(plant));
-    out.put_u16_le(0);
-    let mut count = 0u16;
-    for name in samples::names(plant.machine()).iter().skip(first.into()) {
-        let name = short_string(name);
-        if out.len() + name.len() > room || count == u16::MAX {
-            break;
-        }
-        out.put_slice(&name);
-        count += 1;
-    }
-    if let Some(place) = out.get_mut(2..4) {
-        place.copy_from_slice(&count.to_le_bytes());
-    }
-    Ok(out.freeze())
+    let ListSignals { first } = ListSignals::decode(data)?;
+    let names = samples::names(plant.machine());
+    let names = names.iter().skip(first.into());
+    Ok(SignalList::encode(signals(plant), names, room))
 }
 
 fn create(plant: &Plant, data: &[u8]) -> Result<Bytes, CipStatus> {
-    let mut data = Reader(data);
-    let (before, length, every) = (data.u32()?, data.u32()?, data.u16()?);
-    let find = |name: &str, place: u16| {
-        samples::find(plant.machine(), name).ok_or(CipStatus::PATH_DESTINATION_UNKNOWN.with(place))
+    let request = TraceRequest::decode(data)?;
+    let find = |name: &str, index: u16| {
+        samples::find(plant.machine(), name).ok_or(CipStatus::PATH_DESTINATION_UNKNOWN.with(index))
     };
-    let trigger = match data.u8()? {
-        0 => Trigger::None,
-        kind @ 1..=2 => {
-            let signal = find(data.name()?, THE_TRIGGER)?;
-            let level = data.f64()?;
-            if !level.is_finite() {
-                return Err(CipStatus::INVALID_PARAMETER);
-            }
-            match kind {
-                1 => Trigger::Rises(signal, level),
-                _ => Trigger::Falls(signal, level),
-            }
-        }
-        3 => Trigger::BecomesTrue(find(data.name()?, THE_TRIGGER)?),
-        4 => Trigger::BecomesFalse(find(data.name()?, THE_TRIGGER)?),
-        5 => {
-            let of = data.name()?.to_owned();
-            let flags = match data.u32()? {
-                0 => Flag::Er.mask(),
-                flags => flags,
-            };
-            Trigger::Instruction { of, flags }
-        }
-        _ => return Err(CipStatus::INVALID_PARAMETER),
+    let trigger = match request.trigger {
+        wire::Trigger::Now => Trigger::None,
+        wire::Trigger::Rises { signal, level } => Trigger::Rises(find(&signal, TRIGGER_INDEX)?, level),
+        wire::Trigger::Falls { signal, level } => Trigger::Falls(find(&signal, TRIGGER_INDEX)?, level),
+        wire::Trigger::BecomesTrue { signal } => Trigger::BecomesTrue(find(&signal, TRIGGER_INDEX)?),
+        wire::Trigger::BecomesFalse { signal } => Trigger::BecomesFalse(find(&signal, TRIGGER_INDEX)?),
+        wire::Trigger::Instruction { name, flags } => Trigger::Instruction {
+            of: name,
+            flags: if flags == 0 { Flag::Er.mask() } else { flags },
+        },
     };
-    let count = data.u16()?;
-    if count == 0 || count > MOST_SIGNALS {
-        return Err(CipStatus::INVALID_PARAMETER);
-    }
-    let signals: Vec<Column> = (0..count)
-        .map(|place| find(data.name()?, place))
-        .collect::<Result<_, CipStatus>>()?;
-    data.end()?;
+    let signals = (0..).zip(&request.signals).map(|(index, name)| find(name, index));
     let config = Config {
-        signals,
-        before,
-        length,
-        every,
+        signals: signals.collect::<Result<Vec<Column>, CipStatus>>()?,
+        before: request.before,
+        length: request.length,
+        every: request.every,
         trigger,
     };
     let instance = plant
@@ -205,69 +154,21 @@ fn create(plant: &Plant, data: &[u8]) -> Result<Bytes, CipStatus> {
 }
 
 fn read(plant: &Plant, instance: u32, data: &[u8], room: usize) -> Result<Bytes, CipStatus> {
-    let mut data = Reader(data);
-    let (from, most) = (data.u64()?, usize::from(data.u16()?));
-    data.end()?;
+    let ReadRows { from, most } = ReadRows::decode(data)?;
     let signals = plant.trace().standing(instance).ok_or_else(unknown)?.signals;
-    let fit = room.saturating_sub(READ_HEAD) / (signals * size_of::<f64>());
+    let fit = Rows::fit(room, signals);
     if fit == 0 {
         return Err(CipStatus::REPLY_TOO_LARGE);
     }
-    let most = if most == 0 { fit } else { most.min(fit) };
+    let most = if most == 0 { fit } else { fit.min(most.into()) };
     let block = plant.trace().read(instance, from, most).ok_or_else(unknown)?;
-    let mut out = BytesMut::with_capacity(READ_HEAD + block.values.len() * size_of::<f64>());
-    out.put_u8(phase(block.standing.phase));
-    out.put_u8(0);
-    out.put_u16_le(block.rows as u16);
-    out.put_u16_le(signals as u16);
-    out.put_u16_le(block.standing.every);
-    out.put_u64_le(block.first);
-    block.values.iter().for_each(|value| out.put_f64_le(*value));
-    Ok(out.freeze())
-}
-
-/// The parts of a request in order.
-struct Reader<'a>(&'a [u8]);
-
-impl<'a> Reader<'a> {
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], CipStatus> {
-        let (taken, rest) = self.0.split_first_chunk().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
-        self.0 = rest;
-        Ok(*taken)
-    }
-
-    fn u8(&mut self) -> Result<u8, CipStatus> {
-        self.array().map(u8::from_le_bytes)
-    }
-
-    fn u16(&mut self) -> Result<u16, CipStatus> {
-        self.array().map(u16::from_le_bytes)
-    }
-
-    fn u32(&mut self) -> Result<u32, CipStatus> {
-        self.array().map(u32::from_le_bytes)
-    }
-
-    fn u64(&mut self) -> Result<u64, CipStatus> {
-        self.array().map(u64::from_le_bytes)
-    }
-
-    fn f64(&mut self) -> Result<f64, CipStatus> {
-        self.array().map(f64::from_le_bytes)
-    }
-
-    fn name(&mut self) -> Result<&'a str, CipStatus> {
-        let length = usize::from(self.u8()?);
-        let (name, rest) = self.0.split_at_checked(length).ok_or(CipStatus::NOT_ENOUGH_DATA)?;
-        self.0 = rest;
-        std::str::from_utf8(name).map_err(|_| CipStatus::INVALID_PARAMETER)
-    }
-
-    fn end(self) -> Result<(), CipStatus> {
-        if self.0.is_empty() {
-            Ok(())
-        } else {
-            Err(CipStatus::TOO_MUCH_DATA)
-        }
-    }
+    let rows = Rows {
+        state: state(block.standing.phase),
+        // At most MAX_SIGNALS.
+        signals: signals as u16,
+        every: block.standing.every,
+        first: block.first,
+        samples: block.values,
+    };
+    Ok(rows.to_bytes())
 }

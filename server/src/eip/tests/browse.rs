@@ -3,7 +3,7 @@
 use arcline_instruction_set::FaultKind;
 use arcline_proto::cip::{Request, encode_attribute_ids, service};
 use arcline_proto::epath::{Epath, Segment};
-use arcline_proto::logix::{ReadTemplate, Symbol, TemplateAttributes};
+use arcline_proto::logix::{Definition, ReadTemplate, Symbol, TemplateAttributes};
 use arcline_tag::Elementary;
 use bytes::Bytes;
 
@@ -79,7 +79,7 @@ async fn every_template_uploads() {
             "{}",
             template.name
         );
-        let definition = template.definition();
+        let definition = Definition::of(&template).1.to_bytes();
         let (mut got, wanted) = (Vec::<u8>::new(), 4 * attributes.definition_words as usize - 20);
         while got.len() < wanted {
             let read = ReadTemplate {

@@ -1,0 +1,106 @@
+//! The motion classes 0x0300 to 0x0302: ids of their attributes, lists of instances, and the reply of their services.
+//!
+//! Instances count from 1 in the order of the configuration. The class codes are those of
+//! `arcline_instruction_set::Object`; what the numeric attributes mean is its `Attribute`.
+
+use bytes::{BufMut, Bytes, BytesMut};
+
+use crate::wire::Reader;
+
+/// Attribute 1 of all three classes: the name, SHORT_STRING.
+pub const NAME: u16 = 1;
+
+/// Attributes of the Motion Group, class 0x0300.
+pub mod group {
+    /// Coarse update period, UDINT, ns.
+    pub const PERIOD: u16 = 2;
+    /// The instances of its axes, a list of [`encode_instances`](super::encode_instances).
+    pub const AXES: u16 = 3;
+}
+
+/// Attributes of an Axis, class 0x0301.
+pub mod axis {
+    /// USINT: 0 virtual, 1 servo.
+    pub const KIND: u16 = 2;
+    /// Position units, SHORT_STRING.
+    pub const UNITS: u16 = 8;
+    /// The causes of faults that are injected, UDINT, can be set.
+    pub const INJECTED_FAULTS: u16 = 9;
+    /// The causes of faults that can be injected, UDINT.
+    pub const POSSIBLE_FAULTS: u16 = 10;
+    /// The faults of the axis, UDINT.
+    pub const FAULTS: u16 = 12;
+}
+
+/// Attributes of a Coordinate System, class 0x0302.
+pub mod coordinate_system {
+    /// The instances of its axes, a list of [`encode_instances`](super::encode_instances).
+    pub const AXES: u16 = 2;
+    /// Feed override, REAL, percent, 0 to 200, can be set.
+    pub const FEED_OVERRIDE: u16 = 10;
+    /// The last feed override that was not 0, REAL, percent.
+    pub const OVERRIDE_BEFORE_HOLD: u16 = 11;
+    /// First of the attributes 12 to 25: the dimensions of a robot, LREAL.
+    pub const ROBOT: u16 = 12;
+    /// Distance to go of the active move, LREAL, position units.
+    pub const DISTANCE_TO_GO: u16 = 27;
+    /// Length of the path of the active move, LREAL, position units; 0: no move is active.
+    pub const PATH_LENGTH: u16 = 28;
+    /// Time to the end of the active move, LREAL, s; NaN: not known.
+    pub const TIME_LEFT: u16 = 29;
+}
+
+/// A list of instances: `count UINT, instance UINT × count`.
+pub fn encode_instances(instances: impl IntoIterator<Item = u16>) -> Bytes {
+    let mut out = BytesMut::new();
+    out.put_u16_le(0);
+    let mut count = 0_u16;
+    for instance in instances.into_iter().take(u16::MAX.into()) {
+        out.put_u16_le(instance);
+        count += 1;
+    }
+    if let Some(head) = out.first_chunk_mut::<2>() {
+        *head = count.to_le_bytes();
+    }
+    out.freeze()
+}
+
+/// The other direction of [`encode_instances`]; `None` when the list is cut.
+pub fn decode_instances(data: &[u8]) -> Option<Vec<u16>> {
+    let mut reader = Reader::new(data);
+    let count = reader.u16()?;
+    (0..count).map(|_| reader.u16()).collect()
+}
+
+/// The reply data of a motion service whose instruction was accepted: `instance UDINT, MOTION_INSTRUCTION`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Accepted {
+    /// Its instance of class 0x0303.
+    pub instance: u32,
+    /// The MOTION_INSTRUCTION structure as it was when DN or ER was set.
+    pub control: [u8; Self::CONTROL],
+}
+
+impl Accepted {
+    /// Bytes of a MOTION_INSTRUCTION.
+    pub const CONTROL: usize = 16;
+    /// Bytes of the reply data.
+    pub const LEN: usize = 4 + Self::CONTROL;
+
+    /// The reply data.
+    pub fn to_bytes(&self) -> Bytes {
+        let mut out = BytesMut::with_capacity(Self::LEN);
+        out.put_u32_le(self.instance);
+        out.put_slice(&self.control);
+        out.freeze()
+    }
+
+    /// Reads reply data; `None` when it is cut.
+    pub fn decode(data: &[u8]) -> Option<Self> {
+        let mut reader = Reader::new(data);
+        Some(Self {
+            instance: reader.u32()?,
+            control: reader.array()?,
+        })
+    }
+}

@@ -1,0 +1,82 @@
+//! The device as one session sees it: random numbers, shared limits and counters, I/O connections, and the end of a connection.
+
+use std::net::{IpAddr, SocketAddrV4};
+use std::sync::Arc;
+
+use arcline_proto::cip::CipStatus;
+use arcline_proto::connection::{ConnectionKey, Count};
+use arcline_proto::cpf::ConnectionId;
+use arcline_proto::identity::Identity;
+use arcline_proto::session::{ConnectionEnd, Host, IoOpen, IoOpened};
+
+use super::device::Device;
+use crate::plant::Owner;
+
+/// The device, for the session of one TCP connection.
+#[derive(Clone, Debug)]
+pub(crate) struct SessionHost {
+    /// The device.
+    pub(crate) device: Arc<Device>,
+    /// The near end.
+    pub(crate) local: SocketAddrV4,
+    /// The far end.
+    pub(crate) peer: IpAddr,
+    /// The session's number.
+    pub(crate) session: u64,
+}
+
+impl Host for SessionHost {
+    fn random(&mut self) -> Option<u32> {
+        (&*self.device).random()
+    }
+
+    fn acquire_connection(&mut self) -> bool {
+        let is_free = self.device.limiter.acquire_connection(self.peer);
+        let acquired = is_free && (&*self.device).acquire_connection();
+        if is_free && !acquired {
+            self.device.limiter.release_connections(self.peer, 1);
+        }
+        acquired
+    }
+
+    fn release_connections(&mut self, count: usize) {
+        self.device.limiter.release_connections(self.peer, count);
+        (&*self.device).release_connections(count);
+    }
+
+    fn connection_ended(&mut self, id: ConnectionId, how: ConnectionEnd) {
+        let owner = Owner {
+            session: self.session,
+            connection: id.0,
+        };
+        match how {
+            ConnectionEnd::Closed => self.device.release(owner),
+            ConnectionEnd::TimedOut => self.device.lose(owner),
+        }
+    }
+
+    fn count(&mut self, count: Count) {
+        (&*self.device).count(count);
+    }
+
+    fn identity(&self) -> &Identity {
+        &self.device.settings.identity
+    }
+
+    fn open_io(&mut self, open: &IoOpen<'_>) -> Result<IoOpened, CipStatus> {
+        let mut device = &*self.device;
+        match device.io() {
+            Some(io) => {
+                let local = *self.local.ip();
+                let group = device.adapters.of(local).first_multicast();
+                io.open(open, self.peer, local, group, device, || device.random())
+            }
+            None => device.open_io(open),
+        }
+    }
+
+    fn close_io(&mut self, key: ConnectionKey) -> bool {
+        let io = self.device.io();
+        io.is_some_and(|io| io.close(key, self.peer, &self.device))
+    }
+}
