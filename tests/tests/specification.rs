@@ -65,6 +65,28 @@ fn relative_links_lead_to_files_and_headings() {
     assert!(wrong.is_empty(), "links that lead nowhere:\n{}", wrong.join("\n"));
 }
 
+/// A page names files of the repository in backticks; they exist.
+#[test]
+fn named_files_exist() {
+    const FOLDERS: [&str; 9] = [
+        "crates/", "server/", "client/", "proto/", "tests/", "web/", "docs/", "fuzz/", ".ci/",
+    ];
+    let mut wrong = Vec::new();
+    for file in files(&["md"]) {
+        for (number, line) in read(&file).lines().enumerate() {
+            for code in line.split('`').skip(1).step_by(2) {
+                let path = code.split('#').next().unwrap_or_default();
+                let is_path = FOLDERS.iter().any(|folder| path.starts_with(folder));
+                let is_pattern = path.contains(|c: char| c.is_whitespace() || "*{}()<>".contains(c));
+                if is_path && !is_pattern && !workspace().join(path).exists() {
+                    wrong.push(format!("{}:{}: {path}", shown(&file), number + 1));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "files that are not there:\n{}", wrong.join("\n"));
+}
+
 /// Each row of the second table of the glossary names a word that its files have.
 #[test]
 fn the_words_of_the_code_are_in_the_code() {
