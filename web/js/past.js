@@ -41,7 +41,7 @@ export class Past {
     this.#before = before;
     try {
       while (this.#before > Math.max(known, samples.end - samples.capacity)) {
-        const { rows, first } = await connection.request("past", { before: this.#before });
+        const { rows, first } = await connection.request("history", { before: this.#before });
         if (turn !== this.#turn || !rows) return;
         this.#before = first;
       }

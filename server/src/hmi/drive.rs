@@ -8,10 +8,9 @@ use arcline_controller::image::Image;
 use arcline_instruction_set::{Directory as _, Flag, Given, Mnemonic, Object};
 use arcline_structured_text::{Answer, BoundCall, Interpreter, ObjectAttribute, Program, Request, unmade_control};
 use arcline_tag::{TagPath, Value};
-use serde_json::{Value as Json, json};
 
 use super::Shared;
-use super::message::Refusal;
+use super::protocol::{Done, Executed, Refusal};
 use super::rights::{Held, Thing, ViewerId};
 use crate::guard::VIEWERS;
 use crate::names::ImageNames;
@@ -83,7 +82,7 @@ impl Shared {
     }
 
     /// Executes one instruction given as Structured Text.
-    pub(super) async fn execute(self: &Arc<Self>, viewer: ViewerId, text: &str) -> Result<Json, Refusal> {
+    pub(super) async fn execute(self: &Arc<Self>, viewer: ViewerId, text: &str) -> Result<Executed, Refusal> {
         let parsed = text.to_owned();
         let mut interpreter = self
             .compute_if(text.len() > SHORT, move |shared| shared.interpreter_of(&parsed))
@@ -96,10 +95,10 @@ impl Shared {
             answer = match request {
                 Request::Call(call) => {
                     let accepted = self.call(viewer, &call, Some(text)).await?;
-                    return Ok(json!({
-                        "instruction": accepted.mnemonic.to_string(),
-                        "instance": accepted.instance,
-                    }));
+                    return Ok(Executed {
+                        instruction: accepted.mnemonic.name(),
+                        instance: accepted.instance,
+                    });
                 }
                 Request::Read(path) => Answer::Value(self.read_value(&path)?),
                 Request::ReadArray(path) => Answer::Array(self.read_numbers(&path)?),
@@ -193,11 +192,11 @@ impl Shared {
     }
 
     /// Stops one object, or everything. Anybody may.
-    pub(super) async fn stop(&self, viewer: ViewerId, object: Option<&str>) -> Result<Json, Refusal> {
+    pub(super) async fn stop(&self, viewer: ViewerId, object: Option<&str>) -> Result<Done, Refusal> {
         let machine = self.plant.machine();
         let Some(name) = object else {
             self.stop_everything();
-            return Ok(json!({}));
+            return Ok(Done {});
         };
         self.program.end();
         let mnemonic = match Thing::find(machine, name) {
@@ -207,7 +206,7 @@ impl Shared {
             None => return Err(no_object(name)),
         };
         self.call(viewer, &instruction(mnemonic, name, &[]), None).await?;
-        Ok(json!({}))
+        Ok(Done {})
     }
 
     /// Stops everything, now: neither a lock nor the work of others is ahead of it. What was asked before is not begun after it.
@@ -220,7 +219,7 @@ impl Shared {
     }
 
     /// Sets the override of a coordinate system, percent.
-    pub(super) async fn set_override(&self, viewer: ViewerId, system: &str, percent: f64) -> Result<Json, Refusal> {
+    pub(super) async fn set_override(&self, viewer: ViewerId, system: &str, percent: f64) -> Result<Done, Refusal> {
         let place = self.system(system)?;
         self.check_right(viewer, Thing::System(place))?;
         self.write_override(place, percent as f32).await
@@ -257,20 +256,20 @@ impl Shared {
     }
 
     /// Holds a coordinate system. Anybody may.
-    pub(super) async fn hold(&self, system: &str) -> Result<Json, Refusal> {
+    pub(super) async fn hold(&self, system: &str) -> Result<Done, Refusal> {
         let place = self.system(system)?;
         self.write_override(place, 0.0).await
     }
 
     /// Goes on after a hold.
-    pub(super) async fn resume(&self, viewer: ViewerId, system: &str) -> Result<Json, Refusal> {
+    pub(super) async fn resume(&self, viewer: ViewerId, system: &str) -> Result<Done, Refusal> {
         let place = self.system(system)?;
         self.check_right(viewer, Thing::System(place))?;
         let before = self.plant.with_image(|image| image.feed_override_before_hold(place));
         self.write_override(place, before.unwrap_or(100.0)).await
     }
 
-    async fn write_override(&self, system: u16, percent: f32) -> Result<Json, Refusal> {
+    async fn write_override(&self, system: u16, percent: f32) -> Result<Done, Refusal> {
         let (done, written) = self.plant.write(|image, edges| {
             let edge = image.set_feed_override(system, percent)?;
             edges.extend(edge);
@@ -279,7 +278,7 @@ impl Shared {
         let kept = self.plant.fire(written).await;
         done.map_err(|error| Refusal::new(error.to_string()))?;
         kept.map_err(|error| Refusal::new(error.to_string()))?;
-        Ok(json!({}))
+        Ok(Done {})
     }
 
     pub(super) fn axis(&self, name: &str) -> Result<u16, Refusal> {

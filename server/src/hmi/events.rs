@@ -5,14 +5,16 @@ use std::time::{Duration, UNIX_EPOCH};
 
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
-use arcline_controller::{Cause, Event, FaultChange};
+use arcline_controller::{Cause, FaultChange};
 use arcline_instruction_set::{Ending, Flag, Object};
 use axum::extract::ws::Utf8Bytes;
-use serde_json::{Value, json};
 use tokio::time::{MissedTickBehavior, interval};
 
 use super::Shared;
-use super::message::Refusal;
+use super::protocol::{
+    CauseKind, EndCause, Event, EventChange, EventPage, FaultEvent, InstructionEvent, Push, Refusal, RefusedCommand,
+    text_of,
+};
 use super::rights::Thing;
 use crate::plant::{Change, Logged, ending};
 
@@ -38,7 +40,7 @@ pub(super) async fn produce(shared: Arc<Shared>) {
         });
         if number.is_some() {
             last = number;
-            let text: Utf8Bytes = json!({"push": "event", "events": events}).to_string().into();
+            let text: Utf8Bytes = text_of(&Push::Event { events }).into();
             // Everybody may just have gone.
             let _ = shared.events.send(text);
         }
@@ -47,12 +49,12 @@ pub(super) async fn produce(shared: Arc<Shared>) {
 
 impl Shared {
     /// The newest events behind a number.
-    pub(super) fn events(&self, since: Option<u64>) -> Value {
+    pub(super) fn events(&self, since: Option<u64>) -> EventPage {
         let since = since.unwrap_or(0);
         let events = self
             .plant
             .events_since(since, |image, events| tell(self, image, &events));
-        json!({"events": events})
+        EventPage { events }
     }
 }
 
@@ -60,7 +62,7 @@ fn newest(events: &[Logged]) -> Option<u64> {
     events.last().map(|logged| logged.number)
 }
 
-fn tell(shared: &Shared, image: &Image, events: &[Logged]) -> Vec<Value> {
+fn tell(shared: &Shared, image: &Image, events: &[Logged]) -> Vec<Event> {
     let skipped = events.len().saturating_sub(MOST);
     events[skipped..]
         .iter()
@@ -68,24 +70,34 @@ fn tell(shared: &Shared, image: &Image, events: &[Logged]) -> Vec<Value> {
         .collect()
 }
 
-fn event(shared: &Shared, image: &Image, logged: &Logged) -> Value {
+fn event(shared: &Shared, image: &Image, logged: &Logged) -> Event {
     let tick = logged.change.tick();
     let at = logged.at.duration_since(UNIX_EPOCH).unwrap_or_default();
-    let mut told = match &logged.change {
-        Change::Instruction { event, target } => instruction(shared, image, event, *target),
-        Change::Fault(change) => fault(shared, image, change),
-    };
-    told["seq"] = logged.number.into();
-    told["tick"] = tick.into();
-    told["time_s"] = (tick as f64 * shared.plant.machine().period()).into();
-    told["at_ms"] = (at.as_micros() as f64 / 1e3).into();
-    told
+    Event {
+        seq: logged.number,
+        tick,
+        time_s: tick as f64 * shared.plant.machine().period(),
+        at_ms: at.as_micros() as f64 / 1e3,
+        change: match &logged.change {
+            Change::Instruction { event, target } => {
+                EventChange::Instruction(instruction(shared, image, event, *target))
+            }
+            Change::Fault(change) => EventChange::Fault {
+                fault: fault(shared, image, change),
+            },
+        },
+    }
 }
 
 /// A change of an instruction's status.
-fn instruction(shared: &Shared, image: &Image, event: &Event, target: Option<u16>) -> Value {
+fn instruction(
+    shared: &Shared,
+    image: &Image,
+    event: &arcline_controller::Event,
+    target: Option<u16>,
+) -> InstructionEvent {
     let machine = shared.plant.machine();
-    let flags = |word| -> Vec<&str> { Flag::in_word(word).map(Flag::name).collect() };
+    let flags = |word| -> Vec<&'static str> { Flag::in_word(word).map(Flag::name).collect() };
     let object = match (event.mnemonic.instruction().object, target) {
         (Object::MotionGroup, _) => Some(Thing::Group),
         (object, place) => place.map(|place| Thing::of(object, place)),
@@ -95,57 +107,56 @@ fn instruction(shared: &Shared, image: &Image, event: &Event, target: Option<u16
     // Instances are the low half of a ticket.
     let origins = shared.origins();
     let origin = origins.of(event.ticket.0 as u32);
-    json!({
-        "ticket": event.ticket.0,
-        "tag": image.control_name(event.control),
-        "instruction": event.mnemonic.to_string(),
-        "object": object.map(|object| object.name(machine)),
-        "text": origin.and_then(|origin| origin.text.as_deref()),
-        "viewer": origin.map(|origin| origin.viewer.as_str()),
-        "set": flags(event.set),
-        "clear": flags(event.clear),
-        "err": event.err,
-        "exerr": event.exerr,
-        "error": error,
-        "ended": cause(machine, image, event.cause),
-    })
+    InstructionEvent {
+        ticket: event.ticket.0,
+        tag: image.control_name(event.control).to_owned(),
+        instruction: event.mnemonic.name(),
+        object: object.map(|object| object.name(machine).to_owned()),
+        text: origin.and_then(|origin| origin.text.clone()),
+        viewer: origin.map(|origin| origin.viewer.clone()),
+        set: flags(event.set),
+        clear: flags(event.clear),
+        err: event.err,
+        exerr: event.exerr,
+        error,
+        ended: cause(machine, image, event.cause),
+    }
 }
 
 /// A change of the faults of an axis.
-fn fault(shared: &Shared, image: &Image, change: &FaultChange) -> Value {
+fn fault(shared: &Shared, image: &Image, change: &FaultChange) -> FaultEvent {
     let machine = shared.plant.machine();
     let axis = machine.axes.get(usize::from(change.axis));
-    json!({
-        "fault": {
-            "axis": axis.map(|axis| axis.name.as_str()),
-            "set": Ending::words(change.set),
-            "again": Ending::words(change.again),
-            "clear": Ending::words(change.clear),
-            "by": cause(machine, image, change.by),
-            "refused": change.refused.map(|command| json!({
-                "text": command.to_string(),
-                "by": cause(machine, image, command.by),
-                "last": command.last,
-                "asked": command.asked,
-            })),
-        },
-    })
+    FaultEvent {
+        axis: axis.map(|axis| axis.name.clone()),
+        set: Ending::words(change.set),
+        again: Ending::words(change.again),
+        clear: Ending::words(change.clear),
+        by: cause(machine, image, change.by),
+        refused: change.refused.map(|command| RefusedCommand {
+            text: command.to_string(),
+            by: cause(machine, image, command.by),
+            last: command.last,
+            asked: command.asked,
+        }),
+    }
 }
 
 /// What ended an instruction or cleared a fault: its text and its parts.
-fn cause(machine: &Machine, image: &Image, cause: Cause) -> Option<Value> {
+fn cause(machine: &Machine, image: &Image, cause: Cause) -> Option<EndCause> {
     let text = ending(machine, image, cause)?.to_string();
-    Some(match cause {
+    let by = match cause {
         Cause::Itself => return None,
-        Cause::Instruction { ticket, mnemonic, .. } => json!({
-            "by": "instruction", "text": text, "ticket": ticket.0, "instruction": mnemonic.to_string(),
-        }),
-        Cause::Fault { axis, faults } => json!({
-            "by": "fault", "text": text,
-            "axis": machine.axes.get(usize::from(axis)).map(|axis| axis.name.as_str()),
-            "faults": Ending::words(faults),
-        }),
-        Cause::StopAll => json!({"by": "stop", "text": text}),
-        Cause::Jog(why) => json!({"by": "dead-man", "text": text, "reason": why.word()}),
-    })
+        Cause::Instruction { ticket, mnemonic, .. } => CauseKind::Instruction {
+            ticket: ticket.0,
+            instruction: mnemonic.name(),
+        },
+        Cause::Fault { axis, faults } => CauseKind::Fault {
+            axis: machine.axes.get(usize::from(axis)).map(|axis| axis.name.clone()),
+            faults: Ending::words(faults),
+        },
+        Cause::StopAll => CauseKind::Stop {},
+        Cause::Jog(why) => CauseKind::DeadMan { reason: why.word() },
+    };
+    Some(EndCause { text, by })
 }

@@ -12,10 +12,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bytes::{BufMut, Bytes, BytesMut};
-use serde_json::{Value, json};
 use tokio::time::{MissedTickBehavior, interval};
 
 use super::Shared;
+use super::protocol::HistoryPiece;
 use crate::trace::{Past, history};
 
 /// Time between two frames.
@@ -56,12 +56,16 @@ pub(super) async fn produce(shared: Arc<Shared>) {
 
 impl Shared {
     /// The newest that is kept of the time before a tick, and what there is to say of it.
-    pub(super) fn past(&self, before: u64) -> (Bytes, Value) {
+    pub(super) fn past(&self, before: u64) -> (Bytes, HistoryPiece) {
         let columns = history::columns(self.plant.machine());
         let past = self.plant.trace().past(before, &columns, PAST_ROWS);
         let rows = past.values.len() / (past.signals * past.of_signal).max(1);
-        let told = json!({"first": past.first, "every": past.every, "rows": rows});
-        (past_frame(&past), told)
+        let piece = HistoryPiece {
+            first: past.first,
+            every: past.every,
+            rows,
+        };
+        (past_frame(&past), piece)
     }
 }
 

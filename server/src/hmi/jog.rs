@@ -7,12 +7,11 @@ use std::time::Duration;
 
 use arcline_config::ConnectionLoss;
 use arcline_instruction_set::{Flag, Mnemonic};
-use serde_json::{Value as Json, json};
 use tokio::time::{MissedTickBehavior, interval};
 
 use super::Shared;
 use super::drive::{instruction, rate};
-use super::message::Refusal;
+use super::protocol::{Done, Refusal};
 use super::rights::{Thing, ViewerId};
 use crate::guard::{Face, HELD, VIEWERS};
 use crate::plant::Owner;
@@ -37,7 +36,7 @@ impl Shared {
         axis: &str,
         [speed, accel, decel]: [Option<f64>; 3],
         is_held: impl Fn() -> bool,
-    ) -> Result<Json, Refusal> {
+    ) -> Result<Done, Refusal> {
         let machine = self.plant.machine();
         let place = self.axis(axis)?;
         self.check_right(viewer, Thing::Axis(place))?;
@@ -68,27 +67,27 @@ impl Shared {
         if !is_held() {
             self.jog_end(viewer, axis).await?;
         }
-        done.map(|_| json!({}))
+        done.map(|_| Done {})
     }
 
     /// A sign of life for a jog.
-    pub(super) fn keep(&self, viewer: ViewerId, axis: &str) -> Result<Json, Refusal> {
+    pub(super) fn keep(&self, viewer: ViewerId, axis: &str) -> Result<Done, Refusal> {
         let place = self.axis(axis)?;
         if self.plant.guard().keep(VIEWERS | viewer, place) {
-            Ok(json!({}))
+            Ok(Done {})
         } else {
             Err(Refusal::new(format!("{axis} is not jogged by you any more")))
         }
     }
 
     /// The end of a jog.
-    pub(super) async fn jog_end(&self, viewer: ViewerId, axis: &str) -> Result<Json, Refusal> {
+    pub(super) async fn jog_end(&self, viewer: ViewerId, axis: &str) -> Result<Done, Refusal> {
         let place = self.axis(axis)?;
         let decel = self.jogs().0.remove(&(viewer, place));
         if self.plant.guard().release(VIEWERS | viewer, place, SOFT_STOP) {
             self.stop_jog(place, decel.flatten()).await;
         }
-        Ok(json!({}))
+        Ok(Done {})
     }
 
     /// A viewer has gone: what it jogged stops.

@@ -2,15 +2,15 @@
 
 use arcline_instruction_set::{BindError, Instruction, Kind, Mnemonic, MotionError, Object, Operand, bind};
 use arcline_structured_text::{Answer, BoundCall, Request};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use super::Shared;
-use super::message::Refusal;
+use super::protocol::{CallLine, Refusal};
 
 impl Shared {
     /// The line of a form: what was left out has its first value, and a tail of values that may be left out is. It is
     /// checked as far as it can be without executing it.
-    pub(super) fn line(&self, mnemonic: &str, values: &Map<String, Value>) -> Result<Value, Refusal> {
+    pub(super) fn line(&self, mnemonic: &str, values: &Map<String, Value>) -> Result<CallLine, Refusal> {
         let mnemonic: Mnemonic = mnemonic
             .parse()
             .map_err(|_| Refusal::new(format!("there is no instruction {mnemonic:?}")))?;
@@ -38,7 +38,7 @@ impl Shared {
         operands.truncate(needed);
         let text = format!("{mnemonic}({});", operands.join(", "));
         self.verify(&text)?;
-        Ok(json!({"text": text}))
+        Ok(CallLine { text })
     }
 
     /// Whether a line can be executed, as far as names, types and ranges go.

@@ -13,11 +13,11 @@ mod instructions;
 mod jog;
 mod line;
 mod machine;
-mod message;
 mod paths;
 mod peaks;
 mod preview;
 mod program;
+mod protocol;
 mod rights;
 mod serve;
 mod status;
@@ -39,8 +39,8 @@ use crate::plant::Plant;
 use assets::Assets;
 use drive::Origins;
 use jog::Jogs;
-use message::Refusal;
 use program::Programs;
+use protocol::{Refusal, text_of};
 use rights::Rights;
 use status::Status;
 
@@ -129,8 +129,8 @@ impl Hmi {
         let shared = Shared {
             assets: Assets::from_environment(),
             listen: listener.local_addr()?,
-            machine: machine::description(&plant).to_string(),
-            instructions: instructions::catalogue().to_string(),
+            machine: text_of(&machine::description(&plant)),
+            instructions: text_of(&instructions::catalogue()),
             places: Arc::new(Semaphore::new(VIEWERS)),
             viewers: AtomicU64::new(0),
             status: watch::Sender::new(Status::default()),

@@ -11,10 +11,9 @@ use arcline_controller::{AcceptedMove, Controller, Event, Snapshot, Ticket};
 use arcline_instruction_set::predefined::{axis_status, motion_status};
 use arcline_instruction_set::{Call, Flag, MotionError, Object};
 use arcline_structured_text::{Interpreter, Program};
-use serde_json::{Value, json};
 
-use super::message::Refusal;
 use super::peaks::{Peaks, Shape};
+use super::protocol::{AxisPeaks, LimitText, Refusal, Simulated, SimulatedEvent, SimulatedPath};
 use super::{Shared, paths};
 use crate::cli::QueueFull;
 use crate::plant::LiveMoves;
@@ -33,20 +32,20 @@ const MOVES: usize = 1000;
 
 impl Shared {
     /// What one call would do.
-    pub(super) async fn preview(self: &Arc<Self>, text: &str) -> Result<Value, Refusal> {
+    pub(super) async fn preview(self: &Arc<Self>, text: &str) -> Result<Simulated, Refusal> {
         let text = text.to_owned();
         let program = self.compute(move |shared| shared.checked_call(&text)).await??;
         self.simulate(program).await
     }
 
     /// What a program would do.
-    pub(super) async fn dry_run(self: &Arc<Self>, text: &str) -> Result<Value, Refusal> {
+    pub(super) async fn dry_run(self: &Arc<Self>, text: &str) -> Result<Simulated, Refusal> {
         let text = text.to_owned();
         let program = self.compute(move |shared| shared.checked(&text)).await??;
         self.simulate(program).await
     }
 
-    async fn simulate(self: &Arc<Self>, program: Program) -> Result<Value, Refusal> {
+    async fn simulate(self: &Arc<Self>, program: Program) -> Result<Simulated, Refusal> {
         let turn = self.simulations.clone().acquire_owned().await;
         let shared = self.clone();
         let simulated = tokio::task::spawn_blocking(move || {
@@ -58,7 +57,7 @@ impl Shared {
     }
 
     /// The same on this thread, for at most about `patience` of real time.
-    pub(super) fn simulate_here(&self, program: Program, patience: Duration) -> Result<Value, Refusal> {
+    pub(super) fn simulate_here(&self, program: Program, patience: Duration) -> Result<Simulated, Refusal> {
         let (machine, image) = self
             .plant
             .with_state(|image, snapshot, moves| (present(self.plant.machine(), snapshot, moves), image.clone()));
@@ -131,7 +130,7 @@ struct Seen {
     trails: BTreeMap<usize, Trail>,
     moves: Vec<AcceptedMove>,
     limit: Option<String>,
-    events: Vec<Value>,
+    events: Vec<SimulatedEvent>,
 }
 
 /// What an instruction with a profile moves.
@@ -165,7 +164,7 @@ impl Seen {
         }
     }
 
-    fn told(self, machine: &Machine, unfinished: Option<String>) -> Value {
+    fn told(self, machine: &Machine, unfinished: Option<String>) -> Simulated {
         let coordinated = |system: &usize| self.moves.iter().any(|one| usize::from(one.system) == *system);
         let any = self.trails.keys().any(coordinated);
         let shown = self.trails.iter().filter(|(system, _)| !any || coordinated(system));
@@ -174,29 +173,27 @@ impl Seen {
             let moves = self.moves.iter().filter(|one| usize::from(one.system) == *place);
             let blends = moves.filter(|one| one.tolerance > 0.0 && one.tolerance.is_finite() && system.robot.is_none());
             let blends = blends.map(|one| paths::circle(&one.path.end(), one.tolerance, system.linear().len()));
-            json!({
-                "coordinate_system": system.name,
-                "points": trail.points,
-                "blends": blends.collect::<Vec<_>>(),
-            })
+            SimulatedPath {
+                coordinate_system: system.name.clone(),
+                points: trail.points.clone(),
+                blends: blends.collect(),
+            }
         });
-        let peaks = machine.axes.iter().zip(&self.axes).map(|(axis, peaks)| {
-            json!({
-                "axis": axis.name,
-                "velocity": peaks.velocity(),
-                "acceleration": peaks.acceleration(),
-                "jerk": peaks.jerk(),
-            })
+        let peaks = machine.axes.iter().zip(&self.axes).map(|(axis, peaks)| AxisPeaks {
+            axis: axis.name.clone(),
+            velocity: peaks.velocity(),
+            acceleration: peaks.acceleration(),
+            jerk: peaks.jerk(),
         });
         let ends = unfinished.is_none();
-        json!({
-            "paths": paths.collect::<Vec<_>>(),
-            "duration_s": ends.then_some(self.tick as f64 * self.period),
-            "ticks": self.tick,
-            "peaks": peaks.collect::<Vec<_>>(),
-            "limit": self.limit.or(unfinished).map(|text| json!({"text": text})),
-            "events": self.events,
-        })
+        Simulated {
+            paths: paths.collect(),
+            duration_s: ends.then_some(self.tick as f64 * self.period),
+            ticks: self.tick,
+            peaks: peaks.collect(),
+            limit: self.limit.or(unfinished).map(|text| LimitText { text }),
+            events: self.events,
+        }
     }
 }
 
@@ -292,19 +289,19 @@ impl Observer for Seen {
         if self.events.len() == EVENTS {
             return;
         }
-        let flags = |word| -> Vec<&str> { Flag::in_word(word).map(Flag::name).collect() };
+        let flags = |word| -> Vec<&'static str> { Flag::in_word(word).map(Flag::name).collect() };
         let error = MotionError::from_codes(event.err, event.exerr).filter(|_| event.set & Flag::Er.mask() != 0);
-        self.events.push(json!({
-            "time_s": time,
-            "tick": event.tick,
-            "tag": image.control_name(event.control),
-            "instruction": event.mnemonic.to_string(),
-            "set": flags(event.set),
-            "clear": flags(event.clear),
-            "err": event.err,
-            "exerr": event.exerr,
-            "error": error.map(|_| Refusal::motion(event.err, event.exerr, event.mnemonic)),
-        }));
+        self.events.push(SimulatedEvent {
+            time_s: time,
+            tick: event.tick,
+            tag: image.control_name(event.control).to_owned(),
+            instruction: event.mnemonic.name(),
+            set: flags(event.set),
+            clear: flags(event.clear),
+            err: event.err,
+            exerr: event.exerr,
+            error: error.map(|_| Refusal::motion(event.err, event.exerr, event.mnemonic)),
+        });
     }
 }
 

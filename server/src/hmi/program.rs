@@ -10,13 +10,11 @@ use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status;
 use arcline_structured_text::{Answer, BoundCall, Hopeless, Interpreter, Program, Request};
 use arcline_tag::TagPath;
-use serde::Serialize;
-use serde_json::{Value, json};
 use tokio::sync::watch;
 
 use super::Shared;
 use super::drive::Accepted;
-use super::message::Refusal;
+use super::protocol::{Checked, Done, ProgramState as State, ProgramStatus, Push, Refusal, text_of};
 use super::rights::ViewerId;
 use crate::names::ImageNames;
 
@@ -52,7 +50,7 @@ enum Mode {
 }
 
 /// What viewers see of it.
-#[derive(Clone, Serialize, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Shown {
     state: State,
     /// The statement that runs, or comes next.
@@ -61,18 +59,7 @@ pub(super) struct Shown {
     error: Option<Refusal>,
     /// Another number for every program.
     run: u64,
-    #[serde(skip)]
     text: Arc<str>,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, Serialize, Debug)]
-#[serde(rename_all = "snake_case")]
-enum State {
-    Idle,
-    Running,
-    Paused,
-    Ended,
-    Failed,
 }
 
 /// Why it does not go on.
@@ -91,12 +78,15 @@ impl From<Refusal> for Stopped {
 impl Shown {
     /// The push; with the program's text for a viewer that has seen another program last.
     pub(super) fn push(&self, last: &mut Option<u64>) -> String {
-        let mut push = json!(self);
-        push["push"] = "program".into();
-        if last.replace(self.run) != Some(self.run) {
-            push["text"] = (*self.text).into();
-        }
-        push.to_string()
+        let is_new = last.replace(self.run) != Some(self.run);
+        text_of(&Push::Program(ProgramStatus {
+            state: self.state,
+            line: self.line,
+            viewer: self.viewer.as_deref(),
+            error: self.error.as_ref(),
+            run: self.run,
+            text: is_new.then_some(&*self.text),
+        }))
     }
 }
 
@@ -137,11 +127,11 @@ impl Programs {
         }
     }
 
-    fn set(&self, mode: Mode) -> Result<Value, Refusal> {
+    fn set(&self, mode: Mode) -> Result<Done, Refusal> {
         match &*self.running() {
             Some(running) => {
                 running.mode.send_replace(mode);
-                Ok(json!({}))
+                Ok(Done {})
             }
             None => Err(Refusal::new("no program runs")),
         }
@@ -162,9 +152,9 @@ impl Programs {
 
 impl Shared {
     /// What is wrong with a program.
-    pub(super) fn check(&self, text: &str) -> Value {
+    pub(super) fn check(&self, text: &str) -> Checked {
         let errors: Vec<Refusal> = self.checked(text).err().into_iter().collect();
-        json!({"errors": errors})
+        Checked { errors }
     }
 
     /// A program that can run.
@@ -183,7 +173,7 @@ impl Shared {
         program: Program,
         text: &str,
         step: bool,
-    ) -> Result<Value, Refusal> {
+    ) -> Result<Done, Refusal> {
         let first = if step { Mode::Pause } else { Mode::Run };
         let mode = {
             let mut running = self.program.running();
@@ -230,18 +220,18 @@ impl Shared {
                 }
             });
         });
-        Ok(json!({}))
+        Ok(Done {})
     }
 
-    pub(super) fn step(&self) -> Result<Value, Refusal> {
+    pub(super) fn step(&self) -> Result<Done, Refusal> {
         self.program.set(Mode::Step)
     }
 
-    pub(super) fn pause(&self) -> Result<Value, Refusal> {
+    pub(super) fn pause(&self) -> Result<Done, Refusal> {
         self.program.set(Mode::Pause)
     }
 
-    pub(super) fn go_on(&self) -> Result<Value, Refusal> {
+    pub(super) fn go_on(&self) -> Result<Done, Refusal> {
         self.program.set(Mode::Run)
     }
 }

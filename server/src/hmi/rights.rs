@@ -144,13 +144,13 @@ impl Rights {
     }
 
     /// The driver of every object that has one: what was taken, and its axes.
-    pub(super) fn drivers<'m>(&self, machine: &'m Machine) -> BTreeMap<&'m str, String> {
+    pub(super) fn drivers(&self, machine: &Machine) -> BTreeMap<String, String> {
         let mut drivers = BTreeMap::new();
         for (thing, by) in &self.taken {
             let name = self.name(*by);
-            drivers.insert(thing.name(machine), name.to_owned());
+            drivers.insert(thing.name(machine).to_owned(), name.to_owned());
             for axis in thing.axes(machine) {
-                drivers.insert(Thing::Axis(axis).name(machine), name.to_owned());
+                drivers.insert(Thing::Axis(axis).name(machine).to_owned(), name.to_owned());
             }
         }
         drivers
@@ -196,7 +196,7 @@ mod tests {
             rights.release(2, thing(name));
         }
         assert_eq!(
-            rights.drivers(&machine).keys().copied().collect::<Vec<_>>(),
+            rights.drivers(&machine).keys().collect::<Vec<_>>(),
             ["CS1", "X", "Y", "Z"]
         );
         assert_eq!(rights.take(&machine, 2, thing("X"), true), Ok(()), "by force");

@@ -10,9 +10,9 @@ use arcline_controller::machine::Machine;
 use arcline_instruction_set::predefined::{axis_status, motion_status};
 use arcline_tag::{DataType, Template};
 use axum::extract::ws::Utf8Bytes;
-use serde_json::{Value, json};
 use tokio::time::{MissedTickBehavior, interval};
 
+use super::protocol::{AxisStatus, GroupStatus, Push, RealTime, Status as State, SystemStatus, text_of};
 use super::{Shared, paths};
 use crate::plant::LiveMoves;
 
@@ -46,10 +46,10 @@ pub(super) async fn produce(shared: Arc<Shared>) {
         let now = (versions(&shared), shared.viewers.load(Ordering::Relaxed));
         if now != (shown, viewers) {
             latest.paths += 1;
-            latest.whole = words.status(&shared, Paths::Drawn).to_string().into();
+            latest.whole = text_of(&words.status(&shared, Paths::Drawn)).into();
         }
         (shown, viewers) = now;
-        latest.light = words.status(&shared, Paths::LeftOut).to_string().into();
+        latest.light = text_of(&words.status(&shared, Paths::LeftOut)).into();
         shared.status.send_replace(latest.clone());
     }
 }
@@ -101,82 +101,89 @@ impl Words {
         })
     }
 
-    fn status(&self, shared: &Shared, paths: Paths) -> Value {
+    fn status(&self, shared: &Shared, paths: Paths) -> Push<'static> {
         let machine = shared.plant.machine();
         let health = shared.plant.health();
         let drivers = shared.rights().drivers(machine);
         shared.plant.with_state(|image, snapshot, moves| {
-            json!({
-                "push": "status",
-                "tick": snapshot.tick,
-                "time_s": snapshot.tick as f64 * machine.period(),
-                "axes": self.axes(machine, image, snapshot),
-                "coordinate_systems": self.systems(machine, image, snapshot, moves, paths),
-                "group": {"name": machine.group, "bits": set(image, &machine.group, &self.group)},
-                "realtime": realtime(&health),
-                "drivers": drivers,
+            Push::Status(State {
+                tick: snapshot.tick,
+                time_s: snapshot.tick as f64 * machine.period(),
+                axes: self.axes(machine, image, snapshot),
+                coordinate_systems: self.systems(machine, image, snapshot, moves, paths),
+                group: GroupStatus {
+                    name: machine.group.clone(),
+                    bits: set(image, &machine.group, &self.group),
+                },
+                realtime: realtime(&health),
+                drivers,
             })
         })
     }
 
-    fn axes(&self, machine: &Machine, image: &Image, snapshot: &Snapshot) -> Value {
+    fn axes(&self, machine: &Machine, image: &Image, snapshot: &Snapshot) -> Vec<AxisStatus> {
         let axes = machine.axes.iter().zip(&snapshot.axes).zip(&self.axes);
         let axes = axes.map(|((axis, now), bits)| {
-            let faults: Vec<&str> = now.faults.kinds().map(|kind| kind.fault().word).collect();
-            json!({
-                "name": axis.name,
-                "command": now.command[0],
-                "actual": now.actual[0],
-                "error": now.position_error,
-                "velocity": now.command[1],
-                "acceleration": now.command[2],
-                "actual_velocity": now.actual[1],
-                "state": state_name(now.cip_state),
-                "homed": now.motion_status & motion_status::AXIS_HOMED_STATUS != 0,
-                "servo_on": now.status & axis_status::SERVO_ACTION_STATUS != 0,
-                "moving": now.command[1] != 0.0,
-                "bits": set(image, &axis.name, bits),
-                "faults": faults,
-            })
+            let faults = now.faults.kinds().map(|kind| kind.fault().word).collect();
+            AxisStatus {
+                name: axis.name.clone(),
+                command: now.command[0],
+                actual: now.actual[0],
+                error: now.position_error,
+                velocity: now.command[1],
+                acceleration: now.command[2],
+                actual_velocity: now.actual[1],
+                state: state_name(now.cip_state),
+                homed: now.motion_status & motion_status::AXIS_HOMED_STATUS != 0,
+                servo_on: now.status & axis_status::SERVO_ACTION_STATUS != 0,
+                moving: now.command[1] != 0.0,
+                bits: set(image, &axis.name, bits),
+                faults,
+            }
         });
         axes.collect()
     }
 
-    fn systems(&self, machine: &Machine, image: &Image, snapshot: &Snapshot, moves: &LiveMoves, drawn: Paths) -> Value {
+    fn systems(
+        &self,
+        machine: &Machine,
+        image: &Image,
+        snapshot: &Snapshot,
+        moves: &LiveMoves,
+        drawn: Paths,
+    ) -> Vec<SystemStatus> {
         let systems = machine.systems.iter().zip(&snapshot.systems).zip(&self.systems);
         let systems = systems.enumerate().map(|(place, ((system, now), bits))| {
-            let mut told = json!({
-                "name": system.name,
-                "position": &now.actual[..system.axes.len().min(now.actual.len())],
-                "active": paths::active(moves, place, image, now),
-                "pending": paths::pending(moves, place, image),
-                "path_version": moves.version(place),
-                "speed": now.path_speed,
-                "override": 100.0 * now.feed_override,
-                "held": now.feed_override == 0.0,
-                "bits": set(image, &system.name, bits),
-            });
-            // Of a robot the page draws the tool, which goes no such way.
-            if drawn == Paths::Drawn && now.tool.is_none() {
-                told["path"] = paths::of(moves, place, system.linear().len());
+            // Of a robot the page draws the path of the tool, which differs from that of the axes.
+            let is_drawn = drawn == Paths::Drawn && now.tool.is_none();
+            SystemStatus {
+                name: system.name.clone(),
+                position: now.actual[..system.axes.len().min(now.actual.len())].to_vec(),
+                active: paths::active(moves, place, image, now),
+                pending: paths::pending(moves, place, image),
+                path_version: moves.version(place),
+                speed: now.path_speed,
+                feed_override: 100.0 * now.feed_override,
+                held: now.feed_override == 0.0,
+                bits: set(image, &system.name, bits),
+                path: is_drawn.then(|| paths::of(moves, place, system.linear().len())),
             }
-            told
         });
         systems.collect()
     }
 }
 
-fn realtime(health: &Health) -> Value {
-    json!({
-        "p50_us": health.lateness.p50(),
-        "p99_us": health.lateness.p99(),
-        "max_us": health.lateness.max,
-        "compute_p99_us": health.compute.p99(),
-        "compute_max_us": health.compute.max,
-        "missed": health.overruns,
-        "fifo": health.fifo,
-        "memory_locked": health.memory_locked,
-    })
+fn realtime(health: &Health) -> RealTime {
+    RealTime {
+        p50_us: health.lateness.p50(),
+        p99_us: health.lateness.p99(),
+        max_us: health.lateness.max,
+        compute_p99_us: health.compute.p99(),
+        compute_max_us: health.compute.max,
+        missed: health.overruns,
+        fifo: health.fifo,
+        memory_locked: health.memory_locked,
+    }
 }
 
 /// CIPAxisState in words (spec/axis-and-data-types.md §8.5).
@@ -223,9 +230,9 @@ fn word_at(template: &Template, offset: u32) -> &str {
 }
 
 /// The names of the bits that are set.
-fn set<'b>(image: &Image, tag: &str, bits: &'b [Bit]) -> Vec<&'b str> {
+fn set(image: &Image, tag: &str, bits: &[Bit]) -> Vec<String> {
     let Some(tag) = image.find(tag) else { return Vec::new() };
     let bytes = image.bytes(tag.id);
     let on = |bit: &&Bit| bytes.get(bit.offset).is_some_and(|byte| byte & bit.mask != 0);
-    bits.iter().filter(on).map(|bit| bit.name.as_str()).collect()
+    bits.iter().filter(on).map(|bit| bit.name.clone()).collect()
 }

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value as Json, json};
 
 use super::Shared;
-use super::message::Refusal;
+use super::protocol::{Done, Refusal, TagAccess, TagPage, TagRow, Values};
 use super::rights::{Thing, ViewerId};
 
 /// Tags of one page.
@@ -29,7 +29,7 @@ impl Shared {
     ///
     /// # Errors
     /// The pattern is longer than [`PATTERN`], or has more than [`STARS`] `*`.
-    pub(super) fn tags(&self, pattern: &str, after: Option<&str>) -> Result<Json, Refusal> {
+    pub(super) fn tags(&self, pattern: &str, after: Option<&str>) -> Result<TagPage, Refusal> {
         check_pattern(pattern)?;
         let pattern = pattern.to_ascii_lowercase();
         let after = after.map(str::to_ascii_lowercase);
@@ -44,13 +44,13 @@ impl Shared {
                 .collect();
             found.sort_by(|(a, _), (b, _)| a.cmp(b));
             let more = found.len() > PAGE;
-            let rows: Vec<Json> = found.iter().take(PAGE).map(|(_, tag)| row(image, tag)).collect();
-            json!({"tags": rows, "more": more})
+            let tags = found.iter().take(PAGE).map(|(_, tag)| row(image, tag)).collect();
+            TagPage { tags, more }
         }))
     }
 
     /// The values of tags, or why there is none.
-    pub(super) fn values(&self, names: &[String]) -> Result<Json, Refusal> {
+    pub(super) fn values(&self, names: &[String]) -> Result<Values, Refusal> {
         if names.len() > NAMES {
             return Err(Refusal::new(format!(
                 "{} names, at most {NAMES} are possible",
@@ -66,7 +66,7 @@ impl Shared {
                     (name.clone(), value.unwrap_or_else(|error| json!({"error": error.text})))
                 })
                 .collect();
-            json!({"values": values})
+            Values { values }
         }))
     }
 
@@ -80,7 +80,7 @@ impl Shared {
     }
 
     /// Writes a value. What executes an instruction or changes motion needs the right to drive what it moves.
-    pub(super) async fn write(&self, viewer: ViewerId, name: &str, value: &Json) -> Result<Json, Refusal> {
+    pub(super) async fn write(&self, viewer: ViewerId, name: &str, value: &Json) -> Result<Done, Refusal> {
         let path = path_of(name)?;
         let things = self.plant.with_image(|image| moved(image, &path, value));
         for thing in things {
@@ -94,7 +94,7 @@ impl Shared {
         let kept = self.plant.fire(written).await;
         done?;
         kept.map_err(|error| Refusal::new(error.to_string()))?;
-        Ok(json!({}))
+        Ok(Done {})
     }
 }
 
@@ -131,7 +131,7 @@ fn matches(name: &str, pattern: &str) -> bool {
     })
 }
 
-fn row(image: &Image, tag: &Tag) -> Json {
+fn row(image: &Image, tag: &Tag) -> TagRow {
     let dimensions: Vec<u32> = tag
         .tag_type
         .dimensions
@@ -139,20 +139,19 @@ fn row(image: &Image, tag: &Tag) -> Json {
         .copied()
         .take_while(|size| *size > 0)
         .collect();
-    let mut row = json!({
-        "name": image.full_name(tag),
-        "type": tag.tag_type.data_type.name(),
-        "dims": dimensions,
-        "access": match tag.access {
-            Access::ReadOnly => "read",
-            Access::ReadWrite => "read/write",
-        },
-    });
+    let name = image.full_name(tag);
     let single = dimensions.is_empty() && matches!(tag.tag_type.data_type, DataType::Elementary(_));
-    if single && let Ok(value) = value(image, &image.full_name(tag), &mut 1) {
-        row["value"] = value;
+    let value = single.then(|| value(image, &name, &mut 1).ok()).flatten();
+    TagRow {
+        name,
+        data_type: tag.tag_type.data_type.name().to_owned(),
+        dims: dimensions,
+        access: match tag.access {
+            Access::ReadOnly => TagAccess::Read,
+            Access::ReadWrite => TagAccess::ReadWrite,
+        },
+        value,
     }
-    row
 }
 
 fn path_of(name: &str) -> Result<TagPath, Refusal> {

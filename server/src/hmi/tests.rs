@@ -237,14 +237,14 @@ async fn forms_are_made_from_the_catalogue() {
         json!({"member": "CircleType", "in": [2]})
     );
     assert_eq!(operand("Speed")["unit"], json!({"member": "SpeedUnits"}));
-    assert_eq!(operand("Speed")["range"], json!({"min": 0, "max": null}));
+    assert_eq!(operand("Speed")["range"], json!({"min": 0.0, "max": null}));
     assert_eq!(
         operand("CommandTolerance")["shown_when"],
         json!([{"member": "TerminationType", "in": [6]}])
     );
     assert_eq!(
         operand("AccelJerk")["range"]["max_when"],
-        json!({"member": "JerkUnits", "in": [2, 6], "max": 100})
+        json!({"member": "JerkUnits", "in": [2, 6], "max": 100.0})
     );
     let errors = catalogue["errors"].as_array().expect("a list");
     assert!(errors.iter().any(|error| error["err"] == 13 && error["remedy"] != ""));

@@ -15,7 +15,7 @@ use std::time::Duration;
 use axum::extract::ws::Utf8Bytes;
 use bytes::Bytes;
 use futures_util::SinkExt as _;
-use serde_json::{Value, json};
+use serde_json::Value;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
 use tokio::sync::broadcast::error::RecvError;
@@ -30,7 +30,9 @@ use tracing::debug;
 
 use self::hearing::{Heard, Hearing};
 use super::Shared;
-use super::message::{self, Answer, Ask, Refusal};
+use super::protocol::{
+    self, Answer, Asks as _, Done, HistoryPiece, Jog, Push, Refusal, Request, Run, Signals, text_of,
+};
 use super::rights::{Thing, ViewerId};
 use super::status::Status;
 use crate::guard::VIEWERS;
@@ -57,13 +59,12 @@ pub(super) async fn serve(
     shared.rights().enter(number, name.clone());
     let weak = Arc::downgrade(&shared);
     let signs = shared.plant.guard().enter(VIEWERS | number, &name, weak);
-    let hello = json!({
-        "push": "hello",
-        "viewer": name,
-        "trace_signals": history::signals(shared.plant.machine()),
-    });
-    // It was just made.
-    let _ = outbox.try_send(Outgoing::Text(hello.to_string().into()));
+    let hello = Push::Hello {
+        viewer: &name,
+        trace_signals: history::signals(shared.plant.machine()),
+    };
+    // The channel was just made, so it has room.
+    let _ = outbox.try_send(Outgoing::Text(text_of(&hello).into()));
     let releases: Arc<[AtomicU64]> = shared.plant.machine().axes.iter().map(|_| AtomicU64::new(0)).collect();
     let viewer = Viewer {
         id: number,
@@ -156,181 +157,227 @@ impl Viewer {
         let mut simulations = JoinSet::new();
         while let Some(heard) = asked.recv().await {
             let text = heard.text.clone();
-            let (id, ask) = if text.len() <= SHORT {
-                message::read(&text)
+            let (id, request) = if text.len() <= SHORT {
+                protocol::read(&text)
             } else {
-                match self.shared.compute(move |_| message::read(&text)).await {
+                match self.shared.compute(move |_| protocol::read(&text)).await {
                     Ok(read) => read,
                     Err(refusal) => (Value::Null, Err(refusal)),
                 }
             };
             while simulations.try_join_next().is_some() {}
-            let answer = match ask {
-                Ok(ask @ (Ask::Preview { .. } | Ask::DryRun { .. })) if simulations.len() < SIMULATIONS => {
-                    simulations.spawn(self.answer_later(id, ask));
-                    continue;
-                }
-                Ok(ask) if moves(&ask) => self.answer_unless_stopped(ask, &heard).await,
-                Ok(ask) => self.answer(ask, &heard).await,
-                Err(refusal) => Err(refusal),
+            let answer = match request {
+                Ok(request) => self.take_turn(&id, request, &heard, &mut simulations).await,
+                Err(refusal) => Some(Err(refusal)),
             };
-            let answer = Outgoing::Text(message::reply(&id, answer).into());
-            if self.outbox.try_send(answer).is_err() {
+            let Some(answer) = answer else { continue };
+            if self
+                .outbox
+                .try_send(Outgoing::Text(protocol::reply(&id, answer).into()))
+                .is_err()
+            {
                 // It does not read what it asks for.
                 return;
             }
         }
     }
 
-    /// What was asked before a STOP is not begun after it.
-    async fn answer_unless_stopped(&self, ask: Ask, heard: &Heard) -> Result<Answer, Refusal> {
+    /// Answers a request; a request that would move the machine only if STOP was not pressed since. `None`: a simulation, which is
+    /// answered when it is done.
+    async fn take_turn(
+        &self,
+        id: &Value,
+        request: Request,
+        heard: &Heard,
+        simulations: &mut JoinSet<()>,
+    ) -> Option<Result<Answer, Refusal>> {
         let stopped = || self.shared.stops.load(Ordering::Acquire) != heard.stops;
-        if stopped() {
-            return Err(Refusal::new("STOP was pressed before this was begun"));
+        let moves = moves(&request);
+        if moves && stopped() {
+            return Some(Err(Refusal::new("STOP was pressed before this was begun")));
         }
-        let answer = self.answer(ask, heard).await;
-        if stopped() {
+        let answer = self.answer(id, request, heard, simulations).await;
+        if moves && stopped() {
             // It may have been sent behind the stop.
             self.shared.plant.stop_all();
         }
         answer
     }
 
-    /// Answers what takes its time.
-    fn answer_later(&self, id: Value, ask: Ask) -> impl Future<Output = ()> + Send + use<> {
-        let (shared, outbox) = (self.shared.clone(), self.outbox.clone());
-        async move {
-            let answer = match &ask {
-                Ask::Preview { text } => shared.preview(text).await,
-                Ask::DryRun { text } => shared.dry_run(text).await,
-                _ => return,
-            };
-            let reply = shared.compute(move |_| message::reply(&id, answer)).await;
-            // It may just have gone, or read nothing.
-            let _ = reply.map(|reply| outbox.try_send(Outgoing::Text(reply.into())));
-        }
-    }
-
-    async fn answer(&self, ask: Ask, heard: &Heard) -> Result<Answer, Refusal> {
-        let shared = &self.shared;
-        match ask {
-            Ask::Tags { pattern, after } => {
-                self.computed(move |shared| shared.tags(&pattern, after.as_deref()))
+    async fn answer(
+        &self,
+        id: &Value,
+        request: Request,
+        heard: &Heard,
+        simulations: &mut JoinSet<()>,
+    ) -> Option<Result<Answer, Refusal>> {
+        let (shared, viewer) = (&self.shared, self.id);
+        let answer = match request {
+            Request::Preview(request) => {
+                let text = request.text.clone();
+                let work = async move |shared: Arc<Shared>| request.answer(shared.preview(&text).await);
+                return self.simulate(id, simulations, work);
+            }
+            Request::DryRun(request) => {
+                let text = request.text.clone();
+                let work = async move |shared: Arc<Shared>| request.answer(shared.dry_run(&text).await);
+                return self.simulate(id, simulations, work);
+            }
+            Request::Ping(request) => request.answer(Ok(Done {})),
+            Request::Take(request) => request.answer(self.take(&request.object, request.force)),
+            Request::Release(request) => request.answer(self.release(&request.object)),
+            Request::Execute(request) => request.answer(shared.execute(viewer, &request.text).await),
+            Request::Line(request) => {
+                self.computed(heard.is_long(), move |shared| {
+                    request.answer(shared.line(&request.instruction, &request.operands))
+                })
+                .await
+            }
+            Request::Jog(request) => request.answer(self.jog(&request, heard).await),
+            Request::Keep(request) => request.answer(shared.keep(viewer, &request.axis)),
+            Request::JogEnd(request) => request.answer(shared.jog_end(viewer, &request.axis).await),
+            Request::Stop(request) => request.answer(shared.stop(viewer, request.object.as_deref()).await),
+            Request::Override(request) => {
+                let done = shared.set_override(viewer, &request.coordinate_system, request.percent);
+                request.answer(done.await)
+            }
+            Request::Hold(request) => request.answer(shared.hold(&request.coordinate_system).await),
+            Request::Resume(request) => request.answer(shared.resume(viewer, &request.coordinate_system).await),
+            Request::Check(request) => {
+                self.computed(heard.is_long(), move |shared| {
+                    request.answer(Ok(shared.check(&request.text)))
+                })
+                .await
+            }
+            Request::Run(request) => request.answer(self.run(&request, heard).await),
+            Request::Step(request) => request.answer(shared.step()),
+            Request::Pause(request) => request.answer(shared.pause()),
+            Request::Continue(request) => request.answer(shared.go_on()),
+            Request::End(request) => {
+                shared.program.end();
+                request.answer(Ok(Done {}))
+            }
+            Request::Tags(request) => {
+                self.computed(true, move |shared| {
+                    request.answer(shared.tags(&request.pattern, request.after.as_deref()))
+                })
+                .await
+            }
+            Request::Read(request) => {
+                self.computed(shared.are_many(&request.names), move |shared| {
+                    request.answer(shared.values(&request.names))
+                })
+                .await
+            }
+            Request::Watch(request) => {
+                let names = request.names.clone();
+                let values = self.computed(shared.are_many(&names), move |shared| {
+                    request.answer(shared.values(&request.names))
+                });
+                match values.await {
+                    Ok(values) => self.send(Outgoing::Watch(names)).map(|()| values),
+                    refused => refused,
+                }
+            }
+            Request::Write(request) => request.answer(shared.write(viewer, &request.tag, &request.value).await),
+            Request::Trace(request) => request.answer(self.trace(request.on)),
+            Request::History(request) => request.answer(self.history(request.before)),
+            Request::Events(request) => {
+                self.computed(true, move |shared| request.answer(Ok(shared.events(request.since))))
                     .await
             }
-            Ask::Read { names } if shared.are_many(&names) => self.computed(move |shared| shared.values(&names)).await,
-            Ask::Read { names } => shared.values(&names).map(Answer::Value),
-            Ask::Watch { names } => {
-                let asked = names.clone();
-                let values = if shared.are_many(&names) {
-                    self.computed(move |shared| shared.values(&asked)).await?
-                } else {
-                    shared.values(&asked).map(Answer::Value)?
-                };
-                self.tell(Outgoing::Watch(names))?;
-                Ok(values)
-            }
-            Ask::Events { since } => self.computed(move |shared| Ok(shared.events(since))).await,
-            ask => self.answer_shortly(ask, heard).await.map(Answer::Value),
-        }
+        };
+        Some(answer)
     }
 
-    /// An answer that a thread beside makes and writes.
+    /// Begins a simulation, which is answered when it is done; a refusal if too many of this viewer wait.
+    fn simulate<W>(
+        &self,
+        id: &Value,
+        simulations: &mut JoinSet<()>,
+        work: impl FnOnce(Arc<Shared>) -> W,
+    ) -> Option<Result<Answer, Refusal>>
+    where
+        W: Future<Output = Result<Answer, Refusal>> + Send + 'static,
+    {
+        if simulations.len() >= SIMULATIONS {
+            return Some(Err(Refusal::new(format!(
+                "{SIMULATIONS} simulations wait already: let one of them end"
+            ))));
+        }
+        let (id, outbox, work) = (id.clone(), self.outbox.clone(), work(self.shared.clone()));
+        simulations.spawn(async move {
+            let reply = protocol::reply(&id, work.await);
+            // The viewer may just have gone, or read nothing.
+            let _ = outbox.try_send(Outgoing::Text(reply.into()));
+        });
+        None
+    }
+
+    /// An answer that a thread beside makes if it is long.
     async fn computed(
         &self,
-        work: impl FnOnce(&Shared) -> Result<Value, Refusal> + Send + 'static,
+        is_long: bool,
+        work: impl FnOnce(&Shared) -> Result<Answer, Refusal> + Send + 'static,
     ) -> Result<Answer, Refusal> {
-        let text = move |shared: &Shared| work(shared).map(|answer| Answer::Text(answer.to_string()));
-        self.shared.compute(text).await?
+        self.shared.compute_if(is_long, work).await?
     }
 
-    async fn answer_shortly(&self, ask: Ask, heard: &Heard) -> Result<Value, Refusal> {
-        let (shared, id) = (&self.shared, self.id);
-        match ask {
-            Ask::Ping => Ok(json!({})),
-            Ask::Take { object, force } => self.take(&object, force),
-            Ask::Release { object } => {
-                shared.rights().release(id, self.thing(&object)?);
-                Ok(json!({}))
-            }
-            Ask::Execute { text } => shared.execute(id, &text).await,
-            Ask::Line { instruction, operands } => {
-                shared
-                    .compute_if(heard.is_long(), move |shared| shared.line(&instruction, &operands))
-                    .await?
-            }
-            Ask::Jog {
-                axis,
-                speed,
-                accel,
-                decel,
-            } => {
-                let place = usize::from(shared.axis(&axis)?);
-                let is_held = || {
-                    let now = self
-                        .releases
-                        .get(place)
-                        .map(|releases| releases.load(Ordering::Acquire));
-                    now == heard.releases.get(place).copied()
-                };
-                shared.jog(id, &axis, [Some(speed), accel, decel], is_held).await
-            }
-            Ask::Keep { axis } => shared.keep(id, &axis),
-            Ask::JogEnd { axis } => shared.jog_end(id, &axis).await,
-            Ask::Stop { object } => shared.stop(id, object.as_deref()).await,
-            Ask::Override {
-                coordinate_system,
-                percent,
-            } => shared.set_override(id, &coordinate_system, percent).await,
-            Ask::Hold { coordinate_system } => shared.hold(&coordinate_system).await,
-            Ask::Resume { coordinate_system } => shared.resume(id, &coordinate_system).await,
-            Ask::Preview { .. } | Ask::DryRun { .. } => Err(Refusal::new(format!(
-                "{SIMULATIONS} simulations wait already: let one of them end"
-            ))),
-            Ask::Check { text } => {
-                shared
-                    .compute_if(heard.is_long(), move |shared| shared.check(&text))
-                    .await
-            }
-            Ask::Run { text, step } => {
-                let parsed = text.clone();
-                let program = shared
-                    .compute_if(heard.is_long(), move |shared| shared.checked(&parsed))
-                    .await??;
-                shared.run(id, program, &text, step)
-            }
-            Ask::Step => shared.step(),
-            Ask::Pause => shared.pause(),
-            Ask::Continue => shared.go_on(),
-            Ask::End => {
-                shared.program.end();
-                Ok(json!({}))
-            }
-            Ask::Write { tag, value } => shared.write(id, &tag, &value).await,
-            Ask::Trace { on } => {
-                self.tell(Outgoing::Samples(on))?;
-                let machine = shared.plant.machine();
-                Ok(json!({"signals": history::signals(machine), "period_s": machine.period()}))
-            }
-            Ask::Past { before } => {
-                let place = self.pieces.clone().try_acquire_owned();
-                let place = place.map_err(|_| Refusal::new("read first what was sent to you"))?;
-                let (frame, told) = shared.past(before);
-                self.tell(Outgoing::Piece(frame, place))?;
-                Ok(told)
-            }
-            Ask::Tags { .. } | Ask::Read { .. } | Ask::Watch { .. } | Ask::Events { .. } => {
-                Err(Refusal::new("such a request is answered by a thread beside"))
-            }
-        }
-    }
-
-    fn take(&self, object: &str, force: bool) -> Result<Value, Refusal> {
+    fn take(&self, object: &str, force: bool) -> Result<Done, Refusal> {
         let thing = self.thing(object)?;
         let machine = self.shared.plant.machine();
         let taken = self.shared.rights().take(machine, self.id, thing, force);
         taken.map_err(|held| Refusal::control(held.thing.name(machine), Some(&held.by)))?;
-        Ok(json!({}))
+        Ok(Done {})
+    }
+
+    fn release(&self, object: &str) -> Result<Done, Refusal> {
+        self.shared.rights().release(self.id, self.thing(object)?);
+        Ok(Done {})
+    }
+
+    async fn jog(&self, request: &Jog, heard: &Heard) -> Result<Done, Refusal> {
+        let index = usize::from(self.shared.axis(&request.axis)?);
+        let is_held = || {
+            let releases = self.releases.get(index);
+            let now = releases.map(|releases| releases.load(Ordering::Acquire));
+            now == heard.releases.get(index).copied()
+        };
+        let Jog {
+            axis,
+            speed,
+            accel,
+            decel,
+        } = request;
+        self.shared
+            .jog(self.id, axis, [Some(*speed), *accel, *decel], is_held)
+            .await
+    }
+
+    async fn run(&self, request: &Run, heard: &Heard) -> Result<Done, Refusal> {
+        let text = request.text.clone();
+        let checked = self
+            .shared
+            .compute_if(heard.is_long(), move |shared| shared.checked(&text));
+        let program = checked.await??;
+        self.shared.run(self.id, program, &request.text, request.step)
+    }
+
+    fn trace(&self, on: bool) -> Result<Signals, Refusal> {
+        self.send(Outgoing::Samples(on))?;
+        let machine = self.shared.plant.machine();
+        Ok(Signals {
+            signals: history::signals(machine),
+            period_s: machine.period(),
+        })
+    }
+
+    fn history(&self, before: u64) -> Result<HistoryPiece, Refusal> {
+        let permit = self.pieces.clone().try_acquire_owned();
+        let permit = permit.map_err(|_| Refusal::new("read first what was sent to you"))?;
+        let (frame, piece) = self.shared.past(before);
+        self.send(Outgoing::Piece(frame, permit))?;
+        Ok(piece)
     }
 
     fn thing(&self, object: &str) -> Result<Thing, Refusal> {
@@ -340,7 +387,7 @@ impl Viewer {
         })
     }
 
-    fn tell(&self, what: Outgoing) -> Result<(), Refusal> {
+    fn send(&self, what: Outgoing) -> Result<(), Refusal> {
         let full = |_| Refusal::new("you do not read what is sent to you");
         self.outbox.try_send(what).map_err(full)
     }
@@ -397,9 +444,8 @@ async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<
             _ = values.tick(), if !watched.is_empty() => {
                 let names = watched.clone();
                 let push = move |shared: &Shared| {
-                    let mut push = shared.values(&names)?;
-                    push["push"] = "values".into();
-                    Ok::<_, Refusal>(push.to_string())
+                    let values = shared.values(&names)?.values;
+                    Ok::<_, Refusal>(text_of(&Push::Values { values }))
                 };
                 let text = shared.compute_if(shared.are_many(&watched), push).await;
                 let Ok(Ok(text)) = text else { continue };
@@ -421,18 +467,36 @@ fn told(text: Utf8Bytes) -> Message {
 }
 
 /// Whether a request may move something.
-fn moves(ask: &Ask) -> bool {
-    matches!(
-        ask,
-        Ask::Execute { .. }
-            | Ask::Jog { .. }
-            | Ask::Run { .. }
-            | Ask::Step
-            | Ask::Continue
-            | Ask::Override { .. }
-            | Ask::Resume { .. }
-            | Ask::Write { .. }
-    )
+fn moves(request: &Request) -> bool {
+    match request {
+        Request::Execute(_)
+        | Request::Jog(_)
+        | Request::Run(_)
+        | Request::Step(_)
+        | Request::Continue(_)
+        | Request::Override(_)
+        | Request::Resume(_)
+        | Request::Write(_) => true,
+        Request::Ping(_)
+        | Request::Take(_)
+        | Request::Release(_)
+        | Request::Line(_)
+        | Request::Keep(_)
+        | Request::JogEnd(_)
+        | Request::Stop(_)
+        | Request::Hold(_)
+        | Request::Preview(_)
+        | Request::DryRun(_)
+        | Request::Check(_)
+        | Request::Pause(_)
+        | Request::End(_)
+        | Request::Tags(_)
+        | Request::Read(_)
+        | Request::Watch(_)
+        | Request::Trace(_)
+        | Request::History(_)
+        | Request::Events(_) => false,
+    }
 }
 
 /// False: the viewer has gone, or does not read.

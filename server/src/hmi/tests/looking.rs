@@ -253,7 +253,7 @@ async fn a_new_viewer_is_told_the_past() {
     loop {
         let id = 1000 + rows;
         viewer
-            .send(json!({"id": id, "do": "past", "before": before}).to_string())
+            .send(json!({"id": id, "do": "history", "before": before}).to_string())
             .await;
         let message = loop {
             if let Message::Binary(frame) = timeout(SOON, viewer.socket.next())

@@ -21,7 +21,7 @@ use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
 use tokio_tungstenite::tungstenite::{Message, Utf8Bytes};
 use tracing::debug;
 
-use super::super::message::{self, Refusal};
+use super::super::protocol::{self, Answer, Asks as _, Done, JogEnd, Keep, Refusal, Stop};
 use super::super::rights::ViewerId;
 use super::super::serve::LONGEST_MESSAGE;
 use super::{Outgoing, SHORT, Shared};
@@ -124,36 +124,36 @@ impl Hearing {
         let Some(head) = head else {
             return self.hand_on(text, None);
         };
-        match (head.what.as_str(), &head.axis, &head.object) {
+        match (head.what.as_str(), head.axis, head.object) {
             ("stop", _, None) => {
                 self.shared.stop_everything();
-                self.reply(&head.id, Ok(Value::Object(Default::default())))
+                self.reply(&head.id, Stop { object: None }.answer(Ok(Done {})))
             }
             ("stop", _, Some(object)) => {
                 self.shared.program.end();
                 self.shared.stops.fetch_add(1, Ordering::AcqRel);
                 let (shared, outbox, viewer) = (self.shared.clone(), self.outbox.clone(), self.id);
-                let (id, object) = (head.id, object.clone());
                 tokio::spawn(async move {
                     let stopped = shared.stop(viewer, Some(&object)).await;
-                    let _ = outbox.try_send(Outgoing::Text(message::reply(&id, stopped).into()));
+                    let answer = Stop { object: Some(object) }.answer(stopped);
+                    let _ = outbox.try_send(Outgoing::Text(protocol::reply(&head.id, answer).into()));
                 });
                 true
             }
             ("keep", Some(axis), _) => {
-                let kept = self.shared.keep(self.id, axis);
-                self.reply(&head.id, kept)
+                let kept = self.shared.keep(self.id, &axis);
+                self.reply(&head.id, Keep { axis }.answer(kept))
             }
             ("jog_end", Some(axis), _) => {
-                let place = self.shared.plant.machine().axis(axis).map(usize::from);
-                if let Some(releases) = place.and_then(|place| self.releases.get(place)) {
+                let index = self.shared.plant.machine().axis(&axis).map(usize::from);
+                if let Some(releases) = index.and_then(|index| self.releases.get(index)) {
                     releases.fetch_add(1, Ordering::AcqRel);
                 }
                 let (shared, outbox, viewer) = (self.shared.clone(), self.outbox.clone(), self.id);
-                let (id, axis) = (head.id, axis.clone());
                 tokio::spawn(async move {
                     let ended = shared.jog_end(viewer, &axis).await;
-                    let _ = outbox.try_send(Outgoing::Text(message::reply(&id, ended).into()));
+                    let answer = JogEnd { axis }.answer(ended);
+                    let _ = outbox.try_send(Outgoing::Text(protocol::reply(&head.id, answer).into()));
                 });
                 true
             }
@@ -184,8 +184,8 @@ impl Hearing {
         }
     }
 
-    fn reply(&self, id: &Value, answer: Result<Value, Refusal>) -> bool {
-        self.answer(Outgoing::Text(message::reply(id, answer).into()))
+    fn reply(&self, id: &Value, answer: Result<Answer, Refusal>) -> bool {
+        self.answer(Outgoing::Text(protocol::reply(id, answer).into()))
     }
 
     /// Whether the viewer reads its answers.

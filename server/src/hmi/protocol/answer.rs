@@ -1,0 +1,207 @@
+//! What the server answers: the type of each answer, and what they are made of.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use super::push::Event;
+use super::refusal::Refusal;
+
+/// The server did what the page asked.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct Done {}
+
+/// An instruction that was accepted.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct Executed {
+    /// Mnemonic.
+    pub(crate) instruction: &'static str,
+    /// Instance of class 0x0303.
+    pub(crate) instance: u32,
+}
+
+/// The line of a form.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct CallLine {
+    /// One call as Structured Text.
+    pub(crate) text: String,
+}
+
+/// What is wrong with a program.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct Checked {
+    /// The errors with their lines and columns; empty for a program that can run.
+    pub(crate) errors: Vec<Refusal>,
+}
+
+/// What a preview or a dry run found.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct Simulated {
+    /// The path of each coordinate system that moved.
+    pub(crate) paths: Vec<SimulatedPath>,
+    /// Simulated time, s; null if the motion has no end.
+    pub(crate) duration_s: Option<f64>,
+    /// Simulated ticks.
+    pub(crate) ticks: u64,
+    /// The peaks of each axis.
+    pub(crate) peaks: Vec<AxisPeaks>,
+    /// The first limit that would be exceeded.
+    pub(crate) limit: Option<LimitText>,
+    /// The events of the instructions, at most 1,000.
+    pub(crate) events: Vec<SimulatedEvent>,
+}
+
+/// The path of a coordinate system in a simulation.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct SimulatedPath {
+    /// Name of the coordinate system.
+    pub(crate) coordinate_system: String,
+    /// Positions of its axes, or of the tool of a robot, in position units.
+    pub(crate) points: Vec<Vec<f64>>,
+    /// The tolerance about the end of each blended move.
+    pub(crate) blends: Vec<Circle>,
+}
+
+/// A tolerance about a point.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct Circle {
+    /// The point, in position units.
+    pub(crate) centre: Vec<f64>,
+    /// The tolerance, in position units.
+    pub(crate) radius: f64,
+}
+
+/// The greatest magnitudes of an axis in a simulation.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct AxisPeaks {
+    /// Name of the axis.
+    pub(crate) axis: String,
+    /// Position units/s.
+    pub(crate) velocity: f64,
+    /// Position units/s².
+    pub(crate) acceleration: f64,
+    /// Position units/s³.
+    pub(crate) jerk: f64,
+}
+
+/// A limit that a simulation would exceed.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct LimitText {
+    /// A sentence for people.
+    pub(crate) text: String,
+}
+
+/// A change of an instruction's status bits in a simulation.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct SimulatedEvent {
+    /// Simulated time, s.
+    pub(crate) time_s: f64,
+    /// Simulated tick.
+    pub(crate) tick: u64,
+    /// Name of the motion control tag; empty without one.
+    pub(crate) tag: String,
+    /// Mnemonic.
+    pub(crate) instruction: &'static str,
+    /// Bits that were set.
+    pub(crate) set: Vec<&'static str>,
+    /// Bits that were cleared.
+    pub(crate) clear: Vec<&'static str>,
+    /// ERR.
+    pub(crate) err: i16,
+    /// EXERR.
+    pub(crate) exerr: i8,
+    /// The error, where ER was set.
+    pub(crate) error: Option<Refusal>,
+}
+
+/// Tags by their names.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct TagPage {
+    /// At most 200 tags.
+    pub(crate) tags: Vec<TagRow>,
+    /// Whether there are more tags behind the last one.
+    pub(crate) more: bool,
+}
+
+/// A tag of a list.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct TagRow {
+    /// Name, with `Program:NAME.` in front of a tag of a program.
+    pub(crate) name: String,
+    /// Name of the data type.
+    #[serde(rename = "type")]
+    pub(crate) data_type: String,
+    /// Sizes of an array; empty for a single value.
+    pub(crate) dims: Vec<u32>,
+    /// Whether it can be written.
+    pub(crate) access: TagAccess,
+    /// The value of a single value of an elementary type.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) value: Option<Value>,
+}
+
+/// Whether a tag can be written.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) enum TagAccess {
+    /// It cannot.
+    #[serde(rename = "read")]
+    Read,
+    /// It can.
+    #[serde(rename = "read/write")]
+    ReadWrite,
+}
+
+/// Values of tags.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct Values {
+    /// The value of each name, or `{error}`. Whole numbers beyond 2⁵³ are text.
+    pub(crate) values: Map<String, Value>,
+}
+
+/// The signals of the frames of samples.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct Signals {
+    /// Names of the signals, in the order of a row.
+    pub(crate) signals: Vec<String>,
+    /// Time of a tick, s.
+    pub(crate) period_s: f64,
+}
+
+/// What the binary frame in front of this answer holds.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct HistoryPiece {
+    /// Tick of its first row.
+    pub(crate) first: u64,
+    /// Ticks of a row.
+    pub(crate) every: u64,
+    /// Rows; 0 if the server has nothing older.
+    pub(crate) rows: usize,
+}
+
+/// Events of instructions and faults.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct EventPage {
+    /// Oldest first.
+    pub(crate) events: Vec<Event>,
+}
+
+/// Names of viewers by the objects that they control.
+pub(crate) type Controllers = BTreeMap<String, String>;

@@ -1,0 +1,357 @@
+//! What the server sends without being asked.
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use super::answer::{Circle, Controllers};
+use super::refusal::Refusal;
+
+/// A message of the server that no request asked for, by its `push`.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(tag = "push", rename_all = "snake_case")]
+pub(crate) enum Push<'s> {
+    /// Comes once, first.
+    Hello {
+        /// This viewer's name, as `drivers` has it.
+        viewer: &'s str,
+        /// Names of the signals of frames of samples, in the order of a row.
+        trace_signals: Vec<String>,
+    },
+    /// Comes 15 times a second.
+    Status(Status),
+    /// Comes when instructions or faults have changed.
+    Event {
+        /// Oldest first.
+        events: Vec<Event>,
+    },
+    /// Comes ten times a second while the page watches tags.
+    Values {
+        /// The value of each name, or `{error}`.
+        values: Map<String, Value>,
+    },
+    /// Comes when the program has changed.
+    Program(ProgramStatus<'s>),
+}
+
+/// The state of the machine.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct Status {
+    /// Tick since the start of the server.
+    pub(crate) tick: u64,
+    /// Machine time of the tick, s.
+    pub(crate) time_s: f64,
+    /// Every axis, in the order of the configuration.
+    pub(crate) axes: Vec<AxisStatus>,
+    /// Every coordinate system, in the order of the configuration.
+    pub(crate) coordinate_systems: Vec<SystemStatus>,
+    /// The group.
+    pub(crate) group: GroupStatus,
+    /// The real-time thread.
+    pub(crate) realtime: RealTime,
+    /// The viewer that has control of an object, by the object's name.
+    pub(crate) drivers: Controllers,
+}
+
+/// The state of an axis, in its position units.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct AxisStatus {
+    /// Name.
+    pub(crate) name: String,
+    /// Command position.
+    pub(crate) command: f64,
+    /// Actual position.
+    pub(crate) actual: f64,
+    /// Following error.
+    pub(crate) error: f64,
+    /// Command velocity, position units/s.
+    pub(crate) velocity: f64,
+    /// Command acceleration, position units/s².
+    pub(crate) acceleration: f64,
+    /// Actual velocity, position units/s.
+    pub(crate) actual_velocity: f64,
+    /// CIPAxisState in words.
+    pub(crate) state: &'static str,
+    /// Whether the axis is homed.
+    pub(crate) homed: bool,
+    /// Whether the servo is on.
+    pub(crate) servo_on: bool,
+    /// Whether the command velocity is not 0.
+    pub(crate) moving: bool,
+    /// Names of the status bits that are set, without those of faults and alarms.
+    pub(crate) bits: Vec<String>,
+    /// Words of the faults that are set.
+    pub(crate) faults: Vec<&'static str>,
+}
+
+/// The state of a coordinate system.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct SystemStatus {
+    /// Name.
+    pub(crate) name: String,
+    /// Actual positions of its axes.
+    pub(crate) position: Vec<f64>,
+    /// The active move.
+    pub(crate) active: Option<ActiveMove>,
+    /// Pending moves, oldest first, at most 200.
+    pub(crate) pending: Vec<PendingMove>,
+    /// Another number for other paths.
+    pub(crate) path_version: u64,
+    /// Path speed, position units/s.
+    pub(crate) speed: f64,
+    /// Feed override, percent.
+    #[serde(rename = "override")]
+    pub(crate) feed_override: f64,
+    /// Whether a feed hold is in force.
+    pub(crate) held: bool,
+    /// Names of the status bits that are set.
+    pub(crate) bits: Vec<String>,
+    /// The programmed paths; only when `path_version` has changed, and not of a robot.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) path: Option<Paths>,
+}
+
+/// A move that runs.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct ActiveMove {
+    /// Name of its motion control tag; empty without one.
+    pub(crate) tag: String,
+    /// Mnemonic.
+    pub(crate) instruction: &'static str,
+    /// Share of its path that is done, 0 to 1.
+    pub(crate) progress: f64,
+    /// Distance to go, position units.
+    pub(crate) remaining: f64,
+    /// Time to go, s; null while it is not known.
+    pub(crate) eta_s: Option<f64>,
+}
+
+/// A move that waits in the queue.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct PendingMove {
+    /// Name of its motion control tag; empty without one.
+    pub(crate) tag: String,
+    /// Mnemonic.
+    pub(crate) instruction: &'static str,
+}
+
+/// Programmed paths as points, in position units.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct Paths {
+    /// The path of the active move; empty without one.
+    pub(crate) active: Vec<Vec<f64>>,
+    /// The paths of pending moves.
+    pub(crate) pending: Vec<Vec<Vec<f64>>>,
+    /// The tolerance at the end of each blended move.
+    pub(crate) tolerance: Vec<Circle>,
+}
+
+/// The state of the group.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct GroupStatus {
+    /// Name.
+    pub(crate) name: String,
+    /// Names of the status bits that are set.
+    pub(crate) bits: Vec<String>,
+}
+
+/// Measurements of the real-time thread.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct RealTime {
+    /// Tick lateness: median, µs.
+    pub(crate) p50_us: f64,
+    /// Tick lateness: 99th percentile, µs.
+    pub(crate) p99_us: f64,
+    /// Tick lateness: maximum, µs.
+    pub(crate) max_us: f64,
+    /// Computing time of a tick: 99th percentile, µs.
+    pub(crate) compute_p99_us: f64,
+    /// Computing time of a tick: maximum, µs.
+    pub(crate) compute_max_us: f64,
+    /// Missed ticks.
+    pub(crate) missed: u64,
+    /// Whether the thread has real-time priority.
+    pub(crate) fifo: bool,
+    /// Whether its memory is locked.
+    pub(crate) memory_locked: bool,
+}
+
+/// The program that runs, or ran last.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct ProgramStatus<'s> {
+    /// State.
+    pub(crate) state: ProgramState,
+    /// Line of the statement that runs or comes next, from 1.
+    pub(crate) line: Option<usize>,
+    /// The viewer that began it.
+    pub(crate) viewer: Option<&'s str>,
+    /// Why it failed.
+    pub(crate) error: Option<&'s Refusal>,
+    /// Another number for each program.
+    pub(crate) run: u64,
+    /// Its text, only with a new `run`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) text: Option<&'s str>,
+}
+
+/// State of a program.
+#[derive(Clone, Copy, PartialEq, Eq, Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum ProgramState {
+    /// No program ran yet.
+    Idle,
+    /// It runs.
+    Running,
+    /// It is paused in front of a statement.
+    Paused,
+    /// It has ended.
+    Ended,
+    /// An error ended it.
+    Failed,
+}
+
+/// A change of an instruction or of an axis's faults.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct Event {
+    /// Number of the event, ascending.
+    pub(crate) seq: u64,
+    /// Tick.
+    pub(crate) tick: u64,
+    /// Machine time of the tick, s.
+    pub(crate) time_s: f64,
+    /// Time of the day, ms since 1970-01-01 UTC.
+    pub(crate) at_ms: f64,
+    /// The change.
+    #[serde(flatten)]
+    pub(crate) change: EventChange,
+}
+
+/// What an event is about.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(untagged)]
+pub(crate) enum EventChange {
+    /// An instruction.
+    Instruction(InstructionEvent),
+    /// The faults of an axis.
+    Fault {
+        /// The change of the faults.
+        fault: FaultEvent,
+    },
+}
+
+/// A change of an instruction's status bits.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct InstructionEvent {
+    /// Number of the execution.
+    pub(crate) ticket: u64,
+    /// Name of its motion control tag; empty without one.
+    pub(crate) tag: String,
+    /// Mnemonic.
+    pub(crate) instruction: &'static str,
+    /// The axis, coordinate system or group that it is about.
+    pub(crate) object: Option<String>,
+    /// Its line of Structured Text, where a page executed it.
+    pub(crate) text: Option<String>,
+    /// The viewer that executed it.
+    pub(crate) viewer: Option<String>,
+    /// Bits that were set.
+    pub(crate) set: Vec<&'static str>,
+    /// Bits that were cleared.
+    pub(crate) clear: Vec<&'static str>,
+    /// ERR.
+    pub(crate) err: i16,
+    /// EXERR.
+    pub(crate) exerr: i8,
+    /// The error, where ER was set.
+    pub(crate) error: Option<Refusal>,
+    /// What ended it before its end.
+    pub(crate) ended: Option<EndCause>,
+}
+
+/// A change of an axis's faults.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct FaultEvent {
+    /// Name of the axis.
+    pub(crate) axis: Option<String>,
+    /// Words of the faults that came.
+    pub(crate) set: Vec<&'static str>,
+    /// Words of those that were reset and came again at once, since their cause is still there.
+    pub(crate) again: Vec<&'static str>,
+    /// Words of the faults that went.
+    pub(crate) clear: Vec<&'static str>,
+    /// What cleared them.
+    pub(crate) by: Option<EndCause>,
+    /// The command that the axis refused.
+    pub(crate) refused: Option<RefusedCommand>,
+}
+
+/// A command position that an axis refused.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct RefusedCommand {
+    /// A sentence for people.
+    pub(crate) text: String,
+    /// The instruction that asked for it.
+    pub(crate) by: Option<EndCause>,
+    /// Position and velocity of the last command, position units and position units/s.
+    pub(crate) last: [f64; 2],
+    /// Position and velocity of the refused command; null where one is no number.
+    pub(crate) asked: [f64; 2],
+}
+
+/// What ended an instruction or cleared a fault.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct EndCause {
+    /// A sentence for people.
+    pub(crate) text: String,
+    /// The kind of cause.
+    #[serde(flatten)]
+    pub(crate) by: CauseKind,
+}
+
+/// A kind of cause, by its `by`.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(tag = "by")]
+pub(crate) enum CauseKind {
+    /// Another instruction.
+    #[serde(rename = "instruction")]
+    Instruction {
+        /// Number of its execution.
+        ticket: u64,
+        /// Mnemonic.
+        instruction: &'static str,
+    },
+    /// A fault.
+    #[serde(rename = "fault")]
+    Fault {
+        /// Name of the axis.
+        axis: Option<String>,
+        /// Words of the faults.
+        faults: Vec<&'static str>,
+    },
+    /// A stop of everything.
+    #[serde(rename = "stop")]
+    Stop {},
+    /// The end of a jog that nobody confirmed.
+    #[serde(rename = "dead-man")]
+    DeadMan {
+        /// Why.
+        reason: &'static str,
+    },
+}

@@ -1,0 +1,186 @@
+//! What a page asks for: one struct for each request, with the type of its answer.
+
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+use super::Asks;
+use super::answer::{CallLine, Checked, Done, EventPage, Executed, HistoryPiece, Signals, Simulated, TagPage, Values};
+
+/// Makes [`Request`], a struct for each of its variants, and the answer type of each.
+macro_rules! requests {
+    ($(
+        $(#[$about:meta])*
+        $name:ident { $( $(#[$about_field:meta])* $field:ident: $kind:ty, )* } -> $answer:ty;
+    )*) => {
+        /// A request, by its `do`.
+        #[derive(Deserialize, Debug)]
+        #[serde(tag = "do", rename_all = "snake_case")]
+        pub(crate) enum Request {
+            $( $(#[$about])* $name($name), )*
+        }
+
+        $(
+            $(#[$about])*
+            #[derive(Deserialize, Debug)]
+            #[cfg_attr(test, derive(schemars::JsonSchema))]
+            pub(crate) struct $name {
+                $( $(#[$about_field])* pub(crate) $field: $kind, )*
+            }
+
+            impl Asks for $name {
+                type Answer = $answer;
+            }
+        )*
+
+        /// Name, request and answer of each request, in the order above.
+        #[cfg(test)]
+        pub(super) fn rows(schemas: &mut super::typescript::Schemas) -> Vec<super::typescript::Row> {
+            vec![$( schemas.row::<$name, $answer>(stringify!($name)), )*]
+        }
+    };
+}
+
+requests! {
+    /// Asks for a sign of life.
+    Ping {} -> Done;
+    /// Takes control of a coordinate system and its axes, of one axis, or of the group.
+    Take {
+        /// Name of the coordinate system, axis or group.
+        object: String,
+        /// Takes control even if another viewer has it.
+        #[serde(default)]
+        force: bool,
+    } -> Done;
+    /// Gives control back.
+    Release {
+        /// Name of the object as it was taken.
+        object: String,
+    } -> Done;
+    /// Executes one instruction. Stops need no control.
+    Execute {
+        /// One call as Structured Text.
+        text: String,
+    } -> Executed;
+    /// Makes the line of Structured Text of a filled form and checks it.
+    Line {
+        /// Mnemonic.
+        instruction: String,
+        /// Values by the members of the operands; an operand that is left out has its first value.
+        #[serde(default)]
+        operands: Map<String, Value>,
+    } -> CallLine;
+    /// Jogs an axis while `keep` comes at least every 150 ms, until `jog_end`.
+    Jog {
+        /// Name of the axis.
+        axis: String,
+        /// Speed with its sign, position units/s.
+        speed: f64,
+        /// Acceleration, position units/s²; without it the axis's maximum.
+        accel: Option<f64>,
+        /// Deceleration, position units/s²; without it the axis's maximum.
+        decel: Option<f64>,
+    } -> Done;
+    /// Confirms a jog: the button is still pressed.
+    Keep {
+        /// Name of the axis.
+        axis: String,
+    } -> Done;
+    /// Ends a jog: the button is released.
+    JogEnd {
+        /// Name of the axis.
+        axis: String,
+    } -> Done;
+    /// Stops one object; without an object it stops everything, the program included. Needs no control.
+    Stop {
+        /// Name of the coordinate system, axis or group.
+        object: Option<String>,
+    } -> Done;
+    /// Sets the feed override of a coordinate system.
+    Override {
+        /// Name of the coordinate system.
+        coordinate_system: String,
+        /// Percent of the programmed speeds.
+        percent: f64,
+    } -> Done;
+    /// Sets the feed override to 0. Needs no control.
+    Hold {
+        /// Name of the coordinate system.
+        coordinate_system: String,
+    } -> Done;
+    /// Sets the feed override that was in force before a hold.
+    Resume {
+        /// Name of the coordinate system.
+        coordinate_system: String,
+    } -> Done;
+    /// Simulates one instruction from the present state. Nothing moves.
+    Preview {
+        /// One call as Structured Text.
+        text: String,
+    } -> Simulated;
+    /// Simulates a program from the present state. Nothing moves.
+    DryRun {
+        /// A program as Structured Text.
+        text: String,
+    } -> Simulated;
+    /// Checks a program.
+    Check {
+        /// A program as Structured Text.
+        text: String,
+    } -> Checked;
+    /// Runs a program. The server runs one program at a time.
+    Run {
+        /// A program as Structured Text.
+        text: String,
+        /// Pauses in front of the first statement.
+        #[serde(default, alias = "paused")]
+        step: bool,
+    } -> Done;
+    /// Executes one statement of the program.
+    Step {} -> Done;
+    /// Pauses the program in front of the next statement.
+    Pause {} -> Done;
+    /// Continues the program.
+    Continue {} -> Done;
+    /// Ends the program; motion that it began goes on.
+    End {} -> Done;
+    /// Lists tags, 200 at a time, in the order of their names.
+    Tags {
+        /// Part of the name in any case, at most 100 bytes; `*` stands for any text, at most 8 times.
+        #[serde(default)]
+        pattern: String,
+        /// The name behind which the list begins.
+        after: Option<String>,
+    } -> TagPage;
+    /// Reads tags once.
+    Read {
+        /// At most 200 names.
+        names: Vec<String>,
+    } -> Values;
+    /// Reads tags now, and ten times a second as `values` pushes, instead of those watched before.
+    Watch {
+        /// At most 200 names.
+        names: Vec<String>,
+    } -> Values;
+    /// Writes a tag.
+    Write {
+        /// Name of the tag, of its member or of one element.
+        tag: String,
+        /// A number, boolean or text; a whole number beyond 2⁵³ as text.
+        value: Value,
+    } -> Done;
+    /// Begins or ends the binary frames of samples.
+    Trace {
+        /// Whether frames come.
+        on: bool,
+    } -> Signals;
+    /// Asks for the newest samples before a tick: a binary frame comes, then the answer. At most two may wait to be read.
+    History {
+        /// The tick.
+        before: u64,
+    } -> HistoryPiece;
+    /// Lists the newest 1,000 events.
+    Events {
+        /// The `seq` behind which the list begins.
+        since: Option<u64>,
+    } -> EventPage;
+}

@@ -1,0 +1,927 @@
+// The messages between a page and the server. A test of the server writes this file from its types: run
+// `UPDATE_EXPECT=1 cargo test -p arcline-server --lib hmi::protocol` after a change of them.
+
+/** The fields and the answer of each request, by its `do`. */
+export interface Requests {
+  /** Asks for a sign of life. */
+  ping: {
+    fields: {};
+    answer: Done;
+  };
+  /** Takes control of a coordinate system and its axes, of one axis, or of the group. */
+  take: {
+    fields: {
+      /** Takes control even if another viewer has it. */
+      force?: boolean;
+      /** Name of the coordinate system, axis or group. */
+      object: string;
+    };
+    answer: Done;
+  };
+  /** Gives control back. */
+  release: {
+    fields: {
+      /** Name of the object as it was taken. */
+      object: string;
+    };
+    answer: Done;
+  };
+  /** Executes one instruction. Stops need no control. */
+  execute: {
+    fields: {
+      /** One call as Structured Text. */
+      text: string;
+    };
+    answer: Executed;
+  };
+  /** Makes the line of Structured Text of a filled form and checks it. */
+  line: {
+    fields: {
+      /** Mnemonic. */
+      instruction: string;
+      /** Values by the members of the operands; an operand that is left out has its first value. */
+      operands?: Record<string, unknown>;
+    };
+    answer: CallLine;
+  };
+  /** Jogs an axis while `keep` comes at least every 150 ms, until `jog_end`. */
+  jog: {
+    fields: {
+      /** Acceleration, position units/s²; without it the axis's maximum. */
+      accel?: number | null;
+      /** Name of the axis. */
+      axis: string;
+      /** Deceleration, position units/s²; without it the axis's maximum. */
+      decel?: number | null;
+      /** Speed with its sign, position units/s. */
+      speed: number;
+    };
+    answer: Done;
+  };
+  /** Confirms a jog: the button is still pressed. */
+  keep: {
+    fields: {
+      /** Name of the axis. */
+      axis: string;
+    };
+    answer: Done;
+  };
+  /** Ends a jog: the button is released. */
+  jog_end: {
+    fields: {
+      /** Name of the axis. */
+      axis: string;
+    };
+    answer: Done;
+  };
+  /** Stops one object; without an object it stops everything, the program included. Needs no control. */
+  stop: {
+    fields: {
+      /** Name of the coordinate system, axis or group. */
+      object?: string | null;
+    };
+    answer: Done;
+  };
+  /** Sets the feed override of a coordinate system. */
+  override: {
+    fields: {
+      /** Name of the coordinate system. */
+      coordinate_system: string;
+      /** Percent of the programmed speeds. */
+      percent: number;
+    };
+    answer: Done;
+  };
+  /** Sets the feed override to 0. Needs no control. */
+  hold: {
+    fields: {
+      /** Name of the coordinate system. */
+      coordinate_system: string;
+    };
+    answer: Done;
+  };
+  /** Sets the feed override that was in force before a hold. */
+  resume: {
+    fields: {
+      /** Name of the coordinate system. */
+      coordinate_system: string;
+    };
+    answer: Done;
+  };
+  /** Simulates one instruction from the present state. Nothing moves. */
+  preview: {
+    fields: {
+      /** One call as Structured Text. */
+      text: string;
+    };
+    answer: Simulated;
+  };
+  /** Simulates a program from the present state. Nothing moves. */
+  dry_run: {
+    fields: {
+      /** A program as Structured Text. */
+      text: string;
+    };
+    answer: Simulated;
+  };
+  /** Checks a program. */
+  check: {
+    fields: {
+      /** A program as Structured Text. */
+      text: string;
+    };
+    answer: Checked;
+  };
+  /** Runs a program. The server runs one program at a time. */
+  run: {
+    fields: {
+      /** Pauses in front of the first statement. */
+      step?: boolean;
+      /** A program as Structured Text. */
+      text: string;
+    };
+    answer: Done;
+  };
+  /** Executes one statement of the program. */
+  step: {
+    fields: {};
+    answer: Done;
+  };
+  /** Pauses the program in front of the next statement. */
+  pause: {
+    fields: {};
+    answer: Done;
+  };
+  /** Continues the program. */
+  continue: {
+    fields: {};
+    answer: Done;
+  };
+  /** Ends the program; motion that it began goes on. */
+  end: {
+    fields: {};
+    answer: Done;
+  };
+  /** Lists tags, 200 at a time, in the order of their names. */
+  tags: {
+    fields: {
+      /** The name behind which the list begins. */
+      after?: string | null;
+      /** Part of the name in any case, at most 100 bytes; `*` stands for any text, at most 8 times. */
+      pattern?: string;
+    };
+    answer: TagPage;
+  };
+  /** Reads tags once. */
+  read: {
+    fields: {
+      /** At most 200 names. */
+      names: string[];
+    };
+    answer: Values;
+  };
+  /** Reads tags now, and ten times a second as `values` pushes, instead of those watched before. */
+  watch: {
+    fields: {
+      /** At most 200 names. */
+      names: string[];
+    };
+    answer: Values;
+  };
+  /** Writes a tag. */
+  write: {
+    fields: {
+      /** Name of the tag, of its member or of one element. */
+      tag: string;
+      /** A number, boolean or text; a whole number beyond 2⁵³ as text. */
+      value: unknown;
+    };
+    answer: Done;
+  };
+  /** Begins or ends the binary frames of samples. */
+  trace: {
+    fields: {
+      /** Whether frames come. */
+      on: boolean;
+    };
+    answer: Signals;
+  };
+  /** Asks for the newest samples before a tick: a binary frame comes, then the answer. At most two may wait to be read. */
+  history: {
+    fields: {
+      /** The tick. */
+      before: number;
+    };
+    answer: HistoryPiece;
+  };
+  /** Lists the newest 1,000 events. */
+  events: {
+    fields: {
+      /** The `seq` behind which the list begins. */
+      since?: number | null;
+    };
+    answer: EventPage;
+  };
+}
+
+/** A message of the server that no request asked for, by its `push`. */
+export type Push =
+  | {
+      push: "hello";
+      /** Names of the signals of frames of samples, in the order of a row. */
+      trace_signals: string[];
+      /** This viewer's name, as `drivers` has it. */
+      viewer: string;
+    }
+  | Status & {
+      push: "status";
+    }
+  | {
+      /** Oldest first. */
+      events: Event[];
+      push: "event";
+    }
+  | {
+      push: "values";
+      /** The value of each name, or `{error}`. */
+      values: Record<string, unknown>;
+    }
+  | ProgramStatus & {
+      push: "program";
+    };
+
+/** A move that runs. */
+export type ActiveMove = {
+  /** Time to go, s; null while it is not known. */
+  eta_s: number | null;
+  /** Mnemonic. */
+  instruction: string;
+  /** Share of its path that is done, 0 to 1. */
+  progress: number;
+  /** Distance to go, position units. */
+  remaining: number;
+  /** Name of its motion control tag; empty without one. */
+  tag: string;
+};
+
+/** An axis as configured. Rates are in its position units per s, s² and s³. */
+export type AxisConfiguration = {
+  /** Maximum Acceleration. */
+  max_acceleration: number;
+  /** Maximum Acceleration Jerk. */
+  max_acceleration_jerk: number;
+  /** Maximum Deceleration. */
+  max_deceleration: number;
+  /** Maximum Deceleration Jerk. */
+  max_deceleration_jerk: number;
+  /** Maximum Speed. */
+  max_speed: number;
+  /** Name. */
+  name: string;
+  /** Whether positions unwind. */
+  rotary: boolean;
+  /** Soft travel limits. */
+  travel: TravelLimits | null;
+  /** Kind of drive. */
+  type: AxisType;
+  /** Position units. */
+  units: string;
+  /** Unwind, position units. */
+  unwind: number | null;
+};
+
+/** The greatest magnitudes of an axis in a simulation. */
+export type AxisPeaks = {
+  /** Position units/s². */
+  acceleration: number;
+  /** Name of the axis. */
+  axis: string;
+  /** Position units/s³. */
+  jerk: number;
+  /** Position units/s. */
+  velocity: number;
+};
+
+/** The state of an axis, in its position units. */
+export type AxisStatus = {
+  /** Command acceleration, position units/s². */
+  acceleration: number;
+  /** Actual position. */
+  actual: number;
+  /** Actual velocity, position units/s. */
+  actual_velocity: number;
+  /** Names of the status bits that are set, without those of faults and alarms. */
+  bits: string[];
+  /** Command position. */
+  command: number;
+  /** Following error. */
+  error: number;
+  /** Words of the faults that are set. */
+  faults: string[];
+  /** Whether the axis is homed. */
+  homed: boolean;
+  /** Whether the command velocity is not 0. */
+  moving: boolean;
+  /** Name. */
+  name: string;
+  /** Whether the servo is on. */
+  servo_on: boolean;
+  /** CIPAxisState in words. */
+  state: string;
+  /** Command velocity, position units/s. */
+  velocity: number;
+};
+
+/** Kind of an axis's drive. */
+export type AxisType = "virtual" | "servo";
+
+/** The line of a form. */
+export type CallLine = {
+  /** One call as Structured Text. */
+  text: string;
+};
+
+/** Every instruction, error and fault. */
+export type Catalogue = {
+  /** Every motion error. */
+  errors: ErrorMeaning[];
+  /** Every fault of an axis. */
+  faults: FaultMeaning[];
+  /** Every instruction. */
+  instructions: InstructionForm[];
+};
+
+/** What is wrong with a program. */
+export type Checked = {
+  /** The errors with their lines and columns; empty for a program that can run. */
+  errors: Refusal[];
+};
+
+/** A tolerance about a point. */
+export type Circle = {
+  /** The point, in position units. */
+  centre: number[];
+  /** The tolerance, in position units. */
+  radius: number;
+};
+
+/** A greatest value that holds under a condition. */
+export type ConditionalMaximum = {
+  /** Its values. */
+  in: number[];
+  /** Greatest value. */
+  max: number;
+  /** Member of the operand. */
+  member: string | null;
+};
+
+/** Planning of corners. */
+export type CornerPlanning = "logix" | "precise";
+
+/** A target position dialog. */
+export type DialogForm = {
+  /** Member of the circle type. */
+  circle_type: string | null;
+  /** Member of the move type. */
+  move_type: string;
+  /** Its headings for each combination of move type and circle type. */
+  rows: DialogRow[];
+  /** Member of the end points. */
+  targets: string;
+  /** Member of the vias. */
+  vias: string | null;
+};
+
+/** The headings of a target position dialog for a move type and circle type. */
+export type DialogRow = {
+  /** Value of Circle Type. */
+  circle_type: number | null;
+  /** Value of Move Type. */
+  move_type: number;
+  /** Heading of the end points. */
+  target: string;
+  /** Whether "Set Targets = Actuals" can be pressed. */
+  targets_from_actuals: boolean;
+  /** Heading of the vias, centres or the radius. */
+  via: string | null;
+  /** Whether "Set Vias = Actuals" can be pressed. */
+  vias_from_actuals: boolean;
+};
+
+/** The server did what the page asked. */
+export type Done = {};
+
+/** How many elements an array has. */
+export type Elements = "per_axis" | {
+  at_least: number;
+};
+
+/** What ended an instruction or cleared a fault. */
+export type EndCause = {
+  /** A sentence for people. */
+  text: string;
+} & ({
+  by: "instruction";
+  /** Mnemonic. */
+  instruction: string;
+  /** Number of its execution. */
+  ticket: number;
+} | {
+  /** Name of the axis. */
+  axis: string | null;
+  by: "fault";
+  /** Words of the faults. */
+  faults: string[];
+} | {
+  by: "stop";
+} | {
+  by: "dead-man";
+  /** Why. */
+  reason: string;
+});
+
+/** A motion error. */
+export type ErrorMeaning = {
+  /** Its usual cause. */
+  cause: string;
+  /** ERR. */
+  err: number;
+  /** Meaning of EXERR. */
+  extended: string;
+  /** Name. */
+  name: string;
+  /** Its remedy. */
+  remedy: string;
+};
+
+/** A change of an instruction or of an axis's faults. */
+export type Event = {
+  /** Time of the day, ms since 1970-01-01 UTC. */
+  at_ms: number;
+  /** Number of the event, ascending. */
+  seq: number;
+  /** Tick. */
+  tick: number;
+  /** Machine time of the tick, s. */
+  time_s: number;
+} & (InstructionEvent | {
+  /** The change of the faults. */
+  fault: FaultEvent;
+});
+
+/** Events of instructions and faults. */
+export type EventPage = {
+  /** Oldest first. */
+  events: Event[];
+};
+
+/** An instruction that was accepted. */
+export type Executed = {
+  /** Instance of class 0x0303. */
+  instance: number;
+  /** Mnemonic. */
+  instruction: string;
+};
+
+/** A change of an axis's faults. */
+export type FaultEvent = {
+  /** Words of those that were reset and came again at once, since their cause is still there. */
+  again: string[];
+  /** Name of the axis. */
+  axis: string | null;
+  /** What cleared them. */
+  by: EndCause | null;
+  /** Words of the faults that went. */
+  clear: string[];
+  /** The command that the axis refused. */
+  refused: RefusedCommand | null;
+  /** Words of the faults that came. */
+  set: string[];
+};
+
+/** A fault of an axis. */
+export type FaultMeaning = {
+  /** Its cause. */
+  meaning: string;
+  /** Its word in `faults` of an axis. */
+  word: string;
+};
+
+/** The first value of an operand. */
+export type FirstValue = number | [];
+
+/** The state of the group. */
+export type GroupStatus = {
+  /** Names of the status bits that are set. */
+  bits: string[];
+  /** Name. */
+  name: string;
+};
+
+/** What the binary frame in front of this answer holds. */
+export type HistoryPiece = {
+  /** Ticks of a row. */
+  every: number;
+  /** Tick of its first row. */
+  first: number;
+  /** Rows; 0 if the server has nothing older. */
+  rows: number;
+};
+
+/** A change of an instruction's status bits. */
+export type InstructionEvent = {
+  /** Bits that were cleared. */
+  clear: string[];
+  /** What ended it before its end. */
+  ended: EndCause | null;
+  /** ERR. */
+  err: number;
+  /** The error, where ER was set. */
+  error: Refusal | null;
+  /** EXERR. */
+  exerr: number;
+  /** Mnemonic. */
+  instruction: string;
+  /** The axis, coordinate system or group that it is about. */
+  object: string | null;
+  /** Bits that were set. */
+  set: string[];
+  /** Name of its motion control tag; empty without one. */
+  tag: string;
+  /** Its line of Structured Text, where a page executed it. */
+  text: string | null;
+  /** Number of the execution. */
+  ticket: number;
+  /** The viewer that executed it. */
+  viewer: string | null;
+};
+
+/** An instruction and its form. */
+export type InstructionForm = {
+  /** Mnemonic. */
+  mnemonic: string;
+  /** Kind of its object: `Axis`, `CoordinateSystem` or `MotionGroup`. */
+  object: string;
+  /** Its operands in the order of the faceplate. */
+  operands: OperandForm[];
+  /** One sentence. */
+  summary: string;
+  /** Its target position dialog. */
+  target_position: DialogForm | null;
+  /** Full name. */
+  title: string;
+};
+
+/** A limit that a simulation would exceed. */
+export type LimitText = {
+  /** A sentence for people. */
+  text: string;
+};
+
+/** The machine as configured. */
+export type Machine = {
+  /** Every axis. */
+  axes: AxisConfiguration[];
+  /** Every coordinate system. */
+  coordinate_systems: SystemConfiguration[];
+  /** Name of the motion group. */
+  group: string;
+  /** Name of the server. */
+  name: string;
+  /** Coarse update period, s. */
+  period_s: number;
+  /** Version of the server. */
+  version: string;
+};
+
+/** An operand has one of some values. */
+export type OperandCondition = {
+  /** Its values. */
+  in: number[];
+  /** Member of the operand. */
+  member: string | null;
+};
+
+/** An operand of a form. */
+export type OperandForm = {
+  /** First value. */
+  default: FirstValue;
+  /** Elements of an array. */
+  elements?: Elements | null;
+  /** A note. */
+  help: string;
+  /** Kind. */
+  kind: OperandKind;
+  /** Member of an instruction tag, and key in `operands` of `line`. */
+  member: string;
+  /** Name on the faceplate. */
+  name: string;
+  /** Kind of the object that it names. */
+  object?: string | null;
+  /** Range of a number; null or absent: every finite number. */
+  range?: RangeForm | null;
+  /** Conditions under which it matters; null: always. */
+  shown_when: OperandCondition[] | null;
+  /** Condition under which one element is enough. */
+  single_when?: OperandCondition | null;
+  /** Type of the structure that it names. */
+  type?: string | null;
+  /** Unit of its numbers. */
+  unit: UnitForm | null;
+  /** Words of an enumeration. */
+  words?: WordForm[] | null;
+};
+
+/** Kind of an operand. */
+export type OperandKind = "target" | "control" | "reference" | "word" | "number" | "integer" | "array" | "array_or_none" | "written_array" | "structure" | "structure_or_none";
+
+/** Programmed paths as points, in position units. */
+export type Paths = {
+  /** The path of the active move; empty without one. */
+  active: number[][];
+  /** The paths of pending moves. */
+  pending: number[][][];
+  /** The tolerance at the end of each blended move. */
+  tolerance: Circle[];
+};
+
+/** A move that waits in the queue. */
+export type PendingMove = {
+  /** Mnemonic. */
+  instruction: string;
+  /** Name of its motion control tag; empty without one. */
+  tag: string;
+};
+
+/** State of a program. */
+export type ProgramState = "idle" | "running" | "paused" | "ended" | "failed";
+
+/** The program that runs, or ran last. */
+export type ProgramStatus = {
+  /** Why it failed. */
+  error: Refusal | null;
+  /** Line of the statement that runs or comes next, from 1. */
+  line: number | null;
+  /** Another number for each program. */
+  run: number;
+  /** State. */
+  state: ProgramState;
+  /** Its text, only with a new `run`. */
+  text?: string | null;
+  /** The viewer that began it. */
+  viewer: string | null;
+};
+
+/** A range of numbers. */
+export type RangeForm = {
+  /** Greatest value; null: none. */
+  max: number | null;
+  /** A greatest value that holds under a condition. */
+  max_when?: ConditionalMaximum | null;
+  /** Least value. */
+  min: number;
+  /** Whether the least value itself is outside of the range. */
+  min_exclusive?: boolean;
+};
+
+/** Measurements of the real-time thread. */
+export type RealTime = {
+  /** Computing time of a tick: maximum, µs. */
+  compute_max_us: number;
+  /** Computing time of a tick: 99th percentile, µs. */
+  compute_p99_us: number;
+  /** Whether the thread has real-time priority. */
+  fifo: boolean;
+  /** Tick lateness: maximum, µs. */
+  max_us: number;
+  /** Whether its memory is locked. */
+  memory_locked: boolean;
+  /** Missed ticks. */
+  missed: number;
+  /** Tick lateness: median, µs. */
+  p50_us: number;
+  /** Tick lateness: 99th percentile, µs. */
+  p99_us: number;
+};
+
+/** Why the server did not do what a page asked, or why an instruction erred. */
+export type Refusal = {
+  /** The usual cause of ERR, as `arcline explain` prints it. */
+  cause?: string | null;
+  /** Column of the text, from 1. */
+  column?: number | null;
+  /** The operand, axis or detail that EXERR points at. */
+  concerns?: string | null;
+  /** The object whose control the request needs. */
+  control?: string;
+  /** ERR of a motion instruction. */
+  err?: number | null;
+  /** EXERR of a motion instruction. */
+  exerr?: number | null;
+  /** The viewer that has control of that object. */
+  holder?: string | null;
+  /** Line of the text, from 1. */
+  line?: number | null;
+  /** The member of the operand at fault. */
+  member?: string | null;
+  /** The remedy for ERR. */
+  remedy?: string | null;
+  /** A sentence for people. */
+  text: string;
+};
+
+/** A command position that an axis refused. */
+export type RefusedCommand = {
+  /** Position and velocity of the refused command; null where one is no number. */
+  asked: [number, number];
+  /** The instruction that asked for it. */
+  by: EndCause | null;
+  /** Position and velocity of the last command, position units and position units/s. */
+  last: [number, number];
+  /** A sentence for people. */
+  text: string;
+};
+
+/** The signals of the frames of samples. */
+export type Signals = {
+  /** Time of a tick, s. */
+  period_s: number;
+  /** Names of the signals, in the order of a row. */
+  signals: string[];
+};
+
+/** What a preview or a dry run found. */
+export type Simulated = {
+  /** Simulated time, s; null if the motion has no end. */
+  duration_s: number | null;
+  /** The events of the instructions, at most 1,000. */
+  events: SimulatedEvent[];
+  /** The first limit that would be exceeded. */
+  limit: LimitText | null;
+  /** The path of each coordinate system that moved. */
+  paths: SimulatedPath[];
+  /** The peaks of each axis. */
+  peaks: AxisPeaks[];
+  /** Simulated ticks. */
+  ticks: number;
+};
+
+/** A change of an instruction's status bits in a simulation. */
+export type SimulatedEvent = {
+  /** Bits that were cleared. */
+  clear: string[];
+  /** ERR. */
+  err: number;
+  /** The error, where ER was set. */
+  error: Refusal | null;
+  /** EXERR. */
+  exerr: number;
+  /** Mnemonic. */
+  instruction: string;
+  /** Bits that were set. */
+  set: string[];
+  /** Name of the motion control tag; empty without one. */
+  tag: string;
+  /** Simulated tick. */
+  tick: number;
+  /** Simulated time, s. */
+  time_s: number;
+};
+
+/** The path of a coordinate system in a simulation. */
+export type SimulatedPath = {
+  /** The tolerance about the end of each blended move. */
+  blends: Circle[];
+  /** Name of the coordinate system. */
+  coordinate_system: string;
+  /** Positions of its axes, or of the tool of a robot, in position units. */
+  points: number[][];
+};
+
+/** The state of the machine. */
+export type Status = {
+  /** Every axis, in the order of the configuration. */
+  axes: AxisStatus[];
+  /** Every coordinate system, in the order of the configuration. */
+  coordinate_systems: SystemStatus[];
+  /** The viewer that has control of an object, by the object's name. */
+  drivers: Record<string, string>;
+  /** The group. */
+  group: GroupStatus;
+  /** The real-time thread. */
+  realtime: RealTime;
+  /** Tick since the start of the server. */
+  tick: number;
+  /** Machine time of the tick, s. */
+  time_s: number;
+};
+
+/** A coordinate system as configured. Rates are in position units per s, s² and s³. */
+export type SystemConfiguration = {
+  /** Actual tolerance, position units. */
+  actual_tolerance: number;
+  /** Names of its axes. */
+  axes: string[];
+  /** Command tolerance, position units. */
+  command_tolerance: number;
+  /** Planning of corners. */
+  corner: CornerPlanning;
+  /** Maximum Acceleration. */
+  max_acceleration: number;
+  /** Maximum Acceleration Jerk. */
+  max_acceleration_jerk: number;
+  /** Maximum Deceleration. */
+  max_deceleration: number;
+  /** Maximum Deceleration Jerk. */
+  max_deceleration_jerk: number;
+  /** Maximum Speed. */
+  max_speed: number;
+  /** Name. */
+  name: string;
+  /** Moves that its queue can hold. */
+  queue_depth: number;
+  /** Whether it is a robot: frames of samples have the position of its tool. */
+  robot: boolean;
+};
+
+/** The state of a coordinate system. */
+export type SystemStatus = {
+  /** The active move. */
+  active: ActiveMove | null;
+  /** Names of the status bits that are set. */
+  bits: string[];
+  /** Whether a feed hold is in force. */
+  held: boolean;
+  /** Name. */
+  name: string;
+  /** Feed override, percent. */
+  override: number;
+  /** The programmed paths; only when `path_version` has changed, and not of a robot. */
+  path?: Paths | null;
+  /** Another number for other paths. */
+  path_version: number;
+  /** Pending moves, oldest first, at most 200. */
+  pending: PendingMove[];
+  /** Actual positions of its axes. */
+  position: number[];
+  /** Path speed, position units/s. */
+  speed: number;
+};
+
+/** Whether a tag can be written. */
+export type TagAccess = "read" | "read/write";
+
+/** Tags by their names. */
+export type TagPage = {
+  /** Whether there are more tags behind the last one. */
+  more: boolean;
+  /** At most 200 tags. */
+  tags: TagRow[];
+};
+
+/** A tag of a list. */
+export type TagRow = {
+  /** Whether it can be written. */
+  access: TagAccess;
+  /** Sizes of an array; empty for a single value. */
+  dims: number[];
+  /** Name, with `Program:NAME.` in front of a tag of a program. */
+  name: string;
+  /** Name of the data type. */
+  type: string;
+  /** The value of a single value of an elementary type. */
+  value?: unknown;
+};
+
+/** Soft travel limits, position units. */
+export type TravelLimits = {
+  /** Positive limit. */
+  max: number;
+  /** Negative limit. */
+  min: number;
+};
+
+/** The unit of an operand. */
+export type UnitForm = {
+  /** Member of that operand. */
+  member: string | null;
+} | {
+  /** The unit; `position` stands for position units. */
+  text: string;
+};
+
+/** Values of tags. */
+export type Values = {
+  /** The value of each name, or `{error}`. Whole numbers beyond 2⁵³ are text. */
+  values: Record<string, unknown>;
+};
+
+/** A word of an enumeration. */
+export type WordForm = {
+  /** The word in Structured Text. */
+  text: string;
+  /** The word on a faceplate. */
+  title: string;
+  /** Its number. */
+  value: number;
+};
