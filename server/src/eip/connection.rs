@@ -11,7 +11,6 @@ use std::sync::{Arc, Weak};
 use std::task::Poll;
 use std::time::Duration;
 
-use arcline_proto::encap::{EncapStatus, Frame, FrameDecoder, FrameError};
 use arcline_proto::session::{CloseReason, Event, ServerSession};
 use bytes::{Bytes, BytesMut};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
@@ -19,9 +18,10 @@ use tokio::net::TcpStream;
 use tokio::time::{Instant, Sleep, sleep_until, timeout};
 use tracing::{debug, warn};
 
-use super::crowd::Place;
-use super::device::{Device, Seat};
+use super::device::Device;
+use super::limiter::ClientSlot;
 use super::router::Router;
+use super::session_host::SessionHost;
 use crate::guard::Signs;
 
 /// How long the frames of one connection are taken before the others get their turn: whatever a client sends, the others wait for
@@ -37,15 +37,16 @@ const READ: usize = 4096;
 /// Replies that wait to be sent together, bytes; more are sent at once.
 const WRITE: usize = 16 * 1024;
 
-/// How long a changed inactivity time-out may go unnoticed.
-const LOOK: Duration = Duration::from_secs(1);
+/// How long a changed inactivity time-out may have no effect.
+const INACTIVITY_CHECK: Duration = Duration::from_secs(1);
 
-/// From one question to the next of a peer that wants its answer for nothing else than to go on asking.
-const BRISK: Duration = Duration::from_micros(200);
+/// A peer whose next request comes within this time after the one before polls: it sends each request as soon as it has the
+/// reply.
+const POLLING: Duration = Duration::from_micros(200);
 
-/// How often it is looked whether such a peer has asked again before the thread sleeps: to be woken takes longer than such a
-/// peer does. A peer that takes its time finds the thread asleep, so that this costs no more than its questions.
-const LOOKS: u32 = 40;
+/// Reads of the socket of a peer that polls before the thread sleeps: to wake the thread takes longer than such a peer needs
+/// for its next request. Before other peers the thread sleeps at once.
+const BUSY_POLLS: u32 = 40;
 
 /// Why a connection ended.
 #[derive(Debug, thiserror::Error)]
@@ -59,9 +60,6 @@ pub(crate) enum Ended {
     /// The socket failed.
     #[error(transparent)]
     Io(#[from] std::io::Error),
-    /// The peer sent what is no frame.
-    #[error(transparent)]
-    Frame(#[from] FrameError),
     /// The peer does not read.
     #[error("the peer did not read its replies in time")]
     SlowReader,
@@ -70,7 +68,7 @@ pub(crate) enum Ended {
     Crowded,
 }
 
-/// Serves a stream that has no place among the device's clients.
+/// Serves a stream that takes no slot of the device's clients.
 #[cfg(test)]
 pub(crate) async fn serve<S>(stream: S, local: SocketAddrV4, peer: IpAddr, device: Arc<Device>) -> Ended
 where
@@ -79,9 +77,9 @@ where
     serve_in(None, stream, local, peer, device).await
 }
 
-/// Serves a stream that was accepted at `local` from `peer` until it ends, in a place among the device's clients.
+/// Serves a stream that was accepted at `local` from `peer` until it ends, in a slot of the device's clients.
 pub(crate) async fn serve_in<S>(
-    place: Option<Place>,
+    slot: Option<ClientSlot>,
     stream: S,
     local: SocketAddrV4,
     peer: IpAddr,
@@ -90,7 +88,7 @@ pub(crate) async fn serve_in<S>(
 where
     S: AsyncRead + AsyncWrite + Unpin + Socket,
 {
-    let leave = place.as_ref().map(Place::leave).unwrap_or_default();
+    let close = slot.as_ref().map(ClientSlot::close).unwrap_or_default();
     let epoch = Instant::now();
     let number = device.number_session();
     let name = match stream.far_end() {
@@ -100,56 +98,48 @@ where
     let face: Weak<Device> = Arc::downgrade(&device);
     let signs = device.plant.guard().enter(number, &name, face);
     let mut connection = Connection {
-        number,
         stream,
-        decoder: FrameDecoder::new(device.settings.session.frame_limit),
         input: BytesMut::with_capacity(READ),
         output: Output::default(),
         session: ServerSession::new(device.session_settings.clone(), local, Duration::ZERO),
         router: Router::new(device.clone(), local, number),
-        local,
-        peer,
-        place,
-        device,
+        slot,
+        host: SessionHost {
+            device,
+            local,
+            peer,
+            session: number,
+        },
         epoch,
         now: Duration::ZERO,
-        is_brisk: false,
+        is_polling: false,
         signs,
     };
-    let ended = leave.run_until_cancelled(connection.run()).await;
+    let ended = close.run_until_cancelled(connection.run()).await;
     let ended = ended.unwrap_or(Ended::Crowded);
-    connection.session.handle_disconnect(&mut Seat {
-        device: &connection.device,
-        local,
-        peer,
-        session: number,
-    });
+    connection.session.handle_disconnect(&mut connection.host);
     let in_order = matches!(ended, Ended::Session(CloseReason::Unregistered));
-    connection.device.end_session(number, in_order);
-    connection.device.plant.guard().leave(number);
+    let device = &connection.host.device;
+    device.end_session(number, in_order);
+    device.plant.guard().leave(number);
     ended
 }
 
 struct Connection<S> {
-    /// The session's number.
-    number: u64,
     stream: S,
-    decoder: FrameDecoder,
-    /// What has come and was not taken yet.
+    /// Bytes that were read and that the session has not taken yet.
     input: BytesMut,
     /// What waits to be sent.
     output: Output,
     session: ServerSession,
     router: Router,
-    local: SocketAddrV4,
-    peer: IpAddr,
-    place: Option<Place>,
-    device: Arc<Device>,
+    slot: Option<ClientSlot>,
+    host: SessionHost,
     epoch: Instant,
-    /// The time since the epoch when something was waited for last: what is done at once takes none.
+    /// The time since the epoch at the last wait; work that needs no wait takes no time.
     now: Duration,
-    /// Whether the peer asked its last question as soon as it had its answer.
-    is_brisk: bool,
+    /// Whether the peer sent its last request as soon as it had the reply to the one before.
+    is_polling: bool,
     /// What the guard of jogs hears of the peer.
     signs: Signs,
 }
@@ -235,10 +225,10 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
     }
 
     async fn serve_frames(&mut self) -> Result<std::convert::Infallible, Ended> {
-        let mut timer = pin!(sleep_until(self.epoch + LOOK));
+        let mut timer = pin!(sleep_until(self.epoch + INACTIVITY_CHECK));
         let mut turns = 0;
         loop {
-            let more = self.take_frames().await?;
+            let more = self.take_input().await?;
             turns += 1;
             // What came together is answered together, but for what takes its time.
             if !more || turns % TURNS == 0 {
@@ -255,9 +245,9 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
 
     /// Waits until more has come, and does what is due meanwhile.
     async fn wait(&mut self, mut timer: Pin<&mut Sleep>) -> Result<(), Ended> {
-        self.session.set_inactivity(self.device.inactivity());
-        // A client may set another inactivity time-out: that is looked at now and then.
-        let next = self.now + LOOK;
+        self.session.set_inactivity(self.host.device.inactivity());
+        // A client may set another inactivity time-out.
+        let next = self.now + INACTIVITY_CHECK;
         let due = self.epoch + self.session.poll_timeout().map_or(next, |time| time.min(next));
         // To wind the timer costs more than to wake up in vain: only when it would be too late, or has run down.
         if due < timer.deadline() || timer.is_elapsed() {
@@ -265,8 +255,8 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
         }
         self.input.reserve(READ);
         let mut read = pin!(self.stream.read_buf(&mut self.input));
-        let looks = if self.is_brisk { LOOKS } else { 0 };
-        let came = match look(read.as_mut(), looks).await {
+        let polls = if self.is_polling { BUSY_POLLS } else { 0 };
+        let came = match busy_poll(read.as_mut(), polls).await {
             Some(came) => Some(came),
             None => {
                 std::future::poll_fn(|cx| {
@@ -279,7 +269,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
             }
         };
         let before = std::mem::replace(&mut self.now, self.epoch.elapsed());
-        self.is_brisk = self.now.saturating_sub(before) < BRISK;
+        self.is_polling = self.now.saturating_sub(before) < POLLING;
         match came {
             Some(Ok(0)) => Err(Ended::ByPeer),
             Some(came) => {
@@ -287,31 +277,25 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
                 came.map(|_| ()).map_err(Ended::from)
             }
             None => {
-                let mut seat = Seat {
-                    device: &self.device,
-                    local: self.local,
-                    peer: self.peer,
-                    session: self.number,
-                };
-                self.session.handle_timeout(self.now, &mut seat);
-                self.carry_out().await
+                self.session.handle_timeout(self.now, &mut self.host);
+                self.apply_events().await.map(drop)
             }
         }
     }
 
-    /// Handles what has come, for a turn at most. Whether there may be more.
-    async fn take_frames(&mut self) -> Result<bool, Ended> {
+    /// Gives the session its input, for a turn at most. Whether there may be more.
+    async fn take_input(&mut self) -> Result<bool, Ended> {
         let began = std::time::Instant::now();
         loop {
-            match self.decoder.decode(&mut self.input) {
-                Ok(Some(frame)) => self.take(&frame).await?,
-                Ok(None) => return Ok(false),
-                Err(error) => {
-                    let FrameError::TooLong { header, .. } = error;
-                    self.output
-                        .push(Frame::error(&header, EncapStatus::INVALID_LENGTH).to_bytes());
-                    return Err(error.into());
-                }
+            self.session.handle_input(&mut self.input, self.now, &mut self.host);
+            if let Some(slot) = &mut self.slot
+                && self.session.is_registered()
+            {
+                slot.register();
+            }
+            // The session stops behind each request.
+            if !self.apply_events().await? {
+                return Ok(false);
             }
             if began.elapsed() >= TURN {
                 return Ok(true);
@@ -319,25 +303,9 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
         }
     }
 
-    /// Handles one frame.
-    async fn take(&mut self, frame: &Frame) -> Result<(), Ended> {
-        let mut seat = Seat {
-            device: &self.device,
-            local: self.local,
-            peer: self.peer,
-            session: self.number,
-        };
-        self.session.handle_frame(frame, self.now, &mut seat);
-        if let Some(place) = &mut self.place
-            && self.session.is_registered()
-        {
-            place.register();
-        }
-        self.carry_out().await
-    }
-
-    /// Does what the session wants until it wants no more.
-    async fn carry_out(&mut self) -> Result<(), Ended> {
+    /// Applies the events of the session until there are no more. Whether a request was among them.
+    async fn apply_events(&mut self) -> Result<bool, Ended> {
+        let mut answered = false;
         while let Some(event) = self.session.poll_event() {
             match event {
                 Event::Outgoing(bytes) => self.send(bytes).await?,
@@ -357,22 +325,23 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
                         }
                     };
                     self.session.reply(id, &reply, self.now);
+                    answered = true;
                     if self.signs.is_wanted()
                         && let Some(socket) = self.stream.duplicate()
                     {
-                        self.device.plant.guard().watch(self.number, socket);
+                        self.host.device.plant.guard().watch(self.host.session, socket);
                     }
                 }
                 Event::IoReady(id) => {
                     self.flush().await?;
-                    if let Some(io) = self.device.io() {
+                    if let Some(io) = self.host.device.io() {
                         io.start(id);
                     }
                 }
                 Event::Close(reason) => return Err(reason.into()),
             }
         }
-        Ok(())
+        Ok(answered)
     }
 
     /// Queues a frame; waits for the peer when there are many.
@@ -397,7 +366,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
             return Ok(());
         }
         let rest = self.stream.write_all(&bytes);
-        let written = timeout(self.device.settings.write_timeout, rest).await;
+        let written = timeout(self.host.device.settings.write_timeout, rest).await;
         self.now = self.epoch.elapsed();
         written.map_err(|_| Ended::SlowReader)?.map_err(Ended::from)
     }
@@ -408,8 +377,8 @@ async fn at_once<F: Future>(mut future: Pin<&mut F>) -> Poll<F::Output> {
     std::future::poll_fn(|cx| Poll::Ready(future.as_mut().poll(cx))).await
 }
 
-/// What a future is within so many looks, between which everything else has its turn.
-async fn look<F: Future>(mut future: Pin<&mut F>, times: u32) -> Option<F::Output> {
+/// The output of a future if it is there within so many polls, between which other tasks run.
+async fn busy_poll<F: Future>(mut future: Pin<&mut F>, times: u32) -> Option<F::Output> {
     for _ in 0..times {
         if let Poll::Ready(output) = at_once(future.as_mut()).await {
             return Some(output);

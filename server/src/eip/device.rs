@@ -1,24 +1,22 @@
 //! What all connections of the server share: the plant, the identity, limits and counters.
 
 use std::collections::BTreeMap;
-use std::net::{IpAddr, SocketAddr, SocketAddrV4};
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use arcline_config::{ConnectionLoss, IoLoss};
-use arcline_proto::cip::CipStatus;
-use arcline_proto::connection::{ConnectionKey, Count, Counters};
-use arcline_proto::cpf::ConnectionId;
+use arcline_proto::connection::{Count, Counters};
 use arcline_proto::encap::Service;
 use arcline_proto::identity::Identity;
-use arcline_proto::session::{self, ConnectionEnd, Host, IoOpen, IoOpened};
+use arcline_proto::session::{self, Host};
 use tracing::{error, warn};
 
 use super::adapter::Adapters;
-use super::crowd::{Crowd, Limits};
 use super::io::{Exchange, Io};
+use super::limiter::{ClientLimiter, Limits};
 use crate::guard::Face;
 use crate::plant::{Owner, Plant};
 
@@ -63,7 +61,12 @@ impl Settings {
             max_connections: 4096,
             write_timeout: Duration::from_secs(30),
             system: PathBuf::from("/"),
-            session: session::Settings::default(),
+            session: session::Settings {
+                // Each request is executed before the next frame is looked at: a Forward Close or the end of the session does
+                // not overtake a request in front of it.
+                max_pending: 1,
+                ..session::Settings::default()
+            },
             io: None,
             io_loss: IoLoss::default(),
             connection_loss: ConnectionLoss::default(),
@@ -88,8 +91,8 @@ pub(crate) struct Device {
     /// What the host shows of its adapters.
     pub(crate) adapters: Adapters,
     io: Option<Arc<Io>>,
-    /// Who is connected.
-    pub(crate) crowd: Arc<Crowd>,
+    /// The clients that are connected.
+    pub(crate) limiter: Arc<ClientLimiter>,
     open_connections: AtomicUsize,
     counters: Mutex<Counters>,
     /// Silence after which a socket is closed, s; 0: never. Clients set it.
@@ -125,7 +128,7 @@ impl Device {
             io,
             session_settings: Arc::new(settings.session.clone()),
             inactivity: AtomicU64::new(settings.session.inactivity.map_or(0, |time| time.as_secs())),
-            crowd: Crowd::new(Limits {
+            limiter: ClientLimiter::new(Limits {
                 clients: settings.max_clients.max(1),
                 clients_of_one: settings.max_clients_per_address.max(1),
                 connections_of_one: settings.max_connections_per_address,
@@ -293,78 +296,5 @@ impl Host for &Device {
 
     fn identity(&self) -> &Identity {
         &self.settings.identity
-    }
-}
-
-/// The device as a session sees it whose TCP connection has these ends.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Seat<'d> {
-    /// The device.
-    pub(crate) device: &'d Device,
-    /// The near end.
-    pub(crate) local: SocketAddrV4,
-    /// The far end.
-    pub(crate) peer: IpAddr,
-    /// The session's number.
-    pub(crate) session: u64,
-}
-
-impl Host for Seat<'_> {
-    fn random(&mut self) -> Option<u32> {
-        self.device.random()
-    }
-
-    fn acquire_connection(&mut self) -> bool {
-        let mut device = self.device;
-        let free = self.device.crowd.acquire_connection(self.peer);
-        let acquired = free && device.acquire_connection();
-        if free && !acquired {
-            self.device.crowd.release_connections(self.peer, 1);
-        }
-        acquired
-    }
-
-    fn release_connections(&mut self, count: usize) {
-        let mut device = self.device;
-        self.device.crowd.release_connections(self.peer, count);
-        device.release_connections(count);
-    }
-
-    fn connection_ended(&mut self, id: ConnectionId, how: ConnectionEnd) {
-        let owner = Owner {
-            session: self.session,
-            connection: id.0,
-        };
-        match how {
-            ConnectionEnd::Closed => self.device.release(owner),
-            ConnectionEnd::TimedOut => self.device.lose(owner),
-        }
-    }
-
-    fn count(&mut self, count: Count) {
-        self.device.count(count);
-    }
-
-    fn identity(&self) -> &Identity {
-        &self.device.settings.identity
-    }
-
-    fn open_io(&mut self, open: &IoOpen<'_>) -> Result<IoOpened, CipStatus> {
-        let mut device = self.device;
-        match &self.device.io {
-            Some(io) => {
-                let local = *self.local.ip();
-                let group = self.device.adapters.of(local).first_multicast();
-                io.open(open, self.peer, local, group, self.device, || device.random())
-            }
-            None => device.open_io(open),
-        }
-    }
-
-    fn close_io(&mut self, key: ConnectionKey) -> bool {
-        self.device
-            .io
-            .as_ref()
-            .is_some_and(|io| io.close(key, self.peer, self.device))
     }
 }

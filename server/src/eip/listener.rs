@@ -1,6 +1,6 @@
 //! The TCP and UDP sockets of the EtherNet/IP port.
 //!
-//! Every TCP connection gets a place in the [`crowd`](super::crowd) or is closed at once; nobody waits in the system's
+//! Every TCP connection gets a slot of the [`limiter`](super::limiter) or is closed at once; no client waits in the system's
 //! backlog. The work of a connection is [`connection`](super::connection)'s.
 
 use std::io;
@@ -12,9 +12,9 @@ use tokio::net::{TcpListener, TcpStream, UdpSocket};
 use tokio::task::JoinSet;
 use tracing::{Instrument, debug, error, info_span, warn};
 
-use super::crowd::Place;
 use super::device::{Device, Settings};
 use super::io::IoThread;
+use super::limiter::ClientSlot;
 use super::{connection, datagram};
 use crate::plant::Plant;
 
@@ -33,7 +33,7 @@ const PORT_TRIES: usize = 16;
 /// The bound sockets; connections are accepted by the system from now on and served by [`Listener::serve`].
 #[derive(Debug)]
 pub struct Listener {
-    doors: Vec<Door>,
+    endpoints: Vec<Endpoint>,
     /// Of the first.
     local: SocketAddr,
     device: Arc<Device>,
@@ -41,7 +41,7 @@ pub struct Listener {
 
 /// The sockets of one address.
 #[derive(Debug)]
-struct Door {
+struct Endpoint {
     tcp: TcpListener,
     udp: UdpSocket,
     local: SocketAddr,
@@ -54,22 +54,26 @@ impl Listener {
     /// An address cannot be bound.
     pub async fn bind(address: SocketAddr, plant: Plant, settings: Settings) -> Result<Self, BindError> {
         let failed = |address| move |error| BindError { address, error };
-        let mut doors = Vec::new();
+        let mut endpoints = Vec::new();
         for address in [address].iter().chain(&settings.also).copied() {
             let (tcp, udp) = bind_both(address).await.map_err(failed(address))?;
             let local = tcp.local_addr().map_err(failed(address))?;
-            doors.push(Door { tcp, udp, local });
+            endpoints.push(Endpoint { tcp, udp, local });
         }
-        let local = doors.first().map_or(address, |door| door.local);
+        let local = endpoints.first().map_or(address, |endpoint| endpoint.local);
         let io = settings.io;
         let device = Device::new(plant, settings).map_err(failed(io.unwrap_or(address)))?;
         let device = Arc::new(device);
-        Ok(Self { doors, local, device })
+        Ok(Self {
+            endpoints,
+            local,
+            device,
+        })
     }
 
     /// Every address that was really bound, the first one first.
     pub fn local_addrs(&self) -> Vec<SocketAddr> {
-        self.doors.iter().map(|door| door.local).collect()
+        self.endpoints.iter().map(|endpoint| endpoint.local).collect()
     }
 
     /// The first address that was really bound.
@@ -90,28 +94,28 @@ impl Listener {
                 .inspect_err(|error| error!(%error, "no thread for implicit I/O: nothing is produced"))
                 .ok()
         });
-        let doors = self.doors.iter().map(|door| door.serve(&self.device));
-        futures_util::future::join_all(doors).await;
+        let endpoints = self.endpoints.iter().map(|endpoint| endpoint.serve(&self.device));
+        futures_util::future::join_all(endpoints).await;
     }
 }
 
-impl Door {
+impl Endpoint {
     async fn serve(&self, device: &Arc<Device>) {
         let mut connections = JoinSet::new();
         let datagrams = datagram::serve(&self.udp, self.local, device);
         let accept = async {
             loop {
                 match self.tcp.accept().await {
-                    Ok((stream, peer)) => match device.crowd.enter(peer.ip()) {
-                        Some(place) => {
+                    Ok((stream, peer)) => match device.limiter.enter(peer.ip()) {
+                        Some(slot) => {
                             let span = info_span!("connection", %peer);
-                            connections.spawn(serve_one(stream, place, device.clone()).instrument(span));
+                            connections.spawn(serve_one(stream, slot, device.clone()).instrument(span));
                         }
                         None => debug!(%peer, "too many clients: closed"),
                     },
                     Err(error) => {
                         warn!(%error, "cannot accept a connection");
-                        device.crowd.make_room();
+                        device.limiter.make_room();
                         tokio::time::sleep(ACCEPT_PAUSE).await;
                     }
                 }
@@ -133,7 +137,7 @@ pub struct BindError {
     pub error: io::Error,
 }
 
-async fn serve_one(stream: TcpStream, place: Place, device: Arc<Device>) {
+async fn serve_one(stream: TcpStream, slot: ClientSlot, device: Arc<Device>) {
     if let Err(error) = stream.set_nodelay(true) {
         debug!(%error, "cannot switch off Nagle's algorithm");
     }
@@ -146,7 +150,7 @@ async fn serve_one(stream: TcpStream, place: Place, device: Arc<Device>) {
         debug!(%error, "a pulled cable will be noticed late");
     }
     debug!("connected");
-    let ended = connection::serve_in(Some(place), stream, local, peer.ip(), device).await;
+    let ended = connection::serve_in(Some(slot), stream, local, peer.ip(), device).await;
     connection::report(&ended);
 }
 
@@ -176,8 +180,8 @@ async fn bind_both(address: SocketAddr) -> io::Result<(TcpListener, UdpSocket)> 
 }
 
 /// An IPv4 address at which `peer` reaches the socket bound to `local`: never 0.0.0.0, which a browser could not connect
-/// back to. Connecting a UDP socket sends nothing; it only asks the routing table. IPv6 has no place in an identity item:
-/// such a listener tells the loopback address.
+/// back to. Connecting a UDP socket sends nothing; it only asks the routing table. An identity item has no room for IPv6:
+/// such a listener shows the loopback address.
 pub(super) async fn reachable(local: SocketAddr, peer: SocketAddr) -> SocketAddrV4 {
     let bound = ipv4(local.ip()).filter(|ip| !ip.is_unspecified());
     let ip = match bound {

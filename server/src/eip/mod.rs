@@ -11,13 +11,14 @@
 
 mod adapter;
 mod connection;
-mod crowd;
 mod datagram;
 mod device;
 mod io;
+mod limiter;
 mod listener;
 mod objects;
 mod router;
+mod session_host;
 mod tags;
 
 #[cfg(test)]

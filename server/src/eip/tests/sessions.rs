@@ -126,6 +126,20 @@ async fn many_requests_in_one_segment_are_answered_in_order() {
 }
 
 #[tokio::test]
+async fn the_end_of_a_session_does_not_overtake_a_request() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    let message = read("aDint", 1).to_bytes().expect("short");
+    let packet = Packet::unconnected(message).to_bytes();
+    let request = Frame::request(Command::SEND_RR_DATA, client.session, *b"context!", packet);
+    let end = Frame::request(Command::UNREGISTER_SESSION, client.session, *b"context!", Bytes::new());
+    client.send(&[request.to_bytes(), end.to_bytes()].concat()).await;
+    let reply = client.frame().await.expect("the reply to the request");
+    assert_eq!(reply.header.status, EncapStatus::SUCCESS);
+    assert_eq!(client.frame().await, None, "closed");
+}
+
+#[tokio::test]
 async fn connections_open_answer_and_close() {
     let bench = Bench::new();
     let mut client = bench.client().await;

@@ -1,5 +1,5 @@
-//! How many clients there may be, in all and from one address, and who goes when it is full: the oldest that has
-//! registered no session, so that silent sockets keep nobody out (spec/ethernet-ip.md §18).
+//! Limits the number of clients, in all and from one address. When it is reached, the oldest client without a session is
+//! closed, so that silent sockets keep no client out (spec/ethernet-ip.md §18).
 
 use std::collections::{BTreeMap, HashMap};
 use std::net::IpAddr;
@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio_util::sync::CancellationToken;
 
-/// How many there may be.
+/// The most of each.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Limits {
     /// TCP connections.
@@ -18,9 +18,9 @@ pub(crate) struct Limits {
     pub(crate) connections_of_one: usize,
 }
 
-/// Everybody who is connected.
+/// The clients that are connected.
 #[derive(Debug)]
-pub(crate) struct Crowd {
+pub(crate) struct ClientLimiter {
     limits: Limits,
     state: Mutex<State>,
 }
@@ -37,26 +37,26 @@ struct State {
 struct Client {
     peer: IpAddr,
     registered: bool,
-    leave: CancellationToken,
+    close: CancellationToken,
 }
 
-/// What there is of one address.
+/// The clients and connections of one address.
 #[derive(Debug, Default)]
 struct Address {
     clients: usize,
     connections: usize,
 }
 
-/// A client's place; free again when it is dropped.
+/// The slot of one client; free again when it is dropped.
 #[derive(Debug)]
-pub(crate) struct Place {
-    crowd: Arc<Crowd>,
+pub(crate) struct ClientSlot {
+    limiter: Arc<ClientLimiter>,
     number: u64,
     registered: bool,
-    leave: CancellationToken,
+    close: CancellationToken,
 }
 
-impl Crowd {
+impl ClientLimiter {
     pub(crate) fn new(limits: Limits) -> Arc<Self> {
         Arc::new(Self {
             limits,
@@ -64,38 +64,38 @@ impl Crowd {
         })
     }
 
-    /// A place for a client that has come; `None`: it is full of clients with sessions.
-    pub(crate) fn enter(self: &Arc<Self>, peer: IpAddr) -> Option<Place> {
+    /// A slot for a new client; `None`: all slots have clients with sessions.
+    pub(crate) fn enter(self: &Arc<Self>, peer: IpAddr) -> Option<ClientSlot> {
         let mut state = self.lock();
         if state.addresses.get(&peer).map_or(0, |address| address.clients) >= self.limits.clients_of_one
-            && !state.send_away(|client| client.peer == peer)
+            && !state.close_oldest(|client| client.peer == peer)
         {
             return None;
         }
-        if state.clients.len() >= self.limits.clients && !state.send_away(|_| true) {
+        if state.clients.len() >= self.limits.clients && !state.close_oldest(|_| true) {
             return None;
         }
         let number = state.next;
         state.next += 1;
-        let leave = CancellationToken::new();
+        let close = CancellationToken::new();
         let client = Client {
             peer,
             registered: false,
-            leave: leave.clone(),
+            close: close.clone(),
         };
         state.clients.insert(number, client);
         state.addresses.entry(peer).or_default().clients += 1;
-        Some(Place {
-            crowd: self.clone(),
+        Some(ClientSlot {
+            limiter: self.clone(),
             number,
             registered: false,
-            leave,
+            close,
         })
     }
 
-    /// Sends the oldest client without a session away: the system has no more sockets.
+    /// Closes the oldest client without a session: the system has no more sockets.
     pub(crate) fn make_room(&self) {
-        self.lock().send_away(|_| true);
+        self.lock().close_oldest(|_| true);
     }
 
     /// Whether the clients of an address may have one more class 3 connection; counts it if so.
@@ -123,7 +123,7 @@ impl Crowd {
 }
 
 impl State {
-    fn send_away(&mut self, which: impl Fn(&Client) -> bool) -> bool {
+    fn close_oldest(&mut self, which: impl Fn(&Client) -> bool) -> bool {
         let mut silent = self
             .clients
             .iter()
@@ -132,7 +132,7 @@ impl State {
             return false;
         };
         if let Some(client) = self.remove(number) {
-            client.leave.cancel();
+            client.close.cancel();
         }
         true
     }
@@ -146,7 +146,7 @@ impl State {
         Some(client)
     }
 
-    /// An address of which there is nothing takes no memory.
+    /// An address without clients and connections takes no memory.
     fn forget(&mut self, peer: IpAddr) {
         if self
             .addresses
@@ -158,27 +158,27 @@ impl State {
     }
 }
 
-impl Place {
+impl ClientSlot {
     /// The client has a session: it stays.
     pub(crate) fn register(&mut self) {
         if self.registered {
             return;
         }
         self.registered = true;
-        if let Some(client) = self.crowd.lock().clients.get_mut(&self.number) {
+        if let Some(client) = self.limiter.lock().clients.get_mut(&self.number) {
             client.registered = true;
         }
     }
 
-    /// Tells when the client has to go.
-    pub(crate) fn leave(&self) -> CancellationToken {
-        self.leave.clone()
+    /// Is cancelled when the client is to be closed.
+    pub(crate) fn close(&self) -> CancellationToken {
+        self.close.clone()
     }
 }
 
-impl Drop for Place {
+impl Drop for ClientSlot {
     fn drop(&mut self) {
-        self.crowd.lock().remove(self.number);
+        self.limiter.lock().remove(self.number);
     }
 }
 
@@ -194,43 +194,43 @@ mod tests {
 
     #[test]
     fn who_is_silent_goes_first_and_who_has_a_session_stays() {
-        let crowd = Crowd::new(Limits {
+        let limiter = ClientLimiter::new(Limits {
             clients: 3,
             clients_of_one: 2,
             connections_of_one: 2,
         });
-        let mut first = crowd.enter(peer(1)).expect("room");
+        let mut first = limiter.enter(peer(1)).expect("room");
         first.register();
-        let silent = crowd.enter(peer(1)).expect("room");
-        let third = crowd.enter(peer(1)).expect("the silent one goes");
+        let silent = limiter.enter(peer(1)).expect("room");
+        let third = limiter.enter(peer(1)).expect("the silent one goes");
         drop(silent);
-        assert_eq!(crowd.lock().clients.len(), 2);
+        assert_eq!(limiter.lock().clients.len(), 2);
         let mut third = third;
         third.register();
-        assert!(crowd.enter(peer(1)).is_none(), "two sessions from there");
-        let mut other = crowd.enter(peer(2)).expect("another address");
+        assert!(limiter.enter(peer(1)).is_none(), "two sessions from there");
+        let mut other = limiter.enter(peer(2)).expect("another address");
         other.register();
-        assert!(crowd.enter(peer(3)).is_none(), "three sessions in all");
+        assert!(limiter.enter(peer(3)).is_none(), "three sessions in all");
         drop(first);
-        assert!(crowd.enter(peer(3)).is_some());
+        assert!(limiter.enter(peer(3)).is_some());
         drop((third, other));
-        assert!(crowd.lock().clients.is_empty() && crowd.lock().addresses.is_empty());
+        assert!(limiter.lock().clients.is_empty() && limiter.lock().addresses.is_empty());
     }
 
     #[test]
     fn connections_of_one_address_are_counted() {
-        let crowd = Crowd::new(Limits {
+        let limiter = ClientLimiter::new(Limits {
             clients: 9,
             clients_of_one: 9,
             connections_of_one: 2,
         });
-        assert!(crowd.acquire_connection(peer(1)) && crowd.acquire_connection(peer(1)));
-        assert!(!crowd.acquire_connection(peer(1)));
-        assert!(crowd.acquire_connection(peer(2)));
-        crowd.release_connections(peer(1), 1);
-        assert!(crowd.acquire_connection(peer(1)));
-        crowd.release_connections(peer(1), 2);
-        crowd.release_connections(peer(2), 1);
-        assert!(crowd.lock().addresses.is_empty());
+        assert!(limiter.acquire_connection(peer(1)) && limiter.acquire_connection(peer(1)));
+        assert!(!limiter.acquire_connection(peer(1)));
+        assert!(limiter.acquire_connection(peer(2)));
+        limiter.release_connections(peer(1), 1);
+        assert!(limiter.acquire_connection(peer(1)));
+        limiter.release_connections(peer(1), 2);
+        limiter.release_connections(peer(2), 1);
+        assert!(limiter.lock().addresses.is_empty());
     }
 }
