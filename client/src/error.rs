@@ -36,7 +36,7 @@ pub enum ClientError {
     #[error("the session failed: {0}")]
     Session(session::ClientError),
     /// The server sent something that is not the answer to the request.
-    #[error("the server misbehaves: {what}")]
+    #[error("unexpected answer of the server: {what}")]
     Malformed {
         /// What was wrong with it.
         what: &'static str,

@@ -48,13 +48,13 @@ pub(crate) struct RunArgs {
     /// Configuration file; without it the embedded default is used.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
-    /// Where EtherNet/IP listens, TCP and UDP; port 0 picks a free one. May be given several times.
+    /// The address of EtherNet/IP, TCP and UDP; port 0 picks a free port. Repeat it for several addresses.
     #[arg(long, value_name = "ADDR:PORT")]
     pub(crate) listen: Vec<SocketAddr>,
-    /// Where the HMI listens.
+    /// The address of the web page.
     #[arg(long, value_name = "ADDR:PORT|off")]
     pub(crate) hmi: Option<OrOff<SocketAddr>>,
-    /// Where positions and plain tags are kept between runs; without it nowhere.
+    /// The file that keeps positions and plain tags between runs; without it they are not kept.
     #[arg(long, value_name = "FILE|off")]
     pub(crate) state: Option<OrOff<PathBuf>>,
 }
@@ -68,7 +68,7 @@ pub(crate) struct SimulateArgs {
     /// Configuration file; without it the embedded default is used.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
-    /// Write every axis at every tick to this file, as CSV; `-` is standard output.
+    /// Write the samples of every axis at every tick to this file, as CSV; `-` is standard output.
     #[arg(long, value_name = "OUT.csv")]
     pub(crate) trace: Option<PathBuf>,
     /// Write every change of an instruction's status to this file, as JSON lines; `-` is standard output.
@@ -77,13 +77,13 @@ pub(crate) struct SimulateArgs {
     /// Write every change of the faults of an axis to this file, as JSON lines; `-` is standard output.
     #[arg(long, value_name = "OUT.jsonl")]
     pub(crate) faults: Option<PathBuf>,
-    /// Longest simulated time, s.
+    /// Longest simulated time.
     #[arg(long, value_name = "SECONDS", default_value_t = 3600.0, value_parser = seconds)]
     pub(crate) until: f64,
-    /// Go on after an instruction has erred.
+    /// Continue after an instruction has erred.
     #[arg(long)]
     pub(crate) keep_going: bool,
-    /// What a coordinated move does that finds the queue full.
+    /// Reaction of a coordinated move to a full queue.
     #[arg(long, value_enum, default_value_t = QueueFull::Wait)]
     pub(crate) queue_full: QueueFull,
 }
@@ -94,10 +94,10 @@ pub(crate) struct ImportArgs {
     /// The export.
     #[arg(value_name = "FILE.L5X")]
     pub(crate) file: PathBuf,
-    /// Where the configuration is written; without it to standard output.
+    /// The configuration to write; by default standard output.
     #[arg(short, long, value_name = "OUT.toml")]
     pub(crate) output: Option<PathBuf>,
-    /// Exit with 1 when something of the file is not in the configuration as it stands there.
+    /// Exit with 1 when an element of the file was left out or changed.
     #[arg(long)]
     pub(crate) strict: bool,
 }
@@ -108,7 +108,7 @@ pub(crate) struct ExportArgs {
     /// Configuration file; without it the embedded default is used.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
-    /// Where the L5X is written; without it to standard output.
+    /// The L5X to write; by default standard output.
     #[arg(short, long, value_name = "OUT.L5X")]
     pub(crate) output: Option<PathBuf>,
 }
@@ -116,9 +116,9 @@ pub(crate) struct ExportArgs {
 /// What a coordinated move does that finds the queue full.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum QueueFull {
-    /// It waits for room.
+    /// The move waits for room.
     Wait,
-    /// It errs, as on a controller.
+    /// The move errs, as on a controller.
     Error,
 }
 

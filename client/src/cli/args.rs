@@ -40,7 +40,7 @@ pub(crate) use values::{Point, Rate};
     Example: arcline move CS1 100,50,0 --speed 50%"
 )]
 pub(crate) struct Arguments {
-    /// The server, port 44818 unless given; the variable ARCLINE_SERVER gives another default
+    /// The server; its port is 44818 by default. The variable ARCLINE_SERVER sets another default server
     #[arg(long, global = true, value_name = "HOST[:PORT]", default_value = "127.0.0.1:44818")]
     pub(crate) server: String,
     /// Print one JSON object for each result
@@ -54,20 +54,20 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Execute one instruction, written as a Structured Text call
     #[command(
-        after_help = "Moves and stops are waited for. `exec --help` lists the instructions and their operands.\n\
+        after_help = "Waits for the end of a move or stop. `exec --help` lists the instructions and their operands.\n\
         Example: arcline exec 'MCLM(CS1, Move1, Absolute, [100, 50, 0], 200, Unitspersec, 2000, Unitspersec2, 2000, \
         Unitspersec2, S-curve, 100, 100, %ofTime)'"
     )]
     Exec(Exec),
     /// Run a Structured Text program
     #[command(
-        after_help = "Ends when the last statement has run and all motion has come to its end.\n\
+        after_help = "Ends when the last statement has run and all its motion has ended. docs/STRUCTURED_TEXT.md describes the language.\n\
         Example: arcline run square.st"
     )]
     Run(Run),
     /// Move along a straight line (MCLM)
     #[command(
-        after_help = "Full-speed S-curve unless told otherwise; a number with % is a part of the maximum.\n\
+        after_help = "The default is an S-curve at full speed; a number with % is a share of the maximum.\n\
         Example: arcline move CS1 100,50,0 --speed 50%\n         arcline move CS1 -10,0,0 --relative"
     )]
     Move(Move),
@@ -77,29 +77,30 @@ pub(crate) enum Command {
     Arc(Arc),
     /// Move one axis (MAM)
     #[command(
-        after_help = "Full-speed S-curve unless told otherwise; adds to what else moves the axis.\n\
+        after_help = "The default is an S-curve at full speed. The move adds to other motion of the axis, unless --merge ends that motion.\n\
         Example: arcline move-axis X 100 --speed 50%\n         arcline move-axis R 90 --shortest"
     )]
     MoveAxis(MoveAxis),
-    /// Jog one axis (MAJ) until Ctrl-C stops it
+    /// Jog one axis (MAJ) until Ctrl-C, or until another instruction or a fault stops it
     #[command(
-        after_help = "--no-wait leaves it running; `arcline exec 'MAS(X, M1, Jog)'` stops it then.\n\
+        after_help = "The exit code is 0 when another instruction stopped the jog, and 1 when a fault or the server did.\n\
+        With --no-wait the command ends at once; `arcline stop X` stops the jog then.\n\
         Example: arcline jog X 50\n         arcline jog X -10% --no-wait"
     )]
     Jog(Jog),
-    /// Change the dynamics of the running move (MCCD)
+    /// Change the dynamics of the active move (MCCD)
     #[command(after_help = "Example: arcline change CS1 --speed 20%")]
     Change(Change),
     /// Set the feed override of a coordinate system: percent of the programmed speeds, 0 to 200
     #[command(
-        after_help = "Holds for its active, pending and later moves until it is changed; 0 holds them on their path.\n\
+        after_help = "Applies to active, pending and later moves until the next change; 0 holds them on their path.\n\
         Example: arcline override CS1 50%"
     )]
     Override(Override),
-    /// Hold the moves of a coordinate system: at rest on their path, still active (override 0)
+    /// Hold the moves of a coordinate system: they stop on their path and stay active (override 0)
     #[command(after_help = "Example: arcline hold CS1")]
     Hold(System),
-    /// Go on after a hold, with the override that there was before it
+    /// Resume after a hold, with the override from before the hold
     #[command(after_help = "Example: arcline resume CS1")]
     Resume(System),
     /// Stop a coordinate system (MCS), an axis (MAS), or everything when none is named
@@ -108,17 +109,19 @@ pub(crate) enum Command {
     )]
     Stop(Stop),
     /// Switch the servo of axes on (MSO) or off (MSF)
-    #[command(after_help = "--all leaves virtual axes out, which have no drive.\nExample: arcline servo on X Y Z")]
+    #[command(
+        after_help = "--all means every axis that has a drive; virtual axes have none.\nExample: arcline servo on X Y Z"
+    )]
     Servo(Servo),
     /// Inject faults into axes, clear and list them
     #[command(
         subcommand,
-        after_help = "An injected cause is there until it is cleared.\nExample: arcline fault inject X overcurrent"
+        after_help = "An injected cause stays until `arcline fault clear`.\nExample: arcline fault inject X overcurrent"
     )]
     Fault(FaultCommand),
     /// Home axes (MAH), all at the same time, by the sequence of the server's configuration
     #[command(
-        after_help = "Without an end of its own when the sequence is passive: others must move the axis.\n\
+        after_help = "A passive sequence ends when another motion moves the axis to its home event.\n\
         Example: arcline home X Y"
     )]
     Home(Home),
@@ -127,19 +130,17 @@ pub(crate) enum Command {
     Status(Status),
     /// Watch axes and coordinate systems: a live view on a terminal, lines when piped
     #[command(
-        after_help = "Keys: q ends, s stops all motion, p pauses, c clears the trail, Tab takes the next coordinate system.\n\
+        after_help = "Keys: q ends, s stops all motion, p pauses, c clears the trail, Tab shows the next coordinate system.\n\
         Example: arcline watch X Y CS1\n         arcline watch X --for 2 --interval 0.5"
     )]
     Watch(Watch),
-    /// Explain an error: its cause, what EXERR points at, and what to do about it
-    #[command(
-        after_help = "A tag is asked for its newest error; for codes and faults no server is needed.\n\
-        Example: arcline explain 13/4 MCLM\n         arcline explain overcurrent\n         arcline explain Move1"
-    )]
+    /// Explain an error: its cause, the meaning of EXERR, and the remedy
+    #[command(after_help = "Of a tag, its newest error. Codes and faults need no server.\n\
+        Example: arcline explain 13/4 MCLM\n         arcline explain overcurrent\n         arcline explain Move1")]
     Explain(Explain),
-    /// List tags, create and delete plain ones
+    /// List tags; create and delete plain tags
     #[command(
-        after_help = "A pattern with * or ? must match the whole name, another one a part of it; case is ignored.\n\
+        after_help = "A pattern with * or ? matches whole names, any other text a part of a name; case is ignored.\n\
         Example: arcline tags 'Move*'\n         arcline tags create Recipe REAL[16]"
     )]
     Tags(Tags),
@@ -149,38 +150,39 @@ pub(crate) enum Command {
     /// Write a tag
     #[command(after_help = "Example: arcline write Move1.Position [100,50,0]")]
     Write(Write),
-    /// Tell how much further a master must go than the Calculated Data of blended, master driven moves say
+    /// Compute the safety margin to add to the Calculated Data of blended, master driven moves
     #[command(
-        after_help = "To be added to their sum, so that the last move reaches its end. Asks no server.\n\
+        after_help = "The master must move by the sum of the Calculated Data and this margin, so that the last move reaches its end. Needs \
+        no server.\n\
         Example: arcline margin 5 --master-speed 500 --update-period 2"
     )]
     Margin(Margin),
     /// Run a G-code program, or simulate it, or write it as Structured Text
     #[command(
         after_help = "Known: G0 to G3, G4 P, G17 to G19, G20, G21, G61, G61.1, G64 [P], G90, G91, G90.1, G91.1, F, X Y Z, I J K, R, M2, \
-        M30.\nAnother word is an error with its line and column, unless --skip names it. See docs/GCODE.md.\n\
+        M30.\nAny other word is an error with its line and column, unless --skip names it. See docs/GCODE.md.\n\
         Example: arcline gcode part.ngc CS1 --simulate\n         arcline gcode part.ngc XY --skip M3,M5,S\n         \
         arcline gcode part.ngc CS1 --emit part.st"
     )]
     Gcode(Gcode),
     /// Record every tick of axes, coordinate systems or single signals into a file
     #[command(
-        after_help = "The ending of OUT says whether it becomes CSV or MCAP, which Foxglove and PlotJuggler open. See docs/TRACE.md.\n\
+        after_help = "The file is CSV or, for Foxglove and PlotJuggler, MCAP, by its ending. See docs/TRACE.md.\n\
         Example: arcline trace X Y --for 10 -o trace.csv\n         \
         arcline trace CS1 X.PositionError --for 2 --trigger Move1:AC --before 0.5 -o trace.mcap"
     )]
     Trace(Trace),
     /// Draw a trace: the path by speed, and position, velocity, acceleration and jerk over time
-    #[command(after_help = "The ending of OUT says whether it becomes SVG or PNG.\n\
+    #[command(after_help = "The picture is SVG or PNG, by its ending.\n\
         Example: arcline plot trace.csv -o trace.svg --events events.jsonl\n         arcline plot trace.csv -o trace.png --axes X,Y,Z")]
     Plot(Plot),
-    /// Ask who the server is, or who is there
+    /// Show the identity of the server, or of all devices that answer a broadcast
     #[command(after_help = "Example: arcline identify --broadcast 192.168.1.255")]
     Identify(Identify),
-    /// The commands, one a line, with history and completion
+    /// Take commands line by line, with history and completion
     #[command(
         after_help = "Tab completes commands, options, tags, instructions, operands and words. A line that is an instruction, such \
-        as\nMSO(X, M1), is executed. Lines piped in are run one after the other.\n\
+        as\nMSO(X, M1), is executed. Lines from a pipe run one after the other.\n\
         Example: arcline shell\n         arcline shell --history off"
     )]
     Shell(Shell),

@@ -34,7 +34,7 @@ async fn discover(address: &str, seconds: f64, output: &Output) -> Result<(), Fa
         show(&one.from.to_string(), &one.identity, output);
     }
     if found.is_empty() {
-        output.note(&format!("nobody answered at {address} within {seconds} s"));
+        output.note(&format!("no device answered at {address} within {seconds} s"));
     }
     Ok(())
 }

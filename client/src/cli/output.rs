@@ -92,7 +92,7 @@ impl Output {
                     .map(|mnemonic| format!(" {mnemonic}"))
                     .unwrap_or_default();
                 self.note(&format!(
-                    "`arcline explain {err}/{exerr}{instruction}` tells cause and remedy"
+                    "`arcline explain {err}/{exerr}{instruction}` shows cause and remedy"
                 ));
             }
             return;

@@ -13,16 +13,16 @@ pub(crate) struct MoveAxis {
     /// End position, or distance
     #[arg(value_name = "POSITION", allow_hyphen_values = true)]
     pub(crate) position: f64,
-    /// Take the position relative to where the move begins
+    /// The position is a distance from the start of the move
     #[arg(long)]
     pub(crate) relative: bool,
-    /// Rotary axis: the short way
+    /// Rotary axis: in the direction of the shorter distance
     #[arg(long)]
     pub(crate) shortest: bool,
-    /// Rotary axis: forwards
+    /// Rotary axis: in positive direction
     #[arg(long)]
     pub(crate) positive: bool,
-    /// Rotary axis: backwards
+    /// Rotary axis: in negative direction
     #[arg(long)]
     pub(crate) negative: bool,
     #[command(flatten)]
@@ -35,19 +35,19 @@ pub(crate) struct MoveAxis {
 pub(crate) struct Jog {
     #[command(flatten)]
     pub(crate) axis: Axis,
-    /// Speed: units/s, or % of the maximum; negative backwards
+    /// Speed: units/s, or % of the maximum; negative for the negative direction
     #[arg(value_name = "SPEED[%]", allow_hyphen_values = true)]
     pub(crate) speed: Rate,
     #[command(flatten)]
     pub(crate) motion: AxisMotion,
 }
 
-/// What moves and jogs of an axis have in common.
+/// Arguments of moves and jogs of an axis.
 #[derive(Args, Debug, Default)]
 pub(crate) struct AxisMotion {
     #[command(flatten)]
     pub(crate) motion: Motion,
-    /// End other moves, jogs and gears of the axis; without it they add
+    /// End other moves, jogs and gears of the axis; otherwise they add
     #[arg(long)]
     pub(crate) merge: bool,
 }

@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::values::Rate;
 
-/// What a command is about.
+/// The coordinate system of a command.
 #[derive(Args, Debug, Default)]
 pub(crate) struct System {
     /// The coordinate system
@@ -12,7 +12,7 @@ pub(crate) struct System {
     pub(crate) name: String,
 }
 
-/// What a command is about.
+/// The axis of a command.
 #[derive(Args, Debug, Default)]
 pub(crate) struct Axis {
     /// The axis
@@ -20,15 +20,15 @@ pub(crate) struct Axis {
     pub(crate) name: String,
 }
 
-/// What is looked at.
+/// The objects of a command that shows them.
 #[derive(Args, Debug)]
 pub(crate) struct Names {
-    /// Axes, coordinate systems, groups; all of them when none is named
+    /// Axes, coordinate systems, groups; all of them by default
     #[arg(value_name = "NAME")]
     pub(crate) names: Vec<String>,
 }
 
-/// How fast.
+/// The speed.
 #[derive(Args, Debug, Default)]
 pub(crate) struct Speed {
     /// Speed: units/s, or % of the maximum
@@ -36,7 +36,7 @@ pub(crate) struct Speed {
     pub(crate) speed: Option<Rate>,
 }
 
-/// How fast it gets faster and slower.
+/// Acceleration and deceleration.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub(crate) struct Ramps {
     /// Acceleration: units/s², or % of the maximum
@@ -55,7 +55,7 @@ pub(crate) struct Waiting {
     pub(crate) no_wait: bool,
 }
 
-/// What moves, arcs and jogs have in common.
+/// Arguments of moves, arcs and jogs.
 #[derive(Args, Debug, Default)]
 pub(crate) struct Motion {
     #[command(flatten)]
@@ -63,7 +63,7 @@ pub(crate) struct Motion {
     /// Trapezoidal profile instead of an S-curve
     #[arg(long)]
     pub(crate) trapezoid: bool,
-    /// Name of the motion control tag, made on first use
+    /// Name of the motion control tag; the server creates it on first use
     #[arg(long, value_name = "NAME")]
     pub(crate) tag: Option<String>,
     #[command(flatten)]

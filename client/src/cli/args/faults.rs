@@ -9,12 +9,12 @@ use super::values::fault_parser;
 
 #[derive(Subcommand, Debug)]
 pub(crate) enum FaultCommand {
-    /// Put the cause of a fault on an axis; it is there until it is cleared
+    /// Inject the cause of a fault into an axis; it stays until it is cleared
     #[command(after_help = "Example: arcline fault inject X overcurrent")]
     Inject(FaultInject),
-    /// Take injected causes away and clear the faults of an axis (MAFR)
+    /// Remove injected causes and clear the faults of an axis (MAFR)
     #[command(
-        after_help = "A faulted axis is then stopped: servo on. One that is shut down stays so: MASR.\n\
+        after_help = "The axis is then stopped; `arcline servo on` enables it. MASR ends a shutdown.\n\
         Example: arcline fault clear X"
     )]
     Clear(FaultClear),
@@ -27,7 +27,7 @@ pub(crate) enum FaultCommand {
 pub(crate) struct FaultInject {
     #[command(flatten)]
     pub(crate) axis: Axis,
-    /// Which fault
+    /// The kind of fault
     #[arg(value_name = "KIND", value_parser = fault_parser())]
     pub(crate) kind: FaultKind,
 }
@@ -36,14 +36,14 @@ pub(crate) struct FaultInject {
 pub(crate) struct FaultClear {
     #[command(flatten)]
     pub(crate) axis: Axis,
-    /// The cause that is taken away; all of them unless given
+    /// The cause to remove; all causes by default
     #[arg(value_name = "KIND", value_parser = fault_parser())]
     pub(crate) kind: Option<FaultKind>,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct FaultList {
-    /// Axes; all of them unless given
+    /// Axes; all by default
     #[arg(value_name = "AXIS")]
     pub(crate) axes: Vec<String>,
 }

@@ -6,7 +6,7 @@ use arcline_instruction_set::{Kind, Mnemonic, enumerations};
 
 use super::Arguments;
 
-/// The command with what the catalogue adds to its help.
+/// The command, with the parts of its help that come from the catalogue.
 pub(crate) fn command() -> clap::Command {
     let described = |command: clap::Command| {
         let termination = format!("Termination type: {}", enumerations::TERMINATION_TYPE.choices());

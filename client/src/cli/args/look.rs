@@ -9,17 +9,17 @@ use super::values::seconds;
 pub(crate) struct Watch {
     #[command(flatten)]
     pub(crate) of: Names,
-    /// Seconds between two looks
+    /// Seconds between two updates
     #[arg(long, value_name = "SECONDS", default_value = "0.1", value_parser = seconds)]
     pub(crate) interval: f64,
-    /// End after so many seconds; otherwise by Ctrl-C
+    /// End after this many seconds; otherwise at Ctrl-C
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     pub(crate) duration: Option<f64>,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct Shell {
-    /// Where the lines of earlier sessions are kept; `arcline/history` in the folder of the user's state unless given
+    /// File with the lines of earlier sessions; by default `arcline/history` in the user's state folder
     #[arg(long, value_name = "FILE|off")]
     pub(crate) history: Option<String>,
 }
@@ -32,7 +32,7 @@ pub(crate) struct Status {
 
 #[derive(Args, Debug)]
 pub(crate) struct Identify {
-    /// Ask everybody at a broadcast address
+    /// Ask all devices at a broadcast address
     #[arg(long, value_name = "ADDR[:PORT]")]
     pub(crate) broadcast: Option<String>,
     /// Seconds to listen for answers to a broadcast

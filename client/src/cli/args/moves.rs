@@ -7,10 +7,10 @@ use arcline_instruction_set::enumerations;
 use super::common::{Motion, Ramps, Speed, System, Waiting};
 use super::values::{Percent, Point, word_parser};
 
-/// What lines and arcs have in common.
+/// Arguments of lines and arcs.
 #[derive(Args, Debug, Default)]
 pub(crate) struct Dynamics {
-    /// Take positions relative to where the move begins
+    /// Positions are distances from the start of the move
     #[arg(long)]
     pub(crate) relative: bool,
     #[command(flatten)]
@@ -80,10 +80,10 @@ pub(crate) struct Direction {
     /// Counterclockwise
     #[arg(long)]
     pub(crate) ccw: bool,
-    /// The shorter way (the default in three dimensions)
+    /// The shorter arc (the default in three dimensions)
     #[arg(long)]
     pub(crate) shortest: bool,
-    /// The longer way
+    /// The longer arc
     #[arg(long)]
     pub(crate) longest: bool,
 }
@@ -104,10 +104,10 @@ pub(crate) struct Change {
 
 #[derive(Args, Debug)]
 pub(crate) struct Stop {
-    /// A coordinate system or an axis; everything when none is named
+    /// A coordinate system or an axis; all of them by default
     #[arg(value_name = "CS|AXIS")]
     pub(crate) name: Option<String>,
-    /// What to stop
+    /// The motion to stop
     #[arg(long = "type", value_enum, default_value = "all")]
     pub(crate) kind: StopType,
 }

@@ -15,13 +15,13 @@ pub(crate) struct Gcode {
     /// The coordinate system that runs it
     #[arg(value_name = "CS")]
     pub(crate) system: String,
-    /// Run it on a virtual clock, by `arcline-server simulate`, and tell how long it takes
+    /// Run it on a virtual clock, by `arcline-server simulate`, and print its duration
     #[arg(long)]
     pub(crate) simulate: bool,
     /// Write it as Structured Text instead; - is standard output
     #[arg(long, value_name = "OUT.st")]
     pub(crate) emit: Option<PathBuf>,
-    /// With --simulate: the machine; the embedded one unless given
+    /// With --simulate: the configuration of the machine; by default the embedded one
     #[arg(long, value_name = "FILE.toml", requires = "simulate")]
     pub(crate) config: Option<PathBuf>,
     /// With --simulate: write a trace
@@ -30,19 +30,19 @@ pub(crate) struct Gcode {
     /// With --simulate: write the events
     #[arg(long, value_name = "OUT.jsonl", requires = "simulate")]
     pub(crate) events: Option<PathBuf>,
-    /// Axes of the coordinate system; asked of the server, otherwise 3
+    /// Number of axes of the coordinate system; by default that of the server, without a server 3
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=3))]
     pub(crate) axes: Option<u8>,
-    /// Unit of the coordinate system; asked of the server, otherwise mm
+    /// Unit of the coordinate system; by default that of the server, without a server mm
     #[arg(long, value_enum)]
     pub(crate) unit: Option<Unit>,
-    /// Where it stands before the first line; asked of the server, otherwise 0
+    /// Position before the first line; by default that of the server, without a server 0
     #[arg(long, value_name = "X,Y[,Z]", allow_hyphen_values = true)]
     pub(crate) start: Option<Point>,
-    /// Words to pass over: such as M3, or S for every S word
+    /// Words to skip, such as M3, or S for every S word
     #[arg(long, value_name = "WORD", value_delimiter = ',')]
     pub(crate) skip: Vec<String>,
-    /// Name of the motion control tag, made on first use
+    /// Name of the motion control tag; the server creates it on first use
     #[arg(long, value_name = "NAME", default_value = "Ngc")]
     pub(crate) tag: String,
 }
@@ -74,13 +74,13 @@ pub(crate) struct Plot {
     /// Mark the instructions of these events
     #[arg(long, value_name = "FILE.jsonl")]
     pub(crate) events: Option<PathBuf>,
-    /// The axes, the first two or three with their path; those that move unless given
+    /// The axes, the first two or three with their path; by default those that move
     #[arg(long, value_name = "AXIS", value_delimiter = ',')]
     pub(crate) axes: Vec<String>,
     /// A title
     #[arg(long, value_name = "TEXT", default_value = "")]
     pub(crate) title: String,
-    /// PNG: pixels for each of the picture's own 960 by 596
+    /// PNG: scale of the picture, which is 960 by 596 pixels at 1
     #[arg(long, value_name = "FACTOR", default_value = "2")]
     pub(crate) scale: f32,
 }

@@ -18,10 +18,10 @@ pub(crate) struct Exec {
 pub(crate) struct Run {
     /// The program
     pub(crate) file: String,
-    /// What a coordinated move does when the queue is full
+    /// Reaction of a coordinated move to a full queue
     #[arg(long, value_enum, default_value = "wait")]
     pub(crate) queue_full: QueueFullWord,
-    /// Go on when an instruction errs
+    /// Continue when an instruction errs
     #[arg(long)]
     pub(crate) keep_going: bool,
     #[command(flatten)]

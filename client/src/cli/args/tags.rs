@@ -18,7 +18,7 @@ pub(crate) struct Tags {
 /// A change of the server's tags.
 #[derive(Subcommand, Debug)]
 pub(crate) enum TagsChange {
-    /// Create a plain tag; clients see it as after a download
+    /// Create a plain tag; clients notice it as they notice a download
     #[command(after_help = "Example: arcline tags create Recipe REAL[16] --program Main")]
     Create(CreateTag),
     /// Delete a plain tag
@@ -26,39 +26,39 @@ pub(crate) enum TagsChange {
     Delete(DeleteTag),
 }
 
-/// What is created.
+/// The tag to create.
 #[derive(Args, Debug)]
 pub(crate) struct CreateTag {
-    /// 1 to 40 letters, digits and underscores, no digit first
+    /// The name: 1 to 40 letters, digits and underscores, no digit first
     pub(crate) name: String,
     /// Such as DINT, `REAL[16]`, `DINT[2,3]`, or a structure of the server's configuration
     #[arg(value_name = "TYPE")]
     pub(crate) data_type: String,
-    /// The program in whose scope it is
+    /// The program that has the tag in its scope
     #[arg(long)]
     pub(crate) program: Option<String>,
-    /// Who may write it
+    /// Whether clients may write it
     #[arg(long, value_enum, default_value = "read_write")]
     pub(crate) access: TagAccess,
 }
 
-/// What is deleted.
+/// The tag to delete.
 #[derive(Args, Debug)]
 pub(crate) struct DeleteTag {
     /// The tag
     pub(crate) name: String,
-    /// The program in whose scope it is
+    /// The program that has the tag in its scope
     #[arg(long)]
     pub(crate) program: Option<String>,
 }
 
-/// Who may write a tag.
+/// The access of clients to a tag.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum TagAccess {
-    /// Clients too
+    /// Clients read and write it
     #[value(name = "read_write")]
     ReadWrite,
-    /// Nobody
+    /// Clients read it
     #[value(name = "read_only")]
     ReadOnly,
 }

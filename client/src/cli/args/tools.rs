@@ -10,15 +10,15 @@ use arcline_instruction_set::FAULTS;
 
 #[derive(Args, Debug)]
 pub(crate) struct Explain {
-    /// ERR, or ERR/EXERR, a fault of an axis, or a tag whose newest error is to be explained
+    /// ERR or ERR/EXERR, a fault of an axis, or a tag of an instruction, for its newest error
     #[arg(value_name = "ERR[/EXERR]|FAULT|TAG")]
     pub(crate) what: Subject,
-    /// The instruction that erred: it tells what EXERR counts
+    /// The instruction that erred, which gives EXERR its meaning
     #[arg(value_name = "INSTRUCTION", value_parser = mnemonic)]
     pub(crate) instruction: Option<Mnemonic>,
 }
 
-/// What is explained.
+/// The subject of an explanation.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Subject {
     /// ERR, and EXERR if it was given.
@@ -65,7 +65,7 @@ fn fault_words() -> String {
     words.join(", ")
 }
 
-/// An instruction by its mnemonic, with the nearest one for a slip.
+/// An instruction by its mnemonic; the error of an unknown one suggests the nearest.
 pub(super) fn mnemonic(text: &str) -> Result<Mnemonic, String> {
     text.parse().map_err(|error| {
         let near = nearest(text, Mnemonic::ALL.iter().map(|mnemonic| mnemonic.name()));
@@ -85,7 +85,7 @@ pub(crate) struct Completions {
 
 #[derive(Args, Debug)]
 pub(crate) struct Man {
-    /// Write a page for each command into this folder, which is made; without it the first page is printed
+    /// Write a page for each command into this folder and create it; by default print the first page
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
 }

@@ -12,13 +12,13 @@ use super::values::seconds;
 #[derive(Args, Debug)]
 pub(crate) struct Trace {
     /// Axes (command position, velocity, acceleration, actual position), coordinate systems (path speed and position), or
-    /// single signals such as `X.PositionError`; every axis unless given
+    /// single signals such as `X.PositionError`; by default every axis
     #[arg(value_name = "NAME")]
     pub(crate) names: Vec<String>,
-    /// How long, from the trigger on; otherwise until Ctrl-C
+    /// Duration from the trigger on; by default until Ctrl-C
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     pub(crate) duration: Option<f64>,
-    /// What it is written to
+    /// The file to write
     #[arg(short, long, value_name = "OUT.csv|.mcap")]
     pub(crate) output: PathBuf,
     /// Only every nth tick
