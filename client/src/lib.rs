@@ -1,8 +1,8 @@
 //! Asks an Arcline server, or any Logix-like controller, over EtherNet/IP: tags, motion instructions, discovery.
 //!
 //! Asynchronous, on tokio. Every value that comes from the server is checked before it is believed: a wrong length or
-//! type is an error, and never more is held than [`MAX_BYTES`] of one tag. Not here: what an instruction does, and the
-//! command line (the binary `arcline` of this package).
+//! type is an error, and never more is held than [`MAX_BYTES`] of one tag. Not here: what an instruction does. The
+//! command line, the binary `arcline` of this package, is [`cli`]; the feature of that name leaves it out.
 //!
 //! # Tags
 //!
@@ -37,6 +37,13 @@
 //! # }
 //! ```
 #![forbid(unsafe_code)]
+
+// The command line names this library as any other program does.
+#[cfg(feature = "cli")]
+extern crate self as arcline_client;
+
+#[cfg(feature = "cli")]
+pub mod cli;
 
 mod attribute;
 mod client;

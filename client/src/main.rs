@@ -1,8 +1,6 @@
-//! The command line of Arcline: a thin layer over the client library.
+//! The program `arcline`; see [`arcline_client::cli`].
 #![forbid(unsafe_code)]
 
-mod cli;
-
 fn main() -> std::process::ExitCode {
-    cli::main()
+    arcline_client::cli::main()
 }

@@ -33,3 +33,24 @@ impl Random {
         &choices[self.below(choices.len() as u64) as usize]
     }
 }
+
+/// The seeds of a random property: as many as `ARCLINE_CASES` says from `ARCLINE_SEED` on. Without them `long` seeds from 0 on where
+/// `ARCLINE_LONG` is set, as in `.ci/run campaigns`; a tenth of them in a plain `cargo test`.
+///
+/// # Panics
+/// When a variable is no number.
+#[must_use]
+pub fn seeds(long: u64) -> std::ops::Range<u64> {
+    let number = |name: &str| {
+        std::env::var(name)
+            .ok()
+            .map(|text| text.parse::<u64>().expect("a number"))
+    };
+    let usual = if std::env::var_os("ARCLINE_LONG").is_some() {
+        long
+    } else {
+        long.div_ceil(10)
+    };
+    let first = number("ARCLINE_SEED").unwrap_or(0);
+    first..first + number("ARCLINE_CASES").unwrap_or(usual)
+}

@@ -18,7 +18,7 @@ use arcline_instruction_set::Flag;
 use arcline_kinematics::{OrientedRobot, Pose, Robot, end_of_arm, tool_centre};
 
 use crate::bench::Bench;
-use crate::random::Random;
+use crate::random::{Random, seeds};
 use crate::robots::{
     ARTICULATED, ARTICULATED_DEPENDENT, DELTA, DELTA_2, DELTA_J1J2J3J4J5, DELTA_J1J2J3J6, DELTA_J1J2J6, PLANAR,
     PLANAR_INDEPENDENT, RobotMachine, SCARA, SCARA_DELTA, SCARA_J1J2J3J6, SIX_AXES,
@@ -655,14 +655,12 @@ fn most(place: usize, oriented: bool) -> f64 {
     }
 }
 
-/// Runs programs of a scope: `cases` of them, or as many as `ARCLINE_CASES` says, from the seed in `ARCLINE_SEED` on.
+/// Runs programs of a scope: of `long` seeds as many as [`seeds`] says.
 ///
 /// # Panics
 /// When one fails, with the program.
-pub fn run(scope: &Scope, cases: u64) {
-    let number = |name: &str, otherwise| std::env::var(name).map_or(otherwise, |text| text.parse().expect("a number"));
-    let (first, cases) = (number("ARCLINE_SEED", 0), number("ARCLINE_CASES", cases));
-    for seed in first..first + cases {
+pub fn run(scope: &Scope, long: u64) {
+    for seed in seeds(long) {
         let mut one = RobotProgram::new(seed, scope);
         let result = catch_unwind(AssertUnwindSafe(|| one.play()));
         if result.is_err() {

@@ -169,8 +169,8 @@ fn client_code(error: &ClientError) -> u8 {
     }
 }
 
-/// Parses, runs, tells the outcome.
-pub(crate) fn main() -> ExitCode {
+/// Parses the arguments, runs the command and says its outcome, in print and as the exit code.
+pub fn main() -> ExitCode {
     let matches = args::command().get_matches();
     let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     arguments.server = server(&matches, arguments.server);

@@ -1,5 +1,5 @@
 //! What single stock clients send that others do not, byte by byte, each a test named after its client. Those that
-//! `tests/tests/interop.rs` runs against a whole server are not here.
+//! `tests/system/tests/foreign/interop.rs` runs against a whole server are not here.
 
 use arcline_proto::cip::{join_multiple, split_multiple_replies};
 

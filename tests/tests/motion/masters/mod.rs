@@ -9,7 +9,6 @@ mod contours;
 mod events;
 mod followers;
 mod kinds;
-mod network;
 mod status;
 mod ways;
 

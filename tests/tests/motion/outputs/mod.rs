@@ -2,7 +2,6 @@
 //! (spec/axis-and-data-types.md §5).
 
 mod ends;
-mod network;
 
 use arcline_instruction_set::Flag;
 use arcline_tests::bench::{Bench, OK};

@@ -1,0 +1,232 @@
+//! How fast tags are read over the network, beside a bare echo of the same sizes and the servers of two other projects, all on
+//! this machine and in one run: `cargo bench -p arcline-tests --bench network`. Rounds take turns, so that whatever else the
+//! machine does meets all of them. `-- --test` asks each a few times and measures nothing.
+#![allow(missing_docs)]
+
+use std::io::{BufRead, BufReader, Write as _};
+use std::net::SocketAddr;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use arcline_system_tests::load::{Load, Outcome, Question, read, read_all, serve_echo};
+use arcline_system_tests::python::Python;
+use arcline_system_tests::server::Server;
+
+/// Tags that one Multiple Service Packet reads.
+const TAGS: usize = 100;
+/// The size of class 3 connections, bytes.
+const SIZE: u16 = 500;
+/// The same where 100 replies have to fit.
+const LARGE: u16 = 4000;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    if arguments.get(1).is_some_and(|first| first == "echo") {
+        return serve_echo();
+    }
+    let smoke = arguments.iter().any(|argument| argument == "--test");
+    let (rounds, time) = if smoke {
+        (1, Duration::from_millis(30))
+    } else {
+        (40, Duration::from_millis(250))
+    };
+    let run = Run { rounds, time };
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = start(folder.path());
+    let echo = Other::echo();
+    let mut faults = 0;
+
+    for connections in [1, 32] {
+        let question = Question::Connected(read("Bench"), SIZE);
+        faults += run.beside_echo("one tag", &question, connections, &server, &echo);
+    }
+    let packet = read_all((0..TAGS).map(|number| format!("Bench{number}")));
+    faults += run.beside_echo("100 tags", &Question::Connected(packet, LARGE), 1, &server, &echo);
+
+    for client in ["cm_ethernetip", "cpppo"] {
+        let other = match Python::with(client) {
+            Ok(python) => Other::python(&python, client),
+            Err(why) => {
+                println!("{client}: NOT RUN: {why}");
+                continue;
+            }
+        };
+        for connections in [1, 32] {
+            for question in [
+                Question::Connected(read("Bench"), SIZE),
+                Question::Unconnected(read("Bench")),
+            ] {
+                let outcome = Run {
+                    rounds: run.rounds.min(4),
+                    ..run
+                }
+                .of(&question, connections, other.address);
+                if outcome.errors == 0 {
+                    print(&format!("{client}, one tag"), connections, &outcome);
+                    break;
+                }
+                println!("{client}: {}", outcome.first_error.unwrap_or_default());
+            }
+        }
+    }
+    assert_eq!(faults, 0, "questions that had no right answer");
+}
+
+/// How it is measured.
+#[derive(Clone, Copy)]
+struct Run {
+    rounds: usize,
+    /// Of a round.
+    time: Duration,
+}
+
+impl Run {
+    fn of(self, question: &Question, connections: usize, server: SocketAddr) -> Outcome {
+        let mut all = Outcome::default();
+        for _ in 0..self.rounds {
+            all.add(self.once(question, connections, server));
+        }
+        all
+    }
+
+    fn once(self, question: &Question, connections: usize, server: SocketAddr) -> Outcome {
+        let question = question.clone();
+        Load {
+            server,
+            question,
+            connections,
+            time: self.time,
+            pace: None,
+        }
+        .run()
+    }
+
+    /// Against the server and the echo in turns; how many answers were wrong.
+    fn beside_echo(self, what: &str, question: &Question, connections: usize, server: &Server, echo: &Other) -> usize {
+        let idle = idle(server.process());
+        let (request, reply) = self.once(question, connections, server.address()).sizes;
+        let same = Question::Echo { request, reply };
+        let (mut ours, mut bare) = (Outcome::default(), Outcome::default());
+        let mut ratios = Vec::with_capacity(self.rounds);
+        let mut busy = [Duration::ZERO; 2];
+        for round in 0..self.rounds {
+            let (first, second) = if round % 2 == 0 { (true, false) } else { (false, true) };
+            let mut rates = [0.0; 2];
+            for is_ours in [first, second] {
+                let (asked, address, process) = if is_ours {
+                    (question, server.address(), server.process())
+                } else {
+                    (&same, echo.address, echo.child.id())
+                };
+                let before = processor_time(process);
+                let outcome = self.once(asked, connections, address);
+                busy[usize::from(!is_ours)] += processor_time(process).saturating_sub(before);
+                rates[usize::from(!is_ours)] = outcome.rate();
+                if is_ours { &mut ours } else { &mut bare }.add(outcome);
+            }
+            ratios.push(rates[0] / rates[1]);
+        }
+        ratios.sort_by(f64::total_cmp);
+        print(&format!("Arcline, {what}"), connections, &ours);
+        print(&format!("echo of {request} and {reply} bytes"), connections, &bare);
+        println!(
+            "{:>56} {:.3} of the echo's rate (median of rounds {:.3}), p50 {:+.1} µs, p99 {:.2} times",
+            "",
+            ours.rate() / bare.rate(),
+            ratios[ratios.len() / 2],
+            ours.percentile(0.5) - bare.percentile(0.5),
+            ours.percentile(0.99) / bare.percentile(0.99),
+        );
+        // Of all threads, without what the server does when nobody asks.
+        let each = |busy: Duration, outcome: &Outcome| busy.as_secs_f64() * 1e6 / outcome.times.len().max(1) as f64;
+        let own = busy[0].saturating_sub(ours.elapsed.mul_f64(idle));
+        println!(
+            "{:>56} processor time of an answer: {:.1} µs, the echo's {:.1} µs",
+            "",
+            each(own, &ours),
+            each(busy[1], &bare)
+        );
+        if let Some(why) = ours.first_error {
+            println!("{what}: {why}");
+        }
+        ours.errors + bare.errors
+    }
+}
+
+/// The processor time that a process takes while nobody asks, as a share of one processor.
+fn idle(process: u32) -> f64 {
+    let (began, before) = (Instant::now(), processor_time(process));
+    std::thread::sleep(Duration::from_millis(300));
+    let took = processor_time(process).saturating_sub(before);
+    took.as_secs_f64() / began.elapsed().as_secs_f64()
+}
+
+/// What all threads of a process have run so far.
+fn processor_time(process: u32) -> Duration {
+    let threads = std::fs::read_dir(format!("/proc/{process}/task")).expect("Linux shows it");
+    let time = |thread: std::io::Result<std::fs::DirEntry>| {
+        let text = std::fs::read_to_string(thread.ok()?.path().join("schedstat")).ok()?;
+        text.split_whitespace().next()?.parse::<u64>().ok()
+    };
+    Duration::from_nanos(threads.filter_map(time).sum())
+}
+
+fn print(what: &str, connections: usize, outcome: &Outcome) {
+    println!(
+        "{what:<40} {connections:>3} connections {:>9.0}/s  p50 {:>7.1} µs  p99 {:>7.1} µs  {} errors",
+        outcome.rate(),
+        outcome.percentile(0.5),
+        outcome.percentile(0.99),
+        outcome.errors
+    );
+    let _ = std::io::stdout().flush();
+}
+
+/// Our server on the default machine and tags to read.
+fn start(folder: &std::path::Path) -> Server {
+    let names = std::iter::once("Bench".to_owned()).chain((0..TAGS).map(|number| format!("Bench{number}")));
+    let tags: String = names
+        .map(|name| format!("[[tag]]\nname = \"{name}\"\ntype = \"DINT\"\n"))
+        .collect();
+    let file = folder.join("network.toml");
+    std::fs::write(&file, format!("{}\n{tags}", arcline_config::DEFAULT)).expect("a file");
+    Server::start_on(&file)
+}
+
+/// A server of somebody else, ended when this is dropped.
+struct Other {
+    child: Child,
+    address: SocketAddr,
+}
+
+impl Other {
+    fn echo() -> Self {
+        let this = std::env::current_exe().expect("a running program has a file");
+        Self::start(Command::new(this).arg("echo"))
+    }
+
+    fn python(python: &Python, client: &str) -> Self {
+        let script = arcline_system_tests::fixture("python/servers.py");
+        Self::start(python.command().arg(script).args([client, "Bench"]))
+    }
+
+    fn start(command: &mut Command) -> Self {
+        let mut child = command.stdout(Stdio::piped()).spawn().expect("it was just built");
+        let mut lines = BufReader::new(child.stdout.take().expect("piped")).lines();
+        let address = lines
+            .by_ref()
+            .map_while(Result::ok)
+            .find_map(|line| line.strip_prefix("ready eip=")?.trim().parse().ok());
+        // Whatever else it prints has to go somewhere.
+        std::thread::spawn(move || lines.for_each(drop));
+        let address = address.expect("a ready line");
+        Self { child, address }
+    }
+}
+
+impl Drop for Other {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

@@ -1,0 +1,69 @@
+//! Clients that others have written, unmodified: what each can browse, every type and shape of tag, moves, refusals. The scripts and
+//! the program in `tests/python`, `tests/node` and `tests/libplctag` say what is expected.
+
+use arcline_system_tests::interop::{libplctag, node, python, python_hangs, python_io};
+
+#[test]
+fn cm_ethernetip_works_unmodified() {
+    python("cm_ethernetip", "cm_ethernetip_all.py");
+}
+
+#[test]
+fn the_scanner_of_cm_ethernetip_works_unmodified() {
+    python_io("cm_ethernetip", "cm_ethernetip_io.py");
+}
+
+#[test]
+fn cpppo_works_unmodified() {
+    python("cpppo", "cpppo_all.py");
+}
+
+#[test]
+fn ethernet_ip_works_unmodified() {
+    node("ethernet_ip.js");
+}
+
+#[test]
+fn the_scanner_of_ethernetip_works_unmodified() {
+    python_io("ethernetip", "ethernetip_io.py");
+}
+
+#[test]
+fn libplctag_works_unmodified() {
+    libplctag();
+}
+
+#[test]
+fn pycomm3_works_unmodified() {
+    python("pycomm3", "pycomm3_move.py");
+}
+
+#[test]
+fn pycomm3_reads_and_writes_every_type_and_shape() {
+    python("pycomm3", "pycomm3_tags.py");
+}
+
+#[test]
+fn a_jog_of_pycomm3_that_hangs_stops() {
+    python_hangs("pycomm3", "pycomm3_jog.py");
+}
+
+#[test]
+fn a_jog_of_pylogix_that_hangs_stops() {
+    python_hangs("pylogix", "pylogix_jog.py");
+}
+
+#[test]
+fn pylogix_works_unmodified() {
+    python("pylogix", "pylogix_move.py");
+}
+
+#[test]
+fn pylogix_reads_and_writes_every_type_and_shape() {
+    python("pylogix", "pylogix_tags.py");
+}
+
+#[test]
+fn st_ethernet_ip_works_unmodified() {
+    node("st_ethernet_ip.js");
+}

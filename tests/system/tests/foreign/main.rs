@@ -1,0 +1,10 @@
+//! Programs of others against ours: clients in Python, JavaScript and C, a browser, Wireshark.
+//!
+//! `cargo test --workspace --test foreign`, or `.ci/run foreign`. A program that this machine does not have is said on the terminal;
+//! in CI it is a failure.
+
+mod browser;
+mod guide;
+mod interop;
+mod mcap;
+mod readme;

@@ -1,0 +1,14 @@
+//! The programs as users start them, without anything from outside of the project.
+
+mod cli;
+mod guide;
+mod l5x;
+mod masters;
+mod outputs;
+mod pictures;
+mod readme;
+mod retained_state;
+mod simulate;
+mod startup;
+mod tag_table;
+mod update_periods;

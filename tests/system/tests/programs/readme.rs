@@ -1,0 +1,56 @@
+//! The README's tour of the command line, run as it stands: what it shows is what happens.
+
+use std::time::Duration;
+
+use arcline_instruction_set::Mnemonic;
+use arcline_system_tests::command_line::arcline;
+use arcline_system_tests::eventually;
+use arcline_system_tests::guide::readme_blocks;
+use arcline_system_tests::server::Server;
+
+#[test]
+fn the_tour_with_the_command_line() {
+    let server = Server::start();
+    let mut code = None;
+    let text: String = readme_blocks("console").concat();
+    for part in text.split("$ ").skip(1) {
+        let (line, shown) = part.split_once('\n').expect("a command ends its line");
+        let arguments = shlex::split(line).expect("quotes end");
+        match arguments[0].as_str() {
+            "arcline" => {
+                let arguments: Vec<&str> = arguments[1..].iter().map(String::as_str).collect();
+                // A servo settles a moment after its command.
+                code = eventually(line, Duration::from_secs(20), || {
+                    let outcome = arcline(server.address(), &arguments);
+                    let printed = format!("{}{}", outcome.stdout, outcome.stderr);
+                    let settling = arguments.contains(&"status") && printed != shown;
+                    assert!(
+                        settling || printed == shown,
+                        "{line}\nprinted:\n{printed}\nthe README shows:\n{shown}"
+                    );
+                    (!settling).then_some(outcome.code)
+                });
+            }
+            "echo" => assert_eq!(code.map(|code| format!("{code}\n")).as_deref(), Some(shown)),
+            other => panic!("the README starts {other}"),
+        }
+    }
+}
+
+/// The table of groups names every instruction of the catalogue once.
+#[test]
+fn every_instruction_is_in_the_table_of_groups() {
+    let readme = arcline_system_tests::workspace().join("README.md");
+    let text = std::fs::read_to_string(readme).expect("the README can be read");
+    let (_, table) = text
+        .split_once("| group | instructions | status |")
+        .expect("the table is there");
+    let (table, _) = table.split_once("\n\n").expect("the table ends");
+    let cells: Vec<&str> = table.lines().filter_map(|row| row.split('|').nth(2)).collect();
+    let mut named: Vec<&str> = cells.iter().flat_map(|cell| cell.split(',')).map(str::trim).collect();
+    named.retain(|name| name.starts_with('M'));
+    let mut known: Vec<&str> = Mnemonic::ALL.iter().map(|mnemonic| mnemonic.name()).collect();
+    named.sort_unstable();
+    known.sort_unstable();
+    assert_eq!(named, known);
+}

@@ -1,0 +1,221 @@
+//! The dependency rule of ARCHITECTURE.md, held against what Cargo really links.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, PackageId};
+
+/// Every package and the packages that it may name itself; what those may use, it may use too.
+#[rustfmt::skip]
+const MAY_USE: &[(&str, &[&str])] = &[
+    ("arcline-tag",             &[]),
+    ("arcline-geometry",        &[]),
+    ("arcline-kinematics",      &["arcline-geometry", "arcline-profile"]),
+    ("arcline-profile",         &[]),
+    ("arcline-cam",             &[]),
+    ("arcline-contour",         &["arcline-geometry", "arcline-profile"]),
+    ("arcline-drive",           &["arcline-profile", "arcline-instruction-set"]),
+    ("arcline-proto",           &["arcline-tag"]),
+    ("arcline-instruction-set", &["arcline-tag"]),
+    ("arcline-structured-text", &["arcline-instruction-set", "arcline-tag"]),
+    ("arcline-planner",         &["arcline-geometry", "arcline-profile", "arcline-contour"]),
+    ("arcline-motion",          &["arcline-planner", "arcline-cam", "arcline-kinematics", "arcline-drive",
+                                  "arcline-instruction-set"]),
+    ("arcline-controller",      &["arcline-motion"]),
+    ("arcline-realtime",        &["arcline-controller"]),
+    ("arcline-config",          &["arcline-controller"]),
+    ("arcline-l5x",             &["arcline-config"]),
+    ("arcline-state",           &[]),
+    ("arcline-gcode",           &[]),
+    ("arcline-plot",            &[]),
+    ("arcline-client",          &["arcline-proto", "arcline-structured-text", "arcline-instruction-set", "arcline-tag",
+                                  "arcline-gcode", "arcline-plot"]),
+    ("arcline-server",          &["arcline-realtime", "arcline-controller", "arcline-config", "arcline-l5x", "arcline-state",
+                                  "arcline-proto", "arcline-structured-text"]),
+];
+
+/// Packages below the real-time thread: no thread, clock, file, socket or log.
+const BEFORE_REALTIME: &[&str] = &[
+    "arcline-tag",
+    "arcline-instruction-set",
+    "arcline-structured-text",
+    "arcline-geometry",
+    "arcline-kinematics",
+    "arcline-profile",
+    "arcline-cam",
+    "arcline-contour",
+    "arcline-planner",
+    "arcline-drive",
+    "arcline-motion",
+    "arcline-controller",
+    "arcline-proto",
+    "arcline-gcode",
+];
+
+/// What would give them one.
+const FORBIDDEN_BEFORE_REALTIME: &[&str] = &[
+    "tokio",
+    "tokio-util",
+    "async-std",
+    "smol",
+    "mio",
+    "socket2",
+    "rustix",
+    "nix",
+    "libc",
+    "tracing",
+    "log",
+    "tracing-subscriber",
+    "rand",
+    "chrono",
+    "time",
+    "crossbeam-channel",
+    "parking_lot",
+    "rayon",
+];
+
+fn metadata() -> Metadata {
+    MetadataCommand::new()
+        .manifest_path(arcline_tests::workspace().join("Cargo.toml"))
+        .other_options(["--locked".to_owned()])
+        .exec()
+        .expect("cargo metadata describes the workspace")
+}
+
+/// Names of the normal dependencies of each package that Cargo has resolved.
+fn normal_dependencies(metadata: &Metadata) -> BTreeMap<&PackageId, Vec<&PackageId>> {
+    let resolve = metadata.resolve.as_ref().expect("cargo metadata resolves");
+    resolve
+        .nodes
+        .iter()
+        .map(|node| {
+            let dependencies = node
+                .deps
+                .iter()
+                .filter(|dependency| {
+                    dependency
+                        .dep_kinds
+                        .iter()
+                        .any(|kind| kind.kind == DependencyKind::Normal)
+                })
+                .map(|dependency| &dependency.pkg);
+            (&node.id, dependencies.collect())
+        })
+        .collect()
+}
+
+fn name<'m>(metadata: &'m Metadata, id: &PackageId) -> &'m str {
+    metadata[id].name.as_str()
+}
+
+/// Everything that the table lets a package use.
+fn allowed(package: &str) -> BTreeSet<&'static str> {
+    let (_, direct) = MAY_USE
+        .iter()
+        .find(|(name, _)| *name == package)
+        .unwrap_or_else(|| panic!("{package} has no row in the table of this test"));
+    direct
+        .iter()
+        .flat_map(|name| allowed(name).into_iter().chain([*name]))
+        .collect()
+}
+
+#[test]
+fn arrows_run_one_way() {
+    let metadata = metadata();
+    let dependencies = normal_dependencies(&metadata);
+    for package in metadata.workspace_packages() {
+        let package_name = package.name.as_str();
+        if ["arcline-tests", "arcline-system-tests"].contains(&package_name) {
+            continue;
+        }
+        let allowed = allowed(package_name);
+        for dependency in &dependencies[&package.id] {
+            let dependency = name(&metadata, dependency);
+            assert!(
+                !dependency.starts_with("arcline-") || allowed.contains(dependency),
+                "{package_name} must not use {dependency}: the table allows it {allowed:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_row_of_the_table_is_a_package() {
+    let metadata = metadata();
+    let packages: BTreeSet<_> = metadata
+        .workspace_packages()
+        .iter()
+        .map(|package| package.name.to_string())
+        .collect();
+    for (row, _) in MAY_USE {
+        assert!(
+            packages.contains(*row),
+            "{row} stands in the table but not in the workspace"
+        );
+    }
+}
+
+#[test]
+fn nothing_before_the_real_time_thread_reaches_the_system() {
+    let metadata = metadata();
+    let dependencies = normal_dependencies(&metadata);
+    for package in metadata.workspace_packages() {
+        if !BEFORE_REALTIME.contains(&package.name.as_str()) {
+            continue;
+        }
+        let mut reached = BTreeMap::from([(&package.id, package.name.to_string())]);
+        let mut todo = vec![&package.id];
+        while let Some(next) = todo.pop() {
+            for dependency in &dependencies[next] {
+                if !reached.contains_key(dependency) {
+                    let way = format!("{} -> {}", reached[next], name(&metadata, dependency));
+                    reached.insert(dependency, way);
+                    todo.push(dependency);
+                }
+            }
+        }
+        for (id, way) in reached {
+            let reached = name(&metadata, id);
+            assert!(!FORBIDDEN_BEFORE_REALTIME.contains(&reached), "{}: {way}", package.name);
+        }
+    }
+}
+
+#[test]
+fn every_dependency_has_its_reason() {
+    let metadata = metadata();
+    let text = std::fs::read_to_string(arcline_tests::workspace().join("docs/DEPENDENCIES.md"))
+        .expect("docs/DEPENDENCIES.md can be read");
+    let listed: BTreeSet<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `")?.split('`').next())
+        .collect();
+    let packages = metadata.workspace_packages();
+    let named: BTreeSet<&str> = packages
+        .iter()
+        .flat_map(|package| package.dependencies.iter())
+        .map(|dependency| dependency.name.as_str())
+        .filter(|name| !name.starts_with("arcline-"))
+        .collect();
+    let without_reason: Vec<_> = named.difference(&listed).collect();
+    let unused: Vec<_> = listed.difference(&named).collect();
+    assert!(
+        without_reason.is_empty(),
+        "docs/DEPENDENCIES.md gives no reason for {without_reason:?}"
+    );
+    assert!(
+        unused.is_empty(),
+        "docs/DEPENDENCIES.md lists {unused:?}, which no package uses"
+    );
+}
+
+#[test]
+fn properties_take_the_same_cases_in_every_run() {
+    let seed = std::env::var("PROPTEST_RNG_SEED")
+        .ok()
+        .and_then(|seed| seed.parse::<u64>().ok());
+    assert!(
+        seed.is_some(),
+        "cargo sets PROPTEST_RNG_SEED from .cargo/config.toml for every test that it starts"
+    );
+}

@@ -1,0 +1,4 @@
+//! Rules for the repository itself: which crate may use which, and that what code cites is there.
+
+mod architecture;
+mod specification;
