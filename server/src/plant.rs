@@ -8,10 +8,16 @@
 //! Reads wait for no lock: they see the tag memory as it was published when the lock was last let go. The first read of a
 //! tick refreshes it; one that comes while somebody else does that, or writes, sees the memory before.
 
+mod apply;
+mod command;
+pub(crate) mod control;
+mod counters;
 mod io;
 mod log;
 mod moves;
 mod owned;
+mod policy;
+mod principal;
 mod records;
 mod reload;
 mod state;
@@ -23,20 +29,27 @@ use std::time::{Duration, SystemTime};
 
 use arc_swap::ArcSwap;
 use arcline_config::{ConnectionLoss, Project, ServerConfig};
-use arcline_controller::image::{ControlError, Edge, Health, Image};
+use arcline_controller::image::{ControlError, Health, Image};
 use arcline_controller::machine::Machine;
-use arcline_controller::{Cause, Ticket, UNNAMED};
+use arcline_controller::{Cause, Ticket};
 use arcline_instruction_set::predefined::motion_status;
-use arcline_instruction_set::{BindError, Ending, Given, Mnemonic, MotionControl, bind};
+use arcline_instruction_set::{BindError, Ending, MotionControl};
 use arcline_realtime::{Handle, Link, Meter, Options, SpawnError, Stops};
 use tokio::sync::Notify;
 
 use crate::guard::Guard;
-use crate::retained::{NotKept, Watch, WhenKept};
+use crate::retained::Watch;
 use crate::trace::Trace;
+pub use apply::{Pending, Transaction};
+pub use command::{Call, Command, Outcome, Refused, Systems};
+use control::Control;
+use counters::Counters;
+pub use counters::{Count, Counter};
 pub use log::{Change, Logged};
 pub use moves::{LiveMove, LiveMoves};
-pub use owned::{Lost, Owner};
+pub use owned::Lost;
+pub use principal::Principal;
+pub(crate) use records::Executions;
 use records::instance_of;
 pub use reload::ReloadError;
 use state::{OUTSTANDING, Published, State, may_run};
@@ -63,16 +76,6 @@ pub struct Ended {
     pub time: f64,
     /// When, by the system's clock.
     pub at: SystemTime,
-}
-
-/// What a write brought about, for [`Plant::fire`].
-#[derive(Debug, Default)]
-#[must_use = "what was written has no effect on the controller yet, and may not be kept"]
-pub struct Written {
-    /// What the controller is to know of, in order.
-    edges: Vec<Edge>,
-    /// Tells when it is kept; `None`: nothing of it is kept over a restart.
-    kept: Option<WhenKept>,
 }
 
 /// Why an instruction was not executed. Motion errors are not here: they are in [`Executed`].
@@ -103,6 +106,9 @@ pub(crate) struct Shared {
     /// Stops that no lock and no command is ahead of.
     stops: Stops,
     guard: Guard,
+    /// What viewers of the page have control of.
+    control: Mutex<Control>,
+    counters: Counters,
     /// Something was sent: the pump looks sooner.
     sent: Notify,
 }
@@ -162,6 +168,8 @@ impl Plant {
             trace,
             stops,
             guard,
+            control: Mutex::default(),
+            counters: Counters::default(),
             sent: Notify::new(),
         }))
     }
@@ -207,68 +215,6 @@ impl Plant {
         read(&published.image.load())
     }
 
-    /// Writes tags. What the closure gives as edges and what comes of the write besides is for [`Plant::fire`].
-    pub fn write<R>(&self, write: impl FnOnce(&mut Image, &mut Vec<Edge>) -> R) -> (R, Written) {
-        let mut state = self.0.lock();
-        state.refresh();
-        let room = state.room();
-        state.image_mut().set_call_room(room);
-        let mut edges = Vec::new();
-        let result = write(state.image_mut(), &mut edges);
-        // Sent under the lock: kept in the order in which it was written.
-        let kept = state.keep();
-        (result, Written { edges, kept })
-    }
-
-    /// Sends what writes brought about, and waits until it is kept. Executes the instruction tags whose `EnableIn` rose,
-    /// with the operands they hold now, in order, and waits until each shows DN or ER, at most [`ANSWER_WITHIN`]. Those
-    /// whose `EnableIn` fell have a false rung.
-    ///
-    /// # Errors
-    /// [`NotKept`]: plain tags have what was written to them, but may not have it after a restart.
-    pub async fn fire(&self, written: Written) -> Result<(), NotKept> {
-        self.fire_for(None, written).await
-    }
-
-    /// The same for an owner, who has begun what comes of it.
-    ///
-    /// # Errors
-    /// As [`Self::fire`].
-    pub async fn fire_for(&self, owner: Option<Owner>, written: Written) -> Result<(), NotKept> {
-        let Written { edges, kept } = written;
-        self.execute(owner, edges).await;
-        match kept {
-            None => Ok(()),
-            Some(kept) => match tokio::time::timeout(ANSWER_WITHIN, kept).await {
-                Ok(Ok(kept)) => kept,
-                Ok(Err(_)) | Err(_) => Err(NotKept),
-            },
-        }
-    }
-
-    async fn execute(&self, owner: Option<Owner>, edges: Vec<Edge>) {
-        if edges.is_empty() {
-            return;
-        }
-        let mut answers = Vec::new();
-        {
-            let mut state = self.0.lock();
-            for edge in edges {
-                answers.extend(state.edge(owner, edge));
-            }
-        }
-        self.0.sent.notify_one();
-        let all = async {
-            for answer in answers {
-                // The sender goes only with the plant.
-                let _ = answer.await;
-            }
-        };
-        if tokio::time::timeout(ANSWER_WITHIN, all).await.is_err() {
-            tracing::warn!("the controller did not answer a written EnableIn in time");
-        }
-    }
-
     /// Sends the axes as they are after the real-time thread has stopped them, to be kept.
     pub(crate) fn keep_at_the_end(&self) {
         let mut state = self.0.lock();
@@ -279,97 +225,35 @@ impl Plant {
         }
     }
 
-    /// Executes an instruction and waits until its tag shows DN, ER, or that it is in process (MAH, whose DN is its end).
-    ///
-    /// `given` are the operands behind target and motion control. A motion control tag that is not there is made.
-    ///
-    /// # Errors
-    /// See [`CallRefused`]; nothing was executed then, but for [`CallRefused::NoAnswer`].
-    pub async fn call(
-        &self,
-        mnemonic: Mnemonic,
-        target: Option<u16>,
-        control: Option<&str>,
-        given: &[Given],
-    ) -> Result<Executed, CallRefused> {
-        self.call_with(None, mnemonic, target, control, given, |_| {}).await
-    }
-
-    /// The same for an owner, who has begun what comes of it.
-    ///
-    /// # Errors
-    /// As [`Self::call`].
-    pub async fn call_for(
-        &self,
-        owner: Owner,
-        mnemonic: Mnemonic,
-        target: Option<u16>,
-        control: Option<&str>,
-        given: &[Given],
-    ) -> Result<Executed, CallRefused> {
-        self.call_with(Some(owner), mnemonic, target, control, given, |_| {})
-            .await
-    }
-
-    /// The same as [`Plant::call_for`]; `tell` is told its instance before anything has happened.
-    ///
-    /// # Errors
-    /// As [`Plant::call`].
-    pub(crate) async fn call_told(
-        &self,
-        owner: Owner,
-        mnemonic: Mnemonic,
-        target: Option<u16>,
-        control: Option<&str>,
-        given: &[Given],
-        tell: impl FnOnce(u32),
-    ) -> Result<Executed, CallRefused> {
-        self.call_with(Some(owner), mnemonic, target, control, given, tell)
-            .await
-    }
-
-    async fn call_with(
-        &self,
-        owner: Option<Owner>,
-        mnemonic: Mnemonic,
-        target: Option<u16>,
-        control: Option<&str>,
-        given: &[Given],
-        tell: impl FnOnce(u32),
-    ) -> Result<Executed, CallRefused> {
-        let (ticket, answer) = {
-            let mut state = self.0.lock();
-            if !state.has_room(mnemonic) {
-                return Err(CallRefused::Busy);
-            }
-            // Bound before the tag is made: what is refused leaves nothing behind.
-            let mut call = bind(mnemonic, target, UNNAMED, given, state.image())?;
-            if let Some(name) = control {
-                call.control = state.image_mut().control_slot(name)?;
-            }
-            let (ticket, answer) = state.send_for(owner, call);
-            tell(instance_of(ticket));
-            (ticket, answer)
-        };
-        self.0.sent.notify_one();
-        if tokio::time::timeout(ANSWER_WITHIN, answer).await.is_err() {
-            self.0.lock().waiting.remove(&ticket);
-            return Err(CallRefused::NoAnswer);
+    /// A principal is lost: what it began and what still runs of that is stopped, held or goes on.
+    pub fn lose(&self, lost: Principal, reaction: ConnectionLoss) -> Lost {
+        let command = Command::Lose { lost, reaction };
+        // Nobody waits for the stops.
+        match self
+            .transact(Principal::Server, |transaction| transaction.apply(command))
+            .0
+        {
+            Ok(Outcome::Lost(lost)) => lost,
+            Ok(_) | Err(_) => Lost::default(),
         }
-        let instance = instance_of(ticket);
-        let control = self.instruction_instance(instance).ok_or(CallRefused::NoAnswer)?;
-        Ok(Executed { instance, control })
     }
 
-    /// An owner is lost: what it began and what still runs of that is stopped, held or goes on.
-    pub fn lose(&self, owner: Owner, reaction: ConnectionLoss) -> Lost {
-        let lost = {
-            let mut state = self.0.lock();
-            state.refresh();
-            state.lose(owner, reaction)
-        };
-        self.0.sent.notify_one();
-        lost
+    /// A principal has closed its connection in order: what it began goes on without an owner.
+    pub fn disown(&self, principal: Principal) {
+        // It cannot be refused, and nothing is waited for.
+        drop(self.transact(Principal::Server, |transaction| {
+            transaction.apply(Command::Disown(principal))
+        }));
+    }
+
+    /// What viewers of the page have control of.
+    pub(crate) fn control(&self) -> MutexGuard<'_, Control> {
+        self.0.control()
+    }
+
+    /// How many commands of a kind there were.
+    pub fn count(&self, counter: Counter) -> Count {
+        self.0.counters.of(counter)
     }
 
     /// Looks at executions, but does not wait for the lock. The first argument tells whether a jog of
@@ -394,14 +278,8 @@ impl Plant {
         Some(look(&runs))
     }
 
-    /// An owner has closed its connection in order: what it began goes on as if nobody had.
-    pub fn release(&self, owner: Owner) {
-        self.0.guard.forget(owner);
-        self.0.lock().owned.forget(owner);
-    }
-
-    /// Who has begun something in a session.
-    pub fn owners(&self, session: u64) -> Vec<Owner> {
+    /// The principals of a session that have begun something.
+    pub fn owners(&self, session: u64) -> Vec<Principal> {
         self.0.lock().owned.of_session(session)
     }
 
@@ -447,6 +325,11 @@ impl Shared {
             state: self.state.lock().unwrap_or_else(PoisonError::into_inner),
             published: &self.published,
         }
+    }
+
+    /// Taken behind the lock of the state, never before it.
+    fn control(&self) -> MutexGuard<'_, Control> {
+        self.control.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// `None`: somebody has it.

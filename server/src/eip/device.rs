@@ -18,7 +18,7 @@ use super::adapter::Adapters;
 use super::io::{Exchange, Io};
 use super::limiter::{ClientLimiter, Limits};
 use crate::guard::Face;
-use crate::plant::{Owner, Plant};
+use crate::plant::{Plant, Principal};
 
 /// Settings of the EtherNet/IP face (spec/ethernet-ip.md §18).
 #[derive(Clone, Debug)]
@@ -100,7 +100,7 @@ pub(crate) struct Device {
     /// Sessions that there ever were.
     sessions: AtomicU64,
     /// What connections have said is to become of their motion.
-    losses: Mutex<BTreeMap<Owner, ConnectionLoss>>,
+    losses: Mutex<BTreeMap<Principal, ConnectionLoss>>,
     /// µs that a client has moved the wall clock by; the host's own clock is never set.
     clock_offset: AtomicI64,
     /// Whether a client has set daylight saving.
@@ -180,13 +180,13 @@ impl Device {
     }
 
     /// What becomes of the motion of an owner when it is lost.
-    pub(crate) fn loss(&self, owner: Owner) -> ConnectionLoss {
+    pub(crate) fn loss(&self, owner: Principal) -> ConnectionLoss {
         let own = self.lock_losses().get(&owner).copied();
         own.unwrap_or(self.settings.connection_loss)
     }
 
     /// An owner says what is to become of its motion; `None`: as it is configured.
-    pub(crate) fn set_loss(&self, owner: Owner, loss: Option<ConnectionLoss>) {
+    pub(crate) fn set_loss(&self, owner: Principal, loss: Option<ConnectionLoss>) {
         match loss {
             Some(loss) => self.lock_losses().insert(owner, loss),
             None => self.lock_losses().remove(&owner),
@@ -194,21 +194,22 @@ impl Device {
     }
 
     /// A connection, or a session with all of its, is lost: its motion is stopped, held or goes on.
-    pub(crate) fn lose(&self, owner: Owner) {
+    pub(crate) fn lose(&self, owner: Principal) {
         let loss = self.loss(owner);
         self.set_loss(owner, None);
         let lost = self.plant.lose(owner, loss);
         if !lost.is_empty() {
-            let client = self.plant.guard().name_of(owner.session);
+            let client = owner.session().map(|session| self.plant.guard().name_of(session));
+            let client = client.unwrap_or_default();
             let motion = lost.names(self.plant.machine());
             warn!(%client, reaction = loss.word(), %motion, "a connection is lost, and motion that it began");
         }
     }
 
     /// A connection was closed in order.
-    pub(crate) fn release(&self, owner: Owner) {
+    pub(crate) fn release(&self, owner: Principal) {
         self.set_loss(owner, None);
-        self.plant.release(owner);
+        self.plant.disown(owner);
     }
 
     /// A session has ended, in order or not.
@@ -220,7 +221,7 @@ impl Device {
                 self.lose(owner);
             }
         }
-        self.lock_losses().retain(|owner, _| owner.session != session);
+        self.lock_losses().retain(|owner, _| owner.session() != Some(session));
     }
 
     /// µs since 1970-01-01 UTC, as clients have set it.
@@ -245,7 +246,7 @@ impl Device {
         self.daylight_saving.store(on, Ordering::Relaxed);
     }
 
-    fn lock_losses(&self) -> MutexGuard<'_, BTreeMap<Owner, ConnectionLoss>> {
+    fn lock_losses(&self) -> MutexGuard<'_, BTreeMap<Principal, ConnectionLoss>> {
         self.losses.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -255,7 +256,7 @@ impl Device {
 }
 
 impl Face for Device {
-    fn keeps_jogs(&self, owner: Owner) -> bool {
+    fn keeps_jogs(&self, owner: Principal) -> bool {
         self.loss(owner) == ConnectionLoss::Finish
     }
 

@@ -7,7 +7,7 @@ use std::net::SocketAddrV4;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use arcline_controller::image::{Edge, Image};
+use arcline_controller::image::Image;
 use arcline_proto::cip::{self, CipStatus, MultipleReplies, REPLY_HEAD, Reply, Request, class, service};
 use arcline_proto::epath::{Segment, Target};
 use arcline_proto::session::Transport;
@@ -17,7 +17,7 @@ use super::adapter::Adapter;
 use super::device::Device;
 use super::objects::motion::{self, MotionRequest};
 use super::{objects, tags};
-use crate::plant::Owner;
+use crate::plant::{Principal, Transaction};
 use crate::retained::NotKept;
 
 /// How long a packet of requests is worked on before others have their turn.
@@ -41,8 +41,8 @@ pub(crate) struct Context<'a> {
     pub(crate) budget: usize,
     /// What the message came on.
     pub(crate) transport: Transport,
-    /// Who has begun what comes of it.
-    pub(crate) owner: Owner,
+    /// Who asks, and owns the motion that begins.
+    pub(crate) principal: Principal,
 }
 
 impl Context<'_> {
@@ -53,19 +53,19 @@ impl Context<'_> {
 }
 
 /// The tag memory as one message sees it.
-pub(crate) enum Memory<'a> {
+pub(crate) enum Memory<'a, 't> {
     /// Nothing is written.
     Read(&'a Image),
-    /// Writes, and the edges that they made.
-    Write(&'a mut Image, &'a mut Vec<Edge>),
+    /// Something may be written.
+    Write(&'a mut Transaction<'t>),
 }
 
-impl Memory<'_> {
+impl Memory<'_, '_> {
     /// For reading.
     pub(crate) fn image(&self) -> &Image {
         match self {
             Self::Read(image) => image,
-            Self::Write(image, _) => image,
+            Self::Write(transaction) => transaction.image(),
         }
     }
 }
@@ -116,7 +116,7 @@ impl Router {
         let context = self.context(budget, transport);
         let mut step = None;
         let kept = self
-            .with_memory(context.owner, may_write(request), |memory| {
+            .with_memory(context.principal, may_write(request), |memory| {
                 step = Some(answer(&context, memory, request))
             })
             .await;
@@ -129,7 +129,7 @@ impl Router {
     async fn finish(&self, step: Step<'_>, context: &Context<'_>) -> Reply {
         match step {
             Step::Done(reply) => reply,
-            Step::Motion(motion) => motion.execute(&self.device.plant, context.owner).await,
+            Step::Motion(motion) => motion.execute(&self.device.plant, context.principal).await,
             Step::Late(request, target) => objects::serve_late(context, request, &target),
         }
     }
@@ -154,7 +154,7 @@ impl Router {
         let at_once = late == 0 && !writes;
         let mut steps = Vec::with_capacity(if at_once { 0 } else { requests.len() });
         let kept = self
-            .with_memory(self.context(room, transport).owner, writes, |memory| {
+            .with_memory(self.context(room, transport).principal, writes, |memory| {
                 for request in &requests {
                     let context = self.context(room, transport);
                     let step = match request {
@@ -190,19 +190,22 @@ impl Router {
         replies.finish()
     }
 
-    /// Runs `work` on the tag memory, for writing only if it may write, then executes the edges it made.
+    /// Runs `work` on the tag memory, for writing only if it may write, and waits for what it began.
     ///
     /// # Errors
     /// The tags have what was written, but may not have it after a restart.
-    async fn with_memory(&self, owner: Owner, writes: bool, work: impl FnOnce(&mut Memory<'_>)) -> Result<(), NotKept> {
+    async fn with_memory(
+        &self,
+        principal: Principal,
+        writes: bool,
+        work: impl FnOnce(&mut Memory<'_, '_>),
+    ) -> Result<(), NotKept> {
+        let plant = &self.device.plant;
         if writes {
-            let ((), written) = self
-                .device
-                .plant
-                .write(|image, edges| work(&mut Memory::Write(image, edges)));
-            self.device.plant.fire_for(Some(owner), written).await
+            let ((), pending) = plant.transact(principal, |transaction| work(&mut Memory::Write(transaction)));
+            plant.kept(pending).await
         } else {
-            self.device.plant.with_image(|image| work(&mut Memory::Read(image)));
+            plant.with_image(|image| work(&mut Memory::Read(image)));
             Ok(())
         }
     }
@@ -213,7 +216,7 @@ impl Router {
             local: self.local,
             budget,
             transport,
-            owner: Owner {
+            principal: Principal::Client {
                 session: self.session,
                 connection: match transport {
                     Transport::Unconnected => 0,
@@ -241,7 +244,7 @@ fn is_late(request: &Request) -> bool {
 }
 
 /// Answers one request that is no packet of requests.
-fn answer<'r>(context: &Context<'_>, memory: &mut Memory<'_>, request: &'r Request) -> Step<'r> {
+fn answer<'r>(context: &Context<'_>, memory: &mut Memory<'_, '_>, request: &'r Request) -> Step<'r> {
     let refuse = |status| Step::Done(Reply::error(request.service, status));
     let target = match Target::new(&request.path) {
         Ok(target) => target,

@@ -10,7 +10,7 @@ use arcline_proto::identity::Identity;
 use arcline_proto::session::{ConnectionEnd, Host, IoOpen, IoOpened};
 
 use super::device::Device;
-use crate::plant::Owner;
+use crate::plant::Principal;
 
 /// The device, for the session of one TCP connection.
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ impl Host for SessionHost {
     }
 
     fn connection_ended(&mut self, id: ConnectionId, how: ConnectionEnd) {
-        let owner = Owner {
+        let owner = Principal::Client {
             session: self.session,
             connection: id.0,
         };

@@ -5,15 +5,16 @@
 
 use std::borrow::Cow;
 
-use arcline_controller::image::{Edge, Image, ReadError, TagId, WriteError};
+use arcline_controller::image::{Image, ReadError, TagId, WriteError};
 use arcline_proto::cip::{CipStatus, Reply, Request, service};
 use arcline_proto::epath::Target;
 use arcline_proto::logix::{ReadModifyWrite, ReadTag, WireType, WriteTag};
 use arcline_proto::status::general_error;
 use arcline_tag::{DataType, Elementary, Location, PathError, clamp_strings};
 
-use super::objects::symbol;
+use super::objects::{motion, symbol};
 use super::router::{Context, Memory};
+use crate::plant::{Command, Outcome, Refused, Transaction};
 
 /// 0x05 with the word 0x0000: what every client takes for "no such tag".
 pub(crate) fn unknown() -> CipStatus {
@@ -34,7 +35,12 @@ pub(crate) const fn is_write(code: u8) -> bool {
 }
 
 /// Answers a tag service whose path names a tag, or its instance of class 0x6B.
-pub(crate) fn serve(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request, target: &Target<'_>) -> Reply {
+pub(crate) fn serve(
+    context: &Context<'_>,
+    memory: &mut Memory<'_, '_>,
+    request: &Request,
+    target: &Target<'_>,
+) -> Reply {
     if target.class.is_none() && target.attribute.is_some() {
         return Reply::error(request.service, CipStatus::PATH_SEGMENT_ERROR.with(0));
     }
@@ -56,14 +62,14 @@ pub(crate) fn serve(context: &Context<'_>, memory: &mut Memory<'_>, request: &Re
                 |read| place.read(code, memory.image(), read, context.budget),
             );
         }
-        (service::WRITE_TAG, Memory::Write(image, edges)) => {
-            WriteTag::decode(&request.data).and_then(|write| place.write(image, edges, &write, Extent::Whole))
+        (service::WRITE_TAG, Memory::Write(transaction)) => {
+            WriteTag::decode(&request.data).and_then(|write| place.write(transaction, &write, Extent::Whole))
         }
-        (service::WRITE_TAG_FRAGMENTED, Memory::Write(image, edges)) => {
-            WriteTag::decode_fragmented(&request.data).and_then(|write| place.write(image, edges, &write, Extent::Part))
+        (service::WRITE_TAG_FRAGMENTED, Memory::Write(transaction)) => {
+            WriteTag::decode_fragmented(&request.data).and_then(|write| place.write(transaction, &write, Extent::Part))
         }
-        (service::READ_MODIFY_WRITE_TAG, Memory::Write(image, edges)) => {
-            ReadModifyWrite::decode(&request.data).and_then(|masks| place.modify(image, edges, masks))
+        (service::READ_MODIFY_WRITE_TAG, Memory::Write(transaction)) => {
+            ReadModifyWrite::decode(&request.data).and_then(|masks| place.modify(transaction, masks))
         }
         _ => Err(CipStatus::SERVICE_NOT_SUPPORTED),
     };
@@ -167,13 +173,7 @@ impl Place {
         Ok(bytes.into())
     }
 
-    fn write(
-        &self,
-        image: &mut Image,
-        edges: &mut Vec<Edge>,
-        write: &WriteTag,
-        extent: Extent,
-    ) -> Result<(), CipStatus> {
+    fn write(&self, transaction: &mut Transaction<'_>, write: &WriteTag, extent: Extent) -> Result<(), CipStatus> {
         if write.data_type != self.wire_type() {
             return Err(CipStatus::GENERAL_ERROR.with(general_error::TYPE_MISMATCH));
         }
@@ -188,19 +188,24 @@ impl Place {
         };
         let data = write.data.get(..wanted).ok_or(CipStatus::NOT_ENOUGH_DATA)?;
         let is_bool = write.data_type == Elementary::Bool.into();
-        let edge = match (self.location.bit, data) {
-            (Some(bit), [value, ..]) => image.write_bit(self.tag, self.location.offset, bit, *value != 0),
-            _ if is_bool => {
-                let values: Vec<u8> = data.iter().map(|value| u8::from(*value != 0)).collect();
-                image.write(self.tag, self.location.offset + start, &values)
+        let (tag, offset) = (self.tag, self.location.offset);
+        let values: Vec<u8>;
+        let command = match (self.location.bit, data) {
+            (Some(bit), [value, ..]) => {
+                let on = *value != 0;
+                Command::WriteBit { tag, offset, bit, on }
             }
-            _ => image.write(self.tag, self.location.offset + start, data),
+            (_, data) => {
+                let offset = offset + start;
+                values = data.iter().map(|value| u8::from(*value != 0)).collect();
+                let data = if is_bool { values.as_slice() } else { data };
+                Command::WriteTag { tag, offset, data }
+            }
         };
-        edges.extend(edge.map_err(|error| write_status(&error))?);
-        Ok(())
+        done(transaction.apply(command))
     }
 
-    fn modify(&self, image: &mut Image, edges: &mut Vec<Edge>, masks: ReadModifyWrite) -> Result<(), CipStatus> {
+    fn modify(&self, transaction: &mut Transaction<'_>, masks: ReadModifyWrite) -> Result<(), CipStatus> {
         match self.location {
             Location {
                 data_type: DataType::Elementary(kind),
@@ -209,13 +214,13 @@ impl Place {
             } if kind.has_bits() => {}
             _ => return Err(CipStatus::GENERAL_ERROR.with(general_error::TYPE_MISMATCH)),
         }
-        let mut integer = self.bytes(image, 1)?.into_owned();
+        let mut integer = self.bytes(transaction.image(), 1)?.into_owned();
         masks.apply(&mut integer)?;
-        let edge = image
-            .write(self.tag, self.location.offset, &integer)
-            .map_err(|error| write_status(&error))?;
-        edges.extend(edge);
-        Ok(())
+        done(transaction.apply(Command::WriteTag {
+            tag: self.tag,
+            offset: self.location.offset,
+            data: &integer,
+        }))
     }
 }
 
@@ -224,6 +229,22 @@ fn path_status(error: &PathError) -> CipStatus {
     match error {
         PathError::IndexOutOfRange { .. } => CipStatus::GENERAL_ERROR.with(general_error::ELEMENTS_BEYOND_TAG),
         _ => unknown(),
+    }
+}
+
+/// The status for what became of a write.
+fn done(outcome: Result<Outcome, Refused>) -> Result<(), CipStatus> {
+    outcome.map(drop).map_err(|refused| refusal(&refused))
+}
+
+/// The status for a command that is refused.
+pub(crate) fn refusal(refused: &Refused) -> CipStatus {
+    match refused {
+        Refused::Write(error) => write_status(error),
+        Refused::Table(error) => symbol::table_status(error),
+        Refused::Call(error) => motion::refusal(error),
+        Refused::NoControl { .. } => CipStatus::PRIVILEGE_VIOLATION,
+        Refused::NotKept(_) => CipStatus::STORE_FAILURE,
     }
 }
 

@@ -5,7 +5,7 @@
 //! same thread the page's viewers are read, for their STOP. What runs on it must be short.
 //!
 //! A stop of a jog is one at the axis's full deceleration, whatever was programmed; the guard asks for it again until the axis stands.
-//! Not here: which messages of a page stop (`hmi`), and what becomes of motion that is no jog (`plant::Owner`).
+//! Not here: which messages of a page stop (`hmi`), and what becomes of motion that is no jog (`plant::Principal`).
 
 mod table;
 mod watch;
@@ -26,7 +26,7 @@ use tokio_util::sync::CancellationToken;
 use tracing::{debug, warn};
 
 use self::table::{Jog, Seen, Table};
-use crate::plant::{Owner, Plant};
+use crate::plant::{Plant, Principal};
 
 /// Without a sign of life for so long, a jog that is held by a button is stopped.
 pub(crate) const KEEP_WITHIN: Duration = Duration::from_millis(150);
@@ -35,8 +35,6 @@ const LOOK: Duration = Duration::from_millis(10);
 
 /// Sessions from this number on are viewers of the page.
 pub(crate) const VIEWERS: u64 = 1 << 63;
-/// The connection of a viewer's jogs that are held by a button.
-pub(crate) const HELD: u32 = 1;
 
 /// The guard. Clones are the same one.
 #[derive(Clone, Debug)]
@@ -67,7 +65,7 @@ struct Client {
 /// What a guard asks and tells where its clients came in.
 pub(crate) trait Face: Send + Sync + std::fmt::Debug {
     /// Whether jogs go on when their owner is lost or silent.
-    fn keeps_jogs(&self, owner: Owner) -> bool;
+    fn keeps_jogs(&self, owner: Principal) -> bool;
     /// The socket of a client has closed without a word; its jogs are stopped already.
     fn lost(&self, session: u64);
 }
@@ -182,11 +180,12 @@ impl Guard {
     }
 
     /// A MAJ of an owner was sent. `runs`: whether a ticket may still run.
-    pub(crate) fn begin(&self, owner: Owner, axis: u16, ticket: Ticket, runs: impl Fn(Ticket) -> bool) {
-        let held = owner.session >= VIEWERS && owner.connection == HELD;
+    pub(crate) fn begin(&self, owner: Principal, axis: u16, ticket: Ticket, runs: impl Fn(Ticket) -> bool) {
+        let Some(session) = owner.session() else { return };
+        let held = is_button(owner);
         let until = held.then(|| self.now() + KEEP_WITHIN);
         self.table().begin(owner, axis, ticket, until, runs);
-        if let Some(client) = self.clients().get(&owner.session)
+        if let Some(client) = self.clients().get(&session)
             && client.watched.is_none()
         {
             client.signs.0.wanted.store(true, Ordering::Release);
@@ -228,7 +227,7 @@ impl Guard {
     /// `grace`. `false`: there is no such jog.
     pub(crate) fn release(&self, session: u64, axis: u16, grace: Duration) -> bool {
         let from = self.now() + grace;
-        let is_held = |jog: &Jog| jog.owner.session == session && jog.owner.connection == HELD && jog.axis == axis;
+        let is_held = |jog: &Jog| is_of(jog, session) && is_button(jog.owner) && jog.axis == axis;
         let ended = self.table().end(from, JogEnd::Released, is_held);
         if grace.is_zero() {
             self.stop(&ended, JogEnd::Released);
@@ -238,7 +237,7 @@ impl Guard {
     }
 
     /// Ends the jogs of an owner that is lost. Returns their axes.
-    pub(crate) fn end(&self, owner: Owner) -> Vec<u16> {
+    pub(crate) fn end(&self, owner: Principal) -> Vec<u16> {
         let ended = self.table().end(self.now(), JogEnd::Lost, |jog| jog.owner == owner);
         self.stop(&ended, JogEnd::Lost);
         self.tell(&ended, JogEnd::Lost);
@@ -249,7 +248,7 @@ impl Guard {
     }
 
     /// What an owner began goes on without it.
-    pub(crate) fn forget(&self, owner: Owner) {
+    pub(crate) fn forget(&self, owner: Principal) {
         self.table().forget(owner);
     }
 
@@ -257,9 +256,9 @@ impl Guard {
     pub(crate) fn lose(&self, session: u64) {
         let face = self.clients().get(&session).and_then(|client| client.face.upgrade());
         let keeps = |owner| face.as_ref().is_some_and(|face| face.keeps_jogs(owner));
-        let ended = self.table().end(self.now(), JogEnd::Lost, |jog| {
-            jog.owner.session == session && !keeps(jog.owner)
-        });
+        let ended = self
+            .table()
+            .end(self.now(), JogEnd::Lost, |jog| is_of(jog, session) && !keeps(jog.owner));
         self.stop(&ended, JogEnd::Lost);
         self.tell(&ended, JogEnd::Lost);
         if let Some(face) = face {
@@ -325,9 +324,10 @@ impl Guard {
         let mut ended = Vec::new();
         for (session, face) in silent {
             let keeps = |owner| face.as_ref().is_some_and(|face| face.keeps_jogs(owner));
-            ended.extend(self.table().end(now, JogEnd::Silent, |jog| {
-                jog.owner.session == session && !keeps(jog.owner)
-            }));
+            ended.extend(
+                self.table()
+                    .end(now, JogEnd::Silent, |jog| is_of(jog, session) && !keeps(jog.owner)),
+            );
         }
         ended
     }
@@ -341,7 +341,11 @@ impl Guard {
     fn tell(&self, jogs: &[Jog], why: JogEnd) {
         for jog in jogs {
             let axis = self.0.axes.get(usize::from(jog.axis)).map_or("?", String::as_str);
-            let client = self.name_of(jog.owner.session);
+            let client = jog
+                .owner
+                .session()
+                .map(|session| self.name_of(session))
+                .unwrap_or_default();
             warn!(axis, %client, "a jog is stopped: {}", why.reason());
         }
     }
@@ -358,4 +362,13 @@ impl Guard {
     fn clients(&self) -> MutexGuard<'_, BTreeMap<u64, Client>> {
         self.0.clients.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+fn is_of(jog: &Jog, session: u64) -> bool {
+    jog.owner.session() == Some(session)
+}
+
+/// Whether its jogs are held by a button.
+fn is_button(owner: Principal) -> bool {
+    matches!(owner, Principal::Button(_))
 }

@@ -9,7 +9,7 @@ use std::time::Duration;
 use arcline_controller::Ticket;
 use arcline_instruction_set::JogEnd;
 
-use crate::plant::Owner;
+use crate::plant::Principal;
 
 /// The jogs of all clients, and the stops that are looked after until the axis stands.
 #[derive(Debug, Default)]
@@ -28,7 +28,7 @@ struct Jogs {
 /// A MAJ that was sent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Jog {
-    pub(super) owner: Owner,
+    pub(super) owner: Principal,
     pub(super) axis: u16,
     pub(super) ticket: Ticket,
     /// When it ends unless it is kept; `None`: it need not be kept.
@@ -77,13 +77,14 @@ impl Table {
     /// when there are many.
     pub(super) fn begin(
         &mut self,
-        owner: Owner,
+        owner: Principal,
         axis: u16,
         ticket: Ticket,
         until: Option<Duration>,
         runs: impl Fn(Ticket) -> bool,
     ) {
-        let jogs = &mut self.clients.entry(owner.session).or_default().jogs;
+        let Some(session) = owner.session() else { return };
+        let jogs = &mut self.clients.entry(session).or_default().jogs;
         if jogs.len() >= MANY {
             jogs.retain(|jog| runs(jog.ticket));
         }
@@ -113,7 +114,7 @@ impl Table {
     pub(super) fn kept(&self) -> Vec<(u64, u16)> {
         let jogs = self.clients.values().flat_map(|client| &client.jogs);
         let kept = jogs.filter(|jog| jog.until.is_some());
-        kept.map(|jog| (jog.owner.session, jog.axis)).collect()
+        kept.filter_map(|jog| Some((jog.owner.session()?, jog.axis))).collect()
     }
 
     /// Takes out jogs that are to be stopped, at full deceleration from `from` on.
@@ -143,8 +144,9 @@ impl Table {
     }
 
     /// Jogs whose owner closes in order: they go on, and are no one's.
-    pub(super) fn forget(&mut self, owner: Owner) {
-        if let Some(client) = self.clients.get_mut(&owner.session) {
+    pub(super) fn forget(&mut self, owner: Principal) {
+        let client = owner.session().and_then(|session| self.clients.get_mut(&session));
+        if let Some(client) = client {
             client.jogs.retain(|jog| jog.owner != owner);
         }
     }
@@ -182,11 +184,11 @@ const MANY: usize = 64;
 mod tests {
     use super::*;
 
-    const ONE: Owner = Owner {
+    const ONE: Principal = Principal::Client {
         session: 1,
         connection: 0,
     };
-    const TWO: Owner = Owner {
+    const TWO: Principal = Principal::Client {
         session: 2,
         connection: 7,
     };

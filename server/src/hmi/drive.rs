@@ -1,54 +1,20 @@
 //! What moves the machine: instructions, stops and overrides, each with the right that it needs. Jogs are `jog`'s.
 
-use std::collections::VecDeque;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, PoisonError};
 
-use arcline_controller::image::Image;
-use arcline_instruction_set::{Directory as _, Flag, Given, Mnemonic, Object};
+use arcline_instruction_set::{Directory as _, Flag, Given, Mnemonic};
 use arcline_structured_text::{Answer, BoundCall, Interpreter, ObjectAttribute, Program, Request, unmade_control};
 use arcline_tag::{TagPath, Value};
 
 use super::Shared;
 use super::protocol::{Done, Executed, Refusal};
-use super::rights::{Held, Thing, ViewerId};
-use crate::guard::VIEWERS;
 use crate::names::ImageNames;
-use crate::plant::Owner;
+use crate::plant::control::{MotionObject, ViewerId};
+use crate::plant::{Call, CallRefused, Command, Outcome, Principal, Refused, Systems};
 
 /// The longest text that is read by the threads that others share, bytes.
 const SHORT: usize = 1024;
-/// Instructions of which it is known who executed them.
-const ORIGINS: usize = 4096;
-
-/// Who executed what, by the instance of class 0x0303.
-#[derive(Debug, Default)]
-pub(super) struct Origins(VecDeque<(u32, Origin)>);
-
-/// Who executed an instruction, and as what.
-#[derive(Clone, Debug)]
-pub(super) struct Origin {
-    pub(super) viewer: String,
-    pub(super) text: Option<String>,
-}
-
-impl Origins {
-    fn note(&mut self, instance: u32, origin: Origin) {
-        if self.0.len() == ORIGINS {
-            self.0.pop_front();
-        }
-        self.0.push_back((instance, origin));
-    }
-
-    pub(super) fn of(&self, instance: u32) -> Option<&Origin> {
-        let newest = self.0.iter().rev();
-        newest
-            .clone()
-            .find(|(known, _)| *known == instance)
-            .map(|(_, origin)| origin)
-    }
-}
-
 /// An instruction that was accepted.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Accepted {
@@ -57,16 +23,6 @@ pub(super) struct Accepted {
 }
 
 impl Shared {
-    /// Whether a viewer may drive something.
-    pub(super) fn check_right(&self, viewer: ViewerId, thing: Thing) -> Result<(), Refusal> {
-        let machine = self.plant.machine();
-        let name = thing.name(machine);
-        self.rights().check(machine, viewer, thing).map_err(|held| match held {
-            Some(Held { by, .. }) => Refusal::control(name, Some(&by)),
-            None => Refusal::control(name, None),
-        })
-    }
-
     /// What runs one instruction given as Structured Text, its names checked against the tags.
     pub(super) fn interpreter_of(&self, text: &str) -> Result<Interpreter, Refusal> {
         self.checked_call(text).map(Interpreter::new)
@@ -94,7 +50,7 @@ impl Shared {
                 .map_err(|error| Refusal::new(error.to_string()))?;
             answer = match request {
                 Request::Call(call) => {
-                    let accepted = self.call(viewer, &call, Some(text)).await?;
+                    let accepted = self.call(Principal::Viewer(viewer), &call, Some(text)).await?;
                     return Ok(Executed {
                         instruction: accepted.mnemonic.name(),
                         instance: accepted.instance,
@@ -117,56 +73,25 @@ impl Shared {
     /// Executes a call that a viewer may make.
     pub(super) async fn call(
         &self,
-        viewer: ViewerId,
-        call: &BoundCall,
-        text: Option<&str>,
-    ) -> Result<Accepted, Refusal> {
-        self.call_on(viewer, 0, call, text).await
-    }
-
-    /// The same on a connection of the viewer, by which it owns what it begins.
-    pub(super) async fn call_on(
-        &self,
-        viewer: ViewerId,
-        connection: u32,
+        principal: Principal,
         call: &BoundCall,
         text: Option<&str>,
     ) -> Result<Accepted, Refusal> {
         let mnemonic = call.mnemonic;
         let object = mnemonic.instruction().object;
-        let target = self.plant.with_image(|image| image.object(object, &call.target));
-        if let Some(place) = target.filter(|_| !stops(mnemonic)) {
-            self.check_right(viewer, Thing::of(object, place))?;
-        }
-        // Other objects that it moves or whose motion it reads: only systems can be moved by it.
-        for name in call.given.iter().filter_map(name_of) {
-            let other = self.plant.with_image(|image| referenced(image, mnemonic, name));
-            if let Some(place) = other.filter(|_| !stops(mnemonic)) {
-                self.check_right(viewer, Thing::System(place))?;
-            }
-        }
-        let origin = Origin {
-            viewer: self.rights().name(viewer).to_owned(),
-            text: text.map(str::to_owned),
+        let command = Command::Call(Call {
+            mnemonic,
+            target: self.plant.with_image(|image| image.object(object, &call.target)),
+            control: call.control.as_deref(),
+            given: &call.given,
+            text: text.map(Arc::from),
+        });
+        let executed = match self.plant.apply(principal, command).await {
+            Ok(Outcome::Executed(executed)) => executed,
+            Ok(_) => return Err(Refusal::call(&CallRefused::NoAnswer, mnemonic)),
+            Err(Refused::Call(refused)) => return Err(Refusal::call(&refused, mnemonic)),
+            Err(refused) => return Err(refused.into()),
         };
-        let owner = Owner {
-            session: VIEWERS | viewer,
-            connection,
-        };
-        let executed = self
-            .plant
-            .call_told(
-                owner,
-                mnemonic,
-                target,
-                call.control.as_deref(),
-                &call.given,
-                |instance| {
-                    self.origins().note(instance, origin);
-                },
-            )
-            .await
-            .map_err(|refused| Refusal::call(&refused, mnemonic))?;
         if executed.control.has(Flag::Er) {
             return Err(Refusal::motion(executed.control.err, executed.control.exerr, mnemonic));
         }
@@ -199,13 +124,14 @@ impl Shared {
             return Ok(Done {});
         };
         self.program.end();
-        let mnemonic = match Thing::find(machine, name) {
-            Some(Thing::Axis(_)) => Mnemonic::Mas,
-            Some(Thing::System(_)) => Mnemonic::Mcs,
-            Some(Thing::Group) => Mnemonic::Mgs,
+        let mnemonic = match MotionObject::find(machine, name) {
+            Some(MotionObject::Axis(_)) => Mnemonic::Mas,
+            Some(MotionObject::System(_)) => Mnemonic::Mcs,
+            Some(MotionObject::Group) => Mnemonic::Mgs,
             None => return Err(no_object(name)),
         };
-        self.call(viewer, &instruction(mnemonic, name, &[]), None).await?;
+        let call = instruction(mnemonic, name, &[]);
+        self.call(Principal::Viewer(viewer), &call, None).await?;
         Ok(Done {})
     }
 
@@ -220,9 +146,15 @@ impl Shared {
 
     /// Sets the override of a coordinate system, percent.
     pub(super) async fn set_override(&self, viewer: ViewerId, system: &str, percent: f64) -> Result<Done, Refusal> {
-        let place = self.system(system)?;
-        self.check_right(viewer, Thing::System(place))?;
-        self.write_override(place, percent as f32).await
+        let (system, percent) = (self.system(system)?, percent as f32);
+        self.apply(Principal::Viewer(viewer), Command::SetFeedOverride { system, percent })
+            .await
+    }
+
+    /// Executes a command that has no other answer than that it is done.
+    pub(super) async fn apply(&self, principal: Principal, command: Command<'_>) -> Result<Done, Refusal> {
+        self.plant.apply(principal, command).await?;
+        Ok(Done {})
     }
 
     /// The value of an attribute that GSV names.
@@ -238,47 +170,31 @@ impl Shared {
     /// Sets an attribute that SSV names.
     pub(super) async fn set_attribute(
         &self,
-        viewer: ViewerId,
+        principal: Principal,
         of: &ObjectAttribute,
         value: f64,
     ) -> Result<(), Refusal> {
-        let object = of.attribute.object;
-        let index = self.plant.with_image(|image| image.object(object, &of.name));
+        let attribute = of.attribute;
+        let index = self.plant.with_image(|image| image.object(attribute.object, &of.name));
         let index = index.ok_or_else(|| no_object(&of.name))?;
-        self.check_right(viewer, Thing::of(object, index))?;
-        let (done, written) = self.plant.write(|image, edges| {
-            edges.push(image.set_attribute(of.attribute, index, value)?);
-            Ok::<_, arcline_controller::image::WriteError>(())
-        });
-        let kept = self.plant.fire(written).await;
-        done.map_err(|error| Refusal::new(error.to_string()))?;
-        kept.map_err(|error| Refusal::new(error.to_string()))
+        let command = Command::SetAttribute {
+            attribute,
+            index,
+            value,
+        };
+        self.apply(principal, command).await.map(drop)
     }
 
-    /// Holds a coordinate system. Anybody may.
-    pub(super) async fn hold(&self, system: &str) -> Result<Done, Refusal> {
-        let place = self.system(system)?;
-        self.write_override(place, 0.0).await
+    /// Holds a coordinate system. Every viewer may.
+    pub(super) async fn hold(&self, viewer: ViewerId, system: &str) -> Result<Done, Refusal> {
+        let system = Systems::One(self.system(system)?);
+        self.apply(Principal::Viewer(viewer), Command::Hold(system)).await
     }
 
     /// Goes on after a hold.
     pub(super) async fn resume(&self, viewer: ViewerId, system: &str) -> Result<Done, Refusal> {
-        let place = self.system(system)?;
-        self.check_right(viewer, Thing::System(place))?;
-        let before = self.plant.with_image(|image| image.feed_override_before_hold(place));
-        self.write_override(place, before.unwrap_or(100.0)).await
-    }
-
-    async fn write_override(&self, system: u16, percent: f32) -> Result<Done, Refusal> {
-        let (done, written) = self.plant.write(|image, edges| {
-            let edge = image.set_feed_override(system, percent)?;
-            edges.extend(edge);
-            Ok::<_, arcline_controller::image::WriteError>(())
-        });
-        let kept = self.plant.fire(written).await;
-        done.map_err(|error| Refusal::new(error.to_string()))?;
-        kept.map_err(|error| Refusal::new(error.to_string()))?;
-        Ok(Done {})
+        let system = Systems::One(self.system(system)?);
+        self.apply(Principal::Viewer(viewer), Command::Resume(system)).await
     }
 
     pub(super) fn axis(&self, name: &str) -> Result<u16, Refusal> {
@@ -288,15 +204,6 @@ impl Shared {
     fn system(&self, name: &str) -> Result<u16, Refusal> {
         self.plant.machine().system(name).ok_or_else(|| no_object(name))
     }
-
-    pub(super) fn origins(&self) -> std::sync::MutexGuard<'_, Origins> {
-        self.origins.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// Stops are everyone's.
-fn stops(mnemonic: Mnemonic) -> bool {
-    matches!(mnemonic, Mnemonic::Mcs | Mnemonic::Mas | Mnemonic::Mgs)
 }
 
 /// A call of an instruction on an object, by the names of operands that are not at their omitted value.
@@ -322,19 +229,6 @@ pub(super) fn rate(rate: Option<f64>) -> (f64, f64) {
         Some(rate) => (0.0, rate),
         None => (1.0, 100.0),
     }
-}
-
-fn name_of(given: &Given) -> Option<&str> {
-    match given {
-        Given::Name(name) | Given::Word(name) => Some(name),
-        _ => None,
-    }
-}
-
-/// A coordinate system that an instruction moves besides its own.
-fn referenced(image: &Image, mnemonic: Mnemonic, name: &str) -> Option<u16> {
-    let moves = matches!(mnemonic, Mnemonic::Mct | Mnemonic::Mcto);
-    moves.then(|| image.object(Object::CoordinateSystem, name)).flatten()
 }
 
 fn no_object(name: &str) -> Refusal {

@@ -15,8 +15,8 @@ use super::protocol::{
     CauseKind, EndCause, Event, EventChange, EventPage, FaultEvent, InstructionEvent, Push, Refusal, RefusedCommand,
     text_of,
 };
-use super::rights::Thing;
-use crate::plant::{Change, Logged, ending};
+use crate::plant::control::MotionObject;
+use crate::plant::{Change, Executions, Logged, ending};
 
 /// Time between two pushes.
 const EVERY: Duration = Duration::from_millis(100);
@@ -27,7 +27,7 @@ pub(super) const WAITING: usize = 64;
 
 /// Pushes events as they come, until the future is dropped.
 pub(super) async fn produce(shared: Arc<Shared>) {
-    let mut last = shared.plant.events_since(0, |_, events| newest(&events));
+    let mut last = shared.plant.events_since(0, |_, _, events| newest(&events));
     let mut due = interval(EVERY);
     due.set_missed_tick_behavior(MissedTickBehavior::Delay);
     loop {
@@ -35,9 +35,11 @@ pub(super) async fn produce(shared: Arc<Shared>) {
         if shared.events.receiver_count() == 0 {
             continue;
         }
-        let (number, events) = shared.plant.events_since(last.unwrap_or(0), |image, events| {
-            (newest(&events), tell(&shared, image, &events))
-        });
+        let (number, events) = shared
+            .plant
+            .events_since(last.unwrap_or(0), |image, executions, events| {
+                (newest(&events), tell(&shared, (image, executions), &events))
+            });
         if number.is_some() {
             last = number;
             let text: Utf8Bytes = text_of(&Push::Event { events }).into();
@@ -51,9 +53,9 @@ impl Shared {
     /// The newest events behind a number.
     pub(super) fn events(&self, since: Option<u64>) -> EventPage {
         let since = since.unwrap_or(0);
-        let events = self
-            .plant
-            .events_since(since, |image, events| tell(self, image, &events));
+        let events = self.plant.events_since(since, |image, executions, events| {
+            tell(self, (image, executions), &events)
+        });
         EventPage { events }
     }
 }
@@ -62,15 +64,15 @@ fn newest(events: &[Logged]) -> Option<u64> {
     events.last().map(|logged| logged.number)
 }
 
-fn tell(shared: &Shared, image: &Image, events: &[Logged]) -> Vec<Event> {
+fn tell(shared: &Shared, known: (&Image, &Executions), events: &[Logged]) -> Vec<Event> {
     let skipped = events.len().saturating_sub(MOST);
     events[skipped..]
         .iter()
-        .map(|logged| event(shared, image, logged))
+        .map(|logged| event(shared, known, logged))
         .collect()
 }
 
-fn event(shared: &Shared, image: &Image, logged: &Logged) -> Event {
+fn event(shared: &Shared, known: (&Image, &Executions), logged: &Logged) -> Event {
     let tick = logged.change.tick();
     let at = logged.at.duration_since(UNIX_EPOCH).unwrap_or_default();
     Event {
@@ -80,10 +82,10 @@ fn event(shared: &Shared, image: &Image, logged: &Logged) -> Event {
         at_ms: at.as_micros() as f64 / 1e3,
         change: match &logged.change {
             Change::Instruction { event, target } => {
-                EventChange::Instruction(instruction(shared, image, event, *target))
+                EventChange::Instruction(instruction(shared, known, event, *target))
             }
             Change::Fault(change) => EventChange::Fault {
-                fault: fault(shared, image, change),
+                fault: fault(shared, known.0, change),
             },
         },
     }
@@ -92,28 +94,27 @@ fn event(shared: &Shared, image: &Image, logged: &Logged) -> Event {
 /// A change of an instruction's status.
 fn instruction(
     shared: &Shared,
-    image: &Image,
+    (image, executions): (&Image, &Executions),
     event: &arcline_controller::Event,
     target: Option<u16>,
 ) -> InstructionEvent {
     let machine = shared.plant.machine();
     let flags = |word| -> Vec<&'static str> { Flag::in_word(word).map(Flag::name).collect() };
     let object = match (event.mnemonic.instruction().object, target) {
-        (Object::MotionGroup, _) => Some(Thing::Group),
-        (object, place) => place.map(|place| Thing::of(object, place)),
+        (Object::MotionGroup, _) => Some(MotionObject::Group),
+        (object, place) => place.map(|place| MotionObject::of(object, place)),
     };
     let erred = event.set & Flag::Er.mask() != 0;
     let error = erred.then(|| Refusal::motion(event.err, event.exerr, event.mnemonic));
-    // Instances are the low half of a ticket.
-    let origins = shared.origins();
-    let origin = origins.of(event.ticket.0 as u32);
+    let origin = executions.origin(event.ticket);
+    let viewer = origin.filter(|origin| origin.principal.viewer().is_some());
     InstructionEvent {
         ticket: event.ticket.0,
         tag: image.control_name(event.control).to_owned(),
         instruction: event.mnemonic.name(),
         object: object.map(|object| object.name(machine).to_owned()),
-        text: origin.and_then(|origin| origin.text.clone()),
-        viewer: origin.map(|origin| origin.viewer.clone()),
+        text: origin.and_then(|origin| origin.text.as_deref()).map(str::to_owned),
+        viewer: viewer.map(|viewer| viewer.name.to_string()),
         set: flags(event.set),
         clear: flags(event.clear),
         err: event.err,

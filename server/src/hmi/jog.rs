@@ -12,9 +12,9 @@ use tokio::time::{MissedTickBehavior, interval};
 use super::Shared;
 use super::drive::{instruction, rate};
 use super::protocol::{Done, Refusal};
-use super::rights::{Thing, ViewerId};
-use crate::guard::{Face, HELD, VIEWERS};
-use crate::plant::Owner;
+use crate::guard::{Face, VIEWERS};
+use crate::plant::control::{MotionObject, ViewerId};
+use crate::plant::{Call, Command, Outcome, Principal};
 
 /// How often it is looked whether viewers that jog still have the right.
 const LOOK: Duration = Duration::from_millis(10);
@@ -39,7 +39,6 @@ impl Shared {
     ) -> Result<Done, Refusal> {
         let machine = self.plant.machine();
         let place = self.axis(axis)?;
-        self.check_right(viewer, Thing::Axis(place))?;
         let limit = machine.axes[usize::from(place)].max_speed;
         let speed = speed.unwrap_or_default();
         if !speed.is_finite() || speed.abs() > limit {
@@ -63,7 +62,7 @@ impl Shared {
         self.jogs().0.insert((viewer, place), decel);
         // The guard watches it from the moment in which it is sent.
         let call = instruction(Mnemonic::Maj, axis, &operands);
-        let done = self.call_on(viewer, HELD, &call, None).await;
+        let done = self.call(Principal::Button(viewer), &call, None).await;
         if !is_held() {
             self.jog_end(viewer, axis).await?;
         }
@@ -85,7 +84,7 @@ impl Shared {
         let place = self.axis(axis)?;
         let decel = self.jogs().0.remove(&(viewer, place));
         if self.plant.guard().release(VIEWERS | viewer, place, SOFT_STOP) {
-            self.stop_jog(place, decel.flatten()).await;
+            self.stop_jog(viewer, place, decel.flatten()).await;
         }
         Ok(Done {})
     }
@@ -95,13 +94,13 @@ impl Shared {
         self.plant.guard().lose(VIEWERS | viewer);
         self.plant.guard().leave(VIEWERS | viewer);
         self.jogs().0.retain(|(of, _), _| *of != viewer);
-        self.rights().leave(viewer);
+        self.plant.control().leave(viewer);
     }
 
     /// Stops a jog as it was asked to stop. The guard stops it, should this fail.
-    async fn stop_jog(&self, axis: u16, decel: Option<f64>) {
+    async fn stop_jog(&self, viewer: ViewerId, axis: u16, decel: Option<f64>) {
         let machine = self.plant.machine();
-        let name = Thing::Axis(axis).name(machine);
+        let name = MotionObject::Axis(axis).name(machine);
         let change = if decel.is_some() { 1.0 } else { 0.0 };
         let (units, rate) = rate(decel);
         #[rustfmt::skip]
@@ -109,11 +108,19 @@ impl Shared {
             ("Stop Type", JOG), ("Change Decel", change), ("Decel Rate", rate), ("Decel Units", units),
         ];
         let given = instruction(Mnemonic::Mas, name, &operands).given;
-        let stopped = self.plant.call(Mnemonic::Mas, Some(axis), None, &given).await;
-        match stopped {
-            Ok(executed) if !executed.control.has(Flag::Er) => {}
-            // Without motion there is nothing to stop.
-            Ok(executed) => tracing::debug!(axis = name, err = executed.control.err, "a jog was not stopped"),
+        let command = Command::Call(Call {
+            mnemonic: Mnemonic::Mas,
+            target: Some(axis),
+            control: None,
+            given: &given,
+            text: None,
+        });
+        match self.plant.apply(Principal::Button(viewer), command).await {
+            Ok(Outcome::Executed(executed)) if executed.control.has(Flag::Er) => {
+                // Without motion there is nothing to stop.
+                tracing::debug!(axis = name, err = executed.control.err, "a jog was not stopped");
+            }
+            Ok(_) => {}
             Err(error) => {
                 tracing::error!(axis = name, %error, "a jog was not stopped: everything is");
                 self.plant.stop_all();
@@ -127,13 +134,14 @@ impl Shared {
 }
 
 impl Face for Shared {
-    fn keeps_jogs(&self, _: Owner) -> bool {
+    fn keeps_jogs(&self, _: Principal) -> bool {
         false
     }
 
     fn lost(&self, session: u64) {
-        for connection in [0, HELD] {
-            self.plant.lose(Owner { session, connection }, ConnectionLoss::Jogs);
+        let viewer = session & !VIEWERS;
+        for owner in [Principal::Viewer(viewer), Principal::Button(viewer)] {
+            self.plant.lose(owner, ConnectionLoss::Jogs);
         }
     }
 }
@@ -147,7 +155,12 @@ pub(super) async fn watch(shared: Arc<Shared>) {
         let machine = shared.plant.machine();
         for (session, axis) in shared.plant.guard().held() {
             let viewer = session & !VIEWERS;
-            if shared.rights().check(machine, viewer, Thing::Axis(axis)).is_err() {
+            if shared
+                .plant
+                .control()
+                .check(machine, viewer, MotionObject::Axis(axis))
+                .is_err()
+            {
                 shared.plant.guard().release(session, axis, Duration::ZERO);
             }
         }

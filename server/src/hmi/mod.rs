@@ -18,7 +18,6 @@ mod peaks;
 mod preview;
 mod program;
 mod protocol;
-mod rights;
 mod serve;
 mod status;
 mod tags;
@@ -29,7 +28,7 @@ mod viewer;
 use std::io;
 use std::net::SocketAddr;
 use std::sync::atomic::AtomicU64;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use axum::extract::ws::Utf8Bytes;
 use tokio::net::TcpListener;
@@ -37,11 +36,9 @@ use tokio::sync::{Semaphore, broadcast, watch};
 
 use crate::plant::Plant;
 use assets::Assets;
-use drive::Origins;
 use jog::Jogs;
 use program::Programs;
 use protocol::{Refusal, text_of};
-use rights::Rights;
 use status::Status;
 
 /// The bound HMI.
@@ -68,13 +65,11 @@ struct Shared {
     status: watch::Sender<Status>,
     /// Frames of samples.
     frames: broadcast::Sender<bytes::Bytes>,
-    rights: Mutex<Rights>,
     jogs: Mutex<Jogs>,
     /// How often STOP was pressed.
     stops: AtomicU64,
     /// One for each thread that may compute what is asked.
     computing: Arc<Semaphore>,
-    origins: Mutex<Origins>,
     program: Programs,
     /// One for each simulation that may run.
     simulations: Arc<Semaphore>,
@@ -113,10 +108,6 @@ impl Shared {
     ) -> Result<T, Refusal> {
         if long { self.compute(work).await } else { Ok(work(self)) }
     }
-
-    fn rights(&self) -> MutexGuard<'_, Rights> {
-        self.rights.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 impl Hmi {
@@ -135,11 +126,9 @@ impl Hmi {
             viewers: AtomicU64::new(0),
             status: watch::Sender::new(Status::default()),
             frames: broadcast::Sender::new(frames::WAITING),
-            rights: Mutex::default(),
             jogs: Mutex::default(),
             stops: AtomicU64::new(0),
             computing: Arc::new(Semaphore::new(COMPUTING)),
-            origins: Mutex::default(),
             program: Programs::default(),
             simulations: Arc::new(Semaphore::new(SIMULATIONS)),
             events: broadcast::Sender::new(events::WAITING),

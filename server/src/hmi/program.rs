@@ -15,8 +15,9 @@ use tokio::sync::watch;
 use super::Shared;
 use super::drive::Accepted;
 use super::protocol::{Checked, Done, ProgramState as State, ProgramStatus, Push, Refusal, text_of};
-use super::rights::ViewerId;
 use crate::names::ImageNames;
+use crate::plant::Principal;
+use crate::plant::control::ViewerId;
 
 /// Time between two looks at motion that must end.
 const POLL: Duration = Duration::from_millis(5);
@@ -178,14 +179,14 @@ impl Shared {
         let mode = {
             let mut running = self.program.running();
             if let Some(other) = &*running {
-                let by = self.rights().name(other.viewer).to_owned();
+                let by = self.plant.control().name(other.viewer).to_owned();
                 return Err(Refusal::new(format!("a program of {by} runs already: end it first")));
             }
             let (sender, mode) = watch::channel(first);
             *running = Some(Running { viewer, mode: sender });
             mode
         };
-        let name = self.rights().name(viewer).to_owned();
+        let name = self.plant.control().name(viewer).to_owned();
         self.program.shown.send_modify(|shown| {
             *shown = Shown {
                 state: State::Running,
@@ -272,7 +273,10 @@ impl Run<'_> {
                         number => number.as_f64().into(),
                     };
                     let path = path.to_string();
-                    self.shared.write(self.viewer, &path, &value).await.map_err(at)?;
+                    self.shared
+                        .write(self.principal(line), &path, &value)
+                        .await
+                        .map_err(at)?;
                     Answer::Done
                 }
                 Request::GetAttribute(of) => {
@@ -280,7 +284,10 @@ impl Run<'_> {
                     Answer::Value(arcline_tag::Value::Lreal(value))
                 }
                 Request::SetAttribute(of, value) => {
-                    self.shared.set_attribute(self.viewer, &of, value).await.map_err(at)?;
+                    self.shared
+                        .set_attribute(self.principal(line), &of, value)
+                        .await
+                        .map_err(at)?;
                     Answer::Done
                 }
                 Request::Call(call) => self.call(call).await.map_err(at)?,
@@ -347,6 +354,14 @@ impl Run<'_> {
         found
     }
 
+    /// The principal of what a statement does.
+    fn principal(&self, line: usize) -> Principal {
+        Principal::Program {
+            viewer: self.viewer,
+            line: u32::try_from(line).unwrap_or(u32::MAX),
+        }
+    }
+
     /// Waits until the statement of a line may run.
     async fn turn(&mut self, line: usize) -> Result<(), Stopped> {
         loop {
@@ -390,7 +405,7 @@ impl Run<'_> {
         if self.is_full(&call) {
             return Ok(Answer::QueueFull);
         }
-        match self.shared.call(self.viewer, &call, None).await {
+        match self.shared.call(self.principal(call.line), &call, None).await {
             Ok(accepted) => {
                 if self.executed.len() == WATCHED {
                     self.executed.pop_front();

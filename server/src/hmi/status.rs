@@ -104,7 +104,7 @@ impl Words {
     fn status(&self, shared: &Shared, paths: Paths) -> Push<'static> {
         let machine = shared.plant.machine();
         let health = shared.plant.health();
-        let drivers = shared.rights().drivers(machine);
+        let drivers = shared.plant.control().drivers(machine);
         shared.plant.with_state(|image, snapshot, moves| {
             Push::Status(State {
                 tick: snapshot.tick,

@@ -1,7 +1,6 @@
 //! Tags for a viewer: a list by pages, values as JSON, and writes with the right that they need.
 
-use arcline_controller::image::{Access, Edge, Image, Tag, TagKind, WriteError};
-use arcline_instruction_set::instruction_tag_target;
+use arcline_controller::image::{Access, Image, Tag, TagKind};
 use arcline_tag::{
     DataType, Elementary, FloatsOnly, Fraction, Misfit, PathSegment, TagPath, TagValue, Value, WriteValue,
 };
@@ -10,7 +9,7 @@ use serde_json::{Map, Value as Json, json};
 
 use super::Shared;
 use super::protocol::{Done, Refusal, TagAccess, TagPage, TagRow, Values};
-use super::rights::{Thing, ViewerId};
+use crate::plant::{Command, Outcome, Principal, Refused, Transaction};
 
 /// Tags of one page.
 const PAGE: usize = 200;
@@ -80,20 +79,14 @@ impl Shared {
     }
 
     /// Writes a value. What executes an instruction or changes motion needs the right to drive what it moves.
-    pub(super) async fn write(&self, viewer: ViewerId, name: &str, value: &Json) -> Result<Done, Refusal> {
+    pub(super) async fn write(&self, principal: Principal, name: &str, value: &Json) -> Result<Done, Refusal> {
         let path = path_of(name)?;
-        let things = self.plant.with_image(|image| moved(image, &path, value));
-        for thing in things {
-            self.check_right(viewer, thing)?;
-        }
-        let (done, written) = self.plant.write(|image, edges| {
-            let edge = put(image, &path, value)?;
-            edges.extend(edge);
-            Ok::<_, Refusal>(())
-        });
-        let kept = self.plant.fire(written).await;
+        let (done, pending) = self
+            .plant
+            .transact(principal, |transaction| put(transaction, &path, value));
+        let kept = self.plant.kept(pending).await;
         done?;
-        kept.map_err(|error| Refusal::new(error.to_string()))?;
+        kept.map_err(Refused::from)?;
         Ok(Done {})
     }
 }
@@ -181,40 +174,11 @@ fn value(image: &Image, name: &str, budget: &mut usize) -> Result<Json, Refusal>
     Ok(json.unwrap_or_default())
 }
 
-/// What a write would move.
-fn moved(image: &Image, path: &TagPath, value: &Json) -> Vec<Thing> {
-    let Some(tag) = path.full_name().and_then(|name| image.find(&name)) else {
-        return Vec::new();
-    };
-    let systems = |kind: fn(u16) -> Thing, all: usize| match path.rest().first() {
-        Some(PathSegment::Element(place)) => vec![kind(*place as u16)],
-        _ => (0..all as u16).map(kind).collect(),
-    };
-    let elements = tag.tag_type.elements() as usize;
-    match tag.kind {
-        TagKind::FeedOverride => systems(Thing::System, elements),
-        TagKind::FaultInject => systems(Thing::Axis, elements),
-        TagKind::Instruction(kind) if truth(value) && is_member(path, "EnableIn") => {
-            let target = instruction_tag_target(kind.mnemonic, image.bytes(tag.id));
-            let object = kind.mnemonic.instruction().object;
-            let place = arcline_instruction_set::Directory::object(image, object, &target);
-            place.map(|place| Thing::of(object, place)).into_iter().collect()
-        }
-        _ => Vec::new(),
-    }
-}
-
-fn truth(value: &Json) -> bool {
-    !matches!(value, Json::Bool(false) | Json::Null) && value.as_f64() != Some(0.0)
-}
-
-fn is_member(path: &TagPath, name: &str) -> bool {
-    matches!(path.rest(), [PathSegment::Symbol(member), ..] if member.eq_ignore_ascii_case(name))
-}
-
-fn put(image: &mut Image, path: &TagPath, value: &Json) -> Result<Option<Edge>, Refusal> {
-    let refuse = |error: WriteError| Refusal::new(error.to_string());
-    let (id, place) = image.locate(path).map_err(|error| Refusal::new(error.to_string()))?;
+fn put(transaction: &mut Transaction<'_>, path: &TagPath, value: &Json) -> Result<Outcome, Refusal> {
+    let (tag, place) = transaction
+        .image()
+        .locate(path)
+        .map_err(|error| Refusal::new(error.to_string()))?;
     let whole_array = place.elements > 1 && !matches!(path.0.last(), Some(PathSegment::Element(_)));
     if whole_array || value.is_array() {
         return Err(Refusal::new(format!(
@@ -223,7 +187,7 @@ fn put(image: &mut Image, path: &TagPath, value: &Json) -> Result<Option<Edge>, 
     }
     let given = WriteValue::deserialize(value).map_err(|_| Refusal::new("expected a number, true, false or a text"))?;
     match (given, &place.data_type) {
-        (WriteValue::Bool(on), _) => image.write_value(path, Value::Bool(on)).map_err(refuse),
+        (WriteValue::Bool(on), _) => Ok(transaction.write_value(path, Value::Bool(on))?),
         (given, DataType::Elementary(kind)) => {
             let kind = if place.bit.is_some() { Elementary::Bool } else { *kind };
             let given = whole(given).convert(kind, Fraction::Refuse).map_err(|misfit| {
@@ -233,14 +197,15 @@ fn put(image: &mut Image, path: &TagPath, value: &Json) -> Result<Option<Edge>, 
                 };
                 Refusal::new(format!("{path} is {kind}, {value} {why}"))
             })?;
-            image.write_value(path, given).map_err(refuse)
+            Ok(transaction.write_value(path, given)?)
         }
         (given @ WriteValue::Text(_), DataType::Structure(template)) if template.is_string() => {
             let mut bytes = vec![0; template.size as usize];
             given
                 .encode(&place.data_type, Fraction::Refuse, &mut bytes)
                 .map_err(|_| Refusal::new("the text is longer than a STRING"))?;
-            image.write(id, place.offset, &bytes).map_err(refuse)
+            let (offset, data) = (place.offset, bytes.as_slice());
+            Ok(transaction.apply(Command::WriteTag { tag, offset, data })?)
         }
         (_, DataType::Structure(template)) if template.is_string() => {
             Err(Refusal::new(format!("{path} is a STRING, expected a text in quotes")))

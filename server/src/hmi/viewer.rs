@@ -33,9 +33,10 @@ use super::Shared;
 use super::protocol::{
     self, Answer, Asks as _, Done, HistoryPiece, Jog, Push, Refusal, Request, Run, Signals, text_of,
 };
-use super::rights::{Thing, ViewerId};
 use super::status::Status;
 use crate::guard::VIEWERS;
+use crate::plant::Principal;
+use crate::plant::control::{MotionObject, ViewerId};
 use crate::trace::history;
 
 /// Serves a viewer until it goes, from `peer`; `begun` has come on its socket already.
@@ -56,7 +57,7 @@ pub(super) async fn serve(
     debug!(%name, "a viewer of the HMI came");
     let (outbox, inbox) = mpsc::channel(OUTBOX);
     let (asks, asked) = mpsc::channel(ASKS);
-    shared.rights().enter(number, name.clone());
+    shared.plant.control().enter(number, name.clone());
     let weak = Arc::downgrade(&shared);
     let signs = shared.plant.guard().enter(VIEWERS | number, &name, weak);
     let hello = Push::Hello {
@@ -241,7 +242,7 @@ impl Viewer {
                 let done = shared.set_override(viewer, &request.coordinate_system, request.percent);
                 request.answer(done.await)
             }
-            Request::Hold(request) => request.answer(shared.hold(&request.coordinate_system).await),
+            Request::Hold(request) => request.answer(shared.hold(viewer, &request.coordinate_system).await),
             Request::Resume(request) => request.answer(shared.resume(viewer, &request.coordinate_system).await),
             Request::Check(request) => {
                 self.computed(heard.is_long(), move |shared| {
@@ -279,7 +280,11 @@ impl Viewer {
                     refused => refused,
                 }
             }
-            Request::Write(request) => request.answer(shared.write(viewer, &request.tag, &request.value).await),
+            Request::Write(request) => request.answer(
+                shared
+                    .write(Principal::Viewer(viewer), &request.tag, &request.value)
+                    .await,
+            ),
             Request::Trace(request) => request.answer(self.trace(request.on)),
             Request::History(request) => request.answer(self.history(request.before)),
             Request::Events(request) => {
@@ -326,13 +331,13 @@ impl Viewer {
     fn take(&self, object: &str, force: bool) -> Result<Done, Refusal> {
         let thing = self.thing(object)?;
         let machine = self.shared.plant.machine();
-        let taken = self.shared.rights().take(machine, self.id, thing, force);
-        taken.map_err(|held| Refusal::control(held.thing.name(machine), Some(&held.by)))?;
+        let taken = self.shared.plant.control().take(machine, self.id, thing, force);
+        taken.map_err(|held| Refusal::control(held.object.name(machine), Some(&held.by)))?;
         Ok(Done {})
     }
 
     fn release(&self, object: &str) -> Result<Done, Refusal> {
-        self.shared.rights().release(self.id, self.thing(object)?);
+        self.shared.plant.control().release(self.id, self.thing(object)?);
         Ok(Done {})
     }
 
@@ -380,8 +385,8 @@ impl Viewer {
         Ok(piece)
     }
 
-    fn thing(&self, object: &str) -> Result<Thing, Refusal> {
-        Thing::find(self.shared.plant.machine(), object).ok_or_else(|| {
+    fn thing(&self, object: &str) -> Result<MotionObject, Refusal> {
+        MotionObject::find(self.shared.plant.machine(), object).ok_or_else(|| {
             let object: String = object.chars().take(60).collect();
             Refusal::new(format!("there is no axis, coordinate system or group {object:?}"))
         })

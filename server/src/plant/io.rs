@@ -4,7 +4,7 @@
 use arcline_controller::Snapshot;
 use arcline_controller::image::Image;
 
-use super::{LiveMoves, Logged, Plant};
+use super::{Command, Executions, LiveMoves, Logged, Plant, Principal, Systems};
 
 impl Plant {
     /// Reads the state of the newest tick.
@@ -14,12 +14,12 @@ impl Plant {
         read(state.link.snapshots.output_buffer())
     }
 
-    /// The newest changes of instructions behind a number, oldest first, with the tags of now.
-    pub fn events_since<R>(&self, number: u64, read: impl FnOnce(&Image, Vec<Logged>) -> R) -> R {
+    /// The newest changes of instructions behind a number, oldest first, with the tags of now and what is known of executions.
+    pub(crate) fn events_since<R>(&self, number: u64, read: impl FnOnce(&Image, &Executions, Vec<Logged>) -> R) -> R {
         let mut state = self.0.lock();
         state.refresh();
         let events = state.log.since(number).copied().collect();
-        read(state.image(), events)
+        read(state.image(), &state.records, events)
     }
 
     /// Reads the state of the newest tick, the tags of the same one, and the moves under way.
@@ -44,53 +44,36 @@ impl Plant {
 
     /// Sets feed overrides, in percent, in configuration order. `false`: at least one is out of range, and stays as it
     /// was.
-    pub fn set_feed_overrides(&self, percent: &[f32]) -> bool {
-        self.override_each(|system| percent.get(system).copied())
+    pub fn set_feed_overrides(&self, principal: Principal, percent: &[f32]) -> bool {
+        let systems = 0..self.0.machine.systems.len() as u16;
+        let (all, _) = self.transact(principal, |transaction| {
+            let set = systems.zip(percent).map(|(system, percent)| {
+                let percent = *percent;
+                transaction.apply(Command::SetFeedOverride { system, percent }).is_ok()
+            });
+            set.fold(true, |all, is_set| all & is_set)
+        });
+        all
     }
 
     /// Holds every coordinate system. `false`: there is no override to hold by.
-    pub fn hold_all(&self) -> bool {
-        self.override_each(|_| Some(0.0))
+    pub fn hold_all(&self, principal: Principal) -> bool {
+        let held = self.transact(principal, |transaction| transaction.apply(Command::Hold(Systems::All)));
+        held.0.is_ok()
     }
 
     /// Gives every coordinate system that is held the override it had before.
-    pub fn resume_all(&self) -> bool {
-        let held: Vec<Option<f32>> = {
-            let state = self.0.lock();
-            let image = state.image();
-            let overrides = image.feed_overrides();
-            (0..)
-                .zip(overrides)
-                .map(|(system, percent)| match percent {
-                    0.0 => image.feed_override_before_hold(system),
-                    _ => None,
-                })
-                .collect()
-        };
-        self.override_each(|system| held.get(system).copied().flatten())
+    pub fn resume_all(&self, principal: Principal) -> bool {
+        let resumed = self.transact(principal, |transaction| {
+            transaction.apply(Command::Resume(Systems::All))
+        });
+        resumed.0.is_ok()
     }
 
     /// Stops everything that moves, every axis by itself. It cannot be refused, and waits for nothing: neither for a lock nor behind
     /// other commands. What was sent before and is executed later is stopped as soon as it is.
     pub fn stop_all(&self) {
         self.0.stops.stop_all();
-    }
-
-    fn override_each(&self, percent: impl Fn(usize) -> Option<f32>) -> bool {
-        let mut all = true;
-        {
-            let mut state = self.0.lock();
-            state.refresh();
-            for system in 0..self.0.machine.systems.len() {
-                let (Some(percent), Ok(place)) = (percent(system), u16::try_from(system)) else {
-                    continue;
-                };
-                all &= state.image_mut().set_feed_override(place, percent).is_ok();
-            }
-            state.send_overrides();
-        }
-        self.0.sent.notify_one();
-        all
     }
 }
 

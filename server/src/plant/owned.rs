@@ -12,17 +12,10 @@ use arcline_controller::{Snapshot, Ticket, UNNAMED};
 use arcline_instruction_set::predefined::{coordinate_motion_status, motion_status};
 use arcline_instruction_set::{Call, Given, JogEnd, Mnemonic, bind};
 
-use super::records::Records;
+use super::policy::{COORDINATED_MOVE, stop_of};
+use super::principal::Principal;
+use super::records::Executions;
 use super::state::{State, may_run};
-
-/// Who begins motion: a class 3 connection, or a session without one.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub struct Owner {
-    /// The session's number; never used again.
-    pub session: u64,
-    /// The O→T id of the connection; 0: none.
-    pub connection: u32,
-}
 
 /// An instruction that began something.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -34,11 +27,11 @@ struct Begun {
 
 /// What owners have begun, oldest first.
 #[derive(Debug, Default)]
-pub(super) struct Owned(BTreeMap<Owner, Vec<Begun>>);
+pub(super) struct Owned(BTreeMap<Principal, Vec<Begun>>);
 
 impl Owned {
     /// Notes a call that may begin motion.
-    pub(super) fn begin(&mut self, owner: Owner, ticket: Ticket, call: &Call, records: &Records) {
+    pub(super) fn begin(&mut self, owner: Principal, ticket: Ticket, call: &Call, records: &Executions) {
         let (Some(target), Some(_)) = (call.target, stop_of(call.mnemonic)) else {
             return;
         };
@@ -55,16 +48,14 @@ impl Owned {
     }
 
     /// What an owner has begun is without an owner now.
-    pub(super) fn forget(&mut self, owner: Owner) {
+    pub(super) fn forget(&mut self, owner: Principal) {
         self.0.remove(&owner);
     }
 
     /// The owners of a session.
-    pub(super) fn of_session(&self, session: u64) -> Vec<Owner> {
-        let all = Owner { session, connection: 0 }..=Owner {
-            session,
-            connection: u32::MAX,
-        };
+    pub(super) fn of_session(&self, session: u64) -> Vec<Principal> {
+        let owner = |connection| Principal::Client { session, connection };
+        let all = owner(0)..=owner(u32::MAX);
         self.0.range(all).map(|(owner, _)| *owner).collect()
     }
 }
@@ -101,7 +92,7 @@ impl Lost {
 
 impl State {
     /// An owner is lost: does with what it began, and what still runs of that, as the reaction says. Jogs are the guard's.
-    pub(super) fn lose(&mut self, owner: Owner, reaction: ConnectionLoss) -> Lost {
+    pub(super) fn lose(&mut self, owner: Principal, reaction: ConnectionLoss) -> Lost {
         let mut begun = self.owned.0.remove(&owner).unwrap_or_default();
         let snapshot = self.link.snapshots.output_buffer();
         begun.retain(|begun| is_running(*begun, &self.records) || is_braking(*begun, snapshot));
@@ -153,13 +144,19 @@ impl State {
         lost
     }
 
+    /// What an owner began goes on without it.
+    pub(super) fn disown(&mut self, owner: Principal) {
+        self.guard.forget(owner);
+        self.owned.forget(owner);
+    }
+
     /// Stops motion of a lost owner at the full deceleration of its axis or coordinate system; where that cannot be sent, everything
     /// is stopped.
     fn stop_lost(&mut self, mnemonic: Mnemonic, what: &str, target: u16, ticket: Ticket) {
         let given = [Given::Word(what.to_owned())];
         match bind(mnemonic, Some(target), UNNAMED, &given, self.image()) {
             // Nobody waits for it.
-            Ok(call) if self.has_room(mnemonic) => drop(self.send(call)),
+            Ok(call) if self.has_room(mnemonic) => drop(self.send(Principal::Server, None, call)),
             Ok(_) => {
                 tracing::error!("too many instructions wait for the controller: everything is stopped");
                 self.link.stops.stop_all();
@@ -177,7 +174,7 @@ impl State {
 }
 
 /// Of an execution that is not kept any more nothing tells that it has ended.
-fn is_running(begun: Begun, records: &Records) -> bool {
+fn is_running(begun: Begun, records: &Executions) -> bool {
     records.get(begun.ticket).is_none_or(may_run)
 }
 
@@ -196,24 +193,6 @@ fn is_braking(begun: Begun, snapshot: &Snapshot) -> bool {
         None => false,
     }
 }
-
-/// What stops the motion that an instruction begins: an instruction and its Stop Type. `None`: it begins none.
-fn stop_of(mnemonic: Mnemonic) -> Option<(Mnemonic, &'static str)> {
-    Some(match mnemonic {
-        Mnemonic::Maj => (Mnemonic::Mas, "Jog"),
-        Mnemonic::Mam => (Mnemonic::Mas, "Move"),
-        Mnemonic::Mag => (Mnemonic::Mas, "Gear"),
-        Mnemonic::Mah => (Mnemonic::Mas, "Home"),
-        Mnemonic::Mapc => (Mnemonic::Mas, "Position Cam"),
-        Mnemonic::Matc => (Mnemonic::Mas, "Time Cam"),
-        Mnemonic::Mclm | Mnemonic::Mccm | Mnemonic::Mcpm => COORDINATED_MOVE,
-        Mnemonic::Mct | Mnemonic::Mcto => (Mnemonic::Mcs, "Coordinated Transform"),
-        _ => return None,
-    })
-}
-
-/// What stops coordinated moves; they alone can be held.
-const COORDINATED_MOVE: (Mnemonic, &str) = (Mnemonic::Mcs, "Coordinated Move");
 
 /// Executions of one owner before those that have ended are left out.
 const MANY: usize = 64;

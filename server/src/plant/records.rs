@@ -1,17 +1,32 @@
 //! The newest executions by ticket and by instance of class 0x0303, whatever their tags show by now.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::time::SystemTime;
 
 use arcline_controller::{Cause, Event, Ticket};
 use arcline_instruction_set::{Flag, MotionControl};
 
-#[derive(Clone, Copy, Debug)]
+use super::principal::Principal;
+
+#[derive(Clone, Debug)]
 struct Record {
     control: MotionControl,
     /// The object it acts on, by its place.
     target: Option<u16>,
+    origin: Origin,
     ended: Option<Ended>,
+}
+
+/// Who began an execution, and as what.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) struct Origin {
+    /// Who.
+    pub(crate) principal: Principal,
+    /// The name of the client as it was then; empty: it was no client.
+    pub(crate) name: Arc<str>,
+    /// The Structured Text that it was given as.
+    pub(crate) text: Option<Arc<str>>,
 }
 
 /// The end of an execution that did not come to its end.
@@ -24,14 +39,14 @@ pub(super) struct Ended {
 
 /// The newest executions.
 #[derive(Debug, Default)]
-pub(super) struct Records {
+pub(crate) struct Executions {
     ring: VecDeque<Record>,
     newest: u64,
 }
 
-impl Records {
+impl Executions {
     /// Makes place for the next ticket. Tickets are in sequence.
-    pub(super) fn begin(&mut self, ticket: Ticket, target: Option<u16>) {
+    pub(super) fn begin(&mut self, ticket: Ticket, target: Option<u16>, origin: Origin) {
         if self.ring.len() == RECORDS {
             self.ring.pop_front();
         }
@@ -41,6 +56,7 @@ impl Records {
         self.ring.push_back(Record {
             control: begun,
             target,
+            origin,
             ended: None,
         });
         self.newest = ticket.0;
@@ -69,6 +85,11 @@ impl Records {
     /// The object that an execution acts on.
     pub(super) fn target(&self, ticket: Ticket) -> Option<u16> {
         self.ring.get(self.place(ticket)?)?.target
+    }
+
+    /// Who began an execution.
+    pub(crate) fn origin(&self, ticket: Ticket) -> Option<&Origin> {
+        self.ring.get(self.place(ticket)?).map(|record| &record.origin)
     }
 
     fn place(&self, ticket: Ticket) -> Option<usize> {

@@ -3,7 +3,7 @@
 use arcline_config::Project;
 use arcline_controller::image::TableError;
 
-use super::Plant;
+use super::{Command, Plant, Principal, Refused};
 use crate::retained::NotKept;
 
 /// Why a configuration is not taken over. But for [`ReloadError::NotKept`], nothing has changed.
@@ -33,10 +33,13 @@ impl Plant {
         if !parts.is_empty() {
             return Err(ReloadError::NeedsRestart { parts });
         }
-        let (done, written) = self.write(|image, _| image.reload(old.configured(), new.configured()));
-        let kept = self.fire(written).await;
-        done?;
-        kept.map_err(|NotKept| ReloadError::NotKept)
+        let (old, new) = (old.configured(), new.configured());
+        match self.apply(Principal::Server, Command::Reload { old, new }).await {
+            Ok(_) => Ok(()),
+            Err(Refused::Table(error)) => Err(error.into()),
+            Err(Refused::NotKept(NotKept)) => Err(ReloadError::NotKept),
+            Err(Refused::NoControl { .. } | Refused::Write(_) | Refused::Call(_)) => Ok(()),
+        }
     }
 }
 

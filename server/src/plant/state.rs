@@ -10,14 +10,17 @@ use arc_swap::ArcSwap;
 use arcline_controller::image::{CallRoom, Edge, Image, Staged, TagKind};
 use arcline_controller::machine::DynamicsBits;
 use arcline_controller::{Command, Input, MAX_COMMANDS_PER_TICK, Snapshot, Ticket};
-use arcline_instruction_set::{Call, ControlSlot, FaultSet, Flag, Mnemonic, MotionControl, MotionError, Object};
+use arcline_instruction_set::{
+    Call, ControlSlot, FaultSet, Flag, Mnemonic, MotionControl, MotionError, Object, OperandIndex,
+};
 use arcline_realtime::Link;
 use tokio::sync::oneshot;
 
 use super::log::{Change, Log};
 use super::moves::LiveMoves;
-use super::owned::{Owned, Owner};
-use super::records::Records;
+use super::owned::Owned;
+use super::principal::Principal;
+use super::records::{Executions, Origin};
 use crate::guard::Guard;
 use crate::retained::{Watch, WhenKept};
 use crate::trace::Trace;
@@ -50,7 +53,7 @@ pub(super) struct State {
     later: Later,
     /// Stops the jogs of clients that are lost.
     pub(super) guard: Guard,
-    pub(super) records: Records,
+    pub(super) records: Executions,
     pub(super) log: Log,
     pub(super) moves: LiveMoves,
     /// What connections have begun.
@@ -134,7 +137,7 @@ impl State {
             later: Later::default(),
             guard,
             staged: BTreeMap::new(),
-            records: Records::default(),
+            records: Executions::default(),
             log: Log::new(period),
             moves,
             owned: Owned::default(),
@@ -287,27 +290,18 @@ impl State {
         self.done.extend(self.waiting.remove(&ticket));
     }
 
-    /// Sends a call for an owner, as [`Self::send`].
-    pub(super) fn send_for(&mut self, owner: Option<Owner>, call: Call) -> (Ticket, oneshot::Receiver<()>) {
-        let sent = self.send(call);
-        if let Some(owner) = owner {
-            self.owned.begin(owner, sent.0, &call, &self.records);
-            if let (Mnemonic::Maj, Some(axis)) = (call.mnemonic, call.target) {
-                let records = &self.records;
-                self.guard
-                    .begin(owner, axis, sent.0, |ticket| records.get(ticket).is_none_or(may_run));
-            }
-        }
-        sent
-    }
-
     /// Sends a call; the receiver is told when DN, ER or IP is set.
-    pub(super) fn send(&mut self, call: Call) -> (Ticket, oneshot::Receiver<()>) {
+    pub(super) fn send(
+        &mut self,
+        principal: Principal,
+        text: Option<Arc<str>>,
+        call: Call,
+    ) -> (Ticket, oneshot::Receiver<()>) {
         if self.later.rungs.remove(&call.control) {
             // What was false before is told before it is true again.
             self.push(Command::RungFalse(call.control));
         }
-        let ticket = self.ticket(call.target);
+        let ticket = self.ticket(principal, text, call.target);
         let (sender, receiver) = oneshot::channel();
         self.waiting.insert(ticket, sender);
         let (data, staged) = self.image_mut().prepare(&call);
@@ -318,13 +312,32 @@ impl State {
             None => Command::Call(ticket, call),
             Some(data) => Command::CallWith(ticket, call, data),
         });
+        self.own(principal.owner(), ticket, &call);
         (ticket, receiver)
     }
 
-    fn ticket(&mut self, target: Option<u16>) -> Ticket {
+    /// Notes who has begun what, as far as it can be lost.
+    fn own(&mut self, owner: Principal, ticket: Ticket, call: &Call) {
+        if owner.session().is_none() {
+            return;
+        }
+        self.owned.begin(owner, ticket, call, &self.records);
+        if let (Mnemonic::Maj, Some(axis)) = (call.mnemonic, call.target) {
+            let records = &self.records;
+            self.guard
+                .begin(owner, axis, ticket, |ticket| records.get(ticket).is_none_or(may_run));
+        }
+    }
+
+    fn ticket(&mut self, principal: Principal, text: Option<Arc<str>>, target: Option<u16>) -> Ticket {
         let ticket = Ticket(self.next_ticket);
         self.next_ticket += 1;
-        self.records.begin(ticket, target);
+        let name = match principal.session() {
+            Some(session) => self.guard.name_of(session),
+            None => Arc::default(),
+        };
+        let origin = Origin { principal, name, text };
+        self.records.begin(ticket, target, origin);
         ticket
     }
 
@@ -458,7 +471,8 @@ impl State {
         }
     }
 
-    pub(super) fn edge(&mut self, owner: Option<Owner>, edge: Edge) -> Option<oneshot::Receiver<()>> {
+    /// Sends what a write brought about. Of an instruction: its ticket, and the receiver that is told when DN, ER or IP is set.
+    pub(super) fn edge(&mut self, principal: Principal, edge: Edge) -> Option<(Ticket, oneshot::Receiver<()>)> {
         let id = match edge {
             Edge::Rising(id) | Edge::Falling(id) => id,
             Edge::FeedOverride => {
@@ -498,12 +512,12 @@ impl State {
             return None;
         }
         let error = match self.image.call_of(id)? {
-            Ok(call) if self.has_room(call.mnemonic) => return Some(self.send_for(owner, call).1),
-            Ok(_) => MotionError::from_codes(EXECUTION_COLLISION, 0)?,
+            Ok(call) if self.has_room(call.mnemonic) => return Some(self.send(principal, None, call)),
+            Ok(_) => MotionError::ExecutionCollision,
             // A name among the operands that means nothing is a value out of range.
-            Err(error) => MotionError::from_codes(OUT_OF_RANGE, error.operand().map_or(0, |operand| operand.0 as i8))?,
+            Err(error) => MotionError::ParameterOutOfRange(error.operand().unwrap_or(OperandIndex(0))),
         };
-        let ticket = self.ticket(None);
+        let ticket = self.ticket(principal, None, None);
         let refused = MotionControl::refused(error);
         self.image_mut().set_control(kind.control, refused);
         if let Some(control) = self.records.get_mut(ticket) {
@@ -531,7 +545,3 @@ fn is_answered(control: &MotionControl) -> bool {
 pub(super) const OUTSTANDING: usize = 512;
 /// Room of the ring that only instructions take that stop or switch off, commands: what the controller takes in two ticks.
 pub(super) const FOR_STOPS: usize = 2 * MAX_COMMANDS_PER_TICK;
-/// ERR of a call that finds no room.
-const EXECUTION_COLLISION: i16 = 3;
-/// ERR of an operand out of range.
-const OUT_OF_RANGE: i16 = 13;

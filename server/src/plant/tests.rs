@@ -1,10 +1,12 @@
 //! The plant on the real thread, and its records.
 
 use arcline_controller::Ticket;
+use arcline_controller::image::WriteError;
 use arcline_instruction_set::Flag;
 
-use super::records::{RECORDS, Records};
+use super::records::{Executions, Origin, RECORDS};
 use super::*;
+use arcline_instruction_set::{Given, Mnemonic};
 
 fn project() -> Project {
     arcline_config::load(arcline_config::DEFAULT, "default").expect("the default is valid")
@@ -18,16 +20,36 @@ fn number(plant: &Plant, path: &str) -> f64 {
         .as_f64()
 }
 
-fn write(plant: &Plant, values: &[(&str, f64)]) -> Written {
-    let (result, written) = plant.write(|image, edges| {
+/// A client without connection.
+const CLIENT: Principal = Principal::Client {
+    session: 1,
+    connection: 0,
+};
+
+fn write(plant: &Plant, values: &[(&str, f64)]) -> Pending {
+    let (result, pending) = plant.transact(CLIENT, |transaction| {
         for (path, value) in values {
             let path = path.parse().expect("a path");
-            edges.extend(image.write_value(&path, arcline_tag::Value::Lreal(*value))?);
+            transaction.write_value(&path, arcline_tag::Value::Lreal(*value))?;
         }
-        Ok::<_, arcline_controller::image::WriteError>(())
+        Ok::<_, Refused>(())
     });
     result.expect("writable");
-    written
+    pending
+}
+
+async fn call(plant: &Plant, mnemonic: Mnemonic, control: Option<&str>, given: &[Given]) -> Result<Executed, Refused> {
+    let call = Call {
+        mnemonic,
+        target: Some(0),
+        control,
+        given,
+        text: None,
+    };
+    match plant.apply(CLIENT, Command::Call(call)).await? {
+        Outcome::Executed(executed) => Ok(executed),
+        other => panic!("{other:?}"),
+    }
 }
 
 async fn wait(plant: &Plant, path: &str) {
@@ -52,7 +74,7 @@ async fn a_written_enable_in_moves_to_the_exact_end() {
             ("Move1.EnableIn", 1.0),
         ],
     );
-    plant.fire(edges).await.expect("nothing is kept");
+    plant.kept(edges).await.expect("nothing is kept");
     assert_eq!(
         ["EN", "DN", "IP"].map(|bit| number(&plant, &format!("Move1.{bit}"))),
         [1.0; 3],
@@ -74,32 +96,30 @@ async fn a_written_enable_in_moves_to_the_exact_end() {
 async fn what_is_refused_is_shown() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");
     let speed = write(&plant, &[("Move1.Speed", -1.0), ("Move1.EnableIn", 1.0)]);
-    plant.fire(speed).await.expect("nothing is kept");
+    plant.kept(speed).await.expect("nothing is kept");
     assert_eq!(
         ["ER", "ERR", "EXERR"].map(|name| number(&plant, &format!("Move1.{name}"))),
         [1.0, 13.0, 4.0]
     );
 
     let target = write(&plant, &[("Move2.CoordinateSystem.LEN", 1.0), ("Move2.EnableIn", 1.0)]);
-    plant.fire(target).await.expect("nothing is kept");
+    plant.kept(target).await.expect("nothing is kept");
     assert_eq!(
         ["ER", "ERR", "EXERR"].map(|name| number(&plant, &format!("Move2.{name}"))),
         [1.0, 13.0, 0.0]
     );
 
-    let executed = plant
-        .call(Mnemonic::Mso, Some(0), Some("Servo"), &[])
-        .await
-        .expect("it binds");
+    let executed = call(&plant, Mnemonic::Mso, Some("Servo"), &[]).await.expect("it binds");
     assert!(executed.control.has(Flag::Dn) && !executed.control.has(Flag::Er));
     assert_eq!((executed.instance, number(&plant, "Servo.DN")), (3, 1.0));
 
-    let wrong = plant.call(Mnemonic::Mso, Some(0), Some("X"), &[]).await;
-    assert!(matches!(wrong, Err(CallRefused::Control(_))), "{wrong:?}");
-    let many = plant
-        .call(Mnemonic::Mso, Some(0), Some("Fresh"), &[Given::Integer(1)])
-        .await;
-    assert!(matches!(many, Err(CallRefused::Bind(_))), "{many:?}");
+    let wrong = call(&plant, Mnemonic::Mso, Some("X"), &[]).await;
+    assert!(
+        matches!(wrong, Err(Refused::Call(CallRefused::Control(_)))),
+        "{wrong:?}"
+    );
+    let many = call(&plant, Mnemonic::Mso, Some("Fresh"), &[Given::Integer(1)]).await;
+    assert!(matches!(many, Err(Refused::Call(CallRefused::Bind(_)))), "{many:?}");
     assert!(
         plant.with_image(|image| image.find("Fresh").is_none()),
         "a refused call makes no tag"
@@ -112,10 +132,7 @@ async fn what_is_refused_is_shown() {
 async fn every_execution_of_a_tag_begins_enabled() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");
     for _ in 0..2 {
-        let executed = plant
-            .call(Mnemonic::Mcs, Some(0), Some("Again"), &[])
-            .await
-            .expect("a stop");
+        let executed = call(&plant, Mnemonic::Mcs, Some("Again"), &[]).await.expect("a stop");
         assert!(executed.control.has(Flag::En) && executed.control.has(Flag::Dn));
     }
     handle.stop();
@@ -123,13 +140,18 @@ async fn every_execution_of_a_tag_begins_enabled() {
 
 #[test]
 fn the_newest_executions_are_kept() {
-    let mut records = Records::default();
+    let mut records = Executions::default();
     assert_eq!(
         (records.newest(), records.oldest(), records.by_instance(0)),
         (None, None, None)
     );
     for ticket in 1..=RECORDS as u64 + 10 {
-        records.begin(Ticket(ticket), None);
+        let origin = Origin {
+            principal: CLIENT,
+            name: "a client".into(),
+            text: None,
+        };
+        records.begin(Ticket(ticket), None, origin);
         records.get_mut(Ticket(ticket)).expect("the newest").err = (ticket % 100) as i16;
     }
     assert_eq!(
@@ -159,7 +181,7 @@ async fn an_override_holds_and_resumes() {
             ("Move1.EnableIn", 1.0),
         ],
     );
-    plant.fire(held).await.expect("nothing is kept");
+    plant.kept(held).await.expect("nothing is kept");
     assert_eq!(
         ["IP", "AC", "PC"].map(|bit| number(&plant, &format!("Move1.{bit}"))),
         [1.0, 1.0, 0.0]
@@ -170,7 +192,7 @@ async fn an_override_holds_and_resumes() {
     }
     assert_eq!(number(&plant, "X.CommandPosition"), 0.0, "held");
     let resumed = write(&plant, &[("FeedOverride[0]", 100.0)]);
-    plant.fire(resumed).await.expect("nothing is kept");
+    plant.kept(resumed).await.expect("nothing is kept");
     wait(&plant, "Move1.PC").await;
     assert_eq!(number(&plant, "X.CommandPosition"), 20.0);
     handle.stop();
@@ -186,19 +208,18 @@ async fn what_finds_no_room_is_refused_and_changes_nothing() {
     let (mut accepted, mut refused) = (0, 0);
     for _ in 0..2000 {
         for on in [1.0, 0.0] {
-            let (result, written) = plant.write(|image, edges| {
-                edges.extend(image.write_value(&path, arcline_tag::Value::Lreal(on))?);
-                Ok::<_, arcline_controller::image::WriteError>(())
+            let (result, written) = plant.transact(CLIENT, |transaction| {
+                transaction.write_value(&path, arcline_tag::Value::Lreal(on))
             });
             match result {
-                Ok(()) => accepted += u32::from(on == 1.0),
-                Err(arcline_controller::image::WriteError::NoRoom { .. }) => {
+                Ok(_) => accepted += u32::from(on == 1.0),
+                Err(Refused::Write(WriteError::NoRoom { .. })) => {
                     refused += 1;
                     assert_eq!(number(&plant, "Move1.EnableIn"), 0.0, "nothing has changed");
                 }
                 Err(error) => panic!("{error}"),
             }
-            plant.fire(written).await.expect("nothing is kept");
+            plant.kept(written).await.expect("nothing is kept");
         }
     }
     // False rungs stand in the same ring.
@@ -206,12 +227,15 @@ async fn what_finds_no_room_is_refused_and_changes_nothing() {
     assert_eq!(accepted + refused, 2000);
     let free = plant.0.lock().link.commands.slots();
     assert!(free >= state::FOR_STOPS, "room for stops is left: {free}");
-    let call = async |mnemonic: Mnemonic, given: &[Given]| plant.call(mnemonic, Some(0), None, given).await;
-    assert_eq!(call(Mnemonic::Mso, &[]).await, Err(CallRefused::Busy));
+    assert_eq!(plant.count(Counter::Writes).refused, u64::from(refused));
+    assert_eq!(
+        call(&plant, Mnemonic::Mso, None, &[]).await,
+        Err(CallRefused::Busy.into())
+    );
     // It is sent, and nothing answers.
     assert_eq!(
-        call(Mnemonic::Mgs, &[Given::Number(0.0)]).await,
-        Err(CallRefused::NoAnswer)
+        call(&plant, Mnemonic::Mgs, None, &[Given::Number(0.0)]).await,
+        Err(CallRefused::NoAnswer.into())
     );
     plant.stop_all();
 }

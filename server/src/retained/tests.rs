@@ -10,7 +10,7 @@ use arcline_tag::Value;
 
 use super::keeper::Job;
 use super::*;
-use crate::plant::Plant;
+use crate::plant::{Plant, Principal};
 
 const TAGS: &str = r#"
 [[tag]]
@@ -301,14 +301,13 @@ async fn a_write_is_answered_when_it_is_kept() {
     let (plant, handle, jobs) = plant(&project());
     let write = |path: &str| {
         let path = path.parse().expect("a path");
-        let (written, fire) = plant.write(|image, edges| {
-            edges.extend(image.write_value(&path, Value::Real(2.0))?);
-            Ok::<_, arcline_controller::image::WriteError>(())
+        let (written, pending) = plant.transact(Principal::Server, |transaction| {
+            transaction.write_value(&path, Value::Real(2.0))
         });
         written.expect("writable");
-        fire
+        pending
     };
-    plant.fire(write("Move1.Speed")).await.expect("not kept, and not to be");
+    plant.kept(write("Move1.Speed")).await.expect("not kept, and not to be");
     assert!(jobs.try_recv().is_err(), "operands of instructions are not kept");
     for answer in [Ok(()), Err(NotKept)] {
         let written = write("Recipe[1]");
@@ -321,7 +320,7 @@ async fn a_write_is_answered_when_it_is_kept() {
             bytes: 2.0_f32.to_le_bytes().to_vec(),
         };
         assert_eq!(changes, [expected]);
-        let answered = plant.fire(written);
+        let answered = plant.kept(written);
         tokio::pin!(answered);
         let early = tokio::time::timeout(std::time::Duration::from_millis(1), &mut answered).await;
         assert!(early.is_err(), "not before it is kept");
@@ -330,7 +329,7 @@ async fn a_write_is_answered_when_it_is_kept() {
     }
     drop(jobs);
     assert_eq!(
-        plant.fire(write("Count")).await,
+        plant.kept(write("Count")).await,
         Err(NotKept),
         "nobody keeps it any more"
     );

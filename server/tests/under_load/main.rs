@@ -16,7 +16,7 @@ use arcline_proto::epath::Epath;
 use arcline_proto::logix::{WireType, WriteTag};
 use arcline_server::eip::{Listener, Settings};
 use arcline_server::hmi::Hmi;
-use arcline_server::plant::Plant;
+use arcline_server::plant::{Call, Command as Do, Outcome, Plant, Principal};
 use bytes::{Bytes, BytesMut};
 use futures_util::{SinkExt as _, StreamExt as _};
 use serde_json::json;
@@ -113,14 +113,23 @@ impl Server {
     fn jog(&self) {
         self.until("it stands", |speed| speed == 0.0);
         let given = [0.0, 50.0, 0.0, 5000.0, 0.0, 5000.0, 0.0].map(Given::Number);
+        let call = Call {
+            mnemonic: Mnemonic::Maj,
+            target: Some(S),
+            control: None,
+            given: &given,
+            text: None,
+        };
         let done = self
             .clients
-            .block_on(self.plant.call(Mnemonic::Maj, Some(S), None, &given))
-            .expect("it jogs");
+            .block_on(self.plant.apply(Principal::Server, Do::Call(call)));
+        let Ok(Outcome::Executed(executed)) = done else {
+            panic!("{done:?}")
+        };
         assert!(
-            !done.control.has(arcline_instruction_set::Flag::Er),
+            !executed.control.has(arcline_instruction_set::Flag::Er),
             "{:?}",
-            done.control
+            executed.control
         );
         self.until("the jog has its speed", |speed| speed == 50.0);
     }

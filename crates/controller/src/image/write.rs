@@ -122,6 +122,11 @@ impl Image {
         self.write(id, place.offset, bytes)
     }
 
+    /// Whether a bit of a tag is the `EnableIn` of an instruction tag.
+    pub fn is_enable_in(&self, id: TagId, offset: usize, bit: u8) -> bool {
+        self.enable_in(id) == Some((offset + usize::from(bit / 8), 1 << (bit % 8)))
+    }
+
     /// Says how many instructions the controller can still be sent.
     pub fn set_call_room(&mut self, room: CallRoom) {
         self.room = room;

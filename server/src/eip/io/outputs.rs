@@ -6,7 +6,7 @@ use arcline_config::IoLoss;
 use tracing::warn;
 
 use super::layout::{command, decode_output};
-use crate::plant::Plant;
+use crate::plant::{Plant, Principal};
 
 /// What was applied last.
 #[derive(Clone, Debug, Default)]
@@ -51,12 +51,12 @@ impl Outputs {
             plant.stop_all();
         }
         if wanted && changed {
-            self.refused = !plant.set_feed_overrides(&overrides);
+            self.refused = !plant.set_feed_overrides(Principal::Io, &overrides);
         } else if !wanted {
             self.refused = false;
         }
         if resume && !hold {
-            plant.resume_all();
+            plant.resume_all(Principal::Io);
         }
         if hold {
             hold_or_stop(plant);
@@ -80,7 +80,7 @@ impl Outputs {
 
 /// A machine whose configuration uses the name of the overrides for something else cannot be held.
 fn hold_or_stop(plant: &Plant) {
-    if !plant.hold_all() {
+    if !plant.hold_all(Principal::Io) {
         warn!("there is no feed override to hold by: stopping instead");
         plant.stop_all();
     }

@@ -9,7 +9,7 @@ use bytes::Bytes;
 
 use super::{Class, Extent, u8_value, u16_value};
 use crate::eip::device::Device;
-use crate::plant::Owner;
+use crate::plant::Principal;
 
 /// A vendor's attribute, USINT: the place of the reaction among [`ConnectionLoss::WORDS`], for the connection (or the
 /// session without one) over which it is asked and set.
@@ -18,7 +18,7 @@ const LOSS: u16 = 100;
 pub(super) struct ConnectionManager<'a> {
     pub(super) device: &'a Device,
     /// Whoever asks.
-    pub(super) owner: Owner,
+    pub(super) principal: Principal,
 }
 
 impl Class for ConnectionManager<'_> {
@@ -33,7 +33,7 @@ impl Class for ConnectionManager<'_> {
 
     fn attribute(&self, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
         if id == LOSS {
-            let loss = self.device.loss(self.owner);
+            let loss = self.device.loss(self.principal);
             let place = ConnectionLoss::WORDS.iter().position(|(_, known)| *known == loss);
             return u8_value(place.and_then(|place| u8::try_from(place).ok()).unwrap_or_default());
         }
@@ -56,7 +56,7 @@ impl Class for ConnectionManager<'_> {
         let (_, loss) = ConnectionLoss::WORDS
             .get(usize::from(*place))
             .ok_or(CipStatus::INVALID_ATTRIBUTE_VALUE)?;
-        self.device.set_loss(self.owner, Some(*loss));
+        self.device.set_loss(self.principal, Some(*loss));
         Ok(())
     }
 }

@@ -155,7 +155,7 @@ trait Class {
 /// Answers a request for a class that is not [`LATE`].
 pub(crate) fn serve(
     context: &Context<'_>,
-    memory: &mut Memory<'_>,
+    memory: &mut Memory<'_, '_>,
     request: &Request,
     code: u16,
     target: &Target<'_>,
@@ -171,7 +171,7 @@ pub(crate) fn serve(
         class::MESSAGE_ROUTER => with(&message_router::MessageRouter(device)),
         class::CONNECTION_MANAGER => with(&connection_manager::ConnectionManager {
             device,
-            owner: context.owner,
+            principal: context.principal,
         }),
         class::PROGRAM_NAME => with(&program_name::ProgramName(device.settings.identity.name())),
         class::SYMBOL => {
@@ -225,12 +225,11 @@ pub(crate) const fn is_table_change(code: u8) -> bool {
 }
 
 /// Writes attributes that were set, in order.
-fn write_settings(memory: &mut Memory<'_>, settings: &[motion_attributes::Setting]) {
-    let Memory::Write(image, edges) = memory else { return };
+fn write_settings(memory: &mut Memory<'_, '_>, settings: &[motion_attributes::Setting]) {
+    let Memory::Write(transaction) = memory else { return };
     for setting in settings {
-        match setting.write(image) {
-            Ok(edge) => edges.extend(edge),
-            Err(error) => tracing::warn!(%error, "an attribute was not written"),
+        if let Err(error) = transaction.apply(setting.command()) {
+            tracing::warn!(%error, "an attribute was not written");
         }
     }
 }
@@ -255,7 +254,7 @@ pub(crate) fn serve_late(context: &Context<'_>, request: &Request, target: &Targ
 /// that name, or of the symbol.
 pub(crate) fn serve_named(
     context: &Context<'_>,
-    memory: &mut Memory<'_>,
+    memory: &mut Memory<'_, '_>,
     request: &Request,
     target: &Target<'_>,
 ) -> Reply {

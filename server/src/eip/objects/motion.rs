@@ -15,7 +15,7 @@ use arcline_tag::{PathSegment, Value};
 use super::motion_attributes::count;
 use crate::eip::router::Context;
 use crate::eip::tags::{self, unknown};
-use crate::plant::{CallRefused, Owner, Plant};
+use crate::plant::{Call, CallRefused, Command, Outcome, Plant, Principal};
 
 /// Bytes behind the head of a reply to an instruction that was accepted.
 pub(crate) const REPLY_DATA: usize = Accepted::LEN;
@@ -77,24 +77,30 @@ pub(crate) fn parse(
 
 impl MotionRequest {
     /// Executes the instruction and waits until it is verified.
-    pub(crate) async fn execute(&self, plant: &Plant, owner: Owner) -> Reply {
-        let control = (!self.control.is_empty()).then_some(self.control.as_str());
-        let called = plant.call_for(owner, self.mnemonic, Some(self.target), control, &self.given);
-        match called.await {
-            Ok(executed) if executed.control.has(Flag::Er) => {
+    pub(crate) async fn execute(&self, plant: &Plant, principal: Principal) -> Reply {
+        let call = Call {
+            mnemonic: self.mnemonic,
+            target: Some(self.target),
+            control: (!self.control.is_empty()).then_some(self.control.as_str()),
+            given: &self.given,
+            text: None,
+        };
+        match plant.apply(principal, Command::Call(call)).await {
+            Ok(Outcome::Executed(executed)) if executed.control.has(Flag::Er) => {
                 let status = CipStatus::vendor(executed.control.err, executed.control.exerr.into());
                 Reply::error(self.service, status)
             }
-            Ok(executed) => {
+            Ok(Outcome::Executed(executed)) => {
                 let accepted = Accepted {
                     instance: executed.instance,
                     control: executed.control.to_bytes(),
                 };
                 Reply::success(self.service, accepted.to_bytes())
             }
+            Ok(_) => Reply::success(self.service, &[][..]),
             Err(refused) => {
                 tracing::debug!(%refused, "not executed");
-                Reply::error(self.service, refusal(&refused))
+                Reply::error(self.service, tags::refusal(&refused))
             }
         }
     }
@@ -157,7 +163,7 @@ fn given(operand: Typed) -> Given {
 }
 
 /// The status of a call that was not executed.
-fn refusal(refused: &CallRefused) -> CipStatus {
+pub(crate) fn refusal(refused: &CallRefused) -> CipStatus {
     match refused {
         CallRefused::Bind(BindError::TooFew { .. }) => CipStatus::NOT_ENOUGH_DATA,
         CallRefused::Bind(BindError::TooMany { .. }) => CipStatus::TOO_MUCH_DATA,

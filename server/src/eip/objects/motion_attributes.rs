@@ -31,7 +31,7 @@
 
 use std::cell::RefCell;
 
-use arcline_controller::image::{Edge, FEED_OVERRIDE_PERCENT, Image, WriteError};
+use arcline_controller::image::{FEED_OVERRIDE_PERCENT, Image};
 use arcline_controller::machine::{Axis, CoordinateSystem, Machine};
 use arcline_instruction_set::{Attribute, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object};
 use arcline_proto::arcline::motion::{
@@ -42,6 +42,7 @@ use bytes::Bytes;
 
 use super::{Class, Extent, f64_value, no_attribute, short_string, u8_value, u32_value};
 use crate::eip::tags::unknown;
+use crate::plant::Command;
 
 pub(super) struct MotionObjects<'a> {
     pub(super) object: Object,
@@ -63,14 +64,16 @@ pub(super) enum Setting {
 }
 
 impl Setting {
-    /// Writes it like the tag that shows it.
-    pub(super) fn write(self, image: &mut Image) -> Result<Option<Edge>, WriteError> {
+    /// The command that writes it like the tag that shows it.
+    pub(super) fn command(self) -> Command<'static> {
         match self {
-            Setting::FeedOverride(system, percent) => image.set_feed_override(system, percent),
-            Setting::InjectedFaults(axis, bits) => image.inject_faults(axis, bits),
-            Setting::Attribute(attribute, index, value) => {
-                image.set_attribute(attribute, index, value.into()).map(Some)
-            }
+            Setting::FeedOverride(system, percent) => Command::SetFeedOverride { system, percent },
+            Setting::InjectedFaults(axis, bits) => Command::InjectFaults { axis, bits },
+            Setting::Attribute(attribute, index, value) => Command::SetAttribute {
+                attribute,
+                index,
+                value: value.into(),
+            },
         }
     }
 }

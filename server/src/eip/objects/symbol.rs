@@ -12,7 +12,8 @@ use bytes::{BufMut, Bytes, BytesMut};
 
 use super::{Class, Extent};
 use crate::eip::router::{Context, Memory};
-use crate::eip::tags::unknown;
+use crate::eip::tags::{refusal, unknown};
+use crate::plant::{Command, Outcome, Transaction};
 
 /// External access: read and write.
 const READ_WRITE: u8 = 0;
@@ -81,14 +82,19 @@ impl Class for Symbols<'_> {
 
 /// Create (0x08) on the class, in a program's scope behind its name, and Delete (0x09) on an instance: a plain tag appears
 /// or vanishes, as after a download (spec/ethernet-ip.md §10).
-pub(super) fn change(context: &Context<'_>, memory: &mut Memory<'_>, request: &Request, target: &Target<'_>) -> Reply {
-    let Memory::Write(image, _) = memory else {
+pub(super) fn change(
+    context: &Context<'_>,
+    memory: &mut Memory<'_, '_>,
+    request: &Request,
+    target: &Target<'_>,
+) -> Reply {
+    let Memory::Write(transaction) = memory else {
         return Reply::error(request.service, CipStatus::SERVICE_NOT_SUPPORTED);
     };
     let instance = target.instance.unwrap_or(0);
     let done = match (request.service, instance) {
-        (service::CREATE, 0) => create(context, image, request, target),
-        (service::DELETE, 1..) => delete(image, instance, target),
+        (service::CREATE, 0) => create(context, transaction, request, target),
+        (service::DELETE, 1..) => delete(transaction, instance, target),
         _ => Err(CipStatus::SERVICE_NOT_SUPPORTED),
     };
     match done {
@@ -99,7 +105,7 @@ pub(super) fn change(context: &Context<'_>, memory: &mut Memory<'_>, request: &R
 
 fn create(
     context: &Context<'_>,
-    image: &mut Image,
+    transaction: &mut Transaction<'_>,
     request: &Request,
     target: &Target<'_>,
 ) -> Result<Bytes, CipStatus> {
@@ -119,29 +125,34 @@ fn create(
         READ_ONLY => Access::ReadOnly,
         _ => return Err(CipStatus::INVALID_PARAMETER),
     };
-    let tag_type =
-        arcline_config::tag_type(&wanted.data_type, |name| image.declared(name)).ok_or(CipStatus::INVALID_PARAMETER)?;
+    let tag_type = arcline_config::tag_type(&wanted.data_type, |name| transaction.image().declared(name))
+        .ok_or(CipStatus::INVALID_PARAMETER)?;
     let tag = PlainTag {
         program,
         access,
         ..PlainTag::new(wanted.name, tag_type)
     };
-    let id = image.create(&tag).map_err(|error| table_status(&error))?;
+    let created = transaction.apply(Command::CreateTag(&tag));
+    let Outcome::Created(id) = created.map_err(|refused| refusal(&refused))? else {
+        return Err(CipStatus::RESOURCE_UNAVAILABLE);
+    };
     let mut out = BytesMut::with_capacity(6);
     out.put_u32_le(id.0);
     out.put_u16_le(tag.tag_type.symbol_type());
     Ok(out.freeze())
 }
 
-fn delete(image: &mut Image, instance: u32, target: &Target<'_>) -> Result<Bytes, CipStatus> {
+fn delete(transaction: &mut Transaction<'_>, instance: u32, target: &Target<'_>) -> Result<Bytes, CipStatus> {
+    let image = transaction.image();
     let scope = scope(image, target)?;
     let tag = image.tag(TagId(instance)).filter(|tag| tag.program == scope);
     let id = tag.ok_or_else(unknown)?.id;
-    image.delete(id).map_err(|error| table_status(&error))?;
+    let deleted = transaction.apply(Command::DeleteTag(id));
+    deleted.map_err(|refused| refusal(&refused))?;
     Ok(Bytes::new())
 }
 
-fn table_status(error: &TableError) -> CipStatus {
+pub(crate) fn table_status(error: &TableError) -> CipStatus {
     match error {
         TableError::NotAName { .. } => CipStatus::INVALID_PARAMETER,
         TableError::Taken { .. } => CipStatus::OBJECT_ALREADY_EXISTS,

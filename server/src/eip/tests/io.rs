@@ -13,6 +13,7 @@ use tokio::net::UdpSocket;
 
 use super::*;
 use crate::eip::io::layout::{INPUT, INPUT_ONLY, LISTEN_ONLY, OUTPUT, command, status};
+use crate::plant::{Call, Command as PlantCommand, Outcome, Principal};
 
 /// Bytes of the assemblies of the default machine: four coordinate systems, seven axes.
 const INPUT_SIZE: u16 = 12 + 4 * 24 + 7 * 20;
@@ -259,8 +260,18 @@ impl Bench {
             number(0.0),
             number(0.0),
         ];
-        let done = plant.call(Mnemonic::Mclm, Some(0), Some("Line"), &line).await;
-        assert!(done.expect("it binds").control.err == 0);
+        let call = Call {
+            mnemonic: Mnemonic::Mclm,
+            target: Some(0),
+            control: Some("Line"),
+            given: &line,
+            text: None,
+        };
+        let done = plant.apply(Principal::Server, PlantCommand::Call(call)).await;
+        let Ok(Outcome::Executed(executed)) = done else {
+            panic!("{done:?}")
+        };
+        assert_eq!(executed.control.err, 0);
         self.until_snapshot("X moves", |snapshot| snapshot.axes[0].command[1] > 50.0)
             .await;
     }

@@ -10,6 +10,7 @@ mod motion;
 mod objects;
 mod pitfalls;
 mod published;
+mod race;
 mod sessions;
 mod stock_clients;
 mod tag_face;
@@ -178,16 +179,7 @@ impl Bench {
 
     /// A client with a session on a stream.
     pub(super) async fn client_on(&self, stream: DuplexStream) -> Client {
-        let mut client = Client {
-            stream,
-            buf: BytesMut::new(),
-            session: SessionHandle(0),
-        };
-        let reply = client
-            .exchange(Command::REGISTER_SESSION, RegisterSession::CURRENT.to_bytes())
-            .await;
-        client.session = reply.header.session;
-        client
+        Client::register(stream).await
     }
 }
 
@@ -208,6 +200,20 @@ pub(super) struct Connected {
 const CONTEXT: [u8; 8] = *b"context!";
 
 impl Client {
+    /// A client with a session on a stream.
+    pub(super) async fn register(stream: DuplexStream) -> Self {
+        let mut client = Client {
+            stream,
+            buf: BytesMut::new(),
+            session: SessionHandle(0),
+        };
+        let reply = client
+            .exchange(Command::REGISTER_SESSION, RegisterSession::CURRENT.to_bytes())
+            .await;
+        client.session = reply.header.session;
+        client
+    }
+
     pub(super) async fn send(&mut self, bytes: &[u8]) {
         self.stream.write_all(bytes).await.expect("the device reads");
     }

@@ -1,6 +1,7 @@
 //! A table of tags that changes while clients look: created, deleted, and taken over from another configuration.
 
 use arcline_config::Project;
+use arcline_instruction_set::Mnemonic;
 use arcline_proto::cip::{Reply, Request, class, service};
 use arcline_proto::epath::{Epath, Segment};
 use arcline_proto::logix::CreateSymbol;
@@ -8,7 +9,7 @@ use arcline_tag::Elementary;
 use bytes::Bytes;
 
 use super::{Bench, Client, codes, read, write};
-use crate::plant::ReloadError;
+use crate::plant::{Call, Command, Outcome, Principal, ReloadError};
 
 fn scoped(program: Option<&str>, instance: u32) -> Epath {
     let mut path = Epath::object(class::SYMBOL, instance);
@@ -373,10 +374,15 @@ async fn what_needs_a_restart_is_named_and_changes_nothing() {
     assert!(matches!(refused, ReloadError::NeedsRestart { .. }));
     // A name that something else has.
     let taken = load("[[tag]]\nname = \"M1\"\ntype = \"DINT\"\n");
-    plant
-        .write(|image, _| image.control_slot("M1").map(|_| ()))
-        .0
-        .expect("a free name");
+    let call = Call {
+        mnemonic: Mnemonic::Mcs,
+        target: Some(0),
+        control: Some("M1"),
+        given: &[],
+        text: None,
+    };
+    let called = plant.apply(Principal::Server, Command::Call(call)).await;
+    assert!(matches!(called, Ok(Outcome::Executed(_))), "{called:?}");
     let seen_then = changes(&mut client).await;
     assert_ne!(seen, seen_then);
     let refused = plant.reload(&before, &taken).await.expect_err("a motion control tag");

@@ -4,7 +4,7 @@ use arcline_instruction_set::{Explanation, Mnemonic, MotionError, OperandIndex, 
 use arcline_structured_text::SyntaxError;
 use serde::Serialize;
 
-use crate::plant::CallRefused;
+use crate::plant::{CallRefused, Refused};
 
 /// Why the server did not do what a page asked, or why an instruction erred.
 #[derive(Serialize, Clone, PartialEq, Debug, Default)]
@@ -131,6 +131,17 @@ impl Refusal {
         Self {
             line: u32::try_from(line).ok(),
             ..self
+        }
+    }
+}
+
+impl From<Refused> for Refusal {
+    fn from(refused: Refused) -> Self {
+        match refused {
+            Refused::NoControl { object, holder } => Self::control(&object, holder.as_deref()),
+            Refused::Write(_) | Refused::Table(_) | Refused::Call(_) | Refused::NotKept(_) => {
+                Self::new(refused.to_string())
+            }
         }
     }
 }

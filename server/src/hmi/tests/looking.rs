@@ -152,7 +152,7 @@ async fn an_instruction_tag_moves_with_the_right() {
     let pc = pc.expect("it is complete");
     assert_eq!(
         (&pc["tag"], &pc["object"], &pc["viewer"]),
-        (&json!("Move1"), &json!("CS1"), &Value::Null)
+        (&json!("Move1"), &json!("CS1"), &json!("127.0.0.1 #1"))
     );
     let last = events.last().expect("events")["seq"].clone();
     let none = viewer.ask(json!({"do": "events", "since": last})).await;

@@ -22,10 +22,10 @@ use tokio_tungstenite::tungstenite::{Message, Utf8Bytes};
 use tracing::debug;
 
 use super::super::protocol::{self, Answer, Asks as _, Done, JogEnd, Keep, Refusal, Stop};
-use super::super::rights::ViewerId;
 use super::super::serve::LONGEST_MESSAGE;
 use super::{Outgoing, SHORT, Shared};
 use crate::guard::{Signs, VIEWERS};
+use crate::plant::control::ViewerId;
 
 /// Messages of one viewer that are taken within [`PAUSE`]: a viewer that says more waits, not the others.
 const TURN: u32 = 16;

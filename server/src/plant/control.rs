@@ -7,20 +7,20 @@ use arcline_controller::machine::Machine;
 use arcline_instruction_set::Object;
 
 /// A viewer.
-pub(super) type ViewerId = u64;
+pub(crate) type ViewerId = u64;
 
 /// Who drives what.
 #[derive(Debug, Default)]
-pub(super) struct Rights {
+pub(crate) struct Control {
     /// Names of viewers.
     names: BTreeMap<ViewerId, String>,
     /// Objects that were taken: by whom.
-    taken: BTreeMap<Thing, ViewerId>,
+    taken: BTreeMap<MotionObject, ViewerId>,
 }
 
 /// Something that can be driven, by its place.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub(super) enum Thing {
+pub(crate) enum MotionObject {
     Axis(u16),
     System(u16),
     Group,
@@ -28,16 +28,16 @@ pub(super) enum Thing {
 
 /// Somebody else drives it.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Held {
+pub(crate) struct Conflict {
     /// What, as it was taken.
-    pub(super) thing: Thing,
+    pub(crate) object: MotionObject,
     /// By whom.
-    pub(super) by: String,
+    pub(crate) by: String,
 }
 
-impl Thing {
+impl MotionObject {
     /// What an object's name means.
-    pub(super) fn find(machine: &Machine, name: &str) -> Option<Self> {
+    pub(crate) fn find(machine: &Machine, name: &str) -> Option<Self> {
         let system = machine.system(name).map(Self::System);
         let axis = machine.axis(name).map(Self::Axis);
         system
@@ -46,7 +46,7 @@ impl Thing {
     }
 
     /// An object of an instruction.
-    pub(super) fn of(object: Object, place: u16) -> Self {
+    pub(crate) fn of(object: Object, place: u16) -> Self {
         match object {
             Object::Axis => Self::Axis(place),
             Object::CoordinateSystem => Self::System(place),
@@ -54,7 +54,7 @@ impl Thing {
         }
     }
 
-    pub(super) fn name(self, machine: &Machine) -> &str {
+    pub(crate) fn name(self, machine: &Machine) -> &str {
         let name = match self {
             Self::Axis(place) => machine.axes.get(usize::from(place)).map(|axis| axis.name.as_str()),
             Self::System(place) => machine
@@ -67,7 +67,7 @@ impl Thing {
     }
 
     /// Its axes.
-    pub(super) fn axes(self, machine: &Machine) -> BTreeSet<u16> {
+    pub(crate) fn axes(self, machine: &Machine) -> BTreeSet<u16> {
         match self {
             Self::Axis(place) => BTreeSet::from([place]),
             Self::System(place) => {
@@ -81,18 +81,18 @@ impl Thing {
     }
 }
 
-impl Rights {
-    pub(super) fn enter(&mut self, viewer: ViewerId, name: String) {
+impl Control {
+    pub(crate) fn enter(&mut self, viewer: ViewerId, name: String) {
         self.names.insert(viewer, name);
     }
 
     /// A viewer goes, and everything that it drives is free.
-    pub(super) fn leave(&mut self, viewer: ViewerId) {
+    pub(crate) fn leave(&mut self, viewer: ViewerId) {
         self.names.remove(&viewer);
         self.taken.retain(|_, by| *by != viewer);
     }
 
-    pub(super) fn name(&self, viewer: ViewerId) -> &str {
+    pub(crate) fn name(&self, viewer: ViewerId) -> &str {
         self.names.get(&viewer).map_or("", String::as_str)
     }
 
@@ -100,31 +100,37 @@ impl Rights {
     ///
     /// # Errors
     /// Another viewer drives one of its axes, and there is no force. By force that one loses what has these axes.
-    pub(super) fn take(&mut self, machine: &Machine, viewer: ViewerId, thing: Thing, force: bool) -> Result<(), Held> {
-        if !force && let Some(held) = self.held(machine, viewer, thing) {
+    pub(crate) fn take(
+        &mut self,
+        machine: &Machine,
+        viewer: ViewerId,
+        object: MotionObject,
+        force: bool,
+    ) -> Result<(), Conflict> {
+        if !force && let Some(held) = self.held(machine, viewer, object) {
             return Err(held);
         }
-        let axes = thing.axes(machine);
+        let axes = object.axes(machine);
         self.taken
             .retain(|other, by| *by == viewer || other.axes(machine).is_disjoint(&axes));
-        self.taken.insert(thing, viewer);
+        self.taken.insert(object, viewer);
         Ok(())
     }
 
     /// Takes the right back.
-    pub(super) fn release(&mut self, viewer: ViewerId, thing: Thing) {
-        if self.taken.get(&thing) == Some(&viewer) {
-            self.taken.remove(&thing);
+    pub(crate) fn release(&mut self, viewer: ViewerId, object: MotionObject) {
+        if self.taken.get(&object) == Some(&viewer) {
+            self.taken.remove(&object);
         }
     }
 
     /// Who else drives one of its axes.
-    fn held(&self, machine: &Machine, viewer: ViewerId, thing: Thing) -> Option<Held> {
-        let axes = thing.axes(machine);
+    fn held(&self, machine: &Machine, viewer: ViewerId, object: MotionObject) -> Option<Conflict> {
+        let axes = object.axes(machine);
         let mut others = self.taken.iter().filter(|(_, by)| **by != viewer);
-        let (thing, by) = others.find(|(other, _)| !other.axes(machine).is_disjoint(&axes))?;
-        Some(Held {
-            thing: *thing,
+        let (object, by) = others.find(|(other, _)| !other.axes(machine).is_disjoint(&axes))?;
+        Some(Conflict {
+            object: *object,
             by: self.name(*by).to_owned(),
         })
     }
@@ -133,24 +139,29 @@ impl Rights {
     ///
     /// # Errors
     /// Who else drives it; `None`: nobody.
-    pub(super) fn check(&self, machine: &Machine, viewer: ViewerId, thing: Thing) -> Result<(), Option<Held>> {
+    pub(crate) fn check(
+        &self,
+        machine: &Machine,
+        viewer: ViewerId,
+        object: MotionObject,
+    ) -> Result<(), Option<Conflict>> {
         let own = self.taken.iter().filter(|(_, by)| **by == viewer);
-        let own: BTreeSet<u16> = own.flat_map(|(thing, _)| thing.axes(machine)).collect();
-        if thing.axes(machine).is_subset(&own) {
+        let own: BTreeSet<u16> = own.flat_map(|(object, _)| object.axes(machine)).collect();
+        if object.axes(machine).is_subset(&own) {
             Ok(())
         } else {
-            Err(self.held(machine, viewer, thing))
+            Err(self.held(machine, viewer, object))
         }
     }
 
     /// The driver of every object that has one: what was taken, and its axes.
-    pub(super) fn drivers(&self, machine: &Machine) -> BTreeMap<String, String> {
+    pub(crate) fn drivers(&self, machine: &Machine) -> BTreeMap<String, String> {
         let mut drivers = BTreeMap::new();
-        for (thing, by) in &self.taken {
+        for (object, by) in &self.taken {
             let name = self.name(*by);
-            drivers.insert(thing.name(machine).to_owned(), name.to_owned());
-            for axis in thing.axes(machine) {
-                drivers.insert(Thing::Axis(axis).name(machine).to_owned(), name.to_owned());
+            drivers.insert(object.name(machine).to_owned(), name.to_owned());
+            for axis in object.axes(machine) {
+                drivers.insert(MotionObject::Axis(axis).name(machine).to_owned(), name.to_owned());
             }
         }
         drivers
@@ -166,16 +177,16 @@ mod tests {
         let machine = arcline_config::load(arcline_config::DEFAULT, "default")
             .expect("it is valid")
             .machine;
-        let thing = |name: &str| Thing::find(&machine, name).expect(name);
-        let mut rights = Rights::default();
-        rights.enter(1, "one".into());
-        rights.enter(2, "two".into());
+        let object = |name: &str| MotionObject::find(&machine, name).expect(name);
+        let mut control = Control::default();
+        control.enter(1, "one".into());
+        control.enter(2, "two".into());
         assert_eq!(
-            rights.check(&machine, 1, thing("CS1")),
+            control.check(&machine, 1, object("CS1")),
             Err(None),
             "nothing is given by itself"
         );
-        assert_eq!(rights.take(&machine, 1, thing("CS1"), false), Ok(()));
+        assert_eq!(control.take(&machine, 1, object("CS1"), false), Ok(()));
         #[rustfmt::skip]
         let cases = [
             ("the system itself",    "CS1",    true,  Some("CS1")),
@@ -186,27 +197,27 @@ mod tests {
             ("everything",           "Motion", false, Some("CS1")),
         ];
         for (why, name, may, held) in cases {
-            assert_eq!(rights.check(&machine, 1, thing(name)).is_ok(), may, "{why}");
-            let refused = rights.take(&machine, 2, thing(name), false).err();
-            let held = held.map(|name| Held {
-                thing: thing(name),
+            assert_eq!(control.check(&machine, 1, object(name)).is_ok(), may, "{why}");
+            let refused = control.take(&machine, 2, object(name), false).err();
+            let held = held.map(|name| Conflict {
+                object: object(name),
                 by: "one".into(),
             });
             assert_eq!(refused, held, "{why}");
-            rights.release(2, thing(name));
+            control.release(2, object(name));
         }
         assert_eq!(
-            rights.drivers(&machine).keys().collect::<Vec<_>>(),
+            control.drivers(&machine).keys().collect::<Vec<_>>(),
             ["CS1", "X", "Y", "Z"]
         );
-        assert_eq!(rights.take(&machine, 2, thing("X"), true), Ok(()), "by force");
+        assert_eq!(control.take(&machine, 2, object("X"), true), Ok(()), "by force");
         assert_eq!(
-            rights.check(&machine, 1, thing("Y")),
+            control.check(&machine, 1, object("Y")),
             Err(None),
             "the whole system is lost"
         );
-        rights.leave(2);
-        assert!(rights.drivers(&machine).is_empty());
-        assert_eq!(rights.check(&machine, 2, thing("X")), Err(None));
+        control.leave(2);
+        assert!(control.drivers(&machine).is_empty());
+        assert_eq!(control.check(&machine, 2, object("X")), Err(None));
     }
 }

@@ -1,0 +1,304 @@
+//! The one door to the machine: every command of every face goes through [`Plant::apply`], or through a [`Transaction`] where several
+//! commands and reads are one action. Under one lock it is authorized, written, sent to be kept, and queued for the controller with the
+//! operands as they are then; what is waited for, is waited for without the lock.
+//!
+//! Ahead of the door are only the stops that must wait for no lock: [`Plant::stop_all`] and the end of jogs of lost clients
+//! (`crate::guard`).
+
+use arcline_controller::image::{Edge, Image, ReadError, WriteError};
+use arcline_controller::{Ticket, UNNAMED};
+use arcline_instruction_set::bind;
+use arcline_tag::{DataType, TagPath, Value};
+use tokio::sync::oneshot;
+
+use super::command::{Call, Command, Outcome, Refused, Systems};
+use super::records::instance_of;
+use super::state::State;
+use super::{ANSWER_WITHIN, CallRefused, Executed, Plant, Principal, Shared, policy};
+use crate::retained::{NotKept, WhenKept};
+
+/// Commands and reads of one principal that are one action: nothing changes between them, and the controller learns of all at their
+/// end.
+pub struct Transaction<'t> {
+    principal: Principal,
+    shared: &'t Shared,
+    state: &'t mut State,
+    /// What the controller is to learn, in order.
+    edges: Vec<Edge>,
+    pending: Pending,
+    /// Whether something was changed that is kept over a restart.
+    retained: bool,
+}
+
+/// What a transaction has begun, and what is not over yet.
+#[derive(Debug, Default)]
+#[must_use = "what was written may not be kept yet"]
+pub struct Pending {
+    /// The instructions that were sent.
+    answers: Vec<(Ticket, oneshot::Receiver<()>)>,
+    /// Tells when everything is kept; `None`: nothing of it is kept over a restart.
+    kept: Option<WhenKept>,
+}
+
+impl Plant {
+    /// Executes a command and waits until it is done: until an instruction shows DN, ER or that it is in process (MAH, whose DN is its
+    /// end), and until what was written is kept.
+    ///
+    /// # Errors
+    /// See [`Refused`].
+    pub async fn apply(&self, principal: Principal, command: Command<'_>) -> Result<Outcome, Refused> {
+        if matches!(command, Command::StopAll) {
+            // It waits for no lock.
+            self.stop_all();
+            return Ok(Outcome::Done);
+        }
+        let (outcome, pending) = self.transact(principal, |transaction| transaction.apply(command));
+        let is_answered = self.settle(pending).await;
+        let outcome = outcome?;
+        match outcome {
+            Outcome::Begun(instance) => {
+                let unanswered = matches!(is_answered, Err(Unsettled::NoAnswer));
+                let control = self.instruction_instance(instance).filter(|_| !unanswered);
+                let control = control.ok_or(CallRefused::NoAnswer)?;
+                Ok(Outcome::Executed(Executed { instance, control }))
+            }
+            outcome => match is_answered {
+                Err(Unsettled::NotKept) => Err(NotKept.into()),
+                // Its tag says so.
+                Err(Unsettled::NoAnswer) | Ok(()) => Ok(outcome),
+            },
+        }
+    }
+
+    /// Runs commands and reads as one action. What it has begun is for [`Plant::kept`]; who does not wait for it drops it.
+    pub fn transact<R>(&self, principal: Principal, work: impl FnOnce(&mut Transaction<'_>) -> R) -> (R, Pending) {
+        let mut state = self.0.lock();
+        state.refresh();
+        let mut transaction = Transaction {
+            principal,
+            shared: &self.0,
+            state: &mut state,
+            edges: Vec::new(),
+            pending: Pending::default(),
+            retained: false,
+        };
+        transaction.tell_room();
+        let result = work(&mut transaction);
+        let pending = transaction.finish();
+        drop(state);
+        self.0.sent.notify_one();
+        (result, pending)
+    }
+
+    /// Waits until everything that a transaction began is answered and kept; at most [`ANSWER_WITHIN`].
+    ///
+    /// # Errors
+    /// [`NotKept`]: the tags have what was written, but may not have it after a restart.
+    pub async fn kept(&self, pending: Pending) -> Result<(), NotKept> {
+        match self.settle(pending).await {
+            Err(Unsettled::NotKept) => Err(NotKept),
+            Err(Unsettled::NoAnswer) => {
+                tracing::warn!("the controller did not answer a written EnableIn in time");
+                Ok(())
+            }
+            Ok(()) => Ok(()),
+        }
+    }
+
+    async fn settle(&self, pending: Pending) -> Result<(), Unsettled> {
+        let Pending { answers, kept } = pending;
+        let (tickets, receivers): (Vec<Ticket>, Vec<_>) = answers.into_iter().unzip();
+        let all = async {
+            for receiver in receivers {
+                // The sender goes only with the plant.
+                let _ = receiver.await;
+            }
+        };
+        let answered = tokio::time::timeout(ANSWER_WITHIN, all).await.is_ok();
+        if !answered {
+            let mut state = self.0.lock();
+            for ticket in tickets {
+                state.waiting.remove(&ticket);
+            }
+        }
+        if let Some(kept) = kept
+            && !matches!(tokio::time::timeout(ANSWER_WITHIN, kept).await, Ok(Ok(Ok(()))))
+        {
+            return Err(Unsettled::NotKept);
+        }
+        if answered { Ok(()) } else { Err(Unsettled::NoAnswer) }
+    }
+}
+
+/// What of a transaction is not as it was to be.
+enum Unsettled {
+    NoAnswer,
+    NotKept,
+}
+
+impl Transaction<'_> {
+    /// The tags as they are now.
+    pub fn image(&self) -> &Image {
+        self.state.image()
+    }
+
+    /// Executes a command. An instruction is sent and not waited for.
+    ///
+    /// # Errors
+    /// See [`Refused`]; nothing has changed then.
+    pub fn apply(&mut self, command: Command<'_>) -> Result<Outcome, Refused> {
+        let (counter, retained) = (policy::counter(&command), policy::is_retained(&command));
+        let done = self.authorized(command);
+        self.shared.counters.count(counter, done.is_ok());
+        match &done {
+            Ok(_) => self.retained |= retained,
+            Err(refused) => tracing::debug!(principal = ?self.principal, ?counter, %refused, "a command was refused"),
+        }
+        done
+    }
+
+    /// Writes a number at a path, converted to the type that is there.
+    ///
+    /// # Errors
+    /// As [`Transaction::apply`].
+    pub fn write_value(&mut self, path: &TagPath, value: Value) -> Result<Outcome, Refused> {
+        let (tag, place) = self.image().locate(path).map_err(WriteError::from)?;
+        let offset = place.offset;
+        if let Some(bit) = place.bit {
+            let on = value.as_bool();
+            return self.apply(Command::WriteBit { tag, offset, bit, on });
+        }
+        let DataType::Elementary(kind) = place.data_type else {
+            let (path, data_type) = (path.to_string(), place.data_type.name().to_owned());
+            return Err(WriteError::from(ReadError::NotAValue { path, data_type }).into());
+        };
+        let mut bytes = [0; 8];
+        let data = &mut bytes[..kind.size()];
+        value.convert(kind).write(data);
+        self.apply(Command::WriteTag { tag, offset, data })
+    }
+
+    fn authorized(&mut self, command: Command<'_>) -> Result<Outcome, Refused> {
+        let (image, machine) = (self.state.image(), &self.shared.machine);
+        policy::authorize(self.principal, &command, image, machine, &self.shared.control())?;
+        self.execute(command)
+    }
+
+    fn execute(&mut self, command: Command<'_>) -> Result<Outcome, Refused> {
+        let edge = match command {
+            Command::WriteTag { tag, offset, data } => self.state.image_mut().write(tag, offset, data)?,
+            Command::WriteBit { tag, offset, bit, on } => self.state.image_mut().write_bit(tag, offset, bit, on)?,
+            Command::SetAttribute {
+                attribute,
+                index,
+                value,
+            } => Some(self.state.image_mut().set_attribute(attribute, index, value)?),
+            Command::InjectFaults { axis, bits } => self.state.image_mut().inject_faults(axis, bits)?,
+            Command::SetFeedOverride { system, percent } => {
+                self.state.image_mut().set_feed_override(system, percent)?
+            }
+            Command::Hold(systems) => return self.override_each(systems, |_, _| Some(0.0)),
+            Command::Resume(systems) => {
+                return self.override_each(systems, |image, system| {
+                    match image.feed_overrides().nth(system.into()) {
+                        Some(0.0) => image.feed_override_before_hold(system),
+                        _ => None,
+                    }
+                });
+            }
+            Command::Call(call) => return self.call(call),
+            Command::CreateTag(tag) => return Ok(Outcome::Created(self.state.image_mut().create(tag)?)),
+            Command::DeleteTag(tag) => {
+                self.state.image_mut().delete(tag)?;
+                None
+            }
+            Command::Reload { old, new } => {
+                self.state.image_mut().reload(old, new)?;
+                None
+            }
+            Command::Lose { lost, reaction } => {
+                self.send_edges();
+                return Ok(Outcome::Lost(self.state.lose(lost.owner(), reaction)));
+            }
+            Command::Disown(principal) => {
+                self.state.disown(principal.owner());
+                None
+            }
+            Command::StopAll => {
+                self.shared.stops.stop_all();
+                None
+            }
+        };
+        self.edges.extend(edge);
+        Ok(Outcome::Done)
+    }
+
+    /// Sets overrides; those for which there is no percent stay.
+    fn override_each(
+        &mut self,
+        systems: Systems,
+        percent: impl Fn(&Image, u16) -> Option<f32>,
+    ) -> Result<Outcome, Refused> {
+        let systems = match systems {
+            Systems::One(system) => system..system.saturating_add(1),
+            Systems::All => 0..self.shared.machine.systems.len() as u16,
+        };
+        let mut done = Ok(Outcome::Done);
+        for system in systems {
+            let Some(percent) = percent(self.image(), system) else {
+                continue;
+            };
+            match self.state.image_mut().set_feed_override(system, percent) {
+                Ok(edge) => self.edges.extend(edge),
+                Err(error) => done = Err(error.into()),
+            }
+        }
+        done
+    }
+
+    fn call(&mut self, call: Call<'_>) -> Result<Outcome, Refused> {
+        let Call {
+            mnemonic,
+            target,
+            control,
+            given,
+            text,
+        } = call;
+        // What was written before it is ahead of it.
+        self.send_edges();
+        if !self.state.has_room(mnemonic) {
+            return Err(CallRefused::Busy.into());
+        }
+        // Bound before the tag is made: what is refused leaves nothing behind.
+        let mut call = bind(mnemonic, target, UNNAMED, given, self.state.image()).map_err(CallRefused::from)?;
+        if let Some(name) = control {
+            call.control = self.state.image_mut().control_slot(name).map_err(CallRefused::from)?;
+        }
+        let (ticket, answer) = self.state.send(self.principal, text, call);
+        self.pending.answers.push((ticket, answer));
+        self.tell_room();
+        Ok(Outcome::Begun(instance_of(ticket)))
+    }
+
+    /// Sends what the controller is to learn of writes, with the operands as they are now.
+    fn send_edges(&mut self) {
+        for edge in std::mem::take(&mut self.edges) {
+            self.pending.answers.extend(self.state.edge(self.principal, edge));
+        }
+    }
+
+    /// Says how many instructions writes may begin.
+    fn tell_room(&mut self) {
+        let room = self.state.room();
+        self.state.image_mut().set_call_room(room);
+    }
+
+    fn finish(mut self) -> Pending {
+        self.send_edges();
+        if self.retained {
+            // Sent under the lock: kept in the order in which it was written.
+            self.pending.kept = self.state.keep();
+        }
+        self.pending
+    }
+}

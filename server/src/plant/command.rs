@@ -1,0 +1,153 @@
+//! Everything that can change the machine, as one enum, and what comes of it.
+//!
+//! A new command does not compile before [`policy`](super::policy) says what right it needs, who owns what it begins, whether it is
+//! kept over a restart, and what the log and the counters call it.
+
+use std::sync::Arc;
+
+use arcline_config::ConnectionLoss;
+use arcline_controller::image::{Configured, PlainTag, TableError, TagId, WriteError};
+use arcline_instruction_set::{Attribute, Given, Mnemonic};
+
+use super::{CallRefused, Executed, Lost, Principal};
+use crate::retained::NotKept;
+
+/// Something that is to be changed.
+#[derive(Clone, Debug)]
+pub enum Command<'a> {
+    /// Writes bytes of a tag.
+    WriteTag {
+        /// The tag.
+        tag: TagId,
+        /// Where the bytes begin.
+        offset: usize,
+        /// The bytes.
+        data: &'a [u8],
+    },
+    /// Writes a bit of a tag; of `EnableIn`, an edge executes the instruction with the operands at the end of the transaction.
+    WriteBit {
+        /// The tag.
+        tag: TagId,
+        /// Where the number with the bit begins, bytes.
+        offset: usize,
+        /// The bit of that number.
+        bit: u8,
+        /// Its value.
+        on: bool,
+    },
+    /// Sets an attribute of a motion object.
+    SetAttribute {
+        /// The attribute.
+        attribute: &'static Attribute,
+        /// The index of its object.
+        index: u16,
+        /// Its value.
+        value: f64,
+    },
+    /// Injects faults into an axis.
+    InjectFaults {
+        /// The index of the axis.
+        axis: u16,
+        /// The faults, a bit each.
+        bits: u32,
+    },
+    /// Sets the feed override of a coordinate system.
+    SetFeedOverride {
+        /// The index of the system.
+        system: u16,
+        /// The override, percent.
+        percent: f32,
+    },
+    /// Sets feed overrides to 0, and remembers those before.
+    Hold(Systems),
+    /// Gives held coordinate systems the override that they had before.
+    Resume(Systems),
+    /// Executes an instruction.
+    Call(Call<'a>),
+    /// Creates a tag.
+    CreateTag(&'a PlainTag),
+    /// Deletes a tag that was created.
+    DeleteTag(TagId),
+    /// Takes over the tags and types of another configuration.
+    Reload {
+        /// The configuration of the present tags.
+        old: Configured<'a>,
+        /// The other one.
+        new: Configured<'a>,
+    },
+    /// A principal is lost: what it began and what still runs of that is stopped, held or goes on.
+    Lose {
+        /// The principal.
+        lost: Principal,
+        /// What becomes of its motion.
+        reaction: ConnectionLoss,
+    },
+    /// A principal has closed its connection in order: what it began goes on without an owner.
+    Disown(Principal),
+    /// Stops everything that moves, every axis by itself.
+    StopAll,
+}
+
+/// Coordinate systems.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Systems {
+    /// One, by its index.
+    One(u16),
+    /// All that there are.
+    All,
+}
+
+/// An instruction that is to be executed.
+#[derive(Clone, Debug)]
+pub struct Call<'a> {
+    /// Which.
+    pub mnemonic: Mnemonic,
+    /// The index of the object it acts on; `None`: there is no such object.
+    pub target: Option<u16>,
+    /// Its motion control tag, made if it is not there; `None`: none.
+    pub control: Option<&'a str>,
+    /// The operands behind target and motion control.
+    pub given: &'a [Given],
+    /// The Structured Text that it was given as, for the events.
+    pub text: Option<Arc<str>>,
+}
+
+/// What came of a command.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Outcome {
+    /// It is done.
+    Done,
+    /// A tag was created.
+    Created(TagId),
+    /// An instruction was sent; this is its instance of class 0x0303.
+    Begun(u32),
+    /// An instruction was executed; its motion control tag may show an error.
+    Executed(Executed),
+    /// What of a lost principal was stopped or held.
+    Lost(Lost),
+}
+
+/// Why a command was not executed. Nothing has changed then, but for [`Refused::NotKept`] and [`CallRefused::NoAnswer`].
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum Refused {
+    /// A viewer of the page does not have control of what it would move.
+    #[error("there is no control of {object}")]
+    NoControl {
+        /// The name of the object.
+        object: String,
+        /// The name of the viewer that has control of it.
+        holder: Option<String>,
+    },
+    /// A tag was not written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The table of tags was not changed.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// An instruction was not executed.
+    #[error(transparent)]
+    Call(#[from] CallRefused),
+    /// It is done, but may not be so after a restart.
+    #[error(transparent)]
+    NotKept(#[from] NotKept),
+}

@@ -1,0 +1,53 @@
+//! How often commands were executed and refused, by their kind.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A kind of commands.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Counter {
+    /// Writes of tags.
+    Writes,
+    /// Attributes that were set.
+    Attributes,
+    /// Injected faults.
+    InjectedFaults,
+    /// Overrides, holds and resumes.
+    Overrides,
+    /// Instructions, but for those that writes of `EnableIn` execute.
+    Instructions,
+    /// Changes of the table of tags.
+    Tables,
+    /// Clients that were lost or have closed in order.
+    Owners,
+    /// Stops of everything.
+    Stops,
+}
+
+/// Commands of one kind since the start.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Count {
+    /// Those that were executed.
+    pub done: u64,
+    /// Those that were refused.
+    pub refused: u64,
+}
+
+/// The counters.
+#[derive(Debug, Default)]
+pub(super) struct Counters([[AtomicU64; 2]; Counter::Stops as usize + 1]);
+
+impl Counters {
+    pub(super) fn count(&self, counter: Counter, is_done: bool) {
+        if let Some(counts) = self.0.get(counter as usize) {
+            counts[usize::from(!is_done)].fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    pub(super) fn of(&self, counter: Counter) -> Count {
+        let counts = self.0.get(counter as usize);
+        let [done, refused] = counts.map_or([0, 0], |counts| {
+            counts.each_ref().map(|count| count.load(Ordering::Relaxed))
+        });
+        Count { done, refused }
+    }
+}

@@ -1,0 +1,191 @@
+//! The rules that hold for every command, each one exhaustive `match`: what right it needs, who owns the motion it begins, what is
+//! kept over a restart, and what the log and the counters call it. A new command or instruction does not compile before all are answered.
+//!
+//! Today every CIP client may do everything, and a viewer of the page needs control of what it moves. Roles would be asked here.
+
+use arcline_controller::image::{Image, TagId, TagKind};
+use arcline_controller::machine::Machine;
+use arcline_instruction_set::{Directory as _, Given, Mnemonic, Object, instruction_tag_target};
+
+use super::command::{Call, Command, Refused, Systems};
+use super::control::{Control, MotionObject};
+use super::counters::Counter;
+use super::principal::Principal;
+
+/// Whether a principal may execute a command on the tags as they are.
+///
+/// # Errors
+/// [`Refused::NoControl`].
+pub(super) fn authorize(
+    principal: Principal,
+    command: &Command<'_>,
+    image: &Image,
+    machine: &Machine,
+    control: &Control,
+) -> Result<(), Refused> {
+    let Some(viewer) = principal.viewer() else {
+        return Ok(());
+    };
+    for object in moved_by(command, image, machine) {
+        control
+            .check(machine, viewer, object)
+            .map_err(|conflict| Refused::NoControl {
+                object: object.name(machine).to_owned(),
+                holder: conflict.map(|conflict| conflict.by),
+            })?;
+    }
+    Ok(())
+}
+
+/// The objects of which a viewer needs control: those that move, or move in another way, because of the command. Stops and holds
+/// need none.
+fn moved_by(command: &Command<'_>, image: &Image, machine: &Machine) -> Vec<MotionObject> {
+    match command {
+        Command::WriteTag { tag, offset, data } => written(image, *tag, *offset, data.len()),
+        Command::WriteBit { tag, offset, bit, on } => {
+            let executes = *on && image.is_enable_in(*tag, *offset, *bit);
+            match image.tag(*tag).map(|tag| tag.kind) {
+                Some(TagKind::Instruction(kind)) if executes && !is_free(kind.mnemonic) => {
+                    let target = instruction_tag_target(kind.mnemonic, image.bytes(*tag));
+                    let object = kind.mnemonic.instruction().object;
+                    let index = image.object(object, &target);
+                    index.map(|index| MotionObject::of(object, index)).into_iter().collect()
+                }
+                _ => written(image, *tag, offset + usize::from(bit / 8), 1),
+            }
+        }
+        Command::SetAttribute { attribute, index, .. } => vec![MotionObject::of(attribute.object, *index)],
+        Command::InjectFaults { axis, .. } => vec![MotionObject::Axis(*axis)],
+        Command::SetFeedOverride { system, .. } => vec![MotionObject::System(*system)],
+        Command::Resume(Systems::One(system)) => vec![MotionObject::System(*system)],
+        Command::Resume(Systems::All) => (0..machine.systems.len() as u16).map(MotionObject::System).collect(),
+        Command::Call(call) => called(call, image),
+        Command::Hold(_)
+        | Command::CreateTag(_)
+        | Command::DeleteTag(_)
+        | Command::Reload { .. }
+        | Command::Lose { .. }
+        | Command::Disown(_)
+        | Command::StopAll => Vec::new(),
+    }
+}
+
+/// The objects that bytes of a tag move: those of the elements of the feed overrides and the injected faults.
+fn written(image: &Image, tag: TagId, offset: usize, length: usize) -> Vec<MotionObject> {
+    let kind = match image.tag(tag).map(|tag| tag.kind) {
+        Some(TagKind::FeedOverride) => MotionObject::System,
+        Some(TagKind::FaultInject) => MotionObject::Axis,
+        _ => return Vec::new(),
+    };
+    let elements = image.bytes(tag).len() / ELEMENT;
+    let from = offset / ELEMENT;
+    let end = offset.saturating_add(length).div_ceil(ELEMENT).min(elements);
+    (from..end).map(|index| kind(index as u16)).collect()
+}
+
+/// The objects that an instruction moves.
+fn called(call: &Call<'_>, image: &Image) -> Vec<MotionObject> {
+    if is_free(call.mnemonic) {
+        return Vec::new();
+    }
+    let object = call.mnemonic.instruction().object;
+    let target = call.target.map(|index| MotionObject::of(object, index));
+    let moves_another = matches!(call.mnemonic, Mnemonic::Mct | Mnemonic::Mcto);
+    let others = call
+        .given
+        .iter()
+        .filter(|_| moves_another)
+        .filter_map(|given| match given {
+            Given::Name(name) | Given::Word(name) => image.object(Object::CoordinateSystem, name),
+            _ => None,
+        });
+    target.into_iter().chain(others.map(MotionObject::System)).collect()
+}
+
+/// Stops need no control.
+fn is_free(mnemonic: Mnemonic) -> bool {
+    matches!(mnemonic, Mnemonic::Mcs | Mnemonic::Mas | Mnemonic::Mgs)
+}
+
+/// Whether what a command changes is kept over a restart, so that its answer waits until it is in the file of the retained state.
+pub(super) fn is_retained(command: &Command<'_>) -> bool {
+    match command {
+        Command::WriteTag { .. }
+        | Command::WriteBit { .. }
+        | Command::CreateTag(_)
+        | Command::DeleteTag(_)
+        | Command::Reload { .. } => true,
+        // What instructions write to tags is kept with the next write; axes are kept as the snapshots show them.
+        Command::SetAttribute { .. }
+        | Command::InjectFaults { .. }
+        | Command::SetFeedOverride { .. }
+        | Command::Hold(_)
+        | Command::Resume(_)
+        | Command::Call(_)
+        | Command::Lose { .. }
+        | Command::Disown(_)
+        | Command::StopAll => false,
+    }
+}
+
+/// What stops the motion that an instruction begins when its owner is lost: an instruction and its Stop Type. `None`: it begins none.
+pub(super) fn stop_of(mnemonic: Mnemonic) -> Option<(Mnemonic, &'static str)> {
+    Some(match mnemonic {
+        Mnemonic::Maj => (Mnemonic::Mas, "Jog"),
+        Mnemonic::Mam => (Mnemonic::Mas, "Move"),
+        Mnemonic::Mag => (Mnemonic::Mas, "Gear"),
+        Mnemonic::Mah => (Mnemonic::Mas, "Home"),
+        Mnemonic::Mapc => (Mnemonic::Mas, "Position Cam"),
+        Mnemonic::Matc => (Mnemonic::Mas, "Time Cam"),
+        Mnemonic::Mclm | Mnemonic::Mccm | Mnemonic::Mcpm => COORDINATED_MOVE,
+        Mnemonic::Mct | Mnemonic::Mcto => (Mnemonic::Mcs, "Coordinated Transform"),
+        Mnemonic::Mgs
+        | Mnemonic::Mgsd
+        | Mnemonic::Mgsr
+        | Mnemonic::Mgsp
+        | Mnemonic::Mso
+        | Mnemonic::Msf
+        | Mnemonic::Masd
+        | Mnemonic::Masr
+        | Mnemonic::Mafr
+        | Mnemonic::Mas
+        | Mnemonic::Mcd
+        | Mnemonic::Mrp
+        | Mnemonic::Mdac
+        | Mnemonic::Mccd
+        | Mnemonic::Mcs
+        | Mnemonic::Mcsd
+        | Mnemonic::Mcsr
+        | Mnemonic::Mdcc
+        | Mnemonic::Mctp
+        | Mnemonic::Mctpo
+        | Mnemonic::Mccp
+        | Mnemonic::Mcsv
+        | Mnemonic::Maw
+        | Mnemonic::Mdw
+        | Mnemonic::Mar
+        | Mnemonic::Mdr
+        | Mnemonic::Maoc
+        | Mnemonic::Mdoc => return None,
+    })
+}
+
+/// What stops coordinated moves; they alone can be held.
+pub(super) const COORDINATED_MOVE: (Mnemonic, &str) = (Mnemonic::Mcs, "Coordinated Move");
+
+/// What the log calls a command, and the counter that counts it.
+pub(super) fn counter(command: &Command<'_>) -> Counter {
+    match command {
+        Command::WriteTag { .. } | Command::WriteBit { .. } => Counter::Writes,
+        Command::SetAttribute { .. } => Counter::Attributes,
+        Command::InjectFaults { .. } => Counter::InjectedFaults,
+        Command::SetFeedOverride { .. } | Command::Hold(_) | Command::Resume(_) => Counter::Overrides,
+        Command::Call(_) => Counter::Instructions,
+        Command::CreateTag(_) | Command::DeleteTag(_) | Command::Reload { .. } => Counter::Tables,
+        Command::Lose { .. } | Command::Disown(_) => Counter::Owners,
+        Command::StopAll => Counter::Stops,
+    }
+}
+
+/// Bytes of an element of `FeedOverride` and `FaultInject`.
+const ELEMENT: usize = 4;
