@@ -71,7 +71,7 @@ pub enum ClientError {
     },
     /// An operand that the instruction needs was left out: it counts as 0, which is out of its range.
     #[error("{}: {operand} was not given", describe(*err, *exerr, Some(*mnemonic)))]
-    NotGiven {
+    MissingOperand {
         /// The instruction.
         mnemonic: Mnemonic,
         /// Name of the operand.
@@ -193,7 +193,7 @@ impl ClientError {
     /// ERR and EXERR, when a motion instruction erred.
     pub fn motion(&self) -> Option<(i16, i8)> {
         match self {
-            Self::Motion { err, exerr, .. } | Self::NotGiven { err, exerr, .. } => Some((*err, *exerr)),
+            Self::Motion { err, exerr, .. } | Self::MissingOperand { err, exerr, .. } => Some((*err, *exerr)),
             _ => None,
         }
     }
@@ -202,7 +202,7 @@ impl ClientError {
     pub fn instruction(&self) -> Option<Mnemonic> {
         match self {
             Self::Motion { mnemonic, .. } => *mnemonic,
-            Self::NotGiven { mnemonic, .. } => Some(*mnemonic),
+            Self::MissingOperand { mnemonic, .. } => Some(*mnemonic),
             _ => None,
         }
     }

@@ -28,7 +28,7 @@ const SMALL_CONNECTION: u16 = 500;
 /// Code of the multiplier 512: the watchdog is about 17 minutes.
 const LONGEST_MULTIPLIER: u8 = 7;
 /// Jobs that may wait for the socket.
-const WAITING: usize = 16;
+const QUEUED_REQUESTS: usize = 16;
 
 /// Asks the task that owns the socket. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -61,7 +61,7 @@ impl Link {
     where
         S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
     {
-        let (jobs, queue) = mpsc::channel(WAITING);
+        let (jobs, queue) = mpsc::channel(QUEUED_REQUESTS);
         tokio::spawn(Wire::new(stream, timeout).serve(queue));
         let mut this = Self {
             jobs,

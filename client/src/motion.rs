@@ -61,7 +61,7 @@ impl Operands {
         let instruction = mnemonic.instruction();
         let operands = instruction
             .given_operands()
-            .filter_map(|place| instruction.operands.get(place));
+            .filter_map(|index| instruction.operands.get(index));
         let given = operands.map(|operand| match operand.kind {
             Kind::Array(_) | Kind::Reference(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => Given::Missing,
             _ => Given::Number(operand.initial.into()),
@@ -83,10 +83,10 @@ impl Operands {
             name: name.to_owned(),
             suggestion: crate::nearest(name, instruction.operands.iter().map(Operand::member)),
         };
-        let place = instruction.operand(name).ok_or_else(unknown)?;
+        let index = instruction.operand(name).ok_or_else(unknown)?;
         let index = instruction
             .given_operands()
-            .position(|given| given == place)
+            .position(|given| given == index)
             .ok_or_else(unknown)?;
         if let Some(slot) = self.given.get_mut(index) {
             *slot = value.into();
@@ -261,7 +261,7 @@ fn not_given(error: ClientError, mnemonic: Mnemonic, given: &[Given]) -> ClientE
         return error;
     };
     match mnemonic.instruction().left_out(err, exerr, given) {
-        Some(operand) => ClientError::NotGiven {
+        Some(operand) => ClientError::MissingOperand {
             mnemonic,
             operand,
             err,
@@ -287,28 +287,28 @@ fn check(control: &MotionControl, mnemonic: Option<Mnemonic>) -> Result<(), Clie
 /// The request data of an instruction.
 fn encode(mnemonic: Mnemonic, control: &str, given: &[Given]) -> Result<BytesMut, ClientError> {
     let instruction = mnemonic.instruction();
-    let places: Vec<usize> = instruction.given_operands().collect();
+    let indices: Vec<usize> = instruction.given_operands().collect();
     let used = given
         .iter()
         .rposition(|operand| *operand != Given::Missing)
         .map_or(0, |last| last + 1);
     let given = given.get(..used).unwrap_or_default();
-    if given.len() > places.len() {
+    if given.len() > indices.len() {
         return Err(BindError::TooMany {
             mnemonic,
             given: given.len(),
-            most: places.len(),
+            most: indices.len(),
         }
         .into());
     }
     let mut operands = vec![Typed::ShortString(control.to_owned())];
-    for (value, place) in given.iter().zip(places) {
+    for (value, index) in given.iter().zip(indices) {
         let kind = instruction
             .operands
-            .get(place)
+            .get(index)
             .map_or(&Kind::MotionControl, |operand| &operand.kind);
         operands.push(typed(value, kind).ok_or_else(|| {
-            let operand = OperandIndex(u8::try_from(place).unwrap_or(u8::MAX));
+            let operand = OperandIndex(u8::try_from(index).unwrap_or(u8::MAX));
             match (value, kind) {
                 (Given::Word(word) | Given::Name(word), Kind::Word(_)) => BindError::UnknownWord {
                     mnemonic,

@@ -17,10 +17,10 @@ const MULTIPLE_OVERHEAD: usize = 10;
 /// Requests in one Multiple Service Packet.
 const MAX_MULTIPLE: usize = 100;
 
-/// Where a path leads, and how it is asked for.
+/// The part of a tag that a path names, and its request.
 #[derive(Clone, Debug)]
-pub(crate) struct Place {
-    /// As it was given.
+pub(crate) struct TagPart {
+    /// The path as text.
     pub(crate) text: String,
     /// The wire path, without a final bit.
     pub(crate) path: Epath,
@@ -33,7 +33,7 @@ pub(crate) struct Place {
     pub(crate) bit: Option<u8>,
 }
 
-impl Place {
+impl TagPart {
     /// Finds the part of a tag that a path leads to.
     fn new(text: &str, path: &TagPath, tag_type: &TagType) -> Result<Self, ClientError> {
         let wrong = |error| ClientError::path(text, error);
@@ -148,9 +148,9 @@ impl Client {
     /// # }
     /// ```
     pub async fn read(&self, path: &str) -> Result<TagValue, ClientError> {
-        let place = self.place(path).await?;
-        let bytes = self.read_bytes(&place).await?;
-        place.decode(&bytes)
+        let part = self.locate(path).await?;
+        let bytes = self.read_bytes(&part).await?;
+        part.decode(&bytes)
     }
 
     /// Reads an array of numbers from an element on: `A[2]` to its end, `A` whole; what is no array is an array of one.
@@ -158,15 +158,15 @@ impl Client {
     /// # Errors
     /// As [`Client::read`]; [`ClientError::Value`] when there are no numbers.
     pub async fn read_numbers(&self, path: &str) -> Result<Vec<f64>, ClientError> {
-        let mut place = self.place(path).await?;
-        if place.array.is_none() && place.available > 1 && matches!(place.data_type, DataType::Elementary(_)) {
-            place.array = Some(u16::try_from(place.available).unwrap_or(u16::MAX));
+        let mut part = self.locate(path).await?;
+        if part.array.is_none() && part.available > 1 && matches!(part.data_type, DataType::Elementary(_)) {
+            part.array = Some(u16::try_from(part.available).unwrap_or(u16::MAX));
         }
-        let bytes = self.read_bytes(&place).await?;
-        let numbers = place.decode(&bytes)?.numbers();
+        let bytes = self.read_bytes(&part).await?;
+        let numbers = part.decode(&bytes)?.numbers();
         numbers.ok_or_else(|| ClientError::Value {
             path: path.to_owned(),
-            expected: place.data_type.name().to_owned(),
+            expected: part.data_type.name().to_owned(),
             given: "an array of numbers".to_owned(),
         })
     }
@@ -185,28 +185,28 @@ impl Client {
     /// # }
     /// ```
     pub async fn read_many(&self, paths: &[&str]) -> Result<Vec<Result<TagValue, ClientError>>, ClientError> {
-        let mut places = Vec::with_capacity(paths.len());
+        let mut parts = Vec::with_capacity(paths.len());
         for path in paths {
-            match self.place(path).await {
+            match self.locate(path).await {
                 Err(error) if error.is_connection() => return Err(error),
-                place => places.push(place),
+                part => parts.push(part),
             }
         }
-        let mut readings = Vec::with_capacity(places.len());
-        let mut rest = places.into_iter().peekable();
+        let mut readings = Vec::with_capacity(parts.len());
+        let mut rest = parts.into_iter().peekable();
         while rest.peek().is_some() {
             let mut room = self.budget().saturating_sub(16);
             let mut batch = Vec::new();
-            while let Some(place) = rest.next_if(|place| {
-                let needed = place.as_ref().map_or(0, |place| {
-                    let request = place.request().to_bytes().map_or(usize::MAX, |bytes| bytes.len());
-                    request.max(place.size()).saturating_add(MULTIPLE_OVERHEAD)
+            while let Some(part) = rest.next_if(|part| {
+                let needed = part.as_ref().map_or(0, |part| {
+                    let request = part.request().to_bytes().map_or(usize::MAX, |bytes| bytes.len());
+                    request.max(part.size()).saturating_add(MULTIPLE_OVERHEAD)
                 });
                 let fits = batch.is_empty() || needed <= room && batch.len() < MAX_MULTIPLE;
                 room = room.saturating_sub(needed);
                 fits
             }) {
-                batch.push(place);
+                batch.push(part);
             }
             readings.extend(self.read_batch(batch).await?);
         }
@@ -215,12 +215,12 @@ impl Client {
 
     async fn read_batch(
         &self,
-        batch: Vec<Result<Place, ClientError>>,
+        batch: Vec<Result<TagPart, ClientError>>,
     ) -> Result<Vec<Result<TagValue, ClientError>>, ClientError> {
-        let places: Vec<&Place> = batch.iter().filter_map(|place| place.as_ref().ok()).collect();
+        let parts: Vec<&TagPart> = batch.iter().filter_map(|part| part.as_ref().ok()).collect();
         let mut replies = Vec::new();
-        if let [_, _, ..] = places.as_slice() {
-            let requests: Vec<Request> = places.iter().map(|place| place.request()).collect();
+        if let [_, _, ..] = parts.as_slice() {
+            let requests: Vec<Request> = parts.iter().map(|part| part.request()).collect();
             let data = join_multiple(&requests).map_err(arcline_proto::client::ClientError::from)?;
             let path = Epath::object(class::MESSAGE_ROUTER, 1);
             let reply = self
@@ -233,16 +233,16 @@ impl Client {
                 what: "replies of a Multiple Service Packet are missing",
             };
             replies = split_multiple_replies(&reply.data)
-                .filter(|all| all.len() == places.len())
+                .filter(|all| all.len() == parts.len())
                 .ok_or(malformed)?;
         }
         let mut replies = replies.into_iter();
         let mut readings = Vec::with_capacity(batch.len());
-        for place in batch {
-            let reading = match (place, replies.as_slice().is_empty()) {
+        for part in batch {
+            let reading = match (part, replies.as_slice().is_empty()) {
                 (Err(error), _) => Err(error),
-                (Ok(place), true) => self.read_place(&place, None).await,
-                (Ok(place), false) => self.read_place(&place, replies.next()).await,
+                (Ok(part), true) => self.read_part(&part, None).await,
+                (Ok(part), false) => self.read_part(&part, replies.next()).await,
             };
             match reading {
                 Err(error) if error.is_connection() => return Err(error),
@@ -252,37 +252,37 @@ impl Client {
         Ok(readings)
     }
 
-    async fn read_place(&self, place: &Place, first: Option<Reply>) -> Result<TagValue, ClientError> {
+    async fn read_part(&self, part: &TagPart, first: Option<Reply>) -> Result<TagValue, ClientError> {
         let bytes = match first {
-            Some(reply) if reply.status.is_success() => fragment(place, &reply, place.size())?,
+            Some(reply) if reply.status.is_success() => fragment(part, &reply, part.size())?,
             Some(reply) if !reply.status.is(CipStatus::PARTIAL_TRANSFER) => {
-                return Err(ClientError::refused(&place.text, reply.status));
+                return Err(ClientError::refused(&part.text, reply.status));
             }
             // It did not fit: again, alone.
-            _ => self.read_bytes(place).await?,
+            _ => self.read_bytes(part).await?,
         };
-        place.decode(&bytes)
+        part.decode(&bytes)
     }
 
-    /// Where a path leads, by the tag's type.
-    pub(crate) async fn place(&self, path: &str) -> Result<Place, ClientError> {
+    /// The part of a tag that a path names, by the type of the tag.
+    pub(crate) async fn locate(&self, path: &str) -> Result<TagPart, ClientError> {
         let parsed: TagPath = path.parse().map_err(|error| ClientError::path(path, error))?;
         let tag = self.tag(&parsed.full_name().unwrap_or_default()).await?;
-        Place::new(path, &parsed, &tag.tag_type)
+        TagPart::new(path, &parsed, &tag.tag_type)
     }
 
-    async fn read_bytes(&self, place: &Place) -> Result<Bytes, ClientError> {
-        let size = place.size();
-        let mut reply = self.request(place.request()).await?;
+    async fn read_bytes(&self, part: &TagPart) -> Result<Bytes, ClientError> {
+        let size = part.size();
+        let mut reply = self.request(part.request()).await?;
         let mut bytes = BytesMut::new();
         loop {
             let partial = reply.status.is(CipStatus::PARTIAL_TRANSFER);
             if !partial && !reply.status.is_success() {
-                return Err(ClientError::refused(&place.text, reply.status));
+                return Err(ClientError::refused(&part.text, reply.status));
             }
-            let part = fragment(place, &reply, size - bytes.len())?;
-            let nothing = part.is_empty();
-            bytes.extend_from_slice(&part);
+            let data = fragment(part, &reply, size - bytes.len())?;
+            let nothing = data.is_empty();
+            bytes.extend_from_slice(&data);
             if !partial {
                 break;
             }
@@ -293,11 +293,11 @@ impl Client {
             }
             let offset = u32::try_from(bytes.len()).unwrap_or(u32::MAX);
             let data = ReadTag {
-                elements: place.elements(),
+                elements: part.elements(),
                 offset,
             }
             .to_bytes_fragmented();
-            let request = Request::new(service::READ_TAG_FRAGMENTED, place.path.clone(), data);
+            let request = Request::new(service::READ_TAG_FRAGMENTED, part.path.clone(), data);
             reply = self.request(request).await?;
         }
         if bytes.len() < size {
@@ -309,11 +309,11 @@ impl Client {
 }
 
 /// The data of a read reply, at most `room` bytes of it; its type must be the tag's.
-fn fragment(place: &Place, reply: &Reply, room: usize) -> Result<Bytes, ClientError> {
+fn fragment(part: &TagPart, reply: &Reply, room: usize) -> Result<Bytes, ClientError> {
     let reply = ReadReply::decode(&reply.data).ok_or(ClientError::Malformed {
         what: "a read reply is cut",
     })?;
-    if !same_type(reply.data_type, place.wire_type()) {
+    if !same_type(reply.data_type, part.wire_type()) {
         return Err(ClientError::Malformed {
             what: "a read reply has another type than the tag",
         });

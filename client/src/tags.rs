@@ -198,9 +198,9 @@ impl Client {
     /// [`ClientError::UnknownObject`] with the nearest name there is; otherwise as [`Client::browse`].
     pub(crate) async fn instance(&self, object: Object, name: &str) -> Result<u32, ClientError> {
         let names = self.objects(object).await?;
-        let place = names.iter().position(|known| known.eq_ignore_ascii_case(name));
-        let place = place.ok_or_else(|| ClientError::unknown_object(object, name, &names))?;
-        Ok(u32::try_from(place).unwrap_or(u32::MAX).saturating_add(1))
+        let index = names.iter().position(|known| known.eq_ignore_ascii_case(name));
+        let index = index.ok_or_else(|| ClientError::unknown_object(object, name, &names))?;
+        Ok(u32::try_from(index).unwrap_or(u32::MAX).saturating_add(1))
     }
 
     /// Creates a plain tag, in a program's scope when its name begins with `Program:Main.`; `data_type` is written as in a

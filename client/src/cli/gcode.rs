@@ -10,14 +10,14 @@ use arcline_gcode::{Motion, Options, Program, StructuredText};
 
 use super::args::{Gcode, Unit};
 use super::output::counted;
-use super::wait::{self, Stopping};
+use super::wait::{self, StopCommand};
 use super::{Failure, Output};
 
 /// Statements that are checked and run at a time; a program of Structured Text has a largest size.
 const AT_A_TIME: usize = 20_000;
 
 /// `gcode` without a server: `--emit` and `--simulate`.
-pub(crate) fn alone(command: &Gcode, output: &Output) -> Result<(), Failure> {
+pub(crate) fn without_server(command: &Gcode, output: &Output) -> Result<(), Failure> {
     let options = Options {
         axes: usize::from(command.axes.unwrap_or(3)),
         start: start(command).unwrap_or_default(),
@@ -58,9 +58,9 @@ pub(crate) async fn run(client: &Client, command: &Gcode, output: &Output) -> Re
         Some(start) => start,
         None => {
             let mut start = [0.0; 3];
-            for (place, axis) in start.iter_mut().zip(&axes) {
+            for (coordinate, axis) in start.iter_mut().zip(&axes) {
                 let position = client.read(&format!("{}.CommandPosition", axis.name)).await?;
-                *place = position.as_f64().unwrap_or_default();
+                *coordinate = position.as_f64().unwrap_or_default();
             }
             start
         }
@@ -70,7 +70,7 @@ pub(crate) async fn run(client: &Client, command: &Gcode, output: &Output) -> Re
     let ran = tokio::select! {
         ran = pieces(client, command, &made, output) => ran,
         () = wait::interrupted() => {
-            let stop = Stopping::all(Object::CoordinateSystem, system.clone());
+            let stop = StopCommand::all(Object::CoordinateSystem, system.clone());
             return Err(wait::interrupt(client, stop, output).await);
         }
     };
@@ -225,8 +225,8 @@ fn parse(command: &Gcode, options: &Options) -> Result<Program, Failure> {
 fn start(command: &Gcode) -> Option<[f64; 3]> {
     let given = command.start.as_ref()?;
     let mut start = [0.0; 3];
-    for (place, number) in start.iter_mut().zip(&given.0) {
-        *place = *number;
+    for (coordinate, number) in start.iter_mut().zip(&given.0) {
+        *coordinate = *number;
     }
     Some(start)
 }

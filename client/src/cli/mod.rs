@@ -69,7 +69,7 @@ pub(crate) enum Failure {
     Terminal(std::io::Error),
     /// It has been told, by the shell whose line it was.
     #[error("a line of the shell failed")]
-    Told { code: u8 },
+    Reported { code: u8 },
     /// The arguments of a line of the shell, as clap tells it.
     #[error("{0}")]
     Usage(String),
@@ -95,7 +95,7 @@ pub(crate) enum Failure {
     /// What has been done about it has been told already.
     #[error("interrupted")]
     Interrupted,
-    /// Told already, one by one.
+    /// Reported already, one by one.
     #[error("{count} of the instructions erred")]
     Several { count: usize },
 }
@@ -129,7 +129,7 @@ impl Failure {
             Self::Program(ProgramError::Runtime(_) | ProgramError::Hopeless(_)) | Self::Several { .. } => 1,
             Self::Ended { .. } => 1,
             Self::Interrupted => 130,
-            Self::Told { code } => *code,
+            Self::Reported { code } => *code,
         }
     }
 
@@ -161,7 +161,7 @@ fn client_code(error: &ClientError) -> u8 {
     match error {
         error if error.is_connection() => 3,
         ClientError::Motion { .. }
-        | ClientError::NotGiven { .. }
+        | ClientError::MissingOperand { .. }
         | ClientError::Refused { .. }
         | ClientError::Ended { .. } => 1,
         ClientError::Deadline { .. } | ClientError::TooLarge { .. } => 1,
@@ -208,7 +208,7 @@ async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
     if let Command::Shell(command) = &arguments.command {
         return shell::shell(&server, command, output).await;
     }
-    if let Some(done) = alone(&server, &arguments.command, output).await {
+    if let Some(done) = without_server(&server, &arguments.command, output).await {
         return done;
     }
     let client = Client::connect(&server).await?;
@@ -218,7 +218,7 @@ async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
 }
 
 /// The commands that need no server, or find it by themselves; `None` for the others.
-async fn alone(server: &str, command: &Command, output: &Output) -> Option<Result<(), Failure>> {
+async fn without_server(server: &str, command: &Command, output: &Output) -> Option<Result<(), Failure>> {
     Some(match command {
         Command::Identify(command) if command.broadcast.is_some() => identify::run(None, command, output).await,
         Command::Explain(command) => tools::explain(server, command, output).await,
@@ -229,10 +229,10 @@ async fn alone(server: &str, command: &Command, output: &Output) -> Option<Resul
         Command::Man(command) => tools::man(command, output),
         Command::Plot(command) => plot::plot(command, output),
         Command::Margin(command) => {
-            margin::tell(command, output);
+            margin::print(command, output);
             Ok(())
         }
-        Command::Gcode(command) if !command.needs_server() => gcode::alone(command, output),
+        Command::Gcode(command) if !command.needs_server() => gcode::without_server(command, output),
         _ => return None,
     })
 }

@@ -6,7 +6,7 @@ use super::args::{Arc, Change, Home, Jog, Motion, Move, MoveAxis, OnOff, Servo, 
 use super::operands;
 use super::output::counted;
 use super::sweep::Sweep;
-use super::wait::{self, Course, Stopping};
+use super::wait::{self, StopCommand};
 use super::{Failure, Output};
 
 /// `move`.
@@ -19,7 +19,7 @@ pub(crate) async fn line(client: &Client, command: Move, output: &Output) -> Res
     let system = system.name;
     let length = line_length(client, &system, &position.0, dynamics.relative).await;
     let operands = operands::line(&position, &dynamics)?;
-    let moved = execute(client, &system, &operands, &dynamics.motion, Course { length }, output).await;
+    let moved = execute(client, &system, &operands, &dynamics.motion, length, output).await;
     match moved {
         Err(failure) => Err(position_explained(client, failure, &system, position.0.len()).await),
         Ok(()) => Ok(()),
@@ -32,7 +32,7 @@ pub(crate) async fn arc(client: &Client, command: Arc, output: &Output) -> Resul
     let operands = operands::arc(&command)?;
     let motion = &command.dynamics.motion;
     let system = &command.system.name;
-    let moved = execute(client, system, &operands, motion, Course { length }, output).await;
+    let moved = execute(client, system, &operands, motion, length, output).await;
     match moved {
         Err(failure) => Err(position_explained(client, failure, system, command.position.0.len()).await),
         Ok(()) => Ok(()),
@@ -67,14 +67,14 @@ pub(crate) async fn axis(client: &Client, command: MoveAxis, output: &Output) ->
     let length = axis_length(client, &command).await;
     let operands = operands::axis(&command)?;
     let motion = &command.motion.motion;
-    execute(client, &command.axis.name, &operands, motion, Course { length }, output).await
+    execute(client, &command.axis.name, &operands, motion, length, output).await
 }
 
 /// `jog`: waits until something ends it.
 pub(crate) async fn jog(client: &Client, command: Jog, output: &Output) -> Result<(), Failure> {
     let operands = operands::jog(&command)?;
     let motion = &command.motion.motion;
-    execute(client, &command.axis.name, &operands, motion, Course::default(), output).await
+    execute(client, &command.axis.name, &operands, motion, None, output).await
 }
 
 /// `change`.
@@ -147,7 +147,7 @@ pub(crate) async fn stop(client: &Client, command: Stop, output: &Output) -> Res
         }
     }
     let wait = async |execution: &Execution| {
-        let completed = wait::complete(client, execution, Course::default(), output).await?;
+        let completed = wait::complete(client, execution, None, output).await?;
         output.completed(execution, &completed);
         Ok(())
     };
@@ -210,7 +210,7 @@ pub(crate) async fn home(client: &Client, command: Home, output: &Output) -> Res
     }
     let started = executions.iter().flatten();
     let stops: Vec<_> = started
-        .filter_map(|execution| Stopping::all(Object::Axis, execution.target.clone()))
+        .filter_map(|execution| StopCommand::all(Object::Axis, execution.target.clone()))
         .collect();
     let wait = async |execution: &Execution| {
         let control = if command.waiting.no_wait {
@@ -267,13 +267,13 @@ async fn each(
     }
 }
 
-/// Executes a move and, unless it is not wanted, waits for the end of its course.
+/// Executes a move and waits for its end, except with `--no-wait`. `length`: of its path in position units, for the progress.
 async fn execute(
     client: &Client,
     target: &str,
     operands: &Operands,
     motion: &Motion,
-    course: Course,
+    length: Option<f64>,
     output: &Output,
 ) -> Result<(), Failure> {
     let tag = motion.tag.as_deref().unwrap_or_default();
@@ -283,7 +283,7 @@ async fn execute(
     let completed = if motion.waiting.no_wait {
         execution.control.into()
     } else {
-        wait::complete(client, &execution, course, output).await?
+        wait::complete(client, &execution, length, output).await?
     };
     output.completed(&execution, &completed);
     Ok(())

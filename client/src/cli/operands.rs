@@ -77,7 +77,7 @@ pub(super) fn axis(command: &MoveAxis) -> Result<Operands, ClientError> {
         ..
     } = command;
     let ways = [*relative, *shortest, *positive, *negative];
-    let kind = ways.iter().position(|way| *way).map_or(0, |place| place as i64 + 1);
+    let kind = ways.iter().position(|way| *way).map_or(0, |index| index as i64 + 1);
     let operands = Operands::full_speed(Mnemonic::Mam)
         .with("Move Type", Given::Integer(kind))?
         .with("Position", *position)?;
@@ -149,10 +149,10 @@ mod tests {
 
     fn operand(operands: &Operands, name: &str) -> Given {
         let instruction = operands.mnemonic().instruction();
-        let place = instruction.operand(name).expect("an operand");
+        let index = instruction.operand(name).expect("an operand");
         let index = instruction
             .given_operands()
-            .position(|given| given == place)
+            .position(|given| given == index)
             .expect("a given operand");
         operands.given()[index].clone()
     }

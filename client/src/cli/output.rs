@@ -77,7 +77,7 @@ impl Output {
     pub(crate) fn failure(&self, failure: &Failure) {
         if matches!(
             failure,
-            Failure::Interrupted | Failure::Several { .. } | Failure::Told { .. }
+            Failure::Interrupted | Failure::Several { .. } | Failure::Reported { .. }
         ) {
             return;
         }

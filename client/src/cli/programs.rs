@@ -7,7 +7,7 @@ use arcline_instruction_set::Ending;
 
 use super::args::{Exec, Run};
 use super::output::counted;
-use super::wait::{self, Course, Stopping};
+use super::wait::{self, StopCommand};
 use super::{Failure, Output, moves};
 
 /// `exec`: executes, waits for moves and stops, prints how the instruction stands.
@@ -20,7 +20,7 @@ pub(crate) async fn exec(client: &Client, command: &Exec, output: &Output) -> Re
     let completed = if command.waiting.no_wait || !moves::is_waited_for(execution) {
         execution.control.into()
     } else {
-        wait::complete(client, execution, Course::default(), output).await?
+        wait::complete(client, execution, None, output).await?
     };
     output.completed(execution, &completed);
     Ok(())
@@ -135,7 +135,7 @@ pub(crate) async fn to_its_end(
         Some(result) => result?,
         None => {
             let targets = runner.targets().into_iter();
-            let stops = targets.filter_map(|(object, target)| Stopping::all(object, target));
+            let stops = targets.filter_map(|(object, target)| StopCommand::all(object, target));
             return Err(wait::interrupt(client, stops, output).await);
         }
     }

@@ -15,7 +15,7 @@ use clap::FromArgMatches;
 use arcline_client::{Client, ClientError, Mnemonic};
 
 use super::args::{self, Arguments, Exec, Shell, Waiting};
-use super::{Failure, Output, alone, on_machine, programs, wait};
+use super::{Failure, Output, on_machine, programs, wait, without_server};
 use complete::{Known, OWN};
 use line::{Lines, Read};
 
@@ -55,7 +55,7 @@ pub(crate) async fn shell(server: &str, command: &Shell, output: &Output) -> Res
             output.failure(&failure);
             if !is_interactive {
                 client.close().await;
-                return Err(Failure::Told { code: failure.code() });
+                return Err(Failure::Reported { code: failure.code() });
             }
             if failure.client().is_some_and(ClientError::is_connection) {
                 match Client::connect(server).await {
@@ -125,7 +125,7 @@ async fn run(client: &Client, server: &str, text: &str, output: &Output) -> Resu
         Err(error) => return Err(Failure::Usage(error.to_string().trim_end().to_owned())),
     };
     let output = Output::new(output.is_json() || arguments.json);
-    match alone(server, &arguments.command, &output).await {
+    match without_server(server, &arguments.command, &output).await {
         Some(done) => done,
         None => on_machine(client, arguments.command, &output).await,
     }

@@ -19,7 +19,7 @@ const FEED_OVERRIDE: &str = "FeedOverride";
 
 /// What is shown of an object: a row of its table, and a JSON object.
 #[derive(Clone, Debug)]
-pub(super) struct Shown {
+pub(super) struct ObjectStatus {
     pub(super) kind: Kind,
     pub(super) name: String,
     pub(super) row: Vec<String>,
@@ -61,7 +61,7 @@ impl Kind {
 
 /// `status`.
 pub(crate) async fn status(client: &Client, names: &[String], output: &Output) -> Result<(), Failure> {
-    let shown = Looked::at(client, names).await?.look(client).await?;
+    let shown = StatusQuery::find(client, names).await?.read(client).await?;
     if output.is_json() {
         shown.into_iter().for_each(|shown| output.result("", || shown.object));
     } else {
@@ -71,7 +71,7 @@ pub(crate) async fn status(client: &Client, names: &[String], output: &Output) -
 }
 
 /// A table for each kind, with blank lines between them.
-pub(super) fn tables(shown: &[Shown]) -> String {
+pub(super) fn tables(shown: &[ObjectStatus]) -> String {
     let mut tables = Vec::new();
     for kind in Kind::ALL {
         let rows = shown.iter().filter(|shown| shown.kind == kind);
@@ -83,21 +83,21 @@ pub(super) fn tables(shown: &[Shown]) -> String {
     tables.join("\n\n")
 }
 
-/// The objects that are looked at, found once.
+/// The objects whose status a command shows, found once.
 #[derive(Debug)]
-pub(super) struct Looked {
+pub(super) struct StatusQuery {
     objects: Vec<(Tag, Kind)>,
     /// Every coordinate system, in the order of the feed overrides.
     systems: Vec<String>,
-    /// How many axes those that are looked at have.
+    /// The number of axes of each of its coordinate systems.
     axes: BTreeMap<String, usize>,
     /// Instances of the axes and coordinate systems: they count from 1 in the order of their tags.
     instances: BTreeMap<String, u32>,
 }
 
-impl Looked {
-    /// Those of these names, case ignored; all that there are when no name is given.
-    pub(super) async fn at(client: &Client, names: &[String]) -> Result<Self, Failure> {
+impl StatusQuery {
+    /// The objects of these names, case ignored; without names all objects.
+    pub(super) async fn find(client: &Client, names: &[String]) -> Result<Self, Failure> {
         let tags = client.browse().await?;
         for name in names {
             match tags.iter().find(|tag| tag.name.eq_ignore_ascii_case(name)) {
@@ -145,8 +145,8 @@ impl Looked {
         })
     }
 
-    /// Reads them, as far as possible at the same moment.
-    pub(super) async fn look(&self, client: &Client) -> Result<Vec<Shown>, Failure> {
+    /// Reads their status, as far as possible at the same instant.
+    pub(super) async fn read(&self, client: &Client) -> Result<Vec<ObjectStatus>, Failure> {
         let paths: Vec<&str> = self.objects.iter().map(|(tag, _)| tag.name.as_str()).collect();
         let overrides = if self.objects.iter().any(|(_, kind)| *kind == Kind::System) {
             self.overrides(client).await?
@@ -279,7 +279,7 @@ const NO_MOTION: &[&str] = &[
     "MasterOffsetMoveLockStatus",
 ];
 
-fn axis(tag: &Tag, reading: &TagValue, kinds: Vec<&str>) -> Shown {
+fn axis(tag: &Tag, reading: &TagValue, kinds: Vec<&str>) -> ObjectStatus {
     let (position, command) = (reading.number("ActualPosition"), reading.number("CommandPosition"));
     let velocity = reading.number("CommandVelocity");
     let (servo, homed) = (reading.flag("ServoActionStatus"), reading.flag("AxisHomedStatus"));
@@ -308,7 +308,7 @@ fn axis(tag: &Tag, reading: &TagValue, kinds: Vec<&str>) -> Shown {
         "velocity": velocity, "servo": servo, "homed": homed, "state": state,
         "faults": faults.split_whitespace().collect::<Vec<_>>(), "fault_kinds": kinds,
     });
-    Shown {
+    ObjectStatus {
         kind: Kind::Axis,
         name: tag.name.clone(),
         row,
@@ -317,7 +317,13 @@ fn axis(tag: &Tag, reading: &TagValue, kinds: Vec<&str>) -> Shown {
     }
 }
 
-fn system(tag: &Tag, reading: &TagValue, axes: usize, percent: Option<f64>, progress: Option<Progress>) -> Shown {
+fn system(
+    tag: &Tag,
+    reading: &TagValue,
+    axes: usize,
+    percent: Option<f64>,
+    progress: Option<Progress>,
+) -> ObjectStatus {
     let mut position = reading
         .member("ActualPosition")
         .and_then(TagValue::numbers)
@@ -359,7 +365,7 @@ fn system(tag: &Tag, reading: &TagValue, axes: usize, percent: Option<f64>, prog
             "time_left_s": progress.time_left,
         })),
     });
-    Shown {
+    ObjectStatus {
         kind: Kind::System,
         name: tag.name.clone(),
         row: vec![tag.name.clone(), shown.join(", "), told(progress), state],
@@ -381,7 +387,7 @@ fn told(progress: Option<Progress>) -> String {
     text
 }
 
-fn group(tag: &Tag, reading: &TagValue) -> Shown {
+fn group(tag: &Tag, reading: &TagValue) -> ObjectStatus {
     let synced = reading.flag("GroupSynced");
     let faults = words(
         reading,
@@ -400,7 +406,7 @@ fn group(tag: &Tag, reading: &TagValue) -> Shown {
         "faults": faults.split_whitespace().collect::<Vec<_>>(),
     });
     let row = vec![tag.name.clone(), yes_no(synced, "yes", "no"), or(faults, "none")];
-    Shown {
+    ObjectStatus {
         kind: Kind::Group,
         name: tag.name.clone(),
         row,
@@ -409,7 +415,7 @@ fn group(tag: &Tag, reading: &TagValue) -> Shown {
     }
 }
 
-fn real_time(tag: &Tag, reading: &TagValue) -> Shown {
+fn real_time(tag: &Tag, reading: &TagValue) -> ObjectStatus {
     let (ticks, overruns) = (reading.number("Ticks"), reading.number("Overruns"));
     let period = reading.number("UpdatePeriod");
     let [mean, p99, max] = ["LatenessMean", "LatenessP99", "LatenessMax"].map(|member| reading.number(member));
@@ -436,7 +442,7 @@ fn real_time(tag: &Tag, reading: &TagValue) -> Shown {
         max,
         scheduling,
     ];
-    Shown {
+    ObjectStatus {
         kind: Kind::RealTime,
         name: tag.name.clone(),
         row,

@@ -33,9 +33,9 @@ impl Sweep {
         let axes = command.position.0.len();
         let relative = |point: &[f64], is_relative: bool| {
             let mut vector = [0.0; 3];
-            for (axis, place) in vector.iter_mut().enumerate().take(axes) {
+            for (axis, component) in vector.iter_mut().enumerate().take(axes) {
                 let from = if is_relative { 0.0 } else { *start.get(axis)? };
-                *place = *point.get(axis)? - from;
+                *component = *point.get(axis)? - from;
             }
             Some(vector)
         };

@@ -152,8 +152,8 @@ async fn follow(
             taken.missing += read.first.saturating_sub(from);
         }
         let every = u64::from(read.every.max(1));
-        for (place, row) in read.rows.iter().enumerate() {
-            let tick = read.first + place as u64 * every;
+        for (index, row) in read.rows.iter().enumerate() {
+            let tick = read.first + index as u64 * every;
             let written = match sink {
                 Sink::Csv(csv) => csv.row(tick, row),
                 Sink::Mcap(mcap) => mcap.row(tick, row),

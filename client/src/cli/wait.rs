@@ -24,13 +24,6 @@ const JOG: i64 = 1;
 /// MAS, Stop Type: Move.
 const MOVE: i64 = 2;
 
-/// How far a move goes, where that is known.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Course {
-    /// Position units.
-    pub(crate) length: Option<f64>,
-}
-
 /// The end of an instruction.
 #[derive(Clone, Debug)]
 pub(crate) struct Completed {
@@ -53,12 +46,12 @@ impl From<MotionControl> for Completed {
 pub(crate) async fn complete(
     client: &Client,
     execution: &Execution,
-    course: Course,
+    length: Option<f64>,
     output: &Output,
 ) -> Result<Completed, Failure> {
-    let stopping = Stopping::of(execution);
+    let stopping = StopCommand::of(execution);
     tokio::select! {
-        result = watched(client, execution, course, output) => match result {
+        result = watched(client, execution, length, output) => match result {
             Err(ClientError::Ended { control, ended, .. }) if !execution.completes() => match ended {
                 Some(ended) if !matches!(ended.ending, Ending::Instruction { .. }) => Err(Failure::Ended {
                     mnemonic: execution.mnemonic,
@@ -75,13 +68,13 @@ pub(crate) async fn complete(
 
 /// What Ctrl-C stops: an instruction, its Stop Type and its target.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Stopping {
+pub(crate) struct StopCommand {
     mnemonic: Mnemonic,
     kind: i64,
     target: String,
 }
 
-impl Stopping {
+impl StopCommand {
     /// The stop of one execution.
     fn of(execution: &Execution) -> Option<Self> {
         let stopping = Self::all(execution.mnemonic.instruction().object, execution.target.clone())?;
@@ -90,7 +83,7 @@ impl Stopping {
             Mnemonic::Mam => MOVE,
             _ => stopping.kind,
         };
-        Some(Stopping { kind, ..stopping })
+        Some(StopCommand { kind, ..stopping })
     }
 
     /// The stop of what instructions on an object can have begun.
@@ -100,12 +93,12 @@ impl Stopping {
             Object::Axis => (Mnemonic::Mas, ALL),
             Object::MotionGroup => return None,
         };
-        Some(Stopping { mnemonic, kind, target })
+        Some(StopCommand { mnemonic, kind, target })
     }
 
     /// Executes the stop; the motion ends later.
     pub(crate) async fn begin(&self, client: &Client) -> Result<Execution, ClientError> {
-        let Stopping { mnemonic, kind, target } = self;
+        let StopCommand { mnemonic, kind, target } = self;
         let operands = Operands::full_speed(*mnemonic).with("Stop Type", Given::Integer(*kind))?;
         client.execute(*mnemonic, target, "", operands.given()).await
     }
@@ -119,7 +112,11 @@ pub(crate) async fn interrupted() {
 }
 
 /// Stops what was begun and says so.
-pub(crate) async fn interrupt(client: &Client, stops: impl IntoIterator<Item = Stopping>, output: &Output) -> Failure {
+pub(crate) async fn interrupt(
+    client: &Client,
+    stops: impl IntoIterator<Item = StopCommand>,
+    output: &Output,
+) -> Failure {
     for stopping in stops {
         let target = &stopping.target;
         match stop(client, &stopping).await {
@@ -134,7 +131,7 @@ pub(crate) async fn interrupt(client: &Client, stops: impl IntoIterator<Item = S
     Failure::Interrupted
 }
 
-async fn stop(client: &Client, stopping: &Stopping) -> Result<(), ClientError> {
+async fn stop(client: &Client, stopping: &StopCommand) -> Result<(), ClientError> {
     let execution = stopping.begin(client).await?;
     client.wait_for(&execution, Flag::Pc, STOPPING).await.map(drop)
 }
@@ -142,7 +139,7 @@ async fn stop(client: &Client, stopping: &Stopping) -> Result<(), ClientError> {
 async fn watched(
     client: &Client,
     execution: &Execution,
-    course: Course,
+    length: Option<f64>,
     output: &Output,
 ) -> Result<MotionControl, ClientError> {
     let waiting = client.wait_for(execution, Flag::Pc, FOREVER);
@@ -151,13 +148,13 @@ async fn watched(
     }
     tokio::select! {
         result = waiting => result,
-        error = show(client, execution, course) => Err(error),
+        error = show(client, execution, length) => Err(error),
     }
 }
 
 /// Shows the progress until it is dropped; comes back only when the server cannot be asked.
-async fn show(client: &Client, execution: &Execution, course: Course) -> ClientError {
-    let bar = match course.length {
+async fn show(client: &Client, execution: &Execution, length: Option<f64>) -> ClientError {
+    let bar = match length {
         Some(_) => ProgressBar::new(1000).with_style(style("{prefix} [{bar:30}] {msg}")),
         None => ProgressBar::new_spinner().with_style(style("{prefix} {spinner} {msg}")),
     };
@@ -167,17 +164,17 @@ async fn show(client: &Client, execution: &Execution, course: Course) -> ClientE
     let single = execution.mnemonic.instruction().object == Object::Axis;
     let member = if single { "ActualVelocity" } else { "ActualPosition" };
     let path = format!("{}.{member}", execution.target);
-    let mut travelled = Travelled::default();
+    let mut odometer = Odometer::default();
     loop {
         match client.read_numbers(&path).await {
-            Ok(velocity) if single => travelled.moving(velocity.first().map_or(0.0, |v| v.abs()), Instant::now()),
-            Ok(position) => travelled.at(position, Instant::now()),
+            Ok(velocity) if single => odometer.moving(velocity.first().map_or(0.0, |v| v.abs()), Instant::now()),
+            Ok(position) => odometer.at(position, Instant::now()),
             Err(error) => return error,
         }
-        if let Some(length) = course.length.filter(|length| *length > 0.0) {
-            bar.set_position((1000.0 * (travelled.distance / length).clamp(0.0, 1.0)) as u64);
+        if let Some(length) = length.filter(|length| *length > 0.0) {
+            bar.set_position((1000.0 * (odometer.distance / length).clamp(0.0, 1.0)) as u64);
         }
-        bar.set_message(travelled.message(course.length));
+        bar.set_message(odometer.message(length));
         bar.tick();
         tokio::time::sleep(REFRESH).await;
     }
@@ -198,7 +195,7 @@ fn style(template: &str) -> ProgressStyle {
 
 /// Distance and speed out of positions.
 #[derive(Debug, Default)]
-struct Travelled {
+struct Odometer {
     last: Option<(Vec<f64>, Instant)>,
     /// Position units.
     distance: f64,
@@ -206,7 +203,7 @@ struct Travelled {
     speed: f64,
 }
 
-impl Travelled {
+impl Odometer {
     fn at(&mut self, position: Vec<f64>, now: Instant) {
         if let Some((last, then)) = &self.last {
             let step = last
@@ -251,16 +248,16 @@ mod tests {
     #[test]
     fn distance_and_speed_come_from_positions() {
         let start = Instant::now();
-        let mut travelled = Travelled::default();
-        travelled.at(vec![0.0, 0.0], start);
-        assert_eq!(travelled.message(Some(10.0)), "0.0 of 10.0");
-        travelled.at(vec![3.0, 4.0], start + Duration::from_secs(2));
-        assert_eq!(travelled.message(Some(10.0)), "5.0 of 10.0, 2.5/s, about 2.0 s left");
-        assert_eq!(travelled.message(None), "5.0 done, 2.5/s");
-        let mut travelled = Travelled::default();
-        travelled.moving(0.0, start);
-        travelled.moving(10.0, start + Duration::from_secs(1));
-        travelled.moving(10.0, start + Duration::from_secs(2));
-        assert_eq!(travelled.message(None), "15.0 done, 10.0/s");
+        let mut odometer = Odometer::default();
+        odometer.at(vec![0.0, 0.0], start);
+        assert_eq!(odometer.message(Some(10.0)), "0.0 of 10.0");
+        odometer.at(vec![3.0, 4.0], start + Duration::from_secs(2));
+        assert_eq!(odometer.message(Some(10.0)), "5.0 of 10.0, 2.5/s, about 2.0 s left");
+        assert_eq!(odometer.message(None), "5.0 done, 2.5/s");
+        let mut odometer = Odometer::default();
+        odometer.moving(0.0, start);
+        odometer.moving(10.0, start + Duration::from_secs(1));
+        odometer.moving(10.0, start + Duration::from_secs(2));
+        assert_eq!(odometer.message(None), "15.0 done, 10.0/s");
     }
 }

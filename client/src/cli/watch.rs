@@ -15,8 +15,8 @@ use tokio::time::Instant;
 use arcline_client::{Client, Object};
 
 use super::args::Watch;
-use super::status::{Kind, Looked, Shown};
-use super::wait::{self, Stopping};
+use super::status::{Kind, ObjectStatus, StatusQuery};
+use super::wait::{self, StopCommand};
 use super::{Failure, Output};
 use view::View;
 
@@ -25,17 +25,17 @@ const KEYS: Duration = Duration::from_millis(20);
 
 /// `watch`.
 pub(crate) async fn watch(client: &Client, command: &Watch, output: &Output) -> Result<(), Failure> {
-    let looked = Looked::at(client, &command.of.names).await?;
+    let query = StatusQuery::find(client, &command.of.names).await?;
     // Both are finite and positive: the arguments do not parse otherwise.
     let interval = Duration::from_secs_f64(command.interval);
     let end = command
         .duration
         .map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
     if !output.is_watched() {
-        return lines(client, &looked, interval, end, output).await;
+        return lines(client, &query, interval, end, output).await;
     }
     let mut terminal = ratatui::try_init().map_err(Failure::Terminal)?;
-    let result = full_screen(client, &looked, interval, end, &mut terminal).await;
+    let result = full_screen(client, &query, interval, end, &mut terminal).await;
     ratatui::restore();
     result
 }
@@ -43,20 +43,20 @@ pub(crate) async fn watch(client: &Client, command: &Watch, output: &Output) -> 
 /// A line for each object that has changed, with the time since the first look.
 async fn lines(
     client: &Client,
-    looked: &Looked,
+    query: &StatusQuery,
     interval: Duration,
     end: Option<Instant>,
     output: &Output,
 ) -> Result<(), Failure> {
     let began = Instant::now();
-    let mut last: Vec<Shown> = Vec::new();
+    let mut last: Vec<ObjectStatus> = Vec::new();
     loop {
         let next = Instant::now() + interval;
-        let shown = looked.look(client).await?;
+        let shown = query.read(client).await?;
         let seconds = began.elapsed().as_secs_f64();
-        for (place, one) in shown.iter().enumerate() {
+        for (index, one) in shown.iter().enumerate() {
             // The counters of the thread change always.
-            let same = last.get(place).is_some_and(|last| last.row == one.row);
+            let same = last.get(index).is_some_and(|last| last.row == one.row);
             if same || one.kind == Kind::RealTime && !last.is_empty() {
                 continue;
             }
@@ -79,7 +79,7 @@ async fn lines(
 
 async fn full_screen(
     client: &Client,
-    looked: &Looked,
+    query: &StatusQuery,
     interval: Duration,
     end: Option<Instant>,
     terminal: &mut DefaultTerminal,
@@ -89,7 +89,7 @@ async fn full_screen(
     loop {
         let next = Instant::now() + interval;
         if !view.paused {
-            view.take(looked.look(client).await?, began.elapsed().as_secs_f64());
+            view.take(query.read(client).await?, began.elapsed().as_secs_f64());
         }
         loop {
             terminal
@@ -98,7 +98,7 @@ async fn full_screen(
             match key(&mut view)? {
                 Asked::Nothing => {}
                 Asked::End => return Ok(()),
-                Asked::Stop => view.note = stop(client, looked).await?,
+                Asked::Stop => view.note = stop(client, query).await?,
             }
             if end.is_some_and(|end| Instant::now() >= end) {
                 return Ok(());
@@ -141,12 +141,12 @@ fn key(view: &mut View) -> Result<Asked, Failure> {
 }
 
 /// Stops every coordinate system, then every axis, of those that are watched. Tells what came of it.
-async fn stop(client: &Client, looked: &Looked) -> Result<String, Failure> {
+async fn stop(client: &Client, query: &StatusQuery) -> Result<String, Failure> {
     let mut failed = Vec::new();
     let mut stopped = Vec::new();
     for (kind, object) in [(Kind::System, Object::CoordinateSystem), (Kind::Axis, Object::Axis)] {
-        for name in looked.of(kind) {
-            let Some(stopping) = Stopping::all(object, name.to_owned()) else {
+        for name in query.of(kind) {
+            let Some(stopping) = StopCommand::all(object, name.to_owned()) else {
                 continue;
             };
             match stopping.begin(client).await {

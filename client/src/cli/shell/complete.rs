@@ -1,4 +1,4 @@
-//! What can stand at a place of a line of the shell: commands, options and their values from the definition of the
+//! Completions within a line of the shell: commands, options and their values from the definition of the
 //! arguments; operands and words of an instruction from the catalogue; names from the server.
 //!
 //! Pure: a line and what is known go in, candidates come out. No terminal here.
@@ -47,7 +47,7 @@ impl Known {
         let operands = call.mnemonic.instruction().operands;
         let given = !call.text.trim().is_empty();
         let rest = operands
-            .get(call.place + usize::from(given)..)
+            .get(call.index + usize::from(given)..)
             .filter(|rest| !rest.is_empty())?;
         let mut names: Vec<String> = rest.iter().take(HINTED).map(|operand| operand.member()).collect();
         names.extend((rest.len() > HINTED).then(|| "…".to_owned()));
@@ -55,7 +55,7 @@ impl Known {
     }
 
     fn operand(&self, call: &Call<'_>) -> Found {
-        let operand = call.mnemonic.instruction().operands.get(call.place);
+        let operand = call.mnemonic.instruction().operands.get(call.index);
         let candidates = match operand.map(|operand| &operand.kind) {
             Some(Kind::Target(object) | Kind::Reference(object)) => self.objects(Some(*object)),
             Some(Kind::MotionControl) => self.of_type("MOTION_INSTRUCTION"),
@@ -82,7 +82,7 @@ impl Known {
         let Some(mut command) = self.command.find_subcommand(first) else {
             return Found::none(start);
         };
-        let (mut place, mut option) = (0, None);
+        let (mut index, mut option) = (0, None);
         for word in words {
             if option.take().is_some() {
                 continue;
@@ -94,7 +94,7 @@ impl Known {
             } else if let Some(child) = command.find_subcommand(word) {
                 command = child;
             } else {
-                place += 1;
+                index += 1;
             }
         }
         let mut candidates = Vec::new();
@@ -112,7 +112,7 @@ impl Known {
                 candidates.extend(command.get_subcommands().map(|child| child.get_name().to_owned()));
                 let positionals: Vec<&Arg> = command.get_positionals().collect();
                 let last = positionals.last().filter(|last| is_many(last)).copied();
-                positionals.get(place).copied().or(last)
+                positionals.get(index).copied().or(last)
             }
         };
         let mut is_file = false;
@@ -228,7 +228,7 @@ impl Found {
 struct Call<'l> {
     mnemonic: Mnemonic,
     /// Of the operand at the end.
-    place: usize,
+    index: usize,
     /// What is there of it, blanks in front included.
     text: &'l str,
     /// Where it ends in the line.
@@ -243,7 +243,7 @@ impl<'l> Call<'l> {
             .map_or(line, |rest| rest.trim_start().trim_start_matches(['\'', '"']));
         let (name, operands) = text.split_once('(')?;
         let mnemonic = name.trim().parse().ok()?;
-        let (mut depth, mut place, mut start) = (0_i32, 0, 0);
+        let (mut depth, mut index, mut start) = (0_i32, 0, 0);
         for (at, character) in operands.char_indices() {
             match character {
                 '[' | '(' => depth += 1,
@@ -251,7 +251,7 @@ impl<'l> Call<'l> {
                 ')' if depth == 0 => return None,
                 ')' => depth -= 1,
                 ',' if depth == 0 => {
-                    place += 1;
+                    index += 1;
                     start = at + 1;
                 }
                 _ => {}
@@ -260,7 +260,7 @@ impl<'l> Call<'l> {
         let text = operands.get(start..)?;
         Some(Self {
             mnemonic,
-            place,
+            index,
             text,
             end,
         })

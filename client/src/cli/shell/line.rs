@@ -16,7 +16,7 @@ use arcline_client::Tag;
 use super::complete::Known;
 
 /// Lines that are kept in the history.
-const KEPT: usize = 2000;
+const HISTORY_LINES: usize = 2000;
 const PROMPT: &str = "arcline> ";
 
 /// A line, or why there is none.
@@ -34,7 +34,7 @@ pub(super) enum Read {
 pub(super) enum Lines {
     /// A terminal.
     Terminal {
-        editor: Box<Editor<Ask, FileHistory>>,
+        editor: Box<Editor<LineHelper, FileHistory>>,
         history: Option<PathBuf>,
     },
     /// Standard input.
@@ -49,11 +49,11 @@ impl Lines {
         let config = Config::builder()
             .completion_type(CompletionType::List)
             .auto_add_history(true)
-            .max_history_size(KEPT)
+            .max_history_size(HISTORY_LINES)
             .map_err(io::Error::other)?
             .build();
         let mut editor = Editor::with_config(config).map_err(io::Error::other)?;
-        editor.set_helper(Some(Ask {
+        editor.set_helper(Some(LineHelper {
             known,
             files: FilenameCompleter::new(),
         }));
@@ -103,18 +103,18 @@ impl Lines {
 }
 
 /// Answers the terminal's questions about a line.
-pub(super) struct Ask {
+pub(super) struct LineHelper {
     known: Known,
     files: FilenameCompleter,
 }
 
-impl std::fmt::Debug for Ask {
+impl std::fmt::Debug for LineHelper {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Ask").finish_non_exhaustive()
+        f.debug_struct("LineHelper").finish_non_exhaustive()
     }
 }
 
-impl Completer for Ask {
+impl Completer for LineHelper {
     type Candidate = Pair;
 
     fn complete(&self, line: &str, at: usize, context: &Context<'_>) -> rustyline::Result<(usize, Vec<Pair>)> {
@@ -144,7 +144,7 @@ impl Hint for ToCome {
     }
 }
 
-impl Hinter for Ask {
+impl Hinter for LineHelper {
     type Hint = ToCome;
 
     fn hint(&self, line: &str, at: usize, _: &Context<'_>) -> Option<ToCome> {
@@ -155,11 +155,11 @@ impl Hinter for Ask {
     }
 }
 
-impl Highlighter for Ask {
+impl Highlighter for LineHelper {
     fn highlight_hint<'h>(&self, hint: &'h str) -> std::borrow::Cow<'h, str> {
         format!("\x1b[2m{hint}\x1b[0m").into()
     }
 }
 
-impl Validator for Ask {}
-impl Helper for Ask {}
+impl Validator for LineHelper {}
+impl Helper for LineHelper {}

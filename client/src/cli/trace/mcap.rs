@@ -51,7 +51,7 @@ pub(super) struct Mcap {
 #[derive(Debug)]
 struct Channel {
     topic: String,
-    /// Member names and the places of their samples in a row.
+    /// Member names and the indices of their samples in a row.
     members: Vec<(String, usize)>,
 }
 
@@ -68,9 +68,9 @@ struct Chunk {
 impl Mcap {
     pub(super) fn create(path: &Path, signals: &[String], period: Duration) -> io::Result<Self> {
         let mut channels: Vec<Channel> = Vec::new();
-        for (place, signal) in signals.iter().enumerate() {
+        for (index, signal) in signals.iter().enumerate() {
             let (topic, member) = signal.rsplit_once('.').unwrap_or((signal, "value"));
-            let member = (member.to_owned(), place);
+            let member = (member.to_owned(), index);
             match channels.iter_mut().find(|channel| channel.topic == topic) {
                 Some(channel) => channel.members.push(member),
                 None => channels.push(Channel {
@@ -80,8 +80,8 @@ impl Mcap {
             }
         }
         let mut described = Vec::new();
-        for (place, channel) in channels.iter().enumerate() {
-            let id = number_of(place)?;
+        for (index, channel) in channels.iter().enumerate() {
+            let id = number_of(index)?;
             record(&mut described, opcode::SCHEMA, &channel.schema(id));
             record(&mut described, opcode::CHANNEL, &channel.channel(id));
         }
@@ -112,8 +112,8 @@ impl Mcap {
 
     pub(super) fn row(&mut self, tick: u64, row: &[f64]) -> io::Result<()> {
         let time = u64::try_from(u128::from(tick) * self.period.as_nanos()).unwrap_or(u64::MAX);
-        for (place, channel) in self.channels.iter().enumerate() {
-            let id = number_of(place)?;
+        for (index, channel) in self.channels.iter().enumerate() {
+            let id = number_of(index)?;
             let mut content = Vec::new();
             content.extend(id.to_le_bytes());
             // The sequence wraps as the specification lets it.
@@ -218,8 +218,8 @@ impl Mcap {
         content.extend(self.first.unwrap_or_default().to_le_bytes());
         content.extend(self.last.to_le_bytes());
         let mut counts = Vec::new();
-        for place in 0..self.channels.len() {
-            counts.extend(number_of(place)?.to_le_bytes());
+        for index in 0..self.channels.len() {
+            counts.extend(number_of(index)?.to_le_bytes());
             counts.extend(self.messages.to_le_bytes());
         }
         sized(&mut content, &counts);
@@ -259,7 +259,7 @@ impl Channel {
 
     fn message(&self, row: &[f64], content: &mut Vec<u8>) -> io::Result<()> {
         let mut buffer = zmij::Buffer::new();
-        for (place, (name, column)) in self.members.iter().enumerate() {
+        for (index, (name, column)) in self.members.iter().enumerate() {
             let value = row.get(*column).copied().unwrap_or_default();
             // Names of members need no escapes; JSON has neither infinities nor NaN.
             let digits = if value.is_finite() {
@@ -267,15 +267,15 @@ impl Channel {
             } else {
                 "null"
             };
-            write!(content, "{}\"{name}\":{digits}", if place == 0 { '{' } else { ',' })?;
+            write!(content, "{}\"{name}\":{digits}", if index == 0 { '{' } else { ',' })?;
         }
         content.push(b'}');
         Ok(())
     }
 }
 
-fn number_of(place: usize) -> io::Result<u16> {
-    u16::try_from(place)
+fn number_of(index: usize) -> io::Result<u16> {
+    u16::try_from(index)
         .ok()
         .filter(|id| *id < u16::MAX)
         .ok_or_else(|| io::Error::other("too many channels"))

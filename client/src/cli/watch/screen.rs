@@ -8,7 +8,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{Canvas, Points};
 use ratatui::widgets::{Block, Cell, Paragraph, Row, Sparkline, Table};
 
-use crate::cli::status::{Kind, Shown};
+use crate::cli::status::{Kind, ObjectStatus};
 
 use super::view::View;
 
@@ -54,7 +54,7 @@ fn keys(view: &View) -> Line<'_> {
 }
 
 /// What the tables show, a table each.
-fn groups(view: &View) -> Vec<(Kind, Vec<&Shown>)> {
+fn groups(view: &View) -> Vec<(Kind, Vec<&ObjectStatus>)> {
     Kind::ALL
         .into_iter()
         .map(|kind| {
@@ -68,7 +68,7 @@ fn groups(view: &View) -> Vec<(Kind, Vec<&Shown>)> {
 }
 
 /// Rows of a table: with its titles, and one below it.
-fn rows(shown: &[&Shown]) -> u16 {
+fn rows(shown: &[&ObjectStatus]) -> u16 {
     shown.len() as u16 + 2
 }
 
@@ -80,7 +80,7 @@ fn tables(view: &View, frame: &mut Frame<'_>, area: Rect) {
     }
 }
 
-fn objects<'a>(kind: Kind, shown: &[&'a Shown]) -> Table<'a> {
+fn objects<'a>(kind: Kind, shown: &[&'a ObjectStatus]) -> Table<'a> {
     let titles = kind.header();
     let widths = titles.iter().enumerate().map(|(column, title)| {
         let cells = shown.iter().filter_map(|one| one.row.get(column));
@@ -115,7 +115,7 @@ fn objects<'a>(kind: Kind, shown: &[&'a Shown]) -> Table<'a> {
 }
 
 /// The last column tells the state: green in motion, red with a fault.
-fn colour(kind: Kind, title: Option<&str>, one: &Shown) -> Style {
+fn colour(kind: Kind, title: Option<&str>, one: &ObjectStatus) -> Style {
     if title != kind.header().last().copied() {
         return Style::new();
     }
@@ -197,8 +197,8 @@ mod tests {
     use ratatui::backend::TestBackend;
     use serde_json::json;
 
-    fn system(position: [f64; 3], state: &str) -> Shown {
-        Shown {
+    fn system(position: [f64; 3], state: &str) -> ObjectStatus {
+        ObjectStatus {
             kind: Kind::System,
             name: "CS1".to_owned(),
             row: vec![
@@ -212,7 +212,7 @@ mod tests {
         }
     }
 
-    fn axis(name: &str, position: f64) -> Shown {
+    fn axis(name: &str, position: f64) -> ObjectStatus {
         let row = [
             name,
             &format!("{position:.3}"),
@@ -222,7 +222,7 @@ mod tests {
             "yes",
             "at rest",
         ];
-        Shown {
+        ObjectStatus {
             kind: Kind::Axis,
             name: name.to_owned(),
             row: row.map(str::to_owned).to_vec(),

@@ -2,10 +2,10 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use crate::cli::status::{Kind, Shown};
+use crate::cli::status::{Kind, ObjectStatus};
 
-/// Points of a trail that are kept, and speeds.
-const KEPT: usize = 2000;
+/// Points of a trail that are points, and speeds.
+const TRAIL_POINTS: usize = 2000;
 /// Points nearer than this part of the trail's extent to the last one are left out.
 const NEAR: f64 = 1e-4;
 
@@ -13,7 +13,7 @@ const NEAR: f64 = 1e-4;
 #[derive(Debug, Default)]
 pub(super) struct View {
     /// The newest look.
-    pub(super) shown: Vec<Shown>,
+    pub(super) shown: Vec<ObjectStatus>,
     /// Seconds since the first look.
     pub(super) time: f64,
     /// Nothing new is taken.
@@ -33,7 +33,7 @@ impl View {
     }
 
     /// Takes a look, `time` seconds after the first.
-    pub(super) fn take(&mut self, shown: Vec<Shown>, time: f64) {
+    pub(super) fn take(&mut self, shown: Vec<ObjectStatus>, time: f64) {
         let passed = time - self.time;
         for system in shown.iter().filter(|one| one.kind == Kind::System) {
             let before = self.shown.iter().find(|one| one.name == system.name);
@@ -47,7 +47,7 @@ impl View {
                 push(speeds, squares.sum::<f64>().sqrt() / passed);
             }
             let trail = self.trails.entry(system.name.clone()).or_default();
-            let point = |place: usize| system.position.get(place).copied().unwrap_or_default();
+            let point = |index: usize| system.position.get(index).copied().unwrap_or_default();
             let here = (point(0), point(1));
             if trail.back().is_none_or(|last| is_apart(trail, *last, here)) {
                 push(trail, here);
@@ -68,8 +68,8 @@ impl View {
     }
 
     /// The coordinate system whose path is drawn.
-    pub(super) fn system(&self) -> Option<&Shown> {
-        let systems: Vec<&Shown> = self.shown.iter().filter(|one| one.kind == Kind::System).collect();
+    pub(super) fn system(&self) -> Option<&ObjectStatus> {
+        let systems: Vec<&ObjectStatus> = self.shown.iter().filter(|one| one.kind == Kind::System).collect();
         systems.get(self.selected.checked_rem(systems.len())?).copied()
     }
 
@@ -90,11 +90,11 @@ impl View {
     }
 }
 
-fn push<T>(kept: &mut VecDeque<T>, one: T) {
-    if kept.len() == KEPT {
-        kept.pop_front();
+fn push<T>(points: &mut VecDeque<T>, one: T) {
+    if points.len() == TRAIL_POINTS {
+        points.pop_front();
     }
-    kept.push_back(one);
+    points.push_back(one);
 }
 
 fn is_apart(trail: &VecDeque<(f64, f64)>, last: (f64, f64), here: (f64, f64)) -> bool {
