@@ -1,4 +1,4 @@
-//! The numeric attributes of axes and coordinate systems: what GSV and SSV name.
+//! The numeric attributes of axes and coordinate systems, as GSV and SSV name them.
 
 use arcline_instruction_set::{Attribute, DYNAMICS_CONFIGURATION_BITS};
 use arcline_proto::cip::{CipStatus, service};

@@ -1,4 +1,4 @@
-//! The connection as a user sees it. What can be asked is in the modules by subject: tags, reading, writing, motion.
+//! The connection as a user sees it. The requests are in the modules by subject: tags, reading, writing, motion.
 
 use std::net::SocketAddrV4;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -24,7 +24,7 @@ pub const DEFAULT_PORT: u16 = 44818;
 pub struct Options {
     /// For connecting, and for every answer.
     pub timeout: Duration,
-    /// Bytes of the class 3 connection that is asked for, with its sequence count; 64 to 65,535.
+    /// Bytes of the requested class 3 connection, with its sequence count; 64 to 65,535.
     pub connection_size: u16,
 }
 
@@ -44,7 +44,7 @@ impl Default for Options {
 #[derive(Debug)]
 pub struct Client {
     link: Link,
-    /// What is known of the tags; replaced as a whole.
+    /// The known tags; replaced as a whole.
     pub(crate) table: Mutex<Arc<TagTable>>,
 }
 
@@ -53,7 +53,7 @@ impl Client {
     /// a large one if the server has it, else a small one, else unconnected messages.
     ///
     /// # Errors
-    /// [`ClientError::Connect`], or what the session meets.
+    /// [`ClientError::Connect`], or an error of the connection.
     ///
     /// ```no_run
     /// # async fn example() -> Result<(), arcline_client::ClientError> {
@@ -87,7 +87,7 @@ impl Client {
     /// Connects over a stream that is there already: a tunnel, or a pair in memory.
     ///
     /// # Errors
-    /// What the session meets.
+    /// The errors of the connection.
     pub async fn over<S>(stream: S, options: &Options) -> Result<Self, ClientError>
     where
         S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
@@ -99,10 +99,10 @@ impl Client {
         })
     }
 
-    /// Who the server is, and the address at which it says it listens.
+    /// The identity of the server, and the address at which it says it listens.
     ///
     /// # Errors
-    /// What the session meets.
+    /// The errors of the connection.
     pub async fn identify(&self) -> Result<(SocketAddrV4, Identity), ClientError> {
         self.link.identify().await
     }
@@ -110,7 +110,7 @@ impl Client {
     /// Sends a CIP request of any kind.
     ///
     /// # Errors
-    /// What the session meets; a status other than success is no error here.
+    /// The errors of the connection; a status other than success is no error here.
     pub async fn request(&self, request: Request) -> Result<Reply, ClientError> {
         self.link.request(request).await
     }
@@ -120,7 +120,7 @@ impl Client {
         self.link.close().await;
     }
 
-    /// A request whose every status but success (and partial transfer) is an error about `what`.
+    /// Sends a request; every status but success and partial transfer is an error about `what`.
     pub(crate) async fn ask(
         &self,
         what: &str,

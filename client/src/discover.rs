@@ -13,7 +13,7 @@ use arcline_proto::identity::Identity;
 
 use crate::ClientError;
 
-/// Answers that are kept.
+/// Highest number of answers.
 const MAX_ANSWERS: usize = 1024;
 /// Milliseconds over which servers may spread their answers; in the first two bytes of the sender context.
 const SPREAD_MS: u16 = 200;
@@ -25,11 +25,11 @@ pub struct Discovered {
     pub from: SocketAddr,
     /// Where it says it listens.
     pub listens: SocketAddrV4,
-    /// Who it is.
+    /// Its identity.
     pub identity: Identity,
 }
 
-/// Asks `address` (a broadcast address and port 44818, or one server) who is there, and listens for `wait`.
+/// Asks `address` (a broadcast address and port 44818, or one server) for identities, and listens for `wait`.
 /// Answers that cannot be read are left out; each server is listed once.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Why an executed instruction ended that did not come to its end, as class 0x0303 tells it (attribute 8).
+//! The cause that ended an instruction before its end: attribute 8 of class 0x0303.
 
 use std::fmt;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -11,10 +11,10 @@ use bytes::Bytes;
 
 use crate::{Client, ClientError};
 
-/// The end of an instruction that did not come to its end.
+/// The end of an instruction before its end.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Ended {
-    /// What ended it.
+    /// The cause.
     pub ending: Ending,
     /// When, seconds of the machine's time.
     pub time: f64,
@@ -23,11 +23,11 @@ pub struct Ended {
 }
 
 impl Client {
-    /// Why an executed instruction ended that did not come to its end; `None` for every other, and where the server does
-    /// not tell.
+    /// The cause that ended an executed instruction before its end; `None` for every other instruction, and from a server without
+    /// this attribute.
     ///
     /// # Errors
-    /// What the session meets.
+    /// The errors of the connection.
     pub async fn ending(&self, instance: u32) -> Result<Option<Ended>, ClientError> {
         let path = Epath::attribute(execution::CLASS, instance, execution::attribute::ENDING);
         let what = "the end of an instruction";

@@ -1,4 +1,4 @@
-//! What can go wrong with a server, sorted by whose fault it is: the network's, the server's, the machine's, or ours.
+//! Errors, by their origin: the network, the server, the machine, or the caller.
 
 use std::io;
 use std::time::Duration;
@@ -15,10 +15,10 @@ use crate::Ended;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ClientError {
-    /// The name cannot be resolved, or nobody listens there.
+    /// The name cannot be resolved, or no server listens there.
     #[error("no connection to {address}: {source}")]
     Connect {
-        /// As it was asked for.
+        /// The address of the request.
         address: String,
         /// Why.
         source: io::Error,
@@ -32,19 +32,19 @@ pub enum ClientError {
         /// The time allowed.
         after: Duration,
     },
-    /// The encapsulation layer refused, or the server sent what cannot be read.
+    /// The encapsulation layer refused, or the server sent a malformed frame.
     #[error("the session failed: {0}")]
     Session(session::ClientError),
     /// The server sent something that is not the answer to the request.
     #[error("unexpected answer of the server: {what}")]
     Malformed {
-        /// What was wrong with it.
+        /// The defect.
         what: &'static str,
     },
     /// The server claims more than this client is willing to hold.
     #[error("{what} is {claimed}, at most {limit} are accepted")]
     TooLarge {
-        /// What was claimed.
+        /// The quantity.
         what: &'static str,
         /// How much.
         claimed: usize,
@@ -54,7 +54,7 @@ pub enum ClientError {
     /// The request was refused.
     #[error("{what}: {}", crate::refusal::in_words(*status))]
     Refused {
-        /// What was asked for.
+        /// The object of the request.
         what: String,
         /// General and additional status.
         status: CipStatus,
@@ -88,23 +88,23 @@ pub enum ClientError {
         mnemonic: Mnemonic,
         /// The object.
         name: String,
-        /// What it is.
+        /// Its kind.
         is: Object,
     },
-    /// The motion ended without reaching what was waited for: it was stopped, superseded, or a fault ended it.
+    /// The motion ended without the awaited bit: by a stop, another instruction or a fault.
     #[error("the motion ended without {flag}: {}", reason(ended.as_deref()))]
     Ended {
-        /// What was waited for.
+        /// The awaited bit.
         flag: Flag,
         /// The status it ended with.
         control: MotionControl,
-        /// What ended it, where the server tells.
+        /// The cause, where the server has it.
         ended: Option<Box<Ended>>,
     },
-    /// What was waited for did not come before the deadline.
+    /// The awaited bit was not set before the deadline.
     #[error("{flag} did not come within {} s", after.as_secs_f64())]
     Deadline {
-        /// What was waited for.
+        /// The awaited bit.
         flag: Flag,
         /// The time allowed.
         after: Duration,
@@ -120,7 +120,7 @@ pub enum ClientError {
     /// No motion object of that name.
     #[error("there is no {object} {name:?}{}", suggest(.suggestion))]
     UnknownObject {
-        /// What it should be.
+        /// The expected kind.
         object: Object,
         /// The name.
         name: String,
@@ -152,7 +152,7 @@ pub enum ClientError {
         path: String,
         /// Its type.
         expected: String,
-        /// What was given, shortened.
+        /// The value, shortened.
         given: String,
     },
     /// A tag that an expression cannot read.
@@ -182,7 +182,7 @@ pub enum ClientError {
 }
 
 impl ClientError {
-    /// Whether there is no connection to the server, or no longer: nothing else can be asked on it.
+    /// Whether there is no connection to the server any more, so that further requests fail too.
     pub fn is_connection(&self) -> bool {
         matches!(
             self,

@@ -1,4 +1,4 @@
-//! Faults of axes: what an axis shows, and the causes that are injected (attributes of class 0x0301).
+//! Faults of axes: the faults that an axis shows, and injected causes (attributes of class 0x0301).
 
 use arcline_instruction_set::{FAULTS, FaultSet, FaultWord, Object};
 use arcline_proto::arcline::motion::axis;

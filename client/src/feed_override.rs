@@ -18,7 +18,7 @@ impl Client {
         self.override_attribute(system, coordinate_system::FEED_OVERRIDE).await
     }
 
-    /// The last feed override of a coordinate system that was not 0, in percent: what resuming goes back to.
+    /// The last feed override of a coordinate system that was not 0, in percent: the value that resuming restores.
     ///
     /// # Errors
     /// As [`Client::feed_override`].

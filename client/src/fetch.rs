@@ -46,7 +46,7 @@ impl Client {
             wanted.extend(definition.nested());
             fetched.insert(instance, (attributes, definition));
         }
-        // Innermost first; what is left over contains itself.
+        // Innermost first; a remaining template contains itself.
         while !fetched.is_empty() {
             let ready = fetched
                 .iter()

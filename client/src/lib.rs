@@ -1,7 +1,7 @@
 //! Asks an Arcline server, or any Logix-like controller, over EtherNet/IP: tags, motion instructions, discovery.
 //!
 //! Asynchronous, on tokio. Every value that comes from the server is checked before it is believed: a wrong length or
-//! type is an error, and never more is held than [`MAX_BYTES`] of one tag. Not here: what an instruction does. The
+//! type is an error, and the client holds at most [`MAX_BYTES`] of one tag. Not here: the effect of an instruction. The
 //! command line, the binary `arcline` of this package, is [`cli`]; the feature of that name leaves it out.
 //!
 //! # Tags

@@ -1,8 +1,8 @@
 //! One TCP connection to a server: the task that owns the socket, and the handle that asks it.
 //!
-//! What travels is [`ClientSession`]'s business; here are the socket, the clock and those who wait. One request is
-//! outstanding on the connection. Who asks may stop waiting at any moment: the task reads the late answer and drops it.
-//! Nothing here knows what a request means.
+//! [`ClientSession`] makes and reads the frames; here are the socket, the clock and the waiting callers. One request is
+//! outstanding on the connection. A caller may stop waiting at any time: the task reads the late answer and drops it.
+//! Nothing here depends on the meaning of a request.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddrV4;
@@ -23,7 +23,7 @@ use crate::ClientError;
 
 /// A router message outside a connection fits this, bytes.
 const UNCONNECTED_BUDGET: usize = 504;
-/// Size asked of a Forward Open when the large one is refused.
+/// Size of the second Forward Open, when the server refuses the large one.
 const SMALL_CONNECTION: u16 = 500;
 /// Code of the multiplier 512: the watchdog is about 17 minutes.
 const LONGEST_MULTIPLIER: u8 = 7;
@@ -106,7 +106,7 @@ impl Link {
         }
     }
 
-    /// Who answers, and where it says it listens.
+    /// The identity of the server, and the address at which it says it listens.
     pub(crate) async fn identify(&self) -> Result<(SocketAddrV4, Identity), ClientError> {
         match self.ask(What::Identify).await? {
             Outcome::Identity(Some(found)) => Ok(found),
@@ -118,7 +118,7 @@ impl Link {
 
     /// Closes connection and session.
     pub(crate) async fn close(&self) {
-        // Whether the server hears it or has gone already: the connection is closed.
+        // The connection is closed, with or without an answer of the server.
         let _ = self.ask(What::Close).await;
     }
 
@@ -152,7 +152,7 @@ fn open_options(size: u16) -> OpenOptions {
     }
 }
 
-/// The task's side: socket, session, and who waits for what.
+/// The side of the task: socket, session, and the waiting callers.
 struct Wire<S> {
     stream: S,
     session: ClientSession,
@@ -185,7 +185,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
         }
     }
 
-    /// Until every handle is gone or the session is closed, or the connection breaks.
+    /// Runs until every handle is dropped, the session is closed, or the connection breaks.
     async fn serve(mut self, mut jobs: mpsc::Receiver<Job>) {
         loop {
             let over = self.settle();
@@ -199,7 +199,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
             }
             let due = self.start + self.session.poll_timeout().unwrap_or(FAR);
             tokio::select! {
-                // A dropped client closes as a closed one; nobody waits for it.
+                // A dropped client closes the session; no caller waits for that.
                 job = jobs.recv(), if matches!(self.life, Life::Open) => {
                     self.start(job.unwrap_or_else(|| Job { what: What::Close, answer: oneshot::channel().0 }));
                 }
@@ -215,7 +215,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
                 () = tokio::time::sleep_until(due) => self.session.handle_timeout(self.start.elapsed()),
             }
         }
-        // Best effort: the peer may have gone.
+        // Best effort: the peer may have closed the socket.
         let _ = self.stream.shutdown().await;
     }
 
@@ -226,7 +226,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
         Ok(())
     }
 
-    /// Hands out what has come of the calls; true when there is nothing more to come.
+    /// Hands out the results of the calls; true at the end of the session.
     fn settle(&mut self) -> bool {
         let mut over = false;
         while let Some(event) = self.session.poll_event() {
@@ -285,7 +285,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
 /// No deadline: a day.
 const FAR: Duration = Duration::from_secs(86_400);
 
-/// Not for secrets: tells connections apart.
+/// Distinguishes connections; not for secrets.
 fn random_bits() -> u64 {
     use std::hash::{BuildHasher, Hasher};
     std::collections::hash_map::RandomState::new().build_hasher().finish()

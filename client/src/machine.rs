@@ -1,4 +1,4 @@
-//! What a coordinate system is made of: attributes of classes 0x0301 and 0x0302.
+//! The axes of a coordinate system: attributes of classes 0x0301 and 0x0302.
 
 use bytes::Bytes;
 
@@ -22,7 +22,7 @@ impl Client {
     /// The axes of a coordinate system, in its order.
     ///
     /// # Errors
-    /// [`ClientError::UnknownObject`]; [`ClientError::Refused`] when the server does not tell it; otherwise what the
+    /// [`ClientError::UnknownObject`]; [`ClientError::Refused`] when the server does not have the attribute; otherwise an error of the
     /// session meets.
     pub async fn axes_of(&self, system: &str) -> Result<Vec<SystemAxis>, ClientError> {
         let instance = self.instance(Object::CoordinateSystem, system).await?;
@@ -47,7 +47,7 @@ impl Client {
     /// How many axes a coordinate system has, by its instance: they count from 1 in the order of their tags.
     ///
     /// # Errors
-    /// [`ClientError::Refused`] when the server does not tell it; otherwise what the session meets.
+    /// [`ClientError::Refused`] when the server does not have the attribute; otherwise an error of the connection.
     pub async fn axis_count(&self, instance: u32) -> Result<usize, ClientError> {
         let what = "the axes of a coordinate system";
         Ok(self.axis_instances(what, instance).await?.len())

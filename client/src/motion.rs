@@ -21,7 +21,7 @@ const POLL: Duration = Duration::from_millis(5);
 /// An instruction that the server has executed.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Execution {
-    /// Which one.
+    /// The instruction.
     pub mnemonic: Mnemonic,
     /// The motion object it acts on.
     pub target: String,
@@ -114,7 +114,7 @@ impl Client {
     ///
     /// # Errors
     /// [`ClientError::Motion`] with ERR and EXERR, [`ClientError::Operand`] for a word or type that the operand does not
-    /// have, [`ClientError::UnknownObject`]; otherwise what the session meets. After a timeout it is not known whether
+    /// have, [`ClientError::UnknownObject`]; otherwise an error of the connection. After a timeout the caller does not know whether
     /// the instruction has been executed.
     ///
     /// ```no_run
@@ -168,7 +168,7 @@ impl Client {
     /// The status of an executed instruction.
     ///
     /// # Errors
-    /// [`ClientError::Refused`] with 0x16 when the server has dropped it; otherwise what the session meets.
+    /// [`ClientError::Refused`] with 0x16 when the server has dropped it; otherwise an error of the connection.
     pub async fn instruction(&self, instance: u32) -> Result<MotionControl, ClientError> {
         let path = Epath::object(execution::CLASS, instance);
         let what = "the instruction's status";
@@ -209,7 +209,7 @@ impl Client {
         }
     }
 
-    /// What a refusal of an instruction means.
+    /// The error that a refusal of an instruction means.
     async fn refusal(&self, mnemonic: Mnemonic, target: &str, reply: &Reply) -> ClientError {
         let object = mnemonic.instruction().object;
         match (reply.status.general(), reply.status.additional()) {

@@ -40,7 +40,7 @@ impl Client {
     /// The active move of a coordinate system by its instance; `None` when there is none, and on a server that does not show it.
     ///
     /// # Errors
-    /// What the session meets.
+    /// The errors of the connection.
     pub async fn progress(&self, instance: u32) -> Result<Option<Progress>, ClientError> {
         let path = Epath::object(Object::CoordinateSystem.class_code(), instance);
         let what = "the progress of a move";
@@ -57,7 +57,7 @@ impl Client {
     /// The faults of an axis by its instance, by their kind; none on a server that does not show them.
     ///
     /// # Errors
-    /// What the session meets.
+    /// The errors of the connection.
     pub async fn faults_of(&self, instance: u32) -> Result<FaultSet, ClientError> {
         let path = Epath::attribute(Object::Axis.class_code(), instance, axis::FAULTS);
         let what = "the faults of an axis";

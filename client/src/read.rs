@@ -12,7 +12,7 @@ use crate::{Client, ClientError, TagValue};
 
 /// Most bytes of one tag that are read or written at once.
 pub const MAX_BYTES: usize = 16 << 20;
-/// What a request of a Multiple Service Packet costs besides its own bytes, with its reply's head and type.
+/// Bytes that a request adds to a Multiple Service Packet beside its own, with the head and type of its reply.
 const MULTIPLE_OVERHEAD: usize = 10;
 /// Requests in one Multiple Service Packet.
 const MAX_MULTIPLE: usize = 100;
@@ -137,7 +137,7 @@ impl Client {
     /// needs several replies may have changed between them.
     ///
     /// # Errors
-    /// [`ClientError::UnknownTag`], [`ClientError::Path`], [`ClientError::Refused`], or what the session meets.
+    /// [`ClientError::UnknownTag`], [`ClientError::Path`], [`ClientError::Refused`], or an error of the connection.
     ///
     /// ```no_run
     /// # async fn example(client: arcline_client::Client) -> Result<(), arcline_client::ClientError> {
@@ -153,7 +153,7 @@ impl Client {
         part.decode(&bytes)
     }
 
-    /// Reads an array of numbers from an element on: `A[2]` to its end, `A` whole; what is no array is an array of one.
+    /// Reads an array of numbers from an element on: `A[2]` to its end, `A` whole; a tag that is no array is an array of one.
     ///
     /// # Errors
     /// As [`Client::read`]; [`ClientError::Value`] when there are no numbers.
@@ -171,10 +171,10 @@ impl Client {
         })
     }
 
-    /// Reads several tags, as many as possible at the same moment: those that fit one message are read in one.
+    /// Reads several tags, as many as possible at the same instant: one message reads as many as fit into it.
     ///
     /// # Errors
-    /// What the session meets; each tag has an answer of its own.
+    /// The errors of the connection; each tag has an answer of its own.
     ///
     /// ```no_run
     /// # async fn example(client: arcline_client::Client) -> Result<(), arcline_client::ClientError> {

@@ -1,4 +1,4 @@
-//! Refusals of a server in words: what a CIP status means for a person, with the numbers behind it.
+//! Refusals of a server in words: the meaning of a CIP status, with its numbers behind it.
 
 use arcline_proto::cip::CipStatus;
 
@@ -17,7 +17,7 @@ fn words(status: CipStatus) -> &'static str {
     known.map_or_else(|| status.text().unwrap_or("the server refused it"), |(_, words)| *words)
 }
 
-/// General status, and what it means after the name of what was asked for. The text of CIP stands for the others.
+/// General status, and its meaning, which stands behind the name of the requested object. Other statuses have the text of CIP.
 const WORDS: &[(CipStatus, &str)] = &[
     (CipStatus::CONNECTION_FAILURE, "the server refused the connection"),
     (CipStatus::RESOURCE_UNAVAILABLE, "the server has no room for it"),

@@ -15,7 +15,7 @@ use crate::{Client, ClientError};
 
 /// Most tags that are listed.
 const MAX_TAGS: usize = 65_535;
-/// Symbol attributes that are asked for: name, type, dimensions, access.
+/// The requested attributes of a symbol: name, type, dimensions, access.
 const ATTRIBUTES: [u16; 4] = [1, 2, 8, 10];
 /// Bit 12 of a symbol type: not for users.
 const SYSTEM: u16 = 0x1000;
@@ -31,7 +31,7 @@ pub struct Tag {
     pub instance: u32,
     /// Type, with the templates of structures.
     pub tag_type: TagType,
-    /// Who may write it.
+    /// The access of clients.
     pub access: Access,
 }
 
@@ -50,7 +50,7 @@ impl Tag {
     }
 }
 
-/// What clients may do with a tag.
+/// The access of clients to a tag.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Access {
     /// Read and write.
@@ -71,7 +71,7 @@ fn object_of(type_name: &str) -> Option<Object> {
     }
 }
 
-/// What is known so far.
+/// The tags and types that are known so far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TagTable {
     /// By lower-case name.
@@ -124,7 +124,7 @@ impl Client {
     /// are left out. Always asks the server anew.
     ///
     /// # Errors
-    /// What the session meets; [`ClientError::TooLarge`] for more tags or larger types than are accepted.
+    /// The errors of the connection; [`ClientError::TooLarge`] for more tags or larger types than are accepted.
     ///
     /// ```no_run
     /// # async fn example(client: arcline_client::Client) -> Result<(), arcline_client::ClientError> {
@@ -149,7 +149,7 @@ impl Client {
         Ok(table.tags())
     }
 
-    /// The tag of a name, case ignored, from what is known, else asked anew.
+    /// The tag of a name, case ignored, as known, else from a new request.
     ///
     /// # Errors
     /// [`ClientError::UnknownTag`] with the nearest name there is.
@@ -207,7 +207,7 @@ impl Client {
     /// configuration: `DINT[2,3]`. Gives its instance.
     ///
     /// # Errors
-    /// [`ClientError::Refused`]: 0x20 for what is no name or type, 0x0D when there is a tag of that name, 0x02 when there
+    /// [`ClientError::Refused`]: 0x20 for an impossible name or type, 0x0D when there is a tag of that name, 0x02 when there
     /// is no room.
     pub async fn create_tag(&self, name: &str, data_type: &str, access: Access) -> Result<u32, ClientError> {
         let (path, name) = symbol_path(name, 0);
@@ -286,7 +286,7 @@ impl Client {
             if reply.status.is_success() {
                 return Ok(symbols);
             }
-            // Partial: go on behind the last one, which must lie further on.
+            // Partial: the next page begins behind the last symbol, which must be behind the one before.
             start = last
                 .and_then(|last| last.checked_add(1))
                 .filter(|next| *next > start)

@@ -1,6 +1,6 @@
 //! Every tick of any signals: the Trace object, class 0x0304 (docs/TRACE.md).
 //!
-//! Not here: what a trace is written to. Ticks count from the start of the server; values are exact 64-bit numbers.
+//! Not here: the files of traces. Ticks count from the start of the server; values are exact 64-bit numbers.
 
 use std::time::Duration;
 
@@ -29,7 +29,7 @@ pub enum TraceState {
     Armed,
     /// Records.
     Running,
-    /// Has all it was asked for, or has been stopped.
+    /// Complete, or stopped.
     Ended,
 }
 
@@ -47,7 +47,7 @@ pub struct TraceRows {
 }
 
 impl TraceRows {
-    /// What the next request asks from.
+    /// The first tick of the next request.
     pub fn next(&self) -> u64 {
         self.first
             .saturating_add(self.rows.len() as u64 * u64::from(self.every.max(1)))
@@ -89,7 +89,7 @@ impl Client {
         }
     }
 
-    /// Arms a trace. Gives its instance, which is deleted when nobody asks about it for a minute.
+    /// Arms a trace. Returns its instance. The server deletes it after a minute without a request for it.
     ///
     /// # Errors
     /// [`ClientError::UnknownTag`] for a signal, a tag or an instruction that there is not; [`ClientError::Refused`] when
@@ -120,7 +120,7 @@ impl Client {
         Err(ClientError::unknown_tag(name, known))
     }
 
-    /// What can stand for an instruction in a trigger: motion control tags, instruction tags, mnemonics. A motion control tag
+    /// The names that a trigger accepts for an instruction: motion control tags, instruction tags, mnemonics. A motion control tag
     /// that its first execution will make can too, and is not among them.
     ///
     /// # Errors
@@ -135,7 +135,7 @@ impl Client {
     /// The rows of a trace from a tick on, as many as one reply holds; `from` 0 is its beginning.
     ///
     /// # Errors
-    /// What the session meets.
+    /// The errors of the connection.
     pub async fn read_trace(&self, instance: u32, from: u64) -> Result<TraceRows, ClientError> {
         let data = ReadRows { from, most: 0 }.to_bytes();
         let path = Epath::object(CLASS, instance);
@@ -143,10 +143,10 @@ impl Client {
         Rows::decode(&reply.data).map(TraceRows::from).ok_or(CUT)
     }
 
-    /// Ends a trace; what it has recorded can still be read.
+    /// Ends a trace; its recorded rows can still be read.
     ///
     /// # Errors
-    /// What the session meets.
+    /// The errors of the connection.
     pub async fn stop_trace(&self, instance: u32) -> Result<(), ClientError> {
         self.ask("the trace", STOP, Epath::object(CLASS, instance), Bytes::new())
             .await
@@ -156,7 +156,7 @@ impl Client {
     /// Deletes a trace.
     ///
     /// # Errors
-    /// What the session meets.
+    /// The errors of the connection.
     pub async fn delete_trace(&self, instance: u32) -> Result<(), ClientError> {
         let path = Epath::object(CLASS, instance);
         self.ask("the trace", service::DELETE, path, Bytes::new())

@@ -1,4 +1,4 @@
-//! Writing tags: the tag's type decides what is sent; what does not fit is refused here.
+//! Writing tags: the type of the tag decides the bytes on the wire; a value that does not fit is refused here.
 
 use bytes::Bytes;
 
@@ -9,7 +9,7 @@ use arcline_tag::{Elementary, Fraction, TagType};
 use crate::read::TagPart;
 use crate::{Client, ClientError, WriteValue};
 
-/// What a write request needs besides path and data: head, type, count, offset.
+/// Bytes of a write request beside path and data: head, type, count, offset.
 const WRITE_HEAD: usize = 16;
 
 impl Client {

@@ -1,4 +1,4 @@
-//! The arguments of every command, as data; what they mean is up to the commands.
+//! The arguments of every command, as data; the commands interpret them.
 
 mod axis;
 mod common;

@@ -58,7 +58,7 @@ pub(crate) async fn list(client: &Client, command: &FaultList, output: &Output) 
         };
         let reading = client.read(axis).await?;
         let faults = names(shown_faults(&reading));
-        // A virtual axis tells only that there is one.
+        // A virtual axis shows only that it has a fault.
         let faults = if faults.is_empty() {
             words(&reading, AXIS_FAULTS)
                 .split_whitespace()

@@ -121,7 +121,7 @@ async fn pieces(client: &Client, command: &Gcode, made: &StructuredText, output:
     Ok(())
 }
 
-/// Runs it by `arcline-server simulate`, and tells what the events and the trace say of it.
+/// Runs it by `arcline-server simulate`, and reports its duration and its limits from the events and the trace.
 fn simulate(command: &Gcode, program: &Program, made: &StructuredText, output: &Output) -> Result<(), Failure> {
     let folder = tempfile::tempdir().map_err(|source| Failure::at(&std::env::temp_dir(), source))?;
     let text = folder.path().join("program.st");
@@ -162,7 +162,7 @@ fn simulate(command: &Gcode, program: &Program, made: &StructuredText, output: &
     Ok(())
 }
 
-/// What the simulation said, with the file and the line of the G-code instead of those of the program it was given.
+/// The message of the simulation, with the file and line of the G-code in place of those of the generated program.
 fn in_lines_of(said: &str, text: &Path, command: &Gcode, made: &StructuredText) -> String {
     let said = said.replace(&text.display().to_string(), &command.file.display().to_string());
     let lines = said
@@ -190,7 +190,7 @@ fn in_line_of(said: &str, made: &StructuredText) -> String {
         .parse::<usize>()
         .ok()
         .and_then(|line| made.lines.get(line.checked_sub(1)?));
-    // The column is one of the program that was made.
+    // The column belongs to the generated program.
     let behind = match behind.strip_prefix(", column ") {
         Some(rest) => rest.trim_start_matches(|c: char| c.is_ascii_digit()),
         None => behind,

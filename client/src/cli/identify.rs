@@ -1,4 +1,4 @@
-//! `identify`: who the server is, and who else is there.
+//! `identify`: the identity of the server, or of all devices that answer a broadcast.
 
 use std::time::Duration;
 

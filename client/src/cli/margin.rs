@@ -1,4 +1,4 @@
-//! `margin`: what a master must go further than Calculated Data say. No server is asked.
+//! `margin`: the distance of a master beyond the sum of Calculated Data. Without a server.
 
 use serde_json::json;
 
@@ -9,7 +9,7 @@ use super::args::Margin;
 
 /// Prints the safety margin of a sequence.
 pub(crate) fn print(margin: &Margin, output: &Output) {
-    // Rounded to what the last digits of a sum leave.
+    // Without the digits that the rounding of the sum made.
     let margin = (BlendedSequence::from(margin).safety_margin() * 1e12).round() / 1e12;
     output.result(format!("{margin} master units"), || json!({"safety_margin": margin}));
 }

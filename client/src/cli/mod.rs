@@ -60,17 +60,17 @@ pub(crate) enum Failure {
         path: String,
         source: arcline_plot::PlotError,
     },
-    /// `arcline-server simulate` failed; what it said.
+    /// `arcline-server simulate` failed, with its message.
     #[error("{said}")]
     Simulate { said: String, code: u8 },
     #[error("there is no ERR {err}; docs/ERRORS.md lists them")]
     NoSuchError { err: i16 },
     #[error("the terminal: {0}")]
     Terminal(std::io::Error),
-    /// It has been told, by the shell whose line it was.
+    /// The shell has reported it.
     #[error("a line of the shell failed")]
     Reported { code: u8 },
-    /// The arguments of a line of the shell, as clap tells it.
+    /// The message of clap about the arguments of a line of the shell.
     #[error("{0}")]
     Usage(String),
     /// A tag of another type than the command is about.
@@ -80,7 +80,7 @@ pub(crate) enum Failure {
         type_name: String,
         expected: &'static str,
     },
-    /// The same with what to do instead.
+    /// The same with a hint.
     #[error("{source}: {hint}")]
     Hint { source: ClientError, hint: String },
     /// A motion without an end of its own, such as a jog, was not ended by an instruction.
@@ -92,7 +92,7 @@ pub(crate) enum Failure {
     },
     #[error("{axis} cannot have the fault {fault}: it has no drive")]
     NoSuchFault { axis: String, fault: &'static str },
-    /// What has been done about it has been told already.
+    /// Reported already, with the stop.
     #[error("interrupted")]
     Interrupted,
     /// Reported already, one by one.
@@ -133,7 +133,7 @@ impl Failure {
         }
     }
 
-    /// What ended the motion, where the server says so.
+    /// The cause that ended the motion, where the server says so.
     pub(crate) fn ended(&self) -> Option<&Ended> {
         match (self, self.client()) {
             (Self::Ended { ended, .. }, _) => Some(ended),
@@ -169,7 +169,7 @@ fn client_code(error: &ClientError) -> u8 {
     }
 }
 
-/// Parses the arguments, runs the command and says its outcome, in print and as the exit code.
+/// Parses the arguments, runs the command and reports the outcome, in print and as the exit code.
 pub fn main() -> ExitCode {
     let matches = args::command().get_matches();
     let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
@@ -194,7 +194,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// The server of the variable where none was given. As an argument's `env`, the variable would put `--server` into the usage of
+/// The server: the argument, else the variable. As an argument's `env`, the variable would put `--server` into the usage of
 /// every error.
 fn server(matches: &ArgMatches, given: String) -> String {
     match std::env::var("ARCLINE_SERVER") {

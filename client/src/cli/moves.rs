@@ -1,4 +1,4 @@
-//! `move`, `arc`, `move-axis`, `jog`, `change`, `stop`, `servo`, `home`: executed, waited for, told.
+//! `move`, `arc`, `move-axis`, `jog`, `change`, `stop`, `servo`, `home`: executes them, waits for their end and prints it.
 
 use arcline_client::{Client, ClientError, Execution, Flag, Given, Mnemonic, Object, Operands};
 
@@ -39,7 +39,7 @@ pub(crate) async fn arc(client: &Client, command: Arc, output: &Output) -> Resul
     }
 }
 
-/// What a refused move was about: an axis in place of a coordinate system, or another number of axes than it has.
+/// A refused move with its explanation: an axis in place of a coordinate system, or a wrong number of coordinates.
 async fn position_explained(client: &Client, failure: Failure, system: &str, given: usize) -> Failure {
     match failure {
         Failure::Client(source @ ClientError::WrongObject { is: Object::Axis, .. }) => {
@@ -123,7 +123,7 @@ pub(crate) async fn stop(client: &Client, command: Stop, output: &Output) -> Res
         StopType::Transform => 3,
     };
     let operands = Operands::full_speed(Mnemonic::Mcs).with("Stop Type", Given::Integer(kind))?;
-    // All are told to stop before the first is waited for.
+    // All of them begin to stop before the first wait.
     let mut executions = Vec::new();
     for system in &systems {
         executions.push(client.execute(Mnemonic::Mcs, system, "", operands.given()).await);
@@ -154,7 +154,7 @@ pub(crate) async fn stop(client: &Client, command: Stop, output: &Output) -> Res
     each(executions, wait, output).await
 }
 
-/// Stops what single-axis instructions have begun on axes, kind by kind: a coordinate system that stops goes on to brake
+/// Stops the motion of single-axis instructions, kind by kind, so that a stopping coordinate system continues to brake
 /// on its path.
 async fn stop_others(
     client: &Client,
@@ -203,7 +203,7 @@ pub(crate) async fn servo(client: &Client, command: Servo, output: &Output) -> R
 
 /// `home`. Ctrl-C stops all of the axes.
 pub(crate) async fn home(client: &Client, command: Home, output: &Output) -> Result<(), Failure> {
-    // All of them begin before the first is waited for.
+    // All of them begin before the first wait.
     let mut executions = Vec::new();
     for axis in &command.axes {
         executions.push(client.execute(Mnemonic::Mah, axis, "", &[]).await);
@@ -234,7 +234,7 @@ async fn drives(client: &Client) -> Result<Vec<String>, ClientError> {
     Ok(axes.map(|axis| axis.name).collect())
 }
 
-/// Goes through all of them, tells what failed, and fails in the end when one did.
+/// Finishes all executions, reports each failure, and fails at the end if there was one.
 async fn each(
     executions: Vec<Result<Execution, ClientError>>,
     then: impl AsyncFn(&Execution) -> Result<(), Failure>,
@@ -289,7 +289,7 @@ async fn execute(
     Ok(())
 }
 
-/// How far an axis goes from where it stands, for the progress only; `None` when it cannot be told.
+/// The distance of an axis from its present position to the target, for the progress only; `None` when it is not known.
 async fn axis_length(client: &Client, command: &MoveAxis) -> Option<f64> {
     if command.shortest || command.positive || command.negative {
         return None;
@@ -304,7 +304,7 @@ async fn axis_length(client: &Client, command: &MoveAxis) -> Option<f64> {
     Some((command.position - start.first()?).abs())
 }
 
-/// Length of an arc from where the system stands, for the progress only; `None` when it cannot be told, as for a move
+/// Length of an arc from the present position, for the progress only; `None` when it is not known, as for a move
 /// that the server will refuse.
 async fn arc_length(client: &Client, command: &Arc) -> Option<f64> {
     let start = client
@@ -314,7 +314,7 @@ async fn arc_length(client: &Client, command: &Arc) -> Option<f64> {
     Sweep::new(&start, command)?.length()
 }
 
-/// Distance from where the system stands; `None` when that is not known.
+/// Distance from the present position; `None` when that is not known.
 async fn line_length(client: &Client, system: &str, end: &[f64], relative: bool) -> Option<f64> {
     let mut sum = 0.0;
     let start = if relative {

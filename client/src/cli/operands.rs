@@ -1,4 +1,4 @@
-//! Options become operands, by their faceplate names. What is not given keeps its value of a full-speed S-curve.
+//! Options become operands, by their faceplate names. The other operands have the values of a full-speed S-curve.
 
 use arcline_client::{ClientError, Given, Mnemonic, Operands};
 

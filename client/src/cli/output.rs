@@ -1,4 +1,4 @@
-//! What is printed: results on standard output, as text or as one JSON object each; errors of text mode on standard error.
+//! Output: results on standard output, as text or as one JSON object each; errors of text mode on standard error.
 
 use std::io::{IsTerminal, Write};
 use std::time::UNIX_EPOCH;
@@ -27,7 +27,7 @@ impl Output {
         self.json
     }
 
-    /// Whether somebody watches: progress is shown then.
+    /// Whether the output is a terminal, which shows progress.
     pub(crate) fn is_watched(&self) -> bool {
         !self.json && std::io::stderr().is_terminal() && std::io::stdout().is_terminal()
     }
@@ -82,7 +82,7 @@ impl Output {
             return;
         }
         if !self.json {
-            // Best effort: there is nowhere else to tell it.
+            // Best effort: there is no other output for a failure.
             let _ = writeln!(std::io::stderr(), "{failure}");
             if self.is_watched()
                 && let Some((error, (err, exerr))) = failure.client().and_then(|error| Some((error, error.motion()?)))
@@ -114,7 +114,7 @@ impl Output {
     }
 }
 
-/// What ended an instruction.
+/// The cause that ended an instruction, as JSON.
 fn ending(ended: &Ended) -> Json {
     let at = ended.at.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64();
     let mut object = match &ended.ending {

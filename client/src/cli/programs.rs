@@ -26,7 +26,7 @@ pub(crate) async fn exec(client: &Client, command: &Exec, output: &Output) -> Re
     Ok(())
 }
 
-/// One call is one line: its number tells nothing.
+/// The error of one call, without the number of its only line.
 fn without_line(error: arcline_client::ProgramError) -> Failure {
     match error {
         arcline_client::ProgramError::Client { source, .. } => Failure::Client(source),
@@ -64,7 +64,7 @@ fn is_fault(ended: &Ended) -> bool {
     matches!(ended.ending, Ending::Fault { .. })
 }
 
-/// What ends a run.
+/// Conditions that end a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct How {
     /// Errors do not.
@@ -73,7 +73,7 @@ pub(crate) struct How {
     pub(crate) no_wait: bool,
 }
 
-/// Runs a program that is called `name`, tells what it does, and stops what it began on Ctrl-C.
+/// Runs the program `name`, reports its instructions, and stops its motion on Ctrl-C.
 pub(crate) async fn to_its_end(
     client: &Client,
     mut runner: Runner<'_>,
@@ -96,7 +96,7 @@ pub(crate) async fn to_its_end(
                 output.note(&format!("line {line}: {} {}", execution.mnemonic, execution.target));
             }
         }
-        // A fault ends the program too, and is told once, by its end.
+        // A fault also ends the program, whose end reports it.
         Event::Ended { line, execution, ended } if how.keep_going || !is_fault(ended) => {
             let (mnemonic, target) = (execution.mnemonic, &execution.target);
             output.note(&format!("line {line}: {mnemonic} {target} was {ended}"));
@@ -109,7 +109,7 @@ pub(crate) async fn to_its_end(
             error,
         } => {
             erred += 1;
-            // What ends the program is told once, by its end.
+            // The end of the program reports the error that ended it.
             if how.keep_going {
                 let (err, exerr) = error.motion().unwrap_or_default();
                 output.note(&format!("line {line}: {mnemonic} {target}: {error}"));

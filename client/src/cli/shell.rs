@@ -1,7 +1,7 @@
 //! `shell`: the commands of the program, one a line, over one connection, with history and completion; a line that is
 //! Structured Text is executed or run.
 //!
-//! What can be completed is `complete`'s, how the terminal asks for it `line`'s.
+//! `complete` finds completions, `line` reads the terminal.
 
 mod complete;
 mod line;
@@ -67,7 +67,7 @@ pub(crate) async fn shell(server: &str, command: &Shell, output: &Output) -> Res
                 }
             }
         }
-        // What the line has made can be completed.
+        // Tags that the line created can be completed.
         if is_interactive && let Ok(tags) = client.browse().await {
             lines.set_tags(tags);
         }
@@ -76,7 +76,7 @@ pub(crate) async fn shell(server: &str, command: &Shell, output: &Output) -> Res
     Ok(())
 }
 
-/// The next line; meanwhile the server is asked now and then, so that it does not take the silence for a lost client.
+/// The next line. Meanwhile a request now and then shows the server that this client is alive.
 async fn next(client: &Client, lines: Lines) -> Result<(Read, Lines), Failure> {
     let mut reading = tokio::task::spawn_blocking(move || lines.next());
     loop {
@@ -85,7 +85,7 @@ async fn next(client: &Client, lines: Lines) -> Result<(Read, Lines), Failure> {
                 let (read, lines) = read.map_err(|error| Failure::Terminal(std::io::Error::other(error)))?;
                 return Ok((read.map_err(Failure::Terminal)?, lines));
             }
-            // When the server has gone the next command tells it.
+            // The next command reports a lost server.
             () = tokio::time::sleep(SILENCE) => drop(client.identify().await),
             () = wait::interrupted() => return Err(Failure::Interrupted),
         }
@@ -117,7 +117,7 @@ async fn run(client: &Client, server: &str, text: &str, output: &Output) -> Resu
     let parsed = matches.and_then(|matches| Arguments::from_arg_matches(&matches));
     let arguments = match parsed {
         Ok(arguments) => arguments,
-        // Help that was asked for is no failure.
+        // Requested help is no failure.
         Err(told) if !told.use_stderr() => {
             let _ = told.print();
             return Ok(());
@@ -131,7 +131,7 @@ async fn run(client: &Client, server: &str, text: &str, output: &Output) -> Resu
     }
 }
 
-/// What a line is.
+/// The kind of a line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Kind {
     Command,
@@ -155,7 +155,7 @@ fn kind(text: &str) -> Kind {
     }
 }
 
-/// Where lines are kept; `None`: nowhere.
+/// The file of the history; `None`: no file.
 fn history(given: Option<&str>) -> Option<PathBuf> {
     match given {
         Some(off) if off.eq_ignore_ascii_case("off") => None,

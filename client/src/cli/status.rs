@@ -1,4 +1,4 @@
-//! `status`: the machine at a glance. What `watch` shows again and again comes from here too.
+//! `status`: the machine at a glance, for `watch` too.
 
 use std::collections::BTreeMap;
 
@@ -12,12 +12,12 @@ use super::{Failure, Output};
 
 /// Tag of the real-time thread.
 const REAL_TIME: &str = "RealTime";
-/// Axes of a coordinate system on a server that does not tell how many there are.
+/// Axes of a coordinate system on a server without that attribute.
 const PRIMARY_AXES: usize = 3;
 /// Tag of the feed overrides.
 const FEED_OVERRIDE: &str = "FeedOverride";
 
-/// What is shown of an object: a row of its table, and a JSON object.
+/// The status of an object: a row of its table, and a JSON object.
 #[derive(Clone, Debug)]
 pub(super) struct ObjectStatus {
     pub(super) kind: Kind,
@@ -28,7 +28,7 @@ pub(super) struct ObjectStatus {
     pub(super) position: Vec<f64>,
 }
 
-/// What an object is.
+/// The kind of an object.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Kind {
     Axis,
@@ -245,7 +245,7 @@ pub(super) const AXIS_FAULTS: &[(&str, &str)] = &[
 
 const AXIS_STATUS: &[(&str, &str)] = &[("ShutdownStatus", "shutdown"), ("InhibitStatus", "inhibited")];
 
-/// Bits of MotionStatus that say what moves the axis, and their words.
+/// Bits of MotionStatus for the cause of motion, and their words.
 const AXIS_MOTION: &[(&str, &str)] = &[
     ("CoordinatedMotionStatus", "coordinated"),
     ("ControlledByTransformStatus", "transformed"),
@@ -262,7 +262,7 @@ const AXIS_MOTION: &[(&str, &str)] = &[
     ("MaximumSpeedExceeded", "too-fast"),
 ];
 
-/// Bits of MotionStatus that say how something moves, is locked or waits, or what is known of the axis: no reason to move.
+/// Bits of MotionStatus that are no cause of motion: phases, locks, waits, the state of the axis.
 #[cfg(test)]
 const NO_MOTION: &[&str] = &[
     "AccelStatus",
@@ -451,7 +451,7 @@ fn real_time(tag: &Tag, reading: &TagValue) -> ObjectStatus {
     }
 }
 
-/// Three decimals; what they show as 0 has no sign.
+/// Three decimals; a 0 has no sign.
 fn fixed(number: f64) -> String {
     let text = format!("{number:.3}");
     if text == "-0.000" { "0.000".to_owned() } else { text }

@@ -1,6 +1,6 @@
 //! How long an arc will be: radius times angle, for the progress of `arc`.
 //!
-//! An estimate from where the system stands when it is asked. What an arc is, and which ones are refused, the server
+//! An estimate from the present position. The definition of an arc, and the refusal of impossible ones, are the server's
 //! decides.
 
 use std::f64::consts::TAU;
@@ -14,7 +14,7 @@ type Vector = [f64; 3];
 pub(crate) struct Sweep {
     end: Vector,
     circle: Round,
-    /// In the plane: counterclockwise. In space: the longer way.
+    /// In the plane: counterclockwise. In space: the longer arc.
     other_way: bool,
     full: bool,
     planar: bool,
@@ -60,7 +60,7 @@ impl Sweep {
         })
     }
 
-    /// Position units; `None` for what is no circle.
+    /// Position units; `None` for an impossible circle.
     pub(crate) fn length(&self) -> Option<f64> {
         let (radius, angle) = match &self.circle {
             Round::Radius(radius) => {
@@ -72,7 +72,7 @@ impl Sweep {
                 let center = circumcenter(*via, self.end);
                 let normal = cross(*via, self.end);
                 let around = |point| turned(scale(center, -1.0), sub(point, center), normal);
-                // The way through the via point is the one that meets it before the end.
+                // The direction of the arc is the one that meets the via point before the end.
                 let (to_via, to_end) = (around(*via), around(self.end));
                 (norm(center), if to_via <= to_end { to_end } else { TAU - to_end })
             }

@@ -57,7 +57,7 @@ fn or_a_fault(error: Failure, tag: &str) -> Failure {
     }
 }
 
-/// What a control tag shows: ERR, EXERR, and the instruction, which the type of an instruction tag tells.
+/// What a control tag shows: ERR, EXERR, and the instruction, which is the type of an instruction tag.
 async fn of_tag(client: &Client, tag: &str, given: Option<Mnemonic>) -> Result<(i16, i8, Option<Mnemonic>), Failure> {
     let reading = client.read(tag).await?;
     let control = reading.member("MotionControl").unwrap_or(&reading);
@@ -85,7 +85,7 @@ async fn of_tag(client: &Client, tag: &str, given: Option<Mnemonic>) -> Result<(
     Ok((err as i16, exerr as i8, given.or(of_type)))
 }
 
-/// Without EXERR nothing is said of what it points at.
+/// Without EXERR the text does not name an operand or axis.
 fn codes(err: i16, exerr: Option<i8>, mnemonic: Option<Mnemonic>, output: &Output) -> Result<(), Failure> {
     let mut told = explain_error(err, exerr.unwrap_or_default(), mnemonic).ok_or(Failure::NoSuchError { err })?;
     let row = ERRORS.iter().find(|row| row.err == err);

@@ -1,4 +1,4 @@
-//! `trace`: every tick of some signals into a file, as they come. What the server records is `arcline_client`'s trace.
+//! `trace`: every tick of some signals into a file, as they come, by the trace of `arcline_client`.
 
 mod csv;
 mod mcap;
@@ -106,7 +106,7 @@ async fn tell_unmade(client: &Client, trigger: &Trigger, output: &Output) -> Res
     Ok(())
 }
 
-/// What has been written.
+/// The rows and missing ticks of the file.
 #[derive(Clone, Copy, Debug, Default)]
 struct Taken {
     rows: u64,
@@ -132,7 +132,7 @@ async fn follow(
             if read.state == TraceState::Ended {
                 return Ok(taken);
             }
-            // Told from the second look on: by then Ctrl-C is listened for.
+            // From the second read on: then the program handles Ctrl-C.
             if read.state == TraceState::Armed && waited && !told {
                 told = true;
                 output.note("waiting for the trigger");
@@ -140,7 +140,7 @@ async fn follow(
             waited = true;
             tokio::select! {
                 () = tokio::time::sleep(POLL) => {}
-                // What has been recorded by then is still taken.
+                // Rows that the server recorded until then still go into the file.
                 () = &mut interrupted => {
                     client.stop_trace(instance).await?;
                     interrupted.set(wait::interrupted());

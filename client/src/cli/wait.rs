@@ -1,4 +1,4 @@
-//! Waiting for motion: progress on a terminal, and Ctrl-C, which stops what was begun.
+//! Waiting for motion: progress on a terminal, and Ctrl-C, which stops the motion.
 
 use std::time::{Duration, Instant};
 
@@ -27,9 +27,9 @@ const MOVE: i64 = 2;
 /// The end of an instruction.
 #[derive(Clone, Debug)]
 pub(crate) struct Completed {
-    /// What its motion control tag showed.
+    /// The status of its motion control tag.
     pub(crate) control: MotionControl,
-    /// What ended it, of an instruction that comes to no end by itself.
+    /// The cause of the end, of an instruction without an end of its own.
     pub(crate) ended: Option<Box<Ended>>,
 }
 
@@ -66,7 +66,7 @@ pub(crate) async fn complete(
     }
 }
 
-/// What Ctrl-C stops: an instruction, its Stop Type and its target.
+/// The stop that Ctrl-C executes: an instruction, its Stop Type and its target.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct StopCommand {
     mnemonic: Mnemonic,
@@ -86,7 +86,7 @@ impl StopCommand {
         Some(StopCommand { kind, ..stopping })
     }
 
-    /// The stop of what instructions on an object can have begun.
+    /// The stop of all motion that instructions on an object can have begun.
     pub(crate) fn all(object: Object, target: String) -> Option<Self> {
         let (mnemonic, kind) = match object {
             Object::CoordinateSystem => (Mnemonic::Mcs, COORDINATED_MOVE),
@@ -111,7 +111,7 @@ pub(crate) async fn interrupted() {
     }
 }
 
-/// Stops what was begun and says so.
+/// Stops the motion and reports it.
 pub(crate) async fn interrupt(
     client: &Client,
     stops: impl IntoIterator<Item = StopCommand>,
@@ -152,7 +152,7 @@ async fn watched(
     }
 }
 
-/// Shows the progress until it is dropped; comes back only when the server cannot be asked.
+/// Shows the progress until it is dropped; returns only when the server does not answer.
 async fn show(client: &Client, execution: &Execution, length: Option<f64>) -> ClientError {
     let bar = match length {
         Some(_) => ProgressBar::new(1000).with_style(style("{prefix} [{bar:30}] {msg}")),

@@ -1,7 +1,7 @@
 //! `watch`: the state of the machine again and again. On a terminal a full screen with the path of a coordinate system;
 //! otherwise, or with `--json`, a line for each object whenever something of it has changed.
 //!
-//! What is read and in which words it is told is `status`'s; what the screen looks like is `screen`'s.
+//! `status` reads the objects and has their words; `screen` draws the screen.
 
 mod screen;
 mod view;
@@ -112,7 +112,7 @@ async fn full_screen(
     }
 }
 
-/// What a key asks for beyond the view itself.
+/// The effect of a key beyond the view itself.
 enum Asked {
     Nothing,
     End,
@@ -140,7 +140,7 @@ fn key(view: &mut View) -> Result<Asked, Failure> {
     Ok(Asked::Nothing)
 }
 
-/// Stops every coordinate system, then every axis, of those that are watched. Tells what came of it.
+/// Stops every watched coordinate system, then every watched axis. Returns a report.
 async fn stop(client: &Client, query: &StatusQuery) -> Result<String, Failure> {
     let mut failed = Vec::new();
     let mut stopped = Vec::new();

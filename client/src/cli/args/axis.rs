@@ -1,4 +1,4 @@
-//! `move-axis` and `jog`: what single axes are told.
+//! Arguments of `move-axis` and `jog`.
 
 use clap::Args;
 

@@ -1,4 +1,4 @@
-//! What several commands take, once each.
+//! Arguments that several commands share.
 
 use clap::Args;
 

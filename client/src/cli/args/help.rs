@@ -1,4 +1,4 @@
-//! The command with what the instruction catalogue adds to its help.
+//! The parts of the help that come from the instruction catalogue.
 
 use clap::CommandFactory;
 

@@ -1,4 +1,4 @@
-//! What coordinate systems and axes are told: `move`, `arc`, `change`, `override`, `hold`, `resume`, `stop`, `servo`, `home`.
+//! Arguments of `move`, `arc`, `change`, `override`, `hold`, `resume`, `stop`, `servo`, `home`.
 
 use clap::{Args, ValueEnum};
 

@@ -1,4 +1,4 @@
-//! `explain`, `completions` and `man`: what needs no machine.
+//! Arguments of `explain`, `completions` and `man`, which need no machine.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -21,7 +21,7 @@ pub(crate) struct Explain {
 /// The subject of an explanation.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Subject {
-    /// ERR, and EXERR if it was given.
+    /// ERR, and EXERR if it is there.
     Codes(i16, Option<i8>),
     /// A fault of an axis.
     Fault(FaultKind),

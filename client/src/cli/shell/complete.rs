@@ -1,7 +1,7 @@
 //! Completions within a line of the shell: commands, options and their values from the definition of the
 //! arguments; operands and words of an instruction from the catalogue; names from the server.
 //!
-//! Pure: a line and what is known go in, candidates come out. No terminal here.
+//! A pure function from a line and the known names to candidates. No terminal here.
 
 use clap::{Arg, Command};
 
@@ -16,19 +16,19 @@ const HINTED: usize = 4;
 /// Deepest member that is offered.
 const DEEPEST: usize = 6;
 
-/// What the server has, and what the arguments are.
+/// The names on the server, and the arguments of the commands.
 #[derive(Debug)]
 pub(super) struct Known {
     pub(super) command: Command,
     pub(super) tags: Vec<Tag>,
 }
 
-/// Where the candidates begin, bytes, and what they are.
+/// The byte at which the candidates begin, and the candidates.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Found {
     pub(super) start: usize,
     pub(super) candidates: Vec<String>,
-    /// A file name is asked for, which the caller knows better.
+    /// A file name; the caller completes it.
     pub(super) is_file: bool,
 }
 
@@ -185,7 +185,7 @@ impl Known {
         tags.map(|tag| tag.name.clone()).collect()
     }
 
-    /// Tags, or the members of the one that is written already.
+    /// Tags, or the members of a complete tag name.
     fn paths(&self, text: &str) -> Vec<String> {
         let Some((front, _)) = text.rsplit_once('.') else {
             return self.tags.iter().map(|tag| tag.name.clone()).collect();
@@ -229,7 +229,7 @@ struct Call<'l> {
     mnemonic: Mnemonic,
     /// Of the operand at the end.
     index: usize,
-    /// What is there of it, blanks in front included.
+    /// The text of it so far, with the blanks in front.
     text: &'l str,
     /// Where it ends in the line.
     end: usize,

@@ -15,7 +15,7 @@ use arcline_client::Tag;
 
 use super::complete::Known;
 
-/// Lines that are kept in the history.
+/// Lines of the history.
 const HISTORY_LINES: usize = 2000;
 const PROMPT: &str = "arcline> ";
 
@@ -25,7 +25,7 @@ pub(super) enum Read {
     Line(String),
     /// Ctrl-C on a line: it is dropped.
     Again,
-    /// Ctrl-D, or the end of what is piped in.
+    /// Ctrl-D, or the end of the input.
     End,
 }
 
@@ -92,7 +92,7 @@ impl Lines {
         (read, self)
     }
 
-    /// What the server has now.
+    /// The names on the server.
     pub(super) fn set_tags(&mut self, tags: Vec<Tag>) {
         if let Self::Terminal { editor, .. } = self
             && let Some(ask) = editor.helper_mut()

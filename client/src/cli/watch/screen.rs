@@ -53,7 +53,7 @@ fn keys(view: &View) -> Line<'_> {
     ])
 }
 
-/// What the tables show, a table each.
+/// The objects by kind, a table for each.
 fn groups(view: &View) -> Vec<(Kind, Vec<&ObjectStatus>)> {
     Kind::ALL
         .into_iter()
@@ -114,7 +114,7 @@ fn objects<'a>(kind: Kind, shown: &[&'a ObjectStatus]) -> Table<'a> {
         .column_spacing(2)
 }
 
-/// The last column tells the state: green in motion, red with a fault.
+/// The last column is the state: green in motion, red with a fault.
 fn colour(kind: Kind, title: Option<&str>, one: &ObjectStatus) -> Style {
     if title != kind.header().last().copied() {
         return Style::new();

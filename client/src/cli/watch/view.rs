@@ -1,4 +1,4 @@
-//! What `watch` remembers between two looks: trails, speeds, and what the keys have chosen.
+//! The state of `watch` between two updates: trails, speeds, and the choices of the keys.
 
 use std::collections::{BTreeMap, VecDeque};
 
