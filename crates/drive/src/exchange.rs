@@ -15,7 +15,7 @@ pub const REGISTRATION_LATCHES: [usize; 2] = [1, 2];
 /// The drives of a machine, in the order of its axes. An axis without a drive has a place that means nothing.
 pub trait Drives: fmt::Debug + Send {
     /// Gives the set-points of the present tick to all drives, and takes their feedback. Called once in a tick, from the tick: it
-    /// must not block or allocate.
+    /// must not block or allocate. `feedback` holds what the last exchange has left there.
     ///
     /// The feedback may be of the present tick, as that of the simulated machine, or some ticks old, as that of a fieldbus.
     ///

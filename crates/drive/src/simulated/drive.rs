@@ -11,7 +11,7 @@ use super::{Servo, Settings};
 use crate::Saturation;
 
 /// A drive with its axis. Copied to look ahead.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Drive {
     /// Follows the command without error.
     Ideal(KinematicState),

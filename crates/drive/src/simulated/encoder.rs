@@ -1,7 +1,7 @@
 //! An encoder: positions in whole counts. Not here: roll-over; positions are unbounded, in position units.
 
 /// An encoder with this many counts per unit, or one without steps.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Encoder {
     pub(crate) resolution: Option<f64>,
 }

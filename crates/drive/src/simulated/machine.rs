@@ -36,6 +36,8 @@ pub struct SimulatedAxis {
     set_point: SetPoint,
     /// The latch that closed last.
     closed: Option<u32>,
+    /// The last update changed nothing: the next one with the same set-point changes nothing either.
+    rests: bool,
     /// The marker behind a trigger that has come: the number of the latch, the position, the direction.
     marker: Option<(u32, f64, f64)>,
 }
@@ -50,12 +52,17 @@ impl SimulatedAxis {
             sensor,
             set_point: SetPoint::default(),
             closed: None,
+            rests: false,
             marker: None,
         }
     }
 
-    /// One update.
-    fn follow(&mut self, set_point: &SetPoint, period: f64) -> Feedback {
+    /// One update. Where nothing changes, the feedback of the last exchange stands.
+    fn follow(&mut self, set_point: &SetPoint, period: f64, feedback: &mut Feedback) {
+        let stands = *set_point == self.set_point;
+        if stands && self.rests {
+            return;
+        }
         if set_point.enable && !self.set_point.enable {
             self.drive.halt();
         }
@@ -67,10 +74,11 @@ impl SimulatedAxis {
         } else {
             self.drive.coast(period);
         }
+        self.rests = stands && set_point.latches[HOME_LATCH].is_none() && self.drive == self.before;
         let mut latches = [None; LATCHES];
         latches[HOME_LATCH] = set_point.latches[HOME_LATCH].and_then(|armed| self.latch(&armed, period));
         let motion = self.drive.actual();
-        Feedback {
+        *feedback = Feedback {
             state: if set_point.enable {
                 DriveState::Enabled
             } else {
@@ -89,7 +97,7 @@ impl SimulatedAxis {
             },
             latches,
             ..Feedback::default()
-        }
+        };
     }
 
     /// Looks whether a latch has closed in the update. A mechanical stop holds the axis from then on.
@@ -184,7 +192,7 @@ impl Drives for SimulatedDrives {
         let values = set_points.iter().zip(feedback);
         for (axis, (set_point, feedback)) in self.axes.iter_mut().zip(values) {
             if let Some(axis) = axis {
-                *feedback = axis.follow(set_point, self.period);
+                axis.follow(set_point, self.period, feedback);
             }
         }
         Ok(())

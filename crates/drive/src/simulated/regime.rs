@@ -11,7 +11,7 @@ use super::curve::Curve;
 use super::servo::Velocity;
 
 /// A position loop.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Loop {
     /// 1/s.
     pub(crate) gain: f64,
@@ -20,7 +20,7 @@ pub(crate) struct Loop {
 }
 
 /// The limits of a drive, more than 0; infinite where there is none.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Limits {
     /// Units/s.
     pub(crate) speed: f64,

@@ -20,7 +20,7 @@ use super::settings::Settings;
 use crate::Saturation;
 
 /// A simulated servo drive and its mechanics.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {
     control: Loop,
     limits: Option<Limits>,

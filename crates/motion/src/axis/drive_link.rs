@@ -11,6 +11,7 @@ use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
 use super::faults::Observed;
+use super::probes::Registration;
 use super::{Axis, AxisState};
 
 /// Exchanges in a row that an axis does without; one more is a fault.
@@ -21,6 +22,8 @@ const TOLERATED_LOSSES: u32 = 2;
 pub(crate) struct DriveLink {
     /// What came in at the last exchange.
     pub(crate) feedback: Feedback,
+    /// One of its latches has closed.
+    has_latches: bool,
     /// How far the axis was behind its set-point at the last exchange.
     lag: KinematicState,
     /// The axis was at its set-point, to the last bit.
@@ -44,6 +47,34 @@ impl DriveLink {
             trigger,
             then_marker,
         }
+    }
+
+    /// Takes what came in. Latches are copied only where one has closed, or had before.
+    fn take(&mut self, feedback: &Feedback) {
+        self.lost = 0;
+        let Feedback {
+            state,
+            following,
+            motion,
+            error,
+            saturation,
+            faults,
+            inputs,
+            latches,
+        } = feedback;
+        let own = &mut self.feedback;
+        (own.state, own.following, own.motion) = (*state, *following, *motion);
+        (own.error, own.saturation, own.faults, own.inputs) = (*error, *saturation, *faults, *inputs);
+        let closed = latches.iter().any(Option::is_some);
+        if closed || self.has_latches {
+            own.latches = *latches;
+            self.has_latches = closed;
+        }
+    }
+
+    fn forget_latches(&mut self) {
+        self.feedback.latches = [None; LATCHES];
+        self.has_latches = false;
     }
 }
 
@@ -71,37 +102,49 @@ impl Axis {
     pub(crate) fn take_feedback(&mut self, feedback: Option<&Feedback>, sent: &SetPoint, clock: &Clock) {
         if let Some(now) = self.fed(clock) {
             self.sum.place(now.position);
-            (self.command, self.actual) = (now, now);
+            self.command = now;
+            self.set_actual(now);
         } else if self.is_virtual {
             if self.has_torque() {
-                self.actual = self.command;
+                self.set_actual(self.command);
             } else {
-                self.stand_at(self.actual.position);
+                self.rest_at_actual();
             }
         } else {
             match feedback.filter(|feedback| feedback.state != DriveState::Lost) {
                 Some(feedback) => {
-                    self.link.lost = 0;
-                    self.link.feedback = *feedback;
+                    self.link.take(feedback);
                     self.link.at_set_point = feedback.motion.position == sent.position;
-                    self.actual = feedback.motion;
-                    self.place_actual();
+                    self.set_actual(KinematicState {
+                        position: self.placed(feedback.motion.position),
+                        ..feedback.motion
+                    });
                 }
                 None => {
-                    self.actual = self.expected(clock);
+                    self.set_actual(self.expected(clock));
                     self.link.lost = self.link.lost.saturating_add(1);
-                    self.link.feedback.latches = [None; LATCHES];
+                    self.link.forget_latches();
                 }
             }
             self.take_drive_state();
             // The first set-point that a drive follows is where the axis is.
             if !self.has_torque() || self.state == AxisState::Starting {
-                self.stand_at(self.actual.position);
+                self.rest_at_actual();
             }
         }
         self.link.stood = 0.0;
-        self.link.lag = self.command - self.actual;
         self.average.take(self.actual.position - self.redefined);
+    }
+
+    fn set_actual(&mut self, actual: KinematicState) {
+        self.link.lag = self.command - actual;
+        self.actual = actual;
+    }
+
+    /// The command is where the axis is.
+    fn rest_at_actual(&mut self) {
+        self.stand_at(self.actual.position);
+        self.link.lag = self.command - self.actual;
     }
 
     /// The drive answers what it was asked for.
@@ -117,11 +160,16 @@ impl Axis {
 
     /// The actual position, with what positions were redefined by.
     pub(super) fn place_actual(&mut self) {
-        self.actual.position = if self.link.at_set_point && self.has_torque() {
+        self.actual.position = self.placed(self.link.feedback.motion.position);
+    }
+
+    /// A machine position of the last feedback as a position of the axis: exactly its command where it is at its set-point.
+    fn placed(&self, position: f64) -> f64 {
+        if self.link.at_set_point && self.has_torque() {
             self.command.position
         } else {
-            self.link.feedback.motion.position + self.redefined
-        };
+            position + self.redefined
+        }
     }
 
     /// Where the axis is at the present tick, before its feedback comes: as far behind the command as at the last exchange;
@@ -161,6 +209,16 @@ impl Axis {
     /// Following error as the drive tells it; 0 without a drive.
     pub(crate) fn position_error(&self) -> f64 {
         self.link.feedback.error
+    }
+
+    /// Whether anything waits for what the feedback says: motion, homing, a watch position, a registration, output cams, a turn.
+    pub(crate) fn uses_feedback(&self) -> bool {
+        self.in_motion()
+            || self.is_homing()
+            || self.unwind.is_some()
+            || self.watch.is_armed()
+            || self.registrations.iter().any(Registration::is_armed)
+            || !self.outputs.is_empty()
     }
 
     /// What faults look at.

@@ -135,6 +135,11 @@ impl Axis {
         has_event && self.homing().is_some_and(|homing| homing.event.is_none())
     }
 
+    /// Whether a MAH is under way, or its home point has just been reached.
+    pub(crate) fn is_homing(&self) -> bool {
+        self.homing.is_some() || self.home_reached
+    }
+
     /// Whether the home point was found in the update that ends now.
     pub(crate) fn home_was_found(&mut self, clock: &Clock) -> bool {
         self.take_home_latch(clock);

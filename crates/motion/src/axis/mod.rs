@@ -187,7 +187,7 @@ impl Axis {
 
     /// The same, but for transforms.
     pub(crate) fn moves_itself(&self) -> bool {
-        self.sum.active().any(|(slot, _)| slot != Slot::Transform)
+        self.sum.is_active_but(Slot::Transform)
     }
 
     /// Whether its drive follows the command.

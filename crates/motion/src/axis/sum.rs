@@ -147,6 +147,11 @@ impl Sum {
         self.active & slot.bit() != 0
     }
 
+    /// Whether anything but generators of one kind is under way.
+    pub(crate) fn is_active_but(&self, slot: Slot) -> bool {
+        self.active & !slot.bit() != 0
+    }
+
     /// Every generator under way, with its kind.
     pub(crate) fn active(&self) -> impl Iterator<Item = (Slot, &Generator)> {
         let mut left = self.active;
@@ -253,8 +258,10 @@ impl Sum {
 
     /// Brings planned generators to the present tick.
     pub(crate) fn advance(&mut self, clock: &Clock) {
-        for slot in Slot::ALL {
-            if let Some(generator) = self.get_mut(slot)
+        let mut left = self.active;
+        while let Some(slot) = Slot::ALL.get(left.trailing_zeros() as usize) {
+            left &= left - 1;
+            if let Some(generator) = self.get_mut(*slot)
                 && let Law::Planned { .. } = generator.law
             {
                 generator.advance(clock);
@@ -296,16 +303,16 @@ impl Sum {
     /// A position in a generator's frame, or its present one, as a position of the axis at this tick.
     pub(crate) fn seen_from(&self, slot: Slot, position: Option<f64>) -> Option<f64> {
         let generator = self.get(slot)?;
-        let mut others = generator.shift;
-        // Alone, as nearly always, an axis has only what has been.
-        let now = if self.active == slot.bit() {
-            self.displaced
-        } else {
-            self.displacements()
-        };
-        for (other, (now, then)) in now.iter().zip(generator.others).enumerate() {
-            if other != slot as usize {
-                others += now - then;
+        // Without the sign of a zero, as a sum has none.
+        let mut others = generator.shift + 0.0;
+        let alone = self.active == slot.bit();
+        // Alone, as nearly always, and behind nothing else that was.
+        if !alone || self.displaced != generator.others {
+            let now = if alone { self.displaced } else { self.displacements() };
+            for (other, (now, then)) in now.iter().zip(generator.others).enumerate() {
+                if other != slot as usize {
+                    others += now - then;
+                }
             }
         }
         Some(position.unwrap_or(generator.now.position) + others)

@@ -102,17 +102,22 @@ const KINDS: [MdacMotionType; 4] = [
 
 /// The links of one axis.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct AxisMasterLinks([MasterLinks; 1 + KINDS.len()]);
+pub(crate) struct AxisMasterLinks {
+    links: [MasterLinks; 1 + KINDS.len()],
+    /// There was a link: an axis that never had one is looked at in every tick.
+    made: bool,
+}
 
 impl AxisMasterLinks {
     /// Those of one Motion Type.
     pub(crate) fn of(&self, serves: MdacMotionType) -> &MasterLinks {
-        &self.0[serves as usize]
+        &self.links[serves as usize]
     }
 
     /// Those of one Motion Type, to change.
     pub(crate) fn of_mut(&mut self, serves: MdacMotionType) -> &mut MasterLinks {
-        &mut self.0[serves as usize]
+        self.made = true;
+        &mut self.links[serves as usize]
     }
 
     /// The link by which a new motion begins: of its own kind, or of all kinds.
@@ -132,21 +137,21 @@ impl AxisMasterLinks {
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.0.iter().all(MasterLinks::is_empty)
+        !self.made || self.links.iter().all(MasterLinks::is_empty)
     }
 
     /// Every link.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &MasterLink> {
-        self.0.iter().flat_map(MasterLinks::iter)
+        self.links.iter().flat_map(MasterLinks::iter)
     }
 
     /// Every link, to change.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut MasterLink> {
-        self.0.iter_mut().flat_map(MasterLinks::iter_mut)
+        self.links.iter_mut().flat_map(MasterLinks::iter_mut)
     }
 
     /// As [`MasterLinks::take_up`].
     pub(crate) fn take_up(&mut self, id: u32) -> Option<(MasterLink, Option<Execution>)> {
-        self.0.iter_mut().find_map(|links| links.take_up(id))
+        self.links.iter_mut().find_map(|links| links.take_up(id))
     }
 }

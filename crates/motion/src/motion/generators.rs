@@ -227,16 +227,16 @@ impl Motion {
         let tick = self.clock.tick;
         let is_driven_home = self.axes[at].is_driven_home();
         for slot in Slot::ALL {
-            if slot == Slot::Home && is_driven_home {
+            if Axis::CAMS.contains(&slot) {
+                self.report_cam(axis, slot);
+            }
+            if !self.axes[at].sum.is_active(slot) || slot == Slot::Home && is_driven_home {
                 continue;
             }
             if slot == Slot::MasterOffset && self.axes[at].cam(Slot::PositionCam).is_none() {
                 // What it is an offset of is over.
                 self.end_generator(axis, slot);
                 continue;
-            }
-            if Axis::CAMS.contains(&slot) {
-                self.report_cam(axis, slot);
             }
             let Some(generator) = self.axes[at].sum.get_mut(slot) else {
                 continue;

@@ -58,19 +58,26 @@ impl Motion {
             self.finish_settling(index, drives);
         }
         for index in 0..self.axes.len() {
-            let found = self.axes[index].home_was_found(&self.clock);
-            if self.axes[index].in_motion() {
-                self.report_generators(index as u16);
+            if self.axes[index].uses_feedback() {
+                self.use_feedback_of(index);
             }
-            let axis = &mut self.axes[index];
-            if found && let Some(ended) = axis.homing.take() {
-                axis.homed = true;
-                self.end_move(ended.execution, Flag::Pc.mask());
-            }
-            self.take_registrations(index as u16);
-            self.look_out(index as u16);
-            self.axes[index].fold(&self.clock);
         }
+    }
+
+    /// What the feedback of one axis says.
+    fn use_feedback_of(&mut self, index: usize) {
+        let found = self.axes[index].home_was_found(&self.clock);
+        if self.axes[index].in_motion() {
+            self.report_generators(index as u16);
+        }
+        let axis = &mut self.axes[index];
+        if found && let Some(ended) = axis.homing.take() {
+            axis.homed = true;
+            self.end_move(ended.execution, Flag::Pc.mask());
+        }
+        self.take_registrations(index as u16);
+        self.look_out(index as u16);
+        self.axes[index].fold(&self.clock);
     }
 
     /// Stops that are over.

@@ -39,6 +39,10 @@ impl OutputCams {
         }
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.targets.len()
     }
