@@ -17,6 +17,7 @@ use tracing::{error, warn};
 use super::adapter::Adapters;
 use super::io::{Exchange, Io};
 use super::limiter::{ClientLimiter, Limits};
+use super::objects::Objects;
 use crate::guard::Face;
 use crate::plant::{Plant, Principal};
 
@@ -88,6 +89,8 @@ pub(crate) struct Device {
     pub(crate) settings: Settings,
     pub(crate) session_settings: Arc<session::Settings>,
     exchange: Exchange,
+    /// The CIP objects that answer.
+    pub(crate) objects: Objects,
     /// What the host shows of its adapters.
     pub(crate) adapters: Adapters,
     io: Option<Arc<Io>>,
@@ -124,6 +127,7 @@ impl Device {
         Ok(Self {
             plant,
             exchange,
+            objects: Objects::ALL,
             adapters: Adapters::new(&settings.system),
             io,
             session_settings: Arc::new(settings.session.clone()),

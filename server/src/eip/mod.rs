@@ -9,8 +9,10 @@
 //! One CIP message (a single request, or a whole Multiple Service Packet) is one action: all its tag writes are applied
 //! first, then the rising edges of `EnableIn` are executed, then it is answered.
 
+mod action;
 mod adapter;
 mod connection;
+mod context;
 mod datagram;
 mod device;
 mod io;
@@ -19,6 +21,7 @@ mod listener;
 mod objects;
 mod router;
 mod session_host;
+mod status;
 mod tags;
 
 #[cfg(test)]
@@ -27,3 +30,4 @@ mod tests;
 pub use device::Settings;
 pub use io::io_page;
 pub use listener::{BindError, Listener};
+pub use objects::objects_page;

@@ -7,17 +7,17 @@ use std::net::SocketAddrV4;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use arcline_controller::image::Image;
 use arcline_proto::cip::{self, CipStatus, MultipleReplies, REPLY_HEAD, Reply, Request, class, service};
-use arcline_proto::epath::{Segment, Target};
 use arcline_proto::session::Transport;
 use tracing::{debug, debug_span};
 
-use super::adapter::Adapter;
+use super::action::{Action, ParsedRequest};
+use super::context::{Context, Memory};
 use super::device::Device;
 use super::objects::motion::{self, MotionRequest};
-use super::{objects, tags};
-use crate::plant::{Principal, Transaction};
+use super::objects::{self, Access, Object, ObjectContext};
+use super::tags;
+use crate::plant::Principal;
 use crate::retained::NotKept;
 
 /// How long a packet of requests is worked on before others have their turn.
@@ -31,67 +31,13 @@ pub(crate) struct Router {
     session: u64,
 }
 
-/// What a request needs to be answered.
-pub(crate) struct Context<'a> {
-    /// The device.
-    pub(crate) device: &'a Device,
-    /// The local end of the connection.
-    pub(crate) local: SocketAddrV4,
-    /// The longest reply, bytes with its head.
-    pub(crate) budget: usize,
-    /// What the message came on.
-    pub(crate) transport: Transport,
-    /// Who asks, and owns the motion that begins.
-    pub(crate) principal: Principal,
-}
-
-impl Context<'_> {
-    /// The host's adapter through which the message came.
-    pub(crate) fn adapter(&self) -> Arc<Adapter> {
-        self.device.adapters.of(*self.local.ip())
-    }
-}
-
-/// The tag memory as one message sees it.
-pub(crate) enum Memory<'a, 't> {
-    /// Nothing is written.
-    Read(&'a Image),
-    /// Something may be written.
-    Write(&'a mut Transaction<'t>),
-}
-
-impl Memory<'_, '_> {
-    /// For reading.
-    pub(crate) fn image(&self) -> &Image {
-        match self {
-            Self::Read(image) => image,
-            Self::Write(transaction) => transaction.image(),
-        }
-    }
-}
-
 /// A request that has been answered from memory, or one that cannot be while the memory is held.
-enum Step<'r> {
+enum Step<'p, 'r> {
     Done(Reply),
     /// Executes an instruction.
     Motion(MotionRequest),
     /// Asks an object for which the memory must not be held.
-    Late(&'r Request, Target<'r>),
-}
-
-impl<'r> Step<'r> {
-    /// A write that is not kept does not succeed.
-    fn unless(self, kept: Result<(), NotKept>, request: &Request) -> Step<'r> {
-        match (self, kept) {
-            (Self::Done(reply), Err(NotKept))
-                if reply.status.is_success()
-                    && (tags::is_write(request.service) || objects::is_table_change(request.service)) =>
-            {
-                Self::Done(Reply::error(request.service, CipStatus::STORE_FAILURE))
-            }
-            (step, _) => step,
-        }
-    }
+    Late(&'static dyn Object, &'p ParsedRequest<'r>),
 }
 
 impl Router {
@@ -113,24 +59,38 @@ impl Router {
     }
 
     async fn single(&self, request: &Request, budget: usize, transport: Transport) -> Reply {
+        let parsed = ParsedRequest::new(request, self.device.objects);
         let context = self.context(budget, transport);
         let mut step = None;
         let kept = self
-            .with_memory(context.principal, may_write(request), |memory| {
-                step = Some(answer(&context, memory, request))
+            .with_memory(context.principal, parsed.action.writes(), |memory| {
+                step = Some(answer(&context, memory, &parsed));
             })
             .await;
         match step {
-            Some(step) => self.finish(step.unless(kept, request), &context).await,
+            Some(step) => self.finish(step, &parsed, kept, &context).await,
             None => Reply::error(request.service, CipStatus::RESOURCE_UNAVAILABLE),
         }
     }
 
-    async fn finish(&self, step: Step<'_>, context: &Context<'_>) -> Reply {
+    /// A write that must be kept and is not does not succeed.
+    async fn finish(
+        &self,
+        step: Step<'_, '_>,
+        parsed: &ParsedRequest<'_>,
+        kept: Result<(), NotKept>,
+        context: &Context<'_>,
+    ) -> Reply {
         match step {
+            Step::Done(reply) if reply.status.is_success() && parsed.action.must_be_kept() && kept.is_err() => {
+                Reply::error(reply.service, CipStatus::STORE_FAILURE)
+            }
             Step::Done(reply) => reply,
             Step::Motion(motion) => motion.execute(&self.device.plant, context.principal).await,
-            Step::Late(request, target) => objects::serve_late(context, request, &target),
+            Step::Late(object, parsed) => self.device.plant.with_image(|image| {
+                let memory = Memory::Read(image);
+                objects::serve(object, object_context(context, memory, parsed))
+            }),
         }
     }
 
@@ -146,19 +106,21 @@ impl Router {
             Ok(replies) => replies,
             Err(status) => return refuse(status),
         };
-        // Kept for the motion services and their executions, which are answered last.
-        let late = requests.iter().flatten().filter(|request| is_late(request)).count();
+        let parse = |request| ParsedRequest::new(request, self.device.objects);
+        let parsed: Vec<_> = requests.iter().map(|request| request.as_ref().map(parse)).collect();
+        // Room for the motion services and their executions, which are answered last.
+        let late = parsed.iter().flatten().filter(|parsed| parsed.action.is_late()).count();
         let mut room = replies.budget().saturating_sub(late * motion::REPLY_DATA);
-        let writes = requests.iter().flatten().any(may_write);
+        let writes = parsed.iter().flatten().any(|parsed| parsed.action.writes());
         // Where nothing is waited for, a reply goes into the packet as soon as it is there.
         let at_once = late == 0 && !writes;
         let mut steps = Vec::with_capacity(if at_once { 0 } else { requests.len() });
         let kept = self
             .with_memory(self.context(room, transport).principal, writes, |memory| {
-                for request in &requests {
+                for parsed in &parsed {
                     let context = self.context(room, transport);
-                    let step = match request {
-                        Ok(request) => answer(&context, memory, request),
+                    let step = match parsed {
+                        Ok(parsed) => answer(&context, memory, parsed),
                         Err(error) => Step::Done(error.reply()),
                     };
                     if let Step::Done(reply) = &step
@@ -174,18 +136,18 @@ impl Router {
             })
             .await;
         let mut began = Instant::now();
-        for (step, request) in steps.into_iter().zip(&requests) {
+        for (step, parsed) in steps.into_iter().zip(&parsed) {
             if began.elapsed() >= TURN {
                 // The others have their turn.
                 tokio::task::yield_now().await;
                 began = Instant::now();
             }
             let context = self.context(replies.budget(), transport);
-            let step = match request {
-                Ok(request) => step.unless(kept, request),
-                Err(_) => step,
+            let reply = match (parsed, step) {
+                (Ok(parsed), step) => self.finish(step, parsed, kept, &context).await,
+                (Err(error), _) => error.reply(),
             };
-            replies.push(&self.finish(step, &context).await);
+            replies.push(&reply);
         }
         replies.finish()
     }
@@ -231,42 +193,38 @@ fn is_multiple(request: &Request) -> bool {
     request.service == service::MULTIPLE_SERVICE_PACKET && request.path.is_object(class::MESSAGE_ROUTER, 1)
 }
 
-/// Whether a request may write to the tag memory.
-fn may_write(request: &Request) -> bool {
-    let code = request.service;
-    tags::is_write(code) || objects::is_set(code) || objects::is_table_change(code)
-}
-
-/// Whether a request is answered after the memory has been let go.
-fn is_late(request: &Request) -> bool {
-    motion::is_motion(request)
-        || matches!(request.path.0.first(), Some(Segment::Class(class)) if objects::LATE.map(u32::from).contains(class))
-}
-
 /// Answers one request that is no packet of requests.
-fn answer<'r>(context: &Context<'_>, memory: &mut Memory<'_, '_>, request: &'r Request) -> Step<'r> {
-    let refuse = |status| Step::Done(Reply::error(request.service, status));
-    let target = match Target::new(&request.path) {
-        Ok(target) => target,
-        Err(error) => return refuse(error.status()),
-    };
-    if motion::is_motion(request) {
-        return match motion::parse(context, memory.image(), request, &target) {
-            Ok(motion) => Step::Motion(motion),
-            Err(status) => refuse(status),
-        };
-    }
-    if target.class.is_some_and(|class| objects::LATE.contains(&class)) && target.symbols.is_empty() {
-        return Step::Late(request, target);
-    }
-    Step::Done(match target.class {
-        // Only tags are in the scope of a name, a program's.
-        Some(code) if !target.symbols.is_empty() && code != class::SYMBOL => {
-            Reply::error(request.service, tags::unknown())
+fn answer<'p, 'r>(context: &Context<'_>, memory: &mut Memory<'_, '_>, parsed: &'p ParsedRequest<'r>) -> Step<'p, 'r> {
+    let ParsedRequest {
+        request,
+        target,
+        action,
+    } = parsed;
+    Step::Done(match *action {
+        Action::Refused(status) => Reply::error(request.service, status),
+        Action::ReadTag(how) => tags::read(context, memory.image(), request, target, how),
+        Action::WriteTag(how) => tags::write(memory.reborrow(), request, target, how),
+        Action::Motion => match motion::parse(context, memory.image(), request, target) {
+            Ok(motion) => return Step::Motion(motion),
+            Err(status) => Reply::error(request.service, status),
+        },
+        Action::Object(object, Access::Late) => return Step::Late(object, parsed),
+        Action::Object(object, Access::Read | Access::Set | Access::Change) => {
+            objects::serve(object, object_context(context, memory.reborrow(), parsed))
         }
-        Some(class::SYMBOL) if tags::is_tag_service(request.service) => tags::serve(context, memory, request, &target),
-        Some(class) => objects::serve(context, memory, request, class, &target),
-        None if tags::is_tag_service(request.service) => tags::serve(context, memory, request, &target),
-        None => objects::serve_named(context, memory, request, &target),
+        Action::Named(_) => objects::serve_named(context, memory.reborrow(), request, target),
     })
+}
+
+fn object_context<'a, 't>(
+    context: &'a Context<'a>,
+    memory: Memory<'a, 't>,
+    parsed: &'a ParsedRequest<'_>,
+) -> ObjectContext<'a, 't> {
+    ObjectContext {
+        context,
+        memory,
+        request: parsed.request,
+        target: &parsed.target,
+    }
 }

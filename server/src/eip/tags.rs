@@ -5,77 +5,60 @@
 
 use std::borrow::Cow;
 
-use arcline_controller::image::{Image, ReadError, TagId, WriteError};
-use arcline_proto::cip::{CipStatus, Reply, Request, service};
+use arcline_controller::image::{Image, ReadError, TagId, TagKind};
+use arcline_proto::cip::{CipStatus, Reply, Request};
 use arcline_proto::epath::Target;
 use arcline_proto::logix::{ReadModifyWrite, ReadTag, WireType, WriteTag};
 use arcline_proto::status::general_error;
-use arcline_tag::{DataType, Elementary, Location, PathError, clamp_strings};
+use arcline_tag::{DataType, Elementary, Location, clamp_strings};
 
-use super::objects::{motion, symbol};
-use super::router::{Context, Memory};
+use super::action::{TagRead, TagWrite};
+use super::context::{Context, Memory};
+use super::status::{path_status, refusal, unknown};
 use crate::plant::{Command, Outcome, Refused, Transaction};
 
-/// 0x05 with the word 0x0000: what every client takes for "no such tag".
-pub(crate) fn unknown() -> CipStatus {
-    CipStatus::PATH_DESTINATION_UNKNOWN.with(0)
-}
-
-/// Whether the service reads or writes a tag.
-pub(crate) const fn is_tag_service(code: u8) -> bool {
-    matches!(code, service::READ_TAG | service::READ_TAG_FRAGMENTED) || is_write(code)
-}
-
-/// Whether the service may write a tag.
-pub(crate) const fn is_write(code: u8) -> bool {
-    matches!(
-        code,
-        service::WRITE_TAG | service::WRITE_TAG_FRAGMENTED | service::READ_MODIFY_WRITE_TAG
-    )
-}
-
-/// Answers a tag service whose path names a tag, or its instance of class 0x6B.
-pub(crate) fn serve(
-    context: &Context<'_>,
-    memory: &mut Memory<'_, '_>,
-    request: &Request,
-    target: &Target<'_>,
-) -> Reply {
-    if target.class.is_none() && target.attribute.is_some() {
-        return Reply::error(request.service, CipStatus::PATH_SEGMENT_ERROR.with(0));
-    }
-    let place = match Place::find(memory.image(), target) {
-        Ok(place) => place,
-        Err(status) => return Reply::error(request.service, status),
-    };
+/// Reads a tag that a path names, by name or by its instance of class 0x6B.
+pub(crate) fn read(cx: &Context<'_>, image: &Image, request: &Request, target: &Target<'_>, how: TagRead) -> Reply {
     let code = request.service;
-    let done = match (code, memory) {
-        (service::READ_TAG, memory) => {
-            return ReadTag::decode(&request.data).map_or_else(
-                |s| Reply::error(code, s),
-                |read| place.read(code, memory.image(), read, context.budget),
-            );
-        }
-        (service::READ_TAG_FRAGMENTED, memory) => {
-            return ReadTag::decode_fragmented(&request.data).map_or_else(
-                |s| Reply::error(code, s),
-                |read| place.read(code, memory.image(), read, context.budget),
-            );
-        }
-        (service::WRITE_TAG, Memory::Write(transaction)) => {
-            WriteTag::decode(&request.data).and_then(|write| place.write(transaction, &write, Extent::Whole))
-        }
-        (service::WRITE_TAG_FRAGMENTED, Memory::Write(transaction)) => {
-            WriteTag::decode_fragmented(&request.data).and_then(|write| place.write(transaction, &write, Extent::Part))
-        }
-        (service::READ_MODIFY_WRITE_TAG, Memory::Write(transaction)) => {
-            ReadModifyWrite::decode(&request.data).and_then(|masks| place.modify(transaction, masks))
-        }
-        _ => Err(CipStatus::SERVICE_NOT_SUPPORTED),
+    let decode = match how {
+        TagRead::Whole => ReadTag::decode,
+        TagRead::Fragment => ReadTag::decode_fragmented,
     };
+    let done = TagPart::find(image, target).and_then(|part| Ok((part, decode(&request.data)?)));
     match done {
-        Ok(()) => Reply::success(code, &[][..]),
+        Ok((part, read)) => part.read(code, image, read, cx.budget),
         Err(status) => Reply::error(code, status),
+    }
+}
+
+/// Writes a tag that a path names, by name or by its instance of class 0x6B.
+pub(crate) fn write(memory: Memory<'_, '_>, request: &Request, target: &Target<'_>, how: TagWrite) -> Reply {
+    let done = TagPart::find(memory.image(), target).and_then(|part| match (how, memory) {
+        (TagWrite::Whole, Memory::Write(transaction)) => {
+            part.write(transaction, &WriteTag::decode(&request.data)?, Extent::Whole)
+        }
+        (TagWrite::Fragment, Memory::Write(transaction)) => {
+            part.write(transaction, &WriteTag::decode_fragmented(&request.data)?, Extent::Part)
+        }
+        (TagWrite::Modify, Memory::Write(transaction)) => {
+            part.modify(transaction, ReadModifyWrite::decode(&request.data)?)
+        }
+        (_, Memory::Read(_)) => Err(CipStatus::RESOURCE_UNAVAILABLE),
+    });
+    match done {
+        Ok(()) => Reply::success(request.service, &[][..]),
+        Err(status) => Reply::error(request.service, status),
+    }
+}
+
+/// The program in whose scope an instance of class 0x6B is meant: `Program:Main` in front of the class.
+pub(crate) fn scope(image: &Image, target: &Target<'_>) -> Result<Option<u16>, CipStatus> {
+    let Some(name) = target.first_symbol() else {
+        return Ok(None);
+    };
+    match image.find(name).map(|tag| tag.kind) {
+        Some(TagKind::Program(index)) if target.symbols.len() == 1 => Ok(Some(index)),
+        _ => Err(unknown()),
     }
 }
 
@@ -88,14 +71,17 @@ enum Extent {
     Part,
 }
 
-/// A part of a tag.
-struct Place {
+/// The part of a tag that a path names.
+struct TagPart {
     tag: TagId,
     location: Location,
 }
 
-impl Place {
+impl TagPart {
     fn find(image: &Image, target: &Target<'_>) -> Result<Self, CipStatus> {
+        if target.class.is_none() && target.attribute.is_some() {
+            return Err(CipStatus::PATH_SEGMENT_ERROR.with(0));
+        }
         let (tag, location) = match target.instance {
             None => image.resolve(&target.symbols).map_err(|error| match error {
                 ReadError::Path(error) => path_status(&error),
@@ -103,7 +89,7 @@ impl Place {
             })?,
             Some(instance) => {
                 let tag = image.tag(TagId(instance)).ok_or_else(unknown)?;
-                if symbol::scope(image, target)? != tag.program {
+                if scope(image, target)? != tag.program {
                     return Err(unknown());
                 }
                 image
@@ -224,36 +210,7 @@ impl Place {
     }
 }
 
-/// The status for a path that leads nowhere within a tag.
-fn path_status(error: &PathError) -> CipStatus {
-    match error {
-        PathError::IndexOutOfRange { .. } => CipStatus::GENERAL_ERROR.with(general_error::ELEMENTS_BEYOND_TAG),
-        _ => unknown(),
-    }
-}
-
-/// The status for what became of a write.
+/// The status of a write.
 fn done(outcome: Result<Outcome, Refused>) -> Result<(), CipStatus> {
     outcome.map(drop).map_err(|refused| refusal(&refused))
-}
-
-/// The status for a command that is refused.
-pub(crate) fn refusal(refused: &Refused) -> CipStatus {
-    match refused {
-        Refused::Write(error) => write_status(error),
-        Refused::Table(error) => symbol::table_status(error),
-        Refused::Call(error) => motion::refusal(error),
-        Refused::NoControl { .. } => CipStatus::PRIVILEGE_VIOLATION,
-        Refused::NotKept(_) => CipStatus::STORE_FAILURE,
-    }
-}
-
-/// The status for a write that the image refuses.
-fn write_status(error: &WriteError) -> CipStatus {
-    match error {
-        WriteError::NoRoom { .. } => CipStatus::RESOURCE_UNAVAILABLE,
-        WriteError::ReadOnly { .. } => CipStatus::PRIVILEGE_VIOLATION,
-        WriteError::OutOfRange { .. } | WriteError::NoSuchFault { .. } => CipStatus::INVALID_PARAMETER,
-        _ => unknown(),
-    }
 }

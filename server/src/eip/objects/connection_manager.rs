@@ -1,28 +1,32 @@
-//! Connection Manager, class 0x06 (CIP Vol. 1, 3-5): its counters, and what becomes of the motion of whoever asks when its
+//! Connection Manager, class 0x06 (CIP Vol. 1, 3-5): its counters, and the reaction of motion that a client began when the client's
 //! connection is lost.
 //!
 //! Forward Open, Forward Close and Unconnected Send are the session's and never come here.
 
 use arcline_config::ConnectionLoss;
-use arcline_proto::cip::CipStatus;
+use arcline_proto::cip::{CipStatus, class};
 use bytes::Bytes;
 
-use super::{Class, Extent, u8_value, u16_value};
-use crate::eip::device::Device;
-use crate::plant::Principal;
+use super::object::{Extent, Object, ObjectContext};
+use super::values::{u8_value, u16_value};
 
-/// A vendor's attribute, USINT: the place of the reaction among [`ConnectionLoss::WORDS`], for the connection (or the
+/// A vendor's attribute, USINT: the index of the reaction in [`ConnectionLoss::WORDS`], for the connection (or the
 /// session without one) over which it is asked and set.
 const LOSS: u16 = 100;
 
-pub(super) struct ConnectionManager<'a> {
-    pub(super) device: &'a Device,
-    /// Whoever asks.
-    pub(super) principal: Principal,
-}
+#[derive(Debug)]
+pub(super) struct ConnectionManager;
 
-impl Class for ConnectionManager<'_> {
-    fn extent(&self) -> Extent {
+impl Object for ConnectionManager {
+    fn class(&self) -> u16 {
+        class::CONNECTION_MANAGER
+    }
+
+    fn name(&self) -> &'static str {
+        "Connection Manager"
+    }
+
+    fn extent(&self, _cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
         Extent::dense(1, LOSS)
     }
 
@@ -31,13 +35,13 @@ impl Class for ConnectionManager<'_> {
         &[1, 2, 6, 7]
     }
 
-    fn attribute(&self, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
+    fn attribute(&self, cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
         if id == LOSS {
-            let loss = self.device.loss(self.principal);
-            let place = ConnectionLoss::WORDS.iter().position(|(_, known)| *known == loss);
-            return u8_value(place.and_then(|place| u8::try_from(place).ok()).unwrap_or_default());
+            let loss = cx.device().loss(cx.context.principal);
+            let index = ConnectionLoss::WORDS.iter().position(|(_, known)| *known == loss);
+            return u8_value(index.and_then(|index| u8::try_from(index).ok()).unwrap_or_default());
         }
-        self.device
+        cx.device()
             .counters()
             .attribute(id)
             .map_or(Err(CipStatus::ATTRIBUTE_NOT_SUPPORTED), u16_value)
@@ -47,16 +51,16 @@ impl Class for ConnectionManager<'_> {
         &[1, 2, 3, 4, 5, 6, 7, 8]
     }
 
-    fn settable(&self, _instance: u32, id: u16) -> Option<usize> {
+    fn settable(&self, _cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Option<usize> {
         (id == LOSS).then_some(1)
     }
 
-    fn set(&self, _instance: u32, _id: u16, value: &[u8]) -> Result<(), CipStatus> {
-        let place = value.first().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
+    fn set(&self, cx: &mut ObjectContext<'_, '_>, _instance: u32, _id: u16, value: &[u8]) -> Result<(), CipStatus> {
+        let index = value.first().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
         let (_, loss) = ConnectionLoss::WORDS
-            .get(usize::from(*place))
+            .get(usize::from(*index))
             .ok_or(CipStatus::INVALID_ATTRIBUTE_VALUE)?;
-        self.device.set_loss(self.principal, Some(*loss));
+        cx.device().set_loss(cx.context.principal, Some(*loss));
         Ok(())
     }
 }

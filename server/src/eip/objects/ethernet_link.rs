@@ -1,13 +1,11 @@
 //! Ethernet Link, class 0xF6 (CIP Vol. 2, 5-5): the host's interface through which the client came, as the system shows
 //! it. Nothing of it can be set.
 
-use std::sync::Arc;
-
-use arcline_proto::cip::CipStatus;
+use arcline_proto::cip::{CipStatus, class};
 use bytes::Bytes;
 
-use super::{Class, Extent, no_attribute, short_string, u8_value, u32_value};
-use crate::eip::adapter::Adapter;
+use super::object::{Extent, Object, ObjectContext};
+use super::values::{no_attribute, short_string, u8_value, u32_value};
 
 /// Bits of attribute 2: the link is active.
 const ACTIVE: u32 = 0x01;
@@ -20,19 +18,32 @@ const AUTOMATIC: [u8; 4] = [1, 0, 0, 0];
 /// Attribute 11: auto-negotiation only, and no speeds that can be forced.
 const CAPABILITY: [u8; 5] = [2, 0, 0, 0, 0];
 
-pub(super) struct EthernetLink(pub(super) Arc<Adapter>);
+#[derive(Debug)]
+pub(super) struct EthernetLink;
 
-impl Class for EthernetLink {
+impl Object for EthernetLink {
+    fn class(&self) -> u16 {
+        class::ETHERNET_LINK
+    }
+
+    fn name(&self) -> &'static str {
+        "Ethernet Link"
+    }
+
+    fn is_late(&self) -> bool {
+        true
+    }
+
     fn revision(&self) -> u16 {
         4
     }
 
-    fn extent(&self) -> Extent {
+    fn extent(&self, _cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
         Extent::dense(1, 11)
     }
 
-    fn attribute(&self, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
-        let adapter = &self.0;
+    fn attribute(&self, cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
+        let adapter = cx.context.adapter();
         match id {
             1 => u32_value(adapter.speed),
             2 => {

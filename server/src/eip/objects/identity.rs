@@ -1,15 +1,23 @@
 //! Identity, class 0x01 (CIP Vol. 1, 5A-2): who the device is. It cannot be reset from outside.
 
-use arcline_proto::cip::{CipStatus, Request, service};
-use arcline_proto::identity;
+use arcline_proto::cip::{CipStatus, Reply, class, service};
 use bytes::Bytes;
 
-use super::{Class, Extent};
+use super::object::{Access, Extent, Object, ObjectContext, On, OwnService};
 
-pub(super) struct Identity<'a>(pub(super) &'a identity::Identity);
+#[derive(Debug)]
+pub(super) struct Identity;
 
-impl Class for Identity<'_> {
-    fn extent(&self) -> Extent {
+impl Object for Identity {
+    fn class(&self) -> u16 {
+        class::IDENTITY
+    }
+
+    fn name(&self) -> &'static str {
+        "Identity"
+    }
+
+    fn extent(&self, _cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
         Extent::dense(1, 10)
     }
 
@@ -18,14 +26,22 @@ impl Class for Identity<'_> {
         &[1, 2, 6, 7]
     }
 
-    fn attribute(&self, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
-        self.0.attribute(id)
+    fn attribute(&self, cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
+        cx.device().settings.identity.attribute(id)
     }
 
-    /// Reset is nobody's right: 0x0F, or 0x20 for one that there is not.
-    fn service(&self, instance: u32, request: &Request) -> Option<CipStatus> {
-        let reset = request.service == service::RESET && instance > 0;
-        reset.then(|| match request.data.first() {
+    fn services(&self) -> &'static [OwnService] {
+        &[OwnService {
+            code: service::RESET,
+            name: "Reset",
+            on: On::Instance,
+            access: Access::Read,
+        }]
+    }
+
+    /// Reset is refused: 0x0F, or 0x20 for a type that does not exist.
+    fn serve(&self, cx: &mut ObjectContext<'_, '_>, _instance: u32) -> Result<Reply, CipStatus> {
+        Err(match cx.request.data.first() {
             None | Some(0 | 1) => CipStatus::PRIVILEGE_VIOLATION,
             Some(_) => CipStatus::INVALID_PARAMETER,
         })

@@ -3,27 +3,24 @@
 //! The object is addressed by class and instance, or by its name as a symbolic segment. What the operands mean is the
 //! catalogue's; here bytes become [`Given`] and results become statuses.
 
-use arcline_controller::image::{ControlError, Image, TagKind};
-use arcline_instruction_set::{BindError, Flag, Given, Mnemonic, Object, by_service};
+use arcline_controller::image::{Image, TagKind};
+use arcline_instruction_set::{Flag, Given, Mnemonic, Object, by_service};
 use arcline_proto::arcline::motion::Accepted;
 use arcline_proto::cip::{CipStatus, Reply, Request, is_stray_route};
-use arcline_proto::epath::{Segment, Target};
+use arcline_proto::epath::Target;
 use arcline_proto::logix::{Typed, TypedError, decode_operands};
 use arcline_proto::session::Transport;
 use arcline_tag::{PathSegment, Value};
 
-use super::motion_attributes::count;
-use crate::eip::router::Context;
-use crate::eip::tags::{self, unknown};
-use crate::plant::{Call, CallRefused, Command, Outcome, Plant, Principal};
+use super::motion_objects::count;
+use crate::eip::context::Context;
+use crate::eip::status::{refusal, unknown};
+use crate::plant::{Call, Command, Outcome, Plant, Principal};
 
 /// Bytes behind the head of a reply to an instruction that was accepted.
 pub(crate) const REPLY_DATA: usize = Accepted::LEN;
 
-/// The services of the motion classes, whatever their object.
-const SERVICES: std::ops::RangeInclusive<u8> = 0x32..=0x4A;
-
-/// An instruction that a client wants executed.
+/// An instruction that a client asks to execute.
 #[derive(Debug)]
 pub(crate) struct MotionRequest {
     service: u8,
@@ -32,16 +29,6 @@ pub(crate) struct MotionRequest {
     /// Empty: unnamed.
     control: String,
     given: Vec<Given>,
-}
-
-/// Whether a request is for a motion service: its code, on a motion class or a name.
-pub(crate) fn is_motion(request: &Request) -> bool {
-    SERVICES.contains(&request.service)
-        && match request.path.0.first() {
-            Some(Segment::Class(class)) => u16::try_from(*class).is_ok_and(|c| Object::from_class_code(c).is_some()),
-            Some(Segment::Symbol(_)) => !tags::is_tag_service(request.service),
-            _ => false,
-        }
 }
 
 /// Reads a motion service's request.
@@ -55,7 +42,7 @@ pub(crate) fn parse(
     request: &Request,
     target: &Target<'_>,
 ) -> Result<MotionRequest, CipStatus> {
-    let (object, place) = find(context, image, target)?;
+    let (object, index) = find(context, image, target)?;
     let mnemonic = by_service(object.class_code(), request.service).ok_or(CipStatus::SERVICE_NOT_SUPPORTED)?;
     let mut operands = operands(&request.data, context.transport)
         .map_err(TypedError::status)?
@@ -69,7 +56,7 @@ pub(crate) fn parse(
     Ok(MotionRequest {
         service: request.service,
         mnemonic,
-        target: place,
+        target: index,
         control,
         given,
     })
@@ -100,13 +87,13 @@ impl MotionRequest {
             Ok(_) => Reply::success(self.service, &[][..]),
             Err(refused) => {
                 tracing::debug!(%refused, "not executed");
-                Reply::error(self.service, tags::refusal(&refused))
+                Reply::error(self.service, refusal(&refused))
             }
         }
     }
 }
 
-/// The object a path means, and its place (from 0).
+/// The object a path means, and its index.
 fn find(context: &Context<'_>, image: &Image, target: &Target<'_>) -> Result<(Object, u16), CipStatus> {
     let Some(class) = target.class else {
         let [PathSegment::Symbol(name)] = target.symbols.as_slice() else {
@@ -114,21 +101,21 @@ fn find(context: &Context<'_>, image: &Image, target: &Target<'_>) -> Result<(Ob
         };
         return match image.find(name).ok_or_else(unknown)?.kind {
             TagKind::MotionGroup => Ok((Object::MotionGroup, 0)),
-            TagKind::Axis(place) => Ok((Object::Axis, place)),
-            TagKind::CoordinateSystem(place) => Ok((Object::CoordinateSystem, place)),
+            TagKind::Axis(index) => Ok((Object::Axis, index)),
+            TagKind::CoordinateSystem(index) => Ok((Object::CoordinateSystem, index)),
             _ => Err(CipStatus::SERVICE_NOT_SUPPORTED),
         };
     };
     let object = Object::from_class_code(class).ok_or_else(unknown)?;
     // Instance 0 is the class, which executes nothing.
-    let place = target
+    let index = target
         .instance
         .unwrap_or(0)
         .checked_sub(1)
         .ok_or(CipStatus::SERVICE_NOT_SUPPORTED)?;
-    let place = u16::try_from(place).map_err(|_| unknown())?;
-    if usize::from(place) < count(context.device.plant.machine(), object) {
-        Ok((object, place))
+    let index = u16::try_from(index).map_err(|_| unknown())?;
+    if usize::from(index) < count(context.device.plant.machine(), object) {
+        Ok((object, index))
     } else {
         Err(unknown())
     }
@@ -159,23 +146,5 @@ fn given(operand: Typed) -> Given {
             [value] => value.to_integer().map_or(Given::Number(value.as_f64()), Given::Integer),
             values => Given::Array(values.iter().copied().map(Value::as_f64).collect()),
         },
-    }
-}
-
-/// The status of a call that was not executed.
-pub(crate) fn refusal(refused: &CallRefused) -> CipStatus {
-    match refused {
-        CallRefused::Bind(BindError::TooFew { .. }) => CipStatus::NOT_ENOUGH_DATA,
-        CallRefused::Bind(BindError::TooMany { .. }) => CipStatus::TOO_MUCH_DATA,
-        CallRefused::Bind(error) => match error.operand() {
-            Some(operand) => CipStatus::INVALID_PARAMETER.with(operand.0.into()),
-            None => CipStatus::INVALID_PARAMETER,
-        },
-        CallRefused::Control(ControlError::NotAMotionControl { .. } | ControlError::NotAName { .. }) => {
-            CipStatus::INVALID_PARAMETER
-        }
-        CallRefused::Control(ControlError::NoRoom) | CallRefused::Busy | CallRefused::NoAnswer => {
-            CipStatus::RESOURCE_UNAVAILABLE
-        }
     }
 }

@@ -23,54 +23,68 @@ use arcline_proto::arcline::execution::{self, attribute};
 use arcline_proto::cip::CipStatus;
 use bytes::Bytes;
 
-use super::{Class, Extent, no_attribute};
+use super::object::{Extent, Object, ObjectContext};
+use super::values::no_attribute;
 use crate::plant::Plant;
 
-pub(super) struct MotionInstructions<'a>(pub(super) &'a Plant);
+#[derive(Debug)]
+pub(super) struct MotionInstructions;
 
-impl MotionInstructions<'_> {
-    fn find(&self, instance: u32) -> Result<MotionControl, CipStatus> {
-        self.0
-            .instruction_instance(instance)
-            .ok_or(CipStatus::OBJECT_DOES_NOT_EXIST)
-    }
+fn find(plant: &Plant, instance: u32) -> Result<MotionControl, CipStatus> {
+    plant
+        .instruction_instance(instance)
+        .ok_or(CipStatus::OBJECT_DOES_NOT_EXIST)
+}
 
-    fn ending(&self, instance: u32) -> execution::Ending {
-        let Some(ended) = self.0.instruction_ending(instance) else {
-            return execution::Ending::default();
-        };
-        let (code, name, detail) = ended.ending.to_parts();
-        let since = ended.at.duration_since(UNIX_EPOCH).unwrap_or_default();
-        execution::Ending {
-            code,
-            name: name.to_owned(),
-            detail,
-            time: ended.time,
-            utc_micros: u64::try_from(since.as_micros()).unwrap_or(u64::MAX),
-        }
+fn ending(plant: &Plant, instance: u32) -> execution::Ending {
+    let Some(ended) = plant.instruction_ending(instance) else {
+        return execution::Ending::default();
+    };
+    let (code, name, detail) = ended.ending.to_parts();
+    let since = ended.at.duration_since(UNIX_EPOCH).unwrap_or_default();
+    execution::Ending {
+        code,
+        name: name.to_owned(),
+        detail,
+        time: ended.time,
+        utc_micros: u64::try_from(since.as_micros()).unwrap_or(u64::MAX),
     }
 }
 
-impl Class for MotionInstructions<'_> {
-    fn extent(&self) -> Extent {
-        let (oldest, newest) = (self.0.oldest_instance(), self.0.newest_instance());
+impl Object for MotionInstructions {
+    fn class(&self) -> u16 {
+        execution::CLASS
+    }
+
+    fn name(&self) -> &'static str {
+        "Motion Instruction"
+    }
+
+    fn is_late(&self) -> bool {
+        true
+    }
+
+    fn extent(&self, cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
+        let plant = &cx.device().plant;
+        let (oldest, newest) = (plant.oldest_instance(), plant.newest_instance());
         let count = oldest
             .zip(newest)
             .map_or(0, |(oldest, newest)| newest.wrapping_sub(oldest).wrapping_add(1));
-        Extent {
+        Ok(Extent {
             highest: newest.unwrap_or(0),
             count,
             last_attribute: attribute::ENDING,
-        }
+        })
     }
 
     /// 0x16, whether it was dropped or never was.
-    fn check(&self, instance: u32) -> Result<(), CipStatus> {
-        self.find(instance).map(|_| ())
+    fn check(&self, cx: &ObjectContext<'_, '_>, instance: u32) -> Result<(), CipStatus> {
+        find(&cx.device().plant, instance).map(drop)
     }
 
-    fn attribute(&self, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
-        let bytes = Bytes::copy_from_slice(&self.find(instance)?.to_bytes());
+    fn attribute(&self, cx: &ObjectContext<'_, '_>, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
+        let plant = &cx.device().plant;
+        let bytes = Bytes::copy_from_slice(&find(plant, instance)?.to_bytes());
         match id {
             attribute::FLAGS => Ok(bytes.slice(0..4)),
             attribute::ERR => Ok(bytes.slice(4..6)),
@@ -79,7 +93,7 @@ impl Class for MotionInstructions<'_> {
             attribute::SEGMENT => Ok(bytes.slice(8..12)),
             attribute::EXERR => Ok(bytes.slice(12..13)),
             attribute::CONTROL => Ok(bytes),
-            attribute::ENDING => Ok(self.ending(instance).to_bytes()),
+            attribute::ENDING => Ok(ending(plant, instance).to_bytes()),
             _ => no_attribute(),
         }
     }

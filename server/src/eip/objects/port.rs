@@ -3,10 +3,11 @@
 
 use std::net::Ipv4Addr;
 
-use arcline_proto::cip::CipStatus;
+use arcline_proto::cip::{CipStatus, class};
 use bytes::{BufMut, Bytes, BytesMut};
 
-use super::{Class, Extent, no_attribute, short_string, u16_value};
+use super::object::{Extent, Object, ObjectContext};
+use super::values::{no_attribute, short_string, u16_value};
 
 /// Port type: TCP/IP.
 const TCP_IP: u16 = 4;
@@ -17,18 +18,24 @@ const LINK: [u8; 6] = [2, 0, 0x20, 0xF5, 0x24, 1];
 /// A port segment with an extended link address, port 2.
 const NODE: u8 = 0x12;
 
-pub(super) struct Port {
-    /// The local end of the connection that asks.
-    pub(super) address: Ipv4Addr,
-}
+#[derive(Debug)]
+pub(super) struct Port;
 
-impl Class for Port {
-    fn extent(&self) -> Extent {
+impl Object for Port {
+    fn class(&self) -> u16 {
+        class::PORT
+    }
+
+    fn name(&self) -> &'static str {
+        "Port"
+    }
+
+    fn extent(&self, _cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
         Extent::dense(1, 7)
     }
 
     /// 8: the instance by which the request came; 9: type and number of all, from instance 0, which is none.
-    fn class_attribute(&self, id: u16) -> Result<Bytes, CipStatus> {
+    fn class_attribute(&self, _cx: &ObjectContext<'_, '_>, id: u16) -> Result<Bytes, CipStatus> {
         match id {
             8 => u16_value(1),
             9 => Ok([0, 0, TCP_IP, NUMBER]
@@ -47,13 +54,13 @@ impl Class for Port {
         &[1, 2, 3, 8, 9]
     }
 
-    fn attribute(&self, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
+    fn attribute(&self, cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
         match id {
             1 => u16_value(TCP_IP),
             2 => u16_value(NUMBER),
             3 => Ok(Bytes::from_static(&LINK)),
             4 => Ok(short_string("EtherNet/IP")),
-            7 => Ok(self.node()),
+            7 => Ok(node(*cx.context.local.ip())),
             _ => no_attribute(),
         }
     }
@@ -63,17 +70,15 @@ impl Class for Port {
     }
 }
 
-impl Port {
-    /// The address as text in a port segment, padded to whole words.
-    fn node(&self) -> Bytes {
-        let text = self.address.to_string();
-        let mut out = BytesMut::with_capacity(3 + text.len());
-        // At most 15 characters.
-        out.put_slice(&[NODE, text.len() as u8]);
-        out.put_slice(text.as_bytes());
-        if out.len() % 2 == 1 {
-            out.put_u8(0);
-        }
-        out.freeze()
+/// The address as text in a port segment, padded to whole words.
+fn node(address: Ipv4Addr) -> Bytes {
+    let text = address.to_string();
+    let mut out = BytesMut::with_capacity(3 + text.len());
+    // At most 15 characters.
+    out.put_slice(&[NODE, text.len() as u8]);
+    out.put_slice(text.as_bytes());
+    if out.len() % 2 == 1 {
+        out.put_u8(0);
     }
+    out.freeze()
 }

@@ -7,65 +7,92 @@ use arcline_proto::arcline::trace::{
     self as wire, ListSignals, ReadRows, Rows, SignalList, State, TRIGGER_INDEX, TraceRequest, attribute,
     class_attribute,
 };
-use arcline_proto::cip::{CipStatus, REPLY_HEAD, Reply, Request, service};
-use arcline_proto::epath::Target;
+use arcline_proto::cip::{CipStatus, REPLY_HEAD, Reply, service};
 use bytes::Bytes;
 
-use super::{Class, Extent, attributes, no_attribute, u8_value, u16_value, u32_value, u64_value};
-use crate::eip::router::Context;
-use crate::eip::tags::unknown;
+use super::object::{Access, Extent, Object, ObjectContext, On, OwnService};
+use super::values::{no_attribute, u8_value, u16_value, u32_value, u64_value};
+use crate::eip::status::unknown;
 use crate::plant::Plant;
 use crate::trace::{Config, Phase, Standing, Trigger};
 
-/// Answers a request for the class or a trace.
-pub(super) fn serve(context: &Context<'_>, request: &Request, target: &Target<'_>) -> Reply {
-    let plant = &context.device.plant;
-    let room = context.budget.saturating_sub(REPLY_HEAD);
-    let instance = target.instance.unwrap_or(0);
-    let done = match (request.service, instance) {
-        (LIST_SIGNALS, 0) => list(plant, &request.data, room),
-        (service::CREATE, 0) => create(plant, &request.data),
-        (READ, 1..) => read(plant, instance, &request.data, room),
-        (START, 1..) => known(plant.trace().arm(instance)),
-        (STOP, 1..) => known(plant.trace().stop(instance)),
-        (service::DELETE, 1..) => known(plant.trace().delete(instance)),
-        _ => return attributes(context, &Traces(plant), request, target),
-    };
-    match done {
-        Ok(data) => Reply::success(request.service, data),
-        Err(status) => Reply::error(request.service, status),
-    }
+#[derive(Debug)]
+pub(super) struct Traces;
+
+fn standing(cx: &ObjectContext<'_, '_>, instance: u32) -> Result<Standing, CipStatus> {
+    cx.device().plant.trace().standing(instance).ok_or_else(unknown)
 }
 
-struct Traces<'a>(&'a Plant);
-
-impl Traces<'_> {
-    fn standing(&self, instance: u32) -> Result<Standing, CipStatus> {
-        self.0.trace().standing(instance).ok_or_else(unknown)
+impl Object for Traces {
+    fn class(&self) -> u16 {
+        wire::CLASS
     }
-}
 
-impl Class for Traces<'_> {
-    fn extent(&self) -> Extent {
-        let instances = self.0.trace().instances();
-        Extent {
+    fn name(&self) -> &'static str {
+        "Trace"
+    }
+
+    fn is_late(&self) -> bool {
+        true
+    }
+
+    fn services(&self) -> &'static [OwnService] {
+        const fn row(code: u8, name: &'static str, on: On) -> OwnService {
+            OwnService {
+                code,
+                name,
+                on,
+                access: Access::Late,
+            }
+        }
+        &const {
+            [
+                row(LIST_SIGNALS, "List Signals", On::Class),
+                row(service::CREATE, "Create", On::Class),
+                row(READ, "Read", On::Instance),
+                row(START, "Start", On::Instance),
+                row(STOP, "Stop", On::Instance),
+                row(service::DELETE, "Delete", On::Instance),
+            ]
+        }
+    }
+
+    fn serve(&self, cx: &mut ObjectContext<'_, '_>, instance: u32) -> Result<Reply, CipStatus> {
+        let (plant, data) = (&cx.device().plant, &cx.request.data);
+        let room = cx.context.budget.saturating_sub(REPLY_HEAD);
+        let data = match cx.request.service {
+            LIST_SIGNALS => list(plant, data, room),
+            service::CREATE => create(plant, data),
+            READ => read(plant, instance, data, room),
+            START => known(plant.trace().arm(instance)),
+            STOP => known(plant.trace().stop(instance)),
+            service::DELETE => known(plant.trace().delete(instance)),
+            _ => Err(CipStatus::SERVICE_NOT_SUPPORTED),
+        }?;
+        Ok(Reply::success(cx.request.service, data))
+    }
+
+    fn extent(&self, cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
+        let instances = cx.device().plant.trace().instances();
+        Ok(Extent {
             highest: instances.last().copied().unwrap_or(0),
             count: instances.len() as u32,
             last_attribute: attribute::MISSING,
-        }
+        })
     }
 
     fn last_class_attribute(&self) -> u16 {
         class_attribute::MISSING
     }
 
-    fn class_attribute(&self, id: u16) -> Result<Bytes, CipStatus> {
-        let machine = self.0.machine();
+    fn class_attribute(&self, cx: &ObjectContext<'_, '_>, id: u16) -> Result<Bytes, CipStatus> {
+        let plant = &cx.device().plant;
+        let machine = plant.machine();
         let narrow = |wide: u64| u32::try_from(wide).unwrap_or(u32::MAX);
-        let kept = self.0.trace().kept();
+        let kept = plant.trace().kept();
         match id {
             class_attribute::PERIOD => u32_value(narrow(machine.period_ns)),
-            class_attribute::SIGNALS => u16_value(signals(self.0)),
+            class_attribute::SIGNALS => u16_value(signals(plant)),
             class_attribute::FIRST_TICK => u64_value(kept.first),
             class_attribute::NEXT_TICK => u64_value(kept.next),
             class_attribute::CAPACITY => u32_value(narrow(kept.most)),
@@ -74,12 +101,12 @@ impl Class for Traces<'_> {
         }
     }
 
-    fn check(&self, instance: u32) -> Result<(), CipStatus> {
-        self.standing(instance).map(|_| ())
+    fn check(&self, cx: &ObjectContext<'_, '_>, instance: u32) -> Result<(), CipStatus> {
+        standing(cx, instance).map(|_| ())
     }
 
-    fn attribute(&self, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
-        let standing = self.standing(instance)?;
+    fn attribute(&self, cx: &ObjectContext<'_, '_>, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
+        let standing = standing(cx, instance)?;
         match id {
             attribute::STATE => u8_value(state(standing.phase).code()),
             attribute::TRIGGER_TICK => u64_value(standing.trigger),

@@ -2,12 +2,12 @@
 //!
 //! Setting it moves what clients see, never the host's clock. Local time is UTC.
 
-use arcline_proto::cip::CipStatus;
+use arcline_proto::cip::{CipStatus, class};
 use bytes::{BufMut, Bytes, BytesMut};
 use time::{Date, Month, OffsetDateTime, PrimitiveDateTime};
 
-use super::{Class, Extent, no_attribute, u8_value, u64_value};
-use crate::eip::device::Device;
+use super::object::{Extent, Object, ObjectContext};
+use super::values::{no_attribute, u8_value, u64_value};
 
 /// Local date and time, DINT[7]: year, month, day, hour, minute, second, µs; can be set.
 const LOCAL_DATE: u16 = 0x05;
@@ -20,23 +20,32 @@ const DAYLIGHT_SAVING: u16 = 0x0A;
 /// Local µs since 1970-01-01, u64.
 const LOCAL: u16 = 0x0B;
 
-pub(super) struct WallClock<'a>(pub(super) &'a Device);
+#[derive(Debug)]
+pub(super) struct WallClock;
 
-impl Class for WallClock<'_> {
-    fn extent(&self) -> Extent {
+impl Object for WallClock {
+    fn class(&self) -> u16 {
+        class::WALL_CLOCK
+    }
+
+    fn name(&self) -> &'static str {
+        "Wall Clock Time"
+    }
+
+    fn extent(&self, _cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
         Extent::dense(1, LOCAL)
     }
 
-    fn attribute(&self, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
+    fn attribute(&self, cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
         match id {
-            UTC | LOCAL => u64_value(self.0.clock()),
-            UTC_DATE | LOCAL_DATE => Ok(encode(self.0.clock())),
-            DAYLIGHT_SAVING => u8_value(self.0.daylight_saving().into()),
+            UTC | LOCAL => u64_value(cx.device().clock()),
+            UTC_DATE | LOCAL_DATE => Ok(encode(cx.device().clock())),
+            DAYLIGHT_SAVING => u8_value(cx.device().daylight_saving().into()),
             _ => no_attribute(),
         }
     }
 
-    fn settable(&self, _instance: u32, id: u16) -> Option<usize> {
+    fn settable(&self, _cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Option<usize> {
         match id {
             UTC => Some(8),
             UTC_DATE | LOCAL_DATE => Some(DATE_LENGTH),
@@ -45,15 +54,15 @@ impl Class for WallClock<'_> {
         }
     }
 
-    fn set(&self, _instance: u32, id: u16, value: &[u8]) -> Result<(), CipStatus> {
+    fn set(&self, cx: &mut ObjectContext<'_, '_>, _instance: u32, id: u16, value: &[u8]) -> Result<(), CipStatus> {
         match (id, value) {
-            (DAYLIGHT_SAVING, [on]) => self.0.set_daylight_saving(*on != 0),
+            (DAYLIGHT_SAVING, [on]) => cx.device().set_daylight_saving(*on != 0),
             (UTC, value) => {
                 let micros = value.first_chunk::<8>().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
-                self.0.set_clock(u64::from_le_bytes(*micros));
+                cx.device().set_clock(u64::from_le_bytes(*micros));
             }
             (UTC_DATE | LOCAL_DATE, value) => {
-                self.0.set_clock(decode(value)?);
+                cx.device().set_clock(decode(value)?);
             }
             _ => return Err(CipStatus::ATTRIBUTE_NOT_SETTABLE),
         }

@@ -7,6 +7,7 @@ mod hostile;
 mod io;
 mod loss;
 mod motion;
+mod object_table;
 mod objects;
 mod pitfalls;
 mod published;

@@ -1,5 +1,5 @@
-//! Attributes of the motion objects, classes 0x0300 to 0x0302: names, members, limits, the feed override. What else
-//! changes while the machine runs is in the tags.
+//! The motion objects, classes 0x0300 to 0x0302, by their attributes: names, members, limits, the feed override. What else changes
+//! while the machine runs is in the tags; their services are [`motion`](super::motion)'s.
 //!
 //! | attribute | Motion Group | Axis | Coordinate System |
 //! |---|---|---|---|
@@ -29,80 +29,65 @@
 //! Attributes 12 to 25 are those of a robot (spec/coordinated-instructions.md §22.1), 0 of a Cartesian system.
 //! Position units of the axis, per second, per second², per second³. Get Attributes All returns all of them in order.
 
-use std::cell::RefCell;
-
-use arcline_controller::image::{FEED_OVERRIDE_PERCENT, Image};
+use arcline_controller::image::FEED_OVERRIDE_PERCENT;
 use arcline_controller::machine::{Axis, CoordinateSystem, Machine};
-use arcline_instruction_set::{Attribute, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object};
+use arcline_instruction_set::{Attribute, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object as MotionObject};
 use arcline_proto::arcline::motion::{
     NAME, axis as of_axis, coordinate_system as of_system, encode_instances, group as of_group,
 };
 use arcline_proto::cip::CipStatus;
 use bytes::Bytes;
 
-use super::{Class, Extent, f64_value, no_attribute, short_string, u8_value, u32_value};
-use crate::eip::tags::unknown;
+use super::object::{Extent, Object, ObjectContext};
+use super::values::{f64_value, no_attribute, short_string, u8_value, u32_value};
+use crate::eip::status::unknown;
 use crate::plant::Command;
 
-pub(super) struct MotionObjects<'a> {
-    pub(super) object: Object,
-    pub(super) machine: &'a Machine,
-    pub(super) image: &'a Image,
-    /// What was set, in order, for the tag memory.
-    pub(super) settings: RefCell<Vec<Setting>>,
-}
-
-/// An attribute that was set to a value in range, for the tag memory.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Setting {
-    /// The feed override of a coordinate system by its index, percent.
-    FeedOverride(u16, f32),
-    /// The injected faults of an axis by its index, bits.
-    InjectedFaults(u16, u32),
-    /// A numeric attribute of the object of that index.
-    Attribute(&'static Attribute, u16, u32),
-}
-
-impl Setting {
-    /// The command that writes it like the tag that shows it.
-    pub(super) fn command(self) -> Command<'static> {
-        match self {
-            Setting::FeedOverride(system, percent) => Command::SetFeedOverride { system, percent },
-            Setting::InjectedFaults(axis, bits) => Command::InjectFaults { axis, bits },
-            Setting::Attribute(attribute, index, value) => Command::SetAttribute {
-                attribute,
-                index,
-                value: value.into(),
-            },
-        }
-    }
-}
+/// The objects of one of the three classes.
+#[derive(Debug)]
+pub(super) struct MotionObjects(pub(super) MotionObject);
 
 /// Objects of a kind; instances count from 1.
-pub(super) fn count(machine: &Machine, object: Object) -> usize {
+pub(super) fn count(machine: &Machine, object: MotionObject) -> usize {
     match object {
-        Object::MotionGroup => 1,
-        Object::Axis => machine.axes.len(),
-        Object::CoordinateSystem => machine.systems.len(),
+        MotionObject::MotionGroup => 1,
+        MotionObject::Axis => machine.axes.len(),
+        MotionObject::CoordinateSystem => machine.systems.len(),
     }
 }
 
-impl Class for MotionObjects<'_> {
-    fn extent(&self) -> Extent {
+impl Object for MotionObjects {
+    fn class(&self) -> u16 {
+        self.0.class_code()
+    }
+
+    fn name(&self) -> &'static str {
+        match self.0 {
+            MotionObject::MotionGroup => "Motion Group",
+            MotionObject::Axis => "Axis",
+            MotionObject::CoordinateSystem => "Coordinate System",
+        }
+    }
+
+    fn is_motion(&self) -> bool {
+        true
+    }
+
+    fn extent(&self, cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
         let last = self.all().len();
         Extent::dense(
-            count(self.machine, self.object),
+            count(cx.device().plant.machine(), self.0),
             u16::try_from(last).unwrap_or(u16::MAX),
         )
     }
 
-    fn attribute(&self, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
-        let place = usize::try_from(instance).unwrap_or(usize::MAX).wrapping_sub(1);
-        if let Some(attribute) = Attribute::numbered(self.object, id) {
-            let index = u16::try_from(place).map_err(|_| unknown())?;
-            let value = self
-                .image
-                .attribute(self.machine, attribute, index)
+    fn attribute(&self, cx: &ObjectContext<'_, '_>, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
+        let index = usize::try_from(instance).unwrap_or(usize::MAX).wrapping_sub(1);
+        if let Some(attribute) = Attribute::numbered(self.0, id) {
+            let index = u16::try_from(index).map_err(|_| unknown())?;
+            let value = cx
+                .image()
+                .attribute(cx.device().plant.machine(), attribute, index)
                 .ok_or_else(unknown)?;
             return if attribute.is_settable() {
                 // Exact: such a value is a small whole number.
@@ -111,26 +96,26 @@ impl Class for MotionObjects<'_> {
                 f64_value(value)
             };
         }
-        match self.object {
-            Object::MotionGroup => group(self.machine, id),
-            Object::Axis => {
-                let described = self.machine.axes.get(place).ok_or_else(unknown)?;
-                let place = u16::try_from(place).map_err(|_| unknown())?;
+        match self.0 {
+            MotionObject::MotionGroup => group(cx.device().plant.machine(), id),
+            MotionObject::Axis => {
+                let described = cx.device().plant.machine().axes.get(index).ok_or_else(unknown)?;
+                let index = u16::try_from(index).map_err(|_| unknown())?;
                 match id {
-                    of_axis::INJECTED_FAULTS => word_value(self.image.injected_faults().nth(place.into())),
-                    of_axis::POSSIBLE_FAULTS => word_value(self.image.possible_faults(place)),
-                    of_axis::FAULTS => word_value(self.image.faults(place)),
+                    of_axis::INJECTED_FAULTS => word_value(cx.image().injected_faults().nth(index.into())),
+                    of_axis::POSSIBLE_FAULTS => word_value(cx.image().possible_faults(index)),
+                    of_axis::FAULTS => word_value(cx.image().faults(index)),
                     id => axis(described, id),
                 }
             }
-            Object::CoordinateSystem => {
-                let described = self.machine.systems.get(place).ok_or_else(unknown)?;
-                let place = u16::try_from(place).map_err(|_| unknown())?;
+            MotionObject::CoordinateSystem => {
+                let described = cx.device().plant.machine().systems.get(index).ok_or_else(unknown)?;
+                let index = u16::try_from(index).map_err(|_| unknown())?;
                 match id {
-                    of_system::FEED_OVERRIDE => real_value(self.image.feed_overrides().nth(place.into())),
-                    of_system::OVERRIDE_BEFORE_HOLD => real_value(self.image.feed_override_before_hold(place)),
+                    of_system::FEED_OVERRIDE => real_value(cx.image().feed_overrides().nth(index.into())),
+                    of_system::OVERRIDE_BEFORE_HOLD => real_value(cx.image().feed_override_before_hold(index)),
                     of_system::DISTANCE_TO_GO..=of_system::TIME_LEFT => {
-                        let progress = self.image.progress(place).unwrap_or_default();
+                        let progress = cx.image().progress(index).unwrap_or_default();
                         f64_value(match id {
                             of_system::DISTANCE_TO_GO => progress.remaining,
                             of_system::TIME_LEFT => progress.time_left,
@@ -144,54 +129,60 @@ impl Class for MotionObjects<'_> {
     }
 
     fn all(&self) -> &'static [u16] {
-        match self.object {
-            Object::MotionGroup => &[1, 2, 3],
-            Object::Axis => &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12],
-            Object::CoordinateSystem => &[
+        match self.0 {
+            MotionObject::MotionGroup => &[1, 2, 3],
+            MotionObject::Axis => &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12],
+            MotionObject::CoordinateSystem => &[
                 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28,
                 29,
             ],
         }
     }
 
-    fn settable(&self, _instance: u32, id: u16) -> Option<usize> {
-        let settable = match self.object {
-            Object::MotionGroup => false,
-            Object::Axis => id == of_axis::INJECTED_FAULTS,
-            Object::CoordinateSystem => id == of_system::FEED_OVERRIDE,
+    fn settable(&self, _cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Option<usize> {
+        let settable = match self.0 {
+            MotionObject::MotionGroup => false,
+            MotionObject::Axis => id == of_axis::INJECTED_FAULTS,
+            MotionObject::CoordinateSystem => id == of_system::FEED_OVERRIDE,
         };
-        let settable = settable || Attribute::numbered(self.object, id).is_some_and(Attribute::is_settable);
+        let settable = settable || Attribute::numbered(self.0, id).is_some_and(Attribute::is_settable);
         settable.then_some(4)
     }
 
-    fn set(&self, instance: u32, id: u16, value: &[u8]) -> Result<(), CipStatus> {
+    fn set(&self, cx: &mut ObjectContext<'_, '_>, instance: u32, id: u16, value: &[u8]) -> Result<(), CipStatus> {
         let value = *value.first_chunk().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
         let index = u16::try_from(instance.wrapping_sub(1)).map_err(|_| unknown())?;
         let word = u32::from_le_bytes(value);
-        let setting = match (Attribute::numbered(self.object, id), self.object) {
+        let command = match (Attribute::numbered(self.0, id), self.0) {
             (Some(attribute), _) => {
                 if word > DYNAMICS_CONFIGURATION_BITS {
                     return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
                 }
-                Setting::Attribute(attribute, index, word)
+                Command::SetAttribute {
+                    attribute,
+                    index,
+                    value: word.into(),
+                }
             }
-            (None, Object::Axis) => {
-                let possible = self.image.possible_faults(index).ok_or_else(unknown)?;
+            (None, MotionObject::Axis) => {
+                let possible = cx.image().possible_faults(index).ok_or_else(unknown)?;
                 if word & !possible.bits() != 0 {
                     return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
                 }
-                Setting::InjectedFaults(index, word)
+                Command::InjectFaults {
+                    axis: index,
+                    bits: word,
+                }
             }
             (None, _) => {
                 let percent = f32::from_le_bytes(value);
                 if !FEED_OVERRIDE_PERCENT.contains(&percent) {
                     return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
                 }
-                Setting::FeedOverride(index, percent)
+                Command::SetFeedOverride { system: index, percent }
             }
         };
-        self.settings.borrow_mut().push(setting);
-        Ok(())
+        cx.apply(command).map(drop)
     }
 }
 
@@ -230,8 +221,8 @@ fn robot(system: &CoordinateSystem, id: u16) -> Result<Bytes, CipStatus> {
         &parameters.end_effector_offsets,
         &parameters.zero_angles,
     ];
-    let place = id.checked_sub(of_system::ROBOT).map(usize::from);
-    match place.and_then(|place| numbers.into_iter().flatten().nth(place)) {
+    let index = id.checked_sub(of_system::ROBOT).map(usize::from);
+    match index.and_then(|index| numbers.into_iter().flatten().nth(index)) {
         Some(number) => f64_value(*number),
         None => no_attribute(),
     }
