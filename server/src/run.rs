@@ -142,15 +142,15 @@ async fn reload(plant: &Plant, config: Option<&Path>, configured: &mut Project) 
     }
 }
 
-/// Binds everything. Where nobody has chosen a port for implicit I/O and 2222 is taken (by a scanner on this host), any
-/// does: originators are told.
+/// Binds all sockets. Where the configuration has no port for implicit I/O and 2222 is in use (by a scanner on this host), any free
+/// port does: the reply to a Forward Open has it.
 async fn bind(choice: IoListen, listen: SocketAddr, plant: Plant, mut settings: Settings) -> Result<Listener, Failure> {
     let io = settings.io;
     let error = match Listener::bind(listen, plant.clone(), settings.clone()).await {
         Err(error) if choice == IoListen::BesideListen && io == Some(error.address) => error,
         bound => return bound.map_err(|error| cannot_listen(&error, io)),
     };
-    tracing::warn!(%error, "implicit I/O takes another port");
+    tracing::warn!(%error, "the default port of implicit I/O is in use: implicit I/O uses another one");
     settings.io = io.map(|address| SocketAddr::new(address.ip(), 0));
     Listener::bind(listen, plant, settings)
         .await
@@ -165,12 +165,12 @@ fn ready(eip: SocketAddr, hmi: Option<SocketAddr>) -> io::Result<()> {
     out.flush()
 }
 
-/// Where the HMI is to listen.
+/// The address of the web page.
 #[derive(Clone, Copy, Debug)]
 enum HmiAt {
-    /// Where somebody said.
+    /// An address of the configuration or the command line.
     Chosen(SocketAddr),
-    /// On the default port, or on another one when it is taken: the ready line tells which.
+    /// The default port, or a free one when it is in use: the ready line has it.
     Default(SocketAddr),
 }
 
@@ -179,7 +179,7 @@ async fn bind_hmi(at: HmiAt, plant: Plant) -> Result<Hmi, Failure> {
     match (Hmi::bind(address, plant.clone()).await, at) {
         (Ok(hmi), _) => Ok(hmi),
         (Err(error), HmiAt::Default(_)) if error.kind() == io::ErrorKind::AddrInUse => {
-            tracing::warn!(%address, "another program uses the HMI's port, it takes another one");
+            tracing::warn!(%address, "another program uses the default port of the web page: the ready line has the port of this server");
             let any = SocketAddr::new(address.ip(), 0);
             Hmi::bind(any, plant).await.map_err(|error| no_hmi(any, &error))
         }

@@ -66,7 +66,7 @@ impl Arc {
         })
     }
 
-    /// By its radius; a negative one takes the longer way.
+    /// By its radius; a negative one means the longer arc.
     pub(crate) fn with_radius(start: Flat, end: Flat, radius: f64, is_ccw: bool, scale: f64) -> Result<Self, Problem> {
         let chord = sub(end, start);
         let distance = chord[0].hypot(chord[1]);
@@ -175,7 +175,7 @@ mod tests {
     }
 
     proptest! {
-        /// All points are on the circle, and the chords of the parts add up to the way.
+        /// All points are on the circle, and the chords of the parts add up to the length.
         #[test]
         fn parts_follow_the_circle(
             center in [-500.0..500.0, -500.0..500.0_f64], radius in 0.1..500.0_f64,

@@ -1,4 +1,4 @@
-//! What can be wrong with a program, and where.
+//! Errors in a program, with their line and column.
 
 /// A program that cannot be run.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
@@ -8,11 +8,11 @@ pub struct GcodeError {
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    /// What is wrong.
+    /// The problem.
     pub problem: Problem,
 }
 
-/// What is wrong at the place of a [`GcodeError`].
+/// The problem at the line and column of a [`GcodeError`].
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
@@ -33,7 +33,7 @@ pub enum Problem {
     Number {
         /// The letter.
         letter: char,
-        /// What follows it.
+        /// The text behind it.
         found: String,
     },
     /// A comment without its end on the line.
@@ -58,13 +58,13 @@ pub enum Problem {
     Unused {
         /// The letter.
         letter: char,
-        /// What would use it.
+        /// The words that use it.
         expected: &'static str,
     },
     /// Something is missing.
     #[error("{what} is missing: {expected}")]
     Missing {
-        /// What.
+        /// The missing word.
         what: &'static str,
         /// How it is written.
         expected: &'static str,
@@ -76,7 +76,7 @@ pub enum Problem {
         letter: char,
         /// As it was written.
         value: f64,
-        /// What can be.
+        /// The possible values.
         expected: &'static str,
     },
     /// An axis that the coordinate system does not have.
@@ -120,7 +120,7 @@ pub enum Problem {
     TooLarge {
         /// The limit.
         limit: usize,
-        /// Of what.
+        /// Their unit.
         unit: &'static str,
     },
 }

@@ -1,9 +1,9 @@
 //! G-code (RS-274, the part that moves) as lines, arcs and dwells, and these as Structured Text: MCLM and MCCM with the
 //! termination types that its path control asks for.
 //!
-//! Pure: a text goes in, values and a text come out. No file, no socket, no machine: where the program begins, how many
-//! axes there are and what their unit is are [`Options`]. What is not known is an error with its line and column, never
-//! passed over. Positions are in the units of the machine, speeds in those per second.
+//! A pure function from a text to values and a text. No file, no socket, no machine: [`Options`] has the start position, the number of
+//! axes and their unit. An unknown word is an error with its line and column, and never
+//! skipped. Positions are in the units of the machine, speeds in those per second.
 //!
 //! | word | means |
 //! |---|---|

@@ -1,11 +1,11 @@
-//! What holds from line to line, and what a line does with it: first the modes, then the dwell, then the motion.
+//! The modal state from line to line, and the effect of a line: first the modes, then the dwell, then the motion.
 
 use crate::arc::Arc;
 use crate::words::Word;
 use crate::{Corner, GcodeError, Motion, Options, Problem, Speed};
 
 const MM_PER_INCH: f64 = 25.4;
-/// A way shorter than this moves nothing, mm.
+/// A distance shorter than this is no motion, mm.
 const NOTHING: f64 = 1e-6;
 /// An arc shorter than this is a line, mm.
 const STRAIGHT: f64 = 1e-4;
@@ -41,7 +41,7 @@ enum Way {
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Plane([usize; 3]);
 
-/// What a G word does.
+/// The effect of a G word.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Meaning {
     Way(Option<Way>),
@@ -51,7 +51,7 @@ enum Meaning {
     Corner(Corner),
     Absolute(bool),
     CenterAbsolute(bool),
-    /// What is so anyway.
+    /// The only supported state, without effect.
     Nothing,
 }
 
@@ -104,7 +104,7 @@ impl Modes {
         }
     }
 
-    /// Does what the words of a line say. Gives whether the program goes on behind it.
+    /// Executes the words of a line. Returns whether the program continues behind it.
     pub(crate) fn line(
         &mut self,
         words: &[Word],

@@ -1,10 +1,10 @@
-//! A program as steps: what is travelled, at which speed, and what happens at its end.
+//! A program as steps: paths, speeds, and the ends of motions.
 
 use crate::modal::Modes;
 use crate::words::words;
 use crate::{GcodeError, MAX_BYTES, MAX_STEPS, Problem};
 
-/// What a program does not say itself.
+/// Conditions that a program does not contain.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Options {
     /// Axes of the coordinate system: 1 (X), 2 (X, Y) or 3 (X, Y, Z).
@@ -38,7 +38,7 @@ pub enum Speed {
     Feed(f64),
 }
 
-/// What happens at the end of a motion that another one follows.
+/// The end of a motion with a successor.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Corner {
     /// The path is followed exactly, as fast as its corner can be passed (G61).
@@ -60,7 +60,7 @@ pub enum Motion {
         end: [f64; 3],
         /// How fast.
         speed: Speed,
-        /// What happens there.
+        /// Its end.
         corner: Corner,
     },
     /// An arc of at most 270° through a point to a point.
@@ -71,7 +71,7 @@ pub enum Motion {
         end: [f64; 3],
         /// How fast.
         speed: Speed,
-        /// What happens there.
+        /// Its end.
         corner: Corner,
     },
     /// Rest.
@@ -86,7 +86,7 @@ pub enum Motion {
 pub struct Step {
     /// Line of the program, from 1.
     pub line: usize,
-    /// What happens.
+    /// The motion or dwell.
     pub motion: Motion,
 }
 
@@ -95,7 +95,7 @@ pub struct Step {
 pub struct Program {
     /// How many axes the positions have.
     pub axes: usize,
-    /// What is done, in order.
+    /// The steps, in order.
     pub steps: Vec<Step>,
 }
 
@@ -103,7 +103,7 @@ impl Program {
     /// Reads a program. A line that moves nothing leaves no step.
     ///
     /// # Errors
-    /// [`GcodeError`] for the first thing that cannot be read, is not known, or makes no sense.
+    /// [`GcodeError`] for the first word that cannot be read, is unknown, or has no meaning on its line.
     pub fn parse(text: &str, options: &Options) -> Result<Self, GcodeError> {
         let too_large = |line, limit, unit| GcodeError {
             line,

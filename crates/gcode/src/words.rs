@@ -64,7 +64,7 @@ pub(crate) fn words(text: &str, line: usize) -> Result<Vec<Word>, GcodeError> {
     Ok(words)
 }
 
-/// A number and where it ends; what stands there instead. Plain decimals: no exponent, which would be the letter E.
+/// A number and its end, or the text in its position. Plain decimals: no exponent, which would be the letter E.
 fn number(characters: &[char], from: usize) -> Result<(f64, usize), String> {
     let rest = || characters.iter().copied().enumerate().skip(from);
     let begin = rest()

@@ -131,7 +131,7 @@ fn words_are_passed_over_when_it_is_said() {
         error.contains("line 2, column 7: the word `M5` is not known"),
         "{error}"
     );
-    // What is known is never passed over.
+    // A known word is never skipped.
     let program = Program::parse("G0 X1", &options(&["G0", "X"])).expect("a program");
     assert_eq!(told(&program), "L 1,0,0 stop");
 }
@@ -192,7 +192,7 @@ proptest! {
         let _ = parse(&text);
     }
 
-    /// Whatever parses is Structured Text of finite numbers, each position within what the words can reach.
+    /// Every program that parses becomes Structured Text of finite numbers, each position within the reach of its words.
     #[test]
     fn what_is_read_can_be_written(
         words in prop::collection::vec(

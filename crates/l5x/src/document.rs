@@ -1,11 +1,11 @@
-//! The parsed file with its places: errors and findings by line and element path.
+//! The parsed file with its positions: errors and findings by line and element path.
 
 use roxmltree::{Attribute, Document, Node, ParsingOptions};
 
 use crate::mapping::{self, Meaning};
 use crate::{L5xError, Problem, Reason, Report, scan};
 
-/// The file, its lines, and what was found in it that is not taken.
+/// The file, its lines, and the findings about parts that are not imported.
 pub(crate) struct Source<'t> {
     file: &'t str,
     text: &'t str,
@@ -113,7 +113,7 @@ impl Source<'_> {
         self.report.add(reason, format!("{}/@{name}", path(node)), line);
     }
 
-    /// Adds to the report what the table of [`mapping`] does not have or says to be lost: attributes and children.
+    /// Adds attributes and children to the report that the table of [`mapping`] does not have or calls lost.
     pub(crate) fn check(&mut self, node: Node<'_, '_>) {
         let rows = mapping::rows(node.tag_name().name());
         for attribute in node.attributes() {
@@ -148,7 +148,7 @@ impl Source<'_> {
     }
 }
 
-/// Whether a value says nothing: the neutral one, once or in each place of a list.
+/// Whether a value is neutral, alone or in each element of a list.
 fn is_neutral(neutral: &str, value: &str) -> bool {
     let same = |word: &str| match (word.parse::<f64>(), neutral.parse::<f64>()) {
         (Ok(a), Ok(b)) => a == b,

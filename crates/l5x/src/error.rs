@@ -1,13 +1,13 @@
-//! What can be wrong with an L5X file, and where.
+//! Errors in an L5X file, with their position.
 
 use std::fmt;
 
 /// A file that is no L5X, or one whose content contradicts itself.
 ///
-/// Displayed as `FILE:LINE:COLUMN: PATH: what was found, what was expected`.
+/// Displayed as `FILE:LINE:COLUMN: PATH: found …, expected …`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct L5xError {
-    /// Name of the file, as given to [`crate::import`].
+    /// Name of the file, the argument of [`crate::import`].
     pub file: String,
     /// Line, from 1.
     pub line: usize,
@@ -15,7 +15,7 @@ pub struct L5xError {
     pub column: usize,
     /// The element or attribute, such as `Controller/Tags/Tag/@Dimensions`; empty for the file as a whole.
     pub path: String,
-    /// What is wrong.
+    /// The problem.
     pub problem: Problem,
 }
 
@@ -35,7 +35,7 @@ impl std::error::Error for L5xError {
     }
 }
 
-/// What is wrong at the place of an [`L5xError`].
+/// The problem at the position of an [`L5xError`].
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
@@ -48,7 +48,7 @@ pub enum Problem {
     /// Larger, deeper or wider than is read.
     #[error("found {found} {what}, expected at most {limit}")]
     TooMuch {
-        /// What there is too much of: `bytes`, `levels of elements`, `attributes of one element`.
+        /// The unit of the count: `bytes`, `levels of elements`, `attributes of one element`.
         what: &'static str,
         /// How much there is, as far as was counted.
         found: usize,
@@ -60,7 +60,7 @@ pub enum Problem {
     Missing {
         /// The element or `@attribute`.
         what: &'static str,
-        /// What it should be.
+        /// The expected value.
         expected: &'static str,
     },
     /// A value that does not do.
@@ -68,13 +68,13 @@ pub enum Problem {
     Value {
         /// The value, shortened.
         found: String,
-        /// What it should be.
+        /// The expected value.
         expected: &'static str,
     },
-    /// What was read makes no valid configuration.
+    /// The result is no valid configuration.
     #[error("as a configuration: {message}")]
     Configuration {
-        /// The key and what is wrong with it.
+        /// The key and its problem.
         message: String,
     },
 }

@@ -13,7 +13,7 @@ use self::xml::Xml;
 use crate::import::import;
 use crate::overlay::{PROVIDER, difference, merge};
 
-/// Writes a project as L5X: the format's own elements for all that it has a place for, and a `Provider` of Arcline in the
+/// Writes a project as L5X: the format's own elements where they exist, and a `Provider` of Arcline in the
 /// controller's `CustomProperties` for the rest. [`import`] makes the same project of it, with an empty report.
 pub fn export(project: &Project) -> String {
     let whole = arcline_config::table(project);

@@ -16,14 +16,14 @@ use crate::document::{Source, child, children, parse};
 use crate::overlay::{self, PROVIDER};
 use crate::{L5xError, Problem, Reason, Report};
 
-/// What an L5X file says to Arcline.
+/// The import of an L5X file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Import {
     /// The tables of a configuration; [`arcline_config::format`] makes a file of them.
     pub config: Table,
-    /// What they mean.
+    /// Their project.
     pub project: Project,
-    /// What of the file is not in them.
+    /// The parts of the file that are not in them.
     pub report: Report,
 }
 
@@ -31,8 +31,7 @@ pub struct Import {
 /// refused.
 ///
 /// # Errors
-/// The first thing that is wrong, with line, column and element, and what was expected. What is only unknown is no error
-/// but in the report.
+/// The first thing that is wrong, with line, column and element, and the expected value. Unknown parts are in the report, and no errors.
 pub fn import(text: &str, file: &str) -> Result<Import, L5xError> {
     // A byte order mark, as Windows writes it.
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
@@ -63,7 +62,7 @@ pub fn import(text: &str, file: &str) -> Result<Import, L5xError> {
     importer.finish(controller)
 }
 
-/// What is known so far.
+/// The state of an import.
 pub(crate) struct Importer<'a, 't> {
     source: Source<'t>,
     overlay: Table,
@@ -160,7 +159,7 @@ impl<'a, 't> Importer<'a, 't> {
         self.config.get(section).and_then(Value::as_array).map_or(0, Vec::len)
     }
 
-    /// Whether the file's overlay has a key of an entry, so that what else is said of it does not matter.
+    /// Whether the file's overlay has a key of an entry, so that other elements about it do not matter.
     fn overlaid(&self, section: &str, name: &str, key: &[&str]) -> bool {
         overlay::says(&self.overlay, section, name, key)
     }

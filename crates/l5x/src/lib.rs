@@ -1,9 +1,9 @@
 //! L5X, the XML of a Studio 5000 project, and Arcline's configuration: text in, values out, both ways.
 //!
 //! [`import`] takes the tags, data types, axes, coordinate systems and the motion group of an export and makes tables of
-//! a configuration of them; what it does not understand and what Arcline has no counterpart of is in its [`Report`].
+//! a configuration of them; its [`Report`] has all parts that it does not understand or that have no counterpart in Arcline.
 //! [`export`] writes a project so that it imports again as the same one. It reads and writes no files, runs no logic,
-//! and knows nothing of modules, routines and tasks. What corresponds to what is one table, [`mapping`], which
+//! and knows nothing of modules, routines and tasks. The correspondence is one table, [`mapping`], which
 //! docs/L5X.md shows. Units are those of the two formats: L5X has the coarse update period in microseconds and gains in per
 //! cent, all else in position units and seconds.
 //!

@@ -1,12 +1,12 @@
-//! What corresponds to what: the one table of elements and attributes that the importer judges a file by and that
-//! docs/L5X.md shows. What stands nowhere in it is reported as not understood.
+//! The correspondence of L5X and Arcline: the one table of elements and attributes by which the importer judges a file and that
+//! docs/L5X.md shows. The report calls all others not understood.
 
-/// What an attribute or child element of L5X is to Arcline.
+/// The meaning of an attribute or child element of L5X in Arcline.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Meaning {
     /// It becomes this key of a configuration, or a part of it.
     Key(&'static str),
-    /// It says nothing that could be lost; the words tell why.
+    /// It has no information to lose, for the reason in the words.
     Form(&'static str),
     /// Arcline has nothing like it: reported, unless it has this value (empty: always).
     Without(&'static str),
@@ -19,7 +19,7 @@ pub enum Meaning {
 pub struct Row {
     /// `@Attribute`, or the name of a child element.
     pub what: &'static str,
-    /// What it is to Arcline.
+    /// Its meaning in Arcline.
     pub meaning: Meaning,
 }
 

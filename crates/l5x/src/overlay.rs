@@ -1,5 +1,5 @@
-//! What L5X has no place for: keys of a configuration in a `Provider` of Arcline in the controller's `CustomProperties`.
-//! They are the difference between a project and what its L5X says without them, so nothing is listed twice.
+//! Keys without a counterpart in L5X: they stand in a `Provider` of Arcline in the controller's `CustomProperties`.
+//! They are the difference between a project and its L5X without them, so no value is there twice.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ pub(crate) const PROVIDER: &str = "Arcline";
 /// The key that holds the full names of all tags in their order, where the file's order is another.
 const ORDER: &str = "order";
 
-/// What of `whole` is not in `part`, both the tables of a configuration; `None`: nothing.
+/// The keys of `whole` that are not in `part`, both tables of a configuration; `None`: no key.
 pub(crate) fn difference(whole: &Table, part: &Table) -> Option<Table> {
     let mut overlay = Table::new();
     for (key, value) in whole {
@@ -96,7 +96,7 @@ fn merge_keys(table: &mut Table, overlay: Table) {
     }
 }
 
-/// Puts an overlay over what the rest of a file said, and the tags into their order. Tags that the order does not know
+/// Puts an overlay over the rest of a file, and the tags into their order. Tags that the order does not know
 /// come behind all others.
 pub(crate) fn apply(table: &mut Table, mut overlay: Table) {
     let order = overlay.remove(ORDER);
@@ -112,7 +112,7 @@ pub(crate) fn apply(table: &mut Table, mut overlay: Table) {
     });
 }
 
-/// Where the entries of a list stand, by what identifies them.
+/// The indices of the entries of a list, by their identity.
 fn index(items: &[Value]) -> BTreeMap<String, usize> {
     let named = items.iter().enumerate();
     named

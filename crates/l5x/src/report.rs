@@ -1,4 +1,4 @@
-//! What an import left out or changed, grouped. Not errors: the rest is imported.
+//! The parts that an import left out or changed, by group. They are no errors: the rest is imported.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -10,7 +10,7 @@ pub enum Reason {
     NotUnderstood,
     /// Known, and Arcline has nothing like it.
     NoCounterpart,
-    /// Taken, but as something else: the words say as what.
+    /// Imported as another value, which the words name.
     Changed(&'static str),
 }
 
@@ -34,11 +34,11 @@ pub struct Group {
 }
 
 impl Group {
-    /// How many lines are kept of each group.
+    /// Highest number of lines in each group.
     pub const LINES: usize = 5;
 }
 
-/// What an import left out or changed.
+/// The parts that an import left out or changed.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Report {
     groups: BTreeMap<(Reason, String), Group>,

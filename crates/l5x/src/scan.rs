@@ -1,5 +1,5 @@
-//! A look over the text before it is parsed: how large, how deep, how wide. It bounds what the parser can be made to
-//! do (its check for double attributes is quadratic in their number); whether the XML is well-formed is the parser's.
+//! A look over the text before it is parsed: how large, how deep, how wide. It bounds the work that a file can cause
+//! in the parser (whose check for double attributes is quadratic in their number). The parser checks that the XML is well-formed.
 
 use crate::Problem;
 
@@ -10,7 +10,7 @@ pub const MAX_DEPTH: usize = 64;
 /// Most attributes of one element; an AXIS_CIP_DRIVE has some 200.
 pub const MAX_ATTRIBUTES: usize = 1024;
 
-/// The offset of what there is too much of.
+/// The offset at which a limit is exceeded.
 pub(crate) fn check(text: &str) -> Result<(), (usize, Problem)> {
     let too_much = |what, found, limit| Problem::TooMuch { what, found, limit };
     if text.len() > MAX_TEXT {

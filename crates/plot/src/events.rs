@@ -43,7 +43,7 @@ impl Mark {
             let sets = |bit: &str| event.set.iter().any(|set| set == bit);
             let name = format!("{} {}", event.instruction, event.tag);
             let name = name.trim();
-            // Coordinated moves have AC; what has none begins with IP.
+            // Coordinated moves begin with AC, other instructions with IP.
             let is_move = matches!(event.instruction.as_str(), "MCLM" | "MCCM" | "MCPM");
             if sets("ER") {
                 marks.push(Self {

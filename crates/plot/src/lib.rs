@@ -37,7 +37,7 @@ pub enum PlotError {
     Line {
         /// From 1.
         line: usize,
-        /// What is wrong with it.
+        /// The problem.
         problem: String,
     },
     /// The header has no position of any axis.

@@ -8,13 +8,13 @@ use crate::scale::Range;
 use crate::trace::{Axis, Trace};
 use crate::{Mark, PlotError};
 
-/// What is drawn of a trace.
+/// The options of a picture.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Options {
     /// The axes, the first three of them with their path; empty: those that move, with the path of a robot's tool where the trace
     /// has it.
     pub axes: Vec<String>,
-    /// What is marked.
+    /// The marks.
     pub marks: Vec<Mark>,
     /// Above the picture; empty: nothing.
     pub title: String,
@@ -23,7 +23,7 @@ pub struct Options {
 const WIDTH: f64 = 960.0;
 const HEIGHT: f64 = 596.0;
 const TOP: f64 = 58.0;
-/// Axes over time that are told apart by their colours.
+/// Highest number of axes with distinct colours.
 const COLOURS: [&str; 8] = [
     "#1f5fa8", "#c2541b", "#2a8a4a", "#8a3fa0", "#b08900", "#00838f", "#a83250", "#5a5a5a",
 ];
@@ -171,7 +171,7 @@ fn names(panel: &mut Panel, axes: &[&Axis]) {
     }
 }
 
-/// What is marked, slanted above the diagrams.
+/// The marks, slanted above the diagrams.
 fn texts(panel: &mut Panel, marks: &[Mark], time: Range) {
     let top = panel.place.top;
     if marks.len() > TEXTS {

@@ -1,10 +1,10 @@
-//! One diagram: a rectangle of the page, the ranges that it shows, and what is drawn in it.
+//! One diagram: a rectangle of the page, the ranges that it shows, and its curves.
 
 use std::fmt::Write;
 
 use crate::scale::Range;
 
-/// Pixels between two points of a curve that are told apart.
+/// Least distance of two distinct points of a curve, pixels.
 const FINE: f64 = 0.5;
 pub(crate) const INK: &str = "#333333";
 const GRID: &str = "#dddddd";
@@ -90,7 +90,7 @@ impl Panel {
         ));
     }
 
-    /// A curve over time, `x` ascending: in each column of half a pixel what comes first and last, and the extremes.
+    /// A curve over time, `x` ascending: in each column of half a pixel the first and the last point, and the extremes.
     pub(crate) fn curve(&mut self, xs: &[f64], ys: &[f64], colour: &str) {
         let mut points: Vec<(f64, f64)> = Vec::new();
         let mut column: Vec<(f64, f64)> = Vec::new();

@@ -4,7 +4,7 @@ use crate::panel::{Box2, INK, Panel};
 use crate::scale::Range;
 use crate::trace::{Axis, Trace};
 
-/// Colours of the speed from none to the highest: dark to light, for those too who see no red or no green.
+/// Colours of the speed from none to the highest: dark to light, distinct for colour-blind readers too.
 const SPEEDS: [[f64; 3]; 6] = [
     [68.0, 1.0, 84.0],
     [65.0, 68.0, 135.0],
@@ -13,7 +13,7 @@ const SPEEDS: [[f64; 3]; 6] = [
     [122.0, 209.0, 81.0],
     [222.0, 196.0, 26.0],
 ];
-/// Shades that are told apart.
+/// Number of distinct shades.
 const SHADES: usize = 32;
 /// Pixels between two points of the path.
 const FINE: f64 = 0.8;
@@ -100,7 +100,7 @@ fn extents(axes: &[&Axis]) -> Vec<Range> {
     axes.iter().map(extent).collect()
 }
 
-/// Where the corners of the box around a path are seen; bit k of the place is the high end of axis k.
+/// The corners of the box around a path on the page; bit k of the index is the high end of axis k.
 fn corners(extents: &[Range]) -> Vec<(f64, f64)> {
     let at = |ends: usize| {
         let end = |(axis, range): (usize, &Range)| if ends & (1 << axis) != 0 { range.1 } else { range.0 };

@@ -10,7 +10,7 @@ use crate::PlotError;
 /// Draws an SVG of [`crate::svg`] as PNG, `scale` pixels for each of its own.
 ///
 /// # Errors
-/// [`PlotError::Pixels`] for what is no SVG, or a scale that gives no picture.
+/// [`PlotError::Pixels`] for a text that is no SVG, or a scale without a picture.
 pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, PlotError> {
     let pixels = |error: &dyn std::fmt::Display| PlotError::Pixels(error.to_string());
     let face = Face::parse(dejavu::sans::regular(), 0).map_err(|error| pixels(&error))?;

@@ -1,4 +1,4 @@
-//! A trace as columns: what `simulate --trace` and `arcline trace` write (spec/contract.md §1).
+//! A trace as columns, as `simulate --trace` and `arcline trace` write it (spec/contract.md §1).
 
 use crate::PlotError;
 
@@ -24,7 +24,7 @@ pub struct Trace {
     pub axes: Vec<Axis>,
 }
 
-/// What a column is.
+/// The quantity of a column.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Signal {
     Command,
@@ -162,7 +162,7 @@ impl Axis {
         self.position.iter().any(|at| (at - self.position[0]).abs() > 1e-9)
     }
 
-    /// Per second³: what the acceleration does between two rows.
+    /// Per second³: the change of the acceleration between two rows.
     pub fn jerk(&self, time: &[f64]) -> Vec<f64> {
         differences(time, &self.acceleration)
     }
@@ -171,7 +171,7 @@ impl Axis {
 /// The columns of a robot's tool.
 const TOOL: [&str; 3] = ["ToolX", "ToolY", "ToolZ"];
 
-/// The name of the axis and what the column is.
+/// The name of the axis and the quantity of the column.
 fn column(title: &str) -> Option<(&str, Signal)> {
     let (name, signal) = title.rsplit_once('.')?;
     if TOOL.contains(&signal) {

@@ -1,4 +1,4 @@
-//! The motion group, axes and coordinate systems as tags. What has no attribute is left to the overlay.
+//! The motion group, axes and coordinate systems as tags. Keys without an attribute go to the overlay.
 
 use arcline_controller::machine::{
     Axis, AxisKind, CoordinateSystem, Home, HomeDirection, HomeMode, HomeSequence, Machine, ProgrammedStopMode, Robot,

@@ -126,7 +126,7 @@ fn number(kind: Elementary, bytes: &[u8]) -> String {
     }
 }
 
-/// `[0,1,2]`: the place of an element among its dimensions.
+/// `[0,1,2]`: the indices of an element.
 fn index(place: usize, dimensions: &[u32], scale: u32) -> String {
     let mut rest = place;
     let mut indices: Vec<String> = Vec::new();

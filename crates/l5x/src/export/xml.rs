@@ -47,7 +47,7 @@ impl Xml {
         }
     }
 
-    /// Characters that XML cannot hold fall away: what they stood in is in the overlay, which escapes them itself.
+    /// Leaves out characters that XML cannot hold: the overlay, which escapes them itself, has the whole text.
     fn escape(&mut self, text: &str, attribute: bool) {
         for c in text.chars() {
             match c {

@@ -354,7 +354,7 @@ impl<'a, 't> Importer<'a, 't> {
             ("HomeAcceleration", "acceleration"),
             ("HomeDeceleration", "deceleration"),
         ] {
-            // 0 is what stands there before anybody sets it.
+            // 0 is the value before it is set.
             let number = self.source.number(node, attribute)?.filter(|number| *number > 0.0);
             home.extend(number.map(|number| (key.to_owned(), Value::Float(number))));
         }
@@ -519,7 +519,7 @@ impl<'a, 't> Importer<'a, 't> {
         Ok(())
     }
 
-    /// What a robot is built with. A Cartesian system has nothing of it: what stands there all the same is reported.
+    /// The dimensions of a robot. A Cartesian system has none: attributes with dimensions are reported.
     fn robot(&mut self, node: Node<'a, 't>, joints: Option<usize>, system: &mut Table) -> Result<(), L5xError> {
         for (key, attributes) in ROBOT {
             let mut numbers = Vec::new();
@@ -555,7 +555,7 @@ const FALLBACK_RATE: f64 = 1000.0;
 /// Longest label of units, bytes, as in a configuration.
 const MAX_UNITS: usize = 40;
 
-/// Attribute, key, and what stands in for 0.
+/// Attribute, key, and the replacement of 0.
 const DYNAMICS: [(&str, &str, Option<f64>); 5] = [
     ("MaximumSpeed", "max_speed", Some(FALLBACK_SPEED)),
     ("MaximumAcceleration", "max_acceleration", Some(FALLBACK_RATE)),
@@ -564,7 +564,7 @@ const DYNAMICS: [(&str, &str, Option<f64>); 5] = [
     ("MaximumDecelerationJerk", "max_deceleration_jerk", None),
 ];
 
-/// Attribute, key, its words there and here, and what is expected.
+/// Attribute, key, its words in L5X and in Arcline, and the expected values.
 type Words = (
     &'static str,
     &'static str,
@@ -606,7 +606,7 @@ const HOME_WORDS: &[Words] = &[
     ),
 ];
 
-/// Attribute, key, what the attribute is larger by, the range of the key, and what happens outside of it.
+/// Attribute, key, the factor of the attribute, the range of the key, and the reaction outside of it.
 type OfDrive = (&'static str, &'static str, f64, (f64, f64), &'static str);
 
 /// The attributes of a servo's loop.
@@ -663,7 +663,7 @@ pub(crate) const SYSTEM_TYPES: &[SystemType] = &[
     SystemType { word: "Delta", key: "delta", axes: 2..=3 },
 ];
 
-/// What a robot is built with: the key of a configuration and the attributes that are its entries.
+/// The dimensions of a robot: the key of a configuration and the attributes of its entries.
 pub(crate) const ROBOT: &[(&str, &[&str])] = &[
     ("link_lengths", &["LinkLength1", "LinkLength2"]),
     ("base_offsets", &["BaseOffset1", "BaseOffset2", "BaseOffset3"]),
@@ -696,7 +696,7 @@ pub(crate) const ORIENTATION: [(&str, &str); 3] = [
 /// CoordinateDefinition of a coordinate system that has none.
 pub(crate) const UNDEFINED: &str = "<none>";
 
-/// The words of actions; `Disable` is the older one of `StopDrive`. The first of an action is what is written.
+/// The words of actions; `Disable` is the older one of `StopDrive`. An export writes the first word of an action.
 pub(crate) const ACTIONS: [(&str, Option<ExceptionAction>); 8] = [
     ("Ignore", Some(ExceptionAction::Ignore)),
     ("Alarm", Some(ExceptionAction::Alarm)),

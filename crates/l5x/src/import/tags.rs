@@ -15,7 +15,7 @@ use crate::{L5xError, Reason};
 /// A `Tags` element and the program it belongs to.
 pub(super) type Scope<'a, 't> = (Option<&'a str>, Node<'a, 't>);
 
-/// An alias: its program, and the path behind what it stands for.
+/// An alias: its program, and the path of its base.
 struct Alias<'a> {
     program: Option<&'a str>,
     path: &'a str,
@@ -23,8 +23,8 @@ struct Alias<'a> {
 
 impl<'a, 't> Importer<'a, 't> {
     pub(super) fn tags(&mut self, scopes: &[Scope<'a, 't>], types: &Types) -> Result<(), L5xError> {
-        // Every name first, the bases with whether they are in the configuration: an alias may stand above what it is of,
-        // and one of an alias, an axis or a module is told from one of a tag.
+        // Every name first, the bases with whether they are in the configuration: an alias may stand above its base,
+        // and the base may be an alias, an axis, a module or a tag.
         let mut aliases: BTreeMap<String, Alias<'a>> = BTreeMap::new();
         let mut bases: BTreeMap<String, bool> = BTreeMap::new();
         for (program, list) in scopes {
@@ -138,7 +138,7 @@ impl<'a, 't> Importer<'a, 't> {
         entry.insert("access".into(), Value::String("read_only".into()));
     }
 
-    /// Adds an alias whose tag is there already; one of an alias becomes one of what that stands for.
+    /// Adds an alias whose tag exists already; an alias of an alias becomes an alias of its base.
     fn alias(
         &mut self,
         node: Node<'a, 't>,

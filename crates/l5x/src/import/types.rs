@@ -12,7 +12,7 @@ use super::Importer;
 use crate::document::{child, children};
 use crate::{L5xError, Reason};
 
-/// What a tag or member holds, one element of it.
+/// The type of one element of a tag or member.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Kind {
     Elementary(Elementary),
@@ -67,7 +67,7 @@ impl Types {
         self.0.get(name)
     }
 
-    /// What a `DataType` attribute means; `None`: nothing that Arcline has.
+    /// The type that a `DataType` attribute means; `None`: a type that Arcline does not have.
     pub(super) fn kind(&self, word: &str) -> Option<Kind> {
         match ELEMENTARY.iter().find(|name| name.eq_ignore_ascii_case(word)) {
             Some(name) => Some(Elementary::from_name(name).map_or(Kind::Text, Kind::Elementary)),

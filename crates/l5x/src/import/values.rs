@@ -115,7 +115,7 @@ impl<'a, 't> Importer<'a, 't> {
         value.ok_or_else(|| self.source.wrong(node, "Value", expected))
     }
 
-    /// In place of a value that cannot be kept, which is reported.
+    /// The replacement of a value that Arcline cannot have, which is reported.
     fn zero(&mut self, node: Node<'a, 't>, words: &'static str) -> Value {
         self.source.report_attribute(node, "Value", Reason::Changed(words));
         Value::Integer(0)
@@ -166,7 +166,7 @@ impl<'a, 't> Importer<'a, 't> {
         Ok(Value::Table(table))
     }
 
-    /// Of a calculated profile the export shows the Status only: an empty one takes its place.
+    /// An export has only the Status of a calculated profile: an empty profile replaces it.
     fn cam_profile(&mut self, node: Node<'a, 't>) -> Value {
         for member in node.children().filter(Node::is_element) {
             self.source.check(member);
@@ -234,7 +234,7 @@ impl<'a, 't> Importer<'a, 't> {
     }
 }
 
-/// Whether a value is what stands there without it. Minus zero is not.
+/// Whether a value equals the default. Minus zero does not.
 fn is_zero(value: &Value) -> bool {
     match value {
         Value::String(text) => text.is_empty(),

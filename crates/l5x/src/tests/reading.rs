@@ -1,4 +1,4 @@
-//! What is read of files as Studio writes them, what is reported, and what is refused.
+//! Files as Studio writes them: values that are imported, reported and refused.
 
 use crate::{Import, Problem, Reason, export, import, mapping};
 

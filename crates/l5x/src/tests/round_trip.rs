@@ -1,4 +1,4 @@
-//! What is exported imports as the same project.
+//! An export imports as the same project.
 
 use std::fmt::Write as _;
 
@@ -179,7 +179,7 @@ fn what_l5x_has_no_place_for() {
     check(config).expect("the same project");
 }
 
-/// A name that no other thing has, and a value for a type.
+/// A unique name, and a value for a type.
 fn scalar_value(kind: usize) -> BoxedStrategy<String> {
     match kind {
         0 => any::<bool>().prop_map(|on| on.to_string()).boxed(),
@@ -280,7 +280,7 @@ proptest! {
         check(&config)?;
     }
 
-    /// No text at all makes the importer panic, and what it accepts can be exported again.
+    /// No text makes the importer panic, and every accepted file can be exported again.
     #[test]
     fn damaged_files(at in 0..4000usize, with in "[<>/=\"'&#a-zA-Z0-9\\[\\], ]{0,8}", cut in 0..20usize) {
         let project = arcline_config::load(arcline_config::DEFAULT, "").expect("the default holds");
